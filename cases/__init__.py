@@ -1,0 +1,1 @@
+"""Scenes that ship: one short script a case, and the studies."""

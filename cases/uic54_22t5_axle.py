@@ -1,0 +1,14 @@
+"""Half a 22.5 t axle: 110.3 kN, coned tread 1:20 on UIC54 inclined 1:20."""
+
+from railhead.cli import run_case
+from railhead.scene import Rail, Scene, Wheel
+
+SCENE = Scene(
+    name="uic54_22t5_axle",
+    load="110.3 kN",
+    rail=Rail(profile="54E1", inclination="1:20"),
+    wheel=Wheel(profile="cone20", rolling_radius=420),
+)
+
+if __name__ == "__main__":
+    run_case(SCENE)

@@ -1,0 +1,1 @@
+"""From profiles to meshes: where wheel and rail meet, how fine, and the gmsh blocks."""

@@ -1,0 +1,100 @@
+"""Closed cross-sections (y, z) of rail and wheel, as lines, arcs and splines for gmsh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshing.profiles import Arc, Polynomial, Profile, data
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A line (2 points), a circular arc (2 points and its centre) or a spline (more points).
+
+    points: (n, 2) of (y, z) in mm. role: 'contact', 'support', 'symmetry' or 'free'.
+    """
+
+    points: Array
+    role: str
+    centre: Array | None = None
+
+    def mirrored(self) -> Curve:
+        """Reflected at y = 0, with its direction kept around the section."""
+        flip = np.array([-1.0, 1.0])
+        centre = None if self.centre is None else self.centre * flip
+        return Curve(self.points[::-1] * flip, self.role, centre)
+
+    def moved(self, rotation: Array, shift: Array) -> Curve:
+        """Rotated (2, 2), then shifted (2,)."""
+        centre = None if self.centre is None else rotation @ self.centre + shift
+        return replace(self, points=self.points @ rotation.T + shift, centre=centre)
+
+
+def _line(start: Array, end: Array, role: str) -> Curve:
+    return Curve(np.array([start, end]), role)
+
+
+def rail_section(name: str, extent: str, *, half: bool) -> list[Curve]:
+    """54E1 or 60E1, whole ('section') or cut where the web begins ('head'); crown centre at (0, 0).
+
+    half: only y >= 0, closed by a symmetry line. The order runs clockwise from the crown.
+    """
+    segments = data("rails.json")[name]["half_section"]
+    top = np.array(segments[0]["start"])
+    curves = []
+    for index, segment in enumerate(segments):
+        if extent == "head" and segment["name"].startswith("web"):
+            break
+        role = "contact" if index < 3 else "free"
+        if segment["name"] == "foot bottom":
+            role = "support"
+        centre = np.array(segment["centre"]) - top if segment["kind"] == "arc" else None
+        ends = np.array([segment["start"], segment["end"]]) - top
+        curves.append(Curve(ends, role, centre))
+    last = curves[-1].points[1]
+    axis = np.array([0.0, last[1]])
+    if extent == "head":
+        curves.append(_line(last, axis, "support"))
+    if half:
+        return [*curves, _line(axis, np.zeros(2), "symmetry")]
+    return [*curves, *(curve.mirrored() for curve in reversed(curves))]
+
+
+def profile_curves(profile: Profile, start: float, end: float, *, outwards: int) -> list[Curve]:
+    """The contact line z = outwards * profile between two y, piece by piece."""
+    curves: list[Curve] = []
+    for piece in profile.pieces:
+        first, last = max(start, piece.start), min(end, piece.end)
+        if last - first < 1e-6:
+            continue
+        centre = None
+        straight = isinstance(piece, Polynomial) and len(piece.coefficients) <= 2
+        if isinstance(piece, Arc):
+            centre = np.array([piece.centre_y, outwards * piece.centre_z])
+        count = 2 if straight or centre is not None else 60
+        y = np.linspace(first, last, count)
+        points = np.column_stack([y, outwards * piece.derivative(y, 0)])
+        if curves:
+            points[0] = curves[-1].points[-1]
+        curves.append(Curve(points, "contact", centre))
+    return curves
+
+
+def block_section(
+    profile: Profile, start: float, end: float, base: float, *, outwards: int, half: bool
+) -> list[Curve]:
+    """A block between the contact line and z = base; rail: outwards 1, wheel: outwards -1."""
+    top = profile_curves(profile, start, end, outwards=outwards)
+    first, last = top[0].points[0], top[-1].points[-1]
+    right, left = np.array([last[0], base]), np.array([first[0], base])
+    return [
+        *top,
+        _line(last, right, "free"),
+        _line(right, left, "support"),
+        _line(left, first, "symmetry" if half else "free"),
+    ]

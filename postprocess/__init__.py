@@ -1,0 +1,1 @@
+"""From a solution to findings, tables, files and pictures; never solves."""

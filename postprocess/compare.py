@@ -1,0 +1,103 @@
+"""The same quantities from the finite elements, from exact Hertz and from the thesis's formulas."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from postprocess.findings import DepthAxis, Findings
+from theory import subsurface, thesis
+from theory.hertz import Ellipse
+
+Quantities = dict[str, Any]
+"""Nested as under "result" in summary.json; None where a route has no answer."""
+
+
+def from_findings(found: Findings, load: float, approach: float) -> Quantities:
+    """Finite-element result. load N, approach mm (of the hub, along the load)."""
+    axis = found.axis
+    patch = found.patch
+    x, s = patch.centre
+    point = np.array(found.frame.origin) + np.array([x, s, 0.0]) @ found.frame.axes
+    tau_depth, tau = axis.peak(subsurface.max_shear(axis.stress))
+    mises_depth, mises = axis.peak(subsurface.von_mises(axis.stress))
+    return {
+        "load_N": load,
+        "approach_mm": approach,
+        "contact_point_mm": [float(v) for v in point],
+        "patch": {"a_mm": patch.a, "b_mm": patch.b, "area_mm2": patch.area},
+        "pressure": {"max_MPa": patch.max_pressure, "mean_MPa": patch.mean_pressure},
+        "stress": {
+            "tau_max_MPa": tau,
+            "tau_max_depth_mm": tau_depth,
+            "von_mises_max_MPa": mises,
+            "von_mises_max_depth_mm": mises_depth,
+            "surface_centre_MPa": [float(v) for v in axis.stress[0, :3]],
+        },
+    }
+
+
+def from_hertz(
+    ellipse: Ellipse, poisson: float, angle: float, origin: tuple[float, float, float]
+) -> Quantities:
+    """Exact Hertz. angle: contact angle in rad, which tilts load and approach from the normal."""
+    extrema = subsurface.axis_extrema(ellipse, poisson)
+    cosine = math.cos(angle)
+    return {
+        "load_N": ellipse.load * cosine,
+        "approach_mm": ellipse.approach / cosine,
+        "contact_point_mm": list(origin),
+        "patch": {"a_mm": ellipse.a, "b_mm": ellipse.b, "area_mm2": ellipse.area},
+        "pressure": {"max_MPa": ellipse.p0, "mean_MPa": ellipse.p_mean},
+        "stress": {
+            "tau_max_MPa": extrema.tau_max,
+            "tau_max_depth_mm": extrema.tau_max_depth,
+            "von_mises_max_MPa": extrema.von_mises_max,
+            "von_mises_max_depth_mm": extrema.von_mises_max_depth,
+            "surface_centre_MPa": [
+                float(v) for v in subsurface.surface_centre_stress(ellipse, poisson)
+            ],
+        },
+    }
+
+
+def from_thesis(ellipse: Ellipse, poisson: float) -> Quantities:
+    """The thesis's route: interpolated m and n, then circular stress formulas with radius a."""
+    route = thesis.thesis_contact(
+        (ellipse.curvature_x, ellipse.curvature_y), (0.0, 0.0),
+        ellipse.contact_modulus, ellipse.load,
+    )  # fmt: skip
+    depth = np.linspace(0.0, 3 * min(route.a, route.b), 301)
+    normal = thesis.thesis_axis_stress(route.p0, route.a, poisson, depth)
+    stress = np.column_stack([normal, np.zeros_like(normal)])
+    axis = DepthAxis("half-space", depth, stress)
+    tau_depth, tau = axis.peak(subsurface.max_shear(stress))
+    mises_depth, mises = axis.peak(subsurface.von_mises(stress))
+    area = math.pi * route.a * route.b
+    return {
+        "load_N": ellipse.load,
+        "approach_mm": None,
+        "contact_point_mm": None,
+        "patch": {"a_mm": route.a, "b_mm": route.b, "area_mm2": area},
+        "pressure": {"max_MPa": route.p0, "mean_MPa": ellipse.load / area},
+        "stress": {
+            "tau_max_MPa": tau,
+            "tau_max_depth_mm": tau_depth,
+            "von_mises_max_MPa": mises,
+            "von_mises_max_depth_mm": mises_depth,
+            "surface_centre_MPa": [float(v) for v in normal[0]],
+        },
+    }
+
+
+def difference(result: Any, exact: Any) -> Any:
+    """(result - exact) / exact, nested alike; None where it does not exist."""
+    if isinstance(result, dict):
+        return {key: difference(value, exact[key]) for key, value in result.items()}
+    if isinstance(result, list):
+        return [difference(a, b) for a, b in zip(result, exact, strict=True)]
+    if result is None or exact is None or exact == 0:
+        return None
+    return (result - exact) / exact

@@ -1,0 +1,73 @@
+"""The solution as grids that ParaView and pyvista open; also the input of `render`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+
+from postprocess.findings import Array, Surface
+from solver.gather import Fields
+from theory.subsurface import max_shear, principal, von_mises
+
+_HEXAHEDRON = [0, 1, 3, 2, 4, 5, 7, 6]
+# (cell, degree): VTK's name in meshio, and the basix number of each node in VTK's order: vertices,
+# edges (as pairs of vertices), faces and interior.
+_CELLS = {
+    ("tetrahedron", 1): ("tetra", [0, 1, 2, 3]),
+    ("tetrahedron", 2): ("tetra10", [0, 1, 2, 3, 9, 6, 8, 7, 5, 4]),
+    ("hexahedron", 1): ("hexahedron", _HEXAHEDRON),
+    ("hexahedron", 2): (
+        "hexahedron27",
+        [*_HEXAHEDRON, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 15, 14, 22, 23, 21, 24, 20, 25, 26],
+    ),
+}
+
+
+def volume_grid(fields: Fields, stress: Array) -> meshio.Mesh:
+    """Cells of the modelled part, undeformed, with all that was computed at their nodes.
+
+    stress: (n, 6) MPa at the nodes, global axes, order xx, yy, zz, xy, xz, yz. Point data:
+    displacement (n, 3) mm; stress (n, 9) MPa, the full tensor row by row, which ParaView labels
+    XX, XY, ... ZZ; principal_stresses (n, 3), descending; von_mises and max_shear (n,). Cell data:
+    body, 1 the rail, 2 the wheel. ValueError: the stress has another shape or is not finite, or the
+    cells are of a kind or degree VTK has no counterpart for here.
+    """
+    if stress.shape != (len(fields.points), 6):
+        raise ValueError(f"stress must be ({len(fields.points)}, 6), got {stress.shape}")
+    if not np.isfinite(stress).all():
+        raise ValueError("stress must be finite at every node")
+    if (fields.cell, fields.degree) not in _CELLS:
+        raise ValueError(f"no VTK cell for a {fields.cell} of degree {fields.degree}")
+    name, order = _CELLS[fields.cell, fields.degree]
+    return meshio.Mesh(
+        fields.points,
+        [(name, fields.cells[:, order])],
+        point_data={
+            "displacement": fields.displacement,
+            "stress": stress[:, [0, 3, 4, 3, 1, 5, 4, 5, 2]],
+            "principal_stresses": principal(stress),
+            "von_mises": von_mises(stress),
+            "max_shear": max_shear(stress),
+        },
+        cell_data={"body": [fields.body.astype(np.int32)]},
+    )
+
+
+def contact_grid(fields: Fields, surface: Surface) -> meshio.Mesh:
+    """Triangles of the modelled contact surface, undeformed.
+
+    Point data: pressure (n,) MPa and gap (n,) mm. Cell data: body, the one the surface belongs to.
+    """
+    return meshio.Mesh(
+        surface.points,
+        [("triangle", surface.triangles)],
+        point_data={"pressure": surface.pressure, "gap": surface.gap},
+        cell_data={"body": [np.full(len(surface.triangles), fields.slave, dtype=np.int32)]},
+    )
+
+
+def write(mesh: meshio.Mesh, path: Path) -> None:
+    """Write a .vtu file, binary and compressed by zlib. OSError: the path cannot be written."""
+    meshio.write(path, mesh, file_format="vtu", binary=True, compression="zlib")

@@ -1,0 +1,120 @@
+"""What is read out of a solution: plain data that tables, files and pictures share.
+
+The contact frame: x along the rail, s along the common tangent across it, depth into the body,
+origin at the first contact of the undeformed bodies. Stress components are in this frame, in the
+order (xx, ss, nn, xs, xn, sn) with n the outward normal of the rail; tension positive.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """origin (3,) mm; angle of the tangent s to the horizontal, rad."""
+
+    origin: tuple[float, float, float]
+    angle: float
+
+    @property
+    def axes(self) -> Array:
+        """(3, 3) rows: unit vectors of x, s and the rail's outward normal."""
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
+
+    def local(self, points: Array) -> Array:
+        """(n, 3) global -> (x, s, height over the tangent plane), mm."""
+        return np.asarray((points - np.array(self.origin)) @ self.axes.T)
+
+
+@dataclass(frozen=True)
+class Surface:
+    """The recovered pressure on the modelled part of the contact surface.
+
+    points (n, 3) mm; local (n, 2): x, s; triangles (t, 3); pressure (n,) MPa (P1 on the triangles,
+    not negative); gap (n,) mm.
+    """
+
+    points: Array
+    local: Array
+    triangles: NDArray[np.int64]
+    pressure: Array
+    gap: Array
+
+
+@dataclass(frozen=True)
+class Patch:
+    """The whole contact patch (symmetric parts included).
+
+    a, b: semi-axes along x and s from second moments, mm, exact for an ellipse under Hertz's
+    pressure; centre: (x, s) of the pressure's centroid; area mm2; max_pressure, mean_pressure MPa;
+    outlines: closed curves (k, 2) of (x, s), one for each separate patch.
+    """
+
+    a: float
+    b: float
+    centre: tuple[float, float]
+    area: float
+    max_pressure: float
+    mean_pressure: float
+    outlines: list[Array]
+
+
+@dataclass(frozen=True)
+class DepthAxis:
+    """Stress below the contact in one body: depth (k,) mm, stress (k, 6) MPa."""
+
+    body: str
+    depth: Array
+    stress: Array
+
+    def peak(self, values: Array) -> tuple[float, float]:
+        """Depth and value of the maximum of (k,) values, by a parabola through the samples around.
+
+        A maximum at either end is the sample itself.
+        """
+        top = int(np.argmax(values))
+        around = slice(max(top - 4, 0), min(top + 5, len(values)))
+        z = self.depth[around] - self.depth[top]
+        c = np.polyfit(z, values[around], 2)
+        step = -c[1] / (2 * c[0]) if c[0] < 0 else np.inf
+        if not (0 < top < len(values) - 1 and z[0] <= step <= z[-1]):
+            return float(self.depth[top]), float(values[top])
+        return float(self.depth[top] + step), float(np.polyval(c, step))
+
+
+@dataclass(frozen=True)
+class AxisPressure:
+    """Recovered pressure along a line through the patch centre: coordinate (k,), pressure (k,)."""
+
+    coordinate: Array
+    pressure: Array
+
+
+@dataclass(frozen=True)
+class Findings:
+    """All of it. depth: by body name; along: pressure along x; across: along s.
+
+    hertzian: whether the pressure is close enough to a semi-ellipsoid for the moments to give the
+    semi-axes; shape_error: relative L2 distance of the pressure from that semi-ellipsoid.
+    """
+
+    frame: Frame
+    patch: Patch
+    surface: Surface
+    depth: dict[str, DepthAxis]
+    along: AxisPressure
+    across: AxisPressure
+    shape_error: float
+    hertzian: bool
+
+    @property
+    def axis(self) -> DepthAxis:
+        """The stresses below the contact in the rail, or in the wheel if the rail is rigid."""
+        return self.depth.get("rail") or next(iter(self.depth.values()))

@@ -1,0 +1,190 @@
+"""Diagrams of the findings against exact Hertz, as PNG files.
+
+Each function draws one picture on a figure of its own, so no state is shared. `ellipse` is the
+exact Hertz contact, or None: then only the finite-element result is drawn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from postprocess.findings import Array, AxisPressure, DepthAxis, Findings
+from postprocess.mirror import whole
+from theory.hertz import Ellipse
+from theory.subsurface import axis_extrema, axis_stress, max_shear, principal
+from theory.thesis import thesis_axis_stress
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+FE, HERTZ, THESIS = "#1f4e79", "#c8502d", "#7a7a7a"
+BANDS = 10
+STYLE = {
+    "font.size": 11,
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "lines.linewidth": 1.8,
+    "lines.markersize": 4.5,
+    "legend.frameon": False,
+}
+
+
+@contextmanager
+def new_figure(path: Path, width: float, height: float) -> Iterator[Figure]:
+    """A figure of the given size in inches, saved at the end; the backend is Agg by itself."""
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(width, height), dpi=160, layout="constrained")
+        yield figure
+        figure.savefig(path, format="png")
+
+
+def closed_ellipse(ellipse: Ellipse) -> Array:
+    """(181, 2) points (x, s) of the closed outline of the exact patch, mm."""
+    angle = np.linspace(0, 2 * np.pi, 181)
+    return np.column_stack((ellipse.a * np.cos(angle), ellipse.b * np.sin(angle)))
+
+
+def pressure(findings: Findings, ellipse: Ellipse | None, path: Path) -> None:
+    """Pressure along both axes of the patch, MPa over mm."""
+    with new_figure(path, 10, 4.8) as figure:
+        left, right = figure.subplots(1, 2, sharey=True)
+        largest = f"{findings.patch.max_pressure:.4g} MPa"
+        name = f"finite elements, largest pressure {largest}"
+        _pressure(left, findings.along, ellipse, 0, name)
+        _pressure(right, findings.across, ellipse, 1, name)
+        left.set_xlabel("x, along the rail, mm")
+        right.set_xlabel("s, across the rail, mm")
+        left.set_ylabel("contact pressure, MPa")
+        left.set_ylim(bottom=0)
+        figure.legend(*left.get_legend_handles_labels(), loc="outside upper center", ncols=2)
+
+
+def _pressure(
+    axes: Axes, line: AxisPressure, ellipse: Ellipse | None, axis: int, name: str
+) -> None:
+    axes.plot(line.coordinate, line.pressure, "o-", color=FE, lw=0.8, ms=3.5, label=name)
+    if ellipse is not None:
+        half = (ellipse.a, ellipse.b)[axis]
+        t = half * np.cos(np.linspace(0, np.pi, 181))  # dense at the steep edges
+        exact = ellipse.pressure(*((t, 0) if axis == 0 else (0, t)))
+        label = f"exact Hertz, largest pressure {ellipse.p0:.4g} MPa"
+        axes.plot(t, exact, color=HERTZ, label=label, zorder=3)
+        axes.axvline(-half, color=HERTZ, lw=0.8, ls=":")
+        axes.axvline(half, color=HERTZ, lw=0.8, ls=":")
+
+
+def depth(
+    findings: Findings,
+    ellipse: Ellipse | None,
+    poisson: float,
+    path: Path,
+    thesis: tuple[float, float] | None = None,
+) -> None:
+    """Principal stresses and largest shear (MPa) below the contact centre, over the depth (mm).
+
+    poisson: of the body shown. thesis: (p0 MPa, a mm) for the formulas of a circular patch.
+    """
+    axis = findings.axis
+    fine = np.linspace(0, float(axis.depth.max()), 301)
+    with new_figure(path, 10, 6.6) as figure:
+        panels = tuple(figure.subplots(1, 2, sharey=True, width_ratios=(3, 2)))
+        peak = axis.peak(max_shear(axis.stress))
+        _stresses(panels, axis.depth, axis.stress, "o", FE, f"finite elements, {axis.body}", peak)
+        if ellipse is not None:
+            normal, exact = axis_stress(ellipse, poisson, fine), axis_extrema(ellipse, poisson)
+            peak = exact.tau_max_depth, exact.tau_max
+            _stresses(panels, fine, _diagonal(normal), "-", HERTZ, "exact Hertz, elliptic", peak)
+        if thesis is not None:
+            stress = _diagonal(thesis_axis_stress(*thesis, poisson, fine))
+            peak = DepthAxis("half-space", fine, stress).peak(max_shear(stress))
+            _stresses(panels, fine, stress, "--", THESIS, "thesis, circular", peak)
+        _name_curves(panels[0], axis)
+        panels[0].set(xlabel="principal stress, MPa", ylabel="depth below the contact, mm")
+        panels[1].set(xlabel=r"largest shear stress $\tau$, MPa", ylim=(axis.depth.max(), 0))
+        panels[1].set_xlim(left=0)
+        handles, labels = panels[1].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper center", ncols=3)
+
+
+def _diagonal(normal: Array) -> Array:
+    """(n, 3) normal stresses -> (n, 6) without shear."""
+    return np.hstack((normal, np.zeros_like(normal)))
+
+
+def _stresses(
+    panels: tuple[Axes, ...],
+    at: Array,
+    stress: Array,
+    style: str,
+    colour: str,
+    name: str,
+    peak: tuple[float, float],
+) -> None:
+    """Draw one result in both panels; peak: depth and value of its largest shear."""
+    look: dict[str, Any] = {"color": colour, "zorder": 2}
+    if style == "o":
+        look |= {"markevery": 3, "zorder": 3, "clip_on": False}
+    label = f"{name}\n" + rf"$\tau_{{max}}$ = {peak[1]:.3g} MPa, {peak[0]:.3g} mm deep"
+    panels[0].plot(principal(stress), at, style, **look)
+    panels[1].plot(max_shear(stress), at, style, label=label, **look)
+    panels[1].plot(peak[1], peak[0], "+", color=colour, ms=16, mew=1.8, zorder=4)
+
+
+def _name_curves(axes: Axes, axis: DepthAxis) -> None:
+    """Write sigma_1, sigma_2, sigma_3 beside the curves, each at a depth of its own."""
+    values = principal(axis.stress)
+    for number, (share, shift) in enumerate(((0.3, 16), (0.2, -16), (0.35, -16))):
+        row = int(share * (len(axis.depth) - 1))
+        axes.annotate(
+            rf"$\sigma_{number + 1}$",
+            (values[row, number], axis.depth[row]),
+            xytext=(shift, 0),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            fontsize=14,
+        )
+
+
+def patch(findings: Findings, ellipse: Ellipse | None, path: Path) -> None:
+    """Pressure over the whole patch in the contact plane (x, s), with the outlines."""
+    from matplotlib.ticker import MaxNLocator
+
+    surface, outlines = whole(findings.surface), findings.patch.outlines
+    curves = outlines + ([] if ellipse is None else [closed_ellipse(ellipse)])
+    low, high = np.min([c.min(0) for c in curves], 0), np.max([c.max(0) for c in curves], 0)
+    margin = 0.12 * (high - low).max()
+    width, height = high - low + 2 * margin
+    scale = 6.5 / max(width, height)
+    with new_figure(path, max(width * scale, 4) + 2.2, max(height * scale, 2) + 1.5) as figure:
+        axes = figure.add_subplot(axisbelow=True)
+        levels = np.array(MaxNLocator(BANDS).tick_values(0, float(surface.pressure.max())))
+        levels[0] = levels[1] / 2  # the ripple of the recovered pressure outside stays white
+        bands = axes.tricontourf(
+            *surface.local.T, surface.triangles, surface.pressure, levels, cmap="YlOrRd"
+        )
+        for number, line in enumerate(outlines):
+            name = "finite elements" if number == 0 else None
+            axes.plot(*line.T, color=FE, lw=2.2, label=name)
+        if ellipse is not None:
+            axes.plot(*closed_ellipse(ellipse).T, "--", color="black", lw=1.2, label="exact Hertz")
+        axes.set(
+            xlabel="x, along the rail, mm",
+            ylabel="s, across the rail, mm",
+            xlim=(low[0] - margin, high[0] + margin),
+            ylim=(low[1] - margin, high[1] + margin),
+            aspect="equal",
+        )
+        figure.colorbar(bands, ax=axes, label="contact pressure, MPa", ticks=levels)
+        figure.legend(loc="outside upper center", ncols=2)

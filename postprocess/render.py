@@ -1,0 +1,230 @@
+"""Pictures of the model in space, as PNG files about 1600 pixels wide.
+
+The grids are those of `export`. What symmetry left out is mirrored back; nothing is deformed.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import meshio
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import griddata
+
+from postprocess.camera import Camera, load_pyvista
+from postprocess.findings import Array, Findings, Frame, Patch
+from postprocess.mirror import cut_axes
+from postprocess.plots import BANDS, FE, closed_ellipse, new_figure
+from theory.hertz import Ellipse
+from theory.subsurface import max_shear
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+BODIES = {1: "rail", 2: "wheel"}
+COLOURS = {"rail": "#b4c3d3", "wheel": "#dcc9a3"}
+FREE_SURFACE, EDGE, CONTACT = "#d9dfe5", "#5a6570", "#b2182b"
+MESH = {"show_edges": True, "edge_color": EDGE, "edge_opacity": 0.6, "line_width": 0.8}
+SHADE = {"ambient": 0.45, "diffuse": 0.6}
+SMALLEST_SHOWN = 0.05  # of the largest pressure
+
+
+def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
+    """Wheel on rail, cut open across the rail at the contact, and the mesh around the patch."""
+    from matplotlib.patches import Patch as Swatch
+
+    frame, patch = findings.frame, findings.patch
+    halves = {name: _behind(part, frame) for name, part in _bodies(grid).items()}
+    meshes = [(half, {"color": COLOURS[name], **MESH, **SHADE}) for name, half in halves.items()]
+    corners = np.concatenate([half.points for half in halves.values()])
+    general = _around(corners, np.array([1.0, 0.5, 0.35]))
+    reach = 2.0 * max(patch.a, patch.b)
+    middle = _global(frame, [[0.0, patch.centre[1], 0.0]])[0]
+    close = Camera(middle, frame.axes[0], 0.7 * reach, reach, frame.axes[2], pixels=900)
+    with new_figure(path, 10, 6.2) as figure:
+        left, right = figure.subplots(1, 2, width_ratios=(1.6, 1))
+        general.show(left, general.shoot(meshes))
+        left.set_axis_off()
+        left.set_title("cut open at the contact")
+        close.show(right, close.shoot(meshes), np.array(frame.origin))
+        edges = patch.centre[1] + np.array([-patch.b, patch.b])
+        right.plot(edges, [0, 0], color=CONTACT, lw=3, label="contact patch")
+        right.set(title="the same cut, close", xlabel="s, across the rail, mm")
+        right.set_ylabel("height over the contact, mm")
+        swatches = [Swatch(fc=COLOURS[name], ec=EDGE, label=name) for name in halves]
+        figure.legend(handles=[*swatches, *right.lines], loc="outside lower center", ncols=3)
+
+
+def stress_cut(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
+    """sigma_3 of both bodies in the section across the rail through the contact."""
+    from matplotlib.ticker import MaxNLocator
+
+    frame, patch = findings.frame, findings.patch
+    half = np.array([2.4 * patch.b, min(1.8 * patch.b, 5 * patch.a)])
+    offset = 1e-3 * min(patch.a, patch.b)  # a cut model has no inside at the plane itself
+    sections = [_section(part, frame, offset) for part in _bodies(grid).values()]
+    centre = np.array([patch.centre[1], 0.0])
+    seen = []
+    for section in sections:
+        inside = np.all(np.abs(frame.local(section.points)[:, 1:] - centre) < half, axis=1)
+        seen.append(section["principal_stresses"][inside, 2])
+    stresses = np.concatenate(seen)
+    levels = np.array(MaxNLocator(BANDS + 2).tick_values(stresses.min(), stresses.max()))
+    with new_figure(path, 10, 1.3 + 7.8 * half[1] / half[0]) as figure:
+        axes = figure.add_subplot()
+        for section in sections:
+            bands = _bands(axes, section, frame, levels)
+        for axis in findings.depth.values():
+            at, tau = axis.peak(max_shear(axis.stress))
+            sign, marker = (-1, "v") if axis.body == "rail" else (1, "^")
+            label = rf"$\tau_{{max}}$ in the {axis.body}: {tau:.3g} MPa, {at:.3g} mm deep"
+            look: dict[str, Any] = {"ms": 10, "mfc": "white", "mec": "black", "ls": "none"}
+            axes.plot(centre[0], sign * at, marker, label=label, **look)
+        figure.colorbar(bands, ax=axes, label=r"$\sigma_3$, MPa", ticks=levels)
+        axes.set(xlabel="s, across the rail, mm", ylabel="height over the contact, mm")
+        axes.set(xlim=centre[0] + half[0] * np.array([-1, 1]), ylim=(-half[1], half[1]))
+        axes.set_aspect("equal")
+        axes.grid(False)
+        for name, height in (("rail", 0.04), ("wheel", 0.96)):
+            side = "bottom" if name == "rail" else "top"
+            axes.text(0.02, height, name, transform=axes.transAxes, va=side, fontsize=14)
+        figure.legend(loc="outside upper center", ncols=2)
+
+
+def patch_on_rail(
+    grid: meshio.Mesh, findings: Findings, ellipse: Ellipse | None, path: Path
+) -> None:
+    """Pressure on the contact surface (grid) seen obliquely from above, with the outlines."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    frame, patch = findings.frame, findings.patch
+    surface = _skin(load_pyvista().from_meshio(grid))
+    surface = _mirrored(surface, cut_axes(frame.local(surface.points)))
+    top = float(surface["pressure"].max())
+    shown = (SMALLEST_SHOWN * top, top)
+    look = {
+        **MESH,
+        "edge_opacity": 0.3,
+        "lighting": False,  # so that the colours are those of the colour bar
+        "scalars": "pressure",
+        "cmap": "YlOrRd",
+        "clim": shown,
+        "below_color": FREE_SURFACE,
+    }
+    reach = 2.0 * max(patch.a, patch.b)
+    middle = _global(frame, [[*patch.centre, 0.0]])[0]
+    towards = np.array([-0.3, -0.6, 1.0]) @ frame.axes
+    camera = Camera(middle, towards, reach, 0.72 * reach, frame.axes[2])
+    with new_figure(path, 10, 6.8) as figure:
+        axes = figure.add_subplot()
+        camera.show(axes, camera.shoot([(surface, look)]))
+        axes.set_axis_off()
+        for number, line in enumerate(patch.outlines):
+            name = "finite elements" if number == 0 else None
+            axes.plot(*camera.project(_on(surface, frame, line)).T, color=FE, lw=2.2, label=name)
+        if ellipse is not None:
+            line = camera.project(_on(surface, frame, closed_ellipse(ellipse)))
+            axes.plot(*line.T, "--", color="black", lw=1.4, label="exact Hertz")
+        _dimensions(axes, camera, frame, patch)
+        colours = ScalarMappable(Normalize(*shown), "YlOrRd")
+        figure.colorbar(colours, ax=axes, label="contact pressure, MPa", shrink=0.8)
+        figure.legend(loc="outside upper center", ncols=2)
+
+
+def _bodies(grid: meshio.Mesh) -> dict[str, Any]:
+    """Grid of each body, by name."""
+    volume = load_pyvista().from_meshio(grid)
+    tags = np.unique(volume["body"])
+    return {BODIES[int(tag)]: volume.extract_cells(volume["body"] == tag) for tag in tags}
+
+
+def _skin(part: Any) -> Any:
+    """Outer faces, with the straight edges of the cells."""
+    return part.extract_surface(nonlinear_subdivision=0, algorithm="dataset_surface")
+
+
+def _mirrored(surface: Any, axes: list[int]) -> Any:
+    """A surface and its images across x = 0 (axis 0) and y = 0 (axis 1), joined."""
+    for axis in axes:
+        along = surface.points[:, axis]
+        along[np.abs(along) < 1e-9 * np.ptp(along)] = 0.0  # so that the images share these points
+        image = surface.copy()
+        image.points[:, axis] *= -1
+        surface = surface.append_polydata(image).clean()
+    return surface
+
+
+def _behind(part: Any, frame: Frame) -> Any:
+    """Skin of the half of a body at x below that of the contact."""
+    cut = cut_axes(frame.local(part.points))
+    if 0 in cut:
+        half = _skin(part)
+        half.points[:, 0] *= -1
+    else:
+        half = _skin(part.clip(normal="x", origin=frame.origin))
+    return _mirrored(half, [axis for axis in cut if axis == 1])
+
+
+def _section(part: Any, frame: Frame, offset: float) -> Any:
+    """Triangles of the section of a body at the contact's x + offset, mm."""
+    x, y, z = frame.origin
+    section = part.slice(normal="x", origin=(x + offset, y, z)).triangulate()
+    return _mirrored(section, [axis for axis in cut_axes(frame.local(part.points)) if axis == 1])
+
+
+def _bands(axes: Axes, section: Any, frame: Frame, levels: Array) -> Any:
+    """Draw bands of sigma_3 and the rim of a section; the bands, for a colour bar."""
+    from matplotlib.collections import LineCollection
+
+    local = frame.local(section.points)[:, 1:]
+    triangles, sigma = section.faces.reshape(-1, 4)[:, 1:], section["principal_stresses"][:, 2]
+    bands = axes.tricontourf(*local.T, triangles, sigma, levels, cmap="YlGnBu_r", extend="both")
+    rim = section.extract_feature_edges(
+        boundary_edges=True, feature_edges=False, manifold_edges=False, non_manifold_edges=False
+    )
+    lines = frame.local(rim.points)[:, 1:][rim.lines.reshape(-1, 3)[:, 1:]]
+    axes.add_collection(LineCollection(list(lines), colors="black", linewidths=1.2))
+    return bands
+
+
+def _dimensions(axes: Axes, camera: Camera, frame: Frame, patch: Patch) -> None:
+    """Dimension lines 2a along x and 2b along s, beside the patch."""
+    (x, s), a, b = patch.centre, patch.a, patch.b
+    away = 0.4 * max(a, b)
+    lines = {
+        f"2a = {2 * a:.3g} mm (x)": [[x - a, s - b - away, 0], [x + a, s - b - away, 0]],
+        f"2b = {2 * b:.3g} mm (s)": [[x - a - away, s - b, 0], [x - a - away, s + b, 0]],
+    }
+    middle = camera.project(_global(frame, [[x, s, 0]]))[0]
+    for text, ends in lines.items():
+        start, stop = camera.project(_global(frame, ends))
+        arrow = {"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, "lw": 1.5}
+        axes.annotate("", tuple(start), tuple(stop), arrowprops=arrow)
+        outwards = (start + stop) / 2 - middle
+        right, upwards = (start + stop) / 2 + 0.4 * max(a, b) * outwards / np.linalg.norm(outwards)
+        box = {"fc": "white", "ec": "none", "alpha": 0.85, "pad": 2}
+        axes.text(right, upwards, text, ha="center", va="center", bbox=box)
+
+
+def _around(points: Array, towards: Array) -> Camera:
+    """A camera from that direction which sees all the points."""
+    image = Camera(np.zeros(3), towards, 1.0, 1.0)
+    flat = image.project(points)
+    middle = (flat.min(0) + flat.max(0)) / 2 @ image.axes[:2]
+    return Camera(middle, towards, *(0.52 * np.ptp(flat, axis=0)))
+
+
+def _global(frame: Frame, local: ArrayLike) -> Array:
+    """(n, 3) points x, s, height in the contact frame -> global, mm."""
+    return np.asarray(np.array(frame.origin) + np.asarray(local) @ frame.axes)
+
+
+def _on(surface: Any, frame: Frame, line: Array) -> Array:
+    """(n, 3) global points of a curve (n, 2) in x, s, put on the surface."""
+    local = frame.local(surface.points)
+    near = np.abs(local).max(axis=1) < 2 * np.abs(line).max()
+    height = griddata(local[near, :2], local[near, 2], line, fill_value=0.0)
+    return _global(frame, np.column_stack((line, height)))

@@ -1,0 +1,112 @@
+"""Stresses from the displacement: at nodes, and on the axis below the contact."""
+
+from __future__ import annotations
+
+import basix
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from postprocess.findings import Array, DepthAxis, Frame
+from solver.facets import tabulate
+from solver.gather import Fields
+
+NEIGHBOURS = 400  # samples of one local fit: about two element sizes around
+FIT_DEGREE = 3
+_ROW, _COLUMN = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])
+
+
+def _at(fields: Fields, cells: NDArray[np.int64], reference: Array) -> tuple[Array, Array, Array]:
+    """Position (m, 3), stress (m, 6) in global axes and |det J| at one reference point."""
+    phi = tabulate(fields.cell, fields.degree, reference[None])[:, 0]
+    nodes, u = fields.points[fields.cells[cells]], fields.displacement[fields.cells[cells]]
+    jacobian = np.einsum("jd,mdk->mkj", phi[1:], nodes)
+    gradient = np.einsum("jd,mjk->mdk", phi[1:], np.linalg.inv(jacobian))
+    grad_u = np.einsum("mdi,mdk->mik", u, gradient)
+    strain = 0.5 * (grad_u + grad_u.transpose(0, 2, 1))
+    lam, mu = fields.lame[cells].T[..., None, None]
+    trace = np.trace(strain, axis1=1, axis2=2)[:, None, None]
+    stress = lam * trace * np.eye(3) + 2 * mu * strain
+    x = np.einsum("d,mdk->mk", phi[0], nodes)
+    return x, stress[:, _ROW, _COLUMN], np.abs(np.linalg.det(jacobian))
+
+
+def nodal(fields: Fields) -> Array:
+    """(n, 6) stress xx, yy, zz, xy, xz, yz at all nodes in global axes, MPa: the average of the
+    cells around each node, weighted by their volume. Bodies share no node, so they do not mix."""
+    kind = getattr(basix.CellType, fields.cell)
+    element = basix.create_element(
+        basix.ElementFamily.P, kind, fields.degree, basix.LagrangeVariant.gll_warped
+    )
+    total = np.zeros((len(fields.points), 6))
+    weight = np.zeros(len(fields.points))
+    every = np.arange(len(fields.cells))
+    for place, reference in enumerate(np.asarray(element.points)):
+        _, stress, volume = _at(fields, every, reference)
+        np.add.at(total, fields.cells[:, place], stress * volume[:, None])
+        np.add.at(weight, fields.cells[:, place], volume)
+    return total / weight[:, None]
+
+
+def below(
+    fields: Fields, frame: Frame, centre: tuple[float, float], body: int, name: str, depth: Array
+) -> DepthAxis:
+    """Stress on the axis below (x, s) = centre in one body, in the contact frame.
+
+    At each depth a polynomial of degree 3 is fitted to the stresses at the Gauss points of the
+    cells around, the mirror images across symmetry planes included (moving least squares,
+    Lancaster and Salkauskas 1981; Gauss points as in Zienkiewicz and Zhu 1992).
+    """
+    into = np.array([0.0, 0.0, -1.0 if body == 1 else 1.0])
+    start = np.array([*centre, 0.0])
+    axis = start + depth[:, None] * into
+    points, stress = _samples(fields, frame, body, start, 3.0 * float(depth.max()))
+    tree = cKDTree(points)
+    count = min(NEIGHBOURS, len(points))
+    distance, index = tree.query(axis, k=count)
+    out = np.empty((len(depth), 6))
+    for row, (d, i) in enumerate(zip(distance, index, strict=True)):
+        radius = d[-1] * (1 + 1e-9)
+        root = np.sqrt(1 - (d / radius) ** 2)[:, None]
+        basis = _monomials((points[i] - axis[row]) / radius)
+        out[row] = np.linalg.lstsq(basis * root, stress[i] * root, rcond=None)[0][0]
+    return DepthAxis(name, depth, out)
+
+
+def _monomials(x: Array) -> Array:
+    powers = [
+        (i, j, k - i - j)
+        for k in range(FIT_DEGREE + 1)
+        for i in range(k + 1)
+        for j in range(k - i + 1)
+    ]
+    return np.column_stack([x[:, 0] ** i * x[:, 1] ** j * x[:, 2] ** k for i, j, k in powers])
+
+
+def _samples(
+    fields: Fields, frame: Frame, body: int, centre: Array, reach: float
+) -> tuple[Array, Array]:
+    """Gauss points (k, 3) and stresses (k, 6) of one body around the contact, contact frame."""
+    local = frame.local(fields.points)
+    middle = local[fields.cells[:, :4]].mean(axis=1)
+    near = np.linalg.norm(middle - centre, axis=1) < reach
+    cells = np.flatnonzero((fields.body == body) & near)
+    if len(cells) < 30:
+        cells = np.flatnonzero(fields.body == body)
+    rule = 2 if fields.degree > 1 or fields.cell == "hexahedron" else 1
+    gauss, _ = basix.make_quadrature(getattr(basix.CellType, fields.cell), rule)
+    found = [_at(fields, cells, np.asarray(point))[:2] for point in gauss]
+    points = frame.local(np.concatenate([x for x, _ in found]))
+    axes = frame.axes
+    tensor = np.zeros((len(points), 3, 3))
+    stress = np.concatenate([s for _, s in found])
+    tensor[:, _ROW, _COLUMN] = tensor[:, _COLUMN, _ROW] = stress
+    stress = (axes @ tensor @ axes.T)[:, _ROW, _COLUMN]
+    for normal in fields.mirrors:
+        plane = int(np.argmax(np.abs(normal)))
+        image = points.copy()
+        image[:, plane] *= -1
+        sign = np.where((plane == _ROW) != (plane == _COLUMN), -1.0, 1.0)
+        points = np.concatenate([points, image])
+        stress = np.concatenate([stress, stress * sign])
+    return points, stress

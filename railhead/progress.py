@@ -1,0 +1,48 @@
+"""What a run says while it works: a line on a terminal, plain lines elsewhere, or nothing."""
+
+from __future__ import annotations
+
+import time
+from types import TracebackType
+from typing import Self
+
+from rich.console import Console
+
+
+class Progress:
+    """Stage and Newton step on standard error. Use as a context manager."""
+
+    def __init__(self, *, quiet: bool) -> None:
+        self._console = Console(stderr=True, quiet=quiet, highlight=False)
+        self._live = self._console.is_terminal and not quiet
+        self._status = self._console.status("")
+        self._stage, self._start = "", time.perf_counter()
+
+    def __enter__(self) -> Self:
+        if self._live:
+            self._status.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._status.stop()
+
+    def _say(self, text: str) -> None:
+        elapsed = time.perf_counter() - self._start
+        if self._live:
+            self._status.update(f"{text}  ({elapsed:.1f} s)")
+        else:
+            self._console.print(f"[{elapsed:6.1f} s] {text}", markup=False)
+
+    def stage(self, name: str) -> None:
+        """A new stage begins."""
+        self._stage = name
+        self._say(name)
+
+    def newton(self, step: int, residual: float) -> None:
+        """A Newton step is done."""
+        self._say(f"{self._stage}: Newton step {step}, residual {residual:.1e}")

@@ -1,0 +1,109 @@
+"""Tables for the terminal."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from railhead.plan import Plan
+
+ROWS = (
+    ("semi-axis a, along the rail", "mm", ("patch", "a_mm")),
+    ("semi-axis b, across", "mm", ("patch", "b_mm")),
+    ("patch area", "mm2", ("patch", "area_mm2")),
+    ("largest pressure", "MPa", ("pressure", "max_MPa")),
+    ("mean pressure", "MPa", ("pressure", "mean_MPa")),
+    ("approach", "mm", ("approach_mm",)),
+    ("largest shear stress", "MPa", ("stress", "tau_max_MPa")),
+    ("   its depth", "mm", ("stress", "tau_max_depth_mm")),
+    ("largest von Mises stress", "MPa", ("stress", "von_mises_max_MPa")),
+    ("   its depth", "mm", ("stress", "von_mises_max_depth_mm")),
+)
+
+
+def show_plan(plan: Plan, console: Console) -> None:
+    """Effects, resolution and price."""
+    scene, touch = plan.scene, plan.contact.touch
+    table = Table(title=f"plan of {scene.name}", title_justify="left")
+    for column in ("effect", "state", "why"):
+        table.add_column(column, overflow="fold")
+    for name, effect in plan.effects.items():
+        table.add_row(name, "on" if effect.on else "off", effect.why)
+    console.print(table)
+    ellipse = plan.estimate
+    lines = (
+        f"contact    y = {touch.y:.3f} mm, z = {touch.z:.3f} mm, angle {touch.angle:.4f} rad, "
+        f"relative radii {1 / touch.curvature_x:.4g} x {1 / touch.curvature_y:.4g} mm",
+        f"Hertz      a = {ellipse.a:.4g} mm, b = {ellipse.b:.4g} mm, p0 = {ellipse.p0:.4g} MPa",
+        f"mesh       {scene.mesh.cell}, order {plan.order}, {plan.patch_size:.3g} mm in the patch",
+        f"solver     {scene.solver.method}, linear {scene.solver.linear}",
+        f"predicted  {plan.unknowns} unknowns, {plan.seconds:.1f} s",
+    )
+    for line in lines:
+        console.print(line, markup=False)
+
+
+def show_result(summary: dict[str, Any], console: Console) -> None:
+    """Finite elements, exact Hertz and the thesis side by side."""
+    if summary["result"] is not None:
+        table = Table(
+            title=f"{summary['case']}: {summary['result']['load_N']:.6g} N", title_justify="left"
+        )
+        for column in ("quantity", "unit", "FE", "Hertz", "FE - Hertz", "thesis", "thesis - Hertz"):
+            table.add_column(column, justify="left" if column in ("quantity", "unit") else "right")
+        for label, unit, path in ROWS:
+            fe, exact, thesis = (_get(summary[key], path) for key in ("result", "hertz", "thesis"))
+            table.add_row(
+                label, unit, _number(fe), _number(exact), _percent(fe, exact),
+                _number(thesis), _percent(thesis, exact),
+            )  # fmt: skip
+        console.print(table)
+        if not summary["checks"]["hertzian"]:
+            console.print(
+                "The patch is no Hertz ellipse "
+                f"(moments off by {summary['checks']['shape_error']:.1%}): "
+                "Hertz is what the formula would have said."
+            )
+    checks, cost = summary["checks"], summary["cost"]
+    console.print(
+        f"{cost['dofs']} unknowns, {cost['newton_iterations']} Newton steps, "
+        f"{cost['linear_iterations']} Krylov iterations, {cost['seconds']['total']:.1f} s, "
+        f"force balance {checks['force_balance']:.1e}",
+        highlight=False,
+    )
+
+
+def show_failure(summary: dict[str, Any], console: Console) -> None:
+    """Why a check failed, the residual history, and what to try."""
+    newton, checks = summary["newton"], summary["checks"]
+    if checks["converged"]:
+        console.print(f"NOT BALANCED: force balance {checks['force_balance']:.2e}", highlight=False)
+    else:
+        console.print(f"NOT CONVERGED: {newton['reason']}", highlight=False)
+    for number, step in enumerate(newton["history"]):
+        console.print(
+            f"  step {number:2d}  residual {step['residual']:.2e}  active points {step['active']}  "
+            f"Krylov iterations {step['linear_iterations']}  step length {step['length']:.2f}",
+            highlight=False,
+        )
+    console.print(
+        "Try solver.gamma_factor=1, solver.method=nitsche with solver.theta=1, a smaller "
+        "mesh.patch_size, or solver.linear=direct."
+    )
+
+
+def _get(values: dict[str, Any], path: tuple[str, ...]) -> float | None:
+    inner: Any = values
+    for key in path:
+        inner = inner[key]
+    return None if inner is None else float(inner)
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else f"{value:.5g}"
+
+
+def _percent(value: float | None, exact: float | None) -> str:
+    return "" if value is None or not exact else f"{(value - exact) / exact:+.2%}"

@@ -1,0 +1,175 @@
+"""Quantities as people write them: a number in N, mm, MPa, or a string with its unit.
+
+Each quantity of a scene is an annotated number (`Force`, `PositiveLength`, ...): pydantic reads its
+value through `to_base`, checks the range, and stores the number in the base unit.
+"""
+
+import math
+import re
+import reprlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from decimal import Decimal
+from functools import lru_cache, partial
+from numbers import Real
+from typing import TYPE_CHECKING, Annotated
+
+from pydantic import BeforeValidator
+
+if TYPE_CHECKING:
+    import pint
+
+_NUMBER = r"[+-]?(?:inf|(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
+_TEXT = re.compile(rf"({_NUMBER})\s*(.*)", re.DOTALL)
+_RUN = re.compile(rf"[:/]\s*({_NUMBER})")  # what follows the 1 in 1:20
+_POWER = r"[A-Za-z\u00b5\u03bc]+(?:(?:\*\*|\^)-?[1-9]|[²³])?"  # either micro sign
+_UNIT = re.compile(rf"{_POWER}(?:\s*[*/]\s*{_POWER})*")
+_ANGLES = {"deg": math.pi / 180, "°": math.pi / 180, "mrad": 1e-3, "rad": 1.0}
+_BRIEF = reprlib.Repr()
+_BRIEF.maxstring = _BRIEF.maxother = 100
+
+
+def show(value: object) -> str:
+    """Return a short ``repr`` of any value, on one line."""
+    try:
+        text = _BRIEF.repr(value)
+    except ValueError:  # Python refuses to print integers of more than 4300 digits
+        text = f"a huge {type(value).__name__}"
+    return " ".join(text.split())
+
+
+@lru_cache(maxsize=1)
+def _registry() -> "pint.UnitRegistry[Decimal]":
+    """Return the unit registry; pint is slow to import, so only a string with a unit loads it."""
+    import pint
+
+    return pint.UnitRegistry(non_int_type=Decimal)
+
+
+def _physical(number: str, unit: str, *, base: str) -> float:
+    """Convert exactly, in decimals, so that "0.42 m" is the same float as 420."""
+    if not _UNIT.fullmatch(unit):
+        raise ValueError(unit)
+    registry = _registry()
+    try:
+        return float(registry.Quantity(Decimal(number), unit).to(base).magnitude)
+    except AttributeError as unknown:  # pint's UndefinedUnitError is one
+        raise ValueError(unit) from unknown
+
+
+def _per_cent(number: str, unit: str) -> float:
+    """Convert per cent."""
+    if unit != "%":
+        raise ValueError(unit)
+    return float(number) / 100
+
+
+def _slope(number: str, unit: str) -> float:
+    """Convert an angle below 90 degrees (to its tangent), 1:20, 1/20, or per cent."""
+    if unit in _ANGLES:
+        angle = float(number) * _ANGLES[unit]
+        if abs(angle) < math.pi / 2:
+            return math.tan(angle)
+    if run := _RUN.fullmatch(unit):
+        return float(number) / float(run[1])
+    return _per_cent(number, unit)
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """What a kind of quantity is called, how to write it, and how to convert (number, unit)."""
+
+    noun: str
+    hint: str
+    convert: Callable[[str, str], float]
+
+
+FORCE = Dimension(
+    "a force",
+    'newtons or a force with its unit, e.g. 25000 or "25 kN"',
+    partial(_physical, base="N"),
+)
+LENGTH = Dimension(
+    "a length",
+    'millimetres or a length with its unit, e.g. 420 or "0.42 m"',
+    partial(_physical, base="mm"),
+)
+STRESS = Dimension(
+    "a stress",
+    'megapascals or a stress with its unit, e.g. 207000 or "207 GPa"',
+    partial(_physical, base="MPa"),
+)
+NUMBER = Dimension("a number", "a plain number, e.g. 1", _per_cent)
+FRACTION = Dimension("a fraction", 'a number or per cent, e.g. 0.01 or "1%"', _per_cent)
+SLOPE = Dimension("a slope", 'a slope or an angle, e.g. 0.05, "1:20" or "2.86 deg"', _slope)
+
+
+def to_base(value: object, dimension: Dimension) -> float:
+    """Return a number, or a string with a unit, as a float in N, mm, MPa or without unit.
+
+    Raises ValueError (one line) for NaN, a boolean, anything that is not a number or a string,
+    an unreadable string and a unit of another dimension.
+    """
+    number = math.nan
+    try:
+        if isinstance(value, str) and (parts := _TEXT.fullmatch(value.strip())):
+            number = dimension.convert(parts[1], parts[2]) if parts[2] else float(parts[1])
+        elif isinstance(value, Real) and not isinstance(value, bool):
+            number = float(value)
+    except (ValueError, TypeError, ArithmeticError):
+        pass  # still NaN, which is refused below
+    if math.isnan(number):
+        raise ValueError(f"{show(value)} is not {dimension.noun}; give {dimension.hint}")
+    return number
+
+
+def quantity(dimension: Dimension, allowed: Callable[[float], bool], words: str) -> BeforeValidator:
+    """Return a validator that converts to the base unit and refuses what `allowed` refuses.
+
+    `words` completes the message "<value> is not allowed; give <words>".
+    """
+
+    def validate(value: object) -> float:
+        number = to_base(value, dimension)
+        if not allowed(number):
+            raise ValueError(f"{show(value)} is not allowed; give {words}")
+        return number
+
+    return BeforeValidator(validate)
+
+
+def _positive(value: float) -> bool:
+    return 0 < value < math.inf
+
+
+def _above_zero(value: float) -> bool:
+    return value > 0
+
+
+Force = Annotated[float, quantity(FORCE, _positive, "a positive, finite force")]
+PositiveLength = Annotated[float, quantity(LENGTH, _positive, "a positive, finite length")]
+Radius = Annotated[float, quantity(LENGTH, _above_zero, "a positive length; inf is flat")]
+Stress = Annotated[float, quantity(STRESS, _positive, "a positive, finite stress")]
+Modulus = Annotated[float, quantity(STRESS, _above_zero, "a positive stress; inf is rigid")]
+Factor = Annotated[float, quantity(NUMBER, _positive, "a positive, finite number")]
+Slope = Annotated[
+    float, quantity(SLOPE, lambda v: abs(v) <= 0.2, 'a slope from -0.2 to 0.2, e.g. "1:20"')
+]
+PoissonRatio = Annotated[
+    float,
+    quantity(NUMBER, lambda v: 0 <= v < 0.5, "a number from 0 up to, but not including, 0.5"),
+]
+Accuracy = Annotated[
+    float,
+    quantity(FRACTION, lambda v: 0.0005 <= v <= 0.2, 'a fraction from 0.0005 to 0.2, e.g. "1%"'),
+]
+SignedRadius = Annotated[
+    float, quantity(LENGTH, bool, "any length but 0; negative is concave, inf is flat")
+]
+Shift = Annotated[float, quantity(LENGTH, lambda v: abs(v) <= 30, "a length from -30 to 30 mm")]
+Theta = Annotated[int, quantity(NUMBER, lambda v: v in (1, 0, -1), "1, 0 or -1")]
+Order = Annotated[int, quantity(NUMBER, lambda v: v in (1, 2), "1 or 2")]
+Iterations = Annotated[
+    int,
+    quantity(NUMBER, lambda v: 1 <= v <= 200 and v.is_integer(), "a whole number from 1 to 200"),
+]

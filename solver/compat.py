@@ -1,0 +1,97 @@
+"""Everything that differs between dolfinx versions (0.5.2, 0.9, 0.11), and nothing else.
+
+No other module asks for a version. Written against dolfinx 0.5.2 (Debian 12), where it is tested.
+"""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+import dolfinx
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx import mesh as dmesh
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
+_OLD = VERSION < (0, 8)
+
+# dolfinx 0.5 and setuptools print an INFO line for every form that is compiled.
+logging.disable(logging.INFO)
+
+
+def model_to_mesh(model: Any, comm: MPI.Comm) -> tuple[Any, Any, Any]:
+    """gmsh model on rank 0 -> dolfinx (mesh, cell tags, facet tags)."""
+    if VERSION < (0, 10):
+        from dolfinx.io import gmshio
+
+        return gmshio.model_to_mesh(model, comm, 0, gdim=3)[:3]
+    from dolfinx.io import gmsh as gmsh_io
+
+    data = gmsh_io.model_to_mesh(model, comm, 0, gdim=3)
+    return data.mesh, data.cell_tags, data.facet_tags
+
+
+def vector_space(mesh: Any, degree: int) -> Any:
+    """Continuous Lagrange space of 3-vectors."""
+    if _OLD:
+        return fem.VectorFunctionSpace(mesh, ("Lagrange", degree))
+    return fem.functionspace(mesh, ("Lagrange", degree, (3,)))
+
+
+def cellwise_constant(mesh: Any, values: NDArray[np.float64]) -> Any:
+    """DG0 function with one value for each local cell (ghosts included)."""
+    space = (fem.FunctionSpace if _OLD else fem.functionspace)(mesh, ("DG", 0))
+    function = fem.Function(space)
+    dofs = _rows(space.dofmap.list, 1).reshape(-1)
+    function.x.array[dofs] = values
+    return function
+
+
+def form(expression: ufl.Form) -> Any:
+    """Compile a form with the C compiler's optimiser on."""
+    options = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
+    if _OLD:
+        return fem.form(expression, jit_params=options)
+    return fem.form(expression, jit_options=options)
+
+
+def _rows(table: Any, width: int) -> NDArray[np.int32]:
+    array = table.array if hasattr(table, "array") else table
+    return np.asarray(array, dtype=np.int32).reshape(-1, width)
+
+
+def cell_nodes(mesh: Any) -> NDArray[np.int32]:
+    """(cells, nodes) local geometry nodes of every local cell, in basix order."""
+    geometry = mesh.geometry
+    table = geometry.dofmaps[0] if hasattr(geometry, "dofmaps") else geometry.dofmap
+    cells = mesh.topology.index_map(3)
+    return _rows(table, _width(table, cells.size_local + cells.num_ghosts))
+
+
+def cell_dofs(space: Any) -> NDArray[np.int32]:
+    """(cells, block dofs) local block dofs of every local cell, in basix order."""
+    cells = space.mesh.topology.index_map(3)
+    return _rows(space.dofmap.list, _width(space.dofmap.list, cells.size_local + cells.num_ghosts))
+
+
+def _width(table: Any, count: int) -> int:
+    size = table.array.size if hasattr(table, "array") else np.asarray(table).size
+    return int(size // max(count, 1))
+
+
+def cell_type(mesh: Any) -> str:
+    """'tetrahedron' or 'hexahedron'."""
+    kind = mesh.topology.cell_type if VERSION < (0, 10) else mesh.topology.cell_types[0]
+    return str(dmesh.to_string(kind)) if hasattr(dmesh, "to_string") else str(kind.name)
+
+
+def geometry_degree(mesh: Any) -> int:
+    """Polynomial degree of the coordinate map."""
+    geometry = mesh.geometry
+    cmap = geometry.cmaps[0] if hasattr(geometry, "cmaps") else geometry.cmap
+    degree = cmap.degree
+    return int(degree() if callable(degree) else degree)

@@ -1,0 +1,119 @@
+"""The solution as plain arrays on rank 0: all that postprocessing needs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from solver import compat
+from solver.contact import ContactModel, Solution
+from solver.facets import Array, FacetSet, facet_closure
+
+
+@dataclass(frozen=True)
+class ContactFields:
+    """q quadrature points on f facets of the slave's contact surface.
+
+    points (q, 3) mm; weights (q,) mm2; pressure (q,) MPa; indicator (q,) MPa, the pressure before
+    its negative part is cut off; gap (q,) mm, negative where the surfaces overlap; normals (q, 3)
+    outwards from the slave; facet (q,) and xi (q, 2) place them;
+    facet_nodes (f, k): nodes of each facet in `Fields.points`, corners first, basix order.
+    """
+
+    points: Array
+    weights: Array
+    pressure: Array
+    indicator: Array
+    gap: Array
+    normals: Array
+    facet: NDArray[np.int64]
+    xi: Array
+    facet_nodes: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Fields:
+    """n nodes, m cells of the modelled part.
+
+    points (n, 3), displacement (n, 3) mm; cells (m, k) nodes in basix order; body (m,) cell tag;
+    lame (m, 2) MPa; cell 'tetrahedron' or 'hexahedron'; degree of the displacement; slave: tag of
+    the body the contact facets belong to; mirrors: normals of the symmetry planes through x = 0 or
+    y = 0 at which the model was cut.
+    """
+
+    points: Array
+    displacement: Array
+    cells: NDArray[np.int64]
+    body: NDArray[np.int64]
+    lame: Array
+    cell: str
+    degree: int
+    slave: int
+    mirrors: tuple[tuple[float, float, float], ...]
+    contact: ContactFields
+
+
+def gather(model: ContactModel, solution: Solution) -> Fields | None:
+    """Collect on rank 0; None elsewhere (collective)."""
+    comm, space = model.comm, model.bulk.space
+    topology = space.mesh.topology
+    own_cells = topology.index_map(3).size_local
+    to_global = space.dofmap.index_map.local_to_global
+    cell_dofs = compat.cell_dofs(space)[:own_cells]
+    cells = np.asarray(to_global(cell_dofs.reshape(-1).astype(np.int32))).reshape(cell_dofs.shape)
+    body = np.zeros(own_cells, dtype=np.int64)
+    for side in (model.setup.fixed, model.setup.moving):
+        members = model.cell_tags.find(side.tag)
+        body[members[members < own_cells]] = side.tag
+
+    interface = model.interface
+    gap = model.gaps(solution.displacement, solution.approach)
+    offset = comm.exscan(len(interface.slave)) or 0
+    gathered = [
+        _to_root(comm, array)
+        for array in (
+            space.tabulate_dof_coordinates()[: model.owned],
+            solution.displacement.array.reshape(-1, 3),
+            cells,
+            body,
+            model.bulk.lame[:own_cells],
+            interface.points,
+            interface.weights,
+            solution.pressure,
+            model.problem.indicator(solution.newton.y),
+            gap,
+            interface.normals,
+            interface.facet + offset,
+            interface.xi,
+            _facet_nodes(interface.slave),
+        )
+    ]
+    if comm.rank:
+        return None
+    points, displacement, cells, body, lame = gathered[:5]
+    return Fields(
+        points,
+        displacement,
+        cells.astype(np.int64),
+        body,
+        lame,
+        compat.cell_type(space.mesh),
+        model.setup.degree,
+        model.setup.slave,
+        tuple(normal for _, normal in model.setup.planes),
+        ContactFields(*gathered[5:]),
+    )
+
+
+def _facet_nodes(facets: FacetSet) -> NDArray[np.int64]:
+    closure = facet_closure(facets.cell, facets.degree)
+    return np.take_along_axis(facets.dofs, closure[facets.local_facet], axis=1)
+
+
+def _to_root(comm: MPI.Intracomm, array: NDArray[Any]) -> NDArray[Any]:
+    parts = comm.gather(np.ascontiguousarray(array))
+    return np.concatenate(parts) if parts is not None else array

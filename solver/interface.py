@@ -1,0 +1,163 @@
+"""The contact interface: gap and normal stress as constant sparse matrices.
+
+At the contact quadrature points of the slave surface, with weights W and initial gap g0,
+
+    gap    g(u) = g0 + N u,   N u = n . (u_master - u_slave)
+    stress s(u) = S u,        S u = n . sigma(u_slave) . n
+
+n is the outward normal of the slave's exact surface, g0 the exact distance along it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from solver.constraints import petsc_matrix
+from solver.elasticity import quadrature_degree
+from solver.facets import Array, FacetSet, Index
+from solver.pairing import pair
+
+Gap = Callable[[Array], tuple[Array, Array]]
+"""Exact surfaces: points (n, 3) on the slave -> (initial gap (n,), outward normal (n, 3))."""
+
+
+@dataclass(frozen=True)
+class Interface:
+    """n local quadrature points of the contact surface, and the two operators on all dofs.
+
+    points (n, 3) mm, weights (n,) mm2, initial_gap (n,) mm, normals (n, 3);
+    stiffness_bound (n,): the smallest stable Nitsche parameter of the facet, MPa/mm; facet (n,) and
+    xi (n, 2): place on the slave facets.
+    """
+
+    slave: FacetSet
+    points: Array
+    weights: Array
+    initial_gap: Array
+    normals: Array
+    stiffness_bound: Array
+    facet: Index
+    xi: Array
+    gap: PETSc.Mat
+    stress: PETSc.Mat
+
+
+def build(
+    slave: FacetSet,
+    master: FacetSet | None,
+    exact: Gap,
+    local_dofs: int,
+    comm: MPI.Intracomm,
+    degree: int | None = None,
+) -> Interface:
+    """Pair the surfaces and build N and S; master None is a rigid counterface.
+
+    local_dofs: owned dofs of the displacement space on this rank. Points whose normal misses the
+    master surface cannot touch it and are left out.
+    """
+    order = degree if degree is not None else 2 * slave.degree + 1
+    (facet, xi), weights = slave.quadrature(order)
+    points, _ = slave.tangents(facet, xi)
+    initial_gap, normals = exact(points)
+    keep = np.isfinite(initial_gap)
+    if master is not None:
+        other = master.gathered(comm)
+        partner, eta = pair(points, normals, other)
+        keep &= partner >= 0
+        partner, eta = partner[keep], eta[keep]
+    facet, xi, weights = facet[keep], xi[keep], weights[keep]
+    points, normals, initial_gap = points[keep], normals[keep], initial_gap[keep]
+
+    reference = slave.reference(facet, xi)
+    phi, _ = slave.basis(facet, reference)
+    dofs = 3 * slave.dofs[facet][:, :, None] + np.arange(3)
+    blocks = [(dofs, -phi[:, :, None] * normals[:, None, :])]
+    if master is not None:
+        values, _ = other.basis(partner, other.reference(partner, eta))
+        partner_dofs = 3 * other.dofs[partner][:, :, None] + np.arange(3)
+        blocks.append((partner_dofs, values[:, :, None] * normals[:, None, :]))
+
+    traction = normal_stress(slave, facet, reference, normals)
+    bound = trace_bound(slave, exact, 2 * slave.degree)[facet]
+    total = comm.allreduce(local_dofs)
+    return Interface(
+        slave, points, weights, initial_gap, normals, bound, facet, xi,
+        _rows(blocks, len(facet), local_dofs, total, comm),
+        _rows([(dofs, traction)], len(facet), local_dofs, total, comm),
+    )  # fmt: skip
+
+
+def trace_bound(slave: FacetSet, exact: Gap, degree: int) -> Array:
+    """(m,) smallest stable tau of each facet F of cell K, MPa/mm: the largest eigenvalue of
+
+        int_F (n . sigma(v) . n)^2 = tau a_K(v, v)   over the shape functions v of K.
+
+    The trace-inverse constant (Warburton and Hesthaven 2003 bound it by
+    (k+1)(k+3)/3 A/V (lambda + 2 mu) on straight tetrahedra) computed for the cell as it is: any
+    shape, order, curvature and material. A cell with several contact facets shares its energy.
+    """
+    count = len(slave)
+    if not count:  # this rank holds no part of the contact surface
+        return np.zeros(0)
+    (facet, xi), weights = slave.quadrature(degree)
+    points, _ = slave.tangents(facet, xi)
+    _, normals = exact(points)
+    reference = slave.reference(facet, xi)
+    traction = normal_stress(slave, facet, reference, normals)
+    size = 3 * slave.dofs.shape[1]
+    rows = traction.reshape(count, len(facet) // count, size)
+    rows = rows * np.sqrt(weights).reshape(*rows.shape[:2], 1)
+    energy = _cell_stiffness(slave)
+    solved = np.linalg.solve(energy, rows.transpose(0, 2, 1))
+    bound: Array = np.linalg.eigvalsh(rows @ solved)[:, -1]
+    _, cell, shared = np.unique(slave.dofs, axis=0, return_inverse=True, return_counts=True)
+    return bound * shared[cell]
+
+
+def _cell_stiffness(slave: FacetSet) -> Array:
+    """(m, 3d, 3d) stiffness of each cell, made regular on rigid motions (which carry no stress)."""
+    gradients, volumes = slave.cell_strains(quadrature_degree(slave.cell, slave.degree))
+    lam, mu = slave.lame.T
+    same = np.einsum("pm,pmie,pmje->mij", volumes * mu, gradients, gradients)
+    energy = np.einsum("ij,mkl->mkilj", np.eye(3), same)
+    energy += np.einsum("pm,pmki,pmlj->mkilj", volumes * lam, gradients, gradients)
+    energy += np.einsum("pm,pmkj,pmli->mkilj", volumes * mu, gradients, gradients)
+    size = 3 * slave.dofs.shape[1]
+    energy = energy.reshape(len(slave), size, size)
+    x = slave.dof_points()
+    x = x - x.mean(axis=1, keepdims=True)
+    scale = np.abs(x).max(axis=(1, 2))[:, None, None]
+    modes = [np.broadcast_to(e, x.shape) for e in np.eye(3)]
+    modes += [np.cross(e, x / scale) for e in np.eye(3)]
+    rigid = np.stack([mode.reshape(len(slave), size) for mode in modes], axis=1)
+    weight = np.trace(energy, axis1=1, axis2=2) / size
+    regular: Array = energy + weight[:, None, None] * rigid.transpose(0, 2, 1) @ rigid
+    return regular
+
+
+def normal_stress(slave: FacetSet, facet: Index, reference: Array, normals: Array) -> Array:
+    """(n, d, 3) coefficients of n . sigma(u) . n at reference points of the slave's cells."""
+    _, gradient = slave.basis(facet, reference)
+    lam, mu = slave.lame[facet].T[..., None, None]
+    along = np.einsum("ndc,nc->nd", gradient, normals)
+    return np.asarray(lam * gradient + 2 * mu * along[:, :, None] * normals[:, None, :])
+
+
+def _rows(
+    blocks: list[tuple[Index, Array]], count: int, local: int, total: int, comm: MPI.Intracomm
+) -> PETSc.Mat:
+    rows = [np.repeat(np.arange(count), d[0].size if count else 0) for d, _ in blocks]
+    table = sp.csr_matrix(
+        (
+            np.concatenate([v.ravel() for _, v in blocks]),
+            (np.concatenate(rows), np.concatenate([d.ravel() for d, _ in blocks])),
+        ),
+        shape=(count, total),
+    )
+    return petsc_matrix(table, local, comm)

@@ -1,0 +1,139 @@
+"""gmsh blocks: tags, volumes, sizes, quality, and meshio."""
+
+import gmsh
+import meshio
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from meshing import blocks, mesh, outlines, profiles
+from meshing.bodies import Body, Options
+from meshing.sizing import Grading
+from meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, SYMMETRY_Y, WHEEL
+
+GRADING = Grading((0.0, 0.0, 0.0), 4.3, 3.5, 0.0, 1.2, coarsest=20.0)
+CELLS = ["tetrahedron", "hexahedron"]
+
+
+def bodies(extent: str, *, half: bool) -> list[Body]:
+    tread = profiles.cone(0, 50, "cylinder")
+    wheel = outlines.block_section(tread, 0 if half else -50, 50, 60, outwards=-1, half=half)
+    return [
+        Body(RAIL, outlines.rail_section("54E1", extent, half=half), 80.0),
+        Body(WHEEL, wheel, 60.0, (420.0, 420.0)),
+    ]
+
+
+@pytest.mark.parametrize("cell", CELLS)
+@pytest.mark.parametrize("half", [True, False])
+def test_volumes_are_those_of_the_swept_sections(cell: str, half: bool) -> None:
+    """54E1: 69.78 cm2 times the length; wheel: a ring segment."""
+    options = Options(cell, 2 if cell == "tetrahedron" else 1, half)
+    with blocks.model(bodies("section", half=half), GRADING, options) as model:
+        model.occ.synchronize()
+        volume = {}
+        for tag in (RAIL, WHEEL):
+            parts = model.getEntitiesForPhysicalGroup(3, tag)
+            elements = [model.mesh.getElements(3, part)[1][0] for part in parts]
+            measured = [model.mesh.getElementQualities(e, "volume").sum() for e in elements]
+            volume[tag] = sum(measured)
+        assert blocks.qualities().min() > mesh.MIN_QUALITY
+    share = 0.25 if half else 1.0
+    tolerance = 3e-3 if cell == "tetrahedron" else 2e-2  # coarse cells cut the fillets
+    assert volume[RAIL] == pytest.approx(share * 6978 * 160, rel=tolerance)
+    ring = 100 * (420**2 - 360**2) / 2 * (120 / 420)
+    assert volume[WHEEL] == pytest.approx(share * ring, rel=tolerance)
+
+
+@pytest.mark.parametrize("cell", CELLS)
+def test_faces_are_tagged_and_fine_only_in_the_patch(cell: str) -> None:
+    made = mesh.generate(bodies("head", half=True), GRADING, Options(cell, 1, True), MPI.COMM_WORLD)
+    x = made.mesh.geometry.x
+    facets = made.facet_tags
+    for tag in (CONTACT + RAIL, CONTACT + WHEEL, SUPPORT + RAIL, SUPPORT + WHEEL):
+        assert len(facets.find(tag)) > 0
+    for tag, axis in ((SYMMETRY_X, 0), (SYMMETRY_Y, 1)):
+        nodes = _nodes(made, facets.find(tag))
+        assert len(nodes) and np.abs(x[nodes, axis]).max() < 1e-9
+    top = _nodes(made, facets.find(CONTACT + RAIL))
+    near = top[np.hypot(x[top, 0], x[top, 1]) < 3.0]
+    area_per_node = np.pi * 3.0**2 / 4 / len(near)
+    assert 0.3 * 1.2**2 < area_per_node < 1.5 * 1.2**2
+
+
+def _nodes(made: mesh.ContactMesh, facets: np.ndarray) -> np.ndarray:
+    """Geometry nodes of facets: those of their cell that lie on them (order 1)."""
+    from solver import compat
+    from solver.facets import reference_facets
+
+    topology = made.mesh.topology
+    topology.create_connectivity(2, 3)
+    topology.create_connectivity(3, 2)
+    kind, cells = compat.cell_type(made.mesh), compat.cell_nodes(made.mesh)
+    corners = {
+        "tetrahedron": [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]],
+        "hexahedron": [
+            [0, 1, 2, 3], [0, 1, 4, 5], [0, 2, 4, 6], [1, 3, 5, 7], [2, 3, 6, 7], [4, 5, 6, 7],
+        ],
+    }[kind]  # fmt: skip
+    assert len(corners) == len(reference_facets(kind))
+    found = []
+    for facet in facets:
+        cell = topology.connectivity(2, 3).links(facet)[0]
+        local = list(topology.connectivity(3, 2).links(cell)).index(facet)
+        found.append(cells[cell][corners[local]])
+    return np.unique(found)
+
+
+def test_the_same_input_gives_the_same_mesh() -> None:
+    def digits() -> np.ndarray:
+        with blocks.model(bodies("head", half=True), GRADING, Options("tetrahedron", 2, True)):
+            return np.asarray(gmsh.model.mesh.getNodes()[1])
+
+    np.testing.assert_array_equal(digits(), digits())
+
+
+def test_flat_elements_are_refused_loudly() -> None:
+    thin = outlines.block_section(
+        profiles.cone(0, 40, "flat"), -40, 40, -1e-3, outwards=1, half=False
+    )
+    with pytest.raises(mesh.MeshError, match="quality"):
+        mesh.generate(
+            [Body(RAIL, thin, 40.0)], GRADING, Options("hexahedron", 1, True), MPI.COMM_WORLD
+        )
+
+
+def test_meshio_reads_what_gmsh_wrote(tmp_path) -> None:
+    path = tmp_path / "mesh.msh"
+    made = mesh.generate(
+        bodies("head", half=True), GRADING, Options("tetrahedron", 2, True), MPI.COMM_WORLD, path
+    )
+    read = meshio.read(path)
+    assert sum(len(block) for block in read.cells if block.type == "tetra10") == made.cells
+    assert {"rail", "wheel", "rail_contact", "wheel_support"} <= set(read.field_data)
+    read.write(tmp_path / "mesh.vtu")
+    again = meshio.read(tmp_path / "mesh.vtu")
+    np.testing.assert_allclose(again.points, read.points)
+
+
+def test_size_field_formula_and_numbers_agree() -> None:
+    tilted = Grading((0.0, 5.0, -0.1), 6.0, 2.0, 0.05, 0.3)
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        field = gmsh.model.mesh.field.add("MathEval")
+        for text in (tilted.expression(), tilted.expression(section=True)):
+            gmsh.model.mesh.field.setString(field, "F", text)
+        assert tilted.at(5.0, -0.1) == pytest.approx(0.3)
+    finally:
+        gmsh.finalize()
+    far = tilted.at(105.0, -0.1)
+    assert far == pytest.approx(0.3 + 0.3 * (100 - 2.3), rel=0.01)
+
+
+def test_layers_grow_away_from_the_patch() -> None:
+    ends = np.array([0.0, *GRADING.layers(80.0)]) * 80.0
+    steps = np.diff(ends)
+    assert ends[-1] == pytest.approx(80.0)
+    assert steps[0] == pytest.approx(1.2, rel=0.1)
+    assert np.all(np.diff(steps) > -1e-6)

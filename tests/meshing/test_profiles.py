@@ -1,0 +1,129 @@
+"""Profiles of rail and wheel against their published dimensions, and as smooth functions."""
+
+import numpy as np
+import pytest
+
+from meshing import outlines, profiles
+
+HEIGHT = {"54E1": 159.0, "60E1": 172.0}
+
+
+def polygon(name: str) -> np.ndarray:
+    """Fine polygon (n, 2) of the whole section, y to the right and z from the foot bottom."""
+    points = []
+    for curve in outlines.rail_section(name, "section", half=False):
+        start, end = curve.points
+        if curve.centre is None:
+            points.append(np.linspace(start, end, 50)[:-1])
+            continue
+        a0, a1 = (np.arctan2(*(p - curve.centre)[::-1]) for p in (start, end))
+        turn = (a1 - a0 + np.pi) % (2 * np.pi) - np.pi
+        angle = a0 + np.linspace(0, turn, 200)[:-1]
+        radius = np.linalg.norm(start - curve.centre)
+        points.append(curve.centre + radius * np.column_stack([np.cos(angle), np.sin(angle)]))
+    return np.concatenate(points) + [0.0, HEIGHT[name]]
+
+
+def section_properties(points: np.ndarray) -> tuple[float, float, float, float]:
+    """Area, height of the centroid, second moments about the centroid's axes (mm)."""
+    y, z = points.T
+    y1, z1 = np.roll(y, -1), np.roll(z, -1)
+    cross = y * z1 - y1 * z
+    area = cross.sum() / 2
+    zc = ((z + z1) * cross).sum() / (6 * area)
+    ix = ((z * z + z * z1 + z1 * z1) * cross).sum() / 12 - area * zc**2
+    iy = ((y * y + y * y1 + y1 * y1) * cross).sum() / 12
+    return abs(area), zc, abs(ix), abs(iy)
+
+
+@pytest.mark.parametrize("name", ["54E1", "60E1"])
+def test_section_has_the_published_area_centroid_and_inertia(name: str) -> None:
+    published = profiles.data("rails.json")[name]["published"]
+    area, zc, ix, iy = section_properties(polygon(name))
+    assert area / 100 == pytest.approx(published["A_cm2"], rel=5e-4)
+    assert zc == pytest.approx(published["yc_mm"], rel=5e-4)
+    assert ix / 1e4 == pytest.approx(published["Ix_cm4"], rel=5e-4)
+    assert iy / 1e4 == pytest.approx(published["Iy_cm4"], rel=5e-4)
+
+
+@pytest.mark.parametrize("name", ["54E1", "60E1"])
+def test_head_is_r300_r80_r13_with_tangent_joints(name: str) -> None:
+    head = profiles.rail_head(name)
+    radii = [piece.radius for piece in head.pieces]
+    assert radii == pytest.approx([13, 80, 300, 80, 13], rel=1e-9)
+    for joint in head.joints:
+        left, right = joint - 1e-9, joint + 1e-9
+        assert head.height(left) == pytest.approx(float(head.height(right)), abs=1e-6)
+        assert head.slope(left) == pytest.approx(float(head.slope(right)), abs=1e-6)
+
+
+def test_crown_of_54e1_ends_where_the_drawing_says() -> None:
+    assert profiles.rail_head("54E1").joints == pytest.approx([-24.8635, -10.012, 10.012, 24.8635])
+
+
+@pytest.mark.parametrize(
+    "profile",
+    [
+        profiles.rail_head("54E1"),
+        profiles.rail_head("60E1", 1 / 40),
+        profiles.single_radius(300, 35),
+        profiles.single_radius(-330, 35),
+        profiles.cone(1 / 20, 60, "cone20"),
+        profiles.s1002(),
+        profiles.rolled(profiles.single_radius(80, 30), 1 / 20),
+    ],
+    ids=lambda profile: profile.name,
+)
+def test_slope_and_curvature_are_the_derivatives_of_the_height(profile: profiles.Profile) -> None:
+    start, end = profile.domain
+    y = np.linspace(start + 1, end - 1, 400)
+    y = y[[min((abs(v - j) for j in profile.joints), default=1) > 0.01 for v in y]]
+    y = y[np.abs(profile.slope(y)) < 3]
+    h = 1e-4
+    slope = (profile.height(y + h) - profile.height(y - h)) / (2 * h)
+    np.testing.assert_allclose(profile.slope(y), slope, rtol=1e-5, atol=1e-7)
+    bend = (profile.slope(y + h) - profile.slope(y - h)) / (2 * h)
+    np.testing.assert_allclose(
+        profile.curvature(y), -bend / (1 + slope**2) ** 1.5, rtol=1e-4, atol=1e-7
+    )
+
+
+def test_height_outside_the_domain_is_not_a_number() -> None:
+    assert np.isnan(profiles.rail_head("54E1").height(40.0))
+
+
+def test_rolling_a_rail_keeps_its_shape_and_turns_its_crown() -> None:
+    upright, rolled = profiles.rail_head("54E1"), profiles.rail_head("54E1", 1 / 20)
+    assert rolled.slope(0.0) == pytest.approx(1 / 20)
+    assert rolled.curvature(0.0) == pytest.approx(float(upright.curvature(0.0)))
+
+
+def test_a_resampled_profile_rolls_like_the_arc_it_came_from() -> None:
+    arc = profiles.single_radius(300, 30)
+    y = np.linspace(-30, 30, 301)
+    measured = profiles.from_points("measured", y, arc.height(y))
+    probe = np.linspace(-25, 25, 51)
+    np.testing.assert_allclose(
+        profiles.rolled(measured, 1 / 20).height(probe),
+        profiles.rolled(arc, 1 / 20).height(probe),
+        atol=1e-4,
+    )
+
+
+def test_csv_profile_is_smoothed_and_bad_lines_are_named(tmp_path) -> None:
+    arc = profiles.single_radius(300, 20)
+    y = np.linspace(-20, 20, 201)
+    noise = np.random.default_rng(1).normal(0, 1e-3, y.shape)
+    path = tmp_path / "rail.csv"
+    rows = "\n".join(f"{a},{b}" for a, b in zip(y, arc.height(y) + noise, strict=True))
+    path.write_text("y,z\n# measured\n" + rows)
+    found = profiles.from_csv(path)
+    probe = np.linspace(-15, 15, 31)
+    np.testing.assert_allclose(found.height(probe), arc.height(probe), atol=1e-3)
+    assert np.median(found.curvature(probe)) == pytest.approx(1 / 300, rel=0.1)
+    path.write_text("0,0\n1,nothing\n")
+    with pytest.raises(ValueError, match="line 2"):
+        profiles.from_csv(path)
+    path.write_text("0,0\n1,1\n")
+    with pytest.raises(ValueError, match="at least 5"):
+        profiles.from_csv(path)

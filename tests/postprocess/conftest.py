@@ -1,0 +1,122 @@
+"""Two blocks in Hertz contact with exact fields at their nodes, whole or a quarter."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+import pytest
+from dolfinx.mesh import CellType, create_box
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from postprocess.findings import Array, AxisPressure, DepthAxis, Findings, Frame, Patch, Surface
+from postprocess.plots import closed_ellipse
+from solver import compat
+from solver.gather import ContactFields, Fields
+from theory.halfspace import hertz_displacement
+from theory.hertz import Ellipse, contact_modulus, point_contact
+from theory.subsurface import axis_stress, stress
+
+YOUNG, POISSON = 207000.0, 0.3
+
+
+@dataclass(frozen=True)
+class Case:
+    """What the pictures and files are made from; stress (n, 6) at the nodes, MPa."""
+
+    fields: Fields
+    stress: Array
+    findings: Findings
+    ellipse: Ellipse
+
+
+Blocks = Callable[..., Case]
+
+
+@pytest.fixture(scope="session")
+def blocks() -> Blocks:
+    """make(cell, degree, cut=, radii=, load=): Case; blocks of 3 x 3 x 3 semi-axes a quarter."""
+
+    def make(
+        cell: str = "hexahedron",
+        degree: int = 1,
+        cut: bool = True,
+        radii: tuple[float, float] = (420.0, 300.0),
+        load: float = 25000.0,
+    ) -> Case:
+        modulus = contact_modulus(YOUNG, POISSON, YOUNG, POISSON)
+        ellipse = point_contact(1 / radii[0], 1 / radii[1], modulus, load)
+        size = np.array([3.0 * ellipse.a, 3.0 * ellipse.b, 3.0 * ellipse.b])
+        lower, cells = _block(cell, degree, cut, size, -size[2])
+        upper, more = _block(cell, degree, cut, size, 0.0)
+        flip = np.array([1.0, 1.0, -1.0])
+        moved = [
+            hertz_displacement(ellipse, lower, YOUNG, POISSON),
+            hertz_displacement(ellipse, upper * flip, YOUNG, POISSON) * flip,
+        ]
+        stresses = [
+            stress(ellipse, POISSON, lower),
+            stress(ellipse, POISSON, upper * flip) * [1, 1, 1, 1, -1, -1],
+        ]
+        fields = Fields(
+            points=np.concatenate([lower, upper]),
+            displacement=np.concatenate(moved),
+            cells=np.concatenate([cells, more + len(lower)]),
+            body=np.repeat([1, 2], [len(cells), len(more)]),
+            lame=np.zeros((len(cells) + len(more), 2)),
+            cell=cell,
+            degree=degree,
+            slave=1,
+            mirrors=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)) if cut else (),
+            contact=cast(ContactFields, None),  # the quadrature points are not looked at
+        )
+        return Case(fields, np.concatenate(stresses), _findings(ellipse, cut, size), ellipse)
+
+    return make
+
+
+def _block(
+    cell: str, degree: int, cut: bool, size: Array, bottom: float
+) -> tuple[Array, NDArray[np.int64]]:
+    """Nodes and cells, in the order of dolfinx, of one block, a quarter of it when cut."""
+    low, count = ([0.0, 0.0], 6) if cut else (-size[:2], 12)
+    corners = [np.array([*low, bottom]), np.array([*size[:2], bottom + size[2]])]
+    mesh = create_box(MPI.COMM_SELF, corners, [count, count, 6], getattr(CellType, cell))
+    space = compat.vector_space(mesh, degree)
+    points = np.array(space.tabulate_dof_coordinates())
+    points[np.abs(points) < 1e-9 * size[0]] = 0.0
+    return points, compat.cell_dofs(space).astype(np.int64)
+
+
+def _findings(ellipse: Ellipse, cut: bool, size: Array) -> Findings:
+    """Exact Hertz, with the pressure on 24 x 24 squares a quarter, halved into triangles."""
+    count = 25 if cut else 49
+    line = np.linspace(0.0 if cut else -1.0, 1.0, count)
+    local = np.stack(np.meshgrid(size[0] * line, size[1] * line), axis=-1).reshape(-1, 2)
+    pressure = ellipse.pressure(local[:, 0], local[:, 1])
+    numbers = np.arange(count**2).reshape(count, count)
+    square = [part.ravel() for part in (numbers[:-1, :-1], numbers[:-1, 1:])]
+    square += [part.ravel() for part in (numbers[1:, 1:], numbers[1:, :-1])]
+    triangles = np.concatenate(
+        [np.column_stack([square[i] for i in corners]) for corners in ((0, 1, 2), (0, 2, 3))]
+    )
+    points = np.column_stack((local, np.zeros(len(local))))
+    surface = Surface(points, local, triangles, pressure, np.zeros(len(points)))
+    a, b = ellipse.a, ellipse.b
+    outline = [closed_ellipse(ellipse)]
+    patch = Patch(a, b, (0.0, 0.0), ellipse.area, ellipse.p0, ellipse.p_mean, outline)
+    depth = np.linspace(0, 3 * min(a, b), 61)
+    normal = axis_stress(ellipse, POISSON, depth)
+    below = np.hstack((normal, np.zeros_like(normal)))
+    x, s = a * np.linspace(-1.25, 1.25, 61), b * np.linspace(-1.25, 1.25, 61)
+    return Findings(
+        frame=Frame((0.0, 0.0, 0.0), 0.0),
+        patch=patch,
+        surface=surface,
+        depth={body: DepthAxis(body, depth, below) for body in ("rail", "wheel")},
+        along=AxisPressure(x, ellipse.pressure(x, 0)),
+        across=AxisPressure(s, ellipse.pressure(0, s)),
+        shape_error=0.0,
+        hertzian=True,
+    )

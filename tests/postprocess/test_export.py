@@ -1,0 +1,108 @@
+"""The files open in pyvista and hold what was put in, on the real cells."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import pyvista as pv
+
+from postprocess import export
+from theory.subsurface import axis_stress
+
+KINDS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)]
+
+
+@pytest.mark.parametrize(("cell", "degree"), KINDS)
+def test_cells_are_upright_and_fill_the_blocks(
+    blocks: Callable[..., Any], cell: str, degree: int
+) -> None:
+    case = blocks(cell, degree)
+    grid = pv.from_meshio(export.volume_grid(case.fields, case.stress))
+    volume = grid.compute_cell_sizes(length=False, area=False)["Volume"]
+    assert volume.min() > 0
+    size = np.ptp(case.fields.points, axis=0)
+    assert volume.sum() == pytest.approx(size.prod(), rel=1e-12)
+    assert volume[grid["body"] == 1].sum() == pytest.approx(size.prod() / 2, rel=1e-12)
+
+
+@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
+def test_edge_and_face_nodes_lie_amid_their_vertices(blocks: Callable[..., Any], cell: str) -> None:
+    case = blocks(cell, 2)
+    grid = pv.from_meshio(export.volume_grid(case.fields, case.stress))
+    for number in (0, 17, grid.n_cells - 1):
+        found = grid.get_cell(number)
+        for edge in found.edges:
+            assert edge.points[2] == pytest.approx(edge.points[:2].mean(0), abs=1e-12)
+        if cell == "hexahedron":
+            for face in found.faces:
+                assert face.points[8] == pytest.approx(face.points[:4].mean(0), abs=1e-12)
+            assert found.points[26] == pytest.approx(found.points[:8].mean(0), abs=1e-12)
+
+
+@pytest.mark.parametrize(("cell", "degree"), KINDS)
+def test_volume_file_holds_the_arrays(
+    blocks: Callable[..., Any], cell: str, degree: int, tmp_path: Path
+) -> None:
+    case = blocks(cell, degree)
+    mesh = export.volume_grid(case.fields, case.stress)
+    export.write(mesh, tmp_path / "solution.vtu")
+    back = pv.read(tmp_path / "solution.vtu")
+    assert np.array_equal(back.points, case.fields.points)
+    assert np.array_equal(back.cells, pv.from_meshio(mesh).cells)
+    assert np.array_equal(back["body"], case.fields.body)
+    assert np.array_equal(back["displacement"], case.fields.displacement)
+    names = {"displacement", "stress", "principal_stresses", "von_mises", "max_shear"}
+    assert set(back.point_data) == names
+    for name in names:
+        assert np.array_equal(back[name], mesh.point_data[name])
+        assert np.isfinite(back[name]).all()
+    assert b"vtkZLibDataCompressor" in (tmp_path / "solution.vtu").read_bytes()
+
+
+def test_tensor_rows_and_invariants(blocks: Callable[..., Any]) -> None:
+    case = blocks("hexahedron", 1)
+    data = export.volume_grid(case.fields, case.stress).point_data
+    tensor = data["stress"].reshape(-1, 3, 3)
+    assert np.array_equal(tensor, tensor.transpose(0, 2, 1))
+    for column, (row, other) in enumerate([(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]):
+        assert np.array_equal(tensor[:, row, other], case.stress[:, column])
+    principal = data["principal_stresses"]
+    assert np.all(np.diff(principal, axis=1) <= 0)
+    on_axis = (case.fields.points[:, :2] == 0).all(axis=1) & (case.fields.points[:, 2] <= 0)
+    exact = axis_stress(case.ellipse, 0.3, -case.fields.points[on_axis, 2])
+    expected = np.sort(exact, axis=1)[:, ::-1]
+    assert principal[on_axis] == pytest.approx(expected, abs=1e-9 * case.ellipse.p0)
+    largest = (expected[:, 0] - expected[:, 2]) / 2
+    assert data["max_shear"][on_axis] == pytest.approx(largest, abs=1e-9 * case.ellipse.p0)
+    differences = expected - np.roll(expected, 1, axis=1)
+    mises = np.sqrt((differences**2).sum(axis=1) / 2)
+    assert data["von_mises"][on_axis] == pytest.approx(mises, abs=1e-9 * case.ellipse.p0)
+
+
+def test_contact_file_holds_pressure_and_gap(blocks: Callable[..., Any], tmp_path: Path) -> None:
+    case = blocks()
+    surface = replace(case.findings.surface, gap=np.arange(len(case.findings.surface.gap)) / 7)
+    export.write(export.contact_grid(case.fields, surface), tmp_path / "contact.vtu")
+    back = pv.read(tmp_path / "contact.vtu")
+    assert np.array_equal(back.points, surface.points)
+    assert np.array_equal(back.cells.reshape(-1, 4)[:, 1:], surface.triangles)
+    assert np.array_equal(back["pressure"], surface.pressure)
+    assert np.array_equal(back["gap"], surface.gap)
+    assert set(back["body"]) == {case.fields.slave}
+
+
+def test_wrong_input_is_refused(blocks: Callable[..., Any], tmp_path: Path) -> None:
+    case = blocks()
+    with pytest.raises(ValueError, match="stress must be"):
+        export.volume_grid(case.fields, case.stress[1:])
+    hole = case.stress.copy()
+    hole[3, 2] = np.nan
+    with pytest.raises(ValueError, match="finite"):
+        export.volume_grid(case.fields, hole)
+    with pytest.raises(ValueError, match="degree 3"):
+        export.volume_grid(replace(case.fields, degree=3), case.stress)
+    with pytest.raises(OSError):
+        export.write(export.contact_grid(case.fields, case.findings.surface), tmp_path / "no" / "x")

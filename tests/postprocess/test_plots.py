@@ -1,0 +1,127 @@
+"""The diagrams: what they show, that they are whole, and that no state leaks."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+from matplotlib.image import imread
+
+from postprocess import plots
+from postprocess.mirror import cut_axes, whole
+
+
+def image(path: Path) -> Any:
+    """(h, w, 3) of a PNG file, 0 to 1."""
+    return imread(path)[:, :, :3]
+
+
+def count(path: Path, colour: str) -> int:
+    """Number of pixels of that very colour."""
+    return int(np.all(np.abs(image(path) - to_rgb(colour)) < 2 / 255, axis=2).sum())
+
+
+def test_ellipse_is_closed_and_exact(blocks: Callable[..., Any]) -> None:
+    ellipse = blocks().ellipse
+    line = plots.closed_ellipse(ellipse)
+    assert line[0] == pytest.approx(line[-1], abs=1e-14)
+    assert np.hypot(line[:, 0] / ellipse.a, line[:, 1] / ellipse.b) == pytest.approx(1.0, abs=1e-14)
+
+
+def test_whole_surface_has_four_times_the_quarter(blocks: Callable[..., Any]) -> None:
+    quarter, full = blocks().findings.surface, blocks(cut=False).findings.surface
+    assert cut_axes(quarter.local) == [0, 1]
+    assert cut_axes(full.local) == []
+    assert whole(full) is full
+
+    def areas(surface: Any) -> Any:
+        corners = surface.local[surface.triangles]
+        edges = corners[:, 1:] - corners[:, :1]
+        return (edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0]) / 2
+
+    mirrored = whole(quarter)
+    assert np.array_equal(mirrored.local, mirrored.points[:, :2])
+    sign = np.sign(areas(quarter)[0])
+    assert np.all(sign * areas(mirrored) > 0)
+    assert areas(mirrored).sum() == pytest.approx(4 * areas(quarter).sum(), rel=1e-12)
+    force = [
+        abs(areas(surface)) @ surface.pressure[surface.triangles].mean(axis=1)
+        for surface in (quarter, mirrored)
+    ]
+    assert force[1] == pytest.approx(4 * force[0], rel=1e-12)
+    shifted = replace(quarter, local=quarter.local - [0.0, 1.0])
+    assert cut_axes(shifted.local) == [0]
+
+
+def test_pressure_and_patch_show_hertz_only_when_there_is_one(
+    blocks: Callable[..., Any], tmp_path: Path
+) -> None:
+    case = blocks(cut=False)
+    for name, draw in (("pressure", plots.pressure), ("depth", None)):
+        with_it, without = tmp_path / f"{name}.png", tmp_path / f"{name}_alone.png"
+        if draw is None:
+            plots.depth(case.findings, case.ellipse, 0.3, with_it)
+            plots.depth(case.findings, None, 0.3, without)
+        else:
+            draw(case.findings, case.ellipse, with_it)
+            draw(case.findings, None, without)
+        assert count(with_it, plots.HERTZ) > 500
+        assert count(without, plots.HERTZ) == 0
+        assert count(without, plots.FE) > 500
+    plots.patch(case.findings, case.ellipse, tmp_path / "patch.png")
+    plots.patch(case.findings, None, tmp_path / "alone.png")
+    assert count(tmp_path / "patch.png", "black") > count(tmp_path / "alone.png", "black") + 1000
+
+
+def test_thesis_is_shown_when_given(blocks: Callable[..., Any], tmp_path: Path) -> None:
+    case = blocks()
+    e = case.ellipse
+    plots.depth(case.findings, e, 0.3, tmp_path / "with.png", thesis=(e.p0, e.a))
+    plots.depth(case.findings, e, 0.3, tmp_path / "without.png")
+    with_it, without = (count(tmp_path / f"{n}.png", plots.THESIS) for n in ("with", "without"))
+    assert with_it > without + 500
+
+
+def test_depth_of_the_wheel_when_the_rail_has_none(blocks: Callable[..., Any]) -> None:
+    findings = blocks().findings
+    assert findings.axis.body == "rail"
+    only = replace(findings, depth={"wheel": findings.depth["wheel"]})
+    assert only.axis.body == "wheel"
+
+
+def test_quarter_and_full_give_the_same_patch(blocks: Callable[..., Any], tmp_path: Path) -> None:
+    for cut in (True, False):
+        case = blocks(cut=cut)
+        plots.patch(case.findings, case.ellipse, tmp_path / f"{cut}.png")
+    one, other = image(tmp_path / "True.png"), image(tmp_path / "False.png")
+    assert one.shape == other.shape
+    assert np.abs(one - other).mean() < 0.01
+
+
+@pytest.mark.parametrize(("radii", "wide"), [((420.0, 33.0), True), ((33.0, 420.0), False)])
+def test_slender_patches_shape_the_picture(
+    blocks: Callable[..., Any], tmp_path: Path, radii: tuple[float, float], wide: bool
+) -> None:
+    case = blocks(radii=radii)
+    plots.patch(case.findings, case.ellipse, tmp_path / "patch.png")
+    height, width = image(tmp_path / "patch.png").shape[:2]
+    assert (width > 1.8 * height) if wide else (height > 1.2 * width)
+
+
+def test_nothing_touches_the_edge_and_no_setting_stays(
+    blocks: Callable[..., Any], tmp_path: Path
+) -> None:
+    before = dict(matplotlib.rcParams)
+    case = blocks(load=5.0)
+    plots.pressure(case.findings, case.ellipse, tmp_path / "1.png")
+    plots.depth(case.findings, case.ellipse, 0.3, tmp_path / "2.png", (54.0, 0.3))
+    plots.patch(case.findings, case.ellipse, tmp_path / "3.png")
+    assert dict(matplotlib.rcParams) == before
+    for name in "123":
+        rim = np.ones(image(tmp_path / f"{name}.png").shape[:2], dtype=bool)
+        rim[2:-2, 2:-2] = False
+        assert image(tmp_path / f"{name}.png")[rim].min() == 1.0

@@ -1,0 +1,103 @@
+"""The pictures in space: the camera, mirrored models, scale and colours."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+from matplotlib.image import imread
+
+from postprocess import export, render
+from postprocess.camera import Camera, load_pyvista
+
+
+def image(path: Path) -> Any:
+    """(h, w, 3) of a PNG file, 0 to 1."""
+    return imread(path)[:, :, :3]
+
+
+def draw(case: Any, folder: Path) -> dict[str, Any]:
+    """All three pictures of a case, by name."""
+    folder.mkdir()
+    volume = export.volume_grid(case.fields, case.stress)
+    contact = export.contact_grid(case.fields, case.findings.surface)
+    render.wheel_rail(volume, case.findings, folder / "wheel_rail.png")
+    render.stress_cut(volume, case.findings, folder / "stress_cut.png")
+    render.patch_on_rail(contact, case.findings, case.ellipse, folder / "patch_on_rail.png")
+    return {path.stem: image(path) for path in folder.iterdir()}
+
+
+def test_camera_draws_where_it_projects() -> None:
+    focal, towards = np.array([5.0, -2.0, 1.0]), np.array([1.0, 0.5, 0.35])
+    camera = Camera(focal, towards, 8.0, 6.0, pixels=400)
+    assert camera.axes @ camera.axes.T == pytest.approx(np.eye(3), abs=1e-14)
+    spot = np.array([6.0, 1.0, 3.0])
+    ball = load_pyvista().Sphere(radius=1.5, center=spot, theta_resolution=90, phi_resolution=90)
+    picture = camera.shoot([(ball, {"color": "red", "lighting": False})]).astype(float)
+    assert picture.shape == (300, 400, 3)
+    rows, columns = np.nonzero((picture[:, :, 0] > 200) & (picture[:, :, 1] < 50))
+    place = np.array([columns.mean() + 0.5, 300 - rows.mean() - 0.5]) / 25 - [8.0, 6.0]
+    assert place == pytest.approx(camera.project(spot[None])[0], abs=0.02)
+    assert len(rows) == pytest.approx(np.pi * 1.5**2 * 25**2, rel=0.03)
+
+
+@pytest.mark.parametrize(("display", "given", "expected"), [
+    ("", None, "vtkEGLRenderWindow"),
+    (None, None, "vtkEGLRenderWindow"),
+    ("", "vtkOSOpenGLRenderWindow", "vtkOSOpenGLRenderWindow"),
+    (":0", None, None),
+])  # fmt: skip
+def test_no_display_no_window(
+    monkeypatch: pytest.MonkeyPatch, display: str | None, given: str | None, expected: str | None
+) -> None:
+    for key, value in (("DISPLAY", display), ("VTK_DEFAULT_OPENGL_WINDOW", given)):
+        monkeypatch.setenv(key, value or "")
+        if value is None:
+            monkeypatch.delenv(key)
+    load_pyvista()
+    assert os.environ.get("VTK_DEFAULT_OPENGL_WINDOW") == expected
+
+
+@pytest.mark.parametrize(("cell", "degree"), [("hexahedron", 1), ("tetrahedron", 2)])
+def test_quarter_and_full_model_give_the_same_pictures(
+    blocks: Callable[..., Any], tmp_path: Path, cell: str, degree: int
+) -> None:
+    quarter = draw(blocks(cell, degree, cut=True), tmp_path / "quarter")
+    full = draw(blocks(cell, degree, cut=False), tmp_path / "full")
+    assert set(full) == {"wheel_rail", "stress_cut", "patch_on_rail"}
+    for name, picture in full.items():
+        assert picture.shape[1] == 1600
+        assert picture.std() > 0.05
+        assert quarter[name].shape == picture.shape
+        # Tetrahedra and their diagonals differ on the two sides of the plane.
+        assert np.abs(quarter[name] - picture).mean() < 0.01
+
+
+def test_views_follow_the_patch(blocks: Callable[..., Any], tmp_path: Path) -> None:
+    """Under 1/1000 of the load everything is a tenth as large, and fills the view as before."""
+    large = draw(blocks(load=25000.0), tmp_path / "large")
+    small = draw(blocks(load=25.0), tmp_path / "small")
+    for name, picture in large.items():
+        share = [(np.ptp(each, axis=2) > 0.06).mean() for each in (picture, small[name])]
+        assert share[0] > 0.05
+        assert share[1] == pytest.approx(share[0], rel=0.05)
+
+
+def test_pressure_has_the_colours_of_the_bar(blocks: Callable[..., Any], tmp_path: Path) -> None:
+    case = blocks(cut=False)
+    contact = export.contact_grid(case.fields, case.findings.surface)
+    render.patch_on_rail(contact, case.findings, case.ellipse, tmp_path / "with.png")
+    render.patch_on_rail(contact, case.findings, None, tmp_path / "without.png")
+    with_it, without = image(tmp_path / "with.png"), image(tmp_path / "without.png")
+    free = np.abs(without - to_rgb(render.FREE_SURFACE)).max(axis=2) < 2 / 255
+    assert free.mean() > 0.2
+    darkest = np.abs(without - (128 / 255, 0, 38 / 255)).max(axis=2) < 8 / 255  # end of YlOrRd
+    bar = np.zeros_like(darkest)
+    bar[:, 1350:] = True
+    assert darkest[bar].sum() > 20
+    assert darkest[~bar].sum() > 500
+    black = [(each.max(axis=2) < 0.05).sum() for each in (with_it, without)]
+    assert black[0] > black[1] + 1000

@@ -1,0 +1,186 @@
+"""The command as a person meets it: exit status, one-line errors, the result folder."""
+
+import json
+import os
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+import pyvista
+
+from railhead import catalogue
+
+ROOT = Path(__file__).parents[2]
+FAST = ["--set", "mesh.patch_size=1.2", "--no-pictures"]
+
+
+def railhead(*arguments: str, cwd: Path, script: str | None = None):
+    """Run the command (or a case script) in a folder; returns the completed process."""
+    start = [sys.executable, script] if script else [sys.executable, "-m", "railhead.cli"]
+    code = "from railhead.cli import main; main()"
+    start = start if script else [sys.executable, "-c", code]
+    return subprocess.run(
+        [*start, *arguments], cwd=cwd, capture_output=True, text=True, check=False, timeout=300
+    )
+
+
+def files(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.rglob("*"))
+
+
+def test_list_names_every_case(tmp_path) -> None:
+    done = railhead("list", cwd=tmp_path)
+    assert done.returncode == 0
+    for name in ("uic54_thesis", "hertz_ellipse", "sphere_on_plane", "uic54_22t5_axle"):
+        assert name in done.stdout
+
+
+def test_plan_solves_and_writes_nothing(tmp_path) -> None:
+    done = railhead("plan", "uic54_22t5_axle", cwd=tmp_path)
+    assert done.returncode == 0
+    assert "symmetry_x" in done.stdout and "wheel cone20 on rail 54E1" in done.stdout
+    assert "unknowns" in done.stdout
+    assert files(tmp_path) == []
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory) -> Path:
+    """The thesis case on a coarse mesh, with pictures."""
+    folder = tmp_path_factory.mktemp("run")
+    done = railhead("run", "uic54_thesis", "--set", "mesh.patch_size=1.2", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert "FE - Hertz" in done.stdout and "Newton step" in done.stderr
+    return folder / "results" / "uic54_thesis"
+
+
+def test_result_folder_is_complete(result) -> None:
+    assert files(result) == sorted(
+        ["contact.vtu", "depth.png", "patch.png", "patch_on_rail.png", "pressure.png"]
+        + ["scene.toml", "solution.vtu", "stress_cut.png", "summary.json", "wheel_rail.png"]
+    )
+    assert files(result.parent.parent)[0] == "contact.vtu"  # no temporary folder is left
+
+
+def test_summary_keeps_the_contract(result) -> None:
+    summary = json.loads((result / "summary.json").read_text())
+    assert summary["case"] == "uic54_thesis"
+    for effect in summary["plan"]["effects"].values():
+        assert set(effect) >= {"called_for", "on", "why"}
+    assert {"unknowns", "predicted_seconds"} <= set(summary["plan"])
+    keys = {"load_N", "approach_mm", "contact_point_mm", "patch", "pressure", "stress"}
+    for part in ("result", "hertz", "difference"):
+        assert set(summary[part]) == keys
+        assert set(summary[part]["patch"]) == {"a_mm", "b_mm", "area_mm2"}
+        assert set(summary[part]["pressure"]) == {"max_MPa", "mean_MPa"}
+        assert set(summary[part]["stress"]) == {
+            "tau_max_MPa", "tau_max_depth_mm", "von_mises_max_MPa", "von_mises_max_depth_mm",
+            "surface_centre_MPa",
+        }  # fmt: skip
+    assert set(summary["accuracy"]) == {"asked", "bound", "reached"}
+    assert {"force_balance", "max_penetration_mm", "converged"} <= set(summary["checks"])
+    assert {
+        "dofs",
+        "cells",
+        "ranks",
+        "newton_iterations",
+        "linear_iterations",
+        "peak_rss_MB",
+    } <= set(summary["cost"])
+    seconds = summary["cost"]["seconds"]
+    assert set(seconds) == {"mesh", "assemble", "solve", "postprocess", "total"}
+    a, exact = summary["result"]["patch"]["a_mm"], summary["hertz"]["patch"]["a_mm"]
+    assert summary["difference"]["patch"]["a_mm"] == pytest.approx((a - exact) / exact)
+    assert exact == pytest.approx(4.33609754384)
+
+
+def test_scene_toml_runs_the_case_again(result, tmp_path) -> None:
+    assert tomllib.loads((result / "scene.toml").read_text())["mesh"]["patch_size"] == 1.2
+    done = railhead("run", str(result / "scene.toml"), "--json", "--no-pictures", cwd=tmp_path)
+    again = json.loads(done.stdout)
+    first = json.loads((result / "summary.json").read_text())
+    assert again["result"] == first["result"]
+    assert done.stderr == ""
+
+
+def test_vtu_files_open_in_pyvista(result) -> None:
+    volume = pyvista.read(result / "solution.vtu")
+    assert {"displacement", "stress", "principal_stresses", "von_mises"} <= set(volume.point_data)
+    assert "body" in volume.cell_data
+    contact = pyvista.read(result / "contact.vtu")
+    assert {"pressure", "gap"} <= set(contact.point_data)
+
+
+@pytest.mark.parametrize("case", [path.stem for path in (ROOT / "cases").glob("[a-z]*.py")])
+def test_every_case_script_runs_and_meets_hertz(case: str, tmp_path) -> None:
+    script = str(ROOT / "cases" / f"{case}.py")
+    done = railhead("--json", "--no-pictures", cwd=tmp_path, script=script)
+    assert done.returncode == 0, done.stderr
+    summary = json.loads(done.stdout)
+    assert abs(summary["difference"]["pressure"]["max_MPa"]) < 0.005
+    assert catalogue.find(case).name == case
+
+
+WRONG = [
+    (["run", "nothing_here"], "case"),
+    (["run", "uic54_thesi"], "did you mean uic54_thesis"),
+    (["run", "missing.toml"], "missing.toml"),
+    (["run", "uic54_thesis", "--set", "rail.crown_radius=-80"], "rail.crown_radius"),
+    (["run", "uic54_thesis", "--set", "rail.poisson_ratio=0.5"], "rail.poisson_ratio"),
+    (["run", "uic54_thesis", "--set", "rail.colour=red"], "rail.colour"),
+    (["run", "uic54_thesis", "--set", "load=25 parsec"], "load"),
+    (["run", "uic54_thesis", "--set", "load=nan"], "load"),
+    (["run", "uic54_thesis", "--set", "load=0"], "load"),
+    (["run", "uic54_thesis", "--set", "load=1", "--set", "approach=1"], "load"),
+    (["run", "uic54_thesis", "--set", "rail.profile=49E1"], "rail.profile"),
+    (["run", "uic54_thesis", "--set", "wheel.profile=gone.csv"], "wheel.profile"),
+    (["run", "uic54_thesis", "--set", "wheelset.shift=90"], "wheelset.shift"),
+    (["run", "uic54_22t5_axle", "--set", "effects.symmetry=on"], "effects.symmetry"),
+    (["run", "uic54_thesis", "--accuracy", "0"], "accuracy"),
+    (["run", "uic54_thesis", "--nonsense"], "nonsense"),
+    (["plan"], "CASE"),
+    (["fly"], "fly"),
+]
+
+
+@pytest.mark.parametrize("arguments, words", WRONG, ids=[" ".join(a) for a, _ in WRONG])
+def test_wrong_input_is_one_line_status_2_and_nothing_written(arguments, words, tmp_path) -> None:
+    done = railhead(*arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert words in done.stderr
+    assert files(tmp_path) == []
+
+
+def test_a_folder_that_is_no_result_is_left_alone(tmp_path) -> None:
+    (tmp_path / "thesis").mkdir()
+    (tmp_path / "thesis" / "chapter1.txt").write_text("mine")
+    done = railhead("run", "hertz_ellipse", "--out", "thesis", *FAST, cwd=tmp_path)
+    assert done.returncode == 2 and "--out" in done.stderr
+    assert files(tmp_path) == ["chapter1.txt", "thesis"]
+
+
+def test_quiet_prints_nothing_and_an_earlier_result_is_replaced(tmp_path) -> None:
+    for radius in ("420", "500"):
+        done = railhead(
+            "run", "hertz_ellipse", "--quiet", "--set", f"wheel.rolling_radius={radius}", *FAST,
+            cwd=tmp_path,
+        )  # fmt: skip
+        assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    folder = tmp_path / "results" / "hertz_ellipse"
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["scene"]["wheel"]["rolling_radius"] == 500
+    assert os.listdir(tmp_path / "results") == ["hertz_ellipse"]
+
+
+def test_non_convergence_is_status_1_with_its_history(tmp_path) -> None:
+    done = railhead(
+        "run", "hertz_ellipse", "--quiet", *FAST, "--set", "solver.max_newton=1", cwd=tmp_path
+    )
+    assert done.returncode == 1
+    assert "NOT CONVERGED" in done.stderr and "residual" in done.stderr and "Try" in done.stderr
+    summary = json.loads((tmp_path / "results/hertz_ellipse/summary.json").read_text())
+    assert summary["checks"]["converged"] is False
+    assert len(summary["newton"]["history"]) == 1

@@ -1,0 +1,167 @@
+"""A scene takes what is right, and says in one line what is wrong."""
+
+import math
+import pickle
+import subprocess
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from railhead.scene import Effects, Mesh, Rail, Scene, SceneError, Solver, Wheel, Wheelset
+
+INF = math.inf
+HALF = {"rail.extent": "half-space"}
+ARC_RAIL = {"rail.profile": "arc", "rail.extent": "half-space"}
+ARC_WHEEL = {"wheel.profile": "arc"}
+
+
+def scene(**keys: Any) -> Scene:
+    """Return a scene of 25 kN with some dotted keys set."""
+    data: dict[str, Any] = {"load": 25000}
+    for key, value in keys.items():
+        section, dot, leaf = key.partition(".")
+        if dot:
+            data.setdefault(section, {})[leaf] = value
+        else:
+            data[section] = value
+    return Scene.from_mapping(data)
+
+
+def value_of(whole: Scene, key: str) -> object:
+    """Return the value of a dotted key."""
+    section, dot, leaf = key.partition(".")
+    return getattr(getattr(whole, section), leaf) if dot else getattr(whole, section)
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "number"),
+    [
+        ("load", "25 kN", 25000.0),
+        ("load", "110.3kN", 110300.0),
+        ("load", " 0.11 MN ", 110000.0),
+        ("load", "25\u00a0kN", 25000.0),
+        ("load", "1 kgf", 9.80665),
+        ("load", "25000", 25000.0),
+        ("load", np.int64(25000), 25000.0),
+        ("accuracy", "1%", 0.01),
+        ("accuracy", "5 %", 0.05),
+        ("rail.length", "42 cm", 420.0),
+        ("rail.length", "1 in", 25.4),
+        ("rail.length", "300 µm", 0.3),
+        ("rail.young_modulus", "207 GPa", 207000.0),
+        ("rail.young_modulus", "210 kN/mm²", 210000.0),
+        ("rail.young_modulus", "2.1e5 N/mm^2", 210000.0),
+        ("rail.young_modulus", "inf", INF),
+        ("rail.poisson_ratio", "30%", 0.3),
+        ("rail.inclination", "1:20", 0.05),
+        ("rail.inclination", "-1 / 40", -0.025),
+        ("rail.inclination", "2.5%", 0.025),
+        ("rail.inclination", "2.86 deg", math.tan(math.radians(2.86))),
+        ("rail.inclination", "-50 mrad", math.tan(-0.05)),
+        ("wheel.rolling_radius", "0.42 m", 420.0),
+        ("wheelset.shift", "-0.5 cm", -5.0),
+        ("solver.theta", -1.0, -1),
+        ("solver.max_newton", "200", 200),
+        ("mesh.order", 1, 1),
+    ],
+)
+def test_units_are_converted_exactly(key: str, text: object, number: float) -> None:
+    assert value_of(scene(**{key: text}), key) == number
+
+
+def test_aliases_name_the_standard_profile() -> None:
+    assert scene(**{"rail.profile": "UIC54"}).rail.profile == "54E1"
+    assert scene(**{"rail.profile": "UIC60"}).rail.profile == "60E1"
+
+
+def test_defaults_are_the_thesis_pair() -> None:
+    assert scene() == Scene(
+        name="scene",
+        load=25000,
+        rail=Rail(profile="54E1", extent="head", young_modulus=207000, poisson_ratio=0.3),
+        wheel=Wheel(profile="cylinder", rolling_radius=420, young_modulus=207000),
+        wheelset=Wheelset(shift=0),
+        solver=Solver(method="nitsche", theta=1, gamma_factor=1, linear="auto", max_newton=30),
+        mesh=Mesh(cell="tetrahedron", order=None),
+        effects=Effects(symmetry="auto"),
+    )
+
+
+def test_python_side_reads_units_and_raises_scene_error() -> None:
+    keys: dict[str, Any] = {"profile": "arc", "crown_radius": "8 cm"}
+    assert Rail(**keys).crown_radius == 80
+    with pytest.raises(SceneError, match="^crown_radius: -1 is not allowed"):
+        Rail(profile="arc", crown_radius=-1)
+    with pytest.raises(SceneError, match="^load, approach: neither is given"):
+        Scene()
+
+
+def test_scene_is_frozen_hashable_and_picklable() -> None:
+    whole, key = scene(), "load"
+    with pytest.raises(ValidationError):
+        setattr(whole, key, 3.0)
+    assert len({whole, scene()}) == 1
+    assert pickle.loads(pickle.dumps(whole)) == whole
+    error = pickle.loads(pickle.dumps(SceneError("load", "is wrong")))
+    assert (str(error), error.key) == ("load: is wrong", "load")
+
+
+@pytest.mark.parametrize(
+    ("keys", "across"),
+    [
+        ({}, 1 / 300),
+        ({"wheel.profile": "cone20", "rail.profile": "60E1"}, 1 / 300),
+        ({**ARC_WHEEL, "wheel.transverse_radius": -330}, 1 / 300 - 1 / 330),
+        ({**ARC_WHEEL, "wheel.transverse_radius": INF}, 1 / 300),
+        ({**ARC_RAIL, "rail.crown_radius": 80}, 1 / 80),
+    ],
+)
+def test_relative_curvatures_of_half_spaces(keys: dict[str, Any], across: float) -> None:
+    assert scene(
+        **HALF, **{k: v for k, v in keys.items() if k not in HALF}
+    ).relative_curvatures() == pytest.approx((1 / 420, across), rel=1e-15)
+
+
+def test_replace_sets_several_keys() -> None:
+    changed = scene().replace(
+        ["load=110kN", "rail.profile=arc", "rail.crown_radius = 80", "solver.theta=-1", "name='x'"]
+    )
+    assert (changed.load, changed.rail.crown_radius, changed.solver.theta) == (110000, 80, -1)
+    assert changed.name == "x"
+    assert changed.wheel == scene().wheel
+    assert scene().replace([]) == scene()
+
+
+def test_replace_of_load_by_approach_and_back() -> None:
+    pressed = scene().replace(["approach=0.1 mm"])
+    assert (pressed.load, pressed.approach) == (None, 0.1)
+    assert pressed.replace(["load=25 kN"]) == scene()
+
+
+def test_replace_of_an_arc_drops_its_radius() -> None:
+    arc = scene(**{"rail.profile": "arc", "rail.crown_radius": 80})
+    assert arc.replace(["rail.profile=60E1"]).rail == Rail(profile="60E1")
+    assert arc.replace(["rail.profile=arc"]) == arc
+
+
+def test_replace_reads_a_standard_rail_as_a_word_not_as_a_power_of_ten() -> None:
+    for text in ("60E1", '"60E1"', "UIC60"):
+        assert scene().replace([f"rail.profile={text}"]).rail.profile == "60E1"
+    assert scene().replace(["name=1e3"]).name == "1e3"
+
+
+def test_replace_keeps_a_date_or_a_second_line_as_plain_text() -> None:
+    assert scene().replace(["name=2012-06-01"]).name == "2012-06-01"
+    with pytest.raises(SceneError, match=r"load: '1\\nname = 2' is not a force"):
+        scene().replace(["load=1\nname = 2"])
+
+
+def test_numbers_do_not_load_pint() -> None:
+    code = (
+        "import sys; from railhead.scene import Scene; Scene(load=1); print('pint' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"

@@ -1,0 +1,197 @@
+"""Scenes survive a TOML file, and no file raises anything but SceneError."""
+
+import math
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from railhead.scene import Scene, SceneError
+from railhead.scene_io import read_scene, to_toml
+
+reusing_the_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+
+number = st.floats(min_value=1e-300, max_value=1e300)
+radius = number | st.just(math.inf)
+ratio = st.floats(0, 0.5, exclude_max=True)
+
+
+def table(required: dict[str, Any], **optional: Any) -> st.SearchStrategy[dict[str, Any]]:
+    """Return a strategy of tables with some keys always and some keys sometimes."""
+    return st.fixed_dictionaries(required, optional=optional)
+
+
+def material(modulus: st.SearchStrategy[float]) -> dict[str, Any]:
+    return {"young_modulus": modulus, "poisson_ratio": ratio, "yield_stress": number}
+
+
+rails = table(
+    {"profile": st.sampled_from(["54E1", "60E1", "UIC54", "UIC60"])},
+    extent=st.sampled_from(["head", "section", "half-space"]),
+    inclination=st.floats(-0.2, 0.2),
+    length=number,
+    **material(number),
+) | table(
+    {"profile": st.just("arc"), "crown_radius": radius},
+    extent=st.sampled_from(["head", "section"]),
+    **material(number),
+)
+wheels = table(
+    {"profile": st.sampled_from(["cylinder", "cone20", "cone40"])},
+    rolling_radius=number,
+    width=number,
+    rim_depth=number,
+    segment_length=number,
+    **material(radius),
+) | table({"profile": st.just("arc"), "transverse_radius": radius}, **material(radius))
+rest = {
+    "name": st.from_regex(r"[A-Za-z0-9_-][A-Za-z0-9_.-]{0,20}", fullmatch=True),
+    "accuracy": st.floats(0.0005, 0.2),
+    "rail": rails,
+    "wheel": wheels,
+    "wheelset": table({}, shift=st.floats(-30, 30)),
+    "solver": table(
+        {},
+        method=st.sampled_from(["nitsche", "penalty"]),
+        theta=st.sampled_from([1, 0, -1]),
+        gamma_factor=number,
+        linear=st.sampled_from(["auto", "direct", "multigrid"]),
+        max_newton=st.integers(1, 200),
+    ),
+    "mesh": table(
+        {},
+        cell=st.sampled_from(["tetrahedron", "hexahedron"]),
+        order=st.sampled_from([1, 2]),
+        patch_size=number,
+    ),
+    "effects": table({}, symmetry=st.sampled_from(["auto", "on", "off"])),
+}
+scenes = (table({"load": number}, **rest) | table({"approach": number}, **rest)).map(
+    Scene.from_mapping
+)
+
+
+@given(scenes)
+@reusing_the_folder
+def test_scene_survives_its_file(tmp_path: Path, scene: Scene) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(to_toml(scene), encoding="utf-8")
+    assert read_scene(path) == scene
+
+
+def test_concave_wheel_and_rigid_rail_survive(tmp_path: Path) -> None:
+    scene = Scene.from_mapping(
+        {
+            "load": "25 kN",
+            "rail": {"young_modulus": math.inf},
+            "wheel": {"profile": "arc", "transverse_radius": -330},
+        }
+    )
+    path = tmp_path / "scene.toml"
+    path.write_text(to_toml(scene), encoding="utf-8")
+    assert read_scene(path) == scene
+    assert "young_modulus = inf" in path.read_text()
+
+
+@given(st.binary() | st.text().map(str.encode))
+@reusing_the_folder
+def test_no_bytes_raise_anything_but_scene_error(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "bytes.toml"
+    path.write_bytes(content)
+    with pytest.raises(SceneError) as caught:
+        read_scene(path)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+words = st.sampled_from(
+    ["load", "approach", "rail", "wheel.profile", "[rail]", "[[rail]]", "[mesh]", "order", "=", "."]
+    + ["{", "}", "[", "]", ",", "'", '"', "'''", "#", "inf", "nan", "true", "1", "1e999", "0xff"]
+    + ["2012-06-01", "25kN", "'25 kN'", "'x.csv'", "\\u0000", "-"]
+)
+
+
+@given(st.lists(words | st.just("\n"), max_size=30).map(" ".join))
+@reusing_the_folder
+def test_nearly_toml_raises_nothing_but_scene_error(tmp_path: Path, content: str) -> None:
+    path = tmp_path / "words.toml"
+    path.write_text(content, encoding="utf-8")
+    try:
+        assert isinstance(read_scene(path), Scene)
+    except SceneError as error:
+        assert len(str(error).splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"load = ", "not valid TOML: Invalid value"),
+        (b"load = 1\nload = 2", "not valid TOML: Cannot overwrite a value"),
+        (b"load = \xff", "byte 7 is not UTF-8"),
+        (b"load = 1\x00", "not valid TOML"),
+        (b"load = " + b"[" * 20000, "not valid TOML"),
+        (b"load = " + b"9" * 5000, "not valid TOML"),
+    ],
+)
+def test_broken_file_is_named_in_one_line(tmp_path: Path, content: bytes, words: str) -> None:
+    path = tmp_path / "broken.toml"
+    path.write_bytes(content)
+    with pytest.raises(SceneError) as caught:
+        read_scene(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert words in str(caught.value)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_what_is_no_file_is_named_in_one_line(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "fifo.toml")
+    for name, reason in {
+        "missing.toml": "no such file",
+        "new\nline.toml": "no such file",
+        "nul\0.toml": "no such file",
+        ".": "not a file",
+        "fifo.toml": "not a file",
+        "x" * 300: "cannot be read: File name too long",
+    }.items():
+        with pytest.raises(SceneError, match=reason) as caught:
+            read_scene(tmp_path / name)
+        assert len(str(caught.value).splitlines()) == 1
+
+
+def test_unreadable_file_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "secret.toml"
+    path.write_text("load = 1")
+
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "read_text", refuse)
+    with pytest.raises(SceneError, match=r"secret\.toml: cannot be read: Permission denied"):
+        read_scene(path)
+
+
+@pytest.mark.parametrize(
+    ("file", "name"), [("thesis.toml", "thesis"), ("my scene.toml", "my_scene"), ("é.toml", "_")]
+)
+def test_name_defaults_to_the_file(tmp_path: Path, file: str, name: str) -> None:
+    (tmp_path / file).write_text("load = 1")
+    assert read_scene(tmp_path / file).name == name
+    (tmp_path / file).write_text("\ufeffload = '25 kN'\r\nname = 'own'", encoding="utf-8")
+    assert read_scene(str(tmp_path / file)) == Scene(load=25000, name="own")
+
+
+def test_profile_path_starts_at_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "cases").mkdir()
+    (tmp_path / "rail.csv").write_text("0,0\n")
+    (tmp_path / "cases" / "wheel.csv").write_text("0,0\n")
+    path = tmp_path / "cases" / "measured.toml"
+    path.write_text("load = 1\nrail.profile = '../rail.csv'\nwheel.profile = 'wheel.csv'")
+    monkeypatch.chdir(tmp_path)
+    scene = read_scene(Path("cases/measured.toml"))
+    assert scene.rail.profile == str(tmp_path / "rail.csv")
+    assert scene.wheel.profile == str(tmp_path / "cases" / "wheel.csv")
+    monkeypatch.chdir("/")
+    path.write_text(to_toml(scene))
+    assert read_scene(path) == scene

@@ -1,0 +1,160 @@
+"""Constraints, transfer, tangent, energy, preconditioners: the algebra of the contact problem."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from solver import constraints, linear, newton
+from solver.contact import ContactModel
+from solver.laws import Law
+
+LAWS = [Law("nitsche", 1), Law("nitsche", 0), Law("nitsche", -1), Law("penalty")]
+IDS = ["theta=1", "theta=0", "theta=-1", "penalty"]
+
+
+@pytest.fixture(scope="module")
+def models(two_blocks):
+    made, setup = two_blocks()
+
+    def build(law: Law = LAWS[0], **changes: object) -> ContactModel:
+        from dataclasses import replace
+
+        return ContactModel(
+            made.mesh, made.cell_tags, made.facet_tags, replace(setup, law=law, **changes)
+        )
+
+    return build
+
+
+def loaded(model: ContactModel, load: float = 2000.0):
+    """The model's problem under a load, and a state near its solution."""
+    active = np.linalg.norm(model.interface.points, axis=1) < 2.0
+    solution = model.solve(load=load, active=active)
+    return model.problem, solution
+
+
+def test_planes_in_general_position_leave_the_right_freedom() -> None:
+    normals = [np.array([1.0, 1.0, 0.0]) / np.sqrt(2), np.array([0.0, 0.6, 0.8])]
+    masks = [np.array([True, False, True, False]), np.array([True, True, False, False])]
+    supports = constraints.Supports(
+        np.array([False, False, False, True]),
+        list(zip(masks, normals, strict=True)),
+        hub_free=False,
+    )
+    reduction = constraints.reduce(supports, MPI.COMM_SELF)
+    assert reduction.matrix.getSize() == (12, 1 + 2 + 2)
+    y = reduction.matrix.createVecRight()
+    y.setRandom()
+    u = (reduction.matrix * y).array.reshape(4, 3)
+    for mask, normal in zip(masks, normals, strict=True):
+        assert np.abs(u[mask & ~supports.fixed] @ normal).max() < 1e-14
+    assert np.all(u[3] == 0)
+    np.testing.assert_allclose(reduction.norms().array, 1.0)
+
+
+def test_hub_moves_as_one(models) -> None:
+    model = models()
+    y = model.reduction.matrix.createVecRight()
+    y.set(0.0)
+    y.array[model.reduction.approach] = 0.25
+    u = (model.reduction.matrix * y).array.reshape(-1, 3)
+    hub = model._supports(model.bulk.space).hub
+    np.testing.assert_array_equal(u[hub], np.tile([0, 0, -0.25], (hub.sum(), 1)))
+    assert np.all(u[~hub] == 0)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=IDS)
+def test_tangent_is_the_derivative_of_the_residual(models, law) -> None:
+    """Central differences of R along a random direction, relative error below 1e-6."""
+    problem, solution = loaded(models(law))
+    y = solution.newton.y
+    rng = np.random.default_rng(3)
+    step = y.duplicate()
+    step.array[:] = rng.standard_normal(step.local_size) * 1e-4 * abs(y.array).max()
+    indicator = problem.indicator(y)
+    change = -(problem.trace * step).array
+    t = 0.5 * np.min(np.abs(indicator / change))  # no point changes sides
+    both = []
+    for sign in (1, -1):
+        state = y.copy()
+        state.axpy(sign * t, step)
+        both.append(problem.residual(state, problem.pressure(state)))
+    difference = (both[0] - both[1]) / (2 * t)
+    exact = problem.tangent(indicator > 0) * step
+    assert (difference - exact).norm() < 1e-6 * exact.norm()
+    assembled = problem.assembled_tangent(indicator > 0) * step
+    assert (assembled - exact).norm() < 1e-12 * exact.norm()
+
+
+@pytest.mark.parametrize("law", [LAWS[0], LAWS[3]], ids=[IDS[0], IDS[3]])
+def test_slope_along_a_line_is_residual_times_step(models, law) -> None:
+    problem, solution = loaded(models(law))
+    step = solution.newton.y.duplicate()
+    step.array[:] = np.random.default_rng(4).standard_normal(step.local_size) * 1e-3
+    slope = problem.slope(solution.newton.y, step)
+    for t in (0.0, 0.4, 1.0):
+        state = solution.newton.y.copy()
+        state.axpy(t, step)
+        expected = problem.residual(state, problem.pressure(state)).dot(step)
+        assert slope(t) == pytest.approx(expected, rel=1e-8)
+
+
+def test_line_search_stops_an_overshoot_and_lets_good_steps_pass(models) -> None:
+    problem, solution = loaded(models())
+    start = solution.newton.y.copy()
+    start.scale(0.9)
+    to_solution = solution.newton.y - start
+    assert newton.line_search(problem, start, to_solution) == 1.0
+    far = to_solution.copy()
+    far.scale(8.0)
+    assert newton.line_search(problem, start, far) == pytest.approx(1 / 8, rel=0.2)
+
+
+def test_direct_and_multigrid_give_the_same_solution(models) -> None:
+    states = []
+    for choice in ("direct", "multigrid"):
+        model = models(linear=choice)
+        _, solution = loaded(model)
+        assert solution.newton.converged
+        states.append((solution.approach, solution.displacement.array.copy()))
+    assert states[0][0] == pytest.approx(states[1][0], rel=1e-8)
+    np.testing.assert_allclose(states[0][1], states[1][1], atol=1e-8 * abs(states[0][1]).max())
+
+
+def test_prolongation_carries_rigid_motion_and_the_approach(models) -> None:
+    """Q y1 represents the same displacement as y1 does in the P1 space."""
+    from solver import compat, transfer
+
+    model = models()
+    coarse = compat.vector_space(model.bulk.space.mesh, 1)
+    reduction = constraints.reduce(model._supports(coarse), model.comm)
+    full = transfer.interpolation(coarse, model.bulk.space, 2)
+    q = transfer.reduced_prolongation(full, model.reduction, reduction)
+    y = q.createVecRight()
+    y.setRandom()
+    direct = full * (reduction.matrix * y)
+    reduced = model.reduction.matrix * (q * y)
+    assert (direct - reduced).norm() < 1e-12 * direct.norm()
+
+
+def test_algebraic_multigrid_serves_linear_elements(models) -> None:
+    reference = loaded(models(degree=1, linear="direct"))[1].approach
+    found = loaded(models(degree=1, linear="multigrid"))[1]
+    assert found.newton.converged
+    assert found.approach == pytest.approx(reference, rel=1e-8)
+
+
+def test_gamg_below_p_multigrid_gives_the_same_answer(models, monkeypatch) -> None:
+    reference = loaded(models(linear="direct"))[1].approach
+    monkeypatch.setattr(linear, "COARSE_DIRECT_BELOW", 0)
+    found = loaded(models(linear="multigrid"))[1]
+    assert found.newton.converged
+    assert found.approach == pytest.approx(reference, rel=1e-8)
+
+
+def test_bodies_that_never_touch_are_named_not_solved(models) -> None:
+    """Approach control with the wheel pulled away: no contact, and no number is made up."""
+    model = models(load_control=False)
+    solution = model.solve(approach=-1.0, active=np.zeros(len(model.interface.points), bool))
+    assert solution.load == 0.0
+    assert not np.any(solution.pressure)

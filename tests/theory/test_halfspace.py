@@ -1,0 +1,139 @@
+"""Displacements of the half-space: contact condition, superposition, far field, elasticity."""
+
+import math
+
+import numpy as np
+import pytest
+from finite_differences import Array, jacobian
+from scipy.special import roots_legendre
+
+from theory.halfspace import boussinesq_displacement, hertz_displacement
+from theory.hertz import Ellipse, contact_modulus, point_contact
+from theory.subsurface import stress
+
+CURVATURE_RATIOS = [1e-3, 0.2, 1.0, 1 + 1e-9, 5.0]
+WHEEL, RAIL = (210000.0, 0.28), (190000.0, 0.35)
+
+
+def contact_of(curvature_ratio: float) -> Ellipse:
+    return point_contact(curvature_ratio * 1e-3, 1e-3, contact_modulus(*WHEEL, *RAIL), 4e4)
+
+
+def hooke(strain: Array, young: float, poisson: float) -> Array:
+    """Stress (n, 6) of displacement gradients (n, 3, 3)."""
+    e = (strain + np.swapaxes(strain, 1, 2)) / 2
+    mu = young / (2 * (1 + poisson))
+    pressure = 2 * mu * poisson / (1 - 2 * poisson) * np.trace(e, axis1=1, axis2=2)
+    s = 2 * mu * e + pressure[:, None, None] * np.eye(3)
+    return np.asarray(s[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]])
+
+
+@pytest.mark.parametrize("curvature_ratio", CURVATURE_RATIOS)
+def test_approach_is_the_centre_displacement_of_both_bodies(curvature_ratio: float) -> None:
+    contact = contact_of(curvature_ratio)
+    sunk = sum(-hertz_displacement(contact, [[0, 0, 0]], *body)[0, 2] for body in (WHEEL, RAIL))
+    assert sunk == pytest.approx(contact.approach, rel=1e-13)
+
+
+@pytest.mark.parametrize("curvature_ratio", CURVATURE_RATIOS)
+def test_gap_is_closed_inside_and_open_outside(curvature_ratio: float) -> None:
+    c = contact_of(curvature_ratio)
+    plane = np.random.default_rng(1).uniform(-1.5, 1.5, (400, 3)) * (c.a, c.b, 0)
+    sunk = -hertz_displacement(c, plane, *WHEEL)[:, 2] - hertz_displacement(c, plane, *RAIL)[:, 2]
+    x, y = plane[:, 0], plane[:, 1]
+    gap = c.curvature_x * x**2 / 2 + c.curvature_y * y**2 / 2 + sunk - c.approach
+    inside = c.pressure(x, y) > 0
+    assert np.abs(gap[inside]).max() < 1e-12 * c.approach
+    assert gap[~inside].min() > 0
+    assert 0 < inside.sum() < 400
+
+
+@pytest.mark.parametrize("curvature_ratio", CURVATURE_RATIOS)
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.45])
+def test_strain_and_hooke_give_the_stress(curvature_ratio: float, poisson: float) -> None:
+    c = contact_of(curvature_ratio)
+    size = min(c.a, c.b)
+    box = np.random.default_rng(2).uniform((-2, -2, -3), (2, 2, -0.15), (200, 3))
+    points = box * (c.a, c.b, size)
+    gradient = jacobian(lambda at: hertz_displacement(c, at, 2e5, poisson), points, 2e-3 * size)
+    expected = stress(c, poisson, points)
+    assert np.abs(hooke(gradient, 2e5, poisson) - expected).max() < 2e-8 * c.p0
+
+
+def test_superposition_of_point_forces(thesis_ellipse: Ellipse) -> None:
+    c = thesis_ellipse
+    rng = np.random.default_rng(3)
+    direction = rng.normal(size=(20, 3))
+    direction[:, 2] = -np.abs(direction[:, 2])
+    direction[:4, 2] = 0
+    points = direction / np.linalg.norm(direction, axis=1)[:, None] * rng.uniform(10, 40, (20, 1))
+    node, weight = roots_legendre(24)
+    phi, theta = np.pi / 4 * (node + 1), (np.arange(48) + 0.5) * np.pi / 24
+    total = np.zeros_like(points)
+    for angle, w in zip(phi, weight * np.pi / 4, strict=True):
+        force = c.p0 * np.cos(angle) * c.a * c.b * np.sin(angle) * np.cos(angle) * w * np.pi / 24
+        for turn in theta:
+            at = math.sin(angle) * np.array([c.a * math.cos(turn), c.b * math.sin(turn), 0])
+            total += boussinesq_displacement(points - at, force, 207000, 0.3)
+    u = hertz_displacement(c, points, 207000, 0.3)
+    np.testing.assert_allclose(u, total, rtol=0, atol=1e-12 * np.abs(u).max())
+
+
+def test_far_field_tends_to_the_point_force_quadratically(thesis_ellipse: Ellipse) -> None:
+    direction = np.array([[1, 0, 0], [0, 1, 0], [0, 0, -1], [0.48, 0.6, -0.64]])
+    errors = []
+    for distance in (100.0, 200.0, 400.0):
+        far = direction * distance
+        exact = hertz_displacement(thesis_ellipse, far, 207000, 0.3)
+        point = boussinesq_displacement(far, thesis_ellipse.load, 207000, 0.3)
+        errors.append(np.linalg.norm(exact - point, axis=1) / np.linalg.norm(point, axis=1))
+    assert np.max(errors[0]) < 2e-3
+    slopes = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+    np.testing.assert_allclose(slopes, 2, atol=0.02)
+
+
+def test_point_force_is_in_equilibrium_with_its_load() -> None:
+    node, weight = roots_legendre(40)
+    polar, turn = np.arccos((node - 1) / 2), (np.arange(16) + 0.5) * np.pi / 8
+    theta, phi = np.meshgrid(polar, turn, indexing="ij")
+    normal = np.stack(
+        (np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)), axis=-1
+    ).reshape(-1, 3)
+    radius = 7.0
+    gradient = jacobian(
+        lambda at: boussinesq_displacement(at, 500.0, 2e5, 0.3), radius * normal, 1e-3
+    )
+    xx, yy, zz, xy, xz, yz = hooke(gradient, 2e5, 0.3).T
+    x, y, z = normal.T
+    traction = np.stack(
+        (xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z)
+    )
+    area = np.repeat(weight / 2, turn.size) * np.pi / 8 * radius**2
+    np.testing.assert_allclose(traction @ area, [0, 0, 500], atol=1e-4)
+
+
+def test_exchange_of_the_axes_permutes_the_displacement() -> None:
+    contact, turned = (
+        contact_of(0.2),
+        point_contact(1e-3, 2e-4, contact_modulus(*WHEEL, *RAIL), 4e4),
+    )
+    points = -np.abs(np.random.default_rng(4).normal(size=(50, 3))) * contact.a
+    exchanged = hertz_displacement(turned, points[:, [1, 0, 2]], *RAIL)[:, [1, 0, 2]]
+    u = hertz_displacement(contact, points, *RAIL)
+    np.testing.assert_allclose(exchanged, u, rtol=0, atol=1e-13 * contact.approach)
+
+
+def test_rigid_body_does_not_move(thesis_ellipse: Ellipse) -> None:
+    assert np.all(hertz_displacement(thesis_ellipse, [[1, 2, -3]], math.inf, 0.3) == 0)
+    assert np.all(boussinesq_displacement([[1, 2, -3]], 1e3, math.inf, 0.3) == 0)
+
+
+@pytest.mark.parametrize("wrong", [[[0, 0, 1.0]], [[0, 0, 0]], [0, 0, -1.0]])
+def test_wrong_points_of_the_point_force_are_refused(wrong: list[list[float]]) -> None:
+    with pytest.raises(ValueError, match="points must"):
+        boussinesq_displacement(wrong, 1e3, 2e5, 0.3)
+
+
+def test_points_above_the_patch_are_refused(thesis_ellipse: Ellipse) -> None:
+    with pytest.raises(ValueError, match="z <= 0"):
+        hertz_displacement(thesis_ellipse, [[0, 0, 1.0]], 2e5, 0.3)

@@ -1,0 +1,239 @@
+"""Hertz point and line contact: reference numbers, limits, symmetries and wrong input."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.special import elliprd, roots_legendre
+
+from theory.hertz import (
+    Ellipse,
+    contact_modulus,
+    general_orientation,
+    line_contact,
+    point_contact,
+    point_contact_from_approach,
+)
+
+RATIOS = [1e-9, 1e-6, 1e-3, 0.3, 0.999999, 1.0, 1.0000001, 4.0, 1e6]
+
+
+def test_thesis_case_is_exact(reference: dict[str, Any], thesis_ellipse: Ellipse) -> None:
+    exact = reference["exact"]
+    assert thesis_ellipse.contact_modulus == pytest.approx(exact["E_star_MPa"], rel=1e-11)
+    for name, key in (
+        ("a", "a_mm"),
+        ("b", "b_mm"),
+        ("p0", "p0_MPa"),
+        ("p_mean", "p_mean_MPa"),
+        ("approach", "approach_mm"),
+    ):
+        assert getattr(thesis_ellipse, name) == pytest.approx(exact[key], rel=1e-11), name
+    assert thesis_ellipse.area == pytest.approx(exact["area_mm2"], rel=2e-10)  # ten digits given
+    ratio = thesis_ellipse.b / thesis_ellipse.a
+    assert ratio == pytest.approx(exact["axis_ratio_b_over_a"], rel=1e-11)
+
+
+def test_load_table(reference: dict[str, Any]) -> None:
+    modulus = reference["exact"]["E_star_MPa"]
+    for row in reference["load_table"]:
+        contact = point_contact(1 / 420, 1 / 300, modulus, row["F_N"])
+        computed = (contact.a, contact.b, contact.p0, contact.approach)
+        expected = [row[key] for key in ("a_mm", "b_mm", "p0_MPa", "approach_mm")]
+        np.testing.assert_allclose(computed, expected, rtol=5e-8)  # eight digits given
+
+
+def test_exact_coefficients_of_table_5_3(reference: dict[str, Any]) -> None:
+    for row in reference["table_5_3"]:
+        half = math.radians(row["theta_deg"]) / 2
+        contact = point_contact(2 * math.sin(half) ** 2, 2 * math.cos(half) ** 2, 1e5, 1e3)
+        base = math.cbrt(3 * 1e3 / (4 * 1e5))
+        assert contact.a / base == pytest.approx(row["m_exact"], rel=1e-8)
+        assert contact.b / base == pytest.approx(row["n_exact"], rel=1e-8)
+
+
+def test_circular_limit_is_the_sphere() -> None:
+    radius, modulus, load = 250.0, 1.1e5, 4e4
+    contact = point_contact(1 / radius, 1 / radius, modulus, load)
+    a = math.cbrt(3 * load * radius / (4 * modulus))
+    assert contact.a == pytest.approx(a, rel=1e-14)
+    assert contact.b == pytest.approx(a, rel=1e-14)
+    assert contact.approach == pytest.approx(a * a / radius, rel=1e-14)
+
+
+@pytest.mark.parametrize("offset", [1e-14, 1e-11, 1e-8, 1e-5])
+def test_near_circular_ratio_follows_its_series(offset: float) -> None:
+    contact = point_contact(1 + offset, 1.0, 1e5, 1e3)
+    assert contact.b / contact.a - 1 == pytest.approx(2 / 3 * offset, rel=offset, abs=4e-15)
+
+
+@pytest.mark.parametrize(
+    ("curvature_ratio", "axis_ratio"),
+    [  # 40-digit root of R_D(0, k^2, 1)/R_D(0, 1, k^2)
+        (0.7, 0.788483351600568756),
+        (1e-3, 0.0147335131549467225),
+        (1e-6, 0.000345950038447739219),
+        (1e-9, 9.13252969756335697e-6),
+    ],
+)
+def test_axis_ratio_to_twelve_digits(curvature_ratio: float, axis_ratio: float) -> None:
+    contact = point_contact(curvature_ratio, 1.0, 1e5, 1e3)
+    assert contact.b / contact.a == pytest.approx(axis_ratio, rel=1e-12)
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+def test_both_curvatures_are_flattened(ratio: float) -> None:
+    contact = point_contact(ratio * 1e-3, 1e-3, 1.1e5, 4e4)
+    a2, b2 = contact.a**2, contact.b**2
+    scale = 4e4 / (math.pi * 1.1e5)
+    assert scale * elliprd(0, b2, a2) == pytest.approx(ratio * 1e-3, rel=1e-12)
+    assert scale * elliprd(0, a2, b2) == pytest.approx(1e-3, rel=1e-12)
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+def test_exchange_of_the_axes(ratio: float) -> None:
+    contact = point_contact(ratio * 1e-3, 1e-3, 1.1e5, 4e4)
+    turned = point_contact(1e-3, ratio * 1e-3, 1.1e5, 4e4)
+    assert (turned.a, turned.b) == pytest.approx((contact.b, contact.a), rel=2e-14)
+    assert turned.p0 == pytest.approx(contact.p0, rel=2e-14)
+    assert turned.approach == pytest.approx(contact.approach, rel=2e-14)
+    assert (contact.a > contact.b) == (ratio < 1)
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+def test_approach_and_load_are_inverse(ratio: float) -> None:
+    by_load = point_contact(ratio * 1e-3, 1e-3, 1.1e5, 4e4)
+    by_approach = point_contact_from_approach(ratio * 1e-3, 1e-3, 1.1e5, by_load.approach)
+    assert by_approach.load == pytest.approx(4e4, rel=1e-13)
+    assert by_approach.a == pytest.approx(by_load.a, rel=1e-13)
+    assert by_approach.p0 == pytest.approx(by_load.p0, rel=1e-13)
+
+
+def test_stiffness_is_three_halves_of_load_over_approach(thesis_ellipse: Ellipse) -> None:
+    c, step = thesis_ellipse, 1e-4
+    more, less = (
+        point_contact(c.curvature_x, c.curvature_y, c.contact_modulus, c.load * factor)
+        for factor in (1 + step, 1 - step)
+    )
+    slope = (more.load - less.load) / (more.approach - less.approach)
+    assert slope == pytest.approx(1.5 * c.load / c.approach, rel=1e-8)
+
+
+def test_pressure_integral_is_the_load(thesis_ellipse: Ellipse) -> None:
+    c = thesis_ellipse
+    node, weight = roots_legendre(20)
+    phi = np.pi / 4 * (node + 1)
+    theta = np.arange(8) * np.pi / 4
+    radius = np.sin(phi)[:, None]
+    p = c.pressure(c.a * radius * np.cos(theta), c.b * radius * np.sin(theta))
+    jacobian = c.a * c.b * np.sin(phi) * np.cos(phi) * np.pi / 4 * weight
+    assert np.sum(p * jacobian[:, None]) * np.pi / 4 == pytest.approx(c.load, rel=1e-13)
+
+
+def test_pressure_vanishes_outside(thesis_ellipse: Ellipse) -> None:
+    c = thesis_ellipse
+    assert c.pressure(0, 0) == c.p0
+    assert np.all(c.pressure([1.01 * c.a, 0, -9], [0, 1.01 * c.b, 9]) == 0)
+
+
+def test_line_contact_of_a_cylinder_and_its_load() -> None:
+    strip = line_contact(1 / 420, 1.1e5, 1e3)
+    assert strip.p0 == pytest.approx(math.sqrt(1e3 * 1.1e5 / (math.pi * 420)), rel=1e-14)
+    phi = (np.arange(64) + 0.5) * np.pi / 64  # the cosine substitution integrates it exactly
+    load = np.sum(strip.pressure(strip.b * np.cos(phi)) * strip.b * np.sin(phi)) * np.pi / 64
+    assert load == pytest.approx(1e3, rel=1e-13)
+    assert strip.p_mean == pytest.approx(np.pi / 4 * strip.p0, rel=1e-14)
+
+
+@pytest.mark.parametrize("axis_ratio", [1e-1, 1e-2, 1e-3, 1e-4])
+def test_line_limit_of_the_point_contact(axis_ratio: float) -> None:
+    k2 = axis_ratio**2
+    curvature_ratio = elliprd(0, k2, 1) / elliprd(0, 1, k2)
+    contact = point_contact(curvature_ratio * 1e-2, 1e-2, 1.1e5, 4e4)
+    strip = line_contact(1e-2, 1.1e5, math.pi / 2 * contact.b * contact.p0)
+    order = k2 * math.log(4 / axis_ratio)
+    assert contact.b / contact.a == pytest.approx(axis_ratio, rel=1e-12)
+    assert contact.b == pytest.approx(strip.b, rel=order)
+    assert contact.p0 == pytest.approx(strip.p0, rel=order)
+
+
+def test_contact_modulus_with_a_rigid_body() -> None:
+    assert contact_modulus(207000, 0.3, math.inf, 0.3) == pytest.approx(207000 / 0.91, rel=1e-15)
+    assert contact_modulus(7e4, 0.33, 2e5, 0.28) == contact_modulus(2e5, 0.28, 7e4, 0.33)
+
+
+def test_parallel_cylinders_of_equal_sense_add_up() -> None:
+    turned = general_orientation((1 / 420, 0.0), (0.0, 1 / 300), 0.0)
+    assert turned == pytest.approx((1 / 420, 1 / 300, 0.0), rel=1e-14)
+    turned = general_orientation((1 / 300, 0.0), (0.0, 1 / 420), 0.0)
+    assert turned == pytest.approx((1 / 420, 1 / 300, math.pi / 2), rel=1e-14)
+
+
+def test_equal_crossed_cylinders_are_a_sphere() -> None:
+    turned = general_orientation((0.01, 0.0), (0.01, 0.0), math.pi / 2)
+    assert turned[:2] == pytest.approx((0.01, 0.01), rel=1e-14)
+
+
+@pytest.mark.parametrize("angle", [-2.0, -0.3, 1e-9, 0.4, 1.2, math.pi / 2, 3.0])
+@pytest.mark.parametrize("second", [(0.0, 0.002), (-0.0008, 0.004), (0.003, 0.001)])
+def test_general_orientation_diagonalises_the_gap(
+    angle: float, second: tuple[float, float]
+) -> None:
+    first = (0.004, 0.001)
+    turned = general_orientation(first, second, angle)
+
+    def rotation(by: float) -> Any:
+        return np.array([[math.cos(by), -math.sin(by)], [math.sin(by), math.cos(by)]])
+
+    gap = np.diag(first) + rotation(angle) @ np.diag(second) @ rotation(angle).T
+    diagonal = rotation(turned.angle).T @ gap @ rotation(turned.angle)
+    expected = np.diag([turned.curvature_x, turned.curvature_y])
+    np.testing.assert_allclose(diagonal, expected, atol=1e-17)
+    assert 0 < turned.curvature_x <= turned.curvature_y
+
+
+def test_slightly_crossed_cylinders_keep_all_digits() -> None:
+    angle = 1e-6
+    smaller, larger, _ = general_orientation((0.01, 0.0), (0.02, 0.0), angle)
+    assert smaller * larger == pytest.approx(0.01 * 0.02 * math.sin(angle) ** 2, rel=1e-13)
+
+
+def test_curved_track_of_the_thesis(reference: dict[str, Any]) -> None:
+    modulus = reference["exact"]["E_star_MPa"]
+    for row in reference["curved_track"]:
+        x, y, _ = general_orientation((1 / 420, 0.0), (0.0, 1 / 300), row["phi_rad"])
+        contact = point_contact(x, y, modulus, 25000)
+        expected = (row["K4_per_mm"], row["a_mm"], row["b_mm"], row["p0_MPa"])
+        np.testing.assert_allclose(
+            ((y - x) / 2, contact.a, contact.b, contact.p0), expected, rtol=1e-9
+        )
+
+
+@pytest.mark.parametrize("wrong", [0.0, -1.0, math.nan, math.inf])
+@pytest.mark.parametrize(
+    ("position", "name"),
+    [(0, "curvature_x"), (1, "curvature_y"), (2, "contact_modulus"), (3, "load")],
+)
+def test_point_contact_refuses(wrong: float, position: int, name: str) -> None:
+    arguments = [1e-3, 1e-3, 1e5, 1e3]
+    arguments[position] = wrong
+    with pytest.raises(ValueError, match=f"{name} must be positive and finite"):
+        point_contact(*arguments)
+
+
+def test_other_wrong_input_is_refused() -> None:
+    with pytest.raises(ValueError, match="approach must be positive"):
+        point_contact_from_approach(1e-3, 1e-3, 1e5, -0.1)
+    with pytest.raises(ValueError, match="load_per_length must be positive"):
+        line_contact(1e-3, 1e5, 0)
+    with pytest.raises(ValueError, match="Young's modulus must be positive"):
+        contact_modulus(-1, 0.3, 1, 0.3)
+    with pytest.raises(ValueError, match=r"Poisson's ratio must lie in \(-1, 0.5\]"):
+        contact_modulus(1, 0.3, 1, 0.51)
+    with pytest.raises(ValueError, match="at least one body must be elastic"):
+        contact_modulus(math.inf, 0.3, math.inf, 0.3)
+    with pytest.raises(ValueError, match="no point contact"):
+        general_orientation((0.01, 0.0), (0.01, 0.0), 0.0)
+    with pytest.raises(ValueError, match="no point contact"):
+        general_orientation((-0.01, 0.0), (0.0, 0.01), 0.0)

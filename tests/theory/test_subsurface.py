@@ -1,0 +1,225 @@
+"""Stresses below the contact: reference numbers, equilibrium, boundary conditions, limits."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from finite_differences import Array, jacobian
+
+from theory.hertz import Ellipse, line_contact, point_contact
+from theory.subsurface import (
+    axis_extrema,
+    axis_stress,
+    line_axis_stress,
+    max_shear,
+    principal,
+    stress,
+    surface_centre_stress,
+    von_mises,
+)
+from theory.thesis import thesis_axis_stress
+
+CURVATURE_RATIOS = [1e-3, 0.1, 0.9, 1.0, 1 + 1e-9, 5.0]
+
+
+def contact_of(curvature_ratio: float) -> Ellipse:
+    return point_contact(curvature_ratio * 1e-3, 1e-3, 1.1e5, 4e4)
+
+
+def scattered(contact: Ellipse, n: int, seed: int) -> Array:
+    """Points beside and below the patch, at least 0.15 b deep."""
+    box = np.random.default_rng(seed).uniform((-2, -2, -2.5), (2, 2, -0.15), (n, 3))
+    return np.asarray(box * (contact.a, contact.b, min(contact.a, contact.b)))
+
+
+def test_axis_table(reference: dict[str, Any], thesis_ellipse: Ellipse) -> None:
+    rows = reference["axis_table"]
+    depth = [row["z_mm"] for row in rows]
+    expected = [[row["sigma_x"], row["sigma_y"], row["sigma_z"]] for row in rows]
+    s = axis_stress(thesis_ellipse, 0.3, depth)
+    np.testing.assert_allclose(s, expected, rtol=1e-11)
+    full = np.column_stack((s, np.zeros_like(s)))
+    np.testing.assert_allclose(max_shear(full), [row["tau_max"] for row in rows], rtol=1e-11)
+    np.testing.assert_allclose(von_mises(full), [row["von_mises"] for row in rows], rtol=1e-11)
+
+
+def test_off_axis_points(reference: dict[str, Any], thesis_ellipse: Ellipse) -> None:
+    rows = reference["off_axis_points"]
+    points = [(row["x"], row["y"], -row["z"]) for row in rows]
+    expected = [  # the reference counts depth, which turns the sign of the shears s_xz, s_yz
+        (row["sxx"], row["syy"], row["szz"], row["sxy"], -row["sxz"], -row["syz"]) for row in rows
+    ]
+    np.testing.assert_allclose(stress(thesis_ellipse, 0.3, points), expected, rtol=0, atol=2e-12)
+
+
+def test_axis_extrema(reference: dict[str, Any], thesis_ellipse: Ellipse) -> None:
+    exact = reference["axis_extrema"]
+    found = axis_extrema(thesis_ellipse, 0.3)
+    assert found.tau_max == pytest.approx(exact["tau_max_MPa"], rel=1e-12)
+    assert found.von_mises_max == pytest.approx(exact["von_mises_max_MPa"], rel=1e-12)
+    assert found.tau_max_depth == pytest.approx(exact["depth_mm"], rel=1e-7)
+    assert found.von_mises_max_depth == pytest.approx(exact["vm_depth_mm"], rel=1e-7)
+
+
+def test_extrema_of_the_load_table(reference: dict[str, Any]) -> None:
+    for row in reference["load_table"]:
+        contact = point_contact(1 / 420, 1 / 300, reference["exact"]["E_star_MPa"], row["F_N"])
+        found = axis_extrema(contact, 0.3)
+        computed = (found.tau_max, found.tau_max_depth, found.von_mises_max)
+        expected = [row[key] for key in ("tau_max_MPa", "tau_depth_mm", "vm_max_MPa")]
+        np.testing.assert_allclose(computed, expected, rtol=1e-7)
+
+
+@pytest.mark.parametrize("curvature_ratio", [1e-6, 1e-2, 0.3, 1.0, 8.0])
+@pytest.mark.parametrize("poisson", [0.0, 0.1, 0.2, 0.3, 0.5])
+def test_extrema_are_not_exceeded_on_a_fine_sample(curvature_ratio: float, poisson: float) -> None:
+    contact = contact_of(curvature_ratio)
+    depth = np.concatenate(([0], np.geomspace(1e-5, 6, 3000))) * min(contact.a, contact.b)
+    sample = stress(contact, poisson, np.outer(depth, (0, 0, -1)))
+    found = axis_extrema(contact, poisson)
+    assert found.tau_max >= max_shear(sample).max() * (1 - 2e-6)
+    assert found.von_mises_max >= von_mises(sample).max() * (1 - 2e-6)
+    assert found.tau_max_depth > 0
+    assert found.von_mises_max_depth > 0
+
+
+def test_surface_centre_and_ends_of_the_axes(
+    reference: dict[str, Any], thesis_ellipse: Ellipse
+) -> None:
+    c = thesis_ellipse
+    points = {
+        "centre": (0, 0, 0),
+        "end_of_major_axis": (c.a, 0, 0),
+        "end_of_minor_axis": (0, c.b, 0),
+    }
+    for name, point in points.items():
+        row = reference["surface"][name]
+        s = stress(c, 0.3, [point])[0]
+        expected = (row["sigma_x"], row["sigma_y"], row["sigma_z"], 0, 0, 0)
+        np.testing.assert_allclose(s, expected, rtol=1e-10, atol=1e-10)
+
+
+@pytest.mark.parametrize("curvature_ratio", CURVATURE_RATIOS)
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
+def test_depth_zero_is_the_surface_formula(curvature_ratio: float, poisson: float) -> None:
+    contact = contact_of(curvature_ratio)
+    expected = surface_centre_stress(contact, poisson)
+    np.testing.assert_allclose(axis_stress(contact, poisson, 0.0)[0], expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("plane", ["xz", "yz"])
+def test_orthogonal_shear_amplitude(
+    plane: str, reference: dict[str, Any], thesis_ellipse: Ellipse
+) -> None:
+    row = reference["orthogonal_shear"][f"tau_{plane}_max"]
+    axis, column = (0, 4) if plane == "xz" else (1, 5)
+    along = np.linspace(0.98, 1.02, 41) * row[plane[0]]
+    grid = np.zeros((along.size, 3))
+    grid[:, axis], grid[:, 2] = along, -row["z"]
+    shear = stress(thesis_ellipse, 0.3, grid)[:, column]
+    assert shear.max() == pytest.approx(row["value"], rel=1e-8)
+    assert 15 < np.argmax(shear) < 25
+
+
+@pytest.mark.parametrize("curvature_ratio", CURVATURE_RATIOS)
+def test_equilibrium(curvature_ratio: float) -> None:
+    contact = contact_of(curvature_ratio)
+    size = min(contact.a, contact.b)
+    d = jacobian(lambda at: stress(contact, 0.3, at), scattered(contact, 200, 1), 2e-3 * size)
+    xx, yy, zz, xy, xz, yz = np.moveaxis(d, 1, 0)
+    divergence = np.stack(
+        (
+            xx[:, 0] + xy[:, 1] + xz[:, 2],
+            xy[:, 0] + yy[:, 1] + yz[:, 2],
+            xz[:, 0] + yz[:, 1] + zz[:, 2],
+        )
+    )
+    assert np.abs(divergence).max() < 1e-7 * contact.p0 / size
+
+
+@pytest.mark.parametrize("curvature_ratio", CURVATURE_RATIOS)
+def test_surface_traction_is_the_pressure(curvature_ratio: float) -> None:
+    contact = contact_of(curvature_ratio)
+    plane = np.random.default_rng(2).uniform(-2, 2, (500, 3)) * (contact.a, contact.b, 0)
+    s = stress(contact, 0.3, plane)
+    p = contact.pressure(plane[:, 0], plane[:, 1])
+    np.testing.assert_allclose(s[:, 2], -p, rtol=0, atol=1e-13 * contact.p0)
+    assert np.abs(s[:, 4:]).max() <= 1e-13 * contact.p0
+    assert 0.1 < np.mean(p > 0) < 0.4  # the sample holds the patch and its surroundings
+
+
+def test_stress_is_continuous_at_the_surface(thesis_ellipse: Ellipse) -> None:
+    plane = np.random.default_rng(3).uniform(-2, 2, (300, 3)) * (thesis_ellipse.a, 4, 0)
+    below = plane - (0, 0, 1e-9)
+    jump = stress(thesis_ellipse, 0.3, below) - stress(thesis_ellipse, 0.3, plane)
+    assert np.abs(jump).max() < 1e-6 * thesis_ellipse.p0
+
+
+def test_rim_outside_the_patch_is_in_pure_shear(thesis_ellipse: Ellipse) -> None:
+    angle = np.linspace(0, 2 * np.pi, 25)
+    for factor in (1.0000001, 1.5, 4.0):
+        rim = factor * np.column_stack(
+            (thesis_ellipse.a * np.cos(angle), thesis_ellipse.b * np.sin(angle), 0 * angle)
+        )
+        s = stress(thesis_ellipse, 0.3, rim)
+        np.testing.assert_allclose(s[:, 0] + s[:, 1], 0, atol=1e-11)
+        assert np.all(max_shear(s) > 0)
+
+
+def test_circular_limit_on_the_axis() -> None:
+    depth = np.linspace(0, 30, 61)
+    for ratio, tolerance in ((1.0, 1e-13), (1 + 1e-12, 1e-11), (1 - 1e-8, 1e-7)):
+        contact = contact_of(ratio)
+        expected = thesis_axis_stress(contact.p0, contact.a, 0.3, depth)
+        difference = np.abs(axis_stress(contact, 0.3, depth) - expected).max()
+        assert difference < tolerance * contact.p0
+
+
+def test_circular_limit_is_axisymmetric() -> None:
+    contact = contact_of(1.0)
+    c, s = math.cos(0.7), math.sin(0.7)
+    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    points = scattered(contact, 50, 4)
+    here, there = stress(contact, 0.3, points), stress(contact, 0.3, points @ turn.T)
+    np.testing.assert_allclose(principal(there), principal(here), atol=1e-12 * contact.p0)
+
+
+def test_line_limit_on_the_axis() -> None:
+    contact = contact_of(1e-9)
+    strip = line_contact(1e-3, 1.1e5, math.pi / 2 * contact.b * contact.p0)
+    depth = np.linspace(0, 10, 41) * strip.b
+    difference = axis_stress(contact, 0.3, depth) - line_axis_stress(strip, 0.3, depth)
+    assert np.abs(difference).max() < 2 * contact.b / contact.a * contact.p0
+
+
+def test_exchange_of_the_axes_permutes_the_stress() -> None:
+    contact, turned = contact_of(0.2), point_contact(1e-3, 2e-4, 1.1e5, 4e4)
+    points = np.vstack((scattered(contact, 100, 5), scattered(contact, 100, 6) * (1, 1, 0)))
+    s = stress(contact, 0.3, points)
+    exchanged = stress(turned, 0.3, points[:, [1, 0, 2]])[:, [1, 0, 2, 3, 5, 4]]
+    np.testing.assert_allclose(exchanged, s, rtol=0, atol=1e-12 * contact.p0)
+
+
+def test_mirror_symmetry(thesis_ellipse: Ellipse) -> None:
+    points = scattered(thesis_ellipse, 100, 7)
+    s = stress(thesis_ellipse, 0.3, points)
+    mirrored = stress(thesis_ellipse, 0.3, points * (-1, 1, 1))
+    np.testing.assert_array_equal(mirrored, s * (1, 1, 1, -1, -1, 1))
+
+
+def test_stress_scales_with_the_cube_root_of_the_load() -> None:
+    small, large = (point_contact(1e-3, 3e-3, 1.1e5, load) for load in (1e3, 8e3))
+    points = scattered(small, 50, 8)
+    expected = 2 * stress(small, 0.3, points)
+    np.testing.assert_allclose(stress(large, 0.3, 2 * points), expected, atol=1e-12 * small.p0)
+
+
+def test_wrong_points_are_refused(thesis_ellipse: Ellipse) -> None:
+    with pytest.raises(ValueError, match="z <= 0"):
+        stress(thesis_ellipse, 0.3, [[0, 0, 0.1]])
+    with pytest.raises(ValueError, match=r"shape \(n, 3\)"):
+        stress(thesis_ellipse, 0.3, [0, 0, -1])
+    with pytest.raises(ValueError, match="depth must not be negative"):
+        axis_stress(thesis_ellipse, 0.3, [1.0, -1.0])
+    assert np.isfinite(stress(thesis_ellipse, 0.3, [[1, 1, 1e-12]])).all()

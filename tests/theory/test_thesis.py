@@ -1,0 +1,113 @@
+"""The thesis's own route: its printed numbers are met, and so are its known errors."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+from theory.hertz import Ellipse
+from theory.thesis import hertz_coefficients, thesis_axis_stress, thesis_contact
+
+WHEEL, RAIL = (1 / 420, 0.0), (0.0, 1 / 300)
+
+
+def test_table_5_3_is_as_printed(reference: dict[str, Any]) -> None:
+    rows = reference["table_5_3"]
+    assert len(rows) == 23
+    for row in rows:
+        assert hertz_coefficients(row["theta_deg"]) == (row["m_thesis"], row["n_thesis"])
+
+
+def test_interpolation_at_the_printed_angle(reference: dict[str, Any]) -> None:
+    chain = reference["thesis_chain"]
+    expected = (chain["m_interp"], chain["n_interp"])
+    assert hertz_coefficients(80.4) == pytest.approx(expected, rel=1e-14)
+
+
+def test_printed_semi_axes_and_pressure(reference: dict[str, Any]) -> None:
+    chain = reference["thesis_chain"]
+    k3, k4, k_wheel_and_rail = 0.00286, 4.76e-4, 2.8e-6  # as the thesis rounds them
+    found = thesis_contact((k3 - k4, 0), (0, k3 + k4), 1 / (math.pi * k_wheel_and_rail), 25000)
+    base = chain["base_length_mm"]
+    assert (found.k3, found.k4) == pytest.approx((k3, k4), rel=1e-14)
+    assert found.a == pytest.approx(found.m * base, rel=1e-14)
+    assert found.b == pytest.approx(found.n * base, rel=1e-14)
+    assert found.p0 == pytest.approx(3 * 25000 / (2 * math.pi * found.a * found.b), rel=1e-14)
+    assert round(found.a, 2) == chain["a_printed"]
+    assert math.floor(100 * found.b) / 100 == chain["b_printed"]  # the thesis truncated it
+    m, n = (round(value, 3) for value in hertz_coefficients(80.4))  # the thesis rounds these, too
+    assert m * base == pytest.approx(chain["a_mm_unrounded"], rel=1e-14)
+    assert n * base == pytest.approx(chain["b_mm_unrounded"], rel=1e-14)
+
+
+def test_error_of_the_route_against_exact_hertz(thesis_ellipse: Ellipse) -> None:
+    found = thesis_contact(WHEEL, RAIL, thesis_ellipse.contact_modulus, 25000)
+    assert found.approach is None
+    assert (found.k3, found.k4) == pytest.approx((1 / 350, 1 / 2100), rel=1e-14)
+    assert found.theta_deg == pytest.approx(math.degrees(math.acos(1 / 6)), rel=1e-14)
+    weight = (found.theta_deg - 80) / 5  # the interpolation error is that of the table
+    m, n = 1.128 + weight * (1.061 - 1.128), 0.893 + weight * (0.944 - 0.893)
+    assert found.a / thesis_ellipse.a == pytest.approx(m / 1.12212763268, rel=1e-11)
+    assert found.b / thesis_ellipse.b == pytest.approx(n / 0.896756199856, rel=1e-11)
+    assert -0.001 < found.p0 / thesis_ellipse.p0 - 1 < -0.0005
+
+
+def test_orientation_rule_puts_the_longer_axis_across_the_larger_curvature() -> None:
+    along = thesis_contact((1e-3, 0), (0, 2e-3), 1e5, 1e4)
+    across = thesis_contact((2e-3, 0), (0, 1e-3), 1e5, 1e4)
+    assert along.a > along.b
+    assert (across.a, across.b) == (along.b, along.a)
+    assert across.p0 == pytest.approx(along.p0, rel=1e-15)
+
+
+def test_curved_track_angle(reference: dict[str, Any], thesis_ellipse: Ellipse) -> None:
+    for row in reference["curved_track"]:
+        found = thesis_contact(WHEEL, RAIL, thesis_ellipse.contact_modulus, 25000, row["phi_rad"])
+        assert found.k4 == pytest.approx(row["K4_per_mm"], rel=1e-9)
+        assert found.theta_deg == pytest.approx(row["theta_deg"], rel=1e-9)
+
+
+def test_equations_5_2_and_5_3(reference: dict[str, Any]) -> None:
+    rows, inputs = reference["axis_table"], reference["axis_extrema_thesis_formula"]
+    depth = [row["z_mm"] for row in rows]
+    expected = [
+        (row["thesis_sigma_r"], row["thesis_sigma_r"], row["thesis_sigma_z"]) for row in rows
+    ]
+    found = thesis_axis_stress(inputs["pmax"], inputs["a"], 0.3, depth)
+    np.testing.assert_allclose(found, expected, rtol=1e-11)
+
+
+def test_shear_of_the_circular_formula_is_low_and_deep(reference: dict[str, Any]) -> None:
+    row, exact = reference["axis_extrema_thesis_formula"], reference["axis_extrema"]
+
+    def negative_shear(depth: float) -> float:
+        s_x, _, s_z = thesis_axis_stress(row["pmax"], row["a"], 0.3, depth)[0]
+        return float(s_z - s_x) / 2
+
+    best = minimize_scalar(negative_shear, bounds=(0, 5), method="bounded", options={"xatol": 1e-9})
+    assert -best.fun == pytest.approx(row["tau_max_MPa"], rel=1e-12)
+    assert best.x == pytest.approx(row["depth_mm"], rel=1e-7)
+    assert -best.fun < 0.981 * exact["tau_max_MPa"]
+    assert best.x > 1.12 * exact["depth_mm"]
+
+
+@pytest.mark.parametrize(
+    ("wheel", "rail", "modulus", "load", "message"),
+    [
+        (WHEEL, RAIL, 1e5, 0.0, "load and modulus must be positive"),
+        (WHEEL, RAIL, -1e5, 1e4, "load and modulus must be positive"),
+        ((1e-3, 0.0), (0.0, 0.0), 1e5, 1e4, "no point contact"),
+        ((1e-3, 0.0), (0.0, 1e-8), 1e5, 1e4, "theta must lie in"),
+    ],
+)
+def test_wrong_input_is_refused(
+    wheel: tuple[float, float],
+    rail: tuple[float, float],
+    modulus: float,
+    load: float,
+    message: str,
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        thesis_contact(wheel, rail, modulus, load)

@@ -1,0 +1,115 @@
+"""Finite elements against exact Hertz, at default settings and with refinement."""
+
+import numpy as np
+import pytest
+
+from railhead import catalogue, run
+from railhead.scene import Scene
+
+
+def solved(scene: Scene) -> run.Result:
+    result = run.run(scene)
+    assert result.passed, result.summary["newton"]
+    return result
+
+
+def worst(summary: dict, *keys: str) -> float:
+    difference = summary["difference"]
+    flat = {**difference["patch"], **difference["pressure"], **difference["stress"]}
+    flat["approach_mm"] = difference["approach_mm"]
+    return max(abs(flat[key]) for key in keys)
+
+
+@pytest.fixture(scope="module")
+def default() -> run.Result:
+    return solved(catalogue.find("hertz_ellipse"))
+
+
+def test_hertz_ellipse_at_default_settings(default) -> None:
+    summary = default.summary
+    assert worst(summary, "a_mm", "b_mm", "max_MPa") < 0.002
+    assert worst(summary, "area_mm2", "mean_MPa", "approach_mm") < 0.002
+    assert worst(summary, "tau_max_MPa", "von_mises_max_MPa") < 0.01
+    stress, exact = summary["result"]["stress"], summary["hertz"]["stress"]
+    assert stress["tau_max_depth_mm"] == pytest.approx(exact["tau_max_depth_mm"], abs=0.05)
+    assert summary["checks"]["force_balance"] < 1e-8
+    assert summary["cost"]["newton_iterations"] <= 4
+    assert summary["checks"]["hertzian"]
+
+
+def test_hertz_ellipse_converges(default) -> None:
+    """Halving the patch size from 1.2 mm: errors fall at least fourfold, to 0.02 % at 0.3 mm."""
+    case = catalogue.find("hertz_ellipse")
+    coarse = solved(case.replace(["mesh.patch_size=1.2"])).summary
+    fine = solved(case.replace(["mesh.patch_size=0.3"])).summary
+    for key in ("a_mm", "b_mm"):
+        assert worst(fine, key) < 2e-4
+        assert worst(coarse, key) / worst(fine, key) > 2 ** (2 * 2)
+    assert worst(fine, "max_MPa") < 5e-4
+
+
+def test_pressure_field_follows_the_semi_ellipsoid(default) -> None:
+    """Relative L2 error of the pressure over the patch below 5 % (it has an infinite slope)."""
+    contact, ellipse = default.fields.contact, default.ellipse
+    exact = ellipse.pressure(contact.points[:, 0], contact.points[:, 1])
+    error = np.sum(contact.weights * (contact.pressure - exact) ** 2)
+    assert np.sqrt(error / np.sum(contact.weights * exact**2)) < 0.05
+
+
+def test_subsurface_stresses_follow_the_exact_ones(default) -> None:
+    from theory import subsurface
+
+    for axis in default.findings.depth.values():
+        exact = subsurface.axis_stress(default.ellipse, 0.3, axis.depth)
+        error = np.abs(axis.stress[:, :3] - exact).max() / default.ellipse.p0
+        assert error < 0.01
+        assert np.abs(axis.stress[:, 3:]).max() / default.ellipse.p0 < 1e-6
+
+
+def test_sphere_on_rigid_plane() -> None:
+    """Cornell's example: a = 1.0096 mm, p0 = 88.29 MPa, approach 0.12742 mm."""
+    result = solved(catalogue.find("sphere_on_plane")).summary["result"]
+    assert result["patch"]["a_mm"] == pytest.approx(1.0096354444581297, rel=2e-3)
+    assert result["patch"]["b_mm"] == pytest.approx(1.0096354444581297, rel=2e-3)
+    assert result["pressure"]["max_MPa"] == pytest.approx(88.29036906939236, rel=2e-3)
+    assert result["approach_mm"] == pytest.approx(0.12742046633827064, rel=2e-3)
+
+
+SCENES = {
+    "100 N": ["load=100"],
+    "1 MN": ["load=1e6"],
+    "axis ratio 10": ["wheel.rolling_radius=9000"],
+    "axis ratio 1/6": ["rail.crown_radius=6000"],
+    "concave wheel": ["wheel.profile=arc", "wheel.transverse_radius=-500"],
+    "soft wheel": ["wheel.young_modulus=70000", "wheel.poisson_ratio=0.35"],
+    "soft rail": ["rail.young_modulus=3000", "rail.poisson_ratio=0.45"],
+    "rigid wheel": ["wheel.young_modulus=inf"],
+    "by approach": ["approach=0.03"],
+    "penalty": ["solver.method=penalty"],
+    "theta 0": ["solver.theta=0"],
+    "theta -1": ["solver.theta=-1"],
+}
+
+
+@pytest.mark.parametrize("assignments", SCENES.values(), ids=SCENES)
+def test_other_hertz_scenes_are_as_accurate(assignments: list[str]) -> None:
+    summary = solved(catalogue.find("hertz_ellipse").replace(assignments)).summary
+    assert worst(summary, "a_mm", "b_mm", "max_MPa", "approach_mm") < 0.003
+    assert worst(summary, "tau_max_MPa", "von_mises_max_MPa") < 0.01
+    assert summary["checks"]["force_balance"] < 1e-8
+
+
+ELEMENTS = {
+    "linear tetrahedra": (["mesh.order=1"], 0.02),
+    "linear hexahedra": (["mesh.cell=hexahedron", "mesh.patch_size=0.5"], 0.02),
+    "quadratic hexahedra": (
+        ["mesh.cell=hexahedron", "mesh.order=2", "mesh.patch_size=1.0", "effects.symmetry=on"],
+        0.005,
+    ),
+}
+
+
+@pytest.mark.parametrize("assignments, bound", ELEMENTS.values(), ids=ELEMENTS)
+def test_other_elements_reach_what_they_can(assignments: list[str], bound: float) -> None:
+    summary = solved(catalogue.find("hertz_ellipse").replace(assignments)).summary
+    assert worst(summary, "a_mm", "b_mm", "max_MPa") < bound

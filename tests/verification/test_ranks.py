@@ -1,0 +1,36 @@
+"""One rank and two give the same numbers."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+
+def solved(ranks: int, folder: Path, *assignments: str) -> dict:
+    root = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    command = [
+        *(["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []),
+        sys.executable, "-c", "from railhead.cli import main; main()",
+        "run", "uic54_thesis", "--quiet", "--no-pictures", "--out", f"ranks{ranks}",
+        *(part for text in assignments for part in ("--set", text)),
+    ]  # fmt: skip
+    done = subprocess.run(
+        command, cwd=folder, env=os.environ | root, capture_output=True, timeout=300, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads((folder / f"ranks{ranks}" / "summary.json").read_text())
+
+
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_same_numbers_on_several_ranks(ranks: int, tmp_path) -> None:
+    one, more = (solved(n, tmp_path, "mesh.patch_size=1.0") for n in (1, ranks))
+    assert more["cost"]["ranks"] == ranks
+    assert more["cost"]["dofs"] == one["cost"]["dofs"]
+    for part in ("patch", "pressure", "stress"):
+        for key, value in one["result"][part].items():
+            assert more["result"][part][key] == pytest.approx(value, rel=1e-6), key
+    assert more["result"]["approach_mm"] == pytest.approx(one["result"]["approach_mm"], rel=1e-6)
+    assert more["checks"]["force_balance"] < 1e-8

@@ -1,0 +1,185 @@
+"""Hertz contact: patch, pressure and approach of two elastic bodies, frictionless.
+
+Lengths are in mm, forces in N, stresses and moduli in MPa, curvatures in 1/mm. The x axis runs
+along the rail and y across it; a is always the semi-axis along x and b the one along y, whichever
+is larger. Elliptic integrals are taken in Carlson's symmetric forms R_D and R_F, which lose no
+digits near the circle and need no case distinction between a > b and a < b.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import brentq
+from scipy.special import elliprd, elliprf
+
+
+@dataclass(frozen=True)
+class Ellipse:
+    """Point contact: semi-axes a (along x) and b (along y) in mm, peak pressure p0 in MPa, approach
+    of distant points in mm, load in N, contact modulus in MPa, relative curvatures in 1/mm."""
+
+    a: float
+    b: float
+    p0: float
+    approach: float
+    load: float
+    contact_modulus: float
+    curvature_x: float
+    curvature_y: float
+
+    @property
+    def area(self) -> float:
+        """Patch area pi a b in mm^2."""
+        return math.pi * self.a * self.b
+
+    @property
+    def p_mean(self) -> float:
+        """Mean pressure load / area in MPa, two thirds of the peak."""
+        return self.load / self.area
+
+    def pressure(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+        """p0 sqrt(1 - (x/a)^2 - (y/b)^2) in MPa, zero outside; x and y in mm, broadcast."""
+        inside = 1 - (np.asarray(x) / self.a) ** 2 - (np.asarray(y) / self.b) ** 2
+        return np.asarray(self.p0 * np.sqrt(np.maximum(inside, 0)))
+
+
+@dataclass(frozen=True)
+class Strip:
+    """Line contact along x: half width b in mm, peak pressure p0 in MPa, load per length in N/mm,
+    contact modulus in MPa, relative curvature across the line in 1/mm."""
+
+    b: float
+    p0: float
+    load_per_length: float
+    contact_modulus: float
+    curvature: float
+
+    @property
+    def p_mean(self) -> float:
+        """Mean pressure load_per_length / 2b in MPa."""
+        return self.load_per_length / (2 * self.b)
+
+    def pressure(self, y: ArrayLike) -> NDArray[np.float64]:
+        """p0 sqrt(1 - (y/b)^2) in MPa, zero outside; y in mm."""
+        return np.asarray(self.p0 * np.sqrt(np.maximum(1 - (np.asarray(y) / self.b) ** 2, 0)))
+
+
+class RelativeCurvature(NamedTuple):
+    """Relative principal curvatures in 1/mm, the smaller along x, and the angle in radians from the
+    first principal direction of body 1 to that x axis, in (-pi/2, pi/2]."""
+
+    curvature_x: float
+    curvature_y: float
+    angle: float
+
+
+def contact_modulus(young_1: float, poisson_1: float, young_2: float, poisson_2: float) -> float:
+    """E* in MPa from 1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2 (Johnson, Contact Mechanics, 4.2).
+
+    A modulus of math.inf makes that body rigid. ValueError: a modulus that is not positive, a
+    Poisson ratio outside (-1, 0.5], or two rigid bodies.
+    """
+    for young, poisson in ((young_1, poisson_1), (young_2, poisson_2)):
+        if not young > 0:
+            raise ValueError(f"Young's modulus must be positive, got {young}")
+        if not -1 < poisson <= 0.5:
+            raise ValueError(f"Poisson's ratio must lie in (-1, 0.5], got {poisson}")
+    if math.isinf(young_1) and math.isinf(young_2):
+        raise ValueError("at least one body must be elastic, both moduli are infinite")
+    return 1 / ((1 - poisson_1**2) / young_1 + (1 - poisson_2**2) / young_2)
+
+
+def point_contact(
+    curvature_x: float, curvature_y: float, contact_modulus: float, load: float
+) -> Ellipse:
+    """Hertz ellipse under a load in N, for the gap curvature_x x^2/2 + curvature_y y^2/2.
+
+    With k = b/a the pressure p0 sqrt(1 - x^2/a^2 - y^2/b^2) flattens that gap when
+    curvature_x = F/(pi E* a^3) R_D(0, k^2, 1) and curvature_y = F/(pi E* a^3) R_D(0, 1, k^2), and
+    the approach is 3F/(2 pi E* a) R_F(0, 1, k^2) (Johnson, Contact Mechanics, 4.26 to 4.28, with
+    the elliptic integrals written in Carlson's forms). ValueError: an argument that is not positive
+    and finite.
+    """
+    _require_positive(load=load, contact_modulus=contact_modulus)
+    k = _axis_ratio(curvature_x, curvature_y)
+    a = math.cbrt(load * elliprd(0, k * k, 1) / (math.pi * contact_modulus * curvature_x))
+    approach = 3 * load * elliprf(0, 1, k * k) / (2 * math.pi * contact_modulus * a)
+    p0 = 3 * load / (2 * math.pi * a * a * k)
+    return Ellipse(a, k * a, p0, approach, load, contact_modulus, curvature_x, curvature_y)
+
+
+def point_contact_from_approach(
+    curvature_x: float, curvature_y: float, contact_modulus: float, approach: float
+) -> Ellipse:
+    """Hertz ellipse for a given approach in mm; equations and errors of `point_contact`."""
+    _require_positive(approach=approach, contact_modulus=contact_modulus)
+    k = _axis_ratio(curvature_x, curvature_y)
+    flatness = elliprd(0, k * k, 1)
+    a = math.sqrt(2 * approach * flatness / (3 * curvature_x * elliprf(0, 1, k * k)))
+    load = math.pi * contact_modulus * curvature_x * a**3 / flatness
+    p0 = 3 * load / (2 * math.pi * a * a * k)
+    return Ellipse(a, k * a, p0, approach, load, contact_modulus, curvature_x, curvature_y)
+
+
+def line_contact(curvature: float, contact_modulus: float, load_per_length: float) -> Strip:
+    """Hertz strip: b = sqrt(4 F'/(pi E* curvature)), p0 = 2 F'/(pi b), F' in N/mm.
+
+    Johnson, Contact Mechanics, 4.43 and 4.45. ValueError: an argument that is not positive and
+    finite.
+    """
+    _require_positive(
+        curvature=curvature, contact_modulus=contact_modulus, load_per_length=load_per_length
+    )
+    b = math.sqrt(4 * load_per_length / (math.pi * contact_modulus * curvature))
+    p0 = 2 * load_per_length / (math.pi * b)
+    return Strip(b, p0, load_per_length, contact_modulus, curvature)
+
+
+def general_orientation(
+    curvatures_1: tuple[float, float], curvatures_2: tuple[float, float], angle: float
+) -> RelativeCurvature:
+    """Relative principal curvatures of two bodies whose principal planes are turned by `angle`.
+
+    Each pair holds a body's principal curvatures in 1/mm (negative where concave); the first
+    principal direction of body 2 lies at `angle` radians from that of body 1. The sum of the two
+    curvature tensors has the mean curvature m and the deviator (d, s) (Johnson, Contact Mechanics,
+    4.1); its smaller eigenvalue is taken as determinant over larger one, which is free of
+    cancellation. ValueError: the bodies do not touch in a single point (an eigenvalue is not > 0).
+    """
+    (k1, l1), (k2, l2) = curvatures_1, curvatures_2
+    mean = (k1 + l1 + k2 + l2) / 2
+    d = ((k1 - l1) + (k2 - l2) * math.cos(2 * angle)) / 2
+    s = (k2 - l2) * math.sin(2 * angle) / 2
+    larger = mean + math.hypot(d, s)
+    aligned, crossed = k1 * l2 + l1 * k2, k1 * k2 + l1 * l2
+    determinant = (
+        k1 * l1 + k2 * l2 + aligned * math.cos(angle) ** 2 + crossed * math.sin(angle) ** 2
+    )
+    if not (larger > 0 and determinant > 0 and math.isfinite(larger)):
+        raise ValueError(
+            f"no point contact: principal curvatures {curvatures_1} and {curvatures_2} "
+            f"at {angle} rad do not add up to two positive relative curvatures"
+        )
+    return RelativeCurvature(determinant / larger, larger, math.atan2(0 - s, 0 - d) / 2)
+
+
+def _axis_ratio(curvature_x: float, curvature_y: float) -> float:
+    """k = b/a from curvature_x / curvature_y = R_D(0, k^2, 1) / R_D(0, 1, k^2), to rounding."""
+    _require_positive(curvature_x=curvature_x, curvature_y=curvature_y)
+    target = math.log(curvature_x / curvature_y)
+
+    def residual(log_k: float) -> float:
+        k2 = math.exp(2 * log_k)
+        return math.log(elliprd(0, k2, 1) / elliprd(0, 1, k2)) - target
+
+    reach = abs(target) + 1
+    return math.exp(brentq(residual, -reach, reach, xtol=1e-15, rtol=1e-15))
+
+
+def _require_positive(**values: float) -> None:
+    for name, value in values.items():
+        if not (value > 0 and math.isfinite(value)):
+            raise ValueError(f"{name} must be positive and finite, got {value}")
