@@ -9,6 +9,7 @@ import numpy as np
 
 from postprocess.findings import DepthAxis, Findings
 from theory import subsurface, thesis
+from theory.boundary_element import PatchSolution
 from theory.hertz import Ellipse
 
 Quantities = dict[str, Any]
@@ -60,6 +61,21 @@ def from_hertz(
                 float(v) for v in subsurface.surface_centre_stress(ellipse, poisson)
             ],
         },
+    }
+
+
+def from_half_space(found: PatchSolution, angle: float, hertzian: bool) -> Quantities:
+    """Boundary elements on the exact gap: the profiles' answer if the bodies were half-spaces.
+
+    Semi-axes from moments where the patch is an ellipse, else half the extents of the patch.
+    """
+    a, b = found.semi_axes if hertzian else found.half_extents
+    cosine = math.cos(angle)
+    return {
+        "load_N": found.load * cosine,
+        "approach_mm": found.approach / cosine,
+        "patch": {"a_mm": a, "b_mm": b, "area_mm2": found.area},
+        "pressure": {"max_MPa": found.max_pressure, "mean_MPa": found.mean_pressure},
     }
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+PEAK_SAMPLES = 8  # either side of the largest one
 
 
 @dataclass(frozen=True)
@@ -75,18 +76,24 @@ class DepthAxis:
     stress: Array
 
     def peak(self, values: Array) -> tuple[float, float]:
-        """Depth and value of the maximum of (k,) values, by a parabola through the samples around.
+        """Depth and value of the maximum of (k,) values, by a quartic through the samples around.
 
         A maximum at either end is the sample itself.
         """
         top = int(np.argmax(values))
-        around = slice(max(top - 4, 0), min(top + 5, len(values)))
+        around = slice(max(top - PEAK_SAMPLES, 0), min(top + PEAK_SAMPLES + 1, len(values)))
         z = self.depth[around] - self.depth[top]
-        c = np.polyfit(z, values[around], 2)
-        step = -c[1] / (2 * c[0]) if c[0] < 0 else np.inf
-        if not (0 < top < len(values) - 1 and z[0] <= step <= z[-1]):
+        if not 0 < top < len(values) - 1:
             return float(self.depth[top]), float(values[top])
-        return float(self.depth[top] + step), float(np.polyval(c, step))
+        curve = np.polynomial.Polynomial.fit(z, values[around], min(4, len(z) - 1))
+        roots = curve.deriv().roots()
+        inside = roots.real[
+            (np.abs(roots.imag) < 1e-9) & (z[0] <= roots.real) & (roots.real <= z[-1])
+        ]
+        if not len(inside):
+            return float(self.depth[top]), float(values[top])
+        best = inside[np.argmax(curve(inside))]
+        return float(self.depth[top] + best), float(curve(best))
 
 
 @dataclass(frozen=True)

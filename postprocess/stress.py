@@ -11,7 +11,7 @@ from postprocess.findings import Array, DepthAxis, Frame
 from solver.facets import tabulate
 from solver.gather import Fields
 
-NEIGHBOURS = 400  # samples of one local fit: about two element sizes around
+NEIGHBOURS = 1200  # samples of one local fit: about three element sizes around
 FIT_DEGREE = 3
 _ROW, _COLUMN = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])
 

@@ -38,17 +38,22 @@ def list_cases() -> None:
 @click.option("--accuracy", help="Asked accuracy, e.g. 1%.")
 def plan(case: str, assignments: Sequence[str], accuracy: str | None) -> None:
     """Say what would be simulated and what it costs; solve nothing."""
+    from railhead import machine, report
     from railhead import plan as planning
-    from railhead import report
 
     scene = _scene(catalogue.find(case), assignments, accuracy)
-    report.show_plan(planning.make(scene), _console())
+    decided = planning.make(scene)
+    if not machine.known():
+        click.echo("measuring this machine's speed, once", err=True)
+        machine.measure()
+    report.show_plan(decided, _console())
 
 
 @railhead.command()
 @click.argument("case")
 @_set
 @click.option("--accuracy", help="Asked accuracy, e.g. 1%.")
+@click.option("--budget", help="Best accuracy for that time, e.g. 30s.")
 @click.option("--out", type=click.Path(path_type=Path), help="Result folder [results/<case>].")
 @click.option("--no-pictures", is_flag=True, help="Write no PNG files.")
 @click.option("--quiet", is_flag=True, help="Print nothing.")
@@ -57,14 +62,32 @@ def run(
     case: str,
     assignments: Sequence[str],
     accuracy: str | None,
+    budget: str | None,
     out: Path | None,
     no_pictures: bool,
     quiet: bool,
     as_json: bool,
 ) -> int:
     """Solve a case (its name, or a TOML file) and compare it with exact Hertz."""
-    scene = _scene(catalogue.find(case), assignments, accuracy)
+    scene = _scene(catalogue.find(case), assignments, accuracy, budget)
     return _run(scene, out, pictures=not no_pictures, quiet=quiet or as_json, as_json=as_json)
+
+
+@railhead.command()
+@click.argument("name", required=False)
+@click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<study>].")
+@click.option("--quick", is_flag=True, help="Only a small part of the study.")
+def study(name: str | None, out: Path | None, quick: bool) -> None:
+    """Run a study: CSV, picture and page. Without a name: list the studies."""
+    from railhead import studies
+
+    if name is None:
+        for known, module in studies.shipped().items():
+            click.echo(f"{known:22s} {module.STUDY}")
+        return
+    folder, page = studies.run(name, out, quick=quick)
+    click.echo(page)
+    click.echo(f"written to {folder}/")
 
 
 def _console() -> Console:
@@ -73,8 +96,11 @@ def _console() -> Console:
     return console if console.is_terminal else Console(width=120)
 
 
-def _scene(scene: Scene, assignments: Sequence[str], accuracy: str | None) -> Scene:
-    asked = [f"accuracy={accuracy}"] if accuracy is not None else []
+def _scene(
+    scene: Scene, assignments: Sequence[str], accuracy: str | None, budget: str | None = None
+) -> Scene:
+    options = {"accuracy": accuracy, "budget": budget}
+    asked = [f"{key}={value}" for key, value in options.items() if value is not None]
     return scene.replace([*assignments, *asked])
 
 

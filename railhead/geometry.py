@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meshing import outlines, placement, profiles
 from meshing.bodies import Body
@@ -15,6 +16,7 @@ from meshing.surfaces import ExactGap, ParabolicGap, RailSurface, WheelSurface
 from meshing.tags import RAIL, WHEEL
 from railhead.scene import Scene, SceneError
 
+Array = NDArray[np.float64]
 RAIL_HALF_WIDTH = 35.0  # mm, of a head given by a single radius
 TREAD_HALF_WIDTH = 67.5  # mm, of a cylinder, cone or arc
 HEAD_DEPTH = 50.0  # mm, of a block below a single-radius or measured crown
@@ -90,6 +92,12 @@ class Contact:
         if scene.wheelset.shift:
             return f"wheel shifted {scene.wheelset.shift:g} mm"
         return None
+
+    def half_space_gap(self, x: Array, s: Array) -> Array:
+        """Gap along the rail's normals at tangent-plane coordinates x, s (n,), mm."""
+        c, t = math.cos(self.touch.angle), math.sin(self.touch.angle)
+        points = np.column_stack([x, self.touch.y + c * s, self.touch.z + t * s])
+        return self.gap(RAIL)(points)[0]
 
     def gap(self, slave: int) -> ExactGap | ParabolicGap:
         """Exact gap from the slave body (RAIL or WHEEL) to the other one."""

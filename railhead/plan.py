@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from meshing.bodies import Options
 from meshing.sizing import Grading
 from meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y, WHEEL
-from railhead import geometry
+from railhead import accuracy, geometry, machine
 from railhead.geometry import Contact
 from railhead.scene import Scene, SceneError
 from theory import hertz
@@ -17,7 +17,8 @@ from theory.hertz import Ellipse
 
 ELEMENTS_PER_SEMI_AXIS = 6.0  # default patch resolution for quadratic cells
 LINEAR_REFINEMENT = 2.0  # linear cells are made so much smaller
-GROWTH = 0.3
+GROWTH = 0.3  # of the element size with distance, at most; finer patches grow more slowly
+FULL_GROWTH = 7 / 6  # times the default resolution, up to which the growth is the largest
 COARSEST = 0.25  # largest element over the half length of the bodies
 HALF_SPACE_REACH = 8.0  # edge of the blocks over the major semi-axis: the far field is exact
 BODY_REACH = 12.0  # half length of real bodies over the major semi-axis, at least
@@ -28,7 +29,6 @@ UNKNOWNS_PER_CELL = {
     ("hexahedron", 1): 3.2,
     ("hexahedron", 2): 25.0,
 }
-START_SECONDS, SECONDS_PER_UNKNOWN = 1.2, 5e-5  # two shared cores of 2026
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,20 @@ class Plan:
     order: int
     patch_size: float
     reach: float
+
+    @property
+    def default_resolution(self) -> float:
+        """Elements per smaller semi-axis without an asked accuracy."""
+        return ELEMENTS_PER_SEMI_AXIS * (LINEAR_REFINEMENT if self.order == 1 else 1.0)
+
+    @property
+    def resolution(self) -> float:
+        """Elements per smaller semi-axis of the predicted patch."""
+        return min(self.estimate.a, self.estimate.b) / self.patch_size
+
+    def at_resolution(self, n: float) -> Plan:
+        """The same plan with n elements per smaller semi-axis."""
+        return replace(self, patch_size=min(self.estimate.a, self.estimate.b) / n)
 
     @property
     def half_x(self) -> bool:
@@ -100,7 +114,7 @@ class Plan:
             b or self.estimate.b,
             self.contact.touch.angle,
             self.patch_size,
-            GROWTH,
+            min(GROWTH, GROWTH * FULL_GROWTH * self.default_resolution / self.resolution),
             coarsest=COARSEST * self.reach,
         )
 
@@ -116,7 +130,7 @@ class Plan:
     @property
     def seconds(self) -> float:
         """Predicted for the whole process without pictures."""
-        return START_SECONDS + SECONDS_PER_UNKNOWN * self.unknowns
+        return machine.START + machine.seconds(self.unknowns)
 
     def summary(self) -> dict[str, Any]:
         """As in summary.json."""
@@ -162,8 +176,10 @@ def make(scene: Scene) -> Plan:
     ellipse = estimate(scene, contact)
     order = scene.mesh.order or (2 if scene.mesh.cell == "tetrahedron" else 1)
     minor, major = sorted((ellipse.a, ellipse.b))
-    refinement = LINEAR_REFINEMENT if order == 1 else 1.0
-    size = scene.mesh.patch_size or minor / (ELEMENTS_PER_SEMI_AXIS * refinement)
+    n = ELEMENTS_PER_SEMI_AXIS * (LINEAR_REFINEMENT if order == 1 else 1.0)
+    if scene.accuracy is not None:
+        n = accuracy.resolution(scene.accuracy, order)
+    size = scene.mesh.patch_size or minor / n
     if contact.half_space:
         reach = HALF_SPACE_REACH * major
     else:

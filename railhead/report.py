@@ -7,7 +7,9 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from railhead import accuracy, machine
 from railhead.plan import Plan
+from railhead.price import price
 
 ROWS = (
     ("semi-axis a, along the rail", "mm", ("patch", "a_mm")),
@@ -21,6 +23,20 @@ ROWS = (
     ("largest von Mises stress", "MPa", ("stress", "von_mises_max_MPa")),
     ("   its depth", "mm", ("stress", "von_mises_max_depth_mm")),
 )
+
+
+COLUMNS = (
+    "quantity",
+    "unit",
+    "FE",
+    "bound",
+    "half-space",
+    "Hertz",
+    "FE - Hertz",
+    "thesis",
+    "thesis - Hertz",
+)
+PRICES = (0.05, 0.01, 0.002)
 
 
 def show_plan(plan: Plan, console: Console) -> None:
@@ -43,6 +59,22 @@ def show_plan(plan: Plan, console: Console) -> None:
     )
     for line in lines:
         console.print(line, markup=False)
+    _show_prices(plan, console)
+
+
+def _show_prices(plan: Plan, console: Console) -> None:
+    """What accuracies cost for this scene on this machine."""
+    table = Table(title="price on this machine", title_justify="left")
+    for column in ("accuracy", "patch size, mm", "unknowns", "seconds", "memory, MB"):
+        table.add_column(column, justify="right")
+    asked = plan.scene.accuracy
+    for value in sorted({*PRICES, *([asked] if asked else [])}, reverse=True):
+        n = accuracy.resolution(value, plan.order)
+        unknowns, seconds = price(plan, n)
+        size = plan.at_resolution(n).patch_size
+        cells = (f"{value:.3g}", f"{size:.3g}", f"{unknowns}", f"{seconds:.1f}")
+        table.add_row(*cells, f"{machine.memory(unknowns) / 1e6:.0f}")
+    console.print(table)
 
 
 def show_result(summary: dict[str, Any], console: Console) -> None:
@@ -51,12 +83,16 @@ def show_result(summary: dict[str, Any], console: Console) -> None:
         table = Table(
             title=f"{summary['case']}: {summary['result']['load_N']:.6g} N", title_justify="left"
         )
-        for column in ("quantity", "unit", "FE", "Hertz", "FE - Hertz", "thesis", "thesis - Hertz"):
+        bound = summary["accuracy"]["bound"]
+        for column in COLUMNS:
             table.add_column(column, justify="left" if column in ("quantity", "unit") else "right")
         for label, unit, path in ROWS:
-            fe, exact, thesis = (_get(summary[key], path) for key in ("result", "hertz", "thesis"))
+            fe, exact, thesis, half = (
+                _get(summary[key], path) for key in ("result", "hertz", "thesis", "half_space")
+            )
             table.add_row(
-                label, unit, _number(fe), _number(exact), _percent(fe, exact),
+                label, unit, _number(fe), _bound(bound.get(path[-1])), _number(half),
+                _number(exact), _percent(fe, exact),
                 _number(thesis), _percent(thesis, exact),
             )  # fmt: skip
         console.print(table)
@@ -94,11 +130,15 @@ def show_failure(summary: dict[str, Any], console: Console) -> None:
     )
 
 
-def _get(values: dict[str, Any], path: tuple[str, ...]) -> float | None:
+def _get(values: dict[str, Any] | None, path: tuple[str, ...]) -> float | None:
     inner: Any = values
     for key in path:
-        inner = inner[key]
+        inner = None if inner is None else inner.get(key)
     return None if inner is None else float(inner)
+
+
+def _bound(value: float | None) -> str:
+    return "" if value is None else f"{value:.2%}"
 
 
 def _number(value: float | None) -> str:

@@ -66,6 +66,7 @@ class Scene(Section):
     load: units.Force | None = None
     approach: units.PositiveLength | None = None
     accuracy: units.Accuracy | None = None
+    budget: units.Duration | None = None
     rail: Rail = Rail()
     wheel: Wheel = Wheel()
     wheelset: Wheelset = Wheelset()
@@ -80,6 +81,16 @@ class Scene(Section):
         if self.load is not None and self.approach is not None:
             both = f"({self.load:.12g}, {self.approach:.12g})"
             raise SceneError("load, approach", f"both are given {both}; give exactly one of them")
+        return self
+
+    @model_validator(mode="after")
+    def _size_or_accuracy(self) -> Self:
+        if self.mesh.patch_size is not None and (self.accuracy or self.budget):
+            other = "accuracy" if self.accuracy else "budget"
+            raise SceneError(
+                f"mesh.patch_size, {other}",
+                f"both are given; {other} chooses the patch size, give one of them",
+            )
         return self
 
     @model_validator(mode="after")

@@ -99,6 +99,11 @@ STRESS = Dimension(
     'megapascals or a stress with its unit, e.g. 207000 or "207 GPa"',
     partial(_physical, base="MPa"),
 )
+DURATION = Dimension(
+    "a duration",
+    'seconds or a time with its unit, e.g. 30 or "2 min"',
+    partial(_physical, base="s"),
+)
 NUMBER = Dimension("a number", "a plain number, e.g. 1", _per_cent)
 FRACTION = Dimension("a fraction", 'a number or per cent, e.g. 0.01 or "1%"', _per_cent)
 SLOPE = Dimension("a slope", 'a slope or an angle, e.g. 0.05, "1:20" or "2.86 deg"', _slope)
@@ -147,6 +152,7 @@ def _above_zero(value: float) -> bool:
 
 
 Force = Annotated[float, quantity(FORCE, _positive, "a positive, finite force")]
+Duration = Annotated[float, quantity(DURATION, _positive, "a positive, finite time")]
 PositiveLength = Annotated[float, quantity(LENGTH, _positive, "a positive, finite length")]
 Radius = Annotated[float, quantity(LENGTH, _above_zero, "a positive length; inf is flat")]
 Stress = Annotated[float, quantity(STRESS, _positive, "a positive, finite stress")]

@@ -78,7 +78,7 @@ def test_summary_keeps_the_contract(result) -> None:
             "tau_max_MPa", "tau_max_depth_mm", "von_mises_max_MPa", "von_mises_max_depth_mm",
             "surface_centre_MPa",
         }  # fmt: skip
-    assert set(summary["accuracy"]) == {"asked", "bound", "reached"}
+    assert {"asked", "bound", "reached"} <= set(summary["accuracy"])
     assert {"force_balance", "max_penetration_mm", "converged"} <= set(summary["checks"])
     assert {
         "dofs",

@@ -1,0 +1,277 @@
+"""Half-space boundary elements: exact contacts, convergence, complementarity, invariance, input."""
+
+import math
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from theory.boundary_element import PatchSolution, solve
+from theory.hertz import Ellipse, point_contact
+
+Array = NDArray[np.float64]
+Gap = Callable[[Array, Array], Array]
+MODULUS, LOAD, RADIUS = 1.13e5, 25e3, 420.0
+QUANTITIES = ("approach", "p0", "a", "b", "area", "along", "across")
+
+
+def paraboloid(ratio: float = 1.4, x0: float = 0.0, s0: float = 0.0, turn: float = 0.0) -> Gap:
+    """Gap with the curvatures 1/RADIUS and ratio/RADIUS about (x0, s0), turned by an angle."""
+
+    def gap(x: Array, s: Array) -> Array:
+        along = (x - x0) * math.cos(turn) + (s - s0) * math.sin(turn)
+        across = (s - s0) * math.cos(turn) - (x - x0) * math.sin(turn)
+        return (along**2 + ratio * across**2) / (2 * RADIUS)
+
+    return gap
+
+
+def lopsided(x: Array, s: Array) -> Array:
+    """A gap without any symmetry, whose patch is no ellipse."""
+    height: Array = x**2 / 700 + s**2 / 500 + np.abs(x + 2 * s) ** 3 / 3e4 + s**3 / 2e4 + x**4 / 1e5
+    return height
+
+
+def curvature_ratio(axis_ratio: float) -> float:
+    """Ratio of curvatures that gives a/b, found by bisection on the exact contact."""
+    low, high = 1.0, 100.0
+    while high - low > 1e-12 * high:
+        middle = (low + high) / 2
+        exact = point_contact(1.0, middle, MODULUS, LOAD)
+        low, high = (middle, high) if exact.a / exact.b < axis_ratio else (low, middle)
+    return low
+
+
+def relative_errors(patch: PatchSolution, exact: Ellipse) -> dict[str, float]:
+    computed = (patch.approach, patch.max_pressure, *patch.semi_axes, patch.area)
+    expected = (exact.approach, exact.p0, exact.a, exact.b, exact.area, exact.a, exact.b)
+    ratio = np.divide((*computed, *patch.half_extents), expected)
+    return dict(zip(QUANTITIES, np.abs(ratio - 1), strict=True))
+
+
+@pytest.mark.parametrize("axis_ratio", [1.0, 1.5, 2.0, 3.0, 4.0, 5.0])
+def test_hertz_ellipse(axis_ratio: float) -> None:
+    ratio = curvature_ratio(axis_ratio)
+    exact = point_contact(1 / RADIUS, ratio / RADIUS, MODULUS, LOAD)
+    patch = solve(paraboloid(ratio, 0.3, -0.2), MODULUS, load=LOAD)
+    errors = relative_errors(patch, exact)
+    assert errors["approach"] < 3e-5
+    assert errors["p0"] < 4e-5
+    assert max(errors["a"], errors["b"]) < 1e-4
+    assert errors["area"] < 2e-3
+    assert max(errors["along"], errors["across"]) < 4e-3
+    assert patch.mean_pressure == pytest.approx(exact.p_mean, rel=2e-3)
+    assert patch.centroid == pytest.approx((0.3, -0.2), abs=1e-4 * exact.b)
+    error = patch.pressure - exact.pressure(patch.x[:, None] - 0.3, patch.s + 0.2)
+    assert np.sqrt(np.sum(error**2) / np.sum(patch.pressure**2)) < 1e-2
+
+
+def test_convergence_on_hertz() -> None:
+    """Mean errors fall as h^2 (approach, p0, a, b) and faster than h (area); the ends of the patch
+    lie within a quarter of a cell."""
+    mean = []
+    for cells in (32, 64, 128, 256):
+        each = []
+        for ratio in (1.0, 1.7, 4.0):
+            exact = point_contact(1 / RADIUS, ratio / RADIUS, MODULUS, LOAD)
+            patch = solve(paraboloid(ratio, 0.3, -0.2), MODULUS, load=LOAD, cells=cells)
+            errors = relative_errors(patch, exact)
+            assert errors["along"] * exact.a < 0.25 * (patch.x[1] - patch.x[0])
+            assert errors["across"] * exact.b < 0.25 * (patch.s[1] - patch.s[0])
+            each.append([errors[name] for name in ("approach", "p0", "a", "b", "area")])
+        mean.append(np.mean(each, axis=0))
+    order = np.log2(mean[0] / mean[-1]) / 3
+    assert np.all(order[:4] > 1.5)
+    assert order[4] > 1
+
+
+def test_turned_ellipse_keeps_its_peak_area_and_approach() -> None:
+    exact = point_contact(1 / RADIUS, 4 / RADIUS, MODULUS, LOAD)
+    errors = relative_errors(solve(paraboloid(4, turn=0.5), MODULUS, load=LOAD), exact)
+    assert errors["approach"] < 5e-5
+    assert errors["p0"] < 1e-4
+    assert errors["area"] < 2e-3
+
+
+def test_cone() -> None:
+    """Blunt cone of slope t: a = sqrt(2F/(pi E* t)), approach pi a t/2 (Johnson, 5.2)."""
+    slope = 0.01
+    a = math.sqrt(2 * LOAD / (math.pi * MODULUS * slope))
+    patch = solve(lambda x, s: slope * np.hypot(x, s), MODULUS, load=LOAD)
+    assert patch.approach == pytest.approx(math.pi * a * slope / 2, rel=5e-4)
+    assert patch.area == pytest.approx(math.pi * a * a, rel=5e-3)
+    r = np.hypot(patch.x[:, None], patch.s)
+    away = (r > 0.1 * a) & (r < 0.9 * a)
+    exact = MODULUS * slope / 2 * np.arccosh(a / r[away])
+    np.testing.assert_allclose(patch.pressure[away], exact, rtol=2e-2)
+
+
+def test_flat_circular_punch() -> None:
+    """Approach F/(2 E* R), with a gap that is infinite outside R (Johnson, 3.36)."""
+    patch = solve(
+        lambda x, s: np.where(np.hypot(x, s) < 3, 0, np.inf), MODULUS, load=LOAD, cells=256
+    )
+    assert patch.approach == pytest.approx(LOAD / (6 * MODULUS), rel=5e-3)
+    assert patch.area == pytest.approx(9 * math.pi, rel=5e-3)
+    centre = patch.pressure[128, 128]
+    assert centre == pytest.approx(LOAD / (18 * math.pi), rel=5e-3)
+    outside = np.hypot(patch.x[:, None], patch.s) >= 3
+    assert np.all(patch.pressure[outside] == 0) and np.all(np.isinf(patch.gap[outside]))
+
+
+def test_gap_may_be_infinite_away_from_the_patch() -> None:
+    whole = solve(paraboloid(), MODULUS, load=LOAD)
+    gap = paraboloid()
+    cut = solve(lambda x, s: np.where(s < 4, gap(x, s), np.inf), MODULUS, load=LOAD)
+    assert whole.half_extents[1] < 4
+    assert cut.approach == pytest.approx(whole.approach, rel=3e-5)
+    assert cut.max_pressure == pytest.approx(whole.max_pressure, rel=5e-5)
+
+
+def test_two_patches_act_on_each_other_as_point_forces() -> None:
+    """Approach of each is Hertz's plus F/(pi E* D), up to the order (a/D)^2."""
+    distance = 40.0
+    one, other = paraboloid(1.0, s0=-distance / 2), paraboloid(1.0, s0=distance / 2)
+    both = solve(
+        lambda x, s: np.minimum(one(x, s), other(x, s)),
+        MODULUS,
+        load=2 * LOAD,
+        half_size=(20, 40),
+        cells=256,
+    )
+    exact = point_contact(1 / RADIUS, 1 / RADIUS, MODULUS, LOAD)
+    expected = exact.approach + LOAD / (math.pi * MODULUS * distance)
+    assert both.approach == pytest.approx(expected, rel=1e-3)
+    assert both.area == pytest.approx(2 * exact.area, rel=1e-2)
+    assert both.max_pressure == pytest.approx(exact.p0, rel=1e-2)
+    assert both.centroid == pytest.approx((0, 0), abs=1e-6)
+    assert both.half_extents[1] == pytest.approx(distance / 2 + exact.a, rel=5e-3)
+    left = both.pressure[:, both.s < 0].sum() / both.pressure.sum()
+    assert left == pytest.approx(0.5, abs=1e-8)
+    assert np.all(both.pressure[:, np.abs(both.s) < 10] == 0)
+
+
+@pytest.mark.parametrize("gap", [paraboloid(3.0), lopsided])
+def test_load_and_approach_control_agree(gap: Gap) -> None:
+    by_load = solve(gap, MODULUS, load=LOAD)
+    by_approach = solve(gap, MODULUS, approach=by_load.approach)
+    assert by_approach.approach == by_load.approach
+    assert by_approach.load == pytest.approx(LOAD, rel=5e-5)
+    assert by_approach.max_pressure == pytest.approx(by_load.max_pressure, rel=1e-4)
+    assert by_approach.semi_axes == pytest.approx(by_load.semi_axes, rel=1e-4)
+
+
+def test_load_grows_as_the_approach_to_three_halves() -> None:
+    """Hertz, over four decades of approach, from one first domain."""
+    approaches = np.array([1e-5, 1e-3, 1e-1])
+    loads = [solve(paraboloid(), MODULUS, approach=value).load for value in approaches]
+    np.testing.assert_allclose(loads / approaches**1.5, loads[0] / 1e-5**1.5, rtol=1e-4)
+
+
+@pytest.mark.parametrize("gap", [paraboloid(5.0, 0.1, 0.7, 0.3), lopsided])
+def test_mirrored_and_shifted_gap(gap: Gap) -> None:
+    patch = solve(gap, MODULUS, load=LOAD)
+    mirrored = solve(lambda x, s: gap(x, -s), MODULUS, load=LOAD)
+    shifted = solve(lambda x, s: gap(x - 64, s + 32), MODULUS, load=LOAD, centre=(64, -32))
+    exchanged = solve(lambda x, s: gap(s, x), MODULUS, load=LOAD)
+    tiny = 1e-6 * patch.max_pressure
+    np.testing.assert_allclose(mirrored.pressure[:, ::-1], patch.pressure, atol=tiny)
+    np.testing.assert_allclose(mirrored.s[::-1], -patch.s, atol=1e-9)
+    np.testing.assert_allclose(shifted.pressure, patch.pressure, atol=tiny)
+    np.testing.assert_allclose(shifted.x - 64, patch.x, atol=1e-9)
+    np.testing.assert_allclose(shifted.s + 32, patch.s, atol=1e-9)
+    np.testing.assert_allclose(exchanged.pressure.T, patch.pressure, atol=tiny)
+    assert exchanged.semi_axes == pytest.approx(patch.semi_axes[::-1], rel=1e-6)
+
+
+@pytest.mark.parametrize("gap", [paraboloid(2.0, turn=0.4), lopsided])
+@pytest.mark.parametrize("control", ["load", "approach"])
+def test_signorini_conditions_and_equilibrium(gap: Gap, control: str) -> None:
+    """Displacements come from a direct sum of Love's solution in its logarithmic form."""
+    goal: dict[str, Any] = {control: LOAD if control == "load" else 0.04}
+    patch = solve(gap, MODULUS, cells=48, **goal)
+    x, s = np.meshgrid(patch.x, patch.s, indexing="ij")
+    dx, ds = patch.x[1] - patch.x[0], patch.s[1] - patch.s[0]
+    u = np.zeros_like(x)
+    for i, j in np.argwhere(patch.pressure > 0):
+        for sign_x in (-1, 1):
+            for sign_s in (-1, 1):
+                p, q = x - x[i, j] + sign_x * dx / 2, s - s[i, j] + sign_s * ds / 2
+                r = np.hypot(p, q)
+                corner = p * np.log(q + r) + q * np.log(p + r)
+                u += sign_x * sign_s * patch.pressure[i, j] * corner / (math.pi * MODULUS)
+    opened = gap(x, s) + u - patch.approach
+    scale = 1e-7 * patch.approach
+    np.testing.assert_allclose(patch.gap, opened, atol=scale)
+    assert patch.pressure.min() == 0
+    assert opened.min() > -scale
+    assert np.max(patch.pressure * np.abs(opened)) < scale * patch.max_pressure
+    assert patch.pressure.sum() * dx * ds == pytest.approx(patch.load, rel=1e-10)
+    if control == "load":
+        assert patch.load == pytest.approx(LOAD, rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("centre", "half_size"),
+    [((0, 0), (1e-4, 1e-4)), ((60, -25), (1, 3)), ((3, 3), (5e3, 400)), ((0.1, 0), (1e5, 0.1))],
+)
+def test_domain_is_found_from_a_poor_guess(
+    centre: tuple[float, float], half_size: tuple[float, float]
+) -> None:
+    exact = point_contact(1 / RADIUS, 1.4 / RADIUS, MODULUS, LOAD)
+    for load, approach in ((LOAD, None), (None, exact.approach)):
+        patch = solve(
+            paraboloid(),
+            MODULUS,
+            load=load,
+            approach=approach,
+            centre=centre,
+            half_size=half_size,
+        )
+        assert patch.load == pytest.approx(LOAD, rel=1e-4)
+        assert patch.approach == pytest.approx(exact.approach, rel=5e-5)
+        assert patch.semi_axes == pytest.approx((exact.a, exact.b), rel=2e-4)
+        for axis in (0, 1):
+            assert 0.6 <= np.any(patch.pressure > 0, axis=axis).mean() <= 0.9
+
+
+def test_takes_less_than_half_a_second() -> None:
+    seconds = []
+    for _ in range(3):
+        start = time.perf_counter()
+        solve(lopsided, MODULUS, load=LOAD)
+        seconds.append(time.perf_counter() - start)
+    assert min(seconds) < 0.5
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({}, "exactly one of load and approach"),
+        ({"load": 1.0, "approach": 1.0}, "exactly one of load and approach"),
+        ({"load": -1.0}, "load must be positive"),
+        ({"load": math.nan}, "load must be positive"),
+        ({"load": 1.0, "contact_modulus": 0.0}, "contact_modulus, .* must be positive"),
+        ({"load": 1.0, "half_size": (1.0, 0.0)}, "half_size, .* must be positive"),
+        ({"load": 1.0, "centre": (math.nan, 0.0)}, "centre"),
+        ({"approach": math.inf}, "approach inf within"),
+        ({"load": 1.0, "cells": 8}, r"cells \(8\) must be at least 16"),
+        ({"load": LOAD, "tolerance": 1e-19}, "no equilibrium to 1e-19"),
+        ({"approach": -0.1}, "must fall below the approach"),
+        ({"approach": 0.0}, "must fall below the approach"),
+        ({"load": LOAD, "gap": lambda x, s: s**2 / 600}, "grow around the patch"),
+        ({"load": LOAD, "gap": lambda x, s: 0 * x}, "grow around the patch"),
+        ({"load": LOAD, "gap": lambda x, s: (s**2 - x**2) / 600}, "the gap has no minimum"),
+        ({"load": LOAD, "gap": lambda x, s: x + math.inf}, "gap must be .* below .* somewhere"),
+        ({"load": LOAD, "gap": lambda x, s: x * math.nan}, "gap must be"),
+        ({"load": LOAD, "gap": lambda x, s: x - math.inf}, "gap must be above"),
+        ({"load": LOAD, "gap": lambda x, s: 0.0}, r"one value a point, got the shape \(\)"),
+    ],
+)
+def test_wrong_input_is_refused(change: dict[str, Any], message: str) -> None:
+    arguments: dict[str, Any] = {"gap": paraboloid(), "contact_modulus": MODULUS} | change
+    with pytest.raises(ValueError, match=message):
+        solve(**arguments)
