@@ -55,8 +55,12 @@ class Reduction:
         return out
 
 
-def reduce(supports: Supports, comm: MPI.Intracomm) -> Reduction:
-    """Build P. The approach, if free, is the last unknown of the last rank."""
+def reduce(supports: Supports, comm: MPI.Intracomm, *, padded: bool = False) -> Reduction:
+    """Build P. The approach, if free, is the last unknown of the last rank.
+
+    padded: keep three columns for every node and for the approach, empty where nothing is free, so
+    that the unknowns come in blocks of three, as algebraic multigrid wants them.
+    """
     count = len(supports.fixed)
     hub = supports.hub if supports.hub is not None else np.zeros(count, dtype=bool)
     basis = np.tile(np.eye(3), (count, 1, 1))  # columns: free directions of the node
@@ -73,10 +77,12 @@ def reduce(supports: Supports, comm: MPI.Intracomm) -> Reduction:
     free[supports.fixed | hub] = 0
 
     owns_approach = supports.hub_free and comm.rank == comm.size - 1
-    local = int(free.sum()) + int(owns_approach)
+    slots = np.full(count, 3) if padded else free
+    local = int(slots.sum()) + int(owns_approach) * (3 if padded else 1)
     start = comm.exscan(local) or 0
     total = comm.allreduce(local)
-    first = start + np.concatenate([[0], np.cumsum(free)[:-1]])
+    last = total - (3 if padded else 1)
+    first = start + np.concatenate([[0], np.cumsum(slots)[:-1]])
 
     node, column = np.nonzero(np.arange(3) < free[:, None])
     rows = (3 * node[:, None] + np.arange(3)).ravel()
@@ -85,14 +91,14 @@ def reduce(supports: Supports, comm: MPI.Intracomm) -> Reduction:
     if supports.hub_free:
         nodes = np.flatnonzero(hub & ~supports.fixed)
         rows = np.concatenate([rows, (3 * nodes[:, None] + np.arange(3)).ravel()])
-        columns = np.concatenate([columns, np.full(3 * len(nodes), total - 1)])
+        columns = np.concatenate([columns, np.full(3 * len(nodes), last)])
         values = np.concatenate([values, np.tile(supports.direction, len(nodes))])
     keep = values != 0.0
     table = sp.csr_matrix((values[keep], (rows[keep], columns[keep])), shape=(3 * count, total))
     moved = comm.allreduce(int(hub.sum()))
     return Reduction(
         petsc_matrix(table, local, comm),
-        local - 1 if owns_approach else -1,
+        local - total + last if owns_approach else -1,
         supports.hub_free and not moved,
     )
 

@@ -249,7 +249,7 @@ class ContactModel:
         if self.setup.degree == 1:
             return linear.algebraic(matrix, transfer.rigid_modes(points, self.reduction))
         coarse = compat.vector_space(self.bulk.space.mesh, 1)
-        reduction = constraints.reduce(self._supports(coarse), self.comm)
+        reduction = constraints.reduce(self._supports(coarse), self.comm, padded=True)
         full = transfer.interpolation(coarse, self.bulk.space, self.setup.degree)
         prolongation = transfer.reduced_prolongation(full, self.reduction, reduction)
         coarse_points = coarse.tabulate_dof_coordinates()[: coarse.dofmap.index_map.size_local]

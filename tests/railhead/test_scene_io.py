@@ -50,6 +50,7 @@ wheels = table(
 rest = {
     "name": st.from_regex(r"[A-Za-z0-9_-][A-Za-z0-9_.-]{0,20}", fullmatch=True),
     "accuracy": st.floats(0.0005, 0.2),
+    "budget": number,
     "rail": rails,
     "wheel": wheels,
     "wheelset": table({}, shift=st.floats(-30, 30)),
@@ -69,8 +70,19 @@ rest = {
     ),
     "effects": table({}, symmetry=st.sampled_from(["auto", "on", "off"])),
 }
-scenes = (table({"load": number}, **rest) | table({"approach": number}, **rest)).map(
-    Scene.from_mapping
+
+
+def size_or_accuracy(data: dict) -> dict:
+    """An accuracy chooses the patch size itself, so the two are not given together."""
+    if "accuracy" in data or "budget" in data:
+        data.get("mesh", {}).pop("patch_size", None)
+    return data
+
+
+scenes = (
+    (table({"load": number}, **rest) | table({"approach": number}, **rest))
+    .map(size_or_accuracy)
+    .map(Scene.from_mapping)
 )
 
 
