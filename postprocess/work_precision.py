@@ -46,7 +46,8 @@ def _panel(axes: Axes, rows: Sequence[Row]) -> None:
     for element, colour in COLOURS.items():
         for method, style in LINES.items():
             line = [r for r in solved if (r["element"], r["method"]) == (element, method)]
-            label = f"{element[:-2]}, order {element[-1]}, {method}"
+            name = method.replace("nitsche", "Nitsche")
+            label = f"{element[:-2]}, order {element[-1]}, {name}"
             axes.plot(
                 *_curve(line), style, color=colour, marker=MARKERS[element], ms=6,
                 mfc=colour if method == "nitsche" else "white", label=label, zorder=3,

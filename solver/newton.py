@@ -53,7 +53,7 @@ def solve(
     active: Mask,
     preconditioner: PETSc.PC,
     *,
-    rtol: float = 1e-9,
+    rtol: float = 1e-8,
     max_steps: int = 30,
     progress: Callable[[int, float], None] = lambda step, residual: None,
 ) -> NewtonResult:
@@ -69,7 +69,7 @@ def solve(
     y = problem.force.duplicate()
     y.set(0.0)
     ksp.setOperators(problem.tangent(active), preconditioner.getOperators()[1])
-    ksp.setTolerances(rtol=1e-3, max_it=500)
+    ksp.setTolerances(rtol=1e-4, max_it=500)
     ksp.solve(problem.predictor(active), y)
     iterations = ksp.getIterationNumber()
     history: list[Step] = []
@@ -98,7 +98,7 @@ def solve(
         if touching == 0:
             return NewtonResult(y, pressure, False, "the bodies do not touch", history)
         ksp.setOperators(problem.tangent(active), preconditioner.getOperators()[1])
-        forcing = min(1e-2, max(0.03 * rtol / norm, 0.1 * norm**2))
+        forcing = min(1e-3, max(0.1 * rtol / norm, 0.01 * norm))
         ksp.setTolerances(rtol=forcing, max_it=500)
         increment = problem.force.duplicate()
         ksp.solve(residual, increment)
