@@ -1,4 +1,5 @@
-.PHONY: run test setup lint
+.PHONY: run test setup lint docs
+STUDIES = accuracy-cost error-bounds load-sweep scaling
 
 run: setup
 	.venv/bin/railhead run uic54_thesis
@@ -8,6 +9,17 @@ test: setup lint
 
 setup:
 	@./setup.sh
+
+# Every table and picture under docs/: about fifteen minutes on two cores.
+docs: setup
+	set -e; for study in $(STUDIES); do \
+	    .venv/bin/railhead study $$study --out results/$$study; \
+	    cp results/$$study/page.md docs/$$study.md; \
+	    cp results/$$study/*.csv docs/; \
+	    cp results/$$study/*.png docs/ 2>/dev/null || true; \
+	done
+	.venv/bin/railhead run uic54_thesis
+	cp results/uic54_thesis/wheel_rail.png docs/uic54_thesis.png
 
 lint: setup
 	.venv/bin/ruff check .

@@ -37,7 +37,7 @@ class Record:
 
 
 def measure(patch_size: float) -> Record:
-    """Solve once in this process; the linear solve comes first, on the same matrices."""
+    """Solve once in this process; the linear solve follows, on the same matrices."""
     import resource
 
     import numpy as np
@@ -56,22 +56,6 @@ def measure(patch_size: float) -> Record:
     model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
     built = time.perf_counter() - start
 
-    # The linear problem in which the Hertz ellipse is bonded: the same bulk, the same solver.
-    start = time.perf_counter()
-    problem, e = model.problem, plan.estimate
-    x, y = model.interface.points[:, :2].T
-    active = (x / e.a) ** 2 + (y / e.b) ** 2 < 1
-    prescribed = model._prescribed(float(plan.scene.load or 0.0), 0.0)
-    share = float(plan.scene.load or 0.0) / model.setup.parts
-    problem.set_load(model.interface, model.reduction, model.bulk.stiffness, prescribed, share, 0.0)
-    pc = model._precondition(problem.assembled_tangent(np.asarray(active)))
-    ksp = krylov(model.problem.stiffness.comm, pc, True)
-    ksp.setOperators(problem.tangent(active), pc.getOperators()[1])
-    ksp.setTolerances(rtol=1e-8, max_it=500)
-    ksp.solve(problem.predictor(active), problem.force.duplicate())
-    linear = time.perf_counter() - start
-    pc.destroy()
-
     start = time.perf_counter()
     solution = level.solve(plan, model, frame, lambda step, residual: None)
     contact = time.perf_counter() - start
@@ -80,6 +64,23 @@ def measure(patch_size: float) -> Record:
     if fields is not None:
         read.findings(fields, frame)
     finding = time.perf_counter() - start
+    peak = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+    # The linear problem in which the Hertz ellipse is bonded: the same bulk, the same solver.
+    start = time.perf_counter()
+    problem, e = model.problem, plan.estimate
+    x, y = model.interface.points[:, :2].T
+    active = (x / e.a) ** 2 + (y / e.b) ** 2 < 1
+    prescribed = model.prescribed(float(plan.scene.load or 0.0), 0.0)
+    share = float(plan.scene.load or 0.0) / model.setup.parts
+    problem.set_load(model.interface, model.reduction, model.bulk.stiffness, prescribed, share, 0.0)
+    pc = model.precondition(problem.assembled_tangent(np.asarray(active)))
+    ksp = krylov(model.problem.stiffness.comm, pc, True)
+    ksp.setOperators(problem.tangent(active), pc.getOperators()[1])
+    ksp.setTolerances(rtol=1e-8, max_it=500)
+    ksp.solve(problem.predictor(active), problem.force.duplicate())
+    linear = time.perf_counter() - start
+
     return Record(
         patch_size,
         model.unknowns,
@@ -88,7 +89,7 @@ def measure(patch_size: float) -> Record:
         sum(step.linear_iterations for step in solution.newton.history),
         linear,
         contact,
-        1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss,
+        peak,
     )
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import trapezoid
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,6 @@ class Grading:
         fine = self.margin * (self.a * self.b * self.depth) ** (1 / 3)
         size = self.size + self.growth * np.maximum(radius - fine, 0.0)
         if hexahedra:
-            quads = float(np.trapz(np.pi * radius / size**2, radius))
+            quads = float(trapezoid(np.pi * radius / size**2, radius))
             return quads * 2 * len(self.layers(reach))
-        return 4.4 * float(np.trapz(2 * np.pi * radius**2 / size**3, radius))
+        return 4.4 * float(trapezoid(2 * np.pi * radius**2 / size**3, radius))

@@ -109,7 +109,7 @@ class ContactModel:
             3 * self.owned,
             self.comm,
         )
-        self.reduction = constraints.reduce(self._supports(self.bulk.space), self.comm)
+        self.reduction = constraints.reduce(self.supports(self.bulk.space), self.comm)
         self.closing: Array = self.interface.normals @ np.array(setup.direction)
         self.problem: ContactProblem = reduce_problem(
             self.bulk.stiffness, self.interface, self.reduction, setup.law, self.closing
@@ -130,7 +130,8 @@ class ContactModel:
         mask[dofs[dofs < count]] = True
         return mask
 
-    def _supports(self, space: Any) -> constraints.Supports:
+    def supports(self, space: Any) -> constraints.Supports:
+        """Fixed faces, planes and hub as masks over the owned block dofs of a space."""
         setup = self.setup
         none = np.zeros(space.dofmap.index_map.size_local, dtype=bool)
         fixed = none if setup.fixed.rigid else self._members(space, setup.fixed.support)
@@ -139,9 +140,9 @@ class ContactModel:
         direction = np.array(setup.direction)
         return constraints.Supports(fixed, planes, hub, direction, setup.load_control)
 
-    def _prescribed(self, load: float, approach: float) -> PETSc.Vec:
+    def prescribed(self, load: float, approach: float) -> PETSc.Vec:
         """u0: far field of the load and, under approach control, the rigid motion of the hub."""
-        supports = self._supports(self.bulk.space)
+        supports = self.supports(self.bulk.space)
         values = np.zeros((self.owned, 3))
         if self.setup.far_field is not None:
             points = self.bulk.space.tabulate_dof_coordinates()[: self.owned]
@@ -171,7 +172,7 @@ class ContactModel:
         The preconditioner of the first call serves all later ones.
         """
         start = time.perf_counter()
-        prescribed = self._prescribed(load, approach)
+        prescribed = self.prescribed(load, approach)
         problem = self.problem
         share = load / self.setup.parts if self.setup.load_control else 0.0
         rigid_motion = 0.0 if self.setup.load_control or not self.setup.moving.rigid else approach
@@ -181,7 +182,7 @@ class ContactModel:
         if not self.comm.allreduce(int(active.sum())):
             active = self._nearest()
         if self.preconditioner is None:
-            self.preconditioner = self._precondition(problem.assembled_tangent(active))
+            self.preconditioner = self.precondition(problem.assembled_tangent(active))
         result = newton.solve(
             problem, active, self.preconditioner, max_steps=max_steps, progress=progress
         )
@@ -210,7 +211,7 @@ class ContactModel:
     def _reaction(self, displacement: PETSc.Vec, pressure: Array) -> float:
         """What the support carries: R(u) of the unreduced problem, summed over the held nodes."""
         law, problem, interface = self.setup.law, self.problem, self.interface
-        held = self._supports(self.bulk.space)
+        held = self.supports(self.bulk.space)
         mask, sign = (held.fixed, -1.0) if not self.setup.fixed.rigid else (held.hub, 1.0)
         force = self.bulk.stiffness * displacement
         push = interface.gap.createVecLeft()
@@ -238,7 +239,8 @@ class ContactModel:
         lowest = np.sort(np.concatenate(self.comm.allgather(np.sort(gaps)[:12])))[:12]
         return np.asarray(gaps <= lowest[-1])
 
-    def _precondition(self, matrix: PETSc.Mat) -> PETSc.PC:
+    def precondition(self, matrix: PETSc.Mat) -> PETSc.PC:
+        """A preconditioner of a contact tangent: direct, p-multigrid or GAMG, chosen by size."""
         symmetric = self.setup.law.symmetric
         choice = self.setup.linear
         if choice == "auto":
@@ -249,7 +251,7 @@ class ContactModel:
         if self.setup.degree == 1:
             return linear.algebraic(matrix, transfer.rigid_modes(points, self.reduction))
         coarse = compat.vector_space(self.bulk.space.mesh, 1)
-        reduction = constraints.reduce(self._supports(coarse), self.comm, padded=True)
+        reduction = constraints.reduce(self.supports(coarse), self.comm, padded=True)
         full = transfer.interpolation(coarse, self.bulk.space, self.setup.degree)
         prolongation = transfer.reduced_prolongation(full, self.reduction, reduction)
         coarse_points = coarse.tabulate_dof_coordinates()[: coarse.dofmap.index_map.size_local]

@@ -58,7 +58,7 @@ def test_hub_moves_as_one(models) -> None:
     y.set(0.0)
     y.array[model.reduction.approach] = 0.25
     u = (model.reduction.matrix * y).array.reshape(-1, 3)
-    hub = model._supports(model.bulk.space).hub
+    hub = model.supports(model.bulk.space).hub
     np.testing.assert_array_equal(u[hub], np.tile([0, 0, -0.25], (hub.sum(), 1)))
     assert np.all(u[~hub] == 0)
 
@@ -127,7 +127,7 @@ def test_prolongation_carries_rigid_motion_and_the_approach(models) -> None:
 
     model = models()
     coarse = compat.vector_space(model.bulk.space.mesh, 1)
-    reduction = constraints.reduce(model._supports(coarse), model.comm)
+    reduction = constraints.reduce(model.supports(coarse), model.comm)
     full = transfer.interpolation(coarse, model.bulk.space, 2)
     q = transfer.reduced_prolongation(full, model.reduction, reduction)
     y = q.createVecRight()
