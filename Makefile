@@ -1,5 +1,5 @@
 .PHONY: run test setup lint docs
-STUDIES = accuracy-cost error-bounds load-sweep scaling
+STUDIES = accuracy-cost error-bounds load-sweep scaling thesis effects hard-cases
 
 run: setup
 	.venv/bin/railhead run uic54_thesis
@@ -10,7 +10,7 @@ test: setup lint
 setup:
 	@./setup.sh
 
-# Every table and picture under docs/: about fifteen minutes on two cores.
+# Every table and picture under docs/: about sixteen minutes on two cores.
 docs: setup
 	set -e; for study in $(STUDIES); do \
 	    .venv/bin/railhead study $$study --out results/$$study; \

@@ -15,8 +15,6 @@ from railhead.progress import Progress
 from railhead.studies import write_csv
 
 if TYPE_CHECKING:
-    from petsc4py.PETSc import PC
-
     from meshing.sizing import Grading
     from postprocess.findings import Frame
     from railhead.plan import Plan
@@ -33,9 +31,8 @@ UNITS = {"load": "N", "a": "mm", "b": "mm", "p_max": "MPa", "approach": "mm", "t
 
 @dataclass(frozen=True)
 class Point:
-    """One load. Differences are relative to exact Hertz. seconds, linear_iterations: of the solve
-    with a preconditioner of its own (first load of a case: with mesh and assembly); *_kept: of the
-    same solve with the first load's preconditioner."""
+    """One load. Differences are relative to exact Hertz. seconds: of the solve (first load of a
+    case: with mesh and assembly)."""
 
     case: str
     load: float
@@ -52,10 +49,8 @@ class Point:
     unknowns: int
     newton_iterations: int
     linear_iterations: int
-    linear_iterations_kept: int
     converged: bool
     seconds: float
-    seconds_kept: float
 
 
 def main(out: Path, *, quick: bool) -> None:
@@ -104,20 +99,13 @@ def sweep(name: str, loads: Sequence[float], progress: Progress) -> list[Point]:
     model = build.model(plan, mesh)
     frame = Frame(plan.contact.origin, plan.contact.touch.angle)
     local = frame.local(model.interface.points)
-    first: PC | None = None
     points: list[Point] = []
     for load in loads:
         progress.stage(f"{name}: {load:.0f} N, {model.unknowns} unknowns")
-        ellipse = planning.estimate(plan.scene, plan.contact, load)
+        ellipse = planning.ellipse(plan.scene, plan.contact, load)
         inside = (local[:, 0] / ellipse.a) ** 2 + (local[:, 1] / ellipse.b) ** 2 < 1
-        solutions, seconds = [], []
-        for preconditioner in (None, first) if first else (None,):
-            model.preconditioner = preconditioner
-            solutions.append(model.solve(load=load, active=inside))
-            seconds.append(time.perf_counter() - start)
-            start = time.perf_counter()
-        first = first or model.preconditioner
-        points.append(_point(plan, ellipse, model, frame, solutions, seconds))
+        solution = model.solve(load=load, active=inside)
+        points.append(_point(plan, ellipse, model, frame, solution, time.perf_counter() - start))
         start = time.perf_counter()
     return points
 
@@ -127,13 +115,12 @@ def _point(
     ellipse: Ellipse,
     model: ContactModel,
     frame: Frame,
-    solutions: Sequence[Solution],
-    seconds: Sequence[float],
+    solution: Solution,
+    seconds: float,
 ) -> Point:
     from postprocess import compare, read
     from solver.gather import gather
 
-    solution = solutions[0]
     fields = gather(model, solution)
     assert fields is not None  # one process
     values = compare.from_findings(
@@ -141,7 +128,6 @@ def _point(
     )  # fmt: skip
     poisson = plan.scene.rail.poisson_ratio
     exact = compare.from_hertz(ellipse, poisson, frame.angle, frame.origin)
-    krylov = [sum(s.linear_iterations for s in each.newton.history) for each in solutions]
     return Point(
         plan.scene.name,
         solution.load,
@@ -149,11 +135,9 @@ def _point(
         *_quantities(compare.difference(values, exact)),
         model.unknowns,
         len(solution.newton.history),
-        krylov[0],
-        krylov[-1],
+        sum(step.linear_iterations for step in solution.newton.history),
         solution.newton.converged,
-        seconds[0],
-        seconds[-1],
+        seconds,
     )
 
 

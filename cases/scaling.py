@@ -40,15 +40,14 @@ def measure(patch_size: float) -> Record:
     """Solve once in this process; the linear solve follows, on the same matrices."""
     import resource
 
-    import numpy as np
     from mpi4py import MPI
 
     from postprocess import read
     from postprocess.findings import Frame
     from railhead import build, catalogue, level
     from railhead import plan as planning
+    from solver import linear
     from solver.gather import gather
-    from solver.linear import krylov
 
     plan = planning.make(catalogue.find("hertz_ellipse").replace([f"mesh.patch_size={patch_size}"]))
     frame = Frame(plan.contact.origin, 0.0)
@@ -71,15 +70,11 @@ def measure(patch_size: float) -> Record:
     problem, e = model.problem, plan.estimate
     x, y = model.interface.points[:, :2].T
     active = (x / e.a) ** 2 + (y / e.b) ** 2 < 1
-    prescribed = model.prescribed(float(plan.scene.load or 0.0), 0.0)
-    share = float(plan.scene.load or 0.0) / model.setup.parts
-    problem.set_load(model.interface, model.reduction, model.bulk.stiffness, prescribed, share, 0.0)
-    pc = model.precondition(problem.assembled_tangent(np.asarray(active)))
-    ksp = krylov(model.problem.stiffness.comm, pc, True)
-    ksp.setOperators(problem.tangent(active), pc.getOperators()[1])
-    ksp.setTolerances(rtol=1e-8, max_it=500)
-    ksp.solve(problem.predictor(active), problem.force.duplicate())
-    linear = time.perf_counter() - start
+    preconditioner = model.new_preconditioner(problem)
+    ksp = linear.krylov(preconditioner)
+    out = problem.force.duplicate()
+    linear.solve(ksp, preconditioner, active, problem.predictor(active), out, 1e-8)
+    elastic = time.perf_counter() - start
 
     return Record(
         patch_size,
@@ -87,7 +82,7 @@ def measure(patch_size: float) -> Record:
         built + contact + finding,
         len(solution.newton.history),
         sum(step.linear_iterations for step in solution.newton.history),
-        linear,
+        elastic,
         contact,
         peak,
     )

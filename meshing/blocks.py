@@ -1,4 +1,5 @@
-"""gmsh (OpenCASCADE kernel) builds the bodies: a section swept along the rail or about the axle."""
+"""gmsh (OpenCASCADE kernel) builds the bodies: a section swept along the rail or about the axle,
+or the section alone."""
 
 from __future__ import annotations
 
@@ -9,15 +10,18 @@ from typing import Any
 import gmsh
 import numpy as np
 
+from meshing import plane
 from meshing.bodies import Body, Options
-from meshing.outlines import Curve
 from meshing.sizing import Grading
 from meshing.tags import BODIES, CONTACT, SUPPORT, SYMMETRY_X, SYMMETRY_Y
 
 REPAIR_BELOW = 0.1  # quality of a curved tetrahedron that is straightened
 STRAIGHTENING_PASSES = 5
 ELEMENTS_PER_TURN = 6  # on fillets
-TET10_EDGES = ((0, 1), (1, 2), (2, 0), (3, 0), (2, 3), (1, 3))  # gmsh's order of the middle nodes
+EDGES = {  # of simplices, in gmsh's order of the middle nodes
+    2: ((0, 1), (1, 2), (2, 0)),
+    3: ((0, 1), (1, 2), (2, 0), (3, 0), (2, 3), (1, 3)),
+}
 
 
 @contextmanager
@@ -28,20 +32,26 @@ def model(bodies: list[Body], grading: Grading, options: Options) -> Iterator[An
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("General.NumThreads", 1)
         gmsh.model.add("railhead")
+        if options.plane == "xz":
+            grading = grading.turned()
         groups: dict[tuple[int, int], list[int]] = {}
         for body in bodies:
-            _sweep(body, grading, options, groups)
+            if options.plane:
+                plane.surface(body, options, groups)
+            else:
+                _sweep(body, grading, options, groups)
         gmsh.model.occ.synchronize()
         for (dim, tag), entities in sorted(groups.items()):
-            gmsh.model.addPhysicalGroup(dim, entities, tag, _name(dim, tag))
+            name = _name(tag, volume=dim == options.dim)
+            gmsh.model.addPhysicalGroup(dim, entities, tag, name)
         _mesh(grading, options)
         yield gmsh.model
     finally:
         gmsh.finalize()
 
 
-def _name(dim: int, tag: int) -> str:
-    if dim == 3:
+def _name(tag: int, *, volume: bool) -> str:
+    if volume:
         return BODIES[tag]
     if tag in (SYMMETRY_X, SYMMETRY_Y):
         return "symmetry_x" if tag == SYMMETRY_X else "symmetry_y"
@@ -53,21 +63,23 @@ def _sweep(
     body: Body, grading: Grading, options: Options, groups: dict[tuple[int, int], list[int]]
 ) -> None:
     occ = gmsh.model.occ
-    curves = _wire(body.section)
+    curves = plane.wire(body)
     face = occ.addPlaneSurface([occ.addCurveLoop(curves)])
     if options.half:
         groups.setdefault((2, SYMMETRY_X), []).append(face)
+    ahead, across, _ = body.pose.rotation.T
     structured: dict[str, Any] = {}
     if options.cell == "hexahedron":
         ends = grading.layers(body.reach)
         structured = {"numElements": [1] * len(ends), "heights": ends, "recombine": True}
     for sign in (1,) if options.half else (1, -1):
         if body.axle is None:
-            made = occ.extrude([(2, face)], sign * body.reach, 0, 0, **structured)
+            made = occ.extrude([(2, face)], *sign * body.reach * ahead, **structured)
         else:
             height, radius = body.axle
             angle = -sign * body.reach / radius
-            made = occ.revolve([(2, face)], 0, 0, height, 0, 1, 0, angle, **structured)
+            centre = body.pose.outward(np.array([0.0, 0.0, height]))
+            made = occ.revolve([(2, face)], *centre, *across, angle, **structured)
         end, volume, lateral = made[0][1], made[1][1], [tag for _, tag in made[2:]]
         if len(lateral) != len(curves):
             raise RuntimeError(
@@ -86,27 +98,13 @@ def _sweep(
                 groups.setdefault((2, tag), []).append(surface)
 
 
-def _wire(section: list[Curve]) -> list[int]:
-    """Closed chain of curves in the plane x = 0."""
-    occ = gmsh.model.occ
-    corners = [occ.addPoint(0.0, *curve.points[0]) for curve in section]
-    tags = []
-    for index, curve in enumerate(section):
-        start, end = corners[index], corners[(index + 1) % len(corners)]
-        if curve.centre is not None:
-            tags.append(occ.addCircleArc(start, occ.addPoint(0.0, *curve.centre), end))
-        elif len(curve.points) == 2:
-            tags.append(occ.addLine(start, end))
-        else:
-            inner = [occ.addPoint(0.0, *point) for point in curve.points[1:-1]]
-            tags.append(occ.addSpline([start, *inner, end]))
-    return tags
-
-
 def _mesh(grading: Grading, options: Options) -> None:
     hexahedra = options.cell == "hexahedron"
+    coordinates = ("x", "y") if options.plane else ("y", "z")
+    flat = hexahedra or bool(options.plane)
+    expression = grading.expression(section=flat, coordinates=coordinates)
     field = gmsh.model.mesh.field.add("MathEval")
-    gmsh.model.mesh.field.setString(field, "F", grading.expression(section=hexahedra))
+    gmsh.model.mesh.field.setString(field, "F", expression)
     gmsh.model.mesh.field.setAsBackgroundMesh(field)
     gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
     gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
@@ -117,38 +115,39 @@ def _mesh(grading: Grading, options: Options) -> None:
         gmsh.option.setNumber("Mesh.RecombineAll", 1)
         gmsh.option.setNumber("Mesh.RecombinationAlgorithm", 3)
         for _, curve in gmsh.model.getEntities(1):
-            _at_least_two_elements(curve, grading)
+            _at_least_two_elements(curve, grading, options)
     else:
         gmsh.option.setNumber("Mesh.Algorithm3D", 10)  # HXT: faster, better shaped than Delaunay
-    gmsh.model.mesh.generate(3)
+    gmsh.model.mesh.generate(options.dim)
     if options.geometry_degree > 1:
         gmsh.model.mesh.setOrder(options.geometry_degree)
         if not hexahedra:
-            _straighten()
+            _straighten(options.dim)
 
 
-def _at_least_two_elements(curve: int, grading: Grading) -> None:
+def _at_least_two_elements(curve: int, grading: Grading, options: Options) -> None:
     """Full-quad recombination halves every curve, so none may carry a single element."""
     low, high = (bound[0] for bound in gmsh.model.getParametrizationBounds(1, curve))
     middle = gmsh.model.getValue(1, curve, [(low + high) / 2])
-    if gmsh.model.occ.getMass(1, curve) < 4 * grading.at(middle[1], middle[2]):
+    at = middle[:2] if options.plane else middle[1:]
+    if gmsh.model.occ.getMass(1, curve) < 4 * grading.at(*at):
         gmsh.model.mesh.setTransfiniteCurve(curve, 3)
 
 
-def _straighten() -> None:
-    """Straighten the edges of badly bent tetrahedra (coarse ones on fillets, far from the patch).
+def _straighten(dim: int) -> None:
+    """Straighten the edges of badly bent simplices (coarse ones on fillets, far from the patch).
 
     gmsh's own high-order optimisation gives another mesh in each run.
     """
     coordinates = dict(zip(*_nodes(), strict=True))
     for _ in range(STRAIGHTENING_PASSES):
-        bad = qualities() < REPAIR_BELOW
+        bad = qualities(dim) < REPAIR_BELOW
         if not bad.any():
             return
-        tags = np.concatenate(gmsh.model.mesh.getElements(3)[1])
+        tags = np.concatenate(gmsh.model.mesh.getElements(dim)[1])
         for element in tags[bad]:
             nodes = gmsh.model.mesh.getElement(element)[1]
-            for middle, (start, end) in zip(nodes[4:], TET10_EDGES, strict=False):
+            for middle, (start, end) in zip(nodes[dim + 1 :], EDGES[dim], strict=False):
                 straight = 0.5 * (coordinates[nodes[start]] + coordinates[nodes[end]])
                 gmsh.model.mesh.setNode(middle, straight, [])
                 coordinates[middle] = straight
@@ -159,16 +158,17 @@ def _nodes() -> tuple[np.ndarray, np.ndarray]:
     return tags, np.asarray(coordinates).reshape(-1, 3)
 
 
-def qualities() -> np.ndarray:
-    """Shape of each volume element of the current model: 1 ideal, 0 flat, negative inverted.
+def qualities(dim: int = 3) -> np.ndarray:
+    """Shape of each element of the current model's bodies: 1 ideal, 0 flat, negative inverted.
 
-    The smallest scaled Jacobian; for tetrahedra, where it says nothing of a straight sliver, the
+    The smallest scaled Jacobian; for simplices, where it says nothing of a straight sliver, the
     smaller of it and the inverse condition number.
     """
-    types, tags, _ = gmsh.model.mesh.getElements(3)
+    types, tags, _ = gmsh.model.mesh.getElements(dim)
     quality = []
     for kind, members in zip(types, tags, strict=True):
-        names = ["minSJ"] if "Hexahedron" in _kind(kind) else ["minSJ", "minSICN"]
+        structured = "Hexahedron" in _kind(kind) or "Quadrilateral" in _kind(kind)
+        names = ["minSJ"] if structured else ["minSJ", "minSICN"]
         measures = [gmsh.model.mesh.getElementQualities(members, name) for name in names]
         quality.append(np.min(measures, axis=0))
     return np.concatenate(quality)

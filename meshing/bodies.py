@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from meshing.outlines import Curve
+from meshing.pose import Pose, upright
 
 
 @dataclass(frozen=True)
@@ -13,6 +14,7 @@ class Body:
 
     tag: RAIL or WHEEL. reach: length each way, mm; axle: (z of the axle, radius at which reach is
     measured) turns the sweep into a revolution. end_role: 'free' or 'support' of the end faces.
+    pose: where all of it is put.
     """
 
     tag: int
@@ -20,12 +22,23 @@ class Body:
     reach: float
     axle: tuple[float, float] | None = None
     end_role: str = "free"
+    pose: Pose = field(default_factory=lambda: upright(0.0))
 
 
 @dataclass(frozen=True)
 class Options:
-    """cell 'tetrahedron' or 'hexahedron', degree 1 or 2 of the geometry, half: only x >= 0."""
+    """cell 'tetrahedron' or 'hexahedron', degree 1 or 2 of the geometry, half: only x >= 0.
+
+    plane: '' sweeps the sections; 'xz' or 'yz' meshes them as they are, in the plane along or
+    across the rail, with triangles or quadrilaterals.
+    """
 
     cell: str
     geometry_degree: int
     half: bool
+    plane: str = ""
+
+    @property
+    def dim(self) -> int:
+        """Coordinates of the mesh."""
+        return 2 if self.plane else 3

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from meshing.bodies import Body, Options
 from meshing.sizing import Grading
 
 MIN_QUALITY = 0.01
+RETRIES = (1.0, 0.95, 0.9)  # of the element size, where gmsh leaves a flat element or gives up
 
 
 class MeshError(RuntimeError):
@@ -51,23 +52,25 @@ def generate(
     if comm.rank:
         _raise_together(comm, None)
         quality, count = comm.bcast(None)
-        return ContactMesh(*compat.model_to_mesh(None, comm), quality, count)
-    try:
-        with blocks.model(bodies, grading, options) as model:
-            shapes = blocks.qualities()
-            _check(shapes)
-            if save is not None:
-                gmsh.option.setNumber("Mesh.MshFileVersion", 2.2)  # meshio reads it with its groups
-                gmsh.write(str(save))
-            _raise_together(comm, None)
-            quality, count = comm.bcast((float(shapes.min()), len(shapes)))
-            return ContactMesh(*compat.model_to_mesh(model, comm), quality, count)
-    except MeshError as error:
-        _raise_together(comm, str(error))
-        raise
-    except Exception as error:  # gmsh raises bare Exception
-        _raise_together(comm, str(error))
-        raise MeshError(f"gmsh: {error}") from error
+        return ContactMesh(*compat.model_to_mesh(None, comm, options.dim), quality, count)
+    for share in RETRIES:
+        finer = replace(grading, size=share * grading.size)
+        try:
+            with blocks.model(bodies, finer, options) as model:
+                shapes = blocks.qualities(options.dim)
+                _check(shapes)
+                if save is not None:
+                    gmsh.option.setNumber("Mesh.MshFileVersion", 2.2)  # meshio reads its groups
+                    gmsh.write(str(save))
+                _raise_together(comm, None)
+                quality, count = comm.bcast((float(shapes.min()), len(shapes)))
+                return ContactMesh(*compat.model_to_mesh(model, comm, options.dim), quality, count)
+        except MeshError as error:
+            problem = error
+        except Exception as error:  # gmsh raises bare Exception
+            problem = MeshError(f"gmsh: {error}")
+    _raise_together(comm, str(problem))
+    raise problem
 
 
 def _check(shapes: np.ndarray) -> None:

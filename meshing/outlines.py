@@ -65,6 +65,13 @@ def rail_section(name: str, extent: str, *, half: bool) -> list[Curve]:
     return [*curves, *(curve.mirrored() for curve in reversed(curves))]
 
 
+def head_depth(name: str) -> float:
+    """Depth of the cut below the crown of 54E1 or 60E1 where the web begins, mm."""
+    segments = data("rails.json")[name]["half_section"]
+    web = next(segment for segment in segments if segment["name"].startswith("web"))
+    return float(segments[0]["start"][1] - web["start"][1])
+
+
 def profile_curves(profile: Profile, start: float, end: float, *, outwards: int) -> list[Curve]:
     """The contact line z = outwards * profile between two y, piece by piece."""
     curves: list[Curve] = []
@@ -92,9 +99,9 @@ def block_section(
     top = profile_curves(profile, start, end, outwards=outwards)
     first, last = top[0].points[0], top[-1].points[-1]
     right, left = np.array([last[0], base]), np.array([first[0], base])
-    return [
-        *top,
+    sides = [
         _line(last, right, "free"),
         _line(right, left, "support"),
         _line(left, first, "symmetry" if half else "free"),
     ]
+    return [*top, *(line for line in sides if np.ptp(line.points, axis=0).max() > 1e-6)]

@@ -7,19 +7,16 @@ A profile is a chain of pieces, each a circular arc or a polynomial or spline in
 
 from __future__ import annotations
 
-import csv
 import json
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import resources
-from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import make_interp_spline, make_smoothing_spline
+from scipy.interpolate import make_interp_spline
 
 Array = NDArray[np.float64]
 CONES = {"cylinder": 0.0, "cone20": 1 / 20, "cone40": 1 / 40}
@@ -156,31 +153,6 @@ def s1002() -> Profile:
         else:
             pieces.append(Polynomial(start, end, tuple(zone["c"])))
     return Profile("S1002", tuple(sorted(pieces, key=lambda piece: piece.start)))
-
-
-def from_points(name: str, y: Sequence[float] | Array, z: Sequence[float] | Array) -> Profile:
-    """Smoothing cubic spline (scipy's cross-validated choice) through measured points (y, z)."""
-    order = np.argsort(y)
-    ys, zs = np.asarray(y, dtype=float)[order], np.asarray(z, dtype=float)[order]
-    if len(ys) < 5 or np.any(np.diff(ys) <= 0) or not np.all(np.isfinite([ys, zs])):
-        raise ValueError(f"profile {name}: give at least 5 finite points with different y")
-    return Profile(name, (Spline(ys[0], ys[-1], make_smoothing_spline(ys, zs)),))
-
-
-def from_csv(path: Path) -> Profile:
-    """Points y, z in mm, one a line; a header line and lines beginning with # are skipped."""
-    points = []
-    with path.open(newline="") as file:
-        for number, row in enumerate(csv.reader(file)):
-            if not row or row[0].lstrip().startswith("#"):
-                continue
-            try:
-                points.append((float(row[0]), float(row[1])))
-            except (ValueError, IndexError):
-                if number:
-                    raise ValueError(f"{path.name}, line {number + 1}: not a pair y, z") from None
-    y, z = zip(*points, strict=True) if points else ((), ())
-    return from_points(path.stem, y, z)
 
 
 def rail_head(name: str, inclination: float = 0.0) -> Profile:

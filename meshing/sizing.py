@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +13,13 @@ from scipy.integrate import trapezoid
 class Grading:
     """Element size h inside an ellipsoid around the patch, plus growth * distance outside of it.
 
+    The distance is the larger of that to the ellipsoid to first order, rho (rho - 1) / |grad rho^2|
+    times 2 with rho = |x / semi-axes|, and of that to its bounding box: both are exact on the axes,
+    and neither leaves out the tips of a needle.
+
     centre (x, y, z) and semi-axes a (along x) and b (along the tangent across) in mm; angle of the
-    tangent to the horizontal in rad; size h and coarsest size in mm.
+    tangent to the horizontal in rad; size h and coarsest size in mm. also: further patches, each
+    with sizes of its own; the smallest size holds.
     """
 
     centre: tuple[float, float, float]
@@ -25,40 +30,68 @@ class Grading:
     growth: float = 0.3
     margin: float = 1.15
     coarsest: float = 1e22
+    also: tuple[Grading, ...] = ()
+
+    @property
+    def _fine(self) -> tuple[float, float, float]:
+        """Semi-axes of the fine ellipsoid: along, across, down."""
+        return self.margin * self.a, self.margin * self.b, self.depth
 
     @property
     def depth(self) -> float:
         """Depth of the fine zone, mm."""
         return min(self.a, self.b)
 
-    def expression(self, *, section: bool = False) -> str:
-        """The size as a gmsh MathEval formula; section: in the plane x = centre alone."""
+    def turned(self) -> Grading:
+        """The same with x in the place of the coordinate across."""
+        x, _, z = self.centre
+        return replace(self, centre=(0.0, x, z), a=self.b, b=self.a, angle=0.0)
+
+    def expression(
+        self, *, section: bool = False, coordinates: tuple[str, str] = ("y", "z")
+    ) -> str:
+        """The size as a gmsh MathEval formula; section: in the plane x = centre alone.
+
+        coordinates: gmsh's names of y and z.
+        """
+        y, z = coordinates
         cx, cy, cz = self.centre
         c, s = f"({np.cos(self.angle):.15g})", f"({np.sin(self.angle):.15g})"
         dx = "0" if section else f"(x-({cx:.15g}))"
-        dy, dz = f"(y-({cy:.15g}))", f"(z-({cz:.15g}))"
+        dy, dz = f"({y}-({cy:.15g}))", f"({z}-({cz:.15g}))"
         across = f"({c}*{dy}+{s}*{dz})"
         normal = f"({c}*{dz}-{s}*{dy})"
-        tiny = f"{(1e-6 * self.size) ** 2:.6g}"
-        distance = f"Sqrt({dx}*{dx}+{dy}*{dy}+{dz}*{dz}+{tiny})"
-        ea, eb = self.margin * self.a, self.margin * self.b
-        rho = (
-            f"Sqrt({dx}*{dx}/{ea**2:.15g}+{across}*{across}/{eb**2:.15g}"
-            f"+{normal}*{normal}/{self.depth**2:.15g}+1e-12)"
-        )
-        return f"{self.size:.15g}+{self.growth:.15g}*Max(0,{distance}*(1-1/{rho}))"
+        terms = list(zip((dx, across, normal), self._fine, strict=True))
+
+        def norm(power: int) -> str:
+            squares = "+".join(f"{x}*{x}/{e ** (2 * power):.15g}" for x, e in terms)
+            return f"Sqrt({squares}+{1e-12 / min(self._fine) ** (2 * power - 2):.15g})"
+
+        ellipsoid = f"{norm(1)}*({norm(1)}-1)/{norm(2)}"
+        beyond = [f"Max(0,Sqrt({x}*{x}+1e-300)-({e:.15g}))" for x, e in terms]
+        box = f"Sqrt({'+'.join(f'{d}*{d}' for d in beyond)}+1e-300)"
+        own = f"{self.size:.15g}+{self.growth:.15g}*Max({box},{ellipsoid})"
+        for other in self.also:
+            also = other.expression(section=section, coordinates=coordinates)
+            own = f"Min({own},{also})"
+        return own
 
     def at(self, y: float, z: float) -> float:
         """The size at a point of the section through the centre."""
         dy, dz = y - self.centre[1], z - self.centre[2]
         c, s = np.cos(self.angle), np.sin(self.angle)
-        rho = np.hypot((c * dy + s * dz) / (self.margin * self.b), (c * dz - s * dy) / self.depth)
-        return float(self.size + self.growth * np.hypot(dy, dz) * max(0.0, 1 - 1 / max(rho, 1e-9)))
+        offset = np.array([c * dy + s * dz, c * dz - s * dy])
+        rho = max(float(np.linalg.norm(offset / self._fine[1:])), 1e-9)
+        steep = max(float(np.linalg.norm(offset / np.square(self._fine[1:]))), 1e-9)
+        box = float(np.linalg.norm(np.maximum(np.abs(offset) - self._fine[1:], 0.0)))
+        own = self.size + self.growth * max(box, rho * (rho - 1) / steep)
+        return float(min([own, *(other.at(y, z) for other in self.also)]))
 
     def along(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """The same on the line through the centre along the rail."""
         outside = np.maximum(np.abs(x - self.centre[0]) - self.margin * self.a, 0.0)
-        return self.size + self.growth * outside
+        own = self.size + self.growth * outside
+        return np.minimum.reduce([own, *(other.along(x) for other in self.also)])
 
     def layers(self, length: float) -> list[float]:
         """Ends of graded layers from the patch centre to `length`, as fractions of it."""
@@ -68,12 +101,26 @@ class Grading:
         ends = np.linspace(0.0, count[-1], max(2, round(count[-1])) + 1)[1:]
         return [float(v) for v in np.interp(ends, count, x) / length]
 
+    def predicted_triangles(self, reach: float) -> float:
+        """Triangles of the section of one whole body: the integral of the density 1/size^2."""
+        radius = np.geomspace(1e-3 * self.size, reach, 400)
+        fine = self.margin * np.sqrt(self.b * self.depth)
+        size = self.size + self.growth * np.maximum(radius - fine, 0.0)
+        return 2.3 * float(trapezoid(np.pi * radius / size**2, radius))
+
     def predicted_cells(self, reach: float, *, hexahedra: bool = False) -> float:
         """Cells of one whole body: the integral of the density 1/size^3 (factors: gmsh's habit)."""
-        radius = np.geomspace(1e-3 * self.size, reach, 400)
-        fine = self.margin * (self.a * self.b * self.depth) ** (1 / 3)
-        size = self.size + self.growth * np.maximum(radius - fine, 0.0)
+        others = (other.predicted_cells(reach, hexahedra=hexahedra) for other in self.also)
+        return self._predicted_cells(reach, hexahedra) + sum(others)
+
+    def _predicted_cells(self, reach: float, hexahedra: bool) -> float:
+        distance = np.concatenate([[0.0], np.geomspace(1e-3 * self.size, reach, 400)])
+        size = self.size + self.growth * distance
         if hexahedra:
-            quads = float(trapezoid(np.pi * radius / size**2, radius))
+            across, down = (edge + distance for edge in self._fine[1:])
+            area = np.pi / 2 * across * down
+            quads = area[0] / size[0] ** 2 + float(trapezoid(1 / size**2, area))
             return quads * 2 * len(self.layers(reach))
-        return 4.4 * float(trapezoid(2 * np.pi * radius**2 / size**3, radius))
+        along, across, down = (edge + distance for edge in self._fine)
+        volume = 2 * np.pi / 3 * along * across * down
+        return 4.4 * float(volume[0] / size[0] ** 3 + trapezoid(1 / size**3, volume))

@@ -1,7 +1,4 @@
-"""The exact undeformed surfaces near the contact, and the gap between them.
-
-Both bodies are height fields z = f(x, y) there: x along the rail, y across, z up.
-"""
+"""The exact undeformed surfaces near the contact, and the gap between them."""
 
 from __future__ import annotations
 
@@ -11,68 +8,62 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from meshing.pose import Pose
 from meshing.profiles import Profile
 
 Array = NDArray[np.float64]
+NEWTON_STEPS = 20
 
 
 class Surface(Protocol):
-    """A height field with the side its solid lies on."""
+    """The zero set of a function that is positive outside the solid."""
 
-    @property
-    def outward(self) -> int:
-        """+1 where the solid lies below the surface, -1 where it lies above."""
-        ...
-
-    def height(self, x: Array, y: Array) -> Array:
-        """z in mm; NaN outside the surface."""
-        ...
-
-    def gradient(self, x: Array, y: Array) -> tuple[Array, Array]:
-        """dz/dx and dz/dy."""
+    def implicit(self, points: Array) -> tuple[Array, Array]:
+        """(n,) values in mm and (n, 3) gradients at points (n, 3); NaN beyond the profile."""
         ...
 
 
 @dataclass(frozen=True)
 class RailSurface:
-    """A straight rail, solid below."""
+    """A straight rail: z - profile(y)."""
 
     profile: Profile
-    outward: int = 1
 
-    def height(self, x: Array, y: Array) -> Array:
-        return self.profile.height(y)
-
-    def gradient(self, x: Array, y: Array) -> tuple[Array, Array]:
-        return np.zeros_like(x), self.profile.slope(y)
+    def implicit(self, points: Array) -> tuple[Array, Array]:
+        y = points[:, 1]
+        gradient = np.column_stack([np.zeros_like(y), -self.profile.slope(y), np.ones_like(y)])
+        return points[:, 2] - self.profile.height(y), gradient
 
 
 @dataclass(frozen=True)
 class WheelSurface:
-    """A surface of revolution about the axle y -> (0, y, axle_height), solid above.
-
-    The local radius is rolling_radius + profile(y - shift).
-    """
+    """A surface of revolution: distance from the axle - (rolling_radius + profile(y))."""
 
     profile: Profile
     rolling_radius: float
-    shift: float
-    axle_height: float
-    outward: int = -1
+    pose: Pose
 
-    def radius(self, y: Array) -> Array:
-        """Distance of the surface from the axle, mm."""
-        return self.rolling_radius + self.profile.height(y - self.shift)
+    def implicit(self, points: Array) -> tuple[Array, Array]:
+        x, y, z = self.pose.inward(points).T
+        distance = np.hypot(x, z)
+        gradient = np.column_stack([x / distance, -self.profile.slope(y), z / distance])
+        value = distance - self.rolling_radius - self.profile.height(y)
+        return value, gradient @ self.pose.rotation.T
 
-    def height(self, x: Array, y: Array) -> Array:
-        with np.errstate(invalid="ignore"):
-            return np.asarray(self.axle_height - np.sqrt(self.radius(y) ** 2 - x**2))
 
-    def gradient(self, x: Array, y: Array) -> tuple[Array, Array]:
-        radius = self.radius(y)
-        with np.errstate(invalid="ignore"):
-            root = np.sqrt(radius**2 - x**2)
-        return x / root, -radius * self.profile.slope(y - self.shift) / root
+def along(surface: Surface, points: Array, directions: Array) -> Array:
+    """Distance t (n,) with points + t directions on the surface, by Newton's method from t = 0.
+
+    points, directions: (n, 3), mm. Infinite where the line leaves the profile.
+    """
+    t = np.zeros(len(points))
+    for _ in range(NEWTON_STEPS):
+        value, gradient = surface.implicit(points + t[:, None] * directions)
+        step = value / np.einsum("nd,nd->n", gradient, directions)
+        t = t - step
+        if not np.any(np.abs(step) > 1e-14):
+            break
+    return np.where(np.isfinite(t), t, np.inf)
 
 
 @dataclass(frozen=True)
@@ -83,29 +74,28 @@ class ExactGap:
     master: Surface
 
     def __call__(self, points: Array) -> tuple[Array, Array]:
-        """points (n, 3) near the slave, only x and y are used -> (gap (n,), normal (n, 3)).
+        """points (n, 3) near the slave -> (gap (n,), outward normal (n, 3)).
 
-        Solves f_master(x + t n) = z + t n_z for t by Newton's method; the gap is infinite where
-        the normal misses the master.
+        The points are moved onto the slave first. The gap is infinite where the normal misses the
+        master.
         """
-        x, y = points[:, 0], points[:, 1]
-        z = self.slave.height(x, y)
-        dx, dy = self.slave.gradient(x, y)
-        up = np.column_stack([-dx, -dy, np.ones_like(x)])
-        normal = np.asarray(up * float(self.slave.outward), dtype=float)
-        normal /= np.linalg.norm(normal, axis=1)[:, None]
-        t = (self.master.height(x, y) - z) * normal[:, 2]
-        for _ in range(12):
-            xt, yt = x + t * normal[:, 0], y + t * normal[:, 1]
-            mx, my = self.master.gradient(xt, yt)
-            miss = self.master.height(xt, yt) - z - t * normal[:, 2]
-            rate = mx * normal[:, 0] + my * normal[:, 1] - normal[:, 2]
-            step = miss / rate
-            t = t - step
-            if not np.any(np.abs(step) > 1e-14):
-                break
-        t[~np.isfinite(t)] = np.inf
-        return t, np.where(np.isfinite(normal), normal, 0.0)
+        nearest, normal = self._projected(points)
+        return along(self.master, nearest, normal), np.where(np.isfinite(normal), normal, 0.0)
+
+    def off_surface(self, points: Array) -> Array:
+        """Distance (n,) of points (n, 3) from the slave, mm."""
+        return np.asarray(np.linalg.norm(self._projected(points)[0] - points, axis=1))
+
+    def _projected(self, points: Array) -> tuple[Array, Array]:
+        """The points on the slave, and its unit normals there."""
+        direction = _unit(self.slave.implicit(points)[1])
+        with np.errstate(invalid="ignore"):
+            nearest = points + along(self.slave, points, direction)[:, None] * direction
+        return nearest, _unit(self.slave.implicit(nearest)[1])
+
+
+def _unit(vectors: Array) -> Array:
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=1)[:, None])
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,10 @@ _HEXAHEDRON = [0, 1, 3, 2, 4, 5, 7, 6]
 # (cell, degree): VTK's name in meshio, and the basix number of each node in VTK's order: vertices,
 # edges (as pairs of vertices), faces and interior.
 _CELLS = {
+    ("triangle", 1): ("triangle", [0, 1, 2]),
+    ("triangle", 2): ("triangle6", [0, 1, 2, 5, 3, 4]),
+    ("quadrilateral", 1): ("quad", [0, 1, 3, 2]),
+    ("quadrilateral", 2): ("quad9", [0, 1, 3, 2, 4, 6, 7, 5, 8]),
     ("tetrahedron", 1): ("tetra", [0, 1, 2, 3]),
     ("tetrahedron", 2): ("tetra10", [0, 1, 2, 3, 9, 6, 8, 7, 5, 4]),
     ("hexahedron", 1): ("hexahedron", _HEXAHEDRON),
@@ -56,13 +60,13 @@ def volume_grid(fields: Fields, stress: Array) -> meshio.Mesh:
 
 
 def contact_grid(fields: Fields, surface: Surface) -> meshio.Mesh:
-    """Triangles of the modelled contact surface, undeformed.
+    """Triangles (of a section: lines) of the modelled contact surface, undeformed.
 
     Point data: pressure (n,) MPa and gap (n,) mm. Cell data: body, the one the surface belongs to.
     """
     return meshio.Mesh(
         surface.points,
-        [("triangle", surface.triangles)],
+        [("triangle" if surface.triangles.shape[1] == 3 else "line", surface.triangles)],
         point_data={"pressure": surface.pressure, "gap": surface.gap},
         cell_data={"body": [np.full(len(surface.triangles), fields.slave, dtype=np.int32)]},
     )

@@ -39,7 +39,7 @@ class Surface:
     """The recovered pressure on the modelled part of the contact surface.
 
     points (n, 3) mm; local (n, 2): x, s; triangles (t, 3); pressure (n,) MPa (P1 on the triangles,
-    not negative); gap (n,) mm.
+    not negative); gap (n,) mm. Of a section: lines (t, 2) in the place of triangles.
     """
 
     points: Array
@@ -50,12 +50,31 @@ class Surface:
 
 
 @dataclass(frozen=True)
+class OnePatch:
+    """One of several separate patches, in its own tangent plane.
+
+    centre of pressure (3,) mm; angle: contact angle, rad; a, b: half lengths mm; area mm2;
+    max_pressure MPa; share of the whole force.
+    """
+
+    centre: tuple[float, float, float]
+    angle: float
+    a: float
+    b: float
+    area: float
+    max_pressure: float
+    share: float
+
+
+@dataclass(frozen=True)
 class Patch:
     """The whole contact patch (symmetric parts included).
 
     a, b: semi-axes along x and s from second moments, mm, exact for an ellipse under Hertz's
-    pressure; centre: (x, s) of the pressure's centroid; area mm2; max_pressure, mean_pressure MPa;
-    outlines: closed curves (k, 2) of (x, s), one for each separate patch.
+    pressure, or half width and half length of a line contact; centre: (x, s) of the pressure's
+    centroid; area mm2; max_pressure, mean_pressure MPa; outlines: closed curves (k, 2) of (x, s),
+    one for each separate patch. Where there are several (each: one entry a patch), a, b and centre
+    are those of the most loaded one.
     """
 
     a: float
@@ -65,6 +84,7 @@ class Patch:
     max_pressure: float
     mean_pressure: float
     outlines: list[Array]
+    each: tuple[OnePatch, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -109,7 +129,8 @@ class Findings:
     """All of it. depth: by body name; along: pressure along x; across: along s.
 
     hertzian: whether the pressure is close enough to a semi-ellipsoid for the moments to give the
-    semi-axes; shape_error: relative L2 distance of the pressure from that semi-ellipsoid.
+    semi-axes; shape_error: relative L2 distance of the pressure from that semi-ellipsoid; notes:
+    what every picture has to say below it.
     """
 
     frame: Frame
@@ -120,6 +141,7 @@ class Findings:
     across: AxisPressure
     shape_error: float
     hertzian: bool
+    notes: tuple[str, ...] = ()
 
     @property
     def axis(self) -> DepthAxis:

@@ -4,36 +4,48 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from postprocess import export, plots, render, stress
+from postprocess import export, plots, render, section_plots, stress
 from postprocess.findings import Findings
 from solver.gather import Fields
 from theory import thesis
 from theory.hertz import Ellipse
+from theory.line import LineContact
 
 
 def draw(
     fields: Fields,
     found: Findings,
-    ellipse: Ellipse,
+    ellipse: Ellipse | LineContact,
     poisson: float,
     folder: Path,
     *,
     pictures: bool,
 ) -> None:
-    """Write solution.vtu and contact.vtu and, with `pictures`, the six PNG files."""
-    volume = export.volume_grid(fields, stress.nodal(fields))
+    """Write solution.vtu and contact.vtu and, with `pictures`, the PNG files: six, four of a
+    section."""
+    stresses = stress.nodal(fields)
+    volume = export.volume_grid(fields, stresses)
     contact = export.contact_grid(fields, found.surface)
     export.write(volume, folder / "solution.vtu")
     export.write(contact, folder / "contact.vtu")
     if not pictures:
         return
-    plots.patch(found, ellipse, folder / "patch.png")
-    plots.pressure(found, ellipse, folder / "pressure.png")
-    route = thesis.thesis_contact(
-        (ellipse.curvature_x, ellipse.curvature_y), (0.0, 0.0),
-        ellipse.contact_modulus, ellipse.load,
-    )  # fmt: skip
-    plots.depth(found, ellipse, poisson, folder / "depth.png", (route.p0, route.a))
+    # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
+    exact = ellipse if len(found.patch.each) < 2 else None
+    plots.pressure(found, exact, folder / "pressure.png")
+    circular = None
+    if isinstance(exact, Ellipse):
+        route = thesis.thesis_contact(
+            (exact.curvature_x, exact.curvature_y), (0.0, 0.0), exact.contact_modulus, exact.load
+        )
+        circular = route.p0, route.a
+    plots.depth(found, exact, poisson, folder / "depth.png", circular)
+    if fields.kinematics.dim == 2 or isinstance(ellipse, LineContact):
+        section_plots.bodies(fields, found, folder / "wheel_rail.png")
+        section_plots.stress_cut(fields, stresses, found, folder / "stress_cut.png")
+        return
+    assert not isinstance(exact, LineContact)
+    plots.patch(found, exact, folder / "patch.png")
     render.wheel_rail(volume, found, folder / "wheel_rail.png")
     render.stress_cut(volume, found, folder / "stress_cut.png")
-    render.patch_on_rail(contact, found, ellipse, folder / "patch_on_rail.png")
+    render.patch_on_rail(contact, found, exact, folder / "patch_on_rail.png")

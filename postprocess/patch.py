@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
-from postprocess.findings import Array, AxisPressure, Frame, Patch, Surface
+from postprocess.findings import Array, AxisPressure, Frame, OnePatch, Patch, Surface
+from postprocess.parts import Part
 from postprocess.surface import SurfaceRecovery, chains, contour, smooth_square
 from solver.gather import Fields
 
 HERTZIAN = 0.02  # largest deviation of the fourth moments from those of a semi-ellipsoid
 PEAK_RADIUS = 0.6  # of the semi-axes: where p^2 is fitted for the largest pressure
+LOBED, LOBE_RADIUS = 0.1, 0.3  # shape error from which the fit keeps to a lobe, and its radius
 EDGE_CLIP = 0.1  # of the largest pressure: how far the indicator is followed below zero
 
 
@@ -28,6 +32,11 @@ class Moments:
     a: float
     b: float
     shape_error: float
+
+    @property
+    def hertzian(self) -> bool:
+        """Whether the semi-axes are those of an ellipse."""
+        return self.shape_error < HERTZIAN
 
 
 def moments(fields: Fields, frame: Frame) -> Moments:
@@ -72,12 +81,12 @@ def mirrored(local: Array, values: Array, fields: Fields) -> tuple[Array, Array]
 
 def largest_pressure(fields: Fields, frame: Frame, found: Moments, start: Array) -> float:
     """Peak of a quadratic fitted to p^2 around `start` (x, s); Hertz's p^2 is one exactly."""
-    contact = fields.contact
+    contact, reach = fields.contact, PEAK_RADIUS if found.shape_error < LOBED else LOBE_RADIUS
     local, p = mirrored(frame.local(contact.points)[:, :2], contact.pressure, fields)
     _, weight = mirrored(local[: len(contact.weights)], contact.weights, fields)
     scaled = (local - start) / np.array([found.a, found.b])
     radius = np.hypot(*scaled.T)
-    near = (radius < PEAK_RADIUS) & (p > 0)
+    near = (radius < reach) & (p > 0)
     if near.sum() < 24:
         return float(p.max())
     x, s = scaled[near].T
@@ -87,40 +96,79 @@ def largest_pressure(fields: Fields, frame: Frame, found: Moments, start: Array)
     hessian = np.array([[2 * c[3], c[4]], [c[4], 2 * c[5]]])
     if np.linalg.eigvalsh(hessian).max() < 0:
         top = np.linalg.solve(hessian, -c[1:3])
-        if np.hypot(*top) < PEAK_RADIUS:
+        if np.hypot(*top) < reach:
             return float(np.sqrt(c[0] + 0.5 * c[1:3] @ top))
     return float(np.sqrt(np.max(basis @ c)))
 
 
-def read(fields: Fields, frame: Frame) -> tuple[Patch, Surface, Moments]:
-    """Patch and recovered surface fields of a solution in which something touches."""
+def read(fields: Fields, separate: list[Part], frame: Frame) -> tuple[Patch, Surface, Moments]:
+    """Patch and recovered surface fields of a solution in which something touches.
+
+    separate: its parts; frame: of the first one where there are several.
+    """
     contact = fields.contact
     recovery = SurfaceRecovery(fields)
     points = fields.points[recovery.nodes]
     local = frame.local(points)[:, :2]
     projected = np.maximum(recovery.project(contact.pressure), 0.0)
-    found = moments(fields, frame)
-    hertzian = found.shape_error < HERTZIAN
-    start = np.array(found.centre) if hertzian else local[np.argmax(projected)]
-    peak = largest_pressure(fields, frame, found, start)
+    several = len(separate) > 1
+    found = moments(separate[0].fields if several else fields, frame)
+    peaks = [_peak(each.fields, frame, points, projected) for each in separate]
+    peak = max(peaks)
 
     indicator = recovery.project(np.maximum(contact.indicator, -EDGE_CLIP * peak))
     sites, values = mirrored(
         frame.local(contact.points)[:, :2], recovery.interpolate(projected), fields
     )
     pressure = np.where(indicator > 0, smooth_square(sites, values, local), 0.0)
-    segments, part = contour(local, recovery.triangles, indicator)
-    area = part * 2 ** len(fields.mirrors)
+    segments, area = contour(local, recovery.triangles, indicator)
+    area *= 2 ** len(fields.mirrors)
     a, b = found.a, found.b
     outlines = _close(chains(segments, 1e-6 * a), fields)
-    if hertzian:
+    if several:
+        a, b = separate[0].a, separate[0].b
+    elif found.hertzian:
         area = float(np.pi * a * b)
     elif outlines:
         extent = np.ptp(np.concatenate(outlines), axis=0)
         a, b = float(extent[0] / 2), float(extent[1] / 2)
-    patch = Patch(a, b, found.centre, area, peak, found.force / area, outlines)
+    areas = _areas(separate, points, recovery.triangles, indicator) if several else [area]
+    each = tuple(
+        OnePatch(part.centre, part.frame.angle, part.a, part.b, own, top, part.share)
+        for part, own, top in zip(separate, areas, peaks, strict=True)
+    )
+    if not several:
+        each = (replace(each[0], a=a, b=b),)
+    force = moments(fields, frame).force if several else found.force
+    area = float(sum(areas))
+    patch = Patch(a, b, found.centre, area, peak, force / area, outlines, each)
     gap = recovery.project(contact.gap)
     return patch, Surface(points, local, recovery.triangles, pressure, gap), found
+
+
+def _peak(fields: Fields, frame: Frame, points: Array, projected: Array) -> float:
+    """Largest pressure of one patch; points (n, 3) and projected (n,): recovered at the nodes."""
+    found = moments(fields, frame)
+    start = np.array(found.centre)
+    if not found.hertzian:
+        near = cKDTree(fields.contact.points).query(points)[0] < 0.2 * min(found.a, found.b)
+        highest = points[np.argmax(np.where(near, projected, 0.0))]
+        start = frame.local(highest[None])[0, :2]
+    return largest_pressure(fields, frame, found, start)
+
+
+def _areas(
+    separate: list[Part], points: Array, triangles: NDArray[np.int64], indicator: Array
+) -> list[float]:
+    """Area of each patch in its own tangent plane, from the triangles nearest to it."""
+    middles = points[triangles].mean(axis=1)
+    distance = [cKDTree(part.fields.contact.points).query(middles)[0] for part in separate]
+    owner = np.argmin(distance, axis=0)
+    return [
+        contour(part.frame.local(points)[:, :2], triangles[owner == number], indicator)[1]
+        * 2 ** len(part.fields.mirrors)
+        for number, part in enumerate(separate)
+    ]
 
 
 def _close(lines: list[Array], fields: Fields) -> list[Array]:

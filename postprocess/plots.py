@@ -6,7 +6,8 @@ exact Hertz contact, or None: then only the finite-element result is drawn.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import textwrap
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,8 +16,10 @@ import numpy as np
 
 from postprocess.findings import Array, AxisPressure, DepthAxis, Findings
 from postprocess.mirror import whole
+from theory import line, subsurface
 from theory.hertz import Ellipse
-from theory.subsurface import axis_extrema, axis_stress, max_shear, principal
+from theory.line import LineContact
+from theory.subsurface import max_shear, principal
 from theory.thesis import thesis_axis_stress
 
 if TYPE_CHECKING:
@@ -25,6 +28,7 @@ if TYPE_CHECKING:
 
 FE, HERTZ, THESIS = "#1f4e79", "#c8502d", "#7a7a7a"
 BANDS = 10
+Hertz = Ellipse | LineContact
 STYLE = {
     "font.size": 11,
     "axes.grid": True,
@@ -38,14 +42,22 @@ STYLE = {
 
 
 @contextmanager
-def new_figure(path: Path, width: float, height: float) -> Iterator[Figure]:
-    """A figure of the given size in inches, saved at the end; the backend is Agg by itself."""
+def new_figure(
+    path: Path, width: float, height: float, notes: Sequence[str] = ()
+) -> Iterator[Figure]:
+    """A figure of the given size in inches, saved at the end with the notes below it; the backend
+    is Agg by itself."""
     import matplotlib
     from matplotlib.figure import Figure
 
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(width, height), dpi=160, layout="constrained")
         yield figure
+        if notes:
+            wide = int(13 * width)
+            lines = [line for note in notes for line in textwrap.wrap(note, wide)]
+            figure.set_figheight(height + 0.16 * len(lines))
+            figure.supxlabel("\n".join(lines), fontsize=9, color=HERTZ)
         figure.savefig(path, format="png")
 
 
@@ -55,9 +67,9 @@ def closed_ellipse(ellipse: Ellipse) -> Array:
     return np.column_stack((ellipse.a * np.cos(angle), ellipse.b * np.sin(angle)))
 
 
-def pressure(findings: Findings, ellipse: Ellipse | None, path: Path) -> None:
+def pressure(findings: Findings, ellipse: Hertz | None, path: Path) -> None:
     """Pressure along both axes of the patch, MPa over mm."""
-    with new_figure(path, 10, 4.8) as figure:
+    with new_figure(path, 10, 4.8, findings.notes) as figure:
         left, right = figure.subplots(1, 2, sharey=True)
         largest = f"{findings.patch.max_pressure:.4g} MPa"
         name = f"finite elements, largest pressure {largest}"
@@ -70,9 +82,7 @@ def pressure(findings: Findings, ellipse: Ellipse | None, path: Path) -> None:
         figure.legend(*left.get_legend_handles_labels(), loc="outside upper center", ncols=2)
 
 
-def _pressure(
-    axes: Axes, line: AxisPressure, ellipse: Ellipse | None, axis: int, name: str
-) -> None:
+def _pressure(axes: Axes, line: AxisPressure, ellipse: Hertz | None, axis: int, name: str) -> None:
     axes.plot(line.coordinate, line.pressure, "o-", color=FE, lw=0.8, ms=3.5, label=name)
     if ellipse is not None:
         half = (ellipse.a, ellipse.b)[axis]
@@ -86,7 +96,7 @@ def _pressure(
 
 def depth(
     findings: Findings,
-    ellipse: Ellipse | None,
+    ellipse: Hertz | None,
     poisson: float,
     path: Path,
     thesis: tuple[float, float] | None = None,
@@ -97,14 +107,21 @@ def depth(
     """
     axis = findings.axis
     fine = np.linspace(0, float(axis.depth.max()), 301)
-    with new_figure(path, 10, 6.6) as figure:
+    with new_figure(path, 10, 6.6, findings.notes) as figure:
         panels = tuple(figure.subplots(1, 2, sharey=True, width_ratios=(3, 2)))
         peak = axis.peak(max_shear(axis.stress))
         _stresses(panels, axis.depth, axis.stress, "o", FE, f"finite elements, {axis.body}", peak)
         if ellipse is not None:
-            normal, exact = axis_stress(ellipse, poisson, fine), axis_extrema(ellipse, poisson)
+            if isinstance(ellipse, LineContact):
+                name = "exact Hertz, line"
+                normal = line.axis_stress(ellipse, poisson, fine)
+                exact = line.axis_extrema(ellipse, poisson)
+            else:
+                name = "exact Hertz, elliptic"
+                normal = subsurface.axis_stress(ellipse, poisson, fine)
+                exact = subsurface.axis_extrema(ellipse, poisson)
             peak = exact.tau_max_depth, exact.tau_max
-            _stresses(panels, fine, _diagonal(normal), "-", HERTZ, "exact Hertz, elliptic", peak)
+            _stresses(panels, fine, _diagonal(normal), "-", HERTZ, name, peak)
         if thesis is not None:
             stress = _diagonal(thesis_axis_stress(*thesis, poisson, fine))
             peak = DepthAxis("half-space", fine, stress).peak(max_shear(stress))
@@ -167,7 +184,8 @@ def patch(findings: Findings, ellipse: Ellipse | None, path: Path) -> None:
     margin = 0.12 * (high - low).max()
     width, height = high - low + 2 * margin
     scale = 6.5 / max(width, height)
-    with new_figure(path, max(width * scale, 4) + 2.2, max(height * scale, 2) + 1.5) as figure:
+    size = max(width * scale, 4) + 2.2, max(height * scale, 2) + 1.5
+    with new_figure(path, *size, findings.notes) as figure:
         axes = figure.add_subplot(axisbelow=True)
         levels = np.array(MaxNLocator(BANDS).tick_values(0, float(surface.pressure.max())))
         levels[0] = levels[1] / 2  # the ripple of the recovered pressure outside stays white

@@ -5,30 +5,53 @@ from __future__ import annotations
 import numpy as np
 
 from meshing.tags import BODIES
-from postprocess import patch, stress
+from postprocess import patch, section, stress
 from postprocess.findings import Findings, Frame
+from postprocess.parts import parts
+from postprocess.patch import Moments
 from solver.gather import Fields
 
 DEPTH_SAMPLES = 121
 DEPTH_REACH = 3.0  # over the smaller semi-axis
 
 
+def moments(fields: Fields, frame: Frame) -> Moments:
+    """Moments of the pressure; see `patch.moments` and `section.moments`."""
+    return (section if fields.kinematics.dim == 2 else patch).moments(fields, frame)
+
+
 def findings(fields: Fields, frame: Frame) -> Findings:
-    """Patch, recovered surface fields, and stresses below the contact in every meshed body."""
-    found, surface, moments = patch.read(fields, frame)
-    depth = np.linspace(0.0, DEPTH_REACH * min(found.a, found.b), DEPTH_SAMPLES)
+    """Patch, recovered surface fields, and stresses below the contact in every meshed body.
+
+    Where there are several patches, the frame becomes that of the most loaded one.
+    """
+    flat = fields.kinematics.dim == 2
+    separate = [] if flat else parts(fields)
+    frame = separate[0].frame if len(separate) > 1 else frame
+    if flat:
+        found, surface, moments = section.read(fields, frame)
+    else:
+        found, surface, moments = patch.read(fields, separate, frame)
+    reach = moments.a if flat else min(found.a, found.b)
+    depth = np.linspace(0.0, DEPTH_REACH * reach, DEPTH_SAMPLES)
     axes = {
         name: stress.below(fields, frame, found.centre, tag, name, depth)
         for tag, name in BODIES.items()
         if np.any(fields.body == tag)
     }
+    if flat:
+        lines = section.axis_pressures(surface, found, fields)
+    else:
+        lines = (
+            patch.axis_pressure(surface, found, 0, fields),
+            patch.axis_pressure(surface, found, 1, fields),
+        )
     return Findings(
         frame,
         found,
         surface,
         axes,
-        patch.axis_pressure(surface, found, 0, fields),
-        patch.axis_pressure(surface, found, 1, fields),
+        *lines,
         moments.shape_error,
-        moments.shape_error < patch.HERTZIAN,
+        moments.hertzian and len(separate) < 2,
     )

@@ -43,7 +43,7 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
     reach = 2.0 * max(patch.a, patch.b)
     middle = _global(frame, [[0.0, patch.centre[1], 0.0]])[0]
     close = Camera(middle, frame.axes[0], 0.7 * reach, reach, frame.axes[2], pixels=900)
-    with new_figure(path, 10, 6.2) as figure:
+    with new_figure(path, 10, 6.2, findings.notes) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.6, 1))
         general.show(left, general.shoot(meshes))
         left.set_axis_off()
@@ -54,7 +54,7 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
         right.set(title="the same cut, close", xlabel="s, across the rail, mm")
         right.set_ylabel("height over the contact, mm")
         swatches = [Swatch(fc=COLOURS[name], ec=EDGE, label=name) for name in halves]
-        figure.legend(handles=[*swatches, *right.lines], loc="outside lower center", ncols=3)
+        figure.legend(handles=[*swatches, *right.lines], loc="outside upper center", ncols=3)
 
 
 def stress_cut(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
@@ -72,7 +72,7 @@ def stress_cut(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
         seen.append(section["principal_stresses"][inside, 2])
     stresses = np.concatenate(seen)
     levels = np.array(MaxNLocator(BANDS + 2).tick_values(stresses.min(), stresses.max()))
-    with new_figure(path, 10, 1.3 + 7.8 * half[1] / half[0]) as figure:
+    with new_figure(path, 10, 1.3 + 7.8 * half[1] / half[0], findings.notes) as figure:
         axes = figure.add_subplot()
         for section in sections:
             bands = _bands(axes, section, frame, levels)
@@ -118,7 +118,7 @@ def patch_on_rail(
     middle = _global(frame, [[*patch.centre, 0.0]])[0]
     towards = np.array([-0.3, -0.6, 1.0]) @ frame.axes
     camera = Camera(middle, towards, reach, 0.72 * reach, frame.axes[2])
-    with new_figure(path, 10, 6.8) as figure:
+    with new_figure(path, 10, 6.8, findings.notes) as figure:
         axes = figure.add_subplot()
         camera.show(axes, camera.shoot([(surface, look)]))
         axes.set_axis_off()

@@ -8,27 +8,52 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from postprocess.findings import Array, DepthAxis, Frame
-from solver.facets import tabulate
+from solver.facets import middle, tabulate
 from solver.gather import Fields
 
 NEIGHBOURS = 1200  # samples of one local fit: about three element sizes around
+FLAT_NEIGHBOURS = {"triangle": 120, "quadrilateral": 60}  # the same in a section
 FIT_DEGREE = 3
+OUT = np.diag([0.0, 1.0, 0.0])  # the hoop direction of a meridian section
 _ROW, _COLUMN = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])
 
 
 def _at(fields: Fields, cells: NDArray[np.int64], reference: Array) -> tuple[Array, Array, Array]:
     """Position (m, 3), stress (m, 6) in global axes and |det J| at one reference point."""
+    x, strain, size = _strain(fields, cells, reference)
+    dilatation = strain
+    if fields.kinematics.mean_dilatation:
+        _, dilatation, _ = _strain(fields, cells, middle(fields.cell))
+    lam, mu = fields.lame[cells].T[..., None, None]
+    trace = np.trace(dilatation, axis1=1, axis2=2)[:, None, None]
+    stress = lam * trace * np.eye(3) + 2 * mu * strain
+    return x, stress[:, _ROW, _COLUMN], size
+
+
+def _strain(
+    fields: Fields, cells: NDArray[np.int64], reference: Array
+) -> tuple[Array, Array, Array]:
+    """Position (m, 3), strain (m, 3, 3) in global axes and |det J| at one reference point."""
     phi = tabulate(fields.cell, fields.degree, reference[None])[:, 0]
-    nodes, u = fields.points[fields.cells[cells]], fields.displacement[fields.cells[cells]]
+    kinematics = fields.kinematics
+    at, u = fields.points[fields.cells[cells]], fields.displacement[fields.cells[cells]]
+    nodes, u = kinematics.flatten(at), kinematics.flatten(u)
     jacobian = np.einsum("jd,mdk->mkj", phi[1:], nodes)
     gradient = np.einsum("jd,mjk->mdk", phi[1:], np.linalg.inv(jacobian))
     grad_u = np.einsum("mdi,mdk->mik", u, gradient)
     strain = 0.5 * (grad_u + grad_u.transpose(0, 2, 1))
-    lam, mu = fields.lame[cells].T[..., None, None]
-    trace = np.trace(strain, axis1=1, axis2=2)[:, None, None]
-    stress = lam * trace * np.eye(3) + 2 * mu * strain
-    x = np.einsum("d,mdk->mk", phi[0], nodes)
-    return x, stress[:, _ROW, _COLUMN], np.abs(np.linalg.det(jacobian))
+    x = np.einsum("d,mdk->mk", phi[0], at)
+    if kinematics.dim == 2:
+        strain = kinematics.axes.T @ strain @ kinematics.axes
+    if kinematics.revolved:
+        strain += _hoop(u[..., 0] @ phi[0], x[:, 0], grad_u[:, 0, 0])[:, None, None] * OUT
+    return x, strain, np.abs(np.linalg.det(jacobian))
+
+
+def _hoop(u: Array, r: Array, slope: Array) -> Array:
+    """u_r/r (m,), and its limit du_r/dr on the axis."""
+    on_axis = r <= 1e-12 * np.abs(r).max(initial=0.0)
+    return np.where(on_axis, slope, u / np.where(on_axis, 1.0, r))
 
 
 def nodal(fields: Fields) -> Array:
@@ -62,7 +87,7 @@ def below(
     axis = start + depth[:, None] * into
     points, stress = _samples(fields, frame, body, start, 3.0 * float(depth.max()))
     tree = cKDTree(points)
-    count = min(NEIGHBOURS, len(points))
+    count = min(FLAT_NEIGHBOURS.get(fields.cell, NEIGHBOURS), len(points))
     distance, index = tree.query(axis, k=count)
     out = np.empty((len(depth), 6))
     for row, (d, i) in enumerate(zip(distance, index, strict=True)):
@@ -71,6 +96,12 @@ def below(
         basis = _monomials((points[i] - axis[row]) / radius)
         out[row] = np.linalg.lstsq(basis * root, stress[i] * root, rcond=None)[0][0]
     return DepthAxis(name, depth, out)
+
+
+def _gauss(fields: Fields) -> Array:
+    """Reference points (g, d) at which stresses are best."""
+    rule = 1 if fields.degree == 1 and fields.cell in ("tetrahedron", "triangle") else 2
+    return np.asarray(basix.make_quadrature(getattr(basix.CellType, fields.cell), rule)[0])
 
 
 def _monomials(x: Array) -> Array:
@@ -88,14 +119,13 @@ def _samples(
 ) -> tuple[Array, Array]:
     """Gauss points (k, 3) and stresses (k, 6) of one body around the contact, contact frame."""
     local = frame.local(fields.points)
-    middle = local[fields.cells[:, :4]].mean(axis=1)
+    corners = fields.kinematics.dim + 1
+    middle = local[fields.cells[:, :corners]].mean(axis=1)
     near = np.linalg.norm(middle - centre, axis=1) < reach
     cells = np.flatnonzero((fields.body == body) & near)
     if len(cells) < 30:
         cells = np.flatnonzero(fields.body == body)
-    rule = 2 if fields.degree > 1 or fields.cell == "hexahedron" else 1
-    gauss, _ = basix.make_quadrature(getattr(basix.CellType, fields.cell), rule)
-    found = [_at(fields, cells, np.asarray(point))[:2] for point in gauss]
+    found = [_at(fields, cells, point)[:2] for point in _gauss(fields)]
     points = frame.local(np.concatenate([x for x, _ in found]))
     axes = frame.axes
     tensor = np.zeros((len(points), 3, 3))

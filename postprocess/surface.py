@@ -13,10 +13,15 @@ from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 
 from postprocess.findings import Array
+from solver.facets import facet_type
 from solver.gather import Fields
 
 SMOOTHED_SAMPLES = 40
 _TRIANGLES = {
+    ("triangle", 1): [[0, 1]],
+    ("triangle", 2): [[0, 2], [2, 1]],
+    ("quadrilateral", 1): [[0, 1]],
+    ("quadrilateral", 2): [[0, 2], [2, 1]],
     ("tetrahedron", 1): [[0, 1, 2]],
     ("tetrahedron", 2): [[0, 5, 4], [5, 1, 3], [4, 3, 2], [3, 4, 5]],
     ("hexahedron", 1): [[0, 1, 2], [1, 3, 2]],
@@ -57,7 +62,7 @@ class SurfaceRecovery:
 
     @cached_property
     def triangles(self) -> NDArray[np.int64]:
-        """(t, 3) flat triangles through all nodes of the facets."""
+        """(t, 3) flat triangles through all nodes of the facets; of a section, lines (t, 2)."""
         table = self._numbering[1]
         table = table[table[:, 0] >= 0]
         pattern = _TRIANGLES[self.fields.cell, self.fields.degree]
@@ -66,10 +71,9 @@ class SurfaceRecovery:
     @cached_property
     def _basis(self) -> sp.csr_matrix:
         fields, contact = self.fields, self.fields.contact
-        kind = "triangle" if fields.cell == "tetrahedron" else "quadrilateral"
         element = basix.create_element(
             basix.ElementFamily.P,
-            getattr(basix.CellType, kind),
+            getattr(basix.CellType, facet_type(fields.cell)),
             fields.degree,
             basix.LagrangeVariant.gll_warped,
         )
@@ -97,15 +101,17 @@ class SurfaceRecovery:
         return values
 
 
-def smooth_square(sites: Array, values: Array, targets: Array) -> Array:
+def smooth_square(
+    sites: Array, values: Array, targets: Array, samples: int = SMOOTHED_SAMPLES
+) -> Array:
     """Values at targets (n, 2) from noisy positive ones at sites (k, 2), smoothing their square.
 
-    Moving least squares of degree 1 over the nearest positive samples: a contact pressure falls to
-    zero like a square root at the edge, its square like a straight line.
+    Moving least squares of degree 1 over that many nearest positive samples: a contact pressure
+    falls to zero like a square root at the edge, its square like a straight line.
     """
     positive = values > 0
     sites, square = sites[positive], values[positive] ** 2
-    count = min(SMOOTHED_SAMPLES, len(sites))
+    count = min(samples, len(sites))
     distance, near = cKDTree(sites).query(targets, k=count)
     distance, near = distance.reshape(-1, count), near.reshape(-1, count)
     radius = distance[:, -1:] * (1 + 1e-9) + 1e-300

@@ -2,29 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mpi4py import MPI
 from numpy.typing import NDArray
 
 from meshing import mesh
+from meshing.bodies import Body
 from meshing.sizing import Grading
 from meshing.tags import CONTACT, RAIL, SUPPORT, WHEEL
-from railhead import geometry
+from railhead import bodies, flat
 from railhead import plan as planning
+from railhead.flat import FlatContact
 from railhead.plan import Plan
-from railhead.scene import Scene
 from solver.contact import ContactModel, Setup, Side
-from solver.elasticity import Material
+from solver.kinematics import SOLID
 from solver.laws import Law
-from theory.halfspace import hertz_displacement
-
-
-def material(scene: Scene, body: int) -> Material:
-    """Elastic constants of RAIL or WHEEL."""
-    part = scene.rail if body == RAIL else scene.wheel
-    return Material(part.young_modulus, part.poisson_ratio)
+from theory import halfspace, line
+from theory.line import LineContact
 
 
 @dataclass(frozen=True)
@@ -36,20 +32,34 @@ class HertzFarField:
     def __call__(self, load: float, body: int, points: NDArray) -> NDArray:
         """(load N, RAIL or WHEEL, points (n, 3) mm) -> (n, 3) mm; the wheel is the mirror image."""
         scene, contact = self.plan.scene, self.plan.contact
-        ellipse = planning.estimate(scene, contact, load)
-        part = material(scene, body)
+        hertz = planning.estimate(scene, contact, load)
+        part = self.plan.material(body)
         mirror = [1.0, 1.0, 1.0 if body == RAIL else -1.0]
         lower = points * mirror
         lower[:, 2] = lower[:, 2].clip(max=0.0)
-        return hertz_displacement(ellipse, lower, part.young_modulus, part.poisson_ratio) * mirror
+        constants = part.young_modulus, part.poisson_ratio
+        if isinstance(hertz, LineContact):
+            return line.hertz_displacement(hertz, lower, *constants) * mirror
+        return halfspace.hertz_displacement(hertz, lower, *constants) * mirror
+
+
+def parts(plan: Plan) -> list[Body]:
+    """Sections and sweeps of the deformable bodies of a plan."""
+    contact = plan.contact
+    if isinstance(contact, FlatContact):
+        half = contact.revolved or (plan.half_y if contact.plane == "yz" else plan.half_x)
+    else:
+        half = plan.half_y
+    make = flat.bodies if isinstance(contact, FlatContact) else bodies.bodies
+    whole = plan.effects["rail_section"].on
+    return make(contact, plan.reach, plan.deformable, whole_section=whole, half=half)
 
 
 def generate(
     plan: Plan, grading: Grading, comm: MPI.Intracomm, save: Path | None = None
 ) -> mesh.ContactMesh:
     """Mesh the bodies of a plan."""
-    parts = geometry.bodies(plan.contact, plan.reach, half=plan.half_y)
-    return mesh.generate(parts, grading, plan.options, comm, save)
+    return mesh.generate(parts(plan), grading, plan.options, comm, save)
 
 
 def model(plan: Plan, made: mesh.ContactMesh) -> ContactModel:
@@ -57,18 +67,22 @@ def model(plan: Plan, made: mesh.ContactMesh) -> ContactModel:
     scene = plan.scene
 
     def side(tag: int) -> Side:
-        return Side(tag, CONTACT + tag, SUPPORT + tag, material(scene, tag))
+        return Side(tag, CONTACT + tag, SUPPORT + tag, plan.material(tag))
 
     setup = Setup(
         fixed=side(RAIL),
         moving=side(WHEEL),
         slave=plan.slave,
-        gap=plan.contact.gap(plan.slave),
+        gap=plan.surfaces.gap(plan.slave),
         degree=plan.order,
         law=Law(scene.solver.method, scene.solver.theta, scene.solver.gamma_factor),
         planes=plan.planes,
-        far_field=HertzFarField(plan) if plan.contact.half_space else None,
-        load_control=scene.load is not None or plan.contact.half_space,
+        far_field=HertzFarField(plan) if plan.far_field else None,
+        load_control=scene.load is not None or plan.far_field,
         linear=scene.solver.linear,
+        kinematics=replace(
+            plan.contact.kinematics if isinstance(plan.contact, FlatContact) else SOLID,
+            mean_dilatation=plan.effects["mean_dilatation"].on,
+        ),
     )
     return ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,9 +14,16 @@ from railhead import __version__, catalogue
 from railhead.scene import Scene, SceneError
 
 SOLVED, CHECK_FAILED, WRONG_INPUT = 0, 1, 2
+TERMINATED = 128 + signal.SIGTERM
 
 _set = click.option(
     "--set", "assignments", multiple=True, metavar="KEY=VALUE", help="Change a key of the scene."
+)
+_with = click.option(
+    "--with", "switched_on", multiple=True, metavar="NAME", help="Simulate this effect."
+)
+_without = click.option(
+    "--without", "switched_off", multiple=True, metavar="NAME", help="Leave this effect out."
 )
 
 
@@ -35,12 +43,21 @@ def list_cases() -> None:
 @railhead.command()
 @click.argument("case")
 @_set
+@_with
+@_without
 @click.option("--accuracy", help="Asked accuracy, e.g. 1%.")
-def plan(case: str, assignments: Sequence[str], accuracy: str | None) -> None:
+def plan(
+    case: str,
+    assignments: Sequence[str],
+    switched_on: Sequence[str],
+    switched_off: Sequence[str],
+    accuracy: str | None,
+) -> None:
     """Say what would be simulated and what it costs; solve nothing."""
     from railhead import machine, report
     from railhead import plan as planning
 
+    assignments = [*assignments, *_switches(switched_on, switched_off)]
     scene = _scene(catalogue.find(case), assignments, accuracy)
     decided = planning.make(scene)
     if not machine.known():
@@ -52,6 +69,8 @@ def plan(case: str, assignments: Sequence[str], accuracy: str | None) -> None:
 @railhead.command()
 @click.argument("case")
 @_set
+@_with
+@_without
 @click.option("--accuracy", help="Asked accuracy, e.g. 1%.")
 @click.option("--budget", help="Best accuracy for that time, e.g. 30s.")
 @click.option("--out", type=click.Path(path_type=Path), help="Result folder [results/<case>].")
@@ -61,6 +80,8 @@ def plan(case: str, assignments: Sequence[str], accuracy: str | None) -> None:
 def run(
     case: str,
     assignments: Sequence[str],
+    switched_on: Sequence[str],
+    switched_off: Sequence[str],
     accuracy: str | None,
     budget: str | None,
     out: Path | None,
@@ -69,8 +90,46 @@ def run(
     as_json: bool,
 ) -> int:
     """Solve a case (its name, or a TOML file) and compare it with exact Hertz."""
+    assignments = [*assignments, *_switches(switched_on, switched_off)]
     scene = _scene(catalogue.find(case), assignments, accuracy, budget)
     return _run(scene, out, pictures=not no_pictures, quiet=quiet or as_json, as_json=as_json)
+
+
+@railhead.command()
+@click.argument("case")
+@_set
+@click.option("--shift", help="Lateral shift of the wheelset, e.g. 3mm.")
+@click.option("--yaw", help="Yaw of the wheelset, e.g. 2mrad.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<case>_locate].")
+@click.option("--no-pictures", is_flag=True, help="Write nothing.")
+@click.option("--json", "as_json", is_flag=True, help="Print the summary and nothing else.")
+def locate(
+    case: str,
+    assignments: Sequence[str],
+    shift: str | None,
+    yaw: str | None,
+    out: Path | None,
+    no_pictures: bool,
+    as_json: bool,
+) -> None:
+    """Find where both wheels of a wheelset touch their rails; solve nothing."""
+    from railhead import locate as locating
+    from railhead import results
+
+    options = {"wheelset.shift": shift, "wheelset.yaw": yaw}
+    asked = [f"{key}={value}" for key, value in options.items() if value is not None]
+    scene = catalogue.find(case).replace([*assignments, *asked])
+    folder = out if out is not None else Path("results") / f"{scene.name}_locate"
+    results.check_folder(folder)
+    location = locating.locate(scene)
+    if not no_pictures:
+        locating.write(location, folder)
+    if as_json:
+        click.echo(locating.as_json(location), nl=False)
+        return
+    locating.show(location, _console())
+    if not no_pictures:
+        click.echo(f"written to {folder}/")
 
 
 @railhead.command()
@@ -96,6 +155,13 @@ def _console() -> Console:
     return console if console.is_terminal else Console(width=120)
 
 
+def _switches(on: Sequence[str], off: Sequence[str]) -> list[str]:
+    """Assignments for the effects named by --with and --without."""
+    for name in set(on) & set(off):
+        raise SceneError(f"effects.{name}", "given with --with and --without; give one of them")
+    return [f"effects.{name}=on" for name in on] + [f"effects.{name}=off" for name in off]
+
+
 def _scene(
     scene: Scene, assignments: Sequence[str], accuracy: str | None, budget: str | None = None
 ) -> Scene:
@@ -114,26 +180,35 @@ def _run(scene: Scene, out: Path | None, *, pictures: bool, quiet: bool, as_json
     from railhead import run as running
     from railhead.progress import Progress
 
-    rank = running.MPI.COMM_WORLD.rank
+    comm = running.MPI.COMM_WORLD
+    rank, problem = comm.rank, None
     with Progress(quiet=quiet or rank > 0) as progress:
         result = running.run(scene, progress)
         if rank == 0:
             progress.stage("writing files" + (" and pictures" if pictures else ""))
-            results.write(result, folder, pictures=pictures)
-    passed = running.MPI.COMM_WORLD.bcast(result.passed)
+            try:
+                results.write(result, folder, pictures=pictures)
+            except OSError as error:
+                problem = error
+    passed, problem = comm.bcast((result.passed, problem))
     if rank == 0:
         if as_json:
             click.echo(results.as_json(result), nl=False)
         elif not quiet:
             report.show_result(result.summary, _console())
-            click.echo(f"written to {folder}/")
         if not passed:
             report.show_failure(result.summary, Console(stderr=True))
-    return SOLVED if passed else CHECK_FAILED
+        if problem is not None:
+            _not_written(problem)
+        elif not (quiet or as_json):
+            click.echo(f"written to {folder}/")
+    return SOLVED if passed and problem is None else CHECK_FAILED
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command; exits with 0 (solved), 1 (a check failed) or 2 (wrong input)."""
+    """Run the command; exits with 0 (solved), 1 (a check failed, or the files could not be
+    written) or 2 (wrong input)."""
+    signal.signal(signal.SIGTERM, _terminated)
     try:
         status = railhead.main(arguments, prog_name="railhead", standalone_mode=False)
     except SceneError as error:
@@ -145,6 +220,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         status = _refuse(error.format_message())
     except (click.Abort, KeyboardInterrupt):
         status = 130
+    except OSError as error:
+        status = _not_written(error)
     except Exception as error:
         from meshing.mesh import MeshError
 
@@ -158,6 +235,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def _refuse(text: str) -> int:
     click.echo(f"railhead: {' '.join(text.split())}", err=True)
     return WRONG_INPUT
+
+
+def _not_written(error: OSError) -> int:
+    where = f"{error.filename}: " if error.filename else ""
+    click.echo(f"railhead: NOT WRITTEN: {where}{error.strerror or error}", err=True)
+    return CHECK_FAILED
+
+
+def _terminated(*_: object) -> None:
+    raise SystemExit(TERMINATED)
 
 
 def run_case(scene: Scene) -> None:

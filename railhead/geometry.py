@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshing import outlines, placement, profiles
-from meshing.bodies import Body
+from meshing import measured, placement, profiles, wheelset
+from meshing.placement import Pair, PlacementError, Touch
+from meshing.pose import Pose, upright
 from meshing.profiles import Profile
-from meshing.surfaces import ExactGap, ParabolicGap, RailSurface, WheelSurface
-from meshing.tags import RAIL, WHEEL
+from meshing.surfaces import ExactGap, ParabolicGap, RailSurface, WheelSurface, along
+from meshing.tags import RAIL
+from meshing.wheelset import Placed, Track
 from railhead.scene import Scene, SceneError
 
 Array = NDArray[np.float64]
 RAIL_HALF_WIDTH = 35.0  # mm, of a head given by a single radius
 TREAD_HALF_WIDTH = 67.5  # mm, of a cylinder, cone or arc
-HEAD_DEPTH = 50.0  # mm, of a block below a single-radius or measured crown
-RIM_DEPTH = 60.0  # mm
 
 
 def rail_profile(scene: Scene) -> Profile:
@@ -29,7 +30,9 @@ def rail_profile(scene: Scene) -> Profile:
     if rail.profile in ("54E1", "60E1"):
         return profiles.rail_head(rail.profile, rail.inclination)
     if rail.profile == "arc":
-        profile = profiles.single_radius(float(rail.crown_radius or 0), RAIL_HALF_WIDTH)
+        profile = profiles.single_radius(
+            float(rail.crown_radius or 0), rail.width / 2 if rail.width else RAIL_HALF_WIDTH
+        )
     else:
         profile = _measured("rail.profile", rail.profile)
     return profiles.rolled(profile, rail.inclination)
@@ -49,7 +52,7 @@ def wheel_profile(scene: Scene) -> Profile:
 
 def _measured(key: str, path: str) -> Profile:
     try:
-        return profiles.from_csv(Path(path))
+        return measured.from_csv(Path(path))
     except (ValueError, OSError) as error:
         raise SceneError(key, f"{error}; give a .csv file of points y, z in mm") from None
 
@@ -58,18 +61,28 @@ def _measured(key: str, path: str) -> Profile:
 class Contact:
     """First contact of the undeformed bodies and the exact gap around it.
 
-    touch: see `placement.Touch`; half-spaces touch at the origin.
+    touch: in axes along the rail that have it at x = 0; pose: of the wheel in these axes; placed:
+    the whole wheelset. Half-spaces touch at the origin and have none of the last three.
     """
 
     scene: Scene
-    touch: placement.Touch
-    rail: Profile | None
-    wheel: Profile | None
+    touch: Touch
+    pair: Pair | None = None
+    pose: Pose | None = None
+    placed: Placed | None = None
+
+    @property
+    def profiles(self) -> dict[str, tuple[Profile, float]]:
+        """Profile of each body and what to add to its y for that on the rail, at the contact."""
+        if self.pair is None:
+            return {}
+        shift = self.touch.y - self.touch.tread
+        return {"rail": (self.pair.rail, 0.0), "wheel": (self.pair.wheel, shift)}
 
     @property
     def half_space(self) -> bool:
         """Flat blocks under Hertz's parabolic gap."""
-        return self.rail is None
+        return self.pair is None
 
     @property
     def origin(self) -> tuple[float, float, float]:
@@ -82,6 +95,8 @@ class Contact:
         if self.half_space:
             return None
         scene = self.scene
+        if scene.rail.gauge is not None:
+            return f"a track of gauge {scene.rail.gauge:g} mm"
         if scene.rail.profile not in ("54E1", "60E1", "arc") or scene.wheel.profile not in (
             "cylinder",
             "arc",
@@ -91,43 +106,98 @@ class Contact:
             return f"rail inclined {scene.rail.inclination:g}"
         if scene.wheelset.shift:
             return f"wheel shifted {scene.wheelset.shift:g} mm"
-        return None
+        return self.mirror_along
 
-    def half_space_gap(self, x: Array, s: Array) -> Array:
-        """Gap along the rail's normals at tangent-plane coordinates x, s (n,), mm."""
-        c, t = math.cos(self.touch.angle), math.sin(self.touch.angle)
-        points = np.column_stack([x, self.touch.y + c * s, self.touch.z + t * s])
-        return self.gap(RAIL)(points)[0]
+    @property
+    def mirror_along(self) -> str | None:
+        """Why x = 0 is not a plane of symmetry; None if it is one."""
+        yaw = self.scene.wheelset.yaw
+        return f"axle turned by {1e3 * yaw:g} mrad" if yaw and not self.half_space else None
+
+    def touches(self, clearance: float) -> list[Touch]:
+        """Contact points up to a clearance (mm) above the first one."""
+        if self.pair is None or self.pose is None:
+            return [self.touch]
+        return self.pair.touches(self.pose, clearance)
+
+    def half_space_gap(self, touch: Touch) -> Callable[[Array, Array], Array]:
+        """Gap normal to the tangent plane of a contact point, at x, s (n,) in that plane, mm."""
+        c, t = math.cos(touch.angle), math.sin(touch.angle)
+        rail, wheel = self.surfaces()
+
+        def gap(x: Array, s: Array) -> Array:
+            points = np.column_stack([touch.x + x, touch.y + c * s, touch.z + t * s])
+            normals = np.tile([0.0, -t, c], (len(x), 1))
+            lower, upper = along(rail, points, normals), along(wheel, points, normals)
+            with np.errstate(invalid="ignore"):
+                return np.where(np.isfinite(lower), upper - lower, np.inf)
+
+        return gap
+
+    def surfaces(self) -> tuple[RailSurface, WheelSurface]:
+        """The exact surfaces of real bodies."""
+        if self.pair is None or self.pose is None:
+            raise ValueError("half-spaces have no profiles")
+        wheel = WheelSurface(self.pair.wheel, self.pair.rolling_radius, self.pose)
+        return RailSurface(self.pair.rail), wheel
 
     def gap(self, slave: int) -> ExactGap | ParabolicGap:
         """Exact gap from the slave body (RAIL or WHEEL) to the other one."""
-        if self.rail is None or self.wheel is None:
+        if self.half_space:
             outward = 1 if slave == RAIL else -1
             return ParabolicGap(self.touch.curvature_x, self.touch.curvature_y, outward)
-        rail = RailSurface(self.rail)
-        wheel = WheelSurface(
-            self.wheel,
-            self.scene.wheel.rolling_radius,
-            self.scene.wheelset.shift,
-            self.touch.axle_height,
-        )
+        rail, wheel = self.surfaces()
         return ExactGap(rail, wheel) if slave == RAIL else ExactGap(wheel, rail)
 
 
+def pair(scene: Scene) -> Pair:
+    """Both profiles."""
+    return Pair(rail_profile(scene), wheel_profile(scene), scene.wheel.rolling_radius)
+
+
+def place(scene: Scene, clearance: float = 0.0) -> tuple[Pair, Placed]:
+    """Lower the wheelset of a scene onto its track; further contacts up to a clearance (mm).
+
+    Raises SceneError where a wheel misses its rail.
+    """
+    both = pair(scene)
+    wheelset_, track = scene.wheelset, Track(scene.wheelset.back_to_back, scene.rail.gauge)
+    try:
+        return both, wheelset.place(both, track, wheelset_.shift, wheelset_.yaw, clearance)
+    except PlacementError as error:
+        text = f"{wheelset_.shift:g} mm: {error}; bring both wheels over their rails"
+        raise SceneError("wheelset.shift", text) from None
+
+
 def locate(scene: Scene) -> Contact:
-    """Lower the wheel onto the rail.
+    """The right wheel of the wheelset on its rail.
 
     Raises SceneError where the pair has no point contact with a common tangent.
     """
     if scene.rail.extent == "half-space":
-        along, across = scene.relative_curvatures()
-        touch = placement.Touch(0.0, 0.0, 0.0, scene.wheel.rolling_radius, along, across, False)
-        return Contact(scene, touch, None, None)
-    rail, wheel = rail_profile(scene), wheel_profile(scene)
+        return Contact(scene, placement.parabolic(*scene.relative_curvatures()))
+    both, placed = place(scene)
+    side = placed.right
+    touch = _tangent(scene, side.touches[0])
+    centred = Pose(side.pose.rotation, side.pose.origin - [touch.x, 0.0, 0.0])
+    return Contact(scene, replace(touch, x=0.0), both, centred, placed)
+
+
+def lower(scene: Scene) -> Contact:
+    """A single wheel that neither rolls nor yaws on its rail. Raises SceneError as `locate`."""
+    if scene.rail.extent == "half-space":
+        return locate(scene)
+    both, shift = pair(scene), scene.wheelset.shift
     try:
-        touch = placement.lower(rail, wheel, scene.wheel.rolling_radius, scene.wheelset.shift)
-    except placement.PlacementError as error:
-        raise SceneError("wheelset.shift", f"{error}; bring the wheel over the rail") from None
+        pose = upright(-both.touches(upright(0.0, shift))[0].gap, shift)
+    except PlacementError as error:
+        text = f"{shift:g} mm: {error}; bring the wheel over the rail"
+        raise SceneError("wheelset.shift", text) from None
+    return Contact(scene, _tangent(scene, both.touches(pose)[0]), both, pose)
+
+
+def _tangent(scene: Scene, touch: Touch) -> Touch:
+    """The contact point, refused where the pair has no point contact with a common tangent."""
     if touch.at_edge:
         raise SceneError(
             "wheelset.shift",
@@ -140,79 +210,4 @@ def locate(scene: Scene) -> Contact:
             f"relative curvature {touch.curvature_y:.3g} 1/mm across the rail is a line contact "
             "or a fully conformal pair; it must be positive",
         )
-    return Contact(scene, touch, rail, wheel)
-
-
-def bodies(contact: Contact, reach: float, *, half: bool) -> list[Body]:
-    """Sections and sweeps of the deformable bodies.
-
-    reach: half length along the rail (edge of the cube for half-spaces), mm; half: only y >= 0.
-    """
-    scene = contact.scene
-    made = []
-    if not math.isinf(scene.rail.young_modulus):
-        made.append(_rail(contact, reach, half=half))
-    if not math.isinf(scene.wheel.young_modulus):
-        made.append(_wheel(contact, reach, half=half))
-    return made
-
-
-def _rail(contact: Contact, reach: float, *, half: bool) -> Body:
-    scene = contact.scene
-    if contact.rail is None:
-        return _half_space(RAIL, reach, half=half)
-    length = scene.rail.length
-    if scene.rail.profile in ("54E1", "60E1"):
-        section = outlines.rail_section(scene.rail.profile, scene.rail.extent, half=half)
-        angle = math.atan(scene.rail.inclination)
-        c, s = math.cos(angle), math.sin(angle)
-        section = [curve.moved(np.array([[c, -s], [s, c]]), np.zeros(2)) for curve in section]
-    else:
-        if scene.rail.extent == "section":
-            raise SceneError("rail.extent", "section needs rail.profile 54E1 or 60E1; give head")
-        start, end = contact.rail.domain
-        base = float(np.nanmin(contact.rail.height(np.array([start, end])))) - HEAD_DEPTH
-        section = outlines.block_section(
-            contact.rail, 0.0 if half else start, end, base, outwards=1, half=half
-        )
-    return Body(RAIL, section, length / 2 if length else reach)
-
-
-def _wheel(contact: Contact, reach: float, *, half: bool) -> Body:
-    wheel = contact.scene.wheel
-    if contact.wheel is None:
-        return _half_space(WHEEL, reach, half=half)
-    shift = contact.scene.wheelset.shift
-    centre = contact.touch.y - shift
-    start, end = contact.wheel.domain
-    if wheel.width:
-        start, end = max(start, centre - wheel.width / 2), min(end, centre + wheel.width / 2)
-    depth = wheel.rim_depth or min(RIM_DEPTH, 0.5 * wheel.rolling_radius)
-    base = depth - min(0.0, float(np.nanmin(contact.wheel.height(np.linspace(start, end, 200)))))
-    if base >= wheel.rolling_radius:
-        raise SceneError(
-            "wheel.rim_depth",
-            f"{depth:g} is not allowed; it must be smaller than wheel.rolling_radius "
-            f"({wheel.rolling_radius:g})",
-        )
-    section = outlines.block_section(
-        contact.wheel, 0.0 if half else start, end, base, outwards=-1, half=half
-    )
-    lift = np.array([shift, contact.touch.axle_height - wheel.rolling_radius])
-    section = [curve.moved(np.eye(2), lift) for curve in section]
-    reach = wheel.segment_length / 2 if wheel.segment_length else reach
-    reach = min(reach, 1.2 * wheel.rolling_radius)
-    return Body(WHEEL, section, reach, (contact.touch.axle_height, wheel.rolling_radius))
-
-
-def _half_space(tag: int, reach: float, *, half: bool) -> Body:
-    """A block with one flat contact face; all other outer faces are supported (far field)."""
-    flat = profiles.single_radius(math.inf, reach, "flat")
-    outwards = 1 if tag == RAIL else -1
-    section = outlines.block_section(
-        flat, 0.0 if half else -reach, reach, -outwards * reach, outwards=outwards, half=half
-    )
-    section = [
-        replace(curve, role="support") if curve.role == "free" else curve for curve in section
-    ]
-    return Body(tag, section, reach, end_role="support")
+    return touch

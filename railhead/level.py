@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -9,20 +10,24 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from meshing.mesh import ContactMesh
 from meshing.sizing import Grading
 from postprocess import compare, read
 from postprocess.findings import Findings, Frame
-from postprocess.patch import moments
-from railhead import build
+from postprocess.parts import parts
+from postprocess.patch import Moments
+from railhead import build, effects
 from railhead import plan as planning
+from railhead.effects import After
+from railhead.forecast import Forecast, Nearest, Zone
 from railhead.plan import Plan
 from railhead.progress import Progress
 from solver.contact import ContactModel, Solution
 from solver.gather import Fields, gather
 from theory.hertz import Ellipse
+from theory.line import LineContact
 
 OUTGROWN = 1.25  # patch over the finely meshed ellipse, either way, that calls for a new mesh
 MAX_MESHES = 3
@@ -39,11 +44,19 @@ class Level:
     unknowns: int
     ranks: int
     solution: Solution
-    ellipse: Ellipse
+    ellipse: Ellipse | LineContact
     fields: Fields | None
     findings: Findings | None
     result: dict[str, Any] | None
     seconds: dict[str, float]
+
+    @property
+    def after(self) -> dict[str, After]:
+        """The effects' indicators on the solution (rank 0)."""
+        if self.findings is None:
+            return {}
+        plan = self.plan
+        return effects.check(plan.scene, plan.contact, plan.effects, self.findings)
 
     @property
     def resolution(self) -> float:
@@ -52,9 +65,8 @@ class Level:
 
     def finer(self, n: float) -> tuple[Plan, Grading]:
         """Plan and grading of a mesh around the same patch with n elements per semi-axis."""
-        plan = replace(self.plan, patch_size=min(self.grading.a, self.grading.b) / n)
-        grading = plan.grading(self.grading.a, self.grading.b)
-        return plan, replace(grading, centre=self.grading.centre)
+        plan = self.plan.at_resolution(n)
+        return plan, plan.grading()
 
 
 def solve_level(
@@ -75,7 +87,8 @@ def solve_level(
         progress.stage(f"solving {model.unknowns} unknowns")
         solution = solve(plan, model, frame, progress.newton)
         clock.lap("solve")
-        fields = gather(model, solution)
+        fields, unknowns = gather(model, solution), model.unknowns
+        model.release()
         better = comm.bcast(None if fields is None else _regrade(plan, grading, fields, frame))
         if better is None or attempt == MAX_MESHES or not solution.newton.converged:
             break
@@ -88,7 +101,7 @@ def solve_level(
     clock.lap("postprocess")
     ellipse = planning.estimate(plan.scene, plan.contact, solution.load or None)
     return Level(
-        plan, grading, mesh, model.unknowns, comm.size, solution, ellipse, fields, findings,
+        plan, grading, mesh, unknowns, comm.size, solution, ellipse, fields, findings,
         result, clock.seconds,
     )  # fmt: skip
 
@@ -96,14 +109,14 @@ def solve_level(
 def solve(
     plan: Plan, model: ContactModel, frame: Frame, progress: Callable[[int, float], None]
 ) -> Solution:
-    """Solve the plan's load or approach, starting from the Hertz ellipse."""
+    """Solve the plan's load or approach, starting from the forecast."""
     scene = plan.scene
 
     def at(load: float, approach: float = 0.0) -> Solution:
         return model.solve(
             load=load,
             approach=approach,
-            active=_hertz_set(model, frame, plan.estimate),
+            active=plan.forecast.touching(model.setup.kinematics.lift(model.interface.points)),
             max_steps=scene.solver.max_newton,
             progress=progress,
         )
@@ -124,34 +137,40 @@ def solve(
     return solution
 
 
-def _hertz_set(model: ContactModel, frame: Frame, ellipse: Ellipse) -> NDArray[np.bool_]:
-    local = frame.local(model.interface.points)
-    inside = (local[:, 0] / ellipse.a) ** 2 + (local[:, 1] / ellipse.b) ** 2 < 1.0
-    return np.asarray(inside & (np.abs(local[:, 2]) < max(ellipse.a, ellipse.b)))
-
-
 def _regrade(
     plan: Plan, grading: Grading, fields: Fields, frame: Frame
 ) -> tuple[Plan, Grading] | None:
     """A mesh around the patch that was found, where it is not the one that was predicted."""
     if not np.any(fields.contact.pressure > 0):
         return None
-    found = moments(fields, frame)
-    fits = all(
-        1 / OUTGROWN < ratio < OUTGROWN for ratio in (found.a / grading.a, found.b / grading.b)
-    )
-    x, s = found.centre
-    if fits and abs(x) < 0.2 * grading.a and abs(s) < 0.2 * grading.b:
+    found = read.moments(fields, frame)
+    x, s, a, b = plan.forecast.moments
+    fits = all(1 / OUTGROWN < ratio < OUTGROWN for ratio in (found.a / a, found.b / b))
+    if fits and abs(found.centre[0] - x) < 0.2 * a and abs(found.centre[1] - s) < 0.2 * b:
         return None
+    expected = found_forecast(fields, found, frame)
     if plan.scene.mesh.patch_size is None:
-        shrunk = min(found.a, found.b) / min(grading.a, grading.b)
-        plan = replace(plan, patch_size=plan.patch_size * shrunk)
-    centre = np.array(frame.origin) + np.array([x, s, 0.0]) @ frame.axes
-    moved = replace(
-        plan.grading(found.a, found.b),
-        centre=(float(centre[0]), float(centre[1]), float(centre[2])),
-    )
-    return plan, moved
+        plan = replace(plan, patch_size=grading.size * expected.minor / min(grading.a, grading.b))
+    plan = replace(plan, forecast=expected)
+    return plan, plan.grading()
+
+
+def found_forecast(fields: Fields, found: Moments, frame: Frame) -> Forecast:
+    """What a finer or better placed mesh can expect, from a solution."""
+    contact = fields.contact
+    points, touches = contact.points, contact.pressure > 0
+    if fields.kinematics.dim == 2:
+        x, y, z = np.array(frame.origin) + np.array([*found.centre, 0.0]) @ frame.axes
+        zones: tuple[Zone, ...] = (Zone((x, y, z), found.a, found.b, frame.angle),)
+    else:
+        least = math.sqrt(contact.weights[touches].sum() / math.pi)  # one point has no moments
+        found = replace(found, a=max(found.a, least), b=max(found.b, least))
+        zones = tuple(
+            Zone(part.centre, max(part.a, least), max(part.b, least), part.frame.angle)
+            for part in parts(fields)
+        )
+    nearest = Nearest(cKDTree(points), touches, max(zone.b for zone in zones))
+    return Forecast(zones, (*found.centre, found.a, found.b), nearest, False)
 
 
 class _Clock:

@@ -6,55 +6,62 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from meshing.bodies import Options
 from meshing.sizing import Grading
-from meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y, WHEEL
-from railhead import accuracy, geometry, machine
+from meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y
+from railhead import accuracy, bodies, dimension, effects, flat, geometry, machine
+from railhead.effects import Effect
+from railhead.effects.true_profile import one_radius
+from railhead.flat import FlatContact
+from railhead.forecast import Forecast, Zone, forecast
 from railhead.geometry import Contact
 from railhead.scene import Scene, SceneError
+from railhead.sections import Rail, Wheel
+from solver.elasticity import Material
 from theory import hertz
 from theory.hertz import Ellipse
+from theory.line import LineContact
 
 ELEMENTS_PER_SEMI_AXIS = 6.0  # default patch resolution for quadratic cells
 LINEAR_REFINEMENT = 2.0  # linear cells are made so much smaller
+SECTION_REFINEMENT = 2.0  # so are those of a section, where they cost nearly nothing
 GROWTH = 0.3  # of the element size with distance, at most; finer patches grow more slowly
 FULL_GROWTH = 7 / 6  # times the default resolution, up to which the growth is the largest
+FINEST_SHARE = 0.5  # elements in a further patch over those in the most loaded one, at least
 COARSEST = 0.25  # largest element over the half length of the bodies
 HALF_SPACE_REACH = 8.0  # edge of the blocks over the major semi-axis: the far field is exact
 BODY_REACH = 12.0  # half length of real bodies over the major semi-axis, at least
 MIN_BODY_REACH = 80.0  # mm
+SECTION_CELLS = 30  # for each mm of web and foot, whose fillets set their size (measured)
 UNKNOWNS_PER_CELL = {
     ("tetrahedron", 1): 0.6,
     ("tetrahedron", 2): 4.5,
     ("hexahedron", 1): 3.2,
     ("hexahedron", 2): 25.0,
 }
-
-
-@dataclass(frozen=True)
-class Effect:
-    """One physical effect or simplification: called for by the scene, on, and why."""
-
-    called_for: bool
-    on: bool
-    why: str
-
-    def summary(self) -> dict[str, Any]:
-        """As in summary.json."""
-        return {"called_for": self.called_for, "on": self.on, "why": self.why}
+UNKNOWNS_PER_TRIANGLE = {
+    ("tetrahedron", 1): 1.0,
+    ("tetrahedron", 2): 4.0,
+    ("hexahedron", 1): 1.0,
+    ("hexahedron", 2): 4.0,
+}
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Decisions for one scene; `estimate` is exact Hertz with the curvatures at first contact."""
+    """Decisions for one scene; `estimate` is exact Hertz with the curvatures at first contact,
+    `forecast` the patch that is expected."""
 
     scene: Scene
     contact: Contact
-    estimate: Ellipse
+    estimate: Ellipse | LineContact
     effects: dict[str, Effect]
     order: int
     patch_size: float
     reach: float
+    forecast: Forecast
 
     @property
     def default_resolution(self) -> float:
@@ -64,11 +71,69 @@ class Plan:
     @property
     def resolution(self) -> float:
         """Elements per smaller semi-axis of the predicted patch."""
-        return min(self.estimate.a, self.estimate.b) / self.patch_size
+        return self.forecast.minor / self.patch_size
+
+    @property
+    def section(self) -> bool:
+        """Whether two dimensions are enough."""
+        return isinstance(self.contact, FlatContact)
+
+    @property
+    def zone(self) -> tuple[float, float]:
+        """Half lengths of the most loaded patch along and across, mm; of a line its half width."""
+        return self.forecast.zones[0].a, self.forecast.zones[0].b
 
     def at_resolution(self, n: float) -> Plan:
         """The same plan with n elements per smaller semi-axis."""
-        return replace(self, patch_size=min(self.estimate.a, self.estimate.b) / n)
+        return replace(self, patch_size=self.forecast.minor / n)
+
+    def flipped(self, name: str) -> Plan:
+        """The same plan with one effect in its other state."""
+        effect = self.effects[name]
+        if self.section and ("off" if effect.on else "on") in effect.refused:
+            return self
+        if name == "axisymmetry" and effect.called_for:
+            return make(self.scene.replace([f"effects.{name}={'off' if effect.on else 'on'}"]))
+        return replace(self, effects={**self.effects, name: replace(effect, on=not effect.on)})
+
+    def price(self, name: str) -> tuple[int, float]:
+        """Unknowns and seconds that an effect's state is predicted to cost; negative: it saves."""
+        other = self.flipped(name)
+        return self.unknowns - other.unknowns, self.seconds - other.seconds
+
+    @property
+    def left_out(self) -> float:
+        """Relative error that effects left out by the plan add to every quantity."""
+        return sum(effect.error for effect in self.effects.values())
+
+    @property
+    def deformable(self) -> tuple[int, ...]:
+        """Tags of the bodies that are meshed."""
+        return tuple(tag for tag in BODIES if self.effects[f"deformable_{BODIES[tag]}"].on)
+
+    @property
+    def shown(self) -> Rail | Wheel:
+        """The body whose stresses are reported: the rail, unless it is rigid."""
+        return self.scene.rail if RAIL in self.deformable else self.scene.wheel
+
+    def material(self, body: int) -> Material:
+        """Elastic constants of RAIL or WHEEL as simulated."""
+        part = self.scene.rail if body == RAIL else self.scene.wheel
+        young = part.young_modulus if body in self.deformable else math.inf
+        return Material(young, part.poisson_ratio)
+
+    @property
+    def surfaces(self) -> Contact:
+        """The contact whose profiles make the gap."""
+        along = isinstance(self.contact, FlatContact) and self.contact.plane == "xz"
+        if along or self.effects["true_profile"].on:
+            return self.contact
+        return one_radius(self.contact)
+
+    @property
+    def far_field(self) -> bool:
+        """Supports follow the displacement of half-spaces."""
+        return self.effects["far_field"].on
 
     @property
     def half_x(self) -> bool:
@@ -84,7 +149,7 @@ class Plan:
     def planes(self) -> tuple[tuple[int, tuple[float, float, float]], ...]:
         """Facet tag and normal of the symmetry planes in use."""
         planes = []
-        if self.half_x:
+        if self.half_x or (isinstance(self.contact, FlatContact) and self.contact.revolved):
             planes.append((SYMMETRY_X, (1.0, 0.0, 0.0)))
         if self.half_y:
             planes.append((SYMMETRY_Y, (0.0, 1.0, 0.0)))
@@ -93,38 +158,49 @@ class Plan:
     @property
     def slave(self) -> int:
         """The softer body carries the contact quadrature and the stress of Nitsche's method."""
-        scene = self.scene
-        return (
-            RAIL
-            if plane_strain_modulus(scene, RAIL) <= plane_strain_modulus(scene, WHEEL)
-            else WHEEL
-        )
+        return min(self.deformable, key=lambda tag: plane_strain_modulus(self.scene, tag))
 
     @property
     def options(self) -> Options:
         """Cells, degree of the geometry, and whether one half is left out."""
         curved = self.order > 1 and not self.contact.half_space
-        return Options(self.scene.mesh.cell, 2 if curved else 1, self.half_x)
+        plane = self.contact.plane if isinstance(self.contact, FlatContact) else ""
+        return Options(self.scene.mesh.cell, 2 if curved else 1, self.half_x, plane)
 
-    def grading(self, a: float | None = None, b: float | None = None) -> Grading:
-        """Sizes around the predicted patch, or around one of the given semi-axes (mm)."""
-        return Grading(
-            self.contact.origin,
-            a or self.estimate.a,
-            b or self.estimate.b,
-            self.contact.touch.angle,
-            self.patch_size,
-            min(GROWTH, GROWTH * FULL_GROWTH * self.default_resolution / self.resolution),
-            coarsest=COARSEST * self.reach,
-        )
+    @property
+    def growth(self) -> float:
+        """Of the element size with the distance from the patch."""
+        return min(GROWTH, GROWTH * FULL_GROWTH * self.default_resolution / self.resolution)
+
+    def grading(self) -> Grading:
+        """Sizes around the patches of the forecast; smaller patches get smaller elements."""
+
+        def around(zone: Zone) -> Grading:
+            share = min(zone.a, zone.b) / self.forecast.minor
+            size = self.patch_size * min(1.0, max(share, FINEST_SHARE))
+            coarsest = COARSEST * self.reach
+            return Grading(
+                zone.centre, zone.a, zone.b, zone.angle, size, self.growth, coarsest=coarsest
+            )  # fmt: skip
+
+        first, *others = (around(zone) for zone in self.forecast.zones)
+        return replace(first, also=tuple(others))
 
     @property
     def unknowns(self) -> int:
         """Predicted from the element density."""
-        bodies = sum(self.effects[f"deformable_{name}"].on for name in ("rail", "wheel"))
-        share = bodies * 0.5 ** (self.half_x + self.half_y)
         cell = self.scene.mesh.cell
+        share = 0.5 ** (self.half_x + self.half_y)
+        if isinstance(self.contact, FlatContact):
+            share *= len(self.deformable) * (0.5 if self.contact.revolved else 1.0)
+            triangles = self.grading().predicted_triangles(self.reach)
+            return int(share * triangles * UNKNOWNS_PER_TRIANGLE[cell, self.order])
         cells = self.grading().predicted_cells(self.reach, hexahedra=cell == "hexahedron")
+        cells *= len(self.deformable)
+        section = self.effects["rail_section"]
+        if section.on and not section.refused and RAIL in self.deformable:
+            half = bodies.rail_reach(self.contact, self.reach, whole_section=True)
+            cells += SECTION_CELLS * 2 * half
         return int(share * cells * UNKNOWNS_PER_CELL[cell, self.order])
 
     @property
@@ -135,13 +211,18 @@ class Plan:
     def summary(self) -> dict[str, Any]:
         """As in summary.json."""
         return {
-            "effects": {name: effect.summary() for name, effect in self.effects.items()},
+            "effects": {name: self._effect(name) for name in self.effects},
             "unknowns": self.unknowns,
             "predicted_seconds": self.seconds,
             "patch_size_mm": self.patch_size,
             "slave": BODIES[self.slave],
             "contact_angle_rad": self.contact.touch.angle,
         }
+
+    def _effect(self, name: str) -> dict[str, Any]:
+        unknowns, seconds = self.price(name)
+        cost = {"unknowns": unknowns, "seconds": seconds}
+        return {**self.effects[name].summary(), "predicted_cost": cost}
 
 
 def plane_strain_modulus(scene: Scene, body: int) -> float:
@@ -158,8 +239,16 @@ def contact_modulus(scene: Scene) -> float:
     )
 
 
-def estimate(scene: Scene, contact: Contact, load: float | None = None) -> Ellipse:
-    """Exact Hertz for the pair; the normal force of a vertical load is load / cos(angle)."""
+def estimate(scene: Scene, contact: Contact, load: float | None = None) -> Ellipse | LineContact:
+    """Exact Hertz for the pair under a load (N), by default that or the approach of the scene."""
+    load = load if load is not None else scene.load
+    if isinstance(contact, FlatContact) and contact.dimension.line:
+        return contact.estimate(load)
+    return ellipse(scene, contact, load)
+
+
+def ellipse(scene: Scene, contact: Contact, load: float | None = None) -> Ellipse:
+    """A point contact; the normal force of a vertical load is load / cos(angle)."""
     touch, modulus = contact.touch, contact_modulus(scene)
     load = load if load is not None else scene.load
     cosine = math.cos(touch.angle)
@@ -170,62 +259,41 @@ def estimate(scene: Scene, contact: Contact, load: float | None = None) -> Ellip
     )
 
 
+def _finite(scene: Scene, contact: Contact) -> Ellipse | LineContact:
+    """The estimate; SceneError for a load or approach that no wheel of this size could bear."""
+    with np.errstate(all="ignore"):
+        found = estimate(scene, contact)
+    major = found.half_width if isinstance(found, LineContact) else max(found.a, found.b)
+    if found.p0 > 0 and major < scene.wheel.rolling_radius:
+        return found
+    key, value = ("load", scene.load) if scene.load is not None else ("approach", scene.approach)
+    raise SceneError(
+        key,
+        f"{value:g} makes a patch of {found.a:.3g} x {found.b:.3g} mm; give a smaller one, "
+        "whose patch is smaller than wheel.rolling_radius",
+    )
+
+
 def make(scene: Scene) -> Plan:
     """Decide. Raises SceneError for a pair that cannot be solved as a point contact."""
-    contact = geometry.locate(scene)
-    ellipse = estimate(scene, contact)
+    kind = dimension.choose(scene)
+    contact = geometry.locate(scene) if kind.kind == "solid" else flat.locate(scene, kind)
+    predicted = _finite(scene, contact)
+    decided = effects.decide(scene, contact, predicted)
+    expected = forecast(contact, predicted, scene.load)
     order = scene.mesh.order or (2 if scene.mesh.cell == "tetrahedron" else 1)
-    minor, major = sorted((ellipse.a, ellipse.b))
+    major = max(max(zone.a, zone.b) for zone in expected.zones)
+    if isinstance(predicted, Ellipse):
+        major = max(major, predicted.a, predicted.b)
     n = ELEMENTS_PER_SEMI_AXIS * (LINEAR_REFINEMENT if order == 1 else 1.0)
+    if kind.kind != "solid":
+        n *= SECTION_REFINEMENT
     if scene.accuracy is not None:
-        n = accuracy.resolution(scene.accuracy, order)
-    size = scene.mesh.patch_size or minor / n
+        left_out = sum(effect.error for effect in decided.values())
+        n = accuracy.resolution(scene.accuracy - left_out, order, kind.kind != "solid")
+    size = scene.mesh.patch_size or expected.minor / n
     if contact.half_space:
         reach = HALF_SPACE_REACH * major
     else:
         reach = max(MIN_BODY_REACH, BODY_REACH * major)
-    return Plan(scene, contact, ellipse, _effects(scene, contact), order, size, reach)
-
-
-def _effects(scene: Scene, contact: Contact) -> dict[str, Effect]:
-    force = scene.effects.symmetry
-    across = contact.mirror_across
-    if force == "on" and across is not None:
-        raise SceneError("effects.symmetry", f"'on' is not allowed: {across}; give auto or off")
-    allowed = force != "off"
-    forced = "" if allowed else "; switched off by effects.symmetry"
-    rigid = [
-        name
-        for name, part in (("rail", scene.rail), ("wheel", scene.wheel))
-        if math.isinf(part.young_modulus)
-    ]
-    return {
-        "symmetry_x": Effect(
-            True, allowed, f"the wheel stands straight: x = 0 mirrors bodies and load{forced}"
-        ),
-        "symmetry_y": Effect(
-            across is None,
-            allowed and across is None,
-            f"{across or 'profiles and load mirror at y = 0'}{forced}",
-        ),
-        "far_field": Effect(
-            contact.half_space,
-            contact.half_space,
-            "half-spaces: the blocks' outer faces follow the exact displacement far from the patch"
-            if contact.half_space
-            else "the bodies end where they really end",
-        ),
-        "deformable_rail": Effect(
-            "rail" not in rigid, "rail" not in rigid, _stiffness(scene, RAIL)
-        ),
-        "deformable_wheel": Effect(
-            "wheel" not in rigid, "wheel" not in rigid, _stiffness(scene, WHEEL)
-        ),
-    }
-
-
-def _stiffness(scene: Scene, body: int) -> str:
-    young = (scene.rail if body == RAIL else scene.wheel).young_modulus
-    return (
-        "E is infinite: only its surface takes part" if math.isinf(young) else f"E = {young:g} MPa"
-    )
+    return Plan(scene, contact, predicted, decided, order, size, reach, expected)

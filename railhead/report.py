@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
 from railhead import accuracy, machine
+from railhead.effects import Effect
 from railhead.plan import Plan
 from railhead.price import price
 
@@ -43,15 +45,16 @@ def show_plan(plan: Plan, console: Console) -> None:
     """Effects, resolution and price."""
     scene, touch = plan.scene, plan.contact.touch
     table = Table(title=f"plan of {scene.name}", title_justify="left")
-    for column in ("effect", "state", "why"):
+    for column in ("effect", "state", "why", "predicted"):
         table.add_column(column, overflow="fold")
     for name, effect in plan.effects.items():
-        table.add_row(name, "on" if effect.on else "off", effect.why)
+        table.add_row(name, _state(effect), effect.why, _cost(*plan.price(name)))
     console.print(table)
     ellipse = plan.estimate
+    radii = [1 / c if c else math.inf for c in (touch.curvature_x, touch.curvature_y)]
     lines = (
         f"contact    y = {touch.y:.3f} mm, z = {touch.z:.3f} mm, angle {touch.angle:.4f} rad, "
-        f"relative radii {1 / touch.curvature_x:.4g} x {1 / touch.curvature_y:.4g} mm",
+        f"relative radii {radii[0]:.4g} x {radii[1]:.4g} mm",
         f"Hertz      a = {ellipse.a:.4g} mm, b = {ellipse.b:.4g} mm, p0 = {ellipse.p0:.4g} MPa",
         f"mesh       {scene.mesh.cell}, order {plan.order}, {plan.patch_size:.3g} mm in the patch",
         f"solver     {scene.solver.method}, linear {scene.solver.linear}",
@@ -62,6 +65,18 @@ def show_plan(plan: Plan, console: Console) -> None:
     _show_prices(plan, console)
 
 
+def _state(effect: Effect) -> str:
+    if effect.called_for and "on" in effect.refused:
+        return "off, though called for"
+    return "on" if effect.on else "off"
+
+
+def _cost(unknowns: int, seconds: float) -> str:
+    if not unknowns:
+        return "no unknowns"
+    return f"{'costs' if unknowns > 0 else 'saves'} {abs(unknowns)} unknowns, {abs(seconds):.1f} s"
+
+
 def _show_prices(plan: Plan, console: Console) -> None:
     """What accuracies cost for this scene on this machine."""
     table = Table(title="price on this machine", title_justify="left")
@@ -69,7 +84,7 @@ def _show_prices(plan: Plan, console: Console) -> None:
         table.add_column(column, justify="right")
     asked = plan.scene.accuracy
     for value in sorted({*PRICES, *([asked] if asked else [])}, reverse=True):
-        n = accuracy.resolution(value, plan.order)
+        n = accuracy.resolution(value, plan.order, plan.section)
         unknowns, seconds = price(plan, n)
         size = plan.at_resolution(n).patch_size
         cells = (f"{value:.3g}", f"{size:.3g}", f"{unknowns}", f"{seconds:.1f}")
@@ -102,6 +117,9 @@ def show_result(summary: dict[str, Any], console: Console) -> None:
                 f"(moments off by {summary['checks']['shape_error']:.1%}): "
                 "Hertz is what the formula would have said."
             )
+    for name, after in summary["effects_after"].items():
+        if after["needed"]:
+            console.print(f"{name}: {after['why']}", markup=False, highlight=False)
     checks, cost = summary["checks"], summary["cost"]
     console.print(
         f"{cost['dofs']} unknowns, {cost['newton_iterations']} Newton steps, "

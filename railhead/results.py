@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
 import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from railhead.run import Result
-from railhead.scene import Scene, SceneError
+from railhead.scene import SceneError
 from railhead.scene_io import to_toml
+
+if TYPE_CHECKING:
+    from railhead.run import Result
 
 SUMMARY = "summary.json"
 
@@ -34,22 +39,37 @@ def check_folder(folder: Path) -> None:
 
 @contextmanager
 def replacing(folder: Path) -> Iterator[Path]:
-    """A temporary folder that takes the place of `folder` when the block ends without an error."""
+    """A temporary folder that takes the place of `folder` when the block ends without an error.
+
+    `folder` holds the earlier result or the new one, whole, at every moment; of two that end
+    together the later one stays. OSError: the files cannot be written.
+    """
     folder = folder.absolute()
     folder.parent.mkdir(parents=True, exist_ok=True)
     work = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
     try:
         yield work
         work.chmod(0o755)
-        old = Path(tempfile.mkdtemp(prefix=f".{folder.name}.old.", dir=folder.parent))
         try:
-            if folder.exists():
-                os.rename(folder, old / "result")
             os.rename(work, folder)
-        finally:
-            shutil.rmtree(old, ignore_errors=True)
+        except OSError:
+            if not folder.is_dir():
+                raise
+            _exchange(work, folder)
     finally:
         shutil.rmtree(work, ignore_errors=True)
+
+
+def _exchange(one: Path, other: Path) -> None:
+    """Swap two folders, on Linux in one step (renameat2 with RENAME_EXCHANGE)."""
+    swap = getattr(ctypes.CDLL(None), "renameat2", None)
+    here, exchange = -100, 2
+    if swap and swap(here, os.fsencode(one), here, os.fsencode(other), exchange) == 0:
+        return
+    aside = one.with_name(f"{one.name}.old")
+    os.rename(other, aside)
+    os.rename(one, other)
+    os.rename(aside, one)
 
 
 def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
@@ -58,11 +78,13 @@ def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
 
     with replacing(folder) as work:
         if result.fields is not None and result.findings is not None:
+            after = result.level.after.items()
+            needed = tuple(f"{name}: {each.why}" for name, each in after if each.needed)
             gallery.draw(
                 result.fields,
-                result.findings,
+                replace(result.findings, notes=needed),
                 result.ellipse,
-                _poisson(result.plan.scene),
+                result.plan.shown.poisson_ratio,
                 work,
                 pictures=pictures,
             )
@@ -71,13 +93,14 @@ def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
         return sorted(path.name for path in work.iterdir())
 
 
-def _poisson(scene: Scene) -> float:
-    return scene.rail.poisson_ratio
-
-
 def as_json(result: Result) -> str:
-    """summary.json; infinite numbers (rigid bodies, flat profiles) are written as the word."""
-    return json.dumps(_plain(result.summary), indent=2, allow_nan=False) + "\n"
+    """summary.json of a solved scene."""
+    return to_json(result.summary)
+
+
+def to_json(summary: dict[str, Any]) -> str:
+    """JSON; infinite numbers (rigid bodies, flat profiles) are written as the word."""
+    return json.dumps(_plain(summary), indent=2, allow_nan=False) + "\n"
 
 
 def _plain(value: object) -> object:

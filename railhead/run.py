@@ -14,10 +14,11 @@ from railhead.level import Level, solve_level
 from railhead.plan import Plan
 from railhead.price import affordable
 from railhead.progress import Progress
-from railhead.scene import Scene
+from railhead.scene import Scene, SceneError
 from railhead.summary import summarise
 from solver.gather import Fields
 from theory.hertz import Ellipse
+from theory.line import LineContact
 
 MAX_LEVELS = 5
 MEMORY_SHARE = 0.8  # of the free memory that a run may take
@@ -46,7 +47,7 @@ class Result:
         return self.level.plan
 
     @property
-    def ellipse(self) -> Ellipse:
+    def ellipse(self) -> Ellipse | LineContact:
         """Exact Hertz under the same load."""
         return self.level.ellipse
 
@@ -73,6 +74,7 @@ def run(
     progress = progress or Progress(quiet=True)
     plan = planning.make(scene)
     if scene.accuracy is None and scene.budget is None:
+        _check_memory(plan, comm.bcast(machine.free_memory()))
         levels = [solve_level(plan, plan.grading(), progress, comm)]
         estimate = Estimate({}, "no accuracy asked")
     else:
@@ -113,16 +115,29 @@ def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[L
         n = accuracy.next_resolution(level.resolution, worst, target)
 
 
+def _check_memory(plan: Plan, free: int) -> None:
+    """Refuse a first mesh that would not fit into the free memory (bytes)."""
+    need = machine.memory(plan.unknowns)
+    if need > MEMORY_SHARE * free:
+        raise SceneError(
+            "mesh.patch_size",
+            f"{plan.patch_size:.3g} mm makes about {plan.unknowns:.2g} unknowns, which need "
+            f"{need / 1e9:.3g} GB of {free / 1e9:.3g} GB free; give a larger one",
+        )
+
+
 def _bound(coarse: Level, fine: Level) -> dict[str, float]:
     if coarse.result is None or fine.result is None:
         return {}
-    return accuracy.bounds(
+    found = accuracy.bounds(
         accuracy.flat(coarse.result),
         accuracy.flat(fine.result),
         fine.resolution / coarse.resolution,
         fine.resolution,
         fine.plan.order,
+        fine.plan.section,
     )
+    return {name: bound + fine.plan.left_out for name, bound in found.items()}
 
 
 def _obstacle(done: Level, cost: tuple[int, float], spent: float) -> str:

@@ -14,10 +14,22 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, model_validator
 
 from railhead import units
-from railhead.sections import Effects, Mesh, Rail, SceneError, Section, Solver, Wheel, Wheelset
+from railhead.sections import (
+    Effects,
+    Friction,
+    Mesh,
+    Rail,
+    SceneError,
+    Section,
+    Solver,
+    Wheel,
+    Wheelset,
+)  # fmt: skip
 from railhead.units import show
 
-__all__ = ["Effects", "Mesh", "Rail", "Scene", "SceneError", "Solver", "Wheel", "Wheelset"]
+__all__ = [
+    "Effects", "Friction", "Mesh", "Rail", "Scene", "SceneError", "Solver", "Wheel", "Wheelset",
+]  # fmt: skip
 
 #: Transverse radius in mm of what touches: the crowns of EN 13674-1, straight wheel treads.
 NOMINAL_RADIUS = {"54E1": 300.0, "60E1": 300.0} | dict.fromkeys(
@@ -70,6 +82,7 @@ class Scene(Section):
     rail: Rail = Rail()
     wheel: Wheel = Wheel()
     wheelset: Wheelset = Wheelset()
+    friction: Friction = Friction()
     solver: Solver = Solver()
     mesh: Mesh = Mesh()
     effects: Effects = Effects()
@@ -94,6 +107,17 @@ class Scene(Section):
         return self
 
     @model_validator(mode="after")
+    def _friction_can_hold(self) -> Self:
+        tangential, normal = abs(self.friction.tangential_load), self.load
+        if normal is not None and tangential > self.friction.coefficient * normal:
+            raise SceneError(
+                "friction.tangential_load",
+                f"{tangential:g} N would slide; give at most friction.coefficient * load = "
+                f"{self.friction.coefficient * normal:g} N",
+            )
+        return self
+
+    @model_validator(mode="after")
     def _one_body_deforms(self) -> Self:
         if math.isinf(self.rail.young_modulus) and math.isinf(self.wheel.young_modulus):
             keys = "rail.young_modulus, wheel.young_modulus"
@@ -101,14 +125,15 @@ class Scene(Section):
         return self
 
     @model_validator(mode="after")
-    def _half_space_is_a_point_contact(self) -> Self:
+    def _half_space_is_a_point_or_line_contact(self) -> Self:
         if self.rail.extent == "half-space":
-            across = self.relative_curvatures()[1]
-            if not across > 0:
+            along, across = self.relative_curvatures()
+            if across < 0 or not along + across > 0:
                 raise SceneError(
                     "rail.crown_radius, wheel.transverse_radius",
-                    f"a relative curvature of {across:.6g} 1/mm is not a point contact; "
-                    "a half-space needs 1/crown_radius + 1/transverse_radius > 0",
+                    f"a relative curvature of {across:.6g} 1/mm is neither a point nor a line "
+                    "contact; a half-space needs 1/crown_radius + 1/transverse_radius > 0, or 0 "
+                    "with a finite wheel.rolling_radius",
                 )
         return self
 

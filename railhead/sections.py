@@ -100,13 +100,21 @@ def _check_arc(profile: str, key: str, radius: float | None) -> None:
 
 
 class Rail(Section):
-    """The rail: straight, its crown radius in mm, its inclination the tangent of an angle."""
+    """The rail: straight, its crown radius in mm, its inclination the tangent of an angle.
+
+    ``depth`` (below the crown) and ``width`` are those of a block under an arc.
+    ``gauge`` is the distance of the two rails, 14 mm below their tops, in mm; without it the
+    wheel's tape circle (70 mm from the flange back) stands over the crown centre.
+    """
 
     profile: Annotated[str, _profile("54E1", "60E1", "arc")] = "54E1"
     crown_radius: units.Radius | None = None
     inclination: units.Slope = 0.0
+    gauge: units.Gauge | None = None
     extent: Literal["head", "section", "half-space"] = "head"
     length: units.PositiveLength | None = None
+    depth: units.PositiveLength | None = None
+    width: units.PositiveLength | None = None
     young_modulus: units.Modulus = 207000.0
     poisson_ratio: units.PoissonRatio = 0.3
     yield_stress: units.Stress | None = None
@@ -114,14 +122,20 @@ class Rail(Section):
     @model_validator(mode="after")
     def _radius_of_an_arc(self) -> Self:
         _check_arc(self.profile, "crown_radius", self.crown_radius)
+        for key, value in (("depth", self.depth), ("width", self.width)):
+            if value is not None and self.profile != "arc":
+                raise SceneError(key, f"{value:g} is not allowed; only profile arc takes it")
         return self
 
 
 class Wheel(Section):
-    """The wheel; ``segment_length`` is the arc length that is kept along the rail, in mm."""
+    """The wheel; ``segment_length`` is the arc length that is kept along the rail, in mm.
+
+    A rolling radius of inf is a straight bar with the tread's section.
+    """
 
     profile: Annotated[str, _profile("cylinder", "cone20", "cone40", "arc", "S1002")] = "cylinder"
-    rolling_radius: units.PositiveLength = 420.0
+    rolling_radius: units.Radius = 420.0
     transverse_radius: units.SignedRadius | None = None
     width: units.PositiveLength | None = None
     rim_depth: units.PositiveLength | None = None
@@ -137,16 +151,24 @@ class Wheel(Section):
 
 
 class Wheelset(Section):
-    """Where the wheel stands: ``shift`` towards its flange, in mm."""
+    """Where the wheel stands: ``shift`` brings its flange to the rail, in mm; ``yaw`` turns the
+    axle about the vertical, in rad; the roll follows, as both wheels touch both rails.
+    ``back_to_back`` is the distance of the flange backs, in mm.
+    """
 
     shift: units.Shift = 0.0
+    yaw: units.Yaw = 0.0
+    back_to_back: units.Gauge = 1360.0
 
 
 class Solver(Section):
-    """How the contact is enforced; ``gamma_factor`` multiplies the default stabilisation."""
+    """How the contact is enforced; ``gamma_factor`` multiplies the default stabilisation.
+
+    Without ``theta`` Nitsche's method is symmetric (1) down to factor 1 and skew (-1) below it.
+    """
 
     method: Literal["nitsche", "penalty"] = "nitsche"
-    theta: units.Theta = 1
+    theta: units.Theta | None = None
     gamma_factor: units.Factor = 1.0
     linear: Literal["auto", "direct", "multigrid"] = "auto"
     max_newton: units.Iterations = 30
@@ -160,7 +182,37 @@ class Mesh(Section):
     patch_size: units.PositiveLength | None = None
 
 
-class Effects(Section):
-    """Effects that a person may force; ``auto`` leaves them to the plan."""
+class Friction(Section):
+    """Dry friction; ``tangential_load`` acts on the wheel along the rail, in N."""
 
-    symmetry: Literal["auto", "on", "off"] = "auto"
+    coefficient: units.FrictionCoefficient = 0.0
+    tangential_load: units.SignedForce = 0.0
+
+
+Switch = Literal["auto", "on", "off"]
+
+
+class Effects(Section):
+    """Effects that a person may force; ``auto`` leaves them to the plan.
+
+    ``symmetry`` is short for both planes.
+    """
+
+    symmetry: Switch = "auto"
+    plane_strain: Switch = "auto"
+    axisymmetry: Switch = "auto"
+    symmetry_x: Switch = "auto"
+    symmetry_y: Switch = "auto"
+    deformable_rail: Switch = "auto"
+    deformable_wheel: Switch = "auto"
+    rail_section: Switch = "auto"
+    far_field: Switch = "auto"
+    true_profile: Switch = "auto"
+    mean_dilatation: Switch = "auto"
+    plasticity: Switch = "auto"
+    friction: Switch = "auto"
+
+    def state(self, name: str) -> Switch:
+        """The choice for one effect."""
+        choice: Switch = getattr(self, name)
+        return self.symmetry if choice == "auto" and name.startswith("symmetry") else choice

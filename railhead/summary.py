@@ -10,9 +10,12 @@ import numpy as np
 
 from meshing.surfaces import ExactGap
 from postprocess import compare
+from railhead import forecast
+from railhead.flat import FlatContact
 from railhead.level import Level
-from theory import boundary_element
+from theory.hertz import Ellipse
 
+BOUNDARY_CELLS = 128
 FORCE_BALANCE = 1e-6  # largest relative force imbalance that passes
 
 
@@ -25,9 +28,15 @@ def summarise(
     """The summary of the last level (rank 0), with the bounds that the sequence gave."""
     level = levels[-1]
     plan, solution, found = level.plan, level.solution, level.findings
-    scene, angle = plan.scene, plan.contact.touch.angle
-    soft = scene.rail if not math.isinf(scene.rail.young_modulus) else scene.wheel
-    hertz = compare.from_hertz(level.ellipse, soft.poisson_ratio, angle, plan.contact.origin)
+    scene, angle, poisson = plan.scene, plan.contact.touch.angle, plan.shown.poisson_ratio
+    ellipse, contact = level.ellipse, plan.contact
+    thesis = None
+    if isinstance(ellipse, Ellipse):
+        hertz = compare.from_hertz(ellipse, poisson, angle, contact.origin)
+        thesis = compare.from_thesis(ellipse, poisson)
+    else:
+        approach = contact.approach(ellipse) if isinstance(contact, FlatContact) else None
+        hertz = compare.from_line(ellipse, poisson, angle, contact.origin, approach)
     target = scene.load if scene.load is not None else solution.reaction
     balance = max(
         abs(solution.load - target) / target if target else math.inf,
@@ -44,9 +53,10 @@ def summarise(
         "plan": plan.summary(),
         "result": level.result,
         "hertz": hertz,
-        "thesis": compare.from_thesis(level.ellipse, soft.poisson_ratio),
+        "thesis": thesis,
         "half_space": _half_space(level),
         "difference": None if level.result is None else compare.difference(level.result, hertz),
+        "effects_after": {name: vars(each) for name, each in level.after.items()},
         "accuracy": {
             "asked": scene.accuracy,
             "bound": bound,
@@ -81,11 +91,14 @@ def summarise(
 def _parts(level: Level, bound: dict[str, float]) -> dict[str, float]:
     """Where the error comes from, relative: the mesh (the bound), the contact law (overlap over
     approach; Nitsche's method is consistent, so it is part of the mesh's), Newton's residual,
-    and the geometry (contact points off the exact surface, over the smaller semi-axis)."""
+    the geometry (contact points off the exact surface, over the smaller semi-axis), and what the
+    plan left out (part of the bound)."""
     solution, law = level.solution, level.plan.scene.solver.method
-    size = min(level.ellipse.a, level.ellipse.b)
+    size = min(level.plan.zone)
+    left_out = level.plan.left_out
     return {
-        "discretisation": max(bound.values(), default=0.0),
+        "discretisation": max(bound.values(), default=0.0) - (left_out if bound else 0.0),
+        "left_out": left_out,
         "contact_law": abs(solution.penetration / solution.approach) if law == "penalty" else 0.0,
         "newton": solution.newton.history[-1].residual,
         "geometry": _off_surface(level) / size,
@@ -95,29 +108,24 @@ def _parts(level: Level, bound: dict[str, float]) -> dict[str, float]:
 def _half_space(level: Level) -> dict[str, Any] | None:
     """Boundary elements on the real profiles; None for half-spaces, where Hertz is exact."""
     contact, ellipse = level.plan.contact, level.ellipse
-    if contact.half_space or level.findings is None:
+    if contact.half_space or level.findings is None or not isinstance(ellipse, Ellipse):
         return None
     try:
-        found = boundary_element.solve(
-            contact.half_space_gap,
-            ellipse.contact_modulus,
-            load=ellipse.load,
-            centre=level.findings.patch.centre,
-            half_size=(1.5 * ellipse.a, 1.5 * ellipse.b),
-        )
+        found = forecast.solve(contact, ellipse, level.solution.load, BOUNDARY_CELLS)
     except ValueError:  # no closed patch within the profiles
         return None
-    return compare.from_half_space(found, contact.touch.angle, level.findings.hertzian)
+    planes = [(touch.angle, patch) for touch, patch in found]
+    return compare.from_half_space(planes, level.findings.hertzian)
 
 
 def _off_surface(level: Level) -> float:
     """Largest distance in z of touching contact points from the exact surface, mm."""
-    gap = level.plan.contact.gap(level.plan.slave)
+    gap = level.plan.surfaces.gap(level.plan.slave)
     if level.fields is None or not isinstance(gap, ExactGap):
         return 0.0
     contact = level.fields.contact
-    x, y, z = contact.points[contact.pressure > 0].T
-    return float(np.max(np.abs(gap.slave.height(x, y) - z), initial=0.0))
+    touching = contact.points[contact.pressure > 0]
+    return float(np.max(gap.off_surface(touching), initial=0.0))
 
 
 def _trace(level: Level) -> dict[str, Any]:

@@ -75,6 +75,13 @@ def _slope(number: str, unit: str) -> float:
     return _per_cent(number, unit)
 
 
+def _angle(number: str, unit: str) -> float:
+    """Convert an angle to radians."""
+    if unit in _ANGLES:
+        return float(number) * _ANGLES[unit]
+    raise ValueError(unit)
+
+
 @dataclass(frozen=True)
 class Dimension:
     """What a kind of quantity is called, how to write it, and how to convert (number, unit)."""
@@ -106,6 +113,7 @@ DURATION = Dimension(
 )
 NUMBER = Dimension("a number", "a plain number, e.g. 1", _per_cent)
 FRACTION = Dimension("a fraction", 'a number or per cent, e.g. 0.01 or "1%"', _per_cent)
+ANGLE = Dimension("an angle", 'radians or an angle with its unit, e.g. 0.002 or "2 mrad"', _angle)
 SLOPE = Dimension("a slope", 'a slope or an angle, e.g. 0.05, "1:20" or "2.86 deg"', _slope)
 
 
@@ -172,7 +180,17 @@ Accuracy = Annotated[
 SignedRadius = Annotated[
     float, quantity(LENGTH, bool, "any length but 0; negative is concave, inf is flat")
 ]
+SignedForce = Annotated[float, quantity(FORCE, math.isfinite, "a finite force")]
+FrictionCoefficient = Annotated[
+    float, quantity(NUMBER, lambda v: 0 <= v <= 2, "a number from 0 to 2")
+]
 Shift = Annotated[float, quantity(LENGTH, lambda v: abs(v) <= 30, "a length from -30 to 30 mm")]
+Yaw = Annotated[
+    float, quantity(ANGLE, lambda v: abs(v) <= 0.1, 'an angle from -0.1 to 0.1 rad, e.g. "2 mrad"')
+]
+Gauge = Annotated[
+    float, quantity(LENGTH, lambda v: 500 <= v <= 2000, "a length from 500 to 2000 mm, e.g. 1435")
+]
 Theta = Annotated[int, quantity(NUMBER, lambda v: v in (1, 0, -1), "1, 0 or -1")]
 Order = Annotated[int, quantity(NUMBER, lambda v: v in (1, 2), "1 or 2")]
 Iterations = Annotated[

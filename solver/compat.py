@@ -15,6 +15,7 @@ from dolfinx import fem
 from dolfinx import mesh as dmesh
 from mpi4py import MPI
 from numpy.typing import NDArray
+from petsc4py import PETSc
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 _OLD = VERSION < (0, 8)
@@ -23,23 +24,23 @@ _OLD = VERSION < (0, 8)
 logging.disable(logging.INFO)
 
 
-def model_to_mesh(model: Any, comm: MPI.Comm) -> tuple[Any, Any, Any]:
-    """gmsh model on rank 0 -> dolfinx (mesh, cell tags, facet tags)."""
+def model_to_mesh(model: Any, comm: MPI.Comm, dim: int = 3) -> tuple[Any, Any, Any]:
+    """gmsh model on rank 0 -> dolfinx (mesh, cell tags, facet tags) in `dim` coordinates."""
     if VERSION < (0, 10):
         from dolfinx.io import gmshio
 
-        return gmshio.model_to_mesh(model, comm, 0, gdim=3)[:3]
+        return gmshio.model_to_mesh(model, comm, 0, gdim=dim)[:3]
     from dolfinx.io import gmsh as gmsh_io
 
-    data = gmsh_io.model_to_mesh(model, comm, 0, gdim=3)
+    data = gmsh_io.model_to_mesh(model, comm, 0, gdim=dim)
     return data.mesh, data.cell_tags, data.facet_tags
 
 
 def vector_space(mesh: Any, degree: int) -> Any:
-    """Continuous Lagrange space of 3-vectors."""
+    """Continuous Lagrange space of vectors with as many components as the mesh has coordinates."""
     if _OLD:
         return fem.VectorFunctionSpace(mesh, ("Lagrange", degree))
-    return fem.functionspace(mesh, ("Lagrange", degree, (3,)))
+    return fem.functionspace(mesh, ("Lagrange", degree, (mesh.geometry.dim,)))
 
 
 def cellwise_constant(mesh: Any, values: NDArray[np.float64]) -> Any:
@@ -59,6 +60,13 @@ def form(expression: ufl.Form) -> Any:
     return fem.form(expression, jit_options=options)
 
 
+def collect(comm: MPI.Comm) -> None:
+    """Free the PETSc objects that Python has dropped; PETSc 3.18 keeps them until it is asked to
+    (collective)."""
+    if hasattr(PETSc, "garbage_cleanup"):
+        PETSc.garbage_cleanup(comm)
+
+
 def _rows(table: Any, width: int) -> NDArray[np.int32]:
     array = table.array if hasattr(table, "array") else table
     return np.asarray(array, dtype=np.int32).reshape(-1, width)
@@ -68,13 +76,13 @@ def cell_nodes(mesh: Any) -> NDArray[np.int32]:
     """(cells, nodes) local geometry nodes of every local cell, in basix order."""
     geometry = mesh.geometry
     table = geometry.dofmaps[0] if hasattr(geometry, "dofmaps") else geometry.dofmap
-    cells = mesh.topology.index_map(3)
+    cells = mesh.topology.index_map(mesh.topology.dim)
     return _rows(table, _width(table, cells.size_local + cells.num_ghosts))
 
 
 def cell_dofs(space: Any) -> NDArray[np.int32]:
     """(cells, block dofs) local block dofs of every local cell, in basix order."""
-    cells = space.mesh.topology.index_map(3)
+    cells = space.mesh.topology.index_map(space.mesh.topology.dim)
     return _rows(space.dofmap.list, _width(space.dofmap.list, cells.size_local + cells.num_ghosts))
 
 
@@ -84,9 +92,20 @@ def _width(table: Any, count: int) -> int:
 
 
 def cell_type(mesh: Any) -> str:
-    """'tetrahedron' or 'hexahedron'."""
+    """'tetrahedron', 'hexahedron', 'triangle' or 'quadrilateral'."""
     kind = mesh.topology.cell_type if VERSION < (0, 10) else mesh.topology.cell_types[0]
     return str(dmesh.to_string(kind)) if hasattr(dmesh, "to_string") else str(kind.name)
+
+
+def node_points(mesh: Any) -> NDArray[np.float64]:
+    """(n, d) coordinates of the local geometry nodes."""
+    return np.asarray(mesh.geometry.x[:, : mesh.geometry.dim])
+
+
+def dof_points(space: Any) -> NDArray[np.float64]:
+    """(n, d) coordinates of the owned block dofs."""
+    owned = space.dofmap.index_map.size_local
+    return np.asarray(space.tabulate_dof_coordinates()[:owned, : space.mesh.geometry.dim])
 
 
 def geometry_degree(mesh: Any) -> int:

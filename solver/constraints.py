@@ -31,10 +31,15 @@ class Supports:
     direction: Array = field(default_factory=lambda: np.array([0.0, 0.0, -1.0]))
     hub_free: bool = True
 
+    @property
+    def held(self) -> NDArray[np.bool_]:
+        """Nodes of fixed faces and of the hub (n,)."""
+        return self.fixed if self.hub is None else self.fixed | self.hub
+
 
 @dataclass(frozen=True)
 class Reduction:
-    """P (3n x free, distributed) and the local position of the approach in y (-1: not here).
+    """P (c n x free, distributed) and the local position of the approach in y (-1: not here).
 
     rigid_approach: the approach is an unknown but moves no node (a rigid counterface).
     """
@@ -61,10 +66,11 @@ def reduce(supports: Supports, comm: MPI.Intracomm, *, padded: bool = False) -> 
     padded: keep three columns for every node and for the approach, empty where nothing is free, so
     that the unknowns come in blocks of three, as algebraic multigrid wants them.
     """
+    dim = len(supports.direction)
     count = len(supports.fixed)
     hub = supports.hub if supports.hub is not None else np.zeros(count, dtype=bool)
-    basis = np.tile(np.eye(3), (count, 1, 1))  # columns: free directions of the node
-    free = np.full(count, 3)
+    basis = np.tile(np.eye(dim), (count, 1, 1))  # columns: free directions of the node
+    free = np.full(count, dim)
     mask = np.zeros(count, dtype=np.int64)
     for bit, (members, _) in enumerate(supports.planes):
         mask[members] |= 1 << bit
@@ -72,8 +78,8 @@ def reduce(supports: Supports, comm: MPI.Intracomm, *, padded: bool = False) -> 
         normals = [n for bit, (_, n) in enumerate(supports.planes) if code >> bit & 1]
         _, size, rows = np.linalg.svd(np.array(normals))
         rank = int(np.sum(size > 1e-12))
-        basis[mask == code] = np.column_stack([rows[rank:].T, np.zeros((3, rank))])
-        free[mask == code] = 3 - rank
+        basis[mask == code] = np.column_stack([rows[rank:].T, np.zeros((dim, rank))])
+        free[mask == code] = dim - rank
     free[supports.fixed | hub] = 0
 
     owns_approach = supports.hub_free and comm.rank == comm.size - 1
@@ -84,17 +90,17 @@ def reduce(supports: Supports, comm: MPI.Intracomm, *, padded: bool = False) -> 
     last = total - (3 if padded else 1)
     first = start + np.concatenate([[0], np.cumsum(slots)[:-1]])
 
-    node, column = np.nonzero(np.arange(3) < free[:, None])
-    rows = (3 * node[:, None] + np.arange(3)).ravel()
-    columns = np.repeat(first[node] + column, 3)
+    node, column = np.nonzero(np.arange(dim) < free[:, None])
+    rows = (dim * node[:, None] + np.arange(dim)).ravel()
+    columns = np.repeat(first[node] + column, dim)
     values = basis[node, :, column].ravel()
     if supports.hub_free:
         nodes = np.flatnonzero(hub & ~supports.fixed)
-        rows = np.concatenate([rows, (3 * nodes[:, None] + np.arange(3)).ravel()])
-        columns = np.concatenate([columns, np.full(3 * len(nodes), last)])
+        rows = np.concatenate([rows, (dim * nodes[:, None] + np.arange(dim)).ravel()])
+        columns = np.concatenate([columns, np.full(dim * len(nodes), last)])
         values = np.concatenate([values, np.tile(supports.direction, len(nodes))])
     keep = values != 0.0
-    table = sp.csr_matrix((values[keep], (rows[keep], columns[keep])), shape=(3 * count, total))
+    table = sp.csr_matrix((values[keep], (rows[keep], columns[keep])), shape=(dim * count, total))
     moved = comm.allreduce(int(hub.sum()))
     return Reduction(
         petsc_matrix(table, local, comm),

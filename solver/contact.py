@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,12 +17,21 @@ from petsc4py import PETSc
 from solver import compat, constraints, interface, linear, newton, transfer
 from solver.elasticity import Bulk, Material, assemble
 from solver.facets import Array, FacetSet
+from solver.held import HeldRows
 from solver.interface import Gap, Interface
+from solver.kinematics import SOLID, Kinematics
 from solver.laws import Law
-from solver.problem import ContactProblem, reduce_problem
+from solver.linear import Preconditioner
+from solver.multigrid import Hierarchy, PMultigrid
+from solver.problem import ContactProblem, Mask, reduce_problem
+
+NEWTON_TOLERANCE = 1e-8  # residual over the contact force
+LINEAR_DIRECT_BELOW = 80_000  # unknowns of linear cells, whose multigrid is slow on stretched ones
+SECTION_DIRECT_BELOW = 200_000  # unknowns of a section, where factors stay sparse
+STAGE_TOLERANCE = 0.1  # the same for the softer laws on the way to a stiff one
 
 FarField = Callable[[float, int, Array], Array]
-"""(load N, body tag, points (n, 3)) -> displacement (n, 3) of the supported faces, mm."""
+"""(load N, body tag, points in space (n, 3)) -> displacement (n, 3) of the supported faces, mm."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +56,8 @@ class Setup:
     fixed, moving: the body held at its support and the one pushed along `direction` by its rigid
     hub. gap: exact gap seen from the slave. planes: facet tag and normal of each symmetry plane.
     far_field: prescribed displacement of both supports on top of the rigid motion.
-    load_control: the load is given and the approach an unknown, or the reverse.
+    load_control: the load is given and the approach an unknown, or the reverse. kinematics: what
+    the mesh's coordinates stand for; directions, normals, gap and far field are those of space.
     """
 
     fixed: Side
@@ -60,11 +71,17 @@ class Setup:
     far_field: FarField | None = None
     load_control: bool = True
     linear: str = "auto"
+    kinematics: Kinematics = SOLID
 
     @property
     def parts(self) -> int:
         """How many times the modelled part makes up the whole."""
-        return int(2 ** len(self.planes))
+        return 1 if self.kinematics.revolved else int(2 ** len(self.planes))
+
+    @property
+    def push(self) -> Array:
+        """The direction in the mesh's coordinates (c,)."""
+        return self.kinematics.flatten(np.array(self.direction))
 
 
 @dataclass(frozen=True)
@@ -93,8 +110,9 @@ class ContactModel:
         self.setup = setup
         self.cell_tags, self.facet_tags = cell_tags, facet_tags
         sides = [s for s in (setup.fixed, setup.moving) if not s.rigid]
-        self.bulk: Bulk = assemble(
-            mesh, cell_tags, {s.tag: s.material for s in sides}, setup.degree
+        self.bulk: Bulk
+        self.bulk, stiffness = assemble(
+            mesh, cell_tags, {s.tag: s.material for s in sides}, setup.degree, setup.kinematics
         )
         self.owned: int = self.bulk.space.dofmap.index_map.size_local
         by_tag = {s.tag: s for s in sides}
@@ -106,16 +124,26 @@ class ContactModel:
             surfaces[0],
             surfaces[1] if len(surfaces) > 1 else None,
             setup.gap,
-            3 * self.owned,
+            setup.kinematics.dim * self.owned,
             self.comm,
         )
-        self.reduction = constraints.reduce(self.supports(self.bulk.space), self.comm)
-        self.closing: Array = self.interface.normals @ np.array(setup.direction)
+        supports = self.supports(self.bulk.space)
+        self.reduction = constraints.reduce(supports, self.comm)
+        self.held = HeldRows.of(stiffness, supports.held, setup.kinematics.dim)
+        material = next(side for side in sides if side.tag == setup.slave).material
+        self.law = setup.law.suited(material.young_modulus, material.lame)
+        self.closing: Array = self.interface.normals @ setup.push
         self.problem: ContactProblem = reduce_problem(
-            self.bulk.stiffness, self.interface, self.reduction, setup.law, self.closing
+            stiffness, self.interface, self.reduction, self.law, self.closing
         )
-        self.preconditioner: PETSc.PC | None = None
+        del stiffness
+        compat.collect(self.comm)
         self.seconds = {"assemble": time.perf_counter() - start, "solve": 0.0}
+
+    def release(self) -> None:
+        """Free all matrices; the model is of no use afterwards (collective)."""
+        self.__dict__ = {"comm": self.comm}
+        compat.collect(self.comm)
 
     @property
     def unknowns(self) -> int:
@@ -123,8 +151,9 @@ class ContactModel:
         return int(self.problem.stiffness.getSize()[0])
 
     def _members(self, space: Any, tag: int) -> NDArray[np.bool_]:
-        space.mesh.topology.create_connectivity(2, 3)
-        dofs = fem.locate_dofs_topological(space, 2, self.facet_tags.find(tag))
+        dim = space.mesh.topology.dim
+        space.mesh.topology.create_connectivity(dim - 1, dim)
+        dofs = fem.locate_dofs_topological(space, dim - 1, self.facet_tags.find(tag))
         count = space.dofmap.index_map.size_local
         mask = np.zeros(count, dtype=bool)
         mask[dofs[dofs < count]] = True
@@ -136,22 +165,26 @@ class ContactModel:
         none = np.zeros(space.dofmap.index_map.size_local, dtype=bool)
         fixed = none if setup.fixed.rigid else self._members(space, setup.fixed.support)
         hub = none if setup.moving.rigid else self._members(space, setup.moving.support)
-        planes = [(self._members(space, tag), np.array(normal)) for tag, normal in setup.planes]
-        direction = np.array(setup.direction)
-        return constraints.Supports(fixed, planes, hub, direction, setup.load_control)
+        flatten = setup.kinematics.flatten
+        planes = [
+            (self._members(space, tag), flatten(np.array(normal))) for tag, normal in setup.planes
+        ]
+        return constraints.Supports(fixed, planes, hub, setup.push, setup.load_control)
 
     def prescribed(self, load: float, approach: float) -> PETSc.Vec:
         """u0: far field of the load and, under approach control, the rigid motion of the hub."""
         supports = self.supports(self.bulk.space)
-        values = np.zeros((self.owned, 3))
+        kinematics = self.setup.kinematics
+        values = np.zeros((self.owned, kinematics.dim))
         if self.setup.far_field is not None:
-            points = self.bulk.space.tabulate_dof_coordinates()[: self.owned]
+            points = kinematics.lift(compat.dof_points(self.bulk.space))
             for side, mask in (
                 (self.setup.fixed, supports.fixed),
                 (self.setup.moving, supports.hub),
             ):
                 if mask is not None and mask.any():
-                    values[mask] = self.setup.far_field(load, side.tag, points[mask])
+                    far = self.setup.far_field(load, side.tag, points[mask])
+                    values[mask] = kinematics.flatten(far)
         if not self.setup.load_control and supports.hub is not None:
             values[supports.hub] += approach * supports.direction
         vec = self.reduction.matrix.createVecLeft()
@@ -167,25 +200,16 @@ class ContactModel:
         max_steps: int = 30,
         progress: Callable[[int, float], None] = lambda step, residual: None,
     ) -> Solution:
-        """Solve for one load (N, whole model) or approach (mm), starting from an active set.
-
-        The preconditioner of the first call serves all later ones.
-        """
+        """Solve for one load (N, whole model) or approach (mm), starting from an active set."""
         start = time.perf_counter()
         prescribed = self.prescribed(load, approach)
         problem = self.problem
         share = load / self.setup.parts if self.setup.load_control else 0.0
         rigid_motion = 0.0 if self.setup.load_control or not self.setup.moving.rigid else approach
-        problem.set_load(
-            self.interface, self.reduction, self.bulk.stiffness, prescribed, share, rigid_motion
-        )
+        problem.set_load(self.interface, self.reduction, self.held, prescribed, share, rigid_motion)
         if not self.comm.allreduce(int(active.sum())):
             active = self._nearest()
-        if self.preconditioner is None:
-            self.preconditioner = self.precondition(problem.assembled_tangent(active))
-        result = newton.solve(
-            problem, active, self.preconditioner, max_steps=max_steps, progress=progress
-        )
+        result = self._newton(active, max_steps, progress)
         displacement = prescribed.copy()
         self.reduction.matrix.multAdd(result.y, prescribed, displacement)
         if self.setup.load_control:
@@ -202,26 +226,58 @@ class ContactModel:
             result,
         )
 
+    def _newton(
+        self, active: Mask, max_steps: int, progress: Callable[[int, float], None]
+    ) -> newton.NewtonResult:
+        """Stage by stage up to the law asked for; factorised where iterations do not get there."""
+        history: list[newton.Step] = []
+        result: newton.NewtonResult | None = None
+        for law in self.problem.law.stages:
+            last = law == self.problem.law
+            problem = self.problem if last else replace(self.problem, law=law)
+            preconditioner = self.preconditioner if last else self.new_preconditioner(problem)
+            while True:
+                result = newton.solve(
+                    problem,
+                    preconditioner,
+                    active,
+                    result.y if result and result.converged else None,
+                    rtol=NEWTON_TOLERANCE if last else STAGE_TOLERANCE,
+                    max_steps=max_steps,
+                    progress=progress,
+                )
+                history += result.history
+                if not result.stalled or isinstance(preconditioner, linear.Direct):
+                    break
+                preconditioner = linear.Direct(problem)
+                if last:
+                    self.preconditioner = preconditioner
+            active = result.pressure > 0
+            compat.collect(self.comm)
+        assert result is not None
+        return replace(result, history=history)
+
     def _carried(self, pressure: Array) -> float:
-        along = self.interface.normals @ np.array(self.setup.direction)
+        along = self.interface.normals @ self.setup.push
         sign = 1.0 if self.setup.slave == self.setup.moving.tag else -1.0
         local = sign * float(np.sum(self.interface.weights * pressure * along))
         return float(self.setup.parts * self.comm.allreduce(local))
 
     def _reaction(self, displacement: PETSc.Vec, pressure: Array) -> float:
         """What the support carries: R(u) of the unreduced problem, summed over the held nodes."""
-        law, problem, interface = self.setup.law, self.problem, self.interface
-        held = self.supports(self.bulk.space)
-        mask, sign = (held.fixed, -1.0) if not self.setup.fixed.rigid else (held.hub, 1.0)
-        force = self.bulk.stiffness * displacement
-        push = interface.gap.createVecLeft()
+        law, problem, interface = self.law, self.problem, self.interface
+        supports = self.supports(self.bulk.space)
+        mask, sign = (supports.fixed, -1.0) if not self.setup.fixed.rigid else (supports.hub, 1.0)
+        force, push = interface.gap.createVecRight(), interface.gap.createVecLeft()
         push.array[:] = -interface.weights * pressure
-        interface.gap.multTransposeAdd(push, force, force)
+        interface.gap.multTranspose(push, force)
         if law.sigma and law.theta:
             stress = (interface.stress * displacement).array
             push.array[:] = -law.theta * problem.weight * (pressure + stress)
             interface.stress.multTransposeAdd(push, force, force)
-        local = sign * float(np.sum(force.array.reshape(-1, 3)[mask] @ held.direction))
+        force.array[self.held.rows] += self.held.reactions(displacement)
+        nodal = force.array.reshape(-1, self.setup.kinematics.dim)
+        local = sign * float(np.sum(nodal[mask] @ supports.direction))
         return float(self.setup.parts * self.comm.allreduce(local))
 
     def gaps(self, displacement: PETSc.Vec, approach: float) -> Array:
@@ -239,21 +295,30 @@ class ContactModel:
         lowest = np.sort(np.concatenate(self.comm.allgather(np.sort(gaps)[:12])))[:12]
         return np.asarray(gaps <= lowest[-1])
 
-    def precondition(self, matrix: PETSc.Mat) -> PETSc.PC:
-        """A preconditioner of a contact tangent: direct, p-multigrid or GAMG, chosen by size."""
-        symmetric = self.setup.law.symmetric
+    @cached_property
+    def preconditioner(self) -> Preconditioner:
+        """Serves all loads."""
+        return self.new_preconditioner(self.problem)
+
+    def new_preconditioner(self, problem: ContactProblem) -> Preconditioner:
+        """Direct, p-multigrid or GAMG, chosen by size."""
         choice = self.setup.linear
         if choice == "auto":
-            choice = "direct" if self.unknowns < linear.DIRECT_BELOW else "multigrid"
+            limit = linear.DIRECT_BELOW
+            if self.setup.degree == 1:
+                limit = LINEAR_DIRECT_BELOW
+            if self.setup.kinematics.dim == 2:
+                limit = SECTION_DIRECT_BELOW
+            choice = "direct" if self.unknowns < limit else "multigrid"
         if choice == "direct":
-            return linear.direct(matrix, symmetric)
-        points = self.bulk.space.tabulate_dof_coordinates()[: self.owned]
+            return linear.Direct(problem)
+        kinematics, points = self.setup.kinematics, compat.dof_points(self.bulk.space)
         if self.setup.degree == 1:
-            return linear.algebraic(matrix, transfer.rigid_modes(points, self.reduction))
+            modes = transfer.rigid_modes(points, self.reduction, kinematics)
+            return linear.Algebraic(problem, modes)
         coarse = compat.vector_space(self.bulk.space.mesh, 1)
         reduction = constraints.reduce(self.supports(coarse), self.comm, padded=True)
         full = transfer.interpolation(coarse, self.bulk.space, self.setup.degree)
         prolongation = transfer.reduced_prolongation(full, self.reduction, reduction)
-        coarse_points = coarse.tabulate_dof_coordinates()[: coarse.dofmap.index_map.size_local]
-        modes = transfer.rigid_modes(coarse_points, reduction)
-        return linear.multigrid(matrix, linear.Hierarchy(prolongation, modes), symmetric)
+        modes = transfer.rigid_modes(compat.dof_points(coarse), reduction, kinematics)
+        return PMultigrid(problem, Hierarchy(prolongation, modes))

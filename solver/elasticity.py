@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from solver import compat
+from solver.kinematics import SOLID, Kinematics
 
 
 @dataclass(frozen=True)
@@ -31,28 +32,38 @@ class Material:
 
 @dataclass(frozen=True)
 class Bulk:
-    """Displacement space and stiffness of all bodies of one mesh.
+    """Displacement space of all bodies of one mesh.
 
     lame: (cells, 2) lambda and mu of every local cell, MPa.
     """
 
     space: Any
-    stiffness: PETSc.Mat
     lame: NDArray[np.float64]
     degree: int
+    kinematics: Kinematics = SOLID
 
 
-def quadrature_degree(cell: str, degree: int) -> int:
-    """Degree of the rule for K: exact on straight-sided tetrahedra and on boxes."""
-    return max(2 * (degree - 1), 1) if cell == "tetrahedron" else 2 * degree
+def quadrature_degree(cell: str, degree: int, kinematics: Kinematics = SOLID) -> int:
+    """Degree of the rule for K: exact on straight-sided simplices and on boxes; in a meridian
+    section the hoop strain u_r/r is a rational function."""
+    if kinematics.revolved:
+        return 2 * degree + 2
+    simplex = cell in ("tetrahedron", "triangle")
+    return max(2 * (degree - 1), 1) if simplex else 2 * degree
 
 
-def assemble(mesh: Any, cell_tags: Any, materials: dict[int, Material], degree: int) -> Bulk:
-    """K of a(u, v) = int sigma(u) : eps(v) dx, sigma = lambda tr(eps) I + 2 mu eps.
+def assemble(
+    mesh: Any,
+    cell_tags: Any,
+    materials: dict[int, Material],
+    degree: int,
+    kinematics: Kinematics = SOLID,
+) -> tuple[Bulk, PETSc.Mat]:
+    """Space and K of a(u, v) = int sigma(u) : eps(v) dx, sigma = lambda tr(eps) I + 2 mu eps.
 
     materials: by the cell tag of the body. No boundary condition is applied.
     """
-    cells = mesh.topology.index_map(3)
+    cells = mesh.topology.index_map(mesh.topology.dim)
     lame = np.zeros((cells.size_local + cells.num_ghosts, 2))
     for tag, material in materials.items():
         lame[cell_tags.find(tag)] = material.lame
@@ -61,14 +72,11 @@ def assemble(mesh: Any, cell_tags: Any, materials: dict[int, Material], degree: 
 
     space = compat.vector_space(mesh, degree)
     u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
-    order = quadrature_degree(compat.cell_type(mesh), degree)
-    dx = ufl.dx(metadata={"quadrature_degree": order})
-
-    def eps(w: Any) -> Any:
-        return ufl.sym(ufl.grad(w))
-
-    a = (lam * ufl.tr(eps(u)) * ufl.tr(eps(v)) + 2 * mu * ufl.inner(eps(u), eps(v))) * dx
-    stiffness = fem.petsc.assemble_matrix(compat.form(a))
+    order = quadrature_degree(compat.cell_type(mesh), degree, kinematics)
+    stiffness = fem.petsc.assemble_matrix(
+        compat.form(kinematics.energy(u, v, lam, mu, mesh, order))
+    )
     stiffness.assemble()
+    stiffness.scale(kinematics.thickness)
     stiffness.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-    return Bulk(space, stiffness, lame, degree)
+    return Bulk(space, lame, degree, kinematics), stiffness

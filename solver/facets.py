@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from solver import compat
 from solver.elasticity import Bulk
+from solver.kinematics import Kinematics
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -20,9 +21,19 @@ Index = NDArray[np.int64]
 
 @lru_cache
 def reference_facets(cell: str) -> Array:
-    """(facets, vertices, 3) vertices of the facets of the reference cell."""
+    """(facets, vertices, d) vertices of the facets of the reference cell."""
     kind = getattr(basix.CellType, cell)
-    return np.asarray(basix.geometry(kind))[np.asarray(basix.topology(kind)[2])]
+    return np.asarray(basix.geometry(kind))[np.asarray(basix.topology(kind)[-2])]
+
+
+def middle(cell: str) -> Array:
+    """(d,) centroid of the reference cell."""
+    return np.asarray(basix.geometry(getattr(basix.CellType, cell))).mean(axis=0)
+
+
+def facet_type(cell: str) -> str:
+    """The facets of a cell: 'triangle', 'quadrilateral' or 'interval'."""
+    return {"tetrahedron": "triangle", "hexahedron": "quadrilateral"}.get(cell, "interval")
 
 
 @lru_cache
@@ -38,16 +49,17 @@ def facet_closure(cell: str, degree: int) -> Index:
     element = _element(cell, degree, basix.LagrangeVariant.gll_warped)
     topology = basix.topology(getattr(basix.CellType, cell))
     rows = []
-    for number, vertices in enumerate(topology[2]):
-        edges = [e for e, ends in enumerate(topology[1]) if set(ends) <= set(vertices)]
-        dofs = [element.entity_dofs[0][v][0] for v in vertices]
-        dofs += [dof for e in edges for dof in element.entity_dofs[1][e]]
-        rows.append(dofs + list(element.entity_dofs[2][number]))
+    for vertices in topology[-2]:
+        dofs: list[int] = []
+        for entities, held in zip(topology[:-1], element.entity_dofs, strict=False):
+            for ends, own in zip(entities, held, strict=True):
+                dofs += own if set(ends) <= set(vertices) else []
+        rows.append(dofs)
     return np.array(rows, dtype=np.int64)
 
 
 def tabulate(cell: str, degree: int, points: Array, *, geometry: bool = False) -> Array:
-    """(4, n, dofs) values and reference derivatives of the Lagrange basis at n reference points."""
+    """(1 + c, n, dofs) values and reference derivatives of the Lagrange basis at n points."""
     equispaced = basix.LagrangeVariant.equispaced
     variant = equispaced if geometry else basix.LagrangeVariant.gll_warped
     return np.asarray(_element(cell, degree, variant).tabulate(1, points))[..., 0]
@@ -57,8 +69,9 @@ def tabulate(cell: str, degree: int, points: Array, *, geometry: bool = False) -
 class FacetSet:
     """m facets of the mesh with all that evaluates fields on them, without the mesh.
 
-    local_facet: (m,) number of the facet in its cell. nodes: (m, k, 3) geometry nodes of the cell,
-    mm. dofs: (m, d) global block dofs of the cell. lame: (m, 2) lambda and mu, MPa.
+    c is the number of coordinates. local_facet: (m,) number of the facet in its cell. nodes:
+    (m, k, c) geometry nodes of the cell, mm. dofs: (m, d) global block dofs of the cell. lame:
+    (m, 2) lambda and mu, MPa.
     """
 
     cell: str
@@ -68,16 +81,19 @@ class FacetSet:
     nodes: Array
     dofs: Index
     lame: Array
+    kinematics: Kinematics
 
     @classmethod
     def of(cls, bulk: Bulk, facets: NDArray[np.int32]) -> FacetSet:
         """The given local exterior facets owned by this rank."""
         mesh = bulk.space.mesh
         topology = mesh.topology
-        for d0, d1 in ((2, 3), (3, 2)):
+        dim = topology.dim
+        for d0, d1 in ((dim - 1, dim), (dim, dim - 1)):
             topology.create_connectivity(d0, d1)
-        facet_cells, cell_facets = topology.connectivity(2, 3), topology.connectivity(3, 2)
-        owned_cells = topology.index_map(3).size_local
+        facet_cells = topology.connectivity(dim - 1, dim)
+        cell_facets = topology.connectivity(dim, dim - 1)
+        owned_cells = topology.index_map(dim).size_local
         cells = np.array([facet_cells.links(f)[0] for f in facets], dtype=np.int64)
         keep = cells < owned_cells
         facets, cells = facets[keep], cells[keep]
@@ -93,9 +109,10 @@ class FacetSet:
             compat.geometry_degree(mesh),
             bulk.degree,
             np.array(local, dtype=np.int64),
-            mesh.geometry.x[compat.cell_nodes(mesh)[cells]],
+            compat.node_points(mesh)[compat.cell_nodes(mesh)[cells]],
             dofs.astype(np.int64),
             bulk.lame[cells],
+            bulk.kinematics,
         )
 
     def __len__(self) -> int:
@@ -115,28 +132,33 @@ class FacetSet:
             gather(self.nodes),
             gather(self.dofs),
             gather(self.lame),
+            self.kinematics,
         )
 
     @cached_property
     def vertices(self) -> Array:
-        """(m, 3 or 4, 3) corners of each facet, mm."""
+        """(m, corners, c) corners of each facet, mm."""
         corners = reference_facets(self.cell)[self.local_facet]
-        phi = tabulate(self.cell, 1, corners.reshape(-1, 3), geometry=True)[0]
+        phi = tabulate(self.cell, 1, corners.reshape(-1, corners.shape[2]), geometry=True)[0]
         phi = phi.reshape(*corners.shape[:2], phi.shape[1])
         return np.einsum("fvk,fkd->fvd", phi, self.nodes[:, : phi.shape[2]])
 
     def reference(self, index: Index, xi: Array) -> Array:
-        """(n, 3) reference coordinates in the cell of facet coordinates xi (n, 2)."""
-        corner = reference_facets(self.cell)[self.local_facet[index]]
-        v0, v1, v2 = corner[:, 0], corner[:, 1], corner[:, 2]
-        return v0 + xi[:, :1] * (v1 - v0) + xi[:, 1:] * (v2 - v0)
+        """(n, c) reference coordinates in the cell of facet coordinates xi (n, c - 1)."""
+        corner, edges = self._edges(index)
+        return corner + np.einsum("ncj,nj->nc", edges, xi)
+
+    def _edges(self, index: Index) -> tuple[Array, Array]:
+        """First corner (n, c) and edges from it (n, c, c - 1) in the reference cell."""
+        corners = reference_facets(self.cell)[self.local_facet[index]]
+        first = corners[:, 0]
+        others = corners[:, 1 : self.kinematics.dim]
+        return first, np.swapaxes(others - first[:, None], 1, 2)
 
     def tangents(self, index: Index, xi: Array) -> tuple[Array, Array]:
-        """Position x (n, 3) and its derivatives by xi (n, 3, 2), mm."""
+        """Position x (n, c) and its derivatives by xi (n, c, c - 1), mm."""
         x, jacobian = self._map(index, self.reference(index, xi))
-        corner = reference_facets(self.cell)[self.local_facet[index]]
-        edges = np.stack([corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]], axis=2)
-        return x, jacobian @ edges
+        return x, jacobian @ self._edges(index)[1]
 
     def _map(self, index: Index, points: Array) -> tuple[Array, Array]:
         phi = tabulate(self.cell, self.geometry_degree, points, geometry=True)
@@ -145,35 +167,50 @@ class FacetSet:
         return x, np.einsum("jnk,nkd->ndj", phi[1:], nodes)
 
     def basis(self, index: Index, points: Array) -> tuple[Array, Array]:
-        """Basis (n, d) and its gradient (n, d, 3) in 1/mm at reference points of the cells."""
+        """Basis (n, d) and its gradient (n, d, c) in 1/mm at reference points of the cells."""
         phi = tabulate(self.cell, self.degree, points)
         _, jacobian = self._map(index, points)
         return phi[0], np.einsum("jnd,njc->ndc", phi[1:], np.linalg.inv(jacobian))
 
+    def divergence(self, index: Index, points: Array) -> Array:
+        """tr eps (n, d, c) of the basis in 1/mm at reference points of the cells, or where the
+        dilatation is taken constant, in their middle."""
+        if self.kinematics.mean_dilatation:
+            points = np.broadcast_to(middle(self.cell), points.shape)
+        value, gradient = self.basis(index, points)
+        x = self._map(index, points)[0]
+        return self.kinematics.divergence(value, gradient, x[:, None])
+
     def dof_points(self) -> Array:
-        """(m, d, 3) position of the cells' dofs, mm."""
+        """(m, d, c) position of the cells' dofs, mm."""
         variant = basix.LagrangeVariant.gll_warped
         points = np.asarray(_element(self.cell, self.degree, variant).points)
         phi = tabulate(self.cell, self.geometry_degree, points, geometry=True)[0]
         return np.asarray(np.einsum("dk,fkc->fdc", phi, self.nodes))
 
-    def cell_strains(self, degree: int) -> tuple[Array, Array]:
-        """Basis gradients (points, m, d, 3) in 1/mm and weights (points, m) in mm3 of the cells."""
+    def cell_strains(self, degree: int) -> tuple[Array, Array, Array]:
+        """Basis gradients and div + u_r/r (points, m, d, c) in 1/mm and weights (points, m) in mm3
+        of the cells."""
         every = np.arange(len(self))
         rule = basix.make_quadrature(getattr(basix.CellType, self.cell), degree)
-        gradients, volumes = [], []
+        gradients, traces, volumes = [], [], []
         for point, weight in zip(*rule, strict=True):
             points = np.tile(point, (len(self), 1))
-            gradients.append(self.basis(every, points)[1])
-            volumes.append(weight * np.abs(np.linalg.det(self._map(every, points)[1])))
-        return np.array(gradients), np.array(volumes)
+            x, jacobian = self._map(every, points)
+            value, gradient = self.basis(every, points)
+            gradients.append(gradient)
+            traces.append(self.kinematics.divergence(value, gradient, x[:, None]))
+            size = self.kinematics.measure(x) * np.abs(np.linalg.det(jacobian))
+            volumes.append(weight * size)
+        return np.array(gradients), np.array(traces), np.array(volumes)
 
     def quadrature(self, degree: int) -> tuple[tuple[Index, Array], Array]:
-        """Quadrature points ((facet (n,), xi (n, 2)) and weights (n,) in mm2, facet by facet."""
-        facet_kind = "triangle" if self.cell == "tetrahedron" else "quadrilateral"
-        xi, weights = basix.make_quadrature(getattr(basix.CellType, facet_kind), degree)
+        """Points ((facet (n,), xi (n, c - 1)) and weights (n,) in mm2 of a rule, facet by facet."""
+        kind = getattr(basix.CellType, facet_type(self.cell))
+        xi, weights = basix.make_quadrature(kind, degree)
         index = np.repeat(np.arange(len(self)), len(weights))
         points = np.tile(xi, (len(self), 1))
-        _, tangent = self.tangents(index, points)
-        area = np.linalg.norm(np.cross(tangent[..., 0], tangent[..., 1]), axis=1)
+        x, tangent = self.tangents(index, points)
+        area = np.sqrt(np.linalg.det(np.swapaxes(tangent, 1, 2) @ tangent))
+        area = area * self.kinematics.measure(x)
         return (index, points), np.tile(weights, len(self)) * area

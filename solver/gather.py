@@ -12,15 +12,16 @@ from numpy.typing import NDArray
 from solver import compat
 from solver.contact import ContactModel, Solution
 from solver.facets import Array, FacetSet, facet_closure
+from solver.kinematics import SOLID, Kinematics
 
 
 @dataclass(frozen=True)
 class ContactFields:
-    """q quadrature points on f facets of the slave's contact surface.
+    """q quadrature points on f facets of the slave's contact surface, in space.
 
     points (q, 3) mm; weights (q,) mm2; pressure (q,) MPa; indicator (q,) MPa, the pressure before
     its negative part is cut off; gap (q,) mm, negative where the surfaces overlap; normals (q, 3)
-    outwards from the slave; facet (q,) and xi (q, 2) place them;
+    outwards from the slave; facet (q,) and xi (q, 2 or 1) place them;
     facet_nodes (f, k): nodes of each facet in `Fields.points`, corners first, basix order.
     """
 
@@ -37,12 +38,12 @@ class ContactFields:
 
 @dataclass(frozen=True)
 class Fields:
-    """n nodes, m cells of the modelled part.
+    """n nodes, m cells of the modelled part, in space (a section lies in its plane).
 
     points (n, 3), displacement (n, 3) mm; cells (m, k) nodes in basix order; body (m,) cell tag;
-    lame (m, 2) MPa; cell 'tetrahedron' or 'hexahedron'; degree of the displacement; slave: tag of
-    the body the contact facets belong to; mirrors: normals of the symmetry planes through x = 0 or
-    y = 0 at which the model was cut.
+    lame (m, 2) MPa; cell: see `compat.cell_type`; degree of the displacement; slave: tag of the
+    body the contact facets belong to; mirrors: normals of the symmetry planes through x = 0 or
+    y = 0 at which the model was cut; kinematics: what a section stands for.
     """
 
     points: Array
@@ -55,13 +56,14 @@ class Fields:
     slave: int
     mirrors: tuple[tuple[float, float, float], ...]
     contact: ContactFields
+    kinematics: Kinematics = SOLID
 
 
 def gather(model: ContactModel, solution: Solution) -> Fields | None:
     """Collect on rank 0; None elsewhere (collective)."""
     comm, space = model.comm, model.bulk.space
     topology = space.mesh.topology
-    own_cells = topology.index_map(3).size_local
+    own_cells = topology.index_map(topology.dim).size_local
     to_global = space.dofmap.index_map.local_to_global
     cell_dofs = compat.cell_dofs(space)[:own_cells]
     cells = np.asarray(to_global(cell_dofs.reshape(-1).astype(np.int32))).reshape(cell_dofs.shape)
@@ -70,23 +72,23 @@ def gather(model: ContactModel, solution: Solution) -> Fields | None:
         members = model.cell_tags.find(side.tag)
         body[members[members < own_cells]] = side.tag
 
-    interface = model.interface
+    interface, kinematics = model.interface, model.setup.kinematics
     gap = model.gaps(solution.displacement, solution.approach)
     offset = comm.exscan(len(interface.slave)) or 0
     gathered = [
         _to_root(comm, array)
         for array in (
-            space.tabulate_dof_coordinates()[: model.owned],
-            solution.displacement.array.reshape(-1, 3),
+            kinematics.lift(compat.dof_points(space)),
+            kinematics.in_space(solution.displacement.array.reshape(-1, kinematics.dim)),
             cells,
             body,
             model.bulk.lame[:own_cells],
-            interface.points,
+            kinematics.lift(interface.points),
             interface.weights,
             solution.pressure,
             model.problem.indicator(solution.newton.y),
             gap,
-            interface.normals,
+            kinematics.in_space(interface.normals),
             interface.facet + offset,
             interface.xi,
             _facet_nodes(interface.slave),
@@ -106,6 +108,7 @@ def gather(model: ContactModel, solution: Solution) -> Fields | None:
         model.setup.slave,
         tuple(normal for _, normal in model.setup.planes),
         ContactFields(*gathered[5:]),
+        kinematics,
     )
 
 

@@ -23,17 +23,19 @@ from solver.elasticity import quadrature_degree
 from solver.facets import Array, FacetSet, Index
 from solver.pairing import pair
 
+SECTION_RULE = 15  # degree of the contact quadrature in a section, where points cost nothing: it
+# integrates across the master's element edges, and the error of the pressure falls tenfold
 Gap = Callable[[Array], tuple[Array, Array]]
-"""Exact surfaces: points (n, 3) on the slave -> (initial gap (n,), outward normal (n, 3))."""
+"""Exact surfaces: points in space (n, 3) on the slave -> (initial gap (n,), its normal (n, 3))."""
 
 
 @dataclass(frozen=True)
 class Interface:
     """n local quadrature points of the contact surface, and the two operators on all dofs.
 
-    points (n, 3) mm, weights (n,) mm2, initial_gap (n,) mm, normals (n, 3);
+    points (n, c) mm, weights (n,) mm2, initial_gap (n,) mm, normals (n, c), with c coordinates;
     stiffness_bound (n,): the smallest stable Nitsche parameter of the facet, MPa/mm; facet (n,) and
-    xi (n, 2): place on the slave facets.
+    xi (n, c - 1): place on the slave facets.
     """
 
     slave: FacetSet
@@ -61,10 +63,11 @@ def build(
     local_dofs: owned dofs of the displacement space on this rank. Points whose normal misses the
     master surface cannot touch it and are left out.
     """
-    order = degree if degree is not None else 2 * slave.degree + 1
+    flat = slave.kinematics.dim == 2
+    order = degree or (SECTION_RULE if flat else 2 * slave.degree + 1)
     (facet, xi), weights = slave.quadrature(order)
     points, _ = slave.tangents(facet, xi)
-    initial_gap, normals = exact(points)
+    initial_gap, normals = _exact(slave, exact, points)
     keep = np.isfinite(initial_gap)
     if master is not None:
         other = master.gathered(comm)
@@ -76,11 +79,12 @@ def build(
 
     reference = slave.reference(facet, xi)
     phi, _ = slave.basis(facet, reference)
-    dofs = 3 * slave.dofs[facet][:, :, None] + np.arange(3)
+    dim = slave.kinematics.dim
+    dofs = dim * slave.dofs[facet][:, :, None] + np.arange(dim)
     blocks = [(dofs, -phi[:, :, None] * normals[:, None, :])]
     if master is not None:
         values, _ = other.basis(partner, other.reference(partner, eta))
-        partner_dofs = 3 * other.dofs[partner][:, :, None] + np.arange(3)
+        partner_dofs = dim * other.dofs[partner][:, :, None] + np.arange(dim)
         blocks.append((partner_dofs, values[:, :, None] * normals[:, None, :]))
 
     traction = normal_stress(slave, facet, reference, normals)
@@ -91,6 +95,12 @@ def build(
         _rows(blocks, len(facet), local_dofs, total, comm),
         _rows([(dofs, traction)], len(facet), local_dofs, total, comm),
     )  # fmt: skip
+
+
+def _exact(slave: FacetSet, exact: Gap, points: Array) -> tuple[Array, Array]:
+    """The exact gap and normal at points (n, c) of the mesh."""
+    gap, normals = exact(slave.kinematics.lift(points))
+    return gap, slave.kinematics.flatten(normals)
 
 
 def trace_bound(slave: FacetSet, exact: Gap, degree: int) -> Array:
@@ -107,10 +117,10 @@ def trace_bound(slave: FacetSet, exact: Gap, degree: int) -> Array:
         return np.zeros(0)
     (facet, xi), weights = slave.quadrature(degree)
     points, _ = slave.tangents(facet, xi)
-    _, normals = exact(points)
+    _, normals = _exact(slave, exact, points)
     reference = slave.reference(facet, xi)
     traction = normal_stress(slave, facet, reference, normals)
-    size = 3 * slave.dofs.shape[1]
+    size = slave.kinematics.dim * slave.dofs.shape[1]
     rows = traction.reshape(count, len(facet) // count, size)
     rows = rows * np.sqrt(weights).reshape(*rows.shape[:2], 1)
     energy = _cell_stiffness(slave)
@@ -121,20 +131,30 @@ def trace_bound(slave: FacetSet, exact: Gap, degree: int) -> Array:
 
 
 def _cell_stiffness(slave: FacetSet) -> Array:
-    """(m, 3d, 3d) stiffness of each cell, made regular on rigid motions (which carry no stress)."""
-    gradients, volumes = slave.cell_strains(quadrature_degree(slave.cell, slave.degree))
+    """(m, cd, cd) stiffness of each cell, made regular on rigid motions (which carry no stress)."""
+    kinematics = slave.kinematics
+    order = quadrature_degree(slave.cell, slave.degree, kinematics)
+    gradients, traces, volumes = slave.cell_strains(order)
     lam, mu = slave.lame.T
     same = np.einsum("pm,pmie,pmje->mij", volumes * mu, gradients, gradients)
-    energy = np.einsum("ij,mkl->mkilj", np.eye(3), same)
-    energy += np.einsum("pm,pmki,pmlj->mkilj", volumes * lam, gradients, gradients)
+    energy = np.einsum("ij,mkl->mkilj", np.eye(kinematics.dim), same)
+    dilatation = traces
+    if kinematics.mean_dilatation:
+        every = np.arange(len(slave))
+        dilatation = np.broadcast_to(
+            slave.divergence(every, np.zeros((len(slave), kinematics.dim))), traces.shape
+        )
+    energy += np.einsum("pm,pmki,pmlj->mkilj", volumes * lam, dilatation, dilatation)
     energy += np.einsum("pm,pmkj,pmli->mkilj", volumes * mu, gradients, gradients)
-    size = 3 * slave.dofs.shape[1]
+    if kinematics.revolved:
+        hoop = traces - gradients
+        energy += 2 * np.einsum("pm,pmki,pmlj->mkilj", volumes * mu, hoop, hoop)
+    size = kinematics.dim * slave.dofs.shape[1]
     energy = energy.reshape(len(slave), size, size)
     x = slave.dof_points()
     x = x - x.mean(axis=1, keepdims=True)
     scale = np.abs(x).max(axis=(1, 2))[:, None, None]
-    modes = [np.broadcast_to(e, x.shape) for e in np.eye(3)]
-    modes += [np.cross(e, x / scale) for e in np.eye(3)]
+    modes = kinematics.rigid_motions(x / scale)
     rigid = np.stack([mode.reshape(len(slave), size) for mode in modes], axis=1)
     weight = np.trace(energy, axis1=1, axis2=2) / size
     regular: Array = energy + weight[:, None, None] * rigid.transpose(0, 2, 1) @ rigid
@@ -142,11 +162,12 @@ def _cell_stiffness(slave: FacetSet) -> Array:
 
 
 def normal_stress(slave: FacetSet, facet: Index, reference: Array, normals: Array) -> Array:
-    """(n, d, 3) coefficients of n . sigma(u) . n at reference points of the slave's cells."""
+    """(n, d, c) coefficients of n . sigma(u) . n at reference points of the slave's cells."""
     _, gradient = slave.basis(facet, reference)
+    trace = slave.divergence(facet, reference)
     lam, mu = slave.lame[facet].T[..., None, None]
     along = np.einsum("ndc,nc->nd", gradient, normals)
-    return np.asarray(lam * gradient + 2 * mu * along[:, :, None] * normals[:, None, :])
+    return np.asarray(lam * trace + 2 * mu * along[:, :, None] * normals[:, None, :])
 
 
 def _rows(

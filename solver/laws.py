@@ -8,17 +8,21 @@ Chouly and Hild 2013 (Nitsche, theta = 1 symmetric, 0, -1); penalty is sigma = 0
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 PENALTY_FACTOR = 10.0  # penalty over the Nitsche parameter: bias against conditioning
+STIFFEST = 3.0  # parameter over E times its constant; nearly incompressible bodies are cut to it
+STAGE = 10.0  # growth of the parameter from one stage of a stiff law to the next
 
 
 @dataclass(frozen=True)
 class Law:
-    """method 'nitsche' or 'penalty'; theta 1, 0, -1 (Nitsche); factor on the safe parameter."""
+    """method 'nitsche' or 'penalty'; theta 1, 0, -1 (Nitsche; None: see `suited`); factor on the
+    safe parameter."""
 
     method: str = "nitsche"
-    theta: int = 1
+    theta: int | None = None
     gamma_factor: float = 1.0
 
     @property
@@ -35,3 +39,25 @@ class Law:
     def scale(self) -> float:
         """tau over C (lambda + 2 mu)."""
         return self.gamma_factor * (1.0 if self.sigma else PENALTY_FACTOR)
+
+    def suited(self, young_modulus: float, lame: tuple[float, float]) -> Law:
+        """The law with its theta and factor for a slave of this material.
+
+        theta = 1 is coercive down to factor 1, theta = -1 at any factor: it is taken below 1 unless
+        theta is given. Towards incompressibility the safe parameter grows with lambda, although the
+        contact gets no stiffer; it is then cut to STIFFEST times E, unless theta = 1 is given.
+        """
+        lam, mu = lame
+        factor = self.gamma_factor
+        if self.theta != 1:
+            factor *= min(1.0, STIFFEST * young_modulus / (lam + 2 * mu))
+        theta = self.theta if self.theta is not None else (1 if factor >= 1 else -1)
+        return replace(self, theta=theta, gamma_factor=factor)
+
+    @property
+    def stages(self) -> list[Law]:
+        """Softer laws to solve first, from near the default up to this one."""
+        count = max(0, math.ceil(math.log(self.scale / STAGE, STAGE)))
+        return [
+            replace(self, gamma_factor=self.gamma_factor / STAGE**k) for k in range(count, -1, -1)
+        ]

@@ -1,100 +1,147 @@
-"""Preconditioners for the contact stiffness: MUMPS, p-multigrid, and p-multigrid over GAMG."""
+"""Linear solvers of the contact tangent: a preconditioner that follows the active set, and Krylov.
+
+Small problems are factorised (MUMPS), linear cells go to algebraic multigrid (GAMG); quadratic
+ones to p-multigrid (`solver.multigrid`).
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
 
 import numpy as np
 from petsc4py import PETSc
 
+from solver.problem import ContactProblem, Mask
+
 DIRECT_BELOW = 12_000  # unknowns; below, a factorisation is the cheapest preconditioner
-COARSE_DIRECT_BELOW = 20_000  # unknowns of the P1 level
+KRYLOV_LIMIT = 150  # iterations of one linear solve
+MANY = 30  # iterations after which the next linear solve gets a new set-up
+STALE = 0.1  # change of the active area since the set-up, over that area, that calls for a new one
 
 
-@dataclass(frozen=True)
-class Hierarchy:
-    """Prolongation of the P1 unknowns to the unknowns of the problem, and its near-nullspace."""
+class StalledError(RuntimeError):
+    """A linear solve failed after some iterations; the text says why."""
 
-    prolongation: PETSc.Mat
-    rigid_modes: list[PETSc.Vec]
+    def __init__(self, iterations: int, text: str) -> None:
+        super().__init__(text)
+        self.iterations = iterations
 
 
-def direct(matrix: PETSc.Mat, symmetric: bool) -> PETSc.PC:
-    """MUMPS Cholesky, or LU."""
-    pc = PETSc.PC().create(matrix.comm)
-    pc.setOperators(matrix)
+class Preconditioner(ABC):
+    """Approximates the tangent of a problem at one active set; set up again when that is stale.
+
+    operator: the matrix the PC was made for; flexible: it holds a Krylov method itself.
+    """
+
+    pc: PETSc.PC
+    operator: PETSc.Mat
+    flexible: bool = False
+
+    def __init__(self, problem: ContactProblem) -> None:
+        self.problem = problem
+        self.active: Mask | None = None
+
+    def suit(self, active: Mask) -> bool:
+        """Set up for these active points unless it was for almost the same; whether it did."""
+        if self.active is not None:
+            area = self.problem.weight * self.problem.tau
+            local = np.array([area[active != self.active].sum(), area[active].sum()])
+            changed, touching = self.problem.stiffness.comm.tompi4py().allreduce(local)
+            if changed <= STALE * touching:
+                return False
+        self.renew(active)
+        return True
+
+    def renew(self, active: Mask) -> None:
+        """Set up for exactly these active points."""
+        self.set_up(active)
+        self.active = active
+
+    @abstractmethod
+    def set_up(self, active: Mask) -> None:
+        """Make `pc` and `operator` for the tangent at these active points."""
+
+
+class Direct(Preconditioner):
+    """MUMPS: Cholesky, or LU."""
+
+    def set_up(self, active: Mask) -> None:
+        self.operator = self.problem.assembled_tangent(active)
+        self.pc = PETSc.PC().create(self.operator.comm)
+        self.pc.setOperators(self.operator)
+        factorise(self.pc, self.problem.law.symmetric)
+        self.pc.setUp()
+
+
+class Algebraic(Preconditioner):
+    """Smoothed aggregation (GAMG) with the rigid motions as near-nullspace."""
+
+    def __init__(self, problem: ContactProblem, rigid_modes: list[PETSc.Vec]) -> None:
+        super().__init__(problem)
+        self.rigid_modes = rigid_modes
+
+    def set_up(self, active: Mask) -> None:
+        self.operator = self.problem.assembled_tangent(active)
+        near_nullspace(self.operator, self.rigid_modes)
+        self.pc = PETSc.PC().create(self.operator.comm)
+        self.pc.setOperators(self.operator)
+        self.pc.setType("gamg")
+        self.pc.setUp()
+
+
+def factorise(pc: PETSc.PC, symmetric: bool) -> None:
+    """Let MUMPS be the preconditioner."""
     pc.setType("cholesky" if symmetric else "lu")
     pc.setFactorSolverType("mumps")
-    pc.setUp()
-    return pc
 
 
-def multigrid(matrix: PETSc.Mat, hierarchy: Hierarchy, symmetric: bool) -> PETSc.PC:
-    """p-multigrid: Chebyshev-Jacobi on the fine level, Galerkin P1 operator below."""
-    pc = PETSc.PC().create(matrix.comm)
-    pc.setOperators(matrix)
-    pc.setType("mg")
-    pc.setMGLevels(2)
-    pc.setMGInterpolation(1, hierarchy.prolongation)
-    smoother = pc.getMGSmoother(1)
-    smoother.setType("chebyshev")
-    smoother.getPC().setType("jacobi")
-    smoother.setTolerances(max_it=3)
-    smoother.setOperators(matrix, matrix)
-
-    coarse_matrix = _with_full_diagonal(matrix.ptap(hierarchy.prolongation))
-    coarse = pc.getMGCoarseSolve()
-    coarse.setType("preonly")
-    coarse.setOperators(coarse_matrix, coarse_matrix)
-    if coarse_matrix.getSize()[0] < COARSE_DIRECT_BELOW:
-        coarse.getPC().setType("cholesky" if symmetric else "lu")
-        coarse.getPC().setFactorSolverType("mumps")
-    else:
-        _near_nullspace(coarse_matrix, hierarchy.rigid_modes)
-        # One V-cycle solves the coarse problem too loosely: the iterations grew sixfold at 1e6
-        # unknowns. A few of CG's steps around it keep them where a direct coarse solver has them.
-        coarse.setType("cg" if symmetric else "gmres")
-        coarse.setTolerances(rtol=0.1, max_it=10)
-        coarse.getPC().setType("gamg")
-    pc.setUp()
-    return pc
-
-
-def _with_full_diagonal(matrix: PETSc.Mat) -> PETSc.Mat:
-    """The matrix with a typical value on the diagonal of its empty rows, in blocks of three."""
-    diagonal = matrix.getDiagonal()
-    typical = diagonal.sum() / diagonal.getSize()
-    values = np.where(diagonal.array == 0.0, typical, 0.0)
-    diagonal.array[:] = values
-    extra = PETSc.Mat().createAIJ(matrix.getSizes(), nnz=1, comm=matrix.comm)
-    extra.setDiagonal(diagonal)
-    extra.assemble()
-    matrix.axpy(1.0, extra, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-    matrix.setBlockSize(3)
-    return matrix
-
-
-def algebraic(matrix: PETSc.Mat, rigid_modes: list[PETSc.Vec]) -> PETSc.PC:
-    """Smoothed aggregation (GAMG) with the rigid motions as near-nullspace."""
-    _near_nullspace(matrix, rigid_modes)
-    pc = PETSc.PC().create(matrix.comm)
-    pc.setOperators(matrix)
-    pc.setType("gamg")
-    pc.setUp()
-    return pc
-
-
-def _near_nullspace(matrix: PETSc.Mat, rigid_modes: list[PETSc.Vec]) -> None:
+def near_nullspace(matrix: PETSc.Mat, rigid_modes: list[PETSc.Vec]) -> None:
+    """Tell algebraic multigrid the rigid motions."""
     matrix.setNearNullSpace(PETSc.NullSpace().create(vectors=rigid_modes, comm=matrix.comm))
 
 
-def krylov(comm: PETSc.Comm, pc: PETSc.PC, symmetric: bool) -> PETSc.KSP:
-    """CG (or GMRES) with a given preconditioner, flexible where that holds a Krylov method."""
-    varies = pc.getType() == "mg" and pc.getMGCoarseSolve().getType() != "preonly"
-    ksp = PETSc.KSP().create(comm)
-    ksp.setType(("f" if varies else "") + ("cg" if symmetric else "gmres"))
-    ksp.setPC(pc)
+def krylov(preconditioner: Preconditioner) -> PETSc.KSP:
+    """CG (or GMRES), flexible where the preconditioner holds a Krylov method."""
+    problem = preconditioner.problem
+    symmetric = problem.law.symmetric
+    ksp = PETSc.KSP().create(problem.stiffness.comm)
+    ksp.setType(("f" if preconditioner.flexible else "") + ("cg" if symmetric else "gmres"))
     if not symmetric:
         ksp.setPCSide(PETSc.PC.Side.RIGHT)
     ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
     return ksp
+
+
+def solve(
+    ksp: PETSc.KSP,
+    preconditioner: Preconditioner,
+    active: Mask,
+    rhs: PETSc.Vec,
+    out: PETSc.Vec,
+    rtol: float,
+) -> int:
+    """Solve with the tangent at these active points; returns the Krylov iterations.
+
+    Raises StalledError where even a preconditioner for exactly these points does not get there.
+    """
+    fresh = preconditioner.suit(active)
+    operator = preconditioner.problem.tangent(active)
+    iterations = 0
+    ksp.setTolerances(rtol=rtol, max_it=KRYLOV_LIMIT)
+    while True:
+        ksp.setPC(preconditioner.pc)
+        ksp.setOperators(operator, preconditioner.operator)
+        ksp.solve(rhs, out)
+        iterations += int(ksp.getIterationNumber())
+        reason = ksp.getConvergedReason()
+        if reason == PETSc.KSP.ConvergedReason.DIVERGED_INDEFINITE_MAT:
+            raise StalledError(iterations, "the tangent is not positive definite")
+        if reason > 0:
+            break
+        if fresh:
+            raise StalledError(iterations, "the linear solver stalls")
+        preconditioner.renew(active)
+        fresh = True
+    if iterations > MANY:
+        preconditioner.active = None
+    return iterations

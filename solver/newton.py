@@ -1,42 +1,56 @@
-"""Semismooth Newton's method on the active set, with one preconditioner for all steps."""
+"""Semismooth Newton's method on the active set."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from hashlib import blake2b
 
 import numpy as np
+from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.optimize import brentq
 
+from solver import linear
 from solver.facets import Array
-from solver.linear import krylov
+from solver.linear import Preconditioner, StalledError
 from solver.problem import ContactProblem, Mask
 
 ROUNDING = 100 * np.finfo(float).eps  # of diag(K) y: what the residual cannot fall below
+FIRST, LOOSE = 1e-4, 1e-2  # tolerances of the first linear solve and of those far from the solution
+FAR = 3e-3  # residual below which the active set hardly changes: the next linear solve is the last
 OVERSHOOT = 0.3  # slope past the minimum, relative to the slope at the start, that is let pass
+CYCLES = 3  # times an active set may come back before the method gives up
+CONVERGED = "residual below tolerance"
 
 
 @dataclass(frozen=True)
 class Step:
     """State after one linear solve: residual relative to the contact force, size of the active set
-    (all ranks), Krylov iterations, step length of the line search."""
+    (all ranks), Krylov iterations, step length, factor of the law on the safe parameter."""
 
     residual: float
     active: int
     linear_iterations: int
     length: float
+    factor: float
 
 
 @dataclass
 class NewtonResult:
-    """y, the pressure at the local contact points (MPa), and the history."""
+    """y, the pressure at the local contact points (MPa), and the history. stalled: it was a linear
+    solve that failed."""
 
     y: PETSc.Vec
     pressure: Array
-    converged: bool
     reason: str
     history: list[Step] = field(default_factory=list)
+    stalled: bool = False
+
+    @property
+    def converged(self) -> bool:
+        """Whether R(y) = 0 is met."""
+        return self.reason == CONVERGED
 
 
 def line_search(problem: ContactProblem, y: PETSc.Vec, step: PETSc.Vec) -> float:
@@ -50,60 +64,93 @@ def line_search(problem: ContactProblem, y: PETSc.Vec, step: PETSc.Vec) -> float
 
 def solve(
     problem: ContactProblem,
+    preconditioner: Preconditioner,
     active: Mask,
-    preconditioner: PETSc.PC,
+    start: PETSc.Vec | None = None,
     *,
     rtol: float = 1e-8,
     max_steps: int = 30,
     progress: Callable[[int, float], None] = lambda step, residual: None,
 ) -> NewtonResult:
-    """Solve R(y) = 0 starting from the linear problem in which exactly `active` touches.
+    """Solve R(y) = 0 from a state, or from the linear problem in which exactly `active` touches.
 
-    rtol: residual over the contact force. Every linear system is solved by a Krylov method to a
-    tolerance that tightens with the residual (the first one loosely), so only the last step pays
-    for full accuracy.
+    rtol: residual over the contact force. Only the linear system of the last step is solved to
+    full accuracy: what the others leave is small against the change of the active set. The
+    symmetric methods have a convex energy, along which an exact line search stops overshoots; the
+    others halve their steps when an active set comes back.
     """
-    comm = problem.stiffness.comm
-    mpi = comm.tompi4py()
-    ksp = krylov(comm, preconditioner, problem.law.symmetric)
-    y = problem.force.duplicate()
+    comm = problem.stiffness.comm.tompi4py()
+    ksp = linear.krylov(preconditioner)
+    result = NewtonResult(problem.force.duplicate(), np.zeros(len(active)), "too many Newton steps")
+    y = result.y
     y.set(0.0)
-    ksp.setOperators(problem.tangent(active), preconditioner.getOperators()[1])
-    ksp.setTolerances(rtol=1e-4, max_it=500)
-    ksp.solve(problem.predictor(active), y)
-    iterations = ksp.getIterationNumber()
-    history: list[Step] = []
-    length = 1.0
+    iterations, length = 0, 1.0
+    seen = _Seen(comm)
     diagonal = problem.stiffness.getDiagonal()
+    try:
+        if start is not None:
+            start.copy(y)
+        else:
+            iterations = linear.solve(
+                ksp, preconditioner, active, problem.predictor(active), y, FIRST
+            )
+        for step in range(1, max_steps + 1):
+            result.pressure = pressure = problem.pressure(y)
+            residual = problem.residual(y, pressure)
+            scale = problem.contact_force(pressure)
+            norm = residual.norm() / scale if scale else float("inf")
+            rounding = ROUNDING * (diagonal * y).norm()
+            active = pressure > 0.0
+            touching = int(comm.allreduce(int(active.sum())))
+            result.history.append(
+                Step(norm, touching, iterations, length, problem.law.gamma_factor)
+            )
+            progress(step, norm)
+            if not touching:
+                result.reason = "the bodies do not touch"
+                return result
+            if not np.isfinite(norm):
+                result.reason = "the residual is not a number"
+                return result
+            if norm <= max(rtol, rounding / scale):
+                result.reason = CONVERGED
+                return result
+            if step == max_steps:
+                return result
+            tolerance = max(0.3 * rtol / norm, LOOSE if norm > FAR else 0.0)
+            increment = problem.force.duplicate()
+            iterations = linear.solve(ksp, preconditioner, active, residual, increment, tolerance)
+            increment.scale(-1.0)
+            if problem.law.symmetric:
+                length = line_search(problem, y, increment)
+            else:
+                returns = seen.count(active)
+                if returns > CYCLES:
+                    result.reason = "the active set cycles"
+                    return result
+                length = 0.5**returns
+            y.axpy(length, increment)
+    except StalledError as error:
+        result.reason, result.stalled = str(error), True
+        result.history.append(
+            Step(float("nan"), 0, error.iterations, 0.0, problem.law.gamma_factor)
+        )
+    return result
 
-    for step in range(1, max_steps + 1):
-        pressure = problem.pressure(y)
-        residual = problem.residual(y, pressure)
-        contact = problem.gap.createVecRight()
-        contact.set(0.0)
-        problem.add_transposed(problem.test_trace, problem.weight * pressure, contact)
-        scale = max(contact.norm(), np.finfo(float).tiny)
-        norm = residual.norm() / scale
-        rounding = ROUNDING * (diagonal * y).norm() / scale
-        active = pressure > 0.0
-        touching = int(mpi.allreduce(int(active.sum())))
-        history.append(Step(norm, touching, iterations, length))
-        progress(step, norm)
-        if norm <= max(rtol, rounding):
-            return NewtonResult(y, pressure, True, "residual below tolerance", history)
-        if not np.isfinite(norm):
-            return NewtonResult(y, pressure, False, "the residual is not a number", history)
-        if step == max_steps:
-            break
-        if touching == 0:
-            return NewtonResult(y, pressure, False, "the bodies do not touch", history)
-        ksp.setOperators(problem.tangent(active), preconditioner.getOperators()[1])
-        forcing = min(1e-3, max(0.1 * rtol / norm, 0.01 * norm))
-        ksp.setTolerances(rtol=forcing, max_it=500)
-        increment = problem.force.duplicate()
-        ksp.solve(residual, increment)
-        iterations = ksp.getIterationNumber()
-        increment.scale(-1.0)
-        length = line_search(problem, y, increment) if problem.law.symmetric else 1.0
-        y.axpy(length, increment)
-    return NewtonResult(y, pressure, False, "too many Newton steps", history)
+
+class _Seen:
+    """Which active sets were met."""
+
+    def __init__(self, comm: MPI.Intracomm) -> None:
+        self.comm = comm
+        self.last = b""
+        self.times: dict[bytes, int] = {}
+
+    def count(self, active: Mask) -> int:
+        """How often this one came back after another one."""
+        local = blake2b(np.packbits(active).tobytes(), digest_size=8).digest()
+        key = b"".join(self.comm.allgather(local))
+        if key != self.last:
+            self.times[key] = self.times.get(key, -1) + 1
+        self.last = key
+        return self.times[key]

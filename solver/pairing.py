@@ -15,11 +15,12 @@ OUTSIDE = 0.05  # a point this far outside its facet, in reference units, has no
 def pair(points: Array, normals: Array, master: FacetSet) -> tuple[Index, Array]:
     """Follow each normal from its point to the master surface.
 
-    points, normals: (n, 3). Returns the master facet (n,), -1 where there is none, and the facet
-    coordinates (n, 2). Solves X(xi) = x + t n by Newton's method on the nearest facets.
+    points, normals: (n, c). Returns the master facet (n,), -1 where there is none, and the facet
+    coordinates (n, c - 1). Solves X(xi) = x + t n by Newton's method on the nearest facets.
     """
     facet = np.full(len(points), -1, dtype=np.int64)
-    xi = np.zeros((len(points), 2))
+    inner = points.shape[1] - 1
+    xi = np.zeros((len(points), inner))
     if not len(master) or not len(points):
         return facet, xi
     tree = cKDTree(master.vertices.mean(axis=1))
@@ -35,7 +36,7 @@ def pair(points: Array, normals: Array, master: FacetSet) -> tuple[Index, Array]
         each = np.arange(len(missing))
         found = outside[each, best] < OUTSIDE
         facet[missing[found]] = near[each, best][found]
-        xi[missing[found]] = guess.reshape(*near.shape, 2)[each, best][found]
+        xi[missing[found]] = guess.reshape(*near.shape, inner)[each, best][found]
         missing = missing[~found]
         if not len(missing):
             break
@@ -55,17 +56,18 @@ def _outside(xi: Array, master: FacetSet) -> Array:
 def _project_on_corners(points: Array, normals: Array, master: FacetSet, facet: Index) -> Array:
     """The same on the facet's corners alone: exact in one step for a flat triangle."""
     corners = master.vertices[facet]
-    flat = master.cell == "tetrahedron"
-    xi = np.full((len(points), 2), 1 / 3 if flat else 0.5)
+    flat = master.cell != "hexahedron"
+    inner = points.shape[1] - 1
+    xi = np.full((len(points), inner), 1 / (inner + 1) if flat else 0.5)
     twist = (
         np.zeros_like(points)
         if flat
         else corners[:, 3] - corners[:, 1] - corners[:, 2] + corners[:, 0]
     )
-    e1, e2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    edges = np.swapaxes(corners[:, 1 : inner + 1] - corners[:, :1], 1, 2)
     for _ in range(1 if flat else 4):
-        x = corners[:, 0] + xi[:, :1] * e1 + xi[:, 1:] * e2 + xi.prod(axis=1)[:, None] * twist
-        tangent = np.stack([e1 + xi[:, 1:] * twist, e2 + xi[:, :1] * twist], axis=2)
+        x = corners[:, 0] + np.einsum("ncj,nj->nc", edges, xi) + xi.prod(axis=1)[:, None] * twist
+        tangent = edges if flat else edges + twist[:, :, None] * xi[:, None, ::-1]
         xi = xi + _step(points, normals, x, tangent)
     return xi
 
@@ -79,7 +81,13 @@ def _project(points: Array, normals: Array, master: FacetSet, facet: Index, xi: 
 
 def _step(points: Array, normals: Array, x: Array, tangent: Array) -> Array:
     """Newton step of x(xi) - point - t normal = 0 for xi, with t eliminated by Cramer's rule."""
-    a, b, rhs = tangent[..., 0], tangent[..., 1], points - x
+    rhs = points - x
+    if tangent.shape[2] == 1:
+        det = np.cross(tangent[..., 0], normals)
+        return np.asarray(np.cross(rhs, normals) / np.where(np.abs(det) > 1e-14, det, np.inf))[
+            :, None
+        ]
+    a, b = tangent[..., 0], tangent[..., 1]
     det = np.einsum("nd,nd->n", np.cross(a, b), normals)
     det = np.where(np.abs(det) > 1e-14, det, np.inf)
     first = np.einsum("nd,nd->n", np.cross(rhs, b), normals) / det

@@ -9,6 +9,7 @@ A = {p > 0} changes the tangent  K - theta S^T w S + Bt^T w A B.
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,6 +21,7 @@ from petsc4py import PETSc
 
 from solver.constraints import Reduction, petsc_matrix
 from solver.facets import Array
+from solver.held import HeldRows
 from solver.interface import Interface
 from solver.laws import Law
 
@@ -28,38 +30,57 @@ Mask = NDArray[np.bool_]
 
 @dataclass
 class ContactProblem:
-    """One load case. tau (n,) MPa/mm, w (n,) mm3/N, c and s0 (n,) MPa at the local contact points;
-    f (distributed like y) N. S and N are reduced to the free unknowns."""
+    """One load case at the n local contact points, in the free unknowns.
+
+    stiffness K, gap N and stress S reduced; area W (n,) mm2; bound (n,): smallest stable Nitsche
+    parameter, MPa/mm; closing (n,): change of the gap with the approach of a rigid counterface;
+    force f, N; start_gap g0 + N u0 (n,) mm and start_stress s0 (n,) MPa. `replace` with another law
+    shares the matrices.
+    """
 
     law: Law
     stiffness: PETSc.Mat
     gap: PETSc.Mat
     stress: PETSc.Mat
-    tau: Array
-    weight: Array
-    offset: Array
-    stress_offset: Array
-    force: PETSc.Vec
+    area: Array
+    bound: Array
     closing: Array
+    force: PETSc.Vec
+    start_gap: Array
+    start_stress: Array
 
     def set_load(
         self,
         interface: Interface,
         reduction: Reduction,
-        stiffness: PETSc.Mat,
+        held: HeldRows,
         prescribed: PETSc.Vec,
         load: float,
         rigid_approach: float,
     ) -> None:
-        """Load (N) on the approach and prescribed displacement u0 (mm): sets f, c and s0."""
-        reduction.matrix.multTranspose(stiffness * prescribed, self.force)
+        """Load (N) on the approach and prescribed displacement u0 (mm): sets f, g0 and s0."""
+        reduction.matrix.multTranspose(held.forces(prescribed), self.force)
         self.force.scale(-1.0)
         if reduction.approach >= 0:
             self.force.array[reduction.approach] += load
-        self.stress_offset = (interface.stress * prescribed).array.copy()
+        self.start_stress = (interface.stress * prescribed).array.copy()
         gap = interface.initial_gap + (interface.gap * prescribed).array
-        gap = gap + self.closing * rigid_approach
-        self.offset = self.tau * gap + self.law.sigma * self.stress_offset
+        self.start_gap = gap + self.closing * rigid_approach
+
+    @cached_property
+    def tau(self) -> Array:
+        """(n,) MPa/mm."""
+        return self.law.scale * self.bound
+
+    @cached_property
+    def weight(self) -> Array:
+        """w (n,) mm3/N."""
+        return self.area / self.tau
+
+    @property
+    def offset(self) -> Array:
+        """c (n,) MPa."""
+        return self.tau * self.start_gap + self.law.sigma * self.start_stress
 
     @cached_property
     def trace(self) -> PETSc.Mat:
@@ -69,16 +90,17 @@ class ContactProblem:
     @cached_property
     def test_trace(self) -> PETSc.Mat:
         """Bt, the same object as B where the method is symmetric."""
-        return self.trace if self.law.symmetric else self._combined(float(self.law.theta))
+        return self.trace if self.law.symmetric else self._combined(self.consistency)
 
     def _combined(self, factor: float) -> PETSc.Mat:
         matrix = self.gap.copy()
-        matrix.diagonalScale(L=self._vec(self.tau))
+        matrix.diagonalScale(L=self.at_points(self.tau))
         if factor:
             matrix.axpy(factor, self.stress, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
         return matrix
 
-    def _vec(self, values: Array) -> PETSc.Vec:
+    def at_points(self, values: Array) -> PETSc.Vec:
+        """Values (n,) at the local contact points as a distributed vector."""
         vec = self.gap.createVecLeft()
         vec.array[:] = values
         return vec
@@ -86,7 +108,7 @@ class ContactProblem:
     @property
     def consistency(self) -> float:
         """Factor of the consistency term: theta for Nitsche, 0 for penalty."""
-        return float(self.law.theta * self.law.sigma)
+        return float((self.law.theta or 0) * self.law.sigma)
 
     def indicator(self, y: PETSc.Vec) -> Array:
         """-(B y + c) (n,) at the local contact points, MPa: positive where the bodies touch."""
@@ -102,7 +124,7 @@ class ContactProblem:
         r.axpy(-1.0, self.force)
         self.add_transposed(self.test_trace, -self.weight * pressure, r)
         if self.consistency:
-            s = (self.stress * y).array + self.stress_offset
+            s = (self.stress * y).array + self.start_stress
             self.add_transposed(self.stress, -self.consistency * self.weight * s, r)
         return r
 
@@ -115,7 +137,7 @@ class ContactProblem:
         start, rate = k_step.dot(y) - self.force.dot(step), k_step.dot(step)
         b, db = -self.indicator(y), (self.trace * step).array
         if self.consistency:
-            s, ds = (self.stress * y).array + self.stress_offset, (self.stress * step).array
+            s, ds = (self.stress * y).array + self.start_stress, (self.stress * step).array
             b0 = -self.consistency * float(np.sum(self.weight * ds * s))
             b1 = -self.consistency * float(np.sum(self.weight * ds**2))
         else:
@@ -129,8 +151,15 @@ class ContactProblem:
 
         return value
 
+    def contact_force(self, pressure: Array) -> float:
+        """Norm of Bt^T w p, N."""
+        force = self.gap.createVecRight()
+        force.set(0.0)
+        self.add_transposed(self.test_trace, self.weight * pressure, force)
+        return float(force.norm())
+
     def add_transposed(self, matrix: PETSc.Mat, values: Array, out: PETSc.Vec) -> None:
-        matrix.multTransposeAdd(self._vec(values), out, out)
+        matrix.multTransposeAdd(self.at_points(values), out, out)
 
     def tangent(self, active: Mask) -> PETSc.Mat:
         """The tangent as an operator (nothing is assembled)."""
@@ -140,15 +169,34 @@ class ContactProblem:
         shell.setUp()
         return shell
 
+    def diagonal(self, active: Mask, out: PETSc.Vec) -> None:
+        """The tangent's diagonal."""
+        self._bulk_diagonal.copy(out)
+        self.add_transposed(self._squares, self.weight * active, out)
+
+    @cached_property
+    def _bulk_diagonal(self) -> PETSc.Vec:
+        """Diagonal of K - theta S^T w S."""
+        diagonal = self.stiffness.getDiagonal()
+        if self.consistency:
+            squares = _products(self.stress, self.stress)
+            self.add_transposed(squares, -self.consistency * self.weight, diagonal)
+        return diagonal
+
+    @cached_property
+    def _squares(self) -> PETSc.Mat:
+        """Products of the entries of Bt and B."""
+        return _products(self.test_trace, self.trace)
+
     def assembled_tangent(self, active: Mask) -> PETSc.Mat:
         """The tangent as a matrix, for a preconditioner."""
         different = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
         right = self.trace.copy()
-        right.diagonalScale(L=self._vec(self.weight * active))
+        right.diagonalScale(L=self.at_points(self.weight * active))
         contact = self.test_trace.transposeMatMult(right)
         if self.consistency:
             right = self.stress.copy()
-            right.diagonalScale(L=self._vec(self.weight))
+            right.diagonalScale(L=self.at_points(self.weight))
             contact.axpy(-self.consistency, self.stress.transposeMatMult(right), different)
         contact.axpy(1.0, self.stiffness, different)
         contact.setOption(PETSc.Mat.Option.SYMMETRIC, self.law.symmetric)
@@ -159,27 +207,45 @@ class ContactProblem:
         rhs = self.force.copy()
         self.add_transposed(self.test_trace, -self.weight * active * self.offset, rhs)
         if self.consistency:
-            values = self.consistency * self.weight * self.stress_offset
+            values = self.consistency * self.weight * self.start_stress
             self.add_transposed(self.stress, values, rhs)
         return rhs
 
 
 class _Tangent:
-    """PETSc shell context of y -> K y - theta S^T w S y + Bt^T w A B y."""
+    """PETSc shell context of y -> K y - theta S^T w S y + Bt^T w A B y.
+
+    It does not own the problem: PETSc loses what is dropped while it frees a shell.
+    """
 
     def __init__(self, problem: ContactProblem, active: Mask) -> None:
-        self.problem = problem
-        self.active_weight = problem.weight * active
+        self.problem = weakref.proxy(problem)
+        self.active = active
 
     def mult(self, _: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
         problem = self.problem
         problem.stiffness.mult(x, y)
-        problem.add_transposed(
-            problem.test_trace, self.active_weight * (problem.trace * x).array, y
-        )
+        values = problem.weight * self.active * (problem.trace * x).array
+        problem.add_transposed(problem.test_trace, values, y)
         if problem.consistency:
             values = -problem.consistency * problem.weight * (problem.stress * x).array
             problem.add_transposed(problem.stress, values, y)
+
+    def getDiagonal(self, _: PETSc.Mat, out: PETSc.Vec) -> None:  # noqa: N802 (PETSc's name)
+        self.problem.diagonal(self.active, out)
+
+
+def _products(left: PETSc.Mat, right: PETSc.Mat) -> PETSc.Mat:
+    """Entry by entry."""
+    tables = []
+    for matrix in (left, right):
+        indptr, indices, values = matrix.getValuesCSR()
+        tables.append(
+            sp.csr_matrix((values, indices, indptr), shape=(len(indptr) - 1, matrix.getSize()[1]))
+        )
+    return petsc_matrix(
+        tables[0].multiply(tables[1]).tocsr(), left.getLocalSize()[1], left.comm.tompi4py()
+    )
 
 
 def reduce_problem(
@@ -203,11 +269,10 @@ def reduce_problem(
         )
         extra = petsc_matrix(table, p.getLocalSize()[1], p.comm.tompi4py())
         gap.axpy(1.0, extra, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-    tau = law.scale * interface.stiffness_bound
     reduced = stiffness.ptap(p)
     force = reduced.createVecRight()
     force.set(0.0)
     return ContactProblem(
-        law, reduced, gap, interface.stress.matMult(p), tau, interface.weights / tau,
-        tau * interface.initial_gap, np.zeros_like(tau), force, closing,
+        law, reduced, gap, interface.stress.matMult(p), interface.weights,
+        interface.stiffness_bound, closing, force, interface.initial_gap, np.zeros_like(closing),
     )  # fmt: skip

@@ -12,6 +12,7 @@ from petsc4py import PETSc
 from solver import compat
 from solver.constraints import Reduction, petsc_matrix
 from solver.facets import Array, tabulate
+from solver.kinematics import SOLID, Kinematics
 
 
 def interpolation(coarse: Any, fine: Any, degree: int) -> PETSc.Mat:
@@ -42,8 +43,9 @@ def interpolation(coarse: Any, fine: Any, degree: int) -> PETSc.Mat:
     table = sp.csr_matrix(
         (values[keep], (rows[keep], columns[keep])), shape=(count, coarse_map.size_global)
     )
-    blocks = sp.kron(table, sp.identity(3), format="csr")
-    return petsc_matrix(blocks, 3 * coarse_map.size_local, fine.mesh.comm)
+    dim = fine.mesh.geometry.dim
+    blocks = sp.kron(table, sp.identity(dim), format="csr")
+    return petsc_matrix(blocks, dim * coarse_map.size_local, fine.mesh.comm)
 
 
 def reduced_prolongation(full: PETSc.Mat, fine: Reduction, coarse: Reduction) -> PETSc.Mat:
@@ -73,18 +75,18 @@ def _with_entry(matrix: PETSc.Mat, row: int, column: int) -> PETSc.Mat:
     return matrix
 
 
-def rigid_modes(points: Array, reduction: Reduction) -> list[PETSc.Vec]:
+def rigid_modes(
+    points: Array, reduction: Reduction, kinematics: Kinematics = SOLID
+) -> list[PETSc.Vec]:
     """Orthonormal rigid motions in the reduced unknowns, for algebraic multigrid.
 
-    points: (n, 3) of the owned block dofs.
+    points: (n, c) of the owned block dofs.
     """
     scale = reduction.norms()
     scale.array[:] = np.where(scale.array > 0, scale.array, 1.0)
     centred = points - points.mean(axis=0) if len(points) else points
-    fields = [np.tile(e, (len(points), 1)) for e in np.eye(3)]
-    fields += [np.cross(e, centred) for e in np.eye(3)]
     modes: list[PETSc.Vec] = []
-    for field in fields:
+    for field in kinematics.rigid_motions(centred):
         full, mode = reduction.matrix.createVecLeft(), reduction.matrix.createVecRight()
         full.array[:] = field.ravel()
         reduction.matrix.multTranspose(full, mode)

@@ -38,14 +38,18 @@ def test_setup_installs_nothing_the_second_time() -> None:
 @pytest.mark.parametrize("line", COMMANDS)
 def test_commands_are_accepted(line: str) -> None:
     command, *arguments = shlex.split(line)
-    assert command in ("list", "plan", "run", "study")
+    assert command in ("list", "locate", "plan", "run", "study")
     if command == "study":
         studies.canonical(arguments[0])
     elif command != "list" and not arguments[0].endswith(".toml"):
         scene = catalogue.find(arguments[0])
         pairs = zip(arguments[1::2], arguments[2::2], strict=True)
+        written = {
+            "--set": "{}", "--with": "effects.{}=on", "--without": "effects.{}=off",
+            "--shift": "wheelset.shift={}", "--yaw": "wheelset.yaw={}",
+        }  # fmt: skip
         assigned = [
-            value if option == "--set" else f"{option[2:]}={value}" for option, value in pairs
+            written.get(option, f"{option[2:]}={{}}").format(value) for option, value in pairs
         ]
         assert isinstance(scene.replace(assigned), Scene)
 

@@ -12,6 +12,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from theory.hertz import point_contact
+
 Array = NDArray[np.float64]
 
 
@@ -40,6 +42,24 @@ def hertz_coefficients(theta_deg: float) -> tuple[float, float]:
     if not theta[0] <= theta_deg <= theta[-1]:
         raise ValueError(f"theta must lie in [{theta[0]}, {theta[-1]}] deg, got {theta_deg}")
     return float(np.interp(theta_deg, theta, m)), float(np.interp(theta_deg, theta, n))
+
+
+def table_5_3() -> Array:
+    """Rows theta_deg, m, n of the printed table as (3, 23)."""
+    return _table_5_3().copy()
+
+
+def exact_coefficients(theta_deg: float) -> tuple[float, float]:
+    """m and n of eqs 4.35 and 4.36 from exact Hertz, for 0 < theta_deg <= 90.
+
+    With cos(theta) = K_4/K_3 the relative curvatures are K_3 (1 -+ cos(theta)), here for K_3 = 1.
+    ValueError: another angle.
+    """
+    if not 0 < theta_deg <= 90:
+        raise ValueError(f"theta must lie in (0, 90] deg, got {theta_deg}")
+    half = math.radians(theta_deg) / 2
+    contact = point_contact(2 * math.sin(half) ** 2, 2 * math.cos(half) ** 2, 0.75, 1.0)
+    return contact.a, contact.b
 
 
 def thesis_contact(

@@ -79,9 +79,10 @@ def test_fitted_exponents_are_hertz_s(sweep) -> None:
         assert fitted[key] == pytest.approx(exact, abs=2e-3)
 
 
-def test_a_preconditioner_of_its_own_saves_krylov_iterations(sweep) -> None:
-    for row in read(sweep[1] / "load_sweep.csv")[1:]:
-        assert 2 * row["linear_iterations"] < row["linear_iterations_kept"]
+def test_a_further_load_needs_no_more_krylov_iterations(sweep) -> None:
+    """The preconditioner follows the patch from 1 kN to 150 kN."""
+    counts = [row["linear_iterations"] for row in read(sweep[1] / "load_sweep.csv")]
+    assert max(counts) <= 1.5 * counts[0]
 
 
 def test_accuracy_cost_records_every_run(cost) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from meshing import outlines, profiles
+from meshing import measured, outlines, profiles
 
 HEIGHT = {"54E1": 159.0, "60E1": 172.0}
 
@@ -101,10 +101,10 @@ def test_rolling_a_rail_keeps_its_shape_and_turns_its_crown() -> None:
 def test_a_resampled_profile_rolls_like_the_arc_it_came_from() -> None:
     arc = profiles.single_radius(300, 30)
     y = np.linspace(-30, 30, 301)
-    measured = profiles.from_points("measured", y, arc.height(y))
+    resampled = measured.from_points("measured", y, arc.height(y))
     probe = np.linspace(-25, 25, 51)
     np.testing.assert_allclose(
-        profiles.rolled(measured, 1 / 20).height(probe),
+        profiles.rolled(resampled, 1 / 20).height(probe),
         profiles.rolled(arc, 1 / 20).height(probe),
         atol=1e-4,
     )
@@ -117,13 +117,57 @@ def test_csv_profile_is_smoothed_and_bad_lines_are_named(tmp_path) -> None:
     path = tmp_path / "rail.csv"
     rows = "\n".join(f"{a},{b}" for a, b in zip(y, arc.height(y) + noise, strict=True))
     path.write_text("y,z\n# measured\n" + rows)
-    found = profiles.from_csv(path)
+    found = measured.from_csv(path)
     probe = np.linspace(-15, 15, 31)
     np.testing.assert_allclose(found.height(probe), arc.height(probe), atol=1e-3)
     assert np.median(found.curvature(probe)) == pytest.approx(1 / 300, rel=0.1)
     path.write_text("0,0\n1,nothing\n")
     with pytest.raises(ValueError, match="line 2"):
-        profiles.from_csv(path)
+        measured.from_csv(path)
     path.write_text("0,0\n1,1\n")
     with pytest.raises(ValueError, match="at least 5"):
-        profiles.from_csv(path)
+        measured.from_csv(path)
+
+
+def test_joints_of_s1002_are_tangent() -> None:
+    """As far as the published coefficients go: 0.12 um and 2 urad."""
+    wheel = profiles.s1002()
+    for joint, left, right in zip(wheel.joints, wheel.pieces, wheel.pieces[1:], strict=False):
+        heights, slopes = (
+            [float(piece.derivative(np.array(joint), order)) for piece in (left, right)]
+            for order in (0, 1)
+        )
+        assert heights[0] == pytest.approx(heights[1], abs=2e-4)
+        assert np.arctan(slopes[0]) == pytest.approx(np.arctan(slopes[1]), abs=5e-6)
+
+
+@pytest.mark.parametrize("name", ["54E1", "60E1"])
+def test_every_joint_of_the_section_is_tangent(name: str) -> None:
+    curves = outlines.rail_section(name, "section", half=False)
+    bends = []
+    for one, two in zip(curves, [*curves[1:], curves[0]], strict=True):
+        np.testing.assert_allclose(one.points[-1], two.points[0], atol=1e-6)
+        end, start = direction(one, -1), direction(two, 0)
+        bends.append(np.degrees(np.arccos(np.clip(end @ start, -1, 1))))
+    assert max(bends) < 1e-3
+
+
+def direction(curve: outlines.Curve, end: int) -> np.ndarray:
+    """Unit tangent at the first (0) or last (-1) point, along the curve."""
+    chord = curve.points[-1] - curve.points[0]
+    if curve.centre is None:
+        return chord / np.linalg.norm(chord)
+    arm = curve.points[end] - curve.centre
+    tangent = np.array([-arm[1], arm[0]]) / np.linalg.norm(arm)
+    return tangent * np.sign(tangent @ chord)
+
+
+def test_smoothness_tells_a_wavy_profile_from_a_smooth_one() -> None:
+    y = np.linspace(-20, 20, 401)
+    arc = profiles.single_radius(300, 20).height(y)
+    smooth = measured.smoothness(measured.from_points("smooth", y, arc))
+    wavy = measured.smoothness(measured.from_points("wavy", y, arc + 0.02 * np.sin(2 * y)))
+    assert 1 / np.array(smooth.curvatures) == pytest.approx(np.full(3, 300.0), rel=0.01)
+    assert smooth.waves == 0
+    assert wavy.waves == pytest.approx(4 * 20 * 0.96 * 2 / np.pi / 2, abs=2)
+    assert wavy.curvatures[0] < 0 < wavy.curvatures[2]

@@ -71,7 +71,7 @@ def test_summary_keeps_the_contract(result) -> None:
     assert {"unknowns", "predicted_seconds"} <= set(summary["plan"])
     keys = {"load_N", "approach_mm", "contact_point_mm", "patch", "pressure", "stress"}
     for part in ("result", "hertz", "difference"):
-        assert set(summary[part]) == keys
+        assert set(summary[part]) == keys | ({"patches"} if part == "result" else set())
         assert set(summary[part]["patch"]) == {"a_mm", "b_mm", "area_mm2"}
         assert set(summary[part]["pressure"]) == {"max_MPa", "mean_MPa"}
         assert set(summary[part]["stress"]) == {
@@ -100,7 +100,11 @@ def test_scene_toml_runs_the_case_again(result, tmp_path) -> None:
     done = railhead("run", str(result / "scene.toml"), "--json", "--no-pictures", cwd=tmp_path)
     again = json.loads(done.stdout)
     first = json.loads((result / "summary.json").read_text())
-    assert again["result"] == first["result"]
+    for key in ("load_N", "approach_mm", "contact_point_mm", "patch", "pressure"):
+        assert again["result"][key] == pytest.approx(first["result"][key], rel=1e-12, abs=1e-12)
+    assert again["result"]["stress"]["tau_max_MPa"] == pytest.approx(
+        first["result"]["stress"]["tau_max_MPa"], rel=1e-12
+    )
     assert done.stderr == ""
 
 
@@ -112,13 +116,20 @@ def test_vtu_files_open_in_pyvista(result) -> None:
     assert {"pressure", "gap"} <= set(contact.point_data)
 
 
+NO_HALF_SPACE = {"two_cylinders": 0.01}  # patch over radius 0.12
+
+
 @pytest.mark.parametrize("case", list(catalogue.shipped()))
-def test_every_case_script_runs_and_meets_hertz(case: str, tmp_path) -> None:
+def test_every_case_script_runs_and_meets_theory(case: str, tmp_path) -> None:
+    """Exact Hertz, or boundary elements on the same profiles where the patch is no ellipse."""
     script = str(ROOT / "cases" / f"{case}.py")
     done = railhead("--json", "--no-pictures", cwd=tmp_path, script=script)
     assert done.returncode == 0, done.stderr
     summary = json.loads(done.stdout)
-    assert abs(summary["difference"]["pressure"]["max_MPa"]) < 0.005
+    hertzian = summary["checks"]["hertzian"] or summary["half_space"] is None
+    reference = summary["hertz" if hertzian else "half_space"]["pressure"]["max_MPa"]
+    within = NO_HALF_SPACE.get(case, 0.005) if hertzian else 0.02
+    assert summary["result"]["pressure"]["max_MPa"] == pytest.approx(reference, rel=within)
     assert catalogue.find(case).name == case
 
 

@@ -84,7 +84,7 @@ def test_defaults_are_the_thesis_pair() -> None:
         rail=Rail(profile="54E1", extent="head", young_modulus=207000, poisson_ratio=0.3),
         wheel=Wheel(profile="cylinder", rolling_radius=420, young_modulus=207000),
         wheelset=Wheelset(shift=0),
-        solver=Solver(method="nitsche", theta=1, gamma_factor=1, linear="auto", max_newton=30),
+        solver=Solver(method="nitsche", theta=None, gamma_factor=1, linear="auto", max_newton=30),
         mesh=Mesh(cell="tetrahedron", order=None),
         effects=Effects(symmetry="auto"),
     )

@@ -100,7 +100,10 @@ WRONG: list[tuple[str, object, str]] = [
     ("wheel.profile", "arc", "wheel.transverse_radius: not given"),
     ("wheel.transverse_radius", 300, "300 is not allowed; only profile arc takes it"),
     ("wheel.transverse_radius", 0, "0 is not allowed; give any length but 0"),
-    ("wheel.rolling_radius", INF, "inf is not allowed; give a positive, finite length"),
+    ("wheel.rolling_radius", 0, "0 is not allowed; give a positive length; inf is flat"),
+    ("rail.depth", 40, "40 is not allowed; only profile arc takes it"),
+    ("rail.width", 40, "40 is not allowed; only profile arc takes it"),
+    ("effects.plane_strain", "yes", "'yes' is not allowed; give auto, on or off"),
     ("wheel.rim_depth", "thick", "'thick' is not a length"),
     ("wheel.width", -1, "-1 is not allowed"),
     ("wheel.segment_length", "1:20", "'1:20' is not a length"),
@@ -141,11 +144,12 @@ def test_wrong_value_is_named_in_one_line(key: str, value: object, words: str) -
 CONTRADICTIONS: list[tuple[dict[str, Any], str]] = [
     ({"load": None}, "load, approach: neither is given; give exactly one of them"),
     ({"rail.young_modulus": INF, "wheel.young_modulus": INF}, "both are inf (rigid)"),
-    ({**ARC_RAIL, "rail.crown_radius": INF}, "curvature of 0 1/mm is not a point contact"),
-    ({**HALF, **ARC_WHEEL, "wheel.transverse_radius": -300}, "curvature of 0 1/mm"),
+    (
+        {**ARC_RAIL, "rail.crown_radius": INF, "wheel.rolling_radius": INF},
+        "curvature of 0 1/mm is neither a point nor a line contact",
+    ),
     ({**HALF, **ARC_WHEEL, "wheel.transverse_radius": -200}, "curvature of -0.00166667 1/mm"),
     ({**HALF, "wheel.profile": "S1002"}, "wheel.profile: 'S1002' has no single radius"),
-    ({**HALF, "wheel.rolling_radius": INF}, "wheel.rolling_radius: inf is not allowed"),
 ]
 
 

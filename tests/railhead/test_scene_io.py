@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from railhead.scene import Scene, SceneError
+from railhead.scene import Effects, Scene, SceneError
 from railhead.scene_io import read_scene, to_toml
 
 reusing_the_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -57,7 +57,7 @@ rest = {
     "solver": table(
         {},
         method=st.sampled_from(["nitsche", "penalty"]),
-        theta=st.sampled_from([1, 0, -1]),
+        theta=st.sampled_from([None, 1, 0, -1]),
         gamma_factor=number,
         linear=st.sampled_from(["auto", "direct", "multigrid"]),
         max_newton=st.integers(1, 200),
@@ -68,7 +68,9 @@ rest = {
         order=st.sampled_from([1, 2]),
         patch_size=number,
     ),
-    "effects": table({}, symmetry=st.sampled_from(["auto", "on", "off"])),
+    "effects": table(
+        {}, **dict.fromkeys(Effects.model_fields, st.sampled_from(["auto", "on", "off"]))
+    ),
 }
 
 

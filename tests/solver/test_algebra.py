@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from solver import constraints, linear, newton
+from solver import constraints, linear, multigrid, newton
 from solver.contact import ContactModel
 from solver.laws import Law
 
@@ -82,8 +82,56 @@ def test_tangent_is_the_derivative_of_the_residual(models, law) -> None:
     difference = (both[0] - both[1]) / (2 * t)
     exact = problem.tangent(indicator > 0) * step
     assert (difference - exact).norm() < 1e-6 * exact.norm()
-    assembled = problem.assembled_tangent(indicator > 0) * step
-    assert (assembled - exact).norm() < 1e-12 * exact.norm()
+    assembled = problem.assembled_tangent(indicator > 0)
+    assert (assembled * step - exact).norm() < 1e-12 * exact.norm()
+    diagonal = problem.tangent(indicator > 0).getDiagonal()
+    assert (diagonal - assembled.getDiagonal()).norm() < 1e-12 * diagonal.norm()
+
+
+@pytest.mark.parametrize("law", LAWS, ids=IDS)
+def test_coarse_tangent_is_the_galerkin_product(models, law) -> None:
+    """Filled anew for another active set, it is Q^T T Q of the assembled tangent T."""
+    model = models(law, linear="multigrid")
+    loaded(model)
+    coarse = model.preconditioner.coarse
+    radius = np.linalg.norm(model.interface.points, axis=1)
+    for limit in (1.0, 3.0):
+        q = model.preconditioner.pc.getMGInterpolation(1)
+        product = model.problem.assembled_tangent(radius < limit).ptap(q)
+        y = q.createVecRight()
+        y.setRandom()
+        empty = product.getDiagonal().array == 0
+        y.array[empty] = 0.0
+        expected = product * y
+        coarse.fill(radius < limit)
+        assert (coarse.matrix * y - expected).norm() < 1e-12 * expected.norm()
+
+
+def test_an_updated_preconditioner_is_as_good_as_a_new_one(models) -> None:
+    """p-multigrid that served a small patch, then a large one, against one made for the large."""
+    problem, _ = loaded(model := models(linear="multigrid"))
+    radius = np.linalg.norm(model.interface.points, axis=1)
+    counts = []
+    for fresh in (False, True):
+        preconditioner = model.new_preconditioner(problem)
+        ksp = linear.krylov(preconditioner)
+        for limit in (3.0,) if fresh else (1.0, 3.0):
+            active = radius < limit
+            rhs, out = problem.predictor(active), problem.force.duplicate()
+            count = linear.solve(ksp, preconditioner, active, rhs, out, 1e-8)
+        counts.append(count)
+    assert counts[0] <= counts[1] + 1 < 40
+
+
+def test_a_preconditioner_follows_the_active_set(models) -> None:
+    """Set up again for a much larger patch, and not for nearly the same one."""
+    model = models(linear="direct")
+    radius = np.linalg.norm(model.interface.points, axis=1)
+    assert model.preconditioner.suit(radius < 4.0)
+    almost = radius < 4.0
+    almost[np.argmin(radius)] = False
+    assert not model.preconditioner.suit(almost)
+    assert model.preconditioner.suit(radius < 5.0)
 
 
 @pytest.mark.parametrize("law", [LAWS[0], LAWS[3]], ids=[IDS[0], IDS[3]])
@@ -146,7 +194,7 @@ def test_algebraic_multigrid_serves_linear_elements(models) -> None:
 
 def test_gamg_below_p_multigrid_gives_the_same_answer(models, monkeypatch) -> None:
     reference = loaded(models(linear="direct"))[1].approach
-    monkeypatch.setattr(linear, "COARSE_DIRECT_BELOW", 0)
+    monkeypatch.setattr(multigrid, "COARSE_DIRECT_BELOW", 0)
     found = loaded(models(linear="multigrid"))[1]
     assert found.newton.converged
     assert found.approach == pytest.approx(reference, rel=1e-8)

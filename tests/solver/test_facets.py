@@ -82,7 +82,7 @@ def test_trace_bound_is_the_warburton_hesthaven_constant(two_blocks, degree) -> 
     model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
     facets = surface(model, RAIL)
     bound = interface.trace_bound(facets, ParabolicGap(0, 0, 1), 2 * degree)
-    _, volumes = facets.cell_strains(1)
+    _, _, volumes = facets.cell_strains(1)
     _, weights = facets.quadrature(1)
     k = degree - 1
     lam, mu = facets.lame.T

@@ -8,7 +8,13 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from theory.hertz import Ellipse
-from theory.thesis import hertz_coefficients, thesis_axis_stress, thesis_contact
+from theory.thesis import (
+    exact_coefficients,
+    hertz_coefficients,
+    table_5_3,
+    thesis_axis_stress,
+    thesis_contact,
+)
 
 WHEEL, RAIL = (1 / 420, 0.0), (0.0, 1 / 300)
 
@@ -111,3 +117,19 @@ def test_wrong_input_is_refused(
 ) -> None:
     with pytest.raises(ValueError, match=message):
         thesis_contact(wheel, rail, modulus, load)
+
+
+def test_exact_coefficients_of_table_5_3(reference: dict[str, Any]) -> None:
+    rows = reference["table_5_3"]
+    for row in rows:
+        expected = (row["m_exact"], row["n_exact"])
+        assert exact_coefficients(row["theta_deg"]) == pytest.approx(expected, rel=1e-8)
+    assert table_5_3().T.tolist() == [
+        [row["theta_deg"], row["m_thesis"], row["n_thesis"]] for row in rows
+    ]
+
+
+@pytest.mark.parametrize("theta", [0.0, -1.0, 90.1, math.nan])
+def test_exact_coefficients_refuse_other_angles(theta: float) -> None:
+    with pytest.raises(ValueError, match="theta must lie in"):
+        exact_coefficients(theta)

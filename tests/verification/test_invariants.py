@@ -117,3 +117,20 @@ def test_rigid_body_is_the_limit_of_a_stiff_one(two_blocks, solve, rigid: int) -
         found.append(solution)
     assert found[0].approach == pytest.approx(found[1].approach, rel=1e-3)
     assert found[0].pressure.max() == pytest.approx(found[1].pressure.max(), rel=0.02)
+
+
+def test_a_solved_scene_gives_its_memory_back() -> None:
+    """The third and fourth run of 27 000 unknowns take no more memory than the second."""
+    from railhead import catalogue
+    from railhead.run import run
+
+    def resident() -> float:
+        with open("/proc/self/statm") as file:
+            return int(file.read().split()[1]) * 4096 / 1e6
+
+    scene = catalogue.find("uic54_thesis")
+    sizes = []
+    for _ in range(4):
+        run(scene)
+        sizes.append(resident())
+    assert sizes[3] - sizes[1] < 20

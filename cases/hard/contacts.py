@@ -1,0 +1,258 @@
+"""Hard cases solved directly on two blocks: starts, invariances, paths, poor meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.hard import blocks
+from cases.hard.case import Measured
+from cases.hard.scenes import noise
+from meshing.mesh import ContactMesh
+from meshing.surfaces import ParabolicGap
+from postprocess import read
+from postprocess.findings import Findings, Frame
+from solver.contact import ContactModel, Setup, Solution
+from solver.elasticity import Material
+from solver.gather import Fields, gather
+from solver.interface import Gap
+
+Array = NDArray[np.float64]
+Start = Callable[[ContactModel], NDArray[np.bool_]]
+LOAD = 3000.0
+EXACTLY = 1e-8  # what an invariance may be off by
+
+
+def near(radius: float = 3.0) -> Start:
+    """Points within a radius of the axis touch: close to the patch of LOAD."""
+    return lambda model: np.linalg.norm(model.interface.points[:, :2], axis=1) < radius
+
+
+def random(share: float, seed: int = 1) -> Start:
+    """A random share of all points touches."""
+    generator = np.random.default_rng(seed)
+    return lambda model: generator.random(len(model.interface.points)) < share
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A model with one solution."""
+
+    model: ContactModel
+    solution: Solution
+    load: float
+
+    @property
+    def balance(self) -> float:
+        """Relative force imbalance at the interface and at the support."""
+        found = self.solution
+        return max(abs(found.load / self.load - 1), abs(found.reaction / self.load - 1))
+
+    def fields(self) -> Fields:
+        """As plain arrays."""
+        fields = gather(self.model, self.solution)
+        assert fields is not None
+        return fields
+
+    def findings(self) -> Findings:
+        """What is read out of it."""
+        return read.findings(self.fields(), Frame((0.0, 0.0, 0.0), 0.0))
+
+    def measured(self, deviation: float, findings: Findings | None = None) -> Measured:
+        """The deviation with the costs."""
+        newton = self.solution.newton
+        recovered = None if findings is None else findings.surface.pressure
+        return Measured(
+            deviation,
+            self.balance,
+            newton.converged,
+            len(newton.history),
+            sum(step.linear_iterations for step in newton.history),
+            noise(self.fields(), recovered),
+            "" if newton.converged else newton.reason,
+        )
+
+
+def solve(made: ContactMesh, setup: Setup, start: Start, load: float = LOAD) -> Solved:
+    """Assemble and solve."""
+    model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+    return Solved(model, model.solve(load=load, active=start(model)), load)
+
+
+def differ(one: Solution, other: Solution, approach: float) -> float:
+    """Largest difference of the pressures over the largest, or of the approaches (mm) over
+    `approach`."""
+    pressure = np.abs(one.pressure - other.pressure).max() / other.pressure.max()
+    return float(max(pressure, abs(one.approach - other.approach) / abs(approach)))
+
+
+def offset(distance: float, gap: Gap = blocks.GAP) -> Gap:
+    """The same surfaces, further apart by `distance` mm."""
+
+    def moved(points: Array) -> tuple[Array, Array]:
+        gaps, normals = gap(points)
+        return gaps + distance, normals
+
+    return moved
+
+
+def start_from(start: Start, distance: float = 0.0, **changes: Any) -> Measured:
+    """From a bad start, the bodies `distance` mm apart: the answer must be that of a good start."""
+    made, setup = blocks.two_blocks(**changes)
+    good = solve(made, setup, near())
+    bad = solve(made, replace(setup, gap=offset(distance, setup.gap)), start)
+    shifted = replace(bad.solution, approach=bad.solution.approach - distance)
+    return bad.measured(differ(shifted, good.solution, good.solution.approach))
+
+
+def transformed(matrix: Array, length: float = 1.0, stress: float = 1.0) -> Measured:
+    """The scene turned or mirrored by an orthogonal matrix, in other units: the same answer.
+
+    length, stress: numbers in the new units over those in mm and MPa.
+    """
+    made, setup = blocks.two_blocks()
+    good = solve(made, setup, near())
+    gap = setup.gap
+
+    def turned(points: Array) -> tuple[Array, Array]:
+        gaps, normals = gap(points @ matrix / length)
+        return gaps * length, normals @ matrix.T
+
+    moved, other = blocks.two_blocks()
+    moved.mesh.geometry.x[:] = length * moved.mesh.geometry.x @ matrix.T
+    steel = Material(blocks.STEEL.young_modulus * stress, blocks.STEEL.poisson_ratio)
+    other = replace(
+        other,
+        fixed=blocks.side(other.fixed.tag, steel),
+        moving=blocks.side(other.moving.tag, steel),
+        gap=turned,
+        direction=tuple(matrix @ np.array(other.direction)),
+        planes=tuple((tag, tuple(matrix @ np.array(normal))) for tag, normal in other.planes),
+    )
+    points = good.model.interface.points[:, :2]
+    inside = np.linalg.norm(points, axis=1) < 3.0
+    found = solve(moved, other, lambda _: inside, LOAD * stress * length**2)
+    solution = replace(
+        found.solution,
+        pressure=found.solution.pressure / stress,
+        approach=found.solution.approach / length,
+    )
+    return found.measured(differ(solution, good.solution, good.solution.approach))
+
+
+def path(loads: list[float]) -> Measured:
+    """Loads up and down on one mesh, each from the last one's active set; the last load solved
+    afresh is the reference."""
+    made, setup = blocks.two_blocks()
+    stepping = solve(made, setup, near(), loads[0])
+    steps = [stepping]
+    for load in loads[1:]:
+        active = steps[-1].solution.pressure > 0
+        steps.append(Solved(stepping.model, stepping.model.solve(load=load, active=active), load))
+    fresh = solve(made, setup, near(), loads[-1]).solution
+    worst = max(steps, key=lambda step: len(step.solution.newton.history))
+    found = steps[-1].measured(differ(steps[-1].solution, fresh, fresh.approach))
+    return replace(
+        found,
+        newton=len(worst.solution.newton.history),
+        converged=all(step.solution.newton.converged for step in steps),
+        balance=max(step.balance for step in steps),
+    )
+
+
+def against_matched(h: float, ratio: float, fine: float = 0.7, **changes: Any) -> Measured:
+    """Meshes of sizes h and ratio * h: approach and largest pressure of a matched mesh of size
+    `fine` (mm) are the reference."""
+    found = solve(*blocks.two_blocks(h=h, ratio=ratio, **changes), near())
+    reference = solve(*blocks.two_blocks(h=fine), near())
+    findings, exact = found.findings(), reference.findings()
+    return found.measured(
+        max(
+            abs(found.solution.approach / reference.solution.approach - 1),
+            abs(findings.patch.max_pressure / exact.patch.max_pressure - 1),
+        ),
+        findings,
+    )
+
+
+def slivers(quality: float, count: int) -> Measured:
+    """`count` cells at the contact face squashed to a scaled Jacobian: the regular mesh is the
+    reference for approach and largest pressure."""
+    made, setup = blocks.two_blocks(h=1.0)
+    good = solve(made, setup, near())
+    squashed = blocks.squash(made, setup.fixed, quality, count)
+    found = solve(made, setup, near())
+    findings = found.findings()
+    deviation = max(
+        abs(found.solution.approach / good.solution.approach - 1),
+        abs(findings.patch.max_pressure / good.findings().patch.max_pressure - 1),
+    )
+    return replace(found.measured(deviation, findings), remark=f"{squashed} cells squashed")
+
+
+def two_patches(height: float, h: float, fine: float) -> Measured:
+    """Two bumps at y = -6 and 6 mm, the second lower by `height` mm; a finer mesh is the
+    reference for the approach and for the load's share on the first."""
+
+    def gap(points: Array) -> tuple[Array, Array]:
+        x, y = points[:, 0], points[:, 1]
+        one = 0.5 * (x**2 / 3000 + (y + 6) ** 2 / 2000)
+        two = 0.5 * (x**2 / 3000 + (y - 6) ** 2 / 2000) + height
+        return np.minimum(one, two), np.tile([0.0, 0.0, 1.0], (len(points), 1))
+
+    def share(of: Solved) -> float:
+        interface = of.model.interface
+        force = interface.weights * of.solution.pressure
+        return float(force[interface.points[:, 1] < 0].sum() / force.sum())
+
+    one, two = (
+        solve(*blocks.two_blocks(20.0, size, fine=(0.2, 0.45), half=False, gap=gap), near(9.0))
+        for size in (h, fine)
+    )
+    deviation = max(
+        abs(one.solution.approach / two.solution.approach - 1), abs(share(one) / share(two) - 1)
+    )
+    return replace(one.measured(deviation), remark=f"{share(one):.0%} on the first")
+
+
+def line_contact(cell: str, h: float, half_widths: list[float], radius: float = 500.0) -> Measured:
+    """A cylinder on a plane, nu = 0 (plane strain and free ends are the same): half-width and mean
+    pressure within half of it against Hertz's line contact for each half-width (mm).
+
+    b = sqrt(4 P R / (pi E*)), p = p0 sqrt(1 - y^2/b^2), p0 = 2 P / (pi b), P in N/mm (Johnson 1985,
+    section 4.2 (c)).
+    """
+    soft = Material(207000.0, 0.0)
+    made, setup = blocks.two_blocks(
+        size=20.0 * max(half_widths),
+        length=2.0 * h,
+        h=h,
+        fine=(0.08, 0.08),
+        cell=cell,
+        degree=1 if cell == "hexahedron" else 2,
+        materials=(soft, soft),
+        gap=ParabolicGap(0.0, 1 / radius, 1),
+    )
+    model, worst = None, None
+    for b in half_widths:
+        per_length = np.pi * 0.5 * soft.young_modulus * b**2 / (4 * radius)
+        load = float(per_length * 4.0 * h)
+        if model is None:
+            model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+        y, w = model.interface.points[:, 1], model.interface.weights
+        found = Solved(model, model.solve(load=load, active=y < b), load)
+        p = found.solution.pressure
+        half = y < 0.5 * b
+        exact = 2 * per_length / (np.pi * b) * np.sqrt(1 - (y[half] / b) ** 2)
+        deviation = max(
+            abs(2 * float(np.sqrt(w @ (p * y**2) / (w @ p))) / b - 1),
+            abs(float(w[half] @ p[half]) / float(w[half] @ exact) - 1),
+        )
+        measured = found.measured(deviation)
+        worst = measured if worst is None or deviation > worst.deviation else worst
+    assert worst is not None
+    return worst

@@ -1,0 +1,40 @@
+"""What every model here assumes, held against the solution."""
+
+from __future__ import annotations
+
+import math
+
+from postprocess.findings import Findings
+from railhead.effects.base import After, touching
+from railhead.flat import FlatContact
+from railhead.geometry import Contact
+from railhead.scene import Scene
+
+SMALL = 0.1  # semi-axis over relative radius
+EDGE = 1.1  # times the semi-axis across that must lie within both profiles
+
+
+def small_patch(scene: Scene, contact: Contact, found: Findings) -> After:
+    """Hertz's parabolas and half-spaces need semi-axes far below the radii (Johnson, Contact
+    Mechanics, 4.1)."""
+    touch, patch = contact.touch, found.patch
+    a, b = patch.a * touch.curvature_x, patch.b * touch.curvature_y
+    side, ratio = ("a", a) if a > b else ("b", b)
+    large = bool(ratio > SMALL)
+    text = f"{side}/R = {ratio:.2g}, {'above' if large else 'below'} {SMALL}"
+    return After(large, f"{text}: the comparison with Hertz is doubtful" if large else text)
+
+
+def inside_the_bodies(scene: Scene, contact: Contact, found: Findings) -> After | None:
+    """A patch at the edge of a tread or of a head has a stress peak there that no profile shows."""
+    if contact.half_space or (isinstance(contact, FlatContact) and contact.plane == "xz"):
+        return None
+    cosine, patch = math.cos(found.frame.angle), found.patch
+    middle, reach = found.frame.origin[1] + patch.centre[1] * cosine, EDGE * patch.b * cosine
+    width = scene.wheel.width or math.inf
+    ends = [end + shift for _, profile, shift in touching(contact) for end in profile.domain]
+    ends += [contact.touch.y - width / 2, contact.touch.y + width / 2]
+    room = min(abs(end - middle) for end in ends)
+    near = bool(room < reach)
+    text = f"{room:.1f} mm from the middle of the patch to the nearest edge, b = {patch.b:.2f} mm"
+    return After(near, f"{text}: the edge carries load" if near else text)

@@ -1,0 +1,51 @@
+"""The whole rail on its foot, or its head cut where the web begins."""
+
+from __future__ import annotations
+
+from meshing.outlines import head_depth
+from postprocess.findings import Findings
+from railhead.effects.base import After, Effect, Hertz, accuracy
+from railhead.flat import FlatContact
+from railhead.geometry import Contact
+from railhead.scene import Scene, SceneError
+
+CHANGE = (
+    0.25  # of the stress at the cut over p0: what the largest shear stress changes by (measured)
+)
+
+
+def decide(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
+    """Called for where it is asked, or where the cut is near enough to be felt."""
+    extent, name = scene.rail.extent, scene.rail.profile
+    if contact.half_space:
+        why = "a half-space has neither web nor foot"
+        return Effect(False, False, why, {"on": why})
+    if name not in ("54E1", "60E1"):
+        if extent == "section":
+            raise SceneError("rail.extent", "section needs rail.profile 54E1 or 60E1; give head")
+        why = f"rail.profile {name} has neither web nor foot"
+        return Effect(False, False, why, {"on": why})
+    if extent == "section":
+        return Effect(True, True, "rail.extent = section")
+    called, why = _felt(scene, contact, ellipse.a, ellipse.b)
+    return Effect(called, called, why)
+
+
+def check(scene: Scene, contact: Contact, effect: Effect, found: Findings) -> After | None:
+    """The same with the patch that was found."""
+    if "on" in effect.refused:
+        return None
+    felt, why = _felt(scene, contact, found.patch.a, found.patch.b)
+    return After(felt and not effect.on, why)
+
+
+def _felt(scene: Scene, contact: Contact, a: float, b: float) -> tuple[bool, str]:
+    """Boussinesq's 3F/(2 pi H^2) below a point load over p0 = 3F/(2 pi a b), Flamant's 2F'/(pi H)
+    below a line load over p0 = 2F'/(pi b) (Johnson, Contact Mechanics, 3.19, 4.26, 2.19 and 4.43),
+    H the depth of the cut."""
+    depth, limit = head_depth(scene.rail.profile), accuracy(scene) / CHANGE
+    line = isinstance(contact, FlatContact) and contact.dimension.line
+    ratio, name = (b / depth, "b/H") if line else (a * b / depth**2, "ab/H^2")
+    side = "above" if ratio > limit else "below"
+    text = f"stress at the cut {depth:.1f} mm deep over p0: {name} = {ratio:.2g}"
+    return bool(ratio > limit), f"{text}, {side} {limit:.2g}"

@@ -1,0 +1,39 @@
+"""The held nodes: what they prescribe and what they carry, without the whole stiffness matrix."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+
+@dataclass(frozen=True)
+class HeldRows:
+    """Rows of the unreduced K at the held nodes (fixed faces and hub): all that is needed of it
+    once the free unknowns have their own. rows (k,): the local dofs they belong to."""
+
+    rows: NDArray[np.int64]
+    matrix: PETSc.Mat
+
+    @classmethod
+    def of(cls, stiffness: PETSc.Mat, nodes: NDArray[np.bool_], size: int = 3) -> HeldRows:
+        """Keep the rows of the marked nodes (n,), `size` dofs each, of a symmetric matrix."""
+        local = np.flatnonzero(np.repeat(nodes, size))
+        start = stiffness.getOwnershipRange()[0]
+        first, last = stiffness.getOwnershipRangeColumn()
+        rows = PETSc.IS().createGeneral((local + start).astype(PETSc.IntType), comm=stiffness.comm)
+        columns = PETSc.IS().createStride(last - first, first, 1, comm=stiffness.comm)
+        return cls(local, stiffness.createSubMatrix(rows, columns))
+
+    def forces(self, prescribed: PETSc.Vec) -> PETSc.Vec:
+        """K u0 in N, for a u0 in mm that is zero off the held nodes (K is symmetric)."""
+        held, out = self.matrix.createVecLeft(), prescribed.duplicate()
+        held.array[:] = prescribed.array[self.rows]
+        self.matrix.multTranspose(held, out)
+        return out
+
+    def reactions(self, displacement: PETSc.Vec) -> NDArray[np.float64]:
+        """(k,) K u at the held dofs, N."""
+        return np.array((self.matrix * displacement).array)

@@ -1,0 +1,93 @@
+"""What the coordinates of a mesh stand for in space: a solid, or a section through one.
+
+A section is meshed in two coordinates. In plane strain it is `thickness` mm deep and nothing
+changes along its normal; revolved about the axis r = 0 of its coordinates (r, z) it stands for the
+whole body of revolution, with the hoop strain u_r/r.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import ufl
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Kinematics:
+    """axes (d, 3): unit vectors in space of the mesh's d coordinates; offset (3,): of the section
+    from the origin, mm; thickness mm (1 for a solid); revolved: about the second axis.
+    mean_dilatation: tr eps counts in every cell with its value at the middle, so that nearly
+    incompressible cells do not lock (B-bar; Nagtegaal, Parks and Rice 1974, Hughes 1980)."""
+
+    axes: Array = field(default_factory=lambda: np.eye(3))
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    thickness: float = 1.0
+    revolved: bool = False
+    mean_dilatation: bool = False
+
+    @property
+    def dim(self) -> int:
+        """Coordinates of the mesh."""
+        return len(self.axes)
+
+    def lift(self, points: Array) -> Array:
+        """Mesh coordinates (n, d) -> points in space (n, 3), mm."""
+        return points if self.dim == 3 else points @ self.axes + np.array(self.offset)
+
+    def flatten(self, vectors: Array) -> Array:
+        """Vectors in space (..., 3) -> their components along the mesh's coordinates (..., d)."""
+        return vectors if self.dim == 3 else vectors @ self.axes.T
+
+    def in_space(self, vectors: Array) -> Array:
+        """Components along the mesh's coordinates (..., d) -> vectors in space (..., 3)."""
+        return vectors if self.dim == 3 else vectors @ self.axes
+
+    def measure(self, points: Array) -> Array:
+        """(n,) what an element of volume or area in the mesh at (n, d) counts: thickness mm, or
+        2 pi r mm; 1 for a solid."""
+        if self.revolved:
+            return np.asarray(2 * np.pi * points[..., 0])
+        return np.full(points.shape[:-1], self.thickness)
+
+    def divergence(self, value: Array, gradient: Array, points: Array) -> Array:
+        """tr eps (..., k, d) of k basis functions: value (..., k), gradient (..., k, d) in 1/mm at
+        points (..., d)."""
+        out = gradient.copy()
+        if self.revolved:
+            out[..., 0] += value / points[..., 0]
+        return out
+
+    def energy(self, u: Any, v: Any, lam: Any, mu: Any, mesh: Any, degree: int) -> Any:
+        """Integral of lambda tr eps(u) tr eps(v) + 2 mu eps(u) : eps(v) as a UFL form, times 2 pi r
+        where revolved; the thickness of a section is left to the caller. degree: of the rule."""
+        dx = ufl.dx(metadata={"quadrature_degree": degree})
+        middle = ufl.dx(metadata={"quadrature_degree": 0}) if self.mean_dilatation else dx
+        x = ufl.SpatialCoordinate(mesh)
+        trace, product = ufl.div(u) * ufl.div(v), ufl.inner(_eps(u), _eps(v))
+        if not self.revolved:
+            return lam * trace * middle + 2 * mu * product * dx
+        hoop = [w[0] / x[0] for w in (u, v)]
+        trace = (ufl.div(u) + hoop[0]) * (ufl.div(v) + hoop[1])
+        shear = 2 * mu * (product + hoop[0] * hoop[1])
+        return 2 * np.pi * (x[0] * lam * trace * middle + x[0] * shear * dx)
+
+    def rigid_motions(self, points: Array) -> list[Array]:
+        """Motions (..., d) at points (..., d) that carry no stress."""
+        shift = [np.broadcast_to(e, points.shape) for e in np.eye(self.dim)]
+        if self.revolved:
+            return shift[1:]
+        if self.dim == 2:
+            return [*shift, np.stack([-points[..., 1], points[..., 0]], axis=-1)]
+        return [*shift, *(np.cross(e, points) for e in np.eye(3))]
+
+
+SOLID = Kinematics()
+
+
+def _eps(w: Any) -> Any:
+    return ufl.sym(ufl.grad(w))

@@ -1,0 +1,118 @@
+"""p-multigrid: Chebyshev-Jacobi on the quadratic cells, Galerkin linear cells below them.
+
+The fine tangent is never assembled: the smoother needs its product and its diagonal only. Below,
+
+    Q^T (K - theta S^T w S) Q  +  (Bt Q)^T w A (B Q)
+
+the first part is made once, and the second has one sparsity pattern for all active sets, so that a
+new active set costs a small product and a numeric factorisation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from petsc4py import PETSc
+
+from solver import compat
+from solver.linear import Preconditioner, factorise, near_nullspace
+from solver.problem import ContactProblem, Mask
+
+COARSE_DIRECT_BELOW = 20_000  # unknowns of the P1 level
+SMOOTHING = 3  # steps of Chebyshev's method before and after
+SUBSET = PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN
+DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
+
+
+@dataclass(frozen=True)
+class Hierarchy:
+    """Prolongation of the P1 unknowns to the unknowns of the problem, and its near-nullspace."""
+
+    prolongation: PETSc.Mat
+    rigid_modes: list[PETSc.Vec]
+
+
+class PMultigrid(Preconditioner):
+    """Two levels; the coarse one is factorised, or given to algebraic multigrid where large."""
+
+    def __init__(self, problem: ContactProblem, hierarchy: Hierarchy) -> None:
+        super().__init__(problem)
+        self.hierarchy = hierarchy
+        self.coarse = CoarseTangent(problem, hierarchy.prolongation)
+        compat.collect(problem.stiffness.comm.tompi4py())
+        self.flexible = self.coarse.matrix.getSize()[0] >= COARSE_DIRECT_BELOW
+
+    def set_up(self, active: Mask) -> None:
+        symmetric = self.problem.law.symmetric
+        self.operator = self.problem.tangent(active)
+        self.coarse.fill(active)
+        # A new one: PCMG keeps the residual operator of its first set-up.
+        self.pc = PETSc.PC().create(self.operator.comm)
+        self.pc.setOperators(self.operator)
+        self.pc.setType("mg")
+        self.pc.setMGLevels(2)
+        self.pc.setMGInterpolation(1, self.hierarchy.prolongation)
+        smoother = self.pc.getMGSmoother(1)
+        smoother.setType("chebyshev")
+        smoother.getPC().setType("jacobi")
+        smoother.setTolerances(max_it=SMOOTHING)
+        smoother.setOperators(self.operator, self.operator)
+        solver = self.pc.getMGCoarseSolve()
+        solver.setOperators(self.coarse.matrix, self.coarse.matrix)
+        if not self.flexible:
+            solver.setType("preonly")
+            factorise(solver.getPC(), symmetric)
+        else:
+            near_nullspace(self.coarse.matrix, self.hierarchy.rigid_modes)
+            # One V-cycle solves the coarse problem too loosely: the iterations grew sixfold at 1e6
+            # unknowns. A few of CG's steps around it keep them where a direct solver has them.
+            solver.setType("cg" if symmetric else "gmres")
+            solver.setTolerances(rtol=0.1, max_it=10)
+            solver.getPC().setType("gamg")
+        self.pc.setUp()
+
+
+class CoarseTangent:
+    """The tangent on the P1 unknowns, in one sparsity pattern for all active sets."""
+
+    def __init__(self, problem: ContactProblem, prolongation: PETSc.Mat) -> None:
+        self.problem = problem
+        self.trace = problem.trace.matMult(prolongation)
+        self.test_trace = (
+            self.trace if problem.law.symmetric else problem.test_trace.matMult(prolongation)
+        )
+        self.scaled = self.trace.copy()
+        self.contact = self.test_trace.transposeMatMult(self.trace)
+        self.bulk = problem.stiffness.ptap(prolongation)
+        if problem.consistency:
+            stress = problem.stress.matMult(prolongation)
+            scaled = stress.copy()
+            scaled.diagonalScale(L=problem.at_points(problem.weight))
+            self.bulk.axpy(-problem.consistency, stress.transposeMatMult(scaled), DIFFERENT)
+        _fill_diagonal(self.bulk)
+        self.matrix = self.bulk.copy()
+        self.matrix.axpy(1.0, self.contact, DIFFERENT)
+        self.matrix.setBlockSize(3)
+
+    def fill(self, active: Mask) -> None:
+        """Put the values of these active points into the matrix."""
+        problem = self.problem
+        self.trace.copy(self.scaled, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        self.scaled.diagonalScale(L=problem.at_points(problem.weight * active))
+        self.test_trace.transposeMatMult(self.scaled, result=self.contact)
+        self.matrix.zeroEntries()
+        self.matrix.axpy(1.0, self.bulk, SUBSET)
+        self.matrix.axpy(1.0, self.contact, SUBSET)
+
+
+def _fill_diagonal(matrix: PETSc.Mat) -> None:
+    """Put a typical value on the diagonal of the empty rows of a matrix in blocks of three."""
+    diagonal = matrix.getDiagonal()
+    typical = diagonal.sum() / diagonal.getSize()
+    values = np.where(diagonal.array == 0.0, typical, 0.0)
+    diagonal.array[:] = values
+    extra = PETSc.Mat().createAIJ(matrix.getSizes(), nnz=1, comm=matrix.comm)
+    extra.setDiagonal(diagonal)
+    extra.assemble()
+    matrix.axpy(1.0, extra, DIFFERENT)

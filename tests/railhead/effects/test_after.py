@@ -1,0 +1,85 @@
+"""After the solve the same indicators are evaluated on what was found."""
+
+import json
+
+import matplotlib.image
+import pytest
+
+from railhead import catalogue, cli, effects, run
+
+
+@pytest.fixture
+def railhead(tmp_path, monkeypatch, capsys):
+    """Run the command in an empty folder: (status, standard output, standard error)."""
+    monkeypatch.chdir(tmp_path)
+
+    def command(*arguments: str) -> tuple[int, str, str]:
+        with pytest.raises(SystemExit) as done:
+            cli.main(arguments)
+        return done.value.code, *capsys.readouterr()
+
+    return command
+
+
+def after(case: str, *assignments: str) -> dict:
+    return run.run(catalogue.find(case).replace(assignments)).summary["effects_after"]
+
+
+def test_needed_effects_are_named_in_table_summary_and_pictures(railhead, tmp_path) -> None:
+    """Loaded past yield, with friction called for, and one radius forced across a joint."""
+    choice = ["--set", "mesh.patch_size=2.5", "--set", "rail.inclination=1:40", "--set"]
+    choice += ["wheel.yield_stress=600", "--set", "friction.coefficient=0.3"]
+    choice += ["--set", "friction.tangential_load=9kN", "--without", "true_profile"]
+    status, printed, _ = railhead("run", "uic54_22t5_axle", *choice)
+    assert status == 0  # a warning is no failure
+    folder = tmp_path / "results" / "uic54_22t5_axle"
+    summary = json.loads((folder / "summary.json").read_text())
+    found = summary["effects_after"]
+    needed = {name for name, each in found.items() if each["needed"]}
+    assert needed == {"true_profile", "plasticity", "friction"}
+    for name in needed:
+        assert f"{name}: {found[name]['why'][:20]}" in printed
+    assert "overstates the pressure" in found["plasticity"]["why"]
+    assert summary["plan"]["effects"]["true_profile"]["override"] is True
+    assert matplotlib.image.imread(folder / "pressure.png").shape[0] > 4.8 * 160  # three lines more
+
+
+@pytest.fixture(scope="module")
+def thesis() -> run.Result:
+    return run.run(catalogue.find("uic54_thesis").replace(["mesh.patch_size=1.2"]))
+
+
+def again(result: run.Result, *assignments: str) -> dict:
+    """The indicators of another scene on the same solution."""
+    plan = result.plan
+    scene = plan.scene.replace(assignments)
+    return effects.check(scene, plan.contact, plan.effects, result.findings)
+
+
+def test_yield_is_judged_by_the_stress_that_was_found(thesis) -> None:
+    peak = thesis.summary["result"]["stress"]["von_mises_max_MPa"]
+    for share, yields in ((1.001, False), (0.999, True)):
+        found = again(thesis, f"rail.yield_stress={share * peak!r}")["plasticity"]
+        assert found.needed is yields
+    assert "plasticity" not in thesis.summary["effects_after"]  # no yield stress was given
+
+
+def test_a_patch_at_the_edge_of_the_tread_is_named(thesis) -> None:
+    b = thesis.findings.patch.b
+    for width, near in ((2.1 * b, True), (2.3 * b, False)):
+        found = again(thesis, f"wheel.width={width!r}")["inside_the_bodies"]
+        assert found.needed is near
+        assert ("the edge carries load" in found.why) is near
+
+
+def test_a_patch_that_is_large_against_its_radius_puts_hertz_in_doubt() -> None:
+    large = after("sphere_on_plane", "mesh.patch_size=0.3")["small_patch"]  # a/R = 0.126
+    small = after("sphere_on_plane", "mesh.patch_size=0.2", "load=60")["small_patch"]
+    assert (large["needed"], small["needed"]) == (True, False)
+
+
+@pytest.mark.parametrize("switch", [["--with", "symmetry_y"], ["--without", "colour"]])
+def test_a_wrong_switch_is_one_line_and_status_2(switch: list[str], railhead) -> None:
+    status, printed, error = railhead("plan", "uic54_22t5_axle", *switch)
+    assert (status, printed) == (2, "")
+    assert len(error.strip().splitlines()) == 1 and "effects." in error

@@ -1,0 +1,187 @@
+"""The plan decides by numbers, lets a person override it, and what is off is not there."""
+
+import math
+
+import pytest
+from mpi4py import MPI
+
+from meshing.tags import RAIL, WHEEL
+from railhead import build, catalogue, level, run
+from railhead import plan as planning
+from railhead.progress import Progress
+from railhead.scene import Effects, Scene, SceneError
+from theory import hertz
+
+
+def planned(case: str, *assignments: str) -> planning.Plan:
+    return planning.make(catalogue.find(case).replace(assignments))
+
+
+def effect(name: str, case: str, *assignments: str):
+    return planned(case, *assignments).effects[name]
+
+
+def test_every_effect_has_a_choice_a_reason_and_a_predicted_cost() -> None:
+    plan = planned("uic54_22t5_axle")
+    assert {*plan.effects, "symmetry"} == set(Effects.model_fields)
+    for told in plan.summary()["effects"].values():
+        assert set(told) == {"called_for", "on", "override", "why", "predicted_cost"}
+        assert told["why"] and not told["override"]
+
+
+def test_symmetry_halves_and_deformable_bodies_double_the_predicted_unknowns() -> None:
+    plan = planned("hertz_ellipse")
+    assert plan.price("symmetry_x")[0] == pytest.approx(-plan.unknowns, rel=1e-3)
+    assert plan.price("deformable_wheel")[0] == pytest.approx(plan.unknowns / 2, rel=1e-3)
+    assert plan.price("far_field") == (0, 0.0)
+
+
+@pytest.mark.parametrize("ratio, deforms", [(998, True), (1001, False)])
+def test_a_body_below_a_thousandth_of_the_compliance_is_rigid(ratio: int, deforms: bool) -> None:
+    """With equal Poisson's ratios the share is 1 / (1 + E ratio): the limit is a ratio of 999."""
+    stiff = f"wheel.young_modulus={207000 * ratio}"
+    found = effect("deformable_wheel", "hertz_ellipse", stiff)
+    assert (found.called_for, found.on) == (deforms, deforms)
+    assert found.error == (0.0 if deforms else pytest.approx(1 / (1 + ratio)))
+    asked = effect("deformable_wheel", "hertz_ellipse", stiff, "accuracy=0.5%")
+    assert asked.on  # a tenth of the asked accuracy is the limit
+
+
+def test_what_is_left_out_is_part_of_the_bound() -> None:
+    scene = catalogue.find("hertz_ellipse").replace(
+        ["wheel.young_modulus=1.035e8", "accuracy=3%"]
+    )  # fmt: skip
+    summary = run.run(scene).summary
+    left_out = summary["accuracy"]["parts"]["left_out"]
+    assert left_out == pytest.approx(1 / 501)
+    assert min(summary["accuracy"]["bound"].values()) > left_out
+    assert summary["accuracy"]["reached"]
+
+
+@pytest.mark.parametrize(
+    "assignments, called",
+    [
+        ([], False),  # y = 0, b = 5.7 mm, joints at 10 mm
+        (["load=700kN"], True),
+        (["rail.inclination=1:40"], True),  # y = -7.5 mm
+        (["wheel.profile=S1002", "rail.inclination=1:40"], True),
+        (["rail.profile=arc", "rail.crown_radius=300"], False),
+    ],
+)
+def test_true_profile_is_called_for_near_a_joint(assignments: list[str], called: bool) -> None:
+    assert effect("true_profile", "uic54_22t5_axle", *assignments).called_for is called
+
+
+def test_whole_section_is_called_for_by_extent_load_or_accuracy() -> None:
+    assert not effect("rail_section", "uic54_thesis").on
+    assert effect("rail_section", "uic54_thesis", "rail.extent=section").on
+    assert effect("rail_section", "uic54_thesis", "load=1MN").on
+    assert effect("rail_section", "uic54_thesis", "accuracy=0.1%").on
+
+
+@pytest.mark.parametrize("share, yields", [(1.0001, True), (0.99, False)])
+def test_plasticity_begins_at_the_yield_load_of_the_ellipse(share: float, yields: bool) -> None:
+    """p0 = 1.6156 Y for the thesis's ellipse (exact largest von Mises stress 0.61897 p0)."""
+    yield_stress = 600.0
+    thesis = planned("hertz_ellipse").estimate
+    load = thesis.load * (share * 1.6156 * yield_stress / thesis.p0) ** 3
+    for body in ("rail", "wheel"):
+        given = (f"load={load!r}", f"{body}.yield_stress={yield_stress}")
+        found = effect("plasticity", "hertz_ellipse", *given)
+        assert (found.called_for, found.on) == (yields, False)
+        assert f"the yield 600 MPa of the {body}" in found.why
+
+
+UNLIKE = "wheel.young_modulus=70000"
+
+
+@pytest.mark.parametrize(
+    "assignments, called, words",
+    [
+        ([], False, "Dundurs' beta = 0"),
+        ([UNLIKE], False, "coefficient = 0"),
+        (["friction.coefficient=0.3"], False, "Dundurs' beta = 0"),
+        (["friction.coefficient=0.3", UNLIKE], True, "beta = -0.141"),
+        (["friction.coefficient=0.3", "friction.tangential_load=-5kN"], True, "-5000 N"),
+    ],
+)
+def test_friction_is_called_for_by_a_load_or_by_unlike_bodies(assignments, called, words) -> None:
+    found = effect("friction", "hertz_ellipse", *assignments)
+    assert (found.called_for, found.on) == (called, False)
+    assert words in found.why
+
+
+def test_dundurs_beta_of_a_body_on_a_rigid_one() -> None:
+    """beta = (1 - 2 nu) / (2 (1 - nu)) (Johnson, Contact Mechanics, 5.3)."""
+    assert hertz.dundurs_beta(1000, 0.3, math.inf, 0.2) == pytest.approx(0.4 / 1.4)
+    assert hertz.dundurs_beta(math.inf, 0.2, 1000, 0.3) == pytest.approx(-0.4 / 1.4)
+    assert hertz.dundurs_beta(1000, 0.3, 1000, 0.3) == 0.0
+
+
+@pytest.mark.parametrize(
+    "case, name, state",
+    [
+        ("uic54_thesis", "friction", "on"),
+        ("uic54_thesis", "plasticity", "on"),
+        ("uic54_thesis", "far_field", "on"),
+        ("uic54_22t5_axle", "symmetry_y", "on"),
+        ("sphere_on_plane", "deformable_rail", "on"),
+        ("sphere_on_plane", "deformable_wheel", "off"),
+        ("hertz_ellipse", "rail_section", "on"),
+        ("hertz_ellipse", "true_profile", "on"),
+    ],
+)
+def test_a_choice_that_cannot_be_had_is_refused_in_one_line(case, name, state) -> None:
+    with pytest.raises(SceneError, match=f"^effects.{name}: '{state}' is not allowed") as caught:
+        planned(case, f"effects.{name}={state}")
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_a_tangential_load_that_slides_is_refused() -> None:
+    with pytest.raises(SceneError, match="friction.tangential_load: 5000 N would slide"):
+        Scene(load=10000, friction={"coefficient": 0.3, "tangential_load": 5000})
+
+
+def test_short_name_of_both_planes_yields_to_the_name_of_one() -> None:
+    plan = planned("hertz_ellipse", "effects.symmetry=off", "effects.symmetry_y=on")
+    assert (plan.half_x, plan.half_y) == (False, True)
+    assert plan.effects["symmetry_x"].override and plan.effects["symmetry_y"].override
+
+
+def test_what_is_off_is_not_meshed_and_holds_no_unknowns() -> None:
+    unknowns = {}
+    for off in ("nothing", "deformable_wheel", "deformable_rail"):
+        choice = [] if off == "nothing" else [f"effects.{off}=off"]
+        plan = planned("hertz_ellipse", "mesh.patch_size=1.2", *choice)
+        made = build.generate(plan, plan.grading(), MPI.COMM_WORLD)
+        model = build.model(plan, made)
+        present = {tag for tag in (RAIL, WHEEL) if len(made.cell_tags.find(tag))}
+        assert present == set(plan.deformable)
+        unknowns[off] = model.unknowns
+    assert unknowns["deformable_wheel"] == pytest.approx(unknowns["nothing"] / 2, rel=0.02)
+    assert unknowns["deformable_rail"] == pytest.approx(unknowns["nothing"] / 2, rel=0.02)
+
+
+def test_a_stiff_body_left_out_changes_the_answer_by_its_share() -> None:
+    scene = catalogue.find("hertz_ellipse").replace(["wheel.young_modulus=4.14e8", "load=1e4"])
+    results = [
+        run.run(scene.replace(["mesh.patch_size=0.8", *choice])).summary["result"]
+        for choice in ([], ["effects.deformable_wheel=on"])
+    ]
+    assert results[0]["pressure"]["max_MPa"] == pytest.approx(
+        results[1]["pressure"]["max_MPa"], rel=2e-3
+    )
+    assert results[0]["approach_mm"] == pytest.approx(results[1]["approach_mm"], rel=2e-3)
+
+
+def test_one_radius_is_exact_where_the_patch_lies_on_one_arc_and_wrong_across_a_joint() -> None:
+    def largest(*assignments: str) -> float:
+        scene = catalogue.find("uic54_22t5_axle").replace(["mesh.patch_size=3", *assignments])
+        plan = planning.make(scene)
+        done = level.solve_level(plan, None, Progress(quiet=True), MPI.COMM_WORLD)
+        return float(done.result["pressure"]["max_MPa"])
+
+    whole = largest("effects.true_profile=on")
+    assert largest("effects.true_profile=off") == pytest.approx(whole, rel=1e-5)
+    crossing = "rail.inclination=1:40"
+    assert largest(crossing) > 1.1 * largest(crossing, "effects.true_profile=off")

@@ -1,0 +1,102 @@
+"""Which scenes are solved in two dimensions, and which are refused."""
+
+import math
+
+import pytest
+
+from railhead import build, catalogue, dimension
+from railhead import plan as planning
+from railhead.scene import Scene, SceneError
+
+INF_RAIL = ["rail.profile=arc", "rail.crown_radius=inf"]
+SPHERE = ["wheel.profile=arc", "wheel.transverse_radius=420"]
+
+
+def scene(*assignments: str) -> Scene:
+    return Scene(load=1e5).replace(assignments)
+
+
+KINDS = {
+    "54E1 under a cylinder": ([], "solid"),
+    "flat crown under a cylinder": (INF_RAIL, "plane_along"),
+    "nearly flat crown": (["rail.profile=arc", "rail.crown_radius=1e7"], "plane_along"),
+    "patch within the crown": (["rail.profile=arc", "rail.crown_radius=3000"], "solid"),
+    "straight bar on 54E1": (["wheel.rolling_radius=inf", "rail.length=100"], "plane_across"),
+    "sphere on a plane": ([*INF_RAIL, *SPHERE], "axisymmetric"),
+    "sphere beside the middle": ([*INF_RAIL, *SPHERE, "wheelset.shift=3"], "solid"),
+    "circular half-spaces": (
+        ["rail.extent=half-space", "rail.profile=arc", "rail.crown_radius=420"],
+        "axisymmetric",
+    ),
+    "crossed cylinders": (["rail.profile=arc", "rail.crown_radius=420"], "solid"),
+    "circular, switched off": ([*INF_RAIL, *SPHERE, "effects.axisymmetry=off"], "solid"),
+}
+
+
+@pytest.mark.parametrize("assignments, kind", KINDS.values(), ids=KINDS)
+def test_kind_of_scene(assignments: list[str], kind: str) -> None:
+    assert dimension.choose(scene(*assignments)).kind == kind
+
+
+REFUSED = {
+    "bar without a length": (["wheel.rolling_radius=inf"], "rail.length: not given"),
+    "bar in three dimensions": (
+        ["wheel.rolling_radius=inf", "rail.length=9", "effects.plane_strain=off"],
+        "effects.plane_strain: 'off' is not allowed",
+    ),
+    "roller in three dimensions": (
+        [*INF_RAIL, "effects.plane_strain=off"], "effects.plane_strain: 'off' is not allowed"
+    ),
+    "ellipse in plane strain": (
+        ["effects.plane_strain=on"], "effects.plane_strain: 'on' is not allowed"
+    ),
+    "half-space ellipse": (
+        ["rail.extent=half-space", "effects.plane_strain=on"], "half-spaces with an elliptic patch"
+    ),
+    "ellipse as a circle": (
+        ["effects.axisymmetry=on"], "effects.axisymmetry: 'on' is not allowed: relative curvatures"
+    ),
+    "tilted line": ([*INF_RAIL, "rail.inclination=1:20"], "relative curvature 0 across the rail"),
+    "conformal": (
+        ["wheel.profile=arc", "wheel.transverse_radius=-300"], "line contact or a fully conformal"
+    ),
+    "disc thicker than its radius": (
+        [*INF_RAIL, "wheel.rim_depth=421"], "wheel.rim_depth: 421 is not allowed"
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("assignments, words", REFUSED.values(), ids=REFUSED)
+def test_what_cannot_be_is_refused_in_one_line(assignments: list[str], words: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        build.parts(planning.make(scene(*assignments)))
+    assert words in str(caught.value)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_plan_gives_reasons_and_fewer_unknowns() -> None:
+    case = catalogue.find("sphere_on_plane")
+    flat, solid = planning.make(case), planning.make(case.replace(["effects.axisymmetry=off"]))
+    assert flat.effects["axisymmetry"].on and not solid.effects["axisymmetry"].on
+    assert "0.125 1/mm along and across" in flat.effects["axisymmetry"].why
+    assert solid.effects["axisymmetry"].override
+    same = flat.at_resolution(6.0).unknowns
+    assert same < solid.at_resolution(6.0).unknowns / 5
+    assert "70 mm long" in planning.make(scene(*INF_RAIL)).effects["plane_strain"].why
+
+
+def test_contact_length_is_the_common_width() -> None:
+    shifted = scene(*INF_RAIL, "wheel.width=60", "wheelset.shift=20")
+    found = dimension.choose(shifted)
+    assert (found.length, found.centre) == (45.0, 12.5)
+    assert planning.make(shifted).contact.origin == (0.0, 12.5, 0.0)
+
+
+def test_load_of_a_line_is_shared_by_its_length() -> None:
+    half, whole = (planning.make(scene(*INF_RAIL, f"wheel.width={w}")).estimate for w in (30, 60))
+    assert half.half_width == pytest.approx(math.sqrt(2) * whole.half_width)
+
+
+def test_a_circular_contact_is_no_line() -> None:
+    with pytest.raises(SceneError, match="plane_strain: 'on' is not allowed: the contact is a cir"):
+        planning.make(catalogue.find("sphere_on_plane").replace(["effects.plane_strain=on"]))

@@ -1,0 +1,105 @@
+"""Newton's method off the beaten track: stiff and soft laws, stalled solves, cycles."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from solver import linear, newton
+from solver.contact import ContactModel
+from solver.elasticity import Material
+from solver.laws import Law
+
+
+@pytest.fixture(scope="module")
+def model(two_blocks):
+    made, setup = two_blocks()
+
+    def build(**changes: object) -> ContactModel:
+        return ContactModel(made.mesh, made.cell_tags, made.facet_tags, replace(setup, **changes))
+
+    return build
+
+
+def press(model: ContactModel, radius: float = 2.0):
+    active = np.linalg.norm(model.interface.points, axis=1) < radius
+    return model.solve(load=2000.0, active=active)
+
+
+STEEL = (207000.0, Material(207000.0, 0.3).lame)
+
+
+@pytest.mark.parametrize(
+    "law, theta, factor",
+    [
+        (Law(), 1, 1.0),
+        (Law(gamma_factor=0.1), -1, 0.1),
+        (Law(theta=0, gamma_factor=0.1), 0, 0.1),
+        (Law(theta=1, gamma_factor=0.1), 1, 0.1),
+    ],
+)
+def test_theta_follows_the_factor_unless_it_is_given(law, theta, factor) -> None:
+    suited = law.suited(*STEEL)
+    assert (suited.theta, suited.gamma_factor) == (theta, factor)
+
+
+def test_the_parameter_does_not_grow_with_lambda() -> None:
+    scales = []
+    for nu in (0.49, 0.4999, 0.499999):
+        lam, mu = Material(1000.0, nu).lame
+        law = Law().suited(1000.0, (lam, mu))
+        assert law.theta == -1
+        scales.append(law.scale * (lam + 2 * mu))
+    np.testing.assert_allclose(scales, 3000.0)
+
+
+def test_stages_lead_up_to_a_stiff_law() -> None:
+    assert [law.scale for law in Law(theta=1).stages] == [1.0]
+    stiff = Law(theta=1, gamma_factor=2e4).stages
+    np.testing.assert_allclose([law.scale for law in stiff], [2.0, 20.0, 200.0, 2e3, 2e4])
+    assert stiff[-1] == Law(theta=1, gamma_factor=2e4)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 0.1, 1e2, 1e4, 1e6])
+def test_nitsche_converges_at_any_factor(model, factor: float) -> None:
+    reference = press(model()).approach
+    solution = press(model(law=Law(gamma_factor=factor)))
+    assert solution.newton.converged
+    assert solution.approach == pytest.approx(reference, rel=0.01)
+
+
+def test_a_stalled_linear_solve_is_taken_over_by_a_factorisation(model, monkeypatch) -> None:
+    reference = press(model(linear="direct")).approach
+    monkeypatch.setattr(linear, "KRYLOV_LIMIT", 3)
+    stalled = model(linear="multigrid")
+    solution = press(stalled)
+    assert any(np.isnan(step.residual) for step in solution.newton.history)
+    assert isinstance(stalled.preconditioner, linear.Direct)
+    assert solution.newton.converged
+    assert solution.approach == pytest.approx(reference, rel=1e-7)
+
+
+def test_an_active_set_that_comes_back_is_counted() -> None:
+    seen = newton._Seen(MPI.COMM_SELF)
+    one, two = np.array([True, False]), np.array([True, True])
+    assert [seen.count(active) for active in (one, one, two, one, two, one)] == [0, 0, 0, 1, 1, 2]
+
+
+@pytest.mark.parametrize("start", ["all", "none", "random"])
+def test_wrong_starts_end_in_the_same_state(model, start: str) -> None:
+    contact = model()
+    reference = press(contact)
+    count = len(contact.interface.points)
+    rng = np.random.default_rng(1)
+    active = {
+        "all": np.ones(count, bool),
+        "none": np.zeros(count, bool),
+        "random": rng.random(count) < 0.5,
+    }[start]
+    solution = contact.solve(load=2000.0, active=active)
+    assert solution.newton.converged and len(solution.newton.history) <= 15
+    assert solution.approach == pytest.approx(reference.approach, rel=1e-7)
+    np.testing.assert_allclose(
+        solution.pressure, reference.pressure, atol=1e-6 * reference.pressure.max()
+    )

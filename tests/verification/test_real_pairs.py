@@ -1,0 +1,33 @@
+"""Real profiles against boundary elements on the same gap, where no Hertz ellipse exists."""
+
+import pytest
+
+from cases.s1002_60e1 import SCENE
+from railhead.run import run
+
+
+def test_tread_and_gauge_corner_are_two_patches_of_the_right_size() -> None:
+    """S1002 on 60E1, shifted by 5 mm: two tangent planes, 10 degrees apart."""
+    summary = run(SCENE.replace(["wheelset.shift=5", "mesh.patch_size=0.5"])).summary
+    assert summary["checks"]["passed"]
+    result, half_space = summary["result"], summary["half_space"]
+    tread, corner = result["patches"]
+    assert tread["load_share"] + corner["load_share"] == pytest.approx(1, abs=1e-9)
+    assert tread["area_mm2"] + corner["area_mm2"] == pytest.approx(result["patch"]["area_mm2"])
+    assert result["patch"]["area_mm2"] == pytest.approx(half_space["patch"]["area_mm2"], rel=0.04)
+    assert result["pressure"]["max_MPa"] == corner["max_MPa"]
+    assert corner["max_MPa"] == pytest.approx(half_space["pressure"]["max_MPa"], rel=0.04)
+    assert tread["contact_angle_rad"] == pytest.approx(0.127, abs=0.005)
+    assert corner["contact_angle_rad"] == pytest.approx(0.300, abs=0.005)
+
+
+def test_a_yawed_wheel_has_the_patch_of_the_straight_one() -> None:
+    """Yaw of a cylinder on a straight crown turns the patch and keeps its size to second order."""
+    thesis = ["rail.profile=54E1", "rail.inclination=0", "wheel.profile=cylinder"]
+    scene = SCENE.replace([*thesis, "mesh.patch_size=0.7", "wheelset.yaw=20 mrad"])
+    summary = run(scene).summary
+    assert summary["checks"]["passed"]
+    assert not summary["plan"]["effects"]["symmetry_x"]["on"]
+    difference = summary["difference"]
+    assert difference["pressure"]["max_MPa"] == pytest.approx(0, abs=0.01)
+    assert difference["patch"]["area_mm2"] == pytest.approx(0, abs=0.01)

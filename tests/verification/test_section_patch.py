@@ -1,0 +1,183 @@
+"""Sections, the solver alone: patch tests, balance, and the linear solvers."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import ufl
+from dolfinx.mesh import compute_midpoints, create_mesh, exterior_facet_indices, meshtags
+from mpi4py import MPI
+
+from meshing import mesh, outlines, profiles
+from meshing.bodies import Body, Options
+from meshing.sizing import Grading
+from meshing.surfaces import ParabolicGap
+from meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL
+from postprocess import stress
+from solver import compat
+from solver.contact import ContactModel, Setup, Side
+from solver.elasticity import Material, assemble
+from solver.gather import gather
+from solver.kinematics import Kinematics
+from solver.laws import Law
+
+XZ = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+PLANE, RING = Kinematics(XZ, thickness=5.0), Kinematics(XZ, revolved=True)
+SOFT = Material(1000.0, 0.0)
+
+
+def side(tag: int, material: Material) -> Side:
+    return Side(tag, CONTACT + tag, SUPPORT + tag, material)
+
+
+def two_blocks(
+    cell: str = "tetrahedron",
+    materials: tuple[Material, Material] = (SOFT, SOFT),
+    **changes: object,
+) -> tuple[mesh.ContactMesh, Setup]:
+    """Mesh and set-up of two half blocks on each other, x >= 0, non-matching; the wheel's is 9 mm
+    wide, the rail's 10 mm, both 10 mm high."""
+    bodies = []
+    for tag, edge, outwards, material in (
+        (RAIL, 10, 1, materials[0]),
+        (WHEEL, 9, -1, materials[1]),
+    ):
+        flat = profiles.single_radius(np.inf, edge)
+        section = outlines.block_section(
+            flat, 0.0, edge, -outwards * 10, outwards=outwards, half=True
+        )
+        if math.isfinite(material.young_modulus):
+            bodies.append(Body(tag, section, 0.0))
+    grading = Grading((0.0, 0.0, 0.0), 2.0, 2.0, 0.0, 1.0)
+    made = mesh.generate(bodies, grading, Options(cell, 1, True, "xz"), MPI.COMM_WORLD)
+    setup = Setup(
+        fixed=side(RAIL, materials[0]), moving=side(WHEEL, materials[1]), slave=WHEEL,
+        gap=ParabolicGap(0.0, 0.0, -1), degree=2, planes=((SYMMETRY_X, (1.0, 0.0, 0.0)),),
+        kinematics=PLANE,
+    )  # fmt: skip
+    return made, replace(setup, **changes)
+
+
+def solve(made: mesh.ContactMesh, setup: Setup, **control: float):
+    model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+    return model, model.solve(active=np.ones(len(model.interface.points), bool), **control)
+
+
+@pytest.mark.parametrize("kinematics", [PLANE, RING], ids=["plane strain", "revolved"])
+@pytest.mark.parametrize(
+    "cell, degree",
+    [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)],
+)
+def test_bulk_constant_stress(cell: str, degree: int, kinematics: Kinematics) -> None:
+    """K u of a linear displacement vanishes at inner nodes and gives its constant stress, out of
+    the plane too; a ring takes u_r = e r, u_z = f z."""
+    steel = Material(207000.0, 0.3)
+    made, setup = two_blocks(cell, (steel, steel), degree=degree, kinematics=kinematics)
+    model, solution = solve(made, setup, load=100.0)
+    points = model.bulk.space.tabulate_dof_coordinates()[:, :2]
+    gradient = np.diag([1e-3, 7e-4]) + (0 if kinematics.revolved else 2e-4)
+    _, stiffness = assemble(
+        made.mesh, made.cell_tags, dict.fromkeys((RAIL, WHEEL), steel), degree, kinematics
+    )
+    u = stiffness.createVecRight()
+    u.array[:] = (points @ gradient).ravel()
+    force = (stiffness * u).array.reshape(-1, 2)
+    border = (points[:, 0] < 1e-9) | (points[:, 0] > 8.9) | (np.abs(points[:, 1]) > 9.9)
+    inner = ~border & (np.abs(points[:, 1]) > 1e-9)
+    assert inner.sum() > 5
+    assert np.abs(force[inner]).max() < 1e-9 * np.abs(force).max()
+
+    fields = replace(gather(model, solution), displacement=points @ gradient @ XZ)
+    strain = XZ.T @ gradient @ XZ + np.diag([0.0, 1e-3 if kinematics.revolved else 0.0, 0.0])
+    lam, mu = steel.lame
+    sigma = lam * np.trace(strain) * np.eye(3) + 2 * mu * strain
+    expected = sigma[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+    found = stress.nodal(fields)
+    np.testing.assert_allclose(found, np.tile(expected, (len(found), 1)), rtol=1e-8, atol=1e-7)
+
+
+@pytest.mark.parametrize("kinematics", [PLANE, RING], ids=["plane strain", "revolved"])
+@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
+@pytest.mark.parametrize("law", [Law(), Law("nitsche", 0), Law("nitsche", -1), Law("penalty")])
+def test_contact_patch_test_and_balance(kinematics: Kinematics, cell: str, law: Law) -> None:
+    """Blocks pressed flat together: the whole load arrives. Against a rigid rail the pressure is
+    even; springs of unequal facets (penalty) make it waver by a sixth."""
+    area = 81 * np.pi if kinematics.revolved else 2 * 9 * 5.0
+    _, both = solve(*two_blocks(cell, law=law, kinematics=kinematics), load=2.0 * area)
+    assert both.newton.converged
+    assert both.load == pytest.approx(2.0 * area, rel=1e-8)
+    assert both.reaction == pytest.approx(both.load, rel=1e-8)
+    rigid = Material(math.inf, 0.0)
+    made, setup = two_blocks(cell, (rigid, SOFT), law=law, kinematics=kinematics)
+    model, alone = solve(made, setup, load=2.0 * area)
+    np.testing.assert_allclose(alone.pressure, 2.0, rtol=1e-6 if law.sigma else 0.2)
+    weights, tau = model.interface.weights, model.problem.tau
+    springs = 0.0 if law.sigma else 2.0 * float(weights @ (1 / tau) / weights.sum())
+    assert alone.approach - 0.02 == pytest.approx(springs, rel=0.05, abs=1e-8)
+
+
+@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
+@pytest.mark.parametrize("which", [PLANE, RING], ids=["plane strain", "revolved"])
+def test_direct_and_multigrid_agree_in_a_section(cell: str, which: Kinematics) -> None:
+    gap = ParabolicGap(1 / 200, 0.0, -1)
+    states = []
+    for choice in ("direct", "multigrid"):
+        made, setup = two_blocks(cell, kinematics=which, gap=gap, linear=choice)
+        _, solution = solve(made, setup, load=300.0)
+        assert solution.newton.converged
+        states.append(solution)
+    assert states[0].approach == pytest.approx(states[1].approach, rel=1e-8)
+
+
+@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
+def test_half_a_section_is_the_whole_of_its_mirrored_mesh(cell: str) -> None:
+    """The same elements and their images without the plane of symmetry: the same to 1e-8."""
+    gap = ParabolicGap(1 / 200, 0.0, -1)
+    made, setup = two_blocks(cell, gap=gap)
+    _, half = solve(made, setup, load=300.0)
+    whole = mirrored(made)
+    _, full = solve(whole, replace(setup, planes=()), load=300.0)
+    assert full.newton.converged
+    assert full.approach == pytest.approx(half.approach, rel=1e-8)
+    assert full.load == pytest.approx(half.load, rel=1e-8)
+    assert np.sort(full.pressure)[::2] == pytest.approx(np.sort(half.pressure), abs=1e-6)
+
+
+def mirrored(made: mesh.ContactMesh) -> mesh.ContactMesh:
+    """A section at x >= 0 (straight cells) joined with its image."""
+    cells = compat.cell_nodes(made.mesh)
+    x = compat.node_points(made.mesh)
+    image = np.arange(len(x), 2 * len(x))
+    on_plane = np.abs(x[:, 0]) < 1e-9
+    image[on_plane] = np.flatnonzero(on_plane)
+    image[~on_plane] = len(x) + np.arange(np.sum(~on_plane))
+    points = np.concatenate([x, (x * [-1.0, 1.0])[~on_plane]])
+    shape = "triangle" if cells.shape[1] == 3 else "quadrilateral"
+    domain = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell(shape, 2), 1))
+    both = np.concatenate([cells, image[cells]])
+    built = create_mesh(MPI.COMM_WORLD, both.astype(np.int64), points, domain)
+    topology = built.topology
+    topology.create_connectivity(1, 2)
+    order = np.asarray(topology.original_cell_index)
+    tags = np.zeros(len(cells), dtype=np.int32)
+    for tag in (RAIL, WHEEL):
+        tags[made.cell_tags.find(tag)] = tag
+    cell_tags = meshtags(built, 2, np.arange(len(order), dtype=np.int32), np.tile(tags, 2)[order])
+    facets = exterior_facet_indices(topology)
+    middle = compute_midpoints(built, 1, facets)
+    kinds = np.zeros(len(facets), dtype=np.int32)
+    body = np.array([_body(built, cell_tags, facet) for facet in facets])
+    for tag, height in ((RAIL, -10.0), (WHEEL, 10.0)):
+        kinds[(body == tag) & (np.abs(middle[:, 1]) < 1e-9)] = CONTACT + tag
+        kinds[(body == tag) & (np.abs(middle[:, 1] - height) < 1e-9)] = SUPPORT + tag
+    order = np.argsort(facets)
+    return replace(
+        made, mesh=built, cell_tags=cell_tags,
+        facet_tags=meshtags(built, 1, facets[order], kinds[order]),
+    )  # fmt: skip
+
+
+def _body(built: object, cell_tags: object, facet: int) -> int:
+    cell = built.topology.connectivity(1, 2).links(facet)[0]
+    return int(cell_tags.values[np.flatnonzero(cell_tags.indices == cell)[0]])

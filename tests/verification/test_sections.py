@@ -1,0 +1,170 @@
+"""Sections against exact line contact, published benchmarks and the solid model."""
+
+import math
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from meshing import mesh, plane, profiles
+from meshing.bodies import Body, Options
+from meshing.sizing import Grading
+from meshing.surfaces import ExactGap, RailSurface
+from meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL
+from railhead import catalogue, run
+from railhead.scene import Scene
+from solver.contact import ContactModel, Setup, Side
+from solver.elasticity import Material
+from solver.kinematics import Kinematics
+from theory import line
+from theory.hertz import line_contact
+
+
+def solved(scene: Scene) -> dict:
+    result = run.run(scene)
+    assert result.passed, result.summary["newton"]
+    return result.summary
+
+
+@pytest.fixture(scope="module")
+def nafems() -> dict:
+    return solved(catalogue.find("roller_on_block"))
+
+
+def test_nafems_roller_on_block(nafems) -> None:
+    """p0 3585.4 MPa and half width 6.215 mm by Hertz, within 1 % (a/R = 0.124)."""
+    result = nafems["result"]
+    assert result["patch"]["a_mm"] == pytest.approx(6.2146278668664685, rel=0.01)
+    assert result["pressure"]["max_MPa"] == pytest.approx(3585.362230884501, rel=0.01)
+    assert nafems["hertz"]["pressure"]["max_MPa"] == pytest.approx(3585.362230884501, rel=1e-9)
+    assert nafems["checks"]["force_balance"] < 1e-8
+
+
+def test_nafems_roller_is_converged_in_the_mesh(nafems) -> None:
+    fine = solved(catalogue.find("roller_on_block").replace(["mesh.patch_size=0.25"]))["result"]
+    found = nafems["result"]
+    assert found["patch"]["a_mm"] == pytest.approx(fine["patch"]["a_mm"], rel=5e-4)
+    assert found["pressure"]["max_MPa"] == pytest.approx(fine["pressure"]["max_MPa"], rel=5e-4)
+
+
+HALF_SPACES = {
+    "roller on block": ("roller_on_block", []),
+    "long roller": ("long_roller", []),
+    "two cylinders": ("two_cylinders", []),
+    "quadrilaterals": ("long_roller", ["mesh.cell=hexahedron", "mesh.order=2"]),
+    "penalty": ("long_roller", ["solver.method=penalty"]),
+    "theta 0": ("long_roller", ["solver.theta=0"]),
+    "theta -1": ("long_roller", ["solver.theta=-1"]),
+    "by approach": ("long_roller", ["approach=0.03"]),
+    "rigid roller": ("long_roller", ["wheel.young_modulus=inf"]),
+    "soft rail": ("long_roller", ["rail.young_modulus=3000", "rail.poisson_ratio=0.45"]),
+    "whole section": ("two_cylinders", ["effects.symmetry=off"]),
+    "circle": ("sphere_on_plane", []),
+    "circle of two bodies": ("sphere_on_plane", ["rail.young_modulus=3000"]),
+    "circle of quadrilaterals": ("sphere_on_plane", ["mesh.cell=hexahedron", "mesh.order=2"]),
+}
+
+
+@pytest.mark.parametrize("case, assignments", HALF_SPACES.values(), ids=HALF_SPACES)
+def test_half_spaces_give_exact_hertz(case: str, assignments: list[str]) -> None:
+    """0.2 %, 0.5 % for the depth of the largest shear; 3 % at the surface, where the stress is
+    extrapolated."""
+    scene = catalogue.find(case).replace(["rail.extent=half-space", *assignments])
+    off = solved(scene)["difference"]
+    found = [off["patch"]["a_mm"], off["patch"]["b_mm"], off["pressure"]["max_MPa"]]
+    assert np.abs([*found, off["approach_mm"]]).max() < 0.002
+    assert abs(off["stress"]["tau_max_MPa"]) < 0.002
+    assert abs(off["stress"]["tau_max_depth_mm"]) < 0.005
+    assert np.abs(off["stress"]["surface_centre_MPa"]).max() < 0.03
+
+
+@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
+def test_linear_cells_reach_one_per_cent(cell: str) -> None:
+    scene = catalogue.find("long_roller").replace(
+        ["rail.extent=half-space", f"mesh.cell={cell}", "mesh.order=1"]
+    )
+    off = solved(scene)["difference"]
+    assert np.abs([off["patch"]["a_mm"], off["pressure"]["max_MPa"]]).max() < 0.01
+
+
+def test_two_cylinders() -> None:
+    """VM191: half width within one element of 1.2 mm. The half discs are clamped at their
+    diametral planes, so they give less than the 0.3995 mm of Johnson's free ones."""
+    summary = solved(catalogue.find("two_cylinders"))
+    result, size = summary["result"], summary["plan"]["patch_size_mm"]
+    assert abs(result["patch"]["b_mm"] - 1.2) < size
+    assert summary["hertz"]["approach_mm"] == pytest.approx(0.39954, rel=1e-4)
+    assert -0.06 < summary["difference"]["approach_mm"] < 0
+
+
+def test_disc_free_to_slide_on_its_diametral_plane_gives_johnsons_approach() -> None:
+    """Half a disc on a frictionless plane under a rigid plate, w/R = 0.03: within 0.5 %."""
+    radius, young, poisson, load = 13.0, 29120.0, 0.3, 320.0
+    strip = line_contact(1 / radius, young / (1 - poisson**2), load)
+    section = plane.flipped(plane.disc(radius, radius, 0.0, 0.0, half=True))
+    grading = Grading((0.0, 0.0, 0.0), strip.b, strip.b, 0.0, strip.b / 8)
+    options = Options("tetrahedron", 2, True, "xz")
+    made = mesh.generate([Body(RAIL, section, 0.0)], grading, options, MPI.COMM_WORLD)
+    arc = profiles.Profile("arc", (profiles.Arc(-radius, radius, 0.0, -radius, radius, 1),))
+    across = Kinematics(np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), thickness=2.0)
+    flat = plane.StraightTread(profiles.single_radius(math.inf, 99.0), 0.0)
+    setup = Setup(
+        fixed=Side(RAIL, CONTACT + RAIL, 99, Material(young, poisson)),
+        moving=Side(WHEEL, CONTACT + WHEEL, SUPPORT + WHEEL, Material(math.inf, 0.3)),
+        slave=RAIL, gap=ExactGap(RailSurface(arc), flat), degree=2, kinematics=across,
+        planes=((SYMMETRY_X, (0.0, 1.0, 0.0)), (SUPPORT + RAIL, (0.0, 0.0, 1.0))),
+    )  # fmt: skip
+    model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+    active = np.abs(model.interface.points[:, 0]) < strip.b
+    # Two planes, but only one of them is a cut: the load is that of two quarters.
+    found = model.solve(load=4 / 2 * 2.0 * load, active=active)
+    exact = line.cylinder_approach(strip, radius, young, poisson)
+    assert found.approach == pytest.approx(exact, rel=5e-3)
+
+
+def test_sphere_on_plane_in_two_and_three_dimensions() -> None:
+    """CU1: a 1.00964 mm and p0 88.29 MPa within 0.3 %; the solid model agrees at a price."""
+    case = catalogue.find("sphere_on_plane")
+    flat = solved(case.replace(["mesh.patch_size=0.17"]))
+    solid = solved(case.replace(["effects.axisymmetry=off", "mesh.patch_size=0.17"]))
+    for summary in (flat, solid):
+        assert summary["result"]["patch"]["a_mm"] == pytest.approx(1.0096354444581297, rel=3e-3)
+        assert summary["result"]["pressure"]["max_MPa"] == pytest.approx(88.290369, rel=3e-3)
+    assert flat["plan"]["effects"]["axisymmetry"]["on"]
+    assert flat["cost"]["dofs"] * 5 < solid["cost"]["dofs"]
+
+
+def test_real_sphere_on_a_block() -> None:
+    """A real ball R 50 on a steel block: a/R = 0.01, close to Hertz, held by boundary elements."""
+    scene = Scene(load=1000).replace(
+        ["rail.profile=arc", "rail.crown_radius=inf", "wheel.profile=arc",
+         "wheel.transverse_radius=50", "wheel.rolling_radius=50"]
+    )  # fmt: skip
+    summary = solved(scene)
+    assert abs(summary["difference"]["patch"]["a_mm"]) < 2e-3
+    assert abs(summary["difference"]["pressure"]["max_MPa"]) < 2e-3
+    assert summary["half_space"]["patch"]["a_mm"] == pytest.approx(
+        summary["result"]["patch"]["a_mm"], rel=0.02
+    )
+
+
+def test_bar_on_a_canted_rail_head() -> None:
+    """Section of a straight bar on 54E1 inclined 1:20: touches beside the crown. The head is 35 mm
+    to either side of a patch 4 mm wide, so Hertz holds to a few per cent."""
+    scene = Scene(load=5e5).replace(
+        ["wheel.rolling_radius=inf", "rail.length=100", "rail.inclination=1:40"]
+    )
+    summary = solved(scene)
+    assert abs(summary["difference"]["patch"]["b_mm"]) < 0.05
+    assert abs(summary["difference"]["pressure"]["max_MPa"]) < 0.03
+    assert summary["difference"]["patch"]["a_mm"] == 0.0
+
+
+def test_asked_accuracy_is_met_in_a_section() -> None:
+    scene = catalogue.find("long_roller").replace(["rail.extent=half-space", "accuracy=0.5%"])
+    summary = solved(scene)
+    assert summary["accuracy"]["reached"]
+    errors = {**summary["difference"]["patch"], **summary["difference"]["pressure"]}
+    errors |= summary["difference"]["stress"] | {"x": summary["difference"]["approach_mm"]}
+    for name, bound in summary["accuracy"]["bound"].items():
+        assert abs(errors.get(name, errors["x"])) <= bound
