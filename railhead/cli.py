@@ -188,6 +188,7 @@ def _run(scene: Scene, out: Path | None, *, pictures: bool, quiet: bool, as_json
             progress.stage("writing files" + (" and pictures" if pictures else ""))
             try:
                 results.write(result, folder, pictures=pictures)
+                signal.signal(signal.SIGTERM, signal.SIG_IGN)  # too late: the result is there
             except OSError as error:
                 problem = error
     passed, problem = comm.bcast((result.passed, problem))

@@ -6,7 +6,9 @@ import ctypes
 import json
 import os
 import shutil
+import signal
 import tempfile
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -42,22 +44,38 @@ def replacing(folder: Path) -> Iterator[Path]:
     """A temporary folder that takes the place of `folder` when the block ends without an error.
 
     `folder` holds the earlier result or the new one, whole, at every moment; of two that end
-    together the later one stays. OSError: the files cannot be written.
+    together the later one stays. A termination signal that comes during the exchange is too late
+    and is ignored. OSError: the files cannot be written.
     """
     folder = folder.absolute()
     folder.parent.mkdir(parents=True, exist_ok=True)
     work = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
     try:
         yield work
-        work.chmod(0o755)
-        try:
-            os.rename(work, folder)
-        except OSError:
-            if not folder.is_dir():
-                raise
-            _exchange(work, folder)
+        with _undisturbed():
+            work.chmod(0o755)
+            try:
+                os.rename(work, folder)
+            except OSError:
+                if not folder.is_dir():
+                    raise
+                _exchange(work, folder)
     finally:
-        shutil.rmtree(work, ignore_errors=True)
+        with _undisturbed():
+            shutil.rmtree(work, ignore_errors=True)
+
+
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Ignore termination signals for a moment; they reach the main thread only."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    handler = signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, handler)
 
 
 def _exchange(one: Path, other: Path) -> None:
