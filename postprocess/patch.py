@@ -10,12 +10,14 @@ from scipy.spatial import cKDTree
 
 from postprocess.findings import Array, AxisPressure, Frame, OnePatch, Patch, Surface
 from postprocess.parts import Part
-from postprocess.surface import SurfaceRecovery, chains, contour, smooth_square
+from postprocess.surface import SurfaceRecovery, chains, contour, smooth_outline, smooth_square
 from solver.gather import Fields
 
 HERTZIAN = 0.02  # largest deviation of the fourth moments from those of a semi-ellipsoid
 PEAK_RADIUS = 0.6  # of the semi-axes: where p^2 is fitted for the largest pressure
-LOBED, LOBE_RADIUS = 0.1, 0.3  # shape error from which the fit keeps to a lobe, and its radius
+LOBED = 0.1  # shape error from which the largest pressure is sought ...
+PEAK_FACETS = 16  # ... by quadratics fitted to p^2 over that many facets around each node, ...
+PEAK_SHARE = 0.75  # ... where the pressure is more than that share of the largest one
 EDGE_CLIP = 0.1  # of the largest pressure: how far the indicator is followed below zero
 
 
@@ -52,6 +54,9 @@ def moments(fields: Fields, frame: Frame) -> Moments:
     sc = 0.0 if cut_y else float(weight @ s / total)
     x, s = x - xc, s - sc
     xx, ss = float(weight @ x**2 / total), float(weight @ s**2 / total)
+    parts = 2 ** len(fields.mirrors)
+    if not xx * ss > 0:  # all points in a line
+        return Moments(parts * float(total), (xc, sc), np.sqrt(5 * xx), np.sqrt(5 * ss), np.inf)
     deviations = [
         weight @ x**4 / total / xx**2 / (15 / 7) - 1,
         weight @ s**4 / total / ss**2 / (15 / 7) - 1,
@@ -59,7 +64,6 @@ def moments(fields: Fields, frame: Frame) -> Moments:
         0.0 if cut_x else weight @ x**3 / total / xx**1.5,
         0.0 if cut_y else weight @ s**3 / total / ss**1.5,
     ]
-    parts = 2 ** len(fields.mirrors)
     return Moments(
         parts * float(total),
         (xc, sc),
@@ -79,14 +83,14 @@ def mirrored(local: Array, values: Array, fields: Fields) -> tuple[Array, Array]
     return local, values
 
 
-def largest_pressure(fields: Fields, frame: Frame, found: Moments, start: Array) -> float:
-    """Peak of a quadratic fitted to p^2 around `start` (x, s); Hertz's p^2 is one exactly."""
-    contact, reach = fields.contact, PEAK_RADIUS if found.shape_error < LOBED else LOBE_RADIUS
+def largest_pressure(fields: Fields, frame: Frame, found: Moments) -> float:
+    """Peak of a quadratic fitted to p^2 around the centre; Hertz's p^2 is one exactly."""
+    contact = fields.contact
     local, p = mirrored(frame.local(contact.points)[:, :2], contact.pressure, fields)
     _, weight = mirrored(local[: len(contact.weights)], contact.weights, fields)
-    scaled = (local - start) / np.array([found.a, found.b])
+    scaled = (local - found.centre) / np.array([found.a, found.b])
     radius = np.hypot(*scaled.T)
-    near = (radius < reach) & (p > 0)
+    near = (radius < PEAK_RADIUS) & (p > 0)
     if near.sum() < 24:
         return float(p.max())
     x, s = scaled[near].T
@@ -96,7 +100,7 @@ def largest_pressure(fields: Fields, frame: Frame, found: Moments, start: Array)
     hessian = np.array([[2 * c[3], c[4]], [c[4], 2 * c[5]]])
     if np.linalg.eigvalsh(hessian).max() < 0:
         top = np.linalg.solve(hessian, -c[1:3])
-        if np.hypot(*top) < reach:
+        if np.hypot(*top) < PEAK_RADIUS:
             return float(np.sqrt(c[0] + 0.5 * c[1:3] @ top))
     return float(np.sqrt(np.max(basis @ c)))
 
@@ -124,7 +128,9 @@ def read(fields: Fields, separate: list[Part], frame: Frame) -> tuple[Patch, Sur
     segments, area = contour(local, recovery.triangles, indicator)
     area *= 2 ** len(fields.mirrors)
     a, b = found.a, found.b
-    outlines = _close(chains(segments, 1e-6 * a), fields)
+    jagged = _close(chains(segments, 1e-6 * a), fields)
+    size = float(np.sqrt(np.bincount(contact.facet, contact.weights)[contact.facet].mean()))
+    outlines = [smooth_outline(line, size) for line in jagged]
     if several:
         a, b = separate[0].a, separate[0].b
     elif found.hertzian:
@@ -149,12 +155,17 @@ def read(fields: Fields, separate: list[Part], frame: Frame) -> tuple[Patch, Sur
 def _peak(fields: Fields, frame: Frame, points: Array, projected: Array) -> float:
     """Largest pressure of one patch; points (n, 3) and projected (n,): recovered at the nodes."""
     found = moments(fields, frame)
-    start = np.array(found.centre)
-    if not found.hertzian:
-        near = cKDTree(fields.contact.points).query(points)[0] < 0.2 * min(found.a, found.b)
-        highest = points[np.argmax(np.where(near, projected, 0.0))]
-        start = frame.local(highest[None])[0, :2]
-    return largest_pressure(fields, frame, found, start)
+    if found.shape_error < LOBED:
+        return largest_pressure(fields, frame, found)
+    contact = fields.contact
+    own = cKDTree(contact.points).query(points)[0] < 0.2 * min(found.a, found.b)
+    high = points[own & (projected > PEAK_SHARE * np.max(projected, where=own, initial=0.0))]
+    if not len(high):  # a patch smaller than its elements
+        return float(contact.pressure.max())
+    sites, pressure = mirrored(frame.local(contact.points)[:, :2], contact.pressure, fields)
+    samples = PEAK_FACETS * int(np.bincount(contact.facet).max())
+    targets = frame.local(high)[:, :2]
+    return float(np.max(smooth_square(sites, pressure, targets, samples, degree=2)))
 
 
 def _areas(

@@ -9,6 +9,7 @@ import basix
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
+from scipy.signal import savgol_filter
 from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 
@@ -17,6 +18,8 @@ from solver.facets import facet_type
 from solver.gather import Fields
 
 SMOOTHED_SAMPLES = 40
+OUTLINE_WINDOW = 4.0  # in elements: an outline is jagged in steps of an element
+OUTLINE_STEPS = 6  # points in an element
 _TRIANGLES = {
     ("triangle", 1): [[0, 1]],
     ("triangle", 2): [[0, 2], [2, 1]],
@@ -102,12 +105,12 @@ class SurfaceRecovery:
 
 
 def smooth_square(
-    sites: Array, values: Array, targets: Array, samples: int = SMOOTHED_SAMPLES
+    sites: Array, values: Array, targets: Array, samples: int = SMOOTHED_SAMPLES, degree: int = 1
 ) -> Array:
     """Values at targets (n, 2) from noisy positive ones at sites (k, 2), smoothing their square.
 
-    Moving least squares of degree 1 over that many nearest positive samples: a contact pressure
-    falls to zero like a square root at the edge, its square like a straight line.
+    Moving least squares of degree 1 or 2 over that many nearest positive samples: a contact
+    pressure falls to zero like a square root at the edge, its square like a straight line.
     """
     positive = values > 0
     sites, square = sites[positive], values[positive] ** 2
@@ -117,9 +120,13 @@ def smooth_square(
     radius = distance[:, -1:] * (1 + 1e-9) + 1e-300
     offset = (sites[near] - targets[:, None]) / radius[..., None]
     basis = np.concatenate([np.ones((*near.shape, 1)), offset], axis=2)
+    if degree == 2:
+        u, v = offset[..., 0], offset[..., 1]
+        basis = np.concatenate([basis, np.stack([u * u, u * v, v * v], axis=2)], axis=2)
     weighted = basis * (1 - (distance / radius) ** 2)[..., None]
     matrix = np.einsum("nki,nkj->nij", weighted, basis)
-    matrix += 1e-9 * np.trace(matrix, axis1=1, axis2=2)[:, None, None] * np.eye(3) + 1e-300
+    trace = np.trace(matrix, axis1=1, axis2=2)[:, None, None]
+    matrix += 1e-9 * trace * np.eye(basis.shape[2]) + 1e-300
     right = np.einsum("nki,nk->ni", weighted, square[near])
     fitted = np.linalg.solve(matrix, right[..., None])[:, 0, 0]
     return np.asarray(np.sqrt(np.maximum(fitted, 0.0)))
@@ -175,3 +182,18 @@ def chains(segments: Array, tolerance: float) -> list[Array]:
             current = starts.get(tuple(keys[current, 1]), -1)
         lines.append(np.array(line))
     return lines
+
+
+def smooth_outline(line: Array, size: float) -> Array:
+    """A polyline (m, 2), jagged in steps of the element size, as evenly spaced smooth points.
+
+    Savitzky and Golay's filter of degree 2 over four elements, or an eighth of a short line.
+    """
+    length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+    closed = bool(np.hypot(*(line[0] - line[-1])) < 1e-3 * size)
+    count = max(int(OUTLINE_STEPS * length[-1] / size), 8 * OUTLINE_STEPS)
+    at = np.linspace(0.0, length[-1], count, endpoint=not closed)
+    points = np.column_stack([np.interp(at, length, line[:, axis]) for axis in (0, 1)])
+    window = int(min(OUTLINE_WINDOW * OUTLINE_STEPS, count / 8)) | 1
+    smooth = savgol_filter(points, window, 2, axis=0, mode="wrap" if closed else "interp")
+    return np.concatenate([smooth, smooth[:1]]) if closed else smooth

@@ -38,16 +38,19 @@ QUANTITIES = {
 
 @dataclass(frozen=True)
 class PowerLaw:
-    """rms relative error value * (6/n)^order + floor, the floor being that of the reading."""
+    """rms relative error value * (6/n)^order + floor, the floor being that of the reading;
+    richardson: the order with which two meshes are compared."""
 
     value: float
     order: float
     floor: float = 0.0
+    richardson: float = ORDER
 
     def __call__(self, n: float) -> float:
         return float(self.value * (6.0 / n) ** self.order + self.floor)
 
 
+Laws = Mapping[str, PowerLaw]
 QUADRATIC = {
     "a_mm": PowerLaw(4.5e-4, 2.5),
     "b_mm": PowerLaw(4.5e-4, 2.5),
@@ -58,6 +61,14 @@ QUADRATIC = {
     "tau_max_depth_mm": PowerLaw(1.3e-3, 2.0),
     "von_mises_max_MPa": PowerLaw(2.4e-4, 2.5),
 }
+LOBED = QUADRATIC | {
+    "a_mm": PowerLaw(6e-3, 1.0, richardson=1.0),
+    "b_mm": PowerLaw(6e-3, 1.0, richardson=1.0),
+    "area_mm2": PowerLaw(5e-3, 1.0, richardson=1.0),
+    "max_MPa": PowerLaw(3e-3, 1.0, richardson=1.0),
+}
+"""Quadratic cells where the patch is no ellipse: no moments give its outline, no parabola its
+peak, and p has ridges where arcs join. From three such pairs against boundary elements."""
 LINEAR = dict.fromkeys(QUANTITIES, PowerLaw(2.5e-2, 1.4))
 
 
@@ -75,30 +86,33 @@ SECTION = {
 SECTION_LINEAR = LINEAR | {"tau_max_depth_mm": PowerLaw(3.5e-2, 0.8)}
 
 
-def laws(order: int, section: bool = False) -> Mapping[str, PowerLaw]:
-    """The measured laws for cells of that order, in space or in a section."""
+def laws(order: int, *, section: bool = False, hertzian: bool = True) -> Laws:
+    """The measured laws for cells of that order, in a section or in space, there for patches that
+    are ellipses or not."""
     if order == 1:
         return SECTION_LINEAR if section else LINEAR
-    return SECTION if section else QUADRATIC
+    if section:
+        return SECTION
+    return QUADRATIC if hertzian else LOBED
 
 
-def expected(n: float, order: int, section: bool = False) -> float:
+def expected(n: float, laws: Laws) -> float:
     """Largest a priori bound of all quantities at n elements per semi-axis."""
-    return MARGIN * max(law(n) for law in laws(order, section).values())
+    return MARGIN * max(law(n) for law in laws.values())
 
 
-def resolution(accuracy: float, order: int, section: bool = False) -> float:
+def resolution(accuracy: float, laws: Laws) -> float:
     """Elements per semi-axis whose a priori bounds all meet the accuracy.
 
     Coarse meshes are made finer by HEADROOM: Richardson's estimate from two of them is noisy, and
     a third mesh costs more.
     """
     low, high = RANGE
-    if expected(low, order, section) <= accuracy:
+    if expected(low, laws) <= accuracy:
         return HEADROOM * low
-    if expected(high, order, section) >= accuracy:
+    if expected(high, laws) >= accuracy:
         return high
-    n = float(brentq(lambda n: expected(n, order, section) - accuracy, low, high))
+    n = float(brentq(lambda n: expected(n, laws) - accuracy, low, high))
     return max(n, min(HEADROOM * n, HEADROOM * STEP * low))
 
 
@@ -118,13 +132,13 @@ def bounds(
     fine: Mapping[str, float],
     ratio: float,
     n: float,
-    order: int,
-    section: bool = False,
+    laws: Laws,
 ) -> dict[str, float]:
     """Relative bound of each quantity of the fine result (resolution n = ratio * n_coarse)."""
     found = {}
-    for name, law in laws(order, section).items():
-        richardson = SAFETY * abs(fine[name] / coarse[name] - 1) / (ratio**ORDER - 1)
+    for name, law in laws.items():
+        gain = ratio**law.richardson - 1
+        richardson = SAFETY * abs(fine[name] / coarse[name] - 1) / gain
         found[name] = max(MARGIN * law(n), richardson)
     return found
 

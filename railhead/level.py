@@ -18,7 +18,7 @@ from postprocess import compare, read
 from postprocess.findings import Findings, Frame
 from postprocess.parts import parts
 from postprocess.patch import Moments
-from railhead import build, effects
+from railhead import accuracy, build, effects
 from railhead import plan as planning
 from railhead.effects import After
 from railhead.forecast import Forecast, Nearest, Zone
@@ -62,6 +62,13 @@ class Level:
     def resolution(self) -> float:
         """Elements per smaller semi-axis of the patch that was meshed for."""
         return min(self.grading.a, self.grading.b) / self.grading.size
+
+    @property
+    def laws(self) -> accuracy.Laws:
+        """How the errors of this mesh behave, now that the patch is known (rank 0)."""
+        plan, found = self.plan, self.findings
+        hertzian = found is None or found.hertzian
+        return accuracy.laws(plan.order, section=plan.section, hertzian=hertzian)
 
     def finer(self, n: float) -> tuple[Plan, Grading]:
         """Plan and grading of a mesh around the same patch with n elements per semi-axis."""
@@ -170,7 +177,8 @@ def found_forecast(fields: Fields, found: Moments, frame: Frame) -> Forecast:
             for part in parts(fields)
         )
     nearest = Nearest(cKDTree(points), touches, max(zone.b for zone in zones))
-    return Forecast(zones, (*found.centre, found.a, found.b), nearest, False)
+    moments = (*found.centre, found.a, found.b)
+    return Forecast(zones, moments, nearest, found.hertzian)
 
 
 class _Clock:

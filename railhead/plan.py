@@ -74,6 +74,12 @@ class Plan:
         return self.forecast.minor / self.patch_size
 
     @property
+    def laws(self) -> accuracy.Laws:
+        """How the errors behave with the element size."""
+        hertzian = self.forecast.hertzian
+        return accuracy.laws(self.order, section=self.section, hertzian=hertzian)
+
+    @property
     def section(self) -> bool:
         """Whether two dimensions are enough."""
         return isinstance(self.contact, FlatContact)
@@ -290,7 +296,9 @@ def make(scene: Scene) -> Plan:
         n *= SECTION_REFINEMENT
     if scene.accuracy is not None:
         left_out = sum(effect.error for effect in decided.values())
-        n = accuracy.resolution(scene.accuracy - left_out, order, kind.kind != "solid")
+        section = kind.kind != "solid"
+        laws = accuracy.laws(order, section=section, hertzian=expected.hertzian)
+        n = accuracy.resolution(scene.accuracy - left_out, laws)
     size = scene.mesh.patch_size or expected.minor / n
     if contact.half_space:
         reach = HALF_SPACE_REACH * major

@@ -84,7 +84,7 @@ def _show_prices(plan: Plan, console: Console) -> None:
         table.add_column(column, justify="right")
     asked = plan.scene.accuracy
     for value in sorted({*PRICES, *([asked] if asked else [])}, reverse=True):
-        n = accuracy.resolution(value, plan.order, plan.section)
+        n = accuracy.resolution(value, plan.laws)
         unknowns, seconds = price(plan, n)
         size = plan.at_resolution(n).patch_size
         cells = (f"{value:.3g}", f"{size:.3g}", f"{unknowns}", f"{seconds:.1f}")

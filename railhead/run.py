@@ -134,8 +134,7 @@ def _bound(coarse: Level, fine: Level) -> dict[str, float]:
         accuracy.flat(fine.result),
         fine.resolution / coarse.resolution,
         fine.resolution,
-        fine.plan.order,
-        fine.plan.section,
+        fine.laws,
     )
     return {name: bound + fine.plan.left_out for name, bound in found.items()}
 

@@ -12,22 +12,22 @@ from railhead.scene import SceneError
 
 
 def test_resolution_meets_the_accuracy_a_priori() -> None:
-    for order in (1, 2):
+    for laws in (accuracy.LINEAR, accuracy.QUADRATIC, accuracy.LOBED, accuracy.SECTION):
         for asked in (0.2, 0.05, 0.01, 0.002):
-            n = accuracy.resolution(asked, order)
+            n = accuracy.resolution(asked, laws)
             low, high = accuracy.RANGE
             assert low <= n <= high
-            assert n == high or accuracy.expected(n, order) <= 1.000001 * asked
+            assert n == high or accuracy.expected(n, laws) <= 1.000001 * asked
             if accuracy.HEADROOM * accuracy.STEP * low < n < high:
-                assert accuracy.expected(n, order) == pytest.approx(asked)
+                assert accuracy.expected(n, laws) == pytest.approx(asked)
 
 
 def test_bound_is_the_larger_of_experience_and_richardson() -> None:
     coarse = dict.fromkeys(accuracy.QUANTITIES, 1.0)
-    same = accuracy.bounds(coarse, coarse, 1.6, 8.0, 2)
+    same = accuracy.bounds(coarse, coarse, 1.6, 8.0, accuracy.QUADRATIC)
     for name, bound in same.items():
         assert bound == accuracy.MARGIN * accuracy.QUADRATIC[name](8.0)
-    moved = accuracy.bounds(coarse, coarse | {"a_mm": 1.1}, 2.0, 8.0, 2)
+    moved = accuracy.bounds(coarse, coarse | {"a_mm": 1.1}, 2.0, 8.0, accuracy.QUADRATIC)
     assert moved["a_mm"] == pytest.approx(1.25 * 0.1 / (2**2.5 - 1))
 
 
@@ -83,7 +83,8 @@ def test_memory_is_guarded_before_the_next_mesh(monkeypatch) -> None:
 
 def test_price_grows_with_the_accuracy() -> None:
     plan = planning.make(catalogue.find("uic54_thesis"))
-    prices = [price.price(plan, accuracy.resolution(asked, 2)) for asked in (0.05, 0.01, 0.002)]
+    needed = [accuracy.resolution(asked, plan.laws) for asked in (0.05, 0.01, 0.002)]
+    prices = [price.price(plan, n) for n in needed]
     assert prices == sorted(prices)
 
 
