@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import combinations_with_replacement
+
 import basix
 import numpy as np
 from numpy.typing import NDArray
@@ -92,9 +94,10 @@ def below(
     out = np.empty((len(depth), 6))
     for row, (d, i) in enumerate(zip(distance, index, strict=True)):
         radius = d[-1] * (1 + 1e-9)
-        root = np.sqrt(1 - (d / radius) ** 2)[:, None]
         basis = _monomials((points[i] - axis[row]) / radius)
-        out[row] = np.linalg.lstsq(basis * root, stress[i] * root, rcond=None)[0][0]
+        weighted = basis.T * (1 - (d / radius) ** 2)
+        # In a section the monomials depend on each other: the least of the solutions.
+        out[row] = np.linalg.lstsq(weighted @ basis, weighted @ stress[i], rcond=1e-12)[0][0]
     return DepthAxis(name, depth, out)
 
 
@@ -105,13 +108,11 @@ def _gauss(fields: Fields) -> Array:
 
 
 def _monomials(x: Array) -> Array:
-    powers = [
-        (i, j, k - i - j)
-        for k in range(FIT_DEGREE + 1)
-        for i in range(k + 1)
-        for j in range(k - i + 1)
-    ]
-    return np.column_stack([x[:, 0] ** i * x[:, 1] ** j * x[:, 2] ** k for i, j, k in powers])
+    """(n, 3) -> (n, 20): all products of at most three coordinates, 1 first."""
+    factors = np.column_stack([np.ones(len(x)), x])
+    combined = combinations_with_replacement(range(4), FIT_DEGREE)
+    i, j, k = np.array(list(combined)).T
+    return np.asarray(factors[:, i] * factors[:, j] * factors[:, k])
 
 
 def _samples(
