@@ -103,8 +103,9 @@ def _unplanned(scene: Scene) -> tuple[int, float]:
     from meshing.sizing import Grading
     from meshing.surfaces import ParabolicGap
     from meshing.tags import CONTACT, RAIL, SUPPORT, WHEEL
-    from solver.contact import ContactModel, Setup, Side
+    from solver.contact import ContactModel
     from solver.elasticity import Material
+    from solver.setup import Setup, Side
     from theory import hertz
 
     wheel, radius, load = scene.wheel, scene.wheel.rolling_radius, float(scene.load or 0.0)

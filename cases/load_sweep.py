@@ -74,9 +74,10 @@ def main(out: Path, *, quick: bool) -> None:
 def around_smallest(plan: Plan, lowest: float) -> Grading:
     """Fine enough for the patch of the lowest load, growing outwards over the larger ones."""
     from meshing.sizing import Grading
+    from railhead import exact
     from railhead import plan as planning
 
-    small = planning.estimate(plan.scene, plan.contact, lowest)
+    small = exact.estimate(plan.scene, plan.contact, lowest)
     size = min(small.a, small.b) / ELEMENTS_PER_SEMI_AXIS
     angle, coarsest = plan.contact.touch.angle, planning.COARSEST * plan.reach
     return Grading(
@@ -89,7 +90,7 @@ def sweep(name: str, loads: Sequence[float], progress: Progress) -> list[Point]:
     from mpi4py import MPI
 
     from postprocess.findings import Frame
-    from railhead import build
+    from railhead import build, exact
     from railhead import plan as planning
 
     start = time.perf_counter()
@@ -102,7 +103,7 @@ def sweep(name: str, loads: Sequence[float], progress: Progress) -> list[Point]:
     points: list[Point] = []
     for load in loads:
         progress.stage(f"{name}: {load:.0f} N, {model.unknowns} unknowns")
-        ellipse = planning.ellipse(plan.scene, plan.contact, load)
+        ellipse = exact.ellipse(plan.scene, plan.contact, load)
         inside = (local[:, 0] / ellipse.a) ** 2 + (local[:, 1] / ellipse.b) ** 2 < 1
         solution = model.solve(load=load, active=inside)
         points.append(_point(plan, ellipse, model, frame, solution, time.perf_counter() - start))
@@ -127,12 +128,12 @@ def _point(
         read.findings(fields, frame), solution.load, solution.approach
     )  # fmt: skip
     poisson = plan.scene.rail.poisson_ratio
-    exact = compare.from_hertz(ellipse, poisson, frame.angle, frame.origin)
+    reference = compare.from_hertz(ellipse, poisson, frame.angle, frame.origin)
     return Point(
         plan.scene.name,
         solution.load,
         *_quantities(values),
-        *_quantities(compare.difference(values, exact)),
+        *_quantities(compare.difference(values, reference)),
         model.unknowns,
         len(solution.newton.history),
         sum(step.linear_iterations for step in solution.newton.history),

@@ -13,8 +13,7 @@ import numpy as np
 
 from meshing import profiles, wheelset
 from meshing.placement import Pair
-from railhead import catalogue, geometry, studies
-from railhead import plan as planning
+from railhead import catalogue, exact, geometry, studies
 from railhead.cli import main as command
 from theory import (
     boundary_element,
@@ -90,7 +89,7 @@ def judge(given: Facts) -> list[Judged]:
 def facts(scene: Scene) -> Facts:
     """Exact Hertz, the thesis's route, and what the profiles say; no finite elements yet."""
     contact = geometry.locate(scene)
-    ellipse = planning.ellipse(scene, contact)
+    ellipse = exact.ellipse(scene, contact)
     curvatures = (ellipse.curvature_x, 0.0), (0.0, ellipse.curvature_y)
     route = thesis.thesis_contact(*curvatures, ellipse.contact_modulus, ellipse.load)
     numerical = boundary_element.solve(

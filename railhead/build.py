@@ -12,13 +12,13 @@ from meshing import mesh
 from meshing.bodies import Body
 from meshing.sizing import Grading
 from meshing.tags import CONTACT, RAIL, SUPPORT, WHEEL
-from railhead import bodies, flat
-from railhead import plan as planning
+from railhead import bodies, exact, flat
 from railhead.flat import FlatContact
 from railhead.plan import Plan
-from solver.contact import ContactModel, Setup, Side
+from solver.contact import ContactModel
 from solver.kinematics import SOLID
 from solver.laws import Law
+from solver.setup import Setup, Side
 from theory import halfspace, line
 from theory.line import LineContact
 
@@ -32,7 +32,7 @@ class HertzFarField:
     def __call__(self, load: float, body: int, points: NDArray) -> NDArray:
         """(load N, RAIL or WHEEL, points (n, 3) mm) -> (n, 3) mm; the wheel is the mirror image."""
         scene, contact = self.plan.scene, self.plan.contact
-        hertz = planning.estimate(scene, contact, load)
+        hertz = exact.estimate(scene, contact, load)
         part = self.plan.material(body)
         mirror = [1.0, 1.0, 1.0 if body == RAIL else -1.0]
         lower = points * mirror

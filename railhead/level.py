@@ -18,8 +18,7 @@ from postprocess import compare, read
 from postprocess.findings import Findings, Frame
 from postprocess.parts import parts
 from postprocess.patch import Moments
-from railhead import accuracy, build, effects
-from railhead import plan as planning
+from railhead import accuracy, build, effects, exact
 from railhead.effects import After
 from railhead.forecast import Forecast, Nearest, Zone
 from railhead.plan import Plan
@@ -106,7 +105,7 @@ def solve_level(
         findings = read.findings(fields, frame)
         result = compare.from_findings(findings, solution.load, solution.approach)
     clock.lap("postprocess")
-    ellipse = planning.estimate(plan.scene, plan.contact, solution.load or None)
+    ellipse = exact.estimate(plan.scene, plan.contact, solution.load or None)
     return Level(
         plan, grading, mesh, unknowns, comm.size, solution, ellipse, fields, findings,
         result, clock.seconds,

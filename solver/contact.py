@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -15,73 +15,19 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from solver import compat, constraints, interface, linear, newton, transfer
-from solver.elasticity import Bulk, Material, assemble
+from solver.elasticity import Bulk, assemble
 from solver.facets import Array, FacetSet
 from solver.held import HeldRows
-from solver.interface import Gap, Interface
-from solver.kinematics import SOLID, Kinematics
-from solver.laws import Law
+from solver.interface import Interface
 from solver.linear import Preconditioner
 from solver.multigrid import Hierarchy, PMultigrid
 from solver.problem import ContactProblem, Mask, reduce_problem
+from solver.setup import Setup
 
 NEWTON_TOLERANCE = 1e-8  # residual over the contact force
 LINEAR_DIRECT_BELOW = 80_000  # unknowns of linear cells, whose multigrid is slow on stretched ones
 SECTION_DIRECT_BELOW = 200_000  # unknowns of a section, where factors stay sparse
 STAGE_TOLERANCE = 0.1  # the same for the softer laws on the way to a stiff one
-
-FarField = Callable[[float, int, Array], Array]
-"""(load N, body tag, points in space (n, 3)) -> displacement (n, 3) of the supported faces, mm."""
-
-
-@dataclass(frozen=True)
-class Side:
-    """Tags of one body: its cells, its contact facets and its supported facets."""
-
-    tag: int
-    contact: int
-    support: int
-    material: Material
-
-    @property
-    def rigid(self) -> bool:
-        """Not meshed: only its exact surface takes part."""
-        return bool(np.isinf(self.material.young_modulus))
-
-
-@dataclass(frozen=True)
-class Setup:
-    """What is solved.
-
-    fixed, moving: the body held at its support and the one pushed along `direction` by its rigid
-    hub. gap: exact gap seen from the slave. planes: facet tag and normal of each symmetry plane.
-    far_field: prescribed displacement of both supports on top of the rigid motion.
-    load_control: the load is given and the approach an unknown, or the reverse. kinematics: what
-    the mesh's coordinates stand for; directions, normals, gap and far field are those of space.
-    """
-
-    fixed: Side
-    moving: Side
-    slave: int
-    gap: Gap
-    degree: int
-    law: Law = field(default_factory=Law)
-    direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
-    planes: tuple[tuple[int, tuple[float, float, float]], ...] = ()
-    far_field: FarField | None = None
-    load_control: bool = True
-    linear: str = "auto"
-    kinematics: Kinematics = SOLID
-
-    @property
-    def parts(self) -> int:
-        """How many times the modelled part makes up the whole."""
-        return 1 if self.kinematics.revolved else int(2 ** len(self.planes))
-
-    @property
-    def push(self) -> Array:
-        """The direction in the mesh's coordinates (c,)."""
-        return self.kinematics.flatten(np.array(self.direction))
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,8 @@ import pytest
 
 from cases.hard import blocks
 from meshing import mesh
-from solver.contact import ContactModel, Setup
+from solver.contact import ContactModel
+from solver.setup import Setup
 
 
 @pytest.fixture(scope="session")

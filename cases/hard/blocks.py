@@ -15,8 +15,8 @@ from meshing.sizing import Grading
 from meshing.surfaces import ParabolicGap
 from meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, SYMMETRY_Y, WHEEL
 from solver.compat import cell_nodes
-from solver.contact import Setup, Side
 from solver.elasticity import Material
+from solver.setup import Setup, Side
 
 STEEL = Material(207000.0, 0.3)
 GAP = ParabolicGap(1 / 2000, 1 / 1600, 1)  # 3 kN on steel touch over about 3 mm

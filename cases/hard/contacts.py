@@ -16,10 +16,11 @@ from meshing.mesh import ContactMesh
 from meshing.surfaces import ParabolicGap
 from postprocess import read
 from postprocess.findings import Findings, Frame
-from solver.contact import ContactModel, Setup, Solution
+from solver.contact import ContactModel, Solution
 from solver.elasticity import Material
 from solver.gather import Fields, gather
 from solver.interface import Gap
+from solver.setup import Setup
 
 Array = NDArray[np.float64]
 Start = Callable[[ContactModel], NDArray[np.bool_]]

@@ -16,11 +16,12 @@ from meshing.surfaces import ParabolicGap
 from meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL
 from postprocess import stress
 from solver import compat
-from solver.contact import ContactModel, Setup, Side
+from solver.contact import ContactModel
 from solver.elasticity import Material, assemble
 from solver.gather import gather
 from solver.kinematics import Kinematics
 from solver.laws import Law
+from solver.setup import Setup, Side
 
 XZ = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 PLANE, RING = Kinematics(XZ, thickness=5.0), Kinematics(XZ, revolved=True)

@@ -13,9 +13,10 @@ from meshing.surfaces import ExactGap, RailSurface
 from meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL
 from railhead import catalogue, run
 from railhead.scene import Scene
-from solver.contact import ContactModel, Setup, Side
+from solver.contact import ContactModel
 from solver.elasticity import Material
 from solver.kinematics import Kinematics
+from solver.setup import Setup, Side
 from theory import line
 from theory.hertz import line_contact
 

@@ -1,0 +1,67 @@
+"""What is solved: bodies, contact law, supports and symmetry."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from solver.elasticity import Material
+from solver.facets import Array
+from solver.interface import Gap
+from solver.kinematics import SOLID, Kinematics
+from solver.laws import Law
+
+FarField = Callable[[float, int, Array], Array]
+"""(load N, body tag, points in space (n, 3)) -> displacement (n, 3) of the supported faces, mm."""
+
+
+@dataclass(frozen=True)
+class Side:
+    """Tags of one body: its cells, its contact facets and its supported facets."""
+
+    tag: int
+    contact: int
+    support: int
+    material: Material
+
+    @property
+    def rigid(self) -> bool:
+        """Not meshed: only its exact surface takes part."""
+        return bool(np.isinf(self.material.young_modulus))
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What is solved.
+
+    fixed, moving: the body held at its support and the one pushed along `direction` by its rigid
+    hub. gap: exact gap seen from the slave. planes: facet tag and normal of each symmetry plane.
+    far_field: prescribed displacement of both supports on top of the rigid motion.
+    load_control: the load is given and the approach an unknown, or the reverse. kinematics: what
+    the mesh's coordinates stand for; directions, normals, gap and far field are those of space.
+    """
+
+    fixed: Side
+    moving: Side
+    slave: int
+    gap: Gap
+    degree: int
+    law: Law = field(default_factory=Law)
+    direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
+    planes: tuple[tuple[int, tuple[float, float, float]], ...] = ()
+    far_field: FarField | None = None
+    load_control: bool = True
+    linear: str = "auto"
+    kinematics: Kinematics = SOLID
+
+    @property
+    def parts(self) -> int:
+        """How many times the modelled part makes up the whole."""
+        return 1 if self.kinematics.revolved else int(2 ** len(self.planes))
+
+    @property
+    def push(self) -> Array:
+        """The direction in the mesh's coordinates (c,)."""
+        return self.kinematics.flatten(np.array(self.direction))
