@@ -6,6 +6,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from railhead.geometry import RAIL_HALF_WIDTH, TREAD_HALF_WIDTH
 from railhead.scene import NOMINAL_RADIUS, Scene, SceneError
 from theory import hertz
@@ -156,7 +158,8 @@ def _semi_axis_across(scene: Scene, along: float, across: float) -> float:
     modulus = hertz.contact_modulus(
         rail.young_modulus, rail.poisson_ratio, wheel.young_modulus, wheel.poisson_ratio
     )
-    if scene.load is not None:
-        return hertz.point_contact(along, across, modulus, scene.load).b
-    approach = float(scene.approach or 0.0)
-    return hertz.point_contact_from_approach(along, across, modulus, approach).b
+    with np.errstate(all="ignore"):  # absurd loads are refused later, in one line
+        if scene.load is not None:
+            return hertz.point_contact(along, across, modulus, scene.load).b
+        approach = float(scene.approach or 0.0)
+        return hertz.point_contact_from_approach(along, across, modulus, approach).b
