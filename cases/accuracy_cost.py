@@ -26,6 +26,8 @@ ELEMENTS = {
     "hexahedron 1": ("hexahedron", 1, LINEAR),
 }
 """Name: cell, order, elements per smaller semi-axis of the patch."""
+CUBIC, CUBIC_SIZES = "tetrahedron 3", (2.0, 3.0, 4.0, 6.0)
+"""No scene can ask for them: they are here to show whether they would pay."""
 ASKED = ("5%", "1%", "0.2%")
 MAX_UNKNOWNS = 250_000  # predicted; finer meshes are left out
 MAIN = {"a": "a_mm", "b": "b_mm", "p_max": "max_MPa"}
@@ -90,6 +92,7 @@ def main(out: Path, *, quick: bool) -> None:
             scene = catalogue.find(name).replace(["effects.axisymmetry=off"])  # solids alone
             case = Case(scene, reference(scene))
             runs += fixed_meshes(case, 2 if quick else None, progress)
+            runs += cubic_meshes(case, 2 if quick else None, progress)
             runs += asked_accuracies(case, 1 if quick else None, progress)
     write_csv(out / "accuracy_cost.csv", runs)
     rows = [vars(run) for run in runs]
@@ -133,6 +136,33 @@ def fixed_meshes(case: Case, sizes: int | None, progress: Progress) -> Iterator[
                     yield _recorded(run, _solve(scene), case.exact)
 
 
+def cubic_meshes(case: Case, sizes: int | None, progress: Progress) -> Iterator[Run]:
+    """Cubic tetrahedra with Nitsche's method, after a warm-up."""
+    from mpi4py import MPI
+
+    from railhead import plan as planning
+    from railhead.level import solve_level
+
+    plan = replace(planning.make(case.scene), order=3)
+    silent, comm = Progress(quiet=True), MPI.COMM_WORLD
+    progress.stage(f"{case.scene.name}: {CUBIC}, warm-up")
+    solve_level(plan.at_resolution(CUBIC_SIZES[0]), None, silent, comm)
+    for n in CUBIC_SIZES[:sizes]:
+        progress.stage(f"{case.scene.name}: nitsche, {CUBIC}, b/{n:g}")
+        level = solve_level(plan.at_resolution(n), None, silent, comm)
+        history = level.solution.newton.history
+        yield Run(
+            case.scene.name, "nitsche", CUBIC, None, n, level.grading.size, level.unknowns,
+            seconds=sum(level.seconds.values()),
+            seconds_solve=level.seconds["solve"],
+            newton_iterations=len(history),
+            linear_iterations=sum(step.linear_iterations for step in history),
+            converged=level.solution.newton.converged,
+            failure="" if level.solution.newton.converged else level.solution.newton.reason,
+            **_errors(level.result, case.exact),
+        )  # fmt: skip
+
+
 def asked_accuracies(case: Case, count: int | None, progress: Progress) -> Iterator[Run]:
     """Runs that choose their meshes for an asked accuracy; their seconds are of all meshes."""
     for asked in ASKED[:count]:
@@ -162,12 +192,6 @@ def _recorded(run: Run, done: dict[str, Any] | str, exact: dict[str, float]) -> 
     if isinstance(done, str):
         return replace(run, failure=done)
     cost, converged = done["cost"], done["checks"]["converged"]
-    errors: dict[str, Any] = {}
-    if done["result"] is not None:
-        found = _flat(done["result"])
-        errors = {f"error_{key}": abs(found[key] / exact[key] - 1) for key in QUANTITIES}
-        errors["error_all"] = max(errors.values())
-        errors["error"] = max(errors[f"error_{key}"] for key in MAIN)
     return replace(
         run,
         patch_size_mm=done["plan"]["patch_size_mm"],
@@ -179,8 +203,18 @@ def _recorded(run: Run, done: dict[str, Any] | str, exact: dict[str, float]) -> 
         converged=converged,
         failure="" if converged else done["newton"]["reason"],
         reached=done["accuracy"]["reached"],
-        **errors,
+        **_errors(done["result"], exact),
     )
+
+
+def _errors(result: dict[str, Any] | None, exact: dict[str, float]) -> dict[str, Any]:
+    if result is None:
+        return {}
+    found = _flat(result)
+    errors = {f"error_{key}": abs(found[key] / exact[key] - 1) for key in QUANTITIES}
+    errors["error_all"] = max(errors.values())
+    errors["error"] = max(errors[f"error_{key}"] for key in MAIN)
+    return errors
 
 
 def _flat(values: dict[str, Any]) -> dict[str, float]:

@@ -13,8 +13,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Row = Mapping[str, Any]
-COLOURS = {"tetrahedron 2": "#1f4e79", "tetrahedron 1": "#3b8f5a", "hexahedron 1": "#c8502d"}
-MARKERS = {"tetrahedron 2": "^", "tetrahedron 1": "v", "hexahedron 1": "s"}
+COLOURS = {
+    "tetrahedron 3": "#7b4fa3",
+    "tetrahedron 2": "#1f4e79",
+    "tetrahedron 1": "#3b8f5a",
+    "hexahedron 1": "#c8502d",
+}
+MARKERS = {"tetrahedron 3": "D", "tetrahedron 2": "^", "tetrahedron 1": "v", "hexahedron 1": "s"}
 LINES = {"nitsche": "-", "penalty": "--"}
 STAR = "#e8a800"
 
@@ -47,6 +52,8 @@ def _panel(axes: Axes, rows: Sequence[Row]) -> None:
         for method, style in LINES.items():
             line = [r for r in solved if (r["element"], r["method"]) == (element, method)]
             name = method.replace("nitsche", "Nitsche")
+            if not line:
+                continue
             label = f"{element[:-2]}, order {element[-1]}, {name}"
             axes.plot(
                 *_curve(line), style, color=colour, marker=MARKERS[element], ms=6,
