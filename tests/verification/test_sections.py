@@ -98,6 +98,23 @@ def test_two_cylinders() -> None:
     assert -0.06 < summary["difference"]["approach_mm"] < 0
 
 
+def test_two_cylinders_in_plane_stress_meet_roark() -> None:
+    """ANSYS solves VM191 in plane stress and meets Roark's approach, 0.4174 mm, a formula of plane
+    strain. So do we: plane strain with E (1 + 2 nu)/(1 + nu)^2 and nu/(1 + nu) is plane stress."""
+    case = catalogue.find("two_cylinders")
+    keys = [
+        f"{part}.{key}={value!r}"
+        for part, body in (("rail", case.rail), ("wheel", case.wheel))
+        for key, value in {
+            "young_modulus": body.young_modulus
+            * (1 + 2 * body.poisson_ratio)
+            / (1 + body.poisson_ratio) ** 2,
+            "poisson_ratio": body.poisson_ratio / (1 + body.poisson_ratio),
+        }.items()
+    ]
+    assert solved(case.replace(keys))["result"]["approach_mm"] == pytest.approx(0.41739, rel=0.01)
+
+
 def test_disc_free_to_slide_on_its_diametral_plane_gives_johnsons_approach() -> None:
     """Half a disc on a frictionless plane under a rigid plate, w/R = 0.03: within 0.5 %."""
     radius, young, poisson, load = 13.0, 29120.0, 0.3, 320.0
