@@ -29,7 +29,7 @@ ELEMENTS = {
 CUBIC, CUBIC_SIZES = "tetrahedron 3", (2.0, 3.0, 4.0, 6.0)
 """No scene can ask for them: they are here to show whether they would pay."""
 ASKED = ("5%", "1%", "0.2%")
-MAX_UNKNOWNS = 250_000  # predicted; finer meshes are left out
+MAX_UNKNOWNS = 200_000  # predicted; finer meshes are left out
 MAIN = {"a": "a_mm", "b": "b_mm", "p_max": "max_MPa"}
 QUANTITIES = MAIN | {
     "area": "area_mm2",
