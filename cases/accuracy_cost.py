@@ -19,11 +19,10 @@ CASES = ("hertz_ellipse", "sphere_on_plane", "uic54_thesis")
 NO_FORMULA = ("uic54_thesis",)  # no half-space: held against its own converged run
 REFERENCE = 16.0  # elements per smaller semi-axis of that run
 METHODS = ("nitsche", "penalty")
-QUADRATIC, LINEAR = (2.0, 4.0, 7.0, 12.0), (4.0, 7.0, 12.0, 20.0)
 ELEMENTS = {
-    "tetrahedron 2": ("tetrahedron", 2, QUADRATIC),
-    "tetrahedron 1": ("tetrahedron", 1, LINEAR),
-    "hexahedron 1": ("hexahedron", 1, LINEAR),
+    "tetrahedron 2": ("tetrahedron", 2, (2.0, 4.0, 7.0, 12.0)),
+    "tetrahedron 1": ("tetrahedron", 1, (7.0, 12.0, 20.0, 30.0)),
+    "hexahedron 1": ("hexahedron", 1, (4.0, 7.0, 12.0, 20.0)),
 }
 """Name: cell, order, elements per smaller semi-axis of the patch."""
 CUBIC, CUBIC_SIZES = "tetrahedron 3", (2.0, 3.0, 4.0, 6.0)

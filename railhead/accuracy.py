@@ -65,10 +65,10 @@ LOBED = QUADRATIC | {
     "a_mm": PowerLaw(6e-3, 1.0, richardson=1.0),
     "b_mm": PowerLaw(6e-3, 1.0, richardson=1.0),
     "area_mm2": PowerLaw(5e-3, 1.0, richardson=1.0),
-    "max_MPa": PowerLaw(3e-3, 1.0, richardson=1.0),
+    "max_MPa": PowerLaw(7e-3, 1.0, richardson=1.0),
 }
 """Quadratic cells where the patch is no ellipse: no moments give its outline, no parabola its
-peak, and p has ridges where arcs join. From three such pairs against boundary elements."""
+peak, and p has ridges where arcs join. From five such pairs against boundary elements."""
 LINEAR = dict.fromkeys(QUANTITIES, PowerLaw(2.5e-2, 1.4))
 
 

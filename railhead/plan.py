@@ -15,6 +15,7 @@ from railhead.effects.true_profile import one_radius
 from railhead.flat import FlatContact
 from railhead.forecast import Forecast, Zone, forecast
 from railhead.geometry import Contact
+from railhead.ridges import ridges
 from railhead.scene import Scene
 from railhead.sections import Rail, Wheel
 from solver.elasticity import Material
@@ -27,6 +28,8 @@ SECTION_REFINEMENT = 2.0  # so are those of a section, where they cost nearly no
 GROWTH = 0.3  # of the element size with distance, at most; finer patches grow more slowly
 FULL_GROWTH = 7 / 6  # times the default resolution, up to which the growth is the largest
 FINEST_SHARE = 0.5  # elements in a further patch over those in the most loaded one, at least
+RIDGE_SHARE = 0.5  # elements on a ridge of the pressure over those of its patch ...
+RIDGE_WIDTH = 0.5  # ... and half the width that has them, over the latter
 COARSEST = 0.25  # largest element over the half length of the bodies
 HALF_SPACE_REACH = 8.0  # edge of the blocks over the major semi-axis: the far field is exact
 BODY_REACH = 12.0  # half length of real bodies over the major semi-axis, at least
@@ -186,7 +189,16 @@ class Plan:
                 zone.centre, zone.a, zone.b, zone.angle, size, self.growth, coarsest=coarsest
             )  # fmt: skip
 
+        def along(zone: Zone, size: float) -> list[Grading]:
+            return [
+                replace(around(line), a=line.a, b=RIDGE_WIDTH * size, size=RIDGE_SHARE * size)
+                for line in ridges(self.surfaces, zone)
+            ]
+
         first, *others = (around(zone) for zone in self.forecast.zones)
+        if self.scene.mesh.cell == "tetrahedron":  # rows of hexahedra would run across everything
+            for zone, patch in zip(self.forecast.zones, (first, *others), strict=True):
+                others += along(zone, patch.size)
         return replace(first, also=tuple(others))
 
     @property

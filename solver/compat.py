@@ -6,16 +6,19 @@ No other module asks for a version. Written against dolfinx 0.5.2 (Debian 12), w
 from __future__ import annotations
 
 import logging
+from pathlib import Path
 from typing import Any
 
 import dolfinx
 import numpy as np
 import ufl
-from dolfinx import fem
+from dolfinx import fem, jit
 from dolfinx import mesh as dmesh
 from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
+
+from solver import compiling
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 _OLD = VERSION < (0, 8)
@@ -36,28 +39,37 @@ def model_to_mesh(model: Any, comm: MPI.Comm, dim: int = 3) -> tuple[Any, Any, A
     return data.mesh, data.cell_tags, data.facet_tags
 
 
+def _alone(mesh: Any) -> Any:
+    """Context in which forms and elements are compiled."""
+    chosen = jit.get_parameters() if _OLD else jit.get_options()
+    return compiling.alone(mesh.comm, Path(chosen["cache_dir"]))
+
+
 def vector_space(mesh: Any, degree: int) -> Any:
     """Continuous Lagrange space of vectors with as many components as the mesh has coordinates."""
-    if _OLD:
-        return fem.VectorFunctionSpace(mesh, ("Lagrange", degree))
-    return fem.functionspace(mesh, ("Lagrange", degree, (mesh.geometry.dim,)))
+    with _alone(mesh):
+        if _OLD:
+            return fem.VectorFunctionSpace(mesh, ("Lagrange", degree))
+        return fem.functionspace(mesh, ("Lagrange", degree, (mesh.geometry.dim,)))
 
 
 def cellwise_constant(mesh: Any, values: NDArray[np.float64]) -> Any:
     """DG0 function with one value for each local cell (ghosts included)."""
-    space = (fem.FunctionSpace if _OLD else fem.functionspace)(mesh, ("DG", 0))
+    with _alone(mesh):
+        space = (fem.FunctionSpace if _OLD else fem.functionspace)(mesh, ("DG", 0))
     function = fem.Function(space)
     dofs = _rows(space.dofmap.list, 1).reshape(-1)
     function.x.array[dofs] = values
     return function
 
 
-def form(expression: ufl.Form) -> Any:
-    """Compile a form with the C compiler's optimiser on."""
+def form(expression: ufl.Form, mesh: Any) -> Any:
+    """Compile a form on a mesh with the C compiler's optimiser on."""
     options = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
-    if _OLD:
-        return fem.form(expression, jit_params=options)
-    return fem.form(expression, jit_options=options)
+    with _alone(mesh):
+        if _OLD:
+            return fem.form(expression, jit_params=options)
+        return fem.form(expression, jit_options=options)
 
 
 def collect(comm: MPI.Comm) -> None:

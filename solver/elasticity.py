@@ -74,7 +74,7 @@ def assemble(
     u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
     order = quadrature_degree(compat.cell_type(mesh), degree, kinematics)
     stiffness = fem.petsc.assemble_matrix(
-        compat.form(kinematics.energy(u, v, lam, mu, mesh, order))
+        compat.form(kinematics.energy(u, v, lam, mu, mesh, order), mesh)
     )
     stiffness.assemble()
     stiffness.scale(kinematics.thickness)

@@ -91,7 +91,7 @@ def test_accuracy_cost_records_every_run(cost) -> None:
     assert sorted(os.listdir(folder)) == ["accuracy_cost.csv", "accuracy_cost.png", "page.md"]
     rows = read(folder / "accuracy_cost.csv")
     given = [row for row in rows if row["asked"] is None]
-    assert len(given) == 12  # two methods, three elements, two sizes
+    assert len(given) == 14  # two methods, three elements, two sizes; two cubic meshes
     for row in given:
         assert row["converged"] and row["failure"] is None
         assert 0 < row["seconds_solve"] < row["seconds"]

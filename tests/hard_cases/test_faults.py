@@ -64,6 +64,23 @@ def test_killed_while_it_runs(earlier: Path, seconds: float, how: signal.Signals
         assert os.listdir(earlier.parent) == [earlier.name]
 
 
+def test_killed_while_it_compiles(tmp_path: Path, monkeypatch) -> None:
+    """The next run does not wait for a compilation that nobody ends."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    running = start(tmp_path / "first")
+    cache, deadline = tmp_path / "cache" / "fenics", time.monotonic() + 60
+    while not list(cache.glob("libffcx_*.c")) and time.monotonic() < deadline:
+        time.sleep(0.01)
+    running.kill()
+    running.communicate(timeout=60)
+    (left,) = cache.glob("libffcx_*.c")
+    assert not left.with_suffix(".c.cached").exists()
+    after = start(tmp_path / "second")
+    _, errors = after.communicate(timeout=120)
+    assert after.returncode == 0, errors
+    assert left.with_suffix(".c.cached").exists()
+
+
 @pytest.mark.parametrize("there", [False, True])
 def test_killed_at_every_line_of_replacing(tmp_path: Path, there: bool) -> None:
     """At each moment the folder holds the earlier result or the new one, whole, or nothing where

@@ -1,0 +1,46 @@
+"""Compiled forms are cached on disk; a process that is killed while it compiles leaves its lock.
+
+ffcx takes the C file NAME.c for a lock, which NAME.c.cached releases, and gives up after ten
+seconds. The system releases this module's lock whatever ends a process, so that whoever holds it
+knows that no other run of this program is compiling and can remove what was left.
+"""
+
+from __future__ import annotations
+
+import fcntl
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+
+from mpi4py import MPI
+
+LOCK = "railhead.lock"
+
+
+@contextmanager
+def alone(comm: MPI.Comm, folder: Path) -> Iterator[None]:
+    """Be the only one to compile into a cache folder (the others wait), without stale locks.
+
+    Of several ranks the first one compiles. A folder that cannot be written to is left as it is.
+    """
+    with ExitStack() as held:
+        if comm.rank == 0:
+            with suppress(OSError):
+                held.enter_context(_locked(folder))
+                remove_unfinished(folder)
+        yield
+
+
+def remove_unfinished(folder: Path) -> None:
+    """Remove the C files whose compilation did not end."""
+    for source in folder.glob("libffcx_*.c"):
+        if not source.with_suffix(".c.cached").exists():
+            source.unlink(missing_ok=True)
+
+
+@contextmanager
+def _locked(folder: Path) -> Iterator[None]:
+    folder.mkdir(parents=True, exist_ok=True)
+    with open(folder / LOCK, "w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
