@@ -30,8 +30,13 @@ def test_gauge_is_measured_14_mm_below_the_top_of_the_rail() -> None:
         gauge_face(profiles.single_radius(300, 35))
 
 
-def search(pair: Pair, shift: float, yaw: float, roll: float, height: float, side: int) -> tuple:
-    """Lowest point over the rail of a dense 3-D cloud of wheel points, by repeated zooming."""
+def search(
+    pair: Pair, shift: float, yaw: float, roll: float, height: float, side: int, curve: float = 0.0
+) -> tuple:
+    """Lowest point over the rail of a dense 3-D cloud of wheel points, by repeated zooming.
+
+    curve: curvature of the track in plane, 1/mm, with the axle on its radius.
+    """
     rotation = Rotation.from_euler("xz", [side * roll, side * yaw])
     centre = np.array([0.0, side * shift - TRACK.crown(pair.rail), height])
     window = [np.array(pair.wheel.domain), np.array([-0.1, 0.1])]
@@ -40,7 +45,7 @@ def search(pair: Pair, shift: float, yaw: float, roll: float, height: float, sid
         radius = pair.rolling_radius + pair.wheel.height(tread)
         local = [radius * np.sin(turn), TRACK.tape + tread, -radius * np.cos(turn)]
         points = rotation.apply(np.stack(local, axis=-1).reshape(-1, 3)) + centre
-        gap = points[:, 2] - pair.rail.height(points[:, 1])
+        gap = points[:, 2] - pair.rail.height(points[:, 1] - side * curve * points[:, 0] ** 2 / 2)
         best = int(np.nanargmin(gap))
         middle = tread.flat[best], turn.flat[best]
         window = [
@@ -55,14 +60,14 @@ def random_position(seed: int) -> tuple[float, float]:
     return random.uniform(-7, 7), random.uniform(-0.024, 0.024)
 
 
-def deviation(seed: int) -> tuple[float, float]:
+def deviation(seed: int, curve: float = 0.0) -> tuple[float, float]:
     """Distance of the contacts found and searched (mm), and the gap left (mm): both wheels."""
     shift, yaw = random_position(seed)
     placed = place(PAIR, TRACK, shift, yaw, clearance=1e-6)
     off, left = [], []
     sides: list[tuple[int, Side]] = [(1, placed.right), (-1, placed.left)]
     for side, found in sides:
-        point, gap = search(PAIR, shift, yaw, placed.roll, placed.height, side)
+        point, gap = search(PAIR, shift, yaw, placed.roll, placed.height, side, curve)
         off.append(min(np.linalg.norm(point - [t.x, t.y, t.z]) for t in found.touches))
         left.append(abs(gap))
     return max(off), max(left)
@@ -73,6 +78,15 @@ def test_contacts_are_those_of_a_search_in_three_dimensions(seed: int) -> None:
     off, gap = deviation(seed)
     assert off < 0.05
     assert gap < 1e-6
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_curve_of_150_m_moves_no_contact(seed: int) -> None:
+    """Why rails are straight here: 20 mm beside the axle such a curve is 1.3 um off its tangent.
+    Over 50 seeds: at most 0.058 mm and 0.5 um."""
+    off, gap = deviation(seed, curve=1 / 150e3)
+    assert off < 0.1
+    assert gap < 1e-3
 
 
 def test_left_and_right_change_places_with_the_sign_of_the_position() -> None:
