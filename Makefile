@@ -10,7 +10,7 @@ test: setup lint
 setup:
 	@./setup.sh
 
-# Every table and picture under docs/: about sixteen minutes on two cores.
+# Every table and picture under docs/: about fifty minutes on two cores.
 docs: setup
 	set -e; for study in $(STUDIES); do \
 	    .venv/bin/railhead study $$study --out results/$$study; \

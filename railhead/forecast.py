@@ -129,18 +129,12 @@ def solve(
 
     Raises ValueError where there is no closed patch within the profiles.
     """
-    modulus = ellipse.contact_modulus
     groups = _planes(contact, ellipse)
     first = groups[0]
     cosine = math.cos(first[0].angle)
 
     def patch(group: list[Touch], **given: float) -> PatchSolution:
-        s = [(touch.y - group[0].y) / math.cos(group[0].angle) for touch in group]
-        return boundary_element.solve(
-            contact.half_space_gap(group[0]), modulus, centre=(0.0, (min(s) + max(s)) / 2),
-            half_size=(1.5 * ellipse.a, 1.5 * ellipse.b + np.ptp(s) / 2),
-            cells=cells, tolerance=TOLERANCE, **given,
-        )  # fmt: skip
+        return _patch(contact, ellipse, group, cells, **given)
 
     if load is not None:
         alone = patch(first, load=load / cosine)
@@ -162,6 +156,26 @@ def solve(
         return vertical / float(load or 1.0) - 1
 
     return all_at(rigid if load is None else brentq(excess, 0.05 * rigid, rigid, rtol=1e-3))
+
+
+def alone(contact: Contact, ellipse: Ellipse, cells: int) -> PatchSolution:
+    """The patch in the tangent plane of first contact, as if it carried the ellipse's load.
+
+    Raises ValueError as `solve`.
+    """
+    return _patch(contact, ellipse, _planes(contact, ellipse)[0], cells, load=ellipse.load)
+
+
+def _patch(
+    contact: Contact, ellipse: Ellipse, group: list[Touch], cells: int, **given: float
+) -> PatchSolution:
+    s = [(touch.y - group[0].y) / math.cos(group[0].angle) for touch in group]
+    return boundary_element.solve(
+        contact.half_space_gap(group[0]), ellipse.contact_modulus,
+        centre=(0.0, (min(s) + max(s)) / 2),
+        half_size=(1.5 * ellipse.a, 1.5 * ellipse.b + np.ptp(s) / 2),
+        cells=cells, tolerance=TOLERANCE, **given,
+    )  # fmt: skip
 
 
 def _parabolic(contact: Contact, ellipse: Ellipse) -> bool:

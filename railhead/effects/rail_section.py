@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
+
 from meshing.outlines import head_depth
 from postprocess.findings import Findings
+from railhead import exact, twist
+from railhead.effects import true_profile
 from railhead.effects.base import After, Effect, Hertz, accuracy
 from railhead.flat import FlatContact
 from railhead.geometry import Contact
 from railhead.scene import Scene, SceneError
+from theory.line import LineContact
 
 CHANGE = (
     0.25  # of the stress at the cut over p0: what the largest shear stress changes by (measured)
@@ -15,7 +20,8 @@ CHANGE = (
 
 
 def decide(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
-    """Called for where it is asked, or where the cut is near enough to be felt."""
+    """Called for where it is asked, where the cut is near enough to be felt, or where the twist of
+    the rail brings another part of the profiles into contact."""
     extent, name = scene.rail.extent, scene.rail.profile
     if contact.half_space:
         why = "a half-space has neither web nor foot"
@@ -27,8 +33,10 @@ def decide(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
         return Effect(False, False, why, {"on": why})
     if extent == "section":
         return Effect(True, True, "rail.extent = section")
-    called, why = _felt(scene, contact, ellipse.a, ellipse.b)
-    return Effect(called, called, why)
+    felt, why = _felt(scene, contact, ellipse.a, ellipse.b)
+    twists, because = _twists(scene, contact, ellipse)
+    called = felt or twists
+    return Effect(called, called, f"{why}; {because}")
 
 
 def check(scene: Scene, contact: Contact, effect: Effect, found: Findings) -> After | None:
@@ -36,7 +44,10 @@ def check(scene: Scene, contact: Contact, effect: Effect, found: Findings) -> Af
     if "on" in effect.refused:
         return None
     felt, why = _felt(scene, contact, found.patch.a, found.patch.b)
-    return After(felt and not effect.on, why)
+    if effect.on or felt:
+        return After(not effect.on, why)
+    twists, because = _twists(scene, contact, exact.estimate(scene, contact))
+    return After(twists, because if twists else why)
 
 
 def _felt(scene: Scene, contact: Contact, a: float, b: float) -> tuple[bool, str]:
@@ -49,3 +60,18 @@ def _felt(scene: Scene, contact: Contact, a: float, b: float) -> tuple[bool, str
     side = "above" if ratio > limit else "below"
     text = f"stress at the cut {depth:.1f} mm deep over p0: {name} = {ratio:.2g}"
     return bool(ratio > limit), f"{text}, {side} {limit:.2g}"
+
+
+def _twists(scene: Scene, contact: Contact, ellipse: Hertz) -> tuple[bool, str]:
+    """Whether pressure or area change by more than the accuracy as the load twists the rail."""
+    if isinstance(contact, FlatContact) or isinstance(ellipse, LineContact):
+        return False, "nothing twists in a section"
+    if not math.isfinite(scene.rail.young_modulus):
+        return False, "a rigid rail does not twist"
+    if not true_profile.decide(scene, contact, ellipse).called_for:
+        return False, "a twist changes nothing where both bodies have one radius"
+    angle, limit = twist.twist(contact, ellipse), accuracy(scene)
+    change = twist.change(contact, ellipse, angle)
+    side = "above" if change > limit else "below"
+    text = f"the load twists it by {1e3 * angle:.2g} mrad"
+    return change > limit, f"{text}: pressure or area change by {change:.2g}, {side} {limit:g}"

@@ -12,7 +12,8 @@ from scipy.spatial import cKDTree
 from cases import bare_contact
 from meshing.mesh import ContactMesh
 from meshing.tags import CONTACT, SUPPORT
-from railhead import catalogue, plan
+from railhead import catalogue, level, plan, twist
+from railhead.progress import Progress
 from solver import compat
 
 
@@ -79,3 +80,23 @@ def test_effects_that_are_only_recognised_change_nothing(case: str) -> None:
     assert (one.unknowns, one.material(1), one.planes) == (
         other.unknowns, other.material(1), other.planes,
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("profile, inclination", [("54E1", "0"), ("60E1", "1:40")])
+def test_a_whole_rail_twists_as_the_plan_expects(profile: str, inclination: str) -> None:
+    """Head at the wheel: u_y = c - angle z and u_z = d + angle y, fitted to its flanks."""
+    scene = catalogue.find("uic54_22t5_axle").replace(
+        [f"rail.profile={profile}", f"rail.inclination={inclination}", "mesh.patch_size=5",
+         "effects.rail_section=on"]
+    )  # fmt: skip
+    planned = plan.make(scene)
+    solved = level.solve_level(planned, None, Progress(quiet=True), MPI.COMM_WORLD)
+    points, moved = solved.fields.points, solved.fields.displacement
+    x, y, z = points.T
+    flank = (np.abs(x) < 25) & (np.abs(y) > 20) & (z < -15) & (z > -35)
+    y, z, (_, across, up) = y[flank], z[flank], moved[flank].T
+    one, none = np.ones_like(y), np.zeros_like(y)
+    table = np.block([[one[:, None], none[:, None], -z[:, None]],
+                      [none[:, None], one[:, None], y[:, None]]])  # fmt: skip
+    angle = np.linalg.lstsq(table, np.concatenate([across, up]), rcond=None)[0][2]
+    assert twist.twist(planned.contact, planned.estimate) == pytest.approx(angle, rel=0.1)

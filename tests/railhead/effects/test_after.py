@@ -26,22 +26,23 @@ def after(case: str, *assignments: str) -> dict:
 
 
 def test_needed_effects_are_named_in_table_summary_and_pictures(railhead, tmp_path) -> None:
-    """Loaded past yield, with friction called for, and one radius forced across a joint."""
+    """Loaded past yield, with friction called for, and across a joint one radius and no twist."""
     choice = ["--set", "mesh.patch_size=2.5", "--set", "rail.inclination=1:40", "--set"]
     choice += ["wheel.yield_stress=600", "--set", "friction.coefficient=0.3"]
     choice += ["--set", "friction.tangential_load=9kN", "--without", "true_profile"]
+    choice += ["--without", "rail_section"]
     status, printed, _ = railhead("run", "uic54_22t5_axle", *choice)
     assert status == 0  # a warning is no failure
     folder = tmp_path / "results" / "uic54_22t5_axle"
     summary = json.loads((folder / "summary.json").read_text())
     found = summary["effects_after"]
     needed = {name for name, each in found.items() if each["needed"]}
-    assert needed == {"true_profile", "plasticity", "friction"}
+    assert needed == {"true_profile", "rail_section", "plasticity", "friction"}
     for name in needed:
         assert f"{name}: {found[name]['why'][:20]}" in printed
     assert "overstates the pressure" in found["plasticity"]["why"]
     assert summary["plan"]["effects"]["true_profile"]["override"] is True
-    assert matplotlib.image.imread(folder / "pressure.png").shape[0] > 4.8 * 160  # three lines more
+    assert matplotlib.image.imread(folder / "pressure.png").shape[0] > 4.8 * 160  # four lines more
 
 
 @pytest.fixture(scope="module")

@@ -79,6 +79,24 @@ def test_whole_section_is_called_for_by_extent_load_or_accuracy() -> None:
     assert effect("rail_section", "uic54_thesis", "accuracy=0.1%").on
 
 
+@pytest.mark.parametrize(
+    "assignments, called",
+    [
+        (["rail.inclination=1:40"], True),  # 0.9 mrad; boundary elements: 4 % less pressure
+        (["rail.inclination=1:40", "rail.profile=60E1"], True),
+        (["rail.inclination=1:40", "load=10kN"], False),
+        (["rail.inclination=1:40", "accuracy=5%"], False),
+        (["rail.inclination=0", "load=25kN"], False),  # the same profiles touch on R80
+        (["rail.inclination=1:40", "rail.young_modulus=inf"], False),
+        ([], False),  # on the crown, above the web
+    ],
+)
+def test_whole_section_is_called_for_where_its_twist_changes_the_patch(
+    assignments: list[str], called: bool
+) -> None:
+    assert effect("rail_section", "uic54_22t5_axle", *assignments).called_for is called
+
+
 @pytest.mark.parametrize("share, yields", [(1.0001, True), (0.99, False)])
 def test_plasticity_begins_at_the_yield_load_of_the_ellipse(share: float, yields: bool) -> None:
     """p0 = 1.6156 Y for the thesis's ellipse (exact largest von Mises stress 0.61897 p0)."""
@@ -176,7 +194,8 @@ def test_a_stiff_body_left_out_changes_the_answer_by_its_share() -> None:
 
 def test_one_radius_is_exact_where_the_patch_lies_on_one_arc_and_wrong_across_a_joint() -> None:
     def largest(*assignments: str) -> float:
-        scene = catalogue.find("uic54_22t5_axle").replace(["mesh.patch_size=3", *assignments])
+        head = ["mesh.patch_size=3", "effects.rail_section=off"]
+        scene = catalogue.find("uic54_22t5_axle").replace([*head, *assignments])
         plan = planning.make(scene)
         done = level.solve_level(plan, None, Progress(quiet=True), MPI.COMM_WORLD)
         return float(done.result["pressure"]["max_MPa"])
