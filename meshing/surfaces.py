@@ -13,6 +13,7 @@ from meshing.profiles import Profile
 
 Array = NDArray[np.float64]
 NEWTON_STEPS = 20
+CONVERGED = 1e-9  # mm, of the last step: a line that misses the surface takes long ones for ever
 
 
 class Surface(Protocol):
@@ -54,16 +55,16 @@ class WheelSurface:
 def along(surface: Surface, points: Array, directions: Array) -> Array:
     """Distance t (n,) with points + t directions on the surface, by Newton's method from t = 0.
 
-    points, directions: (n, 3), mm. Infinite where the line leaves the profile.
+    points, directions: (n, 3), mm. Infinite where the line misses the surface or leaves its profile.
     """
-    t = np.zeros(len(points))
+    t, step = np.zeros(len(points)), np.zeros(len(points))
     for _ in range(NEWTON_STEPS):
         value, gradient = surface.implicit(points + t[:, None] * directions)
         step = value / np.einsum("nd,nd->n", gradient, directions)
         t = t - step
         if not np.any(np.abs(step) > 1e-14):
             break
-    return np.where(np.isfinite(t), t, np.inf)
+    return np.where(np.abs(step) < CONVERGED, t, np.inf)
 
 
 @dataclass(frozen=True)

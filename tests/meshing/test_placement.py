@@ -112,6 +112,15 @@ def test_a_normal_that_misses_the_master_has_an_infinite_gap() -> None:
     assert np.isinf(gap).all()
 
 
+def test_a_rail_longer_than_the_wheel_is_high_has_no_gap_beyond_it() -> None:
+    pair = PAIRS[0][0]
+    rail, wheel = surfaces(pair, lowered(pair, 0.0, 0.0, 0.0)[1])
+    x = np.linspace(1.05, 1.5, 400) * pair.rolling_radius
+    y = np.linspace(-20, 20, 400)
+    gap, _ = ExactGap(rail, wheel)(np.column_stack([x, y, pair.rail.height(y)]))
+    assert np.isinf(gap).all()
+
+
 def test_points_beside_the_slave_are_moved_onto_it() -> None:
     rail = RailSurface(profiles.rail_head("54E1"))
     wheel = WheelSurface(profiles.cone(0, 67, "cylinder"), 420.0, upright(420.0))
