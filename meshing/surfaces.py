@@ -55,7 +55,7 @@ class WheelSurface:
 def along(surface: Surface, points: Array, directions: Array) -> Array:
     """Distance t (n,) with points + t directions on the surface, by Newton's method from t = 0.
 
-    points, directions: (n, 3), mm. Infinite where the line misses the surface or leaves its profile.
+    points, directions: (n, 3), mm. Infinite where the line misses the surface or its profile ends.
     """
     t, step = np.zeros(len(points)), np.zeros(len(points))
     for _ in range(NEWTON_STEPS):
