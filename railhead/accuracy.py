@@ -22,6 +22,7 @@ SAFETY = 1.25
 ORDER = 2.5  # observed for quadratic cells; the linear laws are wide enough for theirs
 STEP = 1.6  # refinement from the coarse mesh to the fine one
 HEADROOM = 1.15
+AIM = 0.98  # of the accuracy: the bound of the resolution that just meets it must not miss it
 RANGE = (3.0, 60.0)  # elements per semi-axis that are considered
 QUANTITIES = {
     "a_mm": ("patch", "a_mm"),
@@ -108,6 +109,7 @@ def resolution(accuracy: float, laws: Laws) -> float:
     a third mesh costs more.
     """
     low, high = RANGE
+    accuracy *= AIM
     if expected(low, laws) <= accuracy:
         return HEADROOM * low
     if expected(high, laws) >= accuracy:

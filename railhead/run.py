@@ -105,7 +105,7 @@ def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[L
         level = solve_level(finer, grading, progress, comm)
         levels.append(level)
         spent += sum(level.seconds.values())
-        bound = comm.bcast(_bound(coarse, level))
+        bound = comm.bcast(_bound(_coarser(levels), level))
         if not bound:
             return levels, Estimate({}, "no solution to bound")
         worst = max(bound.values())
@@ -113,6 +113,16 @@ def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[L
             reason = "asked accuracy reached" if worst <= target else "budget spent"
             return levels, Estimate(bound, reason)
         n = accuracy.next_resolution(level.resolution, worst, target)
+
+
+def _coarser(levels: list[Level]) -> Level:
+    """The finest mesh that is coarser than the last one by a whole step, else the first: of two
+    nearly equal meshes the difference is noise."""
+    *before, last = levels
+    apart = [
+        level for level in before if last.resolution >= 0.95 * accuracy.STEP * level.resolution
+    ]
+    return (apart or before[:1])[-1]
 
 
 def _check_memory(plan: Plan, free: int) -> None:
