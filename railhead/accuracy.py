@@ -74,9 +74,9 @@ LINEAR = dict.fromkeys(QUANTITIES, PowerLaw(2.5e-2, 1.4))
 
 
 SECTION = {
-    "a_mm": PowerLaw(4.0e-4, 1.9),
-    "b_mm": PowerLaw(4.0e-4, 1.9),
-    "area_mm2": PowerLaw(8.0e-4, 1.9),
+    "a_mm": PowerLaw(5.2e-4, 1.9),
+    "b_mm": PowerLaw(5.2e-4, 1.9),
+    "area_mm2": PowerLaw(1.0e-3, 1.9),
     "max_MPa": PowerLaw(6.0e-4, 1.0),
     "approach_mm": PowerLaw(3.0e-4, 2.0),
     "tau_max_MPa": PowerLaw(3.0e-4, 2.0),
