@@ -25,6 +25,10 @@ class Pose:
         """World points (n, 3) in the wheel's axes."""
         return np.asarray((points - self.origin) @ self.rotation)
 
+    def moved(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Pose:
+        """The same attitude elsewhere, mm."""
+        return Pose(self.rotation, self.origin + [x, y, z])
+
 
 def upright(height: float, shift: float = 0.0) -> Pose:
     """An axle along y at that height, moved across by shift (mm)."""

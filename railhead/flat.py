@@ -41,6 +41,11 @@ class FlatContact(Contact):
         return "yz" if self.dimension.kind == "plane_across" else "xz"
 
     @property
+    def lengthwise(self) -> bool:
+        """Whether the section runs along the rail."""
+        return self.plane == "xz"
+
+    @property
     def revolved(self) -> bool:
         """Whether the section is a meridian."""
         return self.dimension.kind == "axisymmetric"
@@ -70,7 +75,7 @@ class FlatContact(Contact):
 
     def gap(self, slave: int) -> ExactGap | ParabolicGap:
         """Exact gap from the slave body (RAIL or WHEEL) to the other one."""
-        if self.pair is None or self.plane == "xz":
+        if self.pair is None or self.lengthwise:
             return super().gap(slave)
         rail = RailSurface(self.pair.rail)
         wheel = plane.StraightTread(self.pair.wheel, self.lift, self.scene.wheelset.shift)
@@ -100,7 +105,7 @@ class FlatContact(Contact):
         if self.half_space:
             return contact.approach / math.cos(self.touch.angle)
         rail, wheel = self.scene.rail, self.scene.wheel
-        if self.plane == "xz" or len(discs := self.discs) < 2:
+        if self.lengthwise or len(discs := self.discs) < 2:
             return None
         below = discs[RAIL], rail.young_modulus, rail.poisson_ratio
         above = discs[WHEEL], wheel.young_modulus, wheel.poisson_ratio

@@ -137,14 +137,14 @@ def solve(
         return _patch(contact, ellipse, group, cells, **given)
 
     if load is not None:
-        alone = patch(first, load=load / cosine)
-        rigid = alone.approach / cosine
+        single = patch(first, load=load / cosine)
+        rigid = single.approach / cosine
     else:
         rigid = ellipse.approach / cosine
-        alone = patch(first, approach=ellipse.approach)
+        single = patch(first, approach=ellipse.approach)
     groups = [group for group in groups if group[0].gap < rigid]
     if len(groups) == 1:
-        return [(first[0], alone)]
+        return [(first[0], single)]
 
     def all_at(rigid: float) -> list[tuple[Touch, PatchSolution]]:
         down = [(group, rigid * math.cos(group[0].angle)) for group in groups]
@@ -158,12 +158,12 @@ def solve(
     return all_at(rigid if load is None else brentq(excess, 0.05 * rigid, rigid, rtol=1e-3))
 
 
-def alone(contact: Contact, ellipse: Ellipse, cells: int) -> PatchSolution:
+def alone(contact: Contact, ellipse: Ellipse) -> PatchSolution:
     """The patch in the tangent plane of first contact, as if it carried the ellipse's load.
 
     Raises ValueError as `solve`.
     """
-    return _patch(contact, ellipse, _planes(contact, ellipse)[0], cells, load=ellipse.load)
+    return _patch(contact, ellipse, _planes(contact, ellipse)[0], CELLS, load=ellipse.load)
 
 
 def _patch(

@@ -80,6 +80,11 @@ class Contact:
         return {"rail": (self.pair.rail, 0.0), "wheel": (self.pair.wheel, shift)}
 
     @property
+    def lengthwise(self) -> bool:
+        """Whether it is a section along the rail, in which no profile across counts."""
+        return False
+
+    @property
     def half_space(self) -> bool:
         """Flat blocks under Hertz's parabolic gap."""
         return self.pair is None
@@ -179,7 +184,7 @@ def locate(scene: Scene) -> Contact:
     both, placed = place(scene)
     side = placed.right
     touch = _tangent(scene, side.touches[0])
-    centred = Pose(side.pose.rotation, side.pose.origin - [touch.x, 0.0, 0.0])
+    centred = side.pose.moved(x=-touch.x)
     return Contact(scene, replace(touch, x=0.0), both, centred, placed)
 
 

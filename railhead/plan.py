@@ -131,8 +131,7 @@ class Plan:
     @property
     def surfaces(self) -> Contact:
         """The contact whose profiles make the gap."""
-        along = isinstance(self.contact, FlatContact) and self.contact.plane == "xz"
-        if along or self.effects["true_profile"].on:
+        if self.contact.lengthwise or self.effects["true_profile"].on:
             return self.contact
         return one_radius(self.contact)
 
@@ -189,16 +188,14 @@ class Plan:
                 zone.centre, zone.a, zone.b, zone.angle, size, self.growth, coarsest=coarsest
             )  # fmt: skip
 
-        def along(zone: Zone, size: float) -> list[Grading]:
-            return [
-                replace(around(line), a=line.a, b=RIDGE_WIDTH * size, size=RIDGE_SHARE * size)
-                for line in ridges(self.surfaces, zone)
-            ]
-
         first, *others = (around(zone) for zone in self.forecast.zones)
         if self.scene.mesh.cell == "tetrahedron":  # rows of hexahedra would run across everything
             for zone, patch in zip(self.forecast.zones, (first, *others), strict=True):
-                others += along(zone, patch.size)
+                width, size = RIDGE_WIDTH * patch.size, RIDGE_SHARE * patch.size
+                others += [
+                    replace(patch, centre=line.centre, a=line.a, b=width, size=size)
+                    for line in ridges(self.surfaces, zone)
+                ]
         return replace(first, also=tuple(others))
 
     @property
@@ -251,17 +248,14 @@ def make(scene: Scene) -> Plan:
     major = max(max(zone.a, zone.b) for zone in expected.zones)
     if isinstance(predicted, Ellipse):
         major = max(major, predicted.a, predicted.b)
-    n = ELEMENTS_PER_SEMI_AXIS * (LINEAR_REFINEMENT if order == 1 else 1.0)
-    if kind.kind != "solid":
-        n *= SECTION_REFINEMENT
-    if scene.accuracy is not None:
-        left_out = sum(effect.error for effect in decided.values())
-        section = kind.kind != "solid"
-        laws = accuracy.laws(order, section=section, hertzian=expected.hertzian)
-        n = accuracy.resolution(scene.accuracy - left_out, laws)
-    size = scene.mesh.patch_size or expected.minor / n
     if contact.half_space:
         reach = HALF_SPACE_REACH * major
     else:
         reach = max(MIN_BODY_REACH, BODY_REACH * major)
-    return Plan(scene, contact, predicted, decided, order, size, reach, expected)
+    size = scene.mesh.patch_size or expected.minor
+    plan = Plan(scene, contact, predicted, decided, order, size, reach, expected)
+    if scene.mesh.patch_size:
+        return plan
+    if scene.accuracy is not None:
+        return plan.at_resolution(accuracy.resolution(scene.accuracy - plan.left_out, plan.laws))
+    return plan.at_resolution(plan.default_resolution * (SECTION_REFINEMENT if plan.section else 1))

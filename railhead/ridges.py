@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 
 from railhead.effects.base import touching
-from railhead.flat import FlatContact
 from railhead.forecast import Zone
 from railhead.geometry import Contact
 
@@ -19,7 +18,7 @@ BESIDE = 1e-6  # mm
 
 def ridges(contact: Contact, zone: Zone) -> list[Zone]:
     """Lines along the rail in a patch, as zones without width (b = 0)."""
-    if isinstance(contact, FlatContact) and contact.plane == "xz":
+    if contact.lengthwise:
         return []
     found = []
     for _, profile, shift in touching(contact):

@@ -117,7 +117,7 @@ def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[L
 
 def _coarser(levels: list[Level]) -> Level:
     """The finest mesh that is coarser than the last one by a whole step, else the first: of two
-    nearly equal meshes the difference is noise."""
+    nearly equal meshes the difference is noise. A step may fall short by a twentieth."""
     *before, last = levels
     apart = [
         level for level in before if last.resolution >= 0.95 * accuracy.STEP * level.resolution

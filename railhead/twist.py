@@ -12,14 +12,12 @@ from dataclasses import replace
 
 from meshing import profiles
 from meshing.placement import PlacementError
-from meshing.pose import Pose
 from railhead import exact, forecast
 from railhead.geometry import Contact
 from theory.hertz import Ellipse
 
 COMPLIANCE = {"54E1": 2.9e-4, "60E1": 2.6e-4}  # twist times E over the moment, 1/mm3
 CENTRE = 70.0  # mm below the crown the head turns about (67 to 76 measured)
-CELLS = 64  # of the boundary elements
 
 
 def lever(contact: Contact) -> float:
@@ -45,9 +43,8 @@ def twisted(contact: Contact, angle: float) -> Contact:
     slope = math.tan(math.atan(contact.scene.rail.inclination) + angle)
     rail = profiles.rail_head(contact.scene.rail.profile, slope)
     pair = replace(contact.pair, rail=rail)
-    beside = Pose(contact.pose.rotation, contact.pose.origin + [0.0, CENTRE * angle, 0.0])
-    down = pair.touches(beside)[0].gap
-    pose = Pose(beside.rotation, beside.origin - [0.0, 0.0, down])
+    beside = contact.pose.moved(y=CENTRE * angle)
+    pose = beside.moved(z=-pair.touches(beside)[0].gap)
     return replace(contact, touch=pair.touches(pose)[0], pair=pair, pose=pose)
 
 
@@ -58,8 +55,7 @@ def change(contact: Contact, ellipse: Ellipse, angle: float) -> float:
         other = twisted(contact, angle)
         after = exact.ellipse(contact.scene, other, ellipse.load * math.cos(contact.touch.angle))
         before, behind = (
-            forecast.alone(where, hertz, CELLS)
-            for where, hertz in ((contact, ellipse), (other, after))
+            forecast.alone(where, hertz) for where, hertz in ((contact, ellipse), (other, after))
         )
     except ValueError:
         return 0.0

@@ -27,11 +27,11 @@ def alone(comm: MPI.Comm, folder: Path) -> Iterator[None]:
         if comm.rank == 0:
             with suppress(OSError):
                 held.enter_context(_locked(folder))
-                remove_unfinished(folder)
+                _remove_unfinished(folder)
         yield
 
 
-def remove_unfinished(folder: Path) -> None:
+def _remove_unfinished(folder: Path) -> None:
     """Remove the C files whose compilation did not end."""
     for source in folder.glob("libffcx_*.c"):
         if not source.with_suffix(".c.cached").exists():

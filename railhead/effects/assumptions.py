@@ -6,7 +6,6 @@ import math
 
 from postprocess.findings import Findings
 from railhead.effects.base import After, touching
-from railhead.flat import FlatContact
 from railhead.geometry import Contact
 from railhead.scene import Scene
 
@@ -27,7 +26,7 @@ def small_patch(scene: Scene, contact: Contact, found: Findings) -> After:
 
 def inside_the_bodies(scene: Scene, contact: Contact, found: Findings) -> After | None:
     """A patch at the edge of a tread or of a head has a stress peak there that no profile shows."""
-    if contact.half_space or (isinstance(contact, FlatContact) and contact.plane == "xz"):
+    if contact.half_space or contact.lengthwise:
         return None
     cosine, patch = math.cos(found.frame.angle), found.patch
     middle, reach = found.frame.origin[1] + patch.centre[1] * cosine, EDGE * patch.b * cosine

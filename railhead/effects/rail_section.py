@@ -44,8 +44,8 @@ def check(scene: Scene, contact: Contact, effect: Effect, found: Findings) -> Af
     if "on" in effect.refused:
         return None
     felt, why = _felt(scene, contact, found.patch.a, found.patch.b)
-    if effect.on or felt:
-        return After(not effect.on, why)
+    if effect.on or felt or not effect.called_for:
+        return After(felt and not effect.on, why)
     twists, because = _twists(scene, contact, exact.estimate(scene, contact))
     return After(twists, because if twists else why)
 

@@ -11,7 +11,6 @@ from meshing.osculating import osculating
 from meshing.profiles import Arc, Polynomial
 from postprocess.findings import Findings
 from railhead.effects.base import After, Effect, Hertz, touching
-from railhead.flat import FlatContact
 from railhead.geometry import Contact
 from railhead.scene import Scene
 
@@ -20,7 +19,7 @@ MARGIN = 1.1  # times the patch that must lie within one arc
 
 def decide(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
     """Called for where the predicted patch comes near a joint of two arcs, or there is no arc."""
-    if isinstance(contact, FlatContact) and contact.plane == "xz":
+    if contact.lengthwise:
         why = "the section runs along the rail"
         return Effect(False, False, why, {"on": why})
     if contact.half_space:
