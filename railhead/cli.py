@@ -193,12 +193,12 @@ def _run(scene: Scene, out: Path | None, *, pictures: bool, quiet: bool, as_json
                 problem = error
     passed, problem = comm.bcast((result.passed, problem))
     if rank == 0:
+        if not passed:
+            report.show_failure(result.summary, Console(stderr=True))
         if as_json:
             click.echo(results.as_json(result), nl=False)
         elif not quiet:
             report.show_result(result.summary, _console())
-        if not passed:
-            report.show_failure(result.summary, Console(stderr=True))
         if problem is not None:
             _not_written(problem)
         elif not (quiet or as_json):

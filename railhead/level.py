@@ -14,12 +14,14 @@ from scipy.spatial import cKDTree
 
 from meshing.mesh import ContactMesh
 from meshing.sizing import Grading
+from meshing.surfaces import ExactGap
 from postprocess import compare, read
 from postprocess.findings import Findings, Frame
 from postprocess.parts import parts
 from postprocess.patch import Moments
-from railhead import accuracy, build, effects, exact
+from railhead import build, effects, exact
 from railhead.effects import After
+from railhead.estimates import Setting
 from railhead.forecast import Forecast, Nearest, Zone
 from railhead.plan import Plan
 from railhead.progress import Progress
@@ -63,11 +65,19 @@ class Level:
         return min(self.grading.a, self.grading.b) / self.grading.size
 
     @property
-    def laws(self) -> accuracy.Laws:
-        """How the errors of this mesh behave, now that the patch is known (rank 0)."""
+    def setting(self) -> Setting:
+        """What the errors of this mesh depend on, now that the patch is known (rank 0)."""
         plan, found = self.plan, self.findings
-        hertzian = found is None or found.hertzian
-        return accuracy.laws(plan.order, section=plan.section, hertzian=hertzian)
+        return plan.setting if found is None else replace(plan.setting, ellipse=found.hertzian)
+
+    @property
+    def off_surface(self) -> float:
+        """Largest distance in z of touching contact points from the exact surface, mm (rank 0)."""
+        gap = self.plan.surfaces.gap(self.plan.slave)
+        if self.fields is None or not isinstance(gap, ExactGap):
+            return 0.0
+        contact = self.fields.contact
+        return float(np.max(gap.off_surface(contact.points[contact.pressure > 0]), initial=0.0))
 
     def finer(self, n: float) -> tuple[Plan, Grading]:
         """Plan and grading of a mesh around the same patch with n elements per semi-axis."""

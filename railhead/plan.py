@@ -9,9 +9,10 @@ from typing import Any
 from meshing.bodies import Options
 from meshing.sizing import Grading
 from meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y
-from railhead import accuracy, bodies, dimension, effects, exact, flat, geometry, machine
+from railhead import bodies, dimension, effects, estimates, exact, flat, geometry, machine
 from railhead.effects import Effect
 from railhead.effects.true_profile import one_radius
+from railhead.estimates import Family, Setting
 from railhead.flat import FlatContact
 from railhead.forecast import Forecast, Zone, forecast
 from railhead.geometry import Contact
@@ -64,9 +65,14 @@ class Plan:
     forecast: Forecast
 
     @property
+    def solid_resolution(self) -> float:
+        """Elements per smaller semi-axis of a solid at default settings."""
+        return ELEMENTS_PER_SEMI_AXIS * (LINEAR_REFINEMENT if self.order == 1 else 1.0)
+
+    @property
     def default_resolution(self) -> float:
         """Elements per smaller semi-axis without an asked accuracy."""
-        return ELEMENTS_PER_SEMI_AXIS * (LINEAR_REFINEMENT if self.order == 1 else 1.0)
+        return self.solid_resolution * (SECTION_REFINEMENT if self.section else 1.0)
 
     @property
     def resolution(self) -> float:
@@ -74,10 +80,30 @@ class Plan:
         return self.forecast.minor / self.patch_size
 
     @property
-    def laws(self) -> accuracy.Laws:
-        """How the errors behave with the element size."""
-        hertzian = self.forecast.hertzian
-        return accuracy.laws(self.order, section=self.section, hertzian=hertzian)
+    def setting(self) -> Setting:
+        """What the errors of this plan depend on besides the element size."""
+        scene, zone = self.scene, self.zone
+        moduli = [exact.plane_strain_modulus(scene, tag) for tag in BODIES]
+        shape = "solid"
+        if isinstance(self.contact, FlatContact):
+            shape = "meridian" if self.contact.revolved else "plane strain"
+        return Setting(
+            shape=shape,
+            cell=scene.mesh.cell,
+            order=self.order,
+            method=scene.solver.method,
+            theta=scene.solver.theta,
+            gamma_factor=scene.solver.gamma_factor,
+            poisson=max(self.material(tag).poisson_ratio for tag in self.deformable),
+            ellipse=self.forecast.hertzian,
+            axis_ratio=max(zone) / min(zone),
+            stiffness=0.0 if math.isinf(max(moduli)) else min(moduli) / max(moduli),
+        )
+
+    @property
+    def family(self) -> Family | None:
+        """Whose error laws hold for this plan."""
+        return estimates.family(self.setting)
 
     @property
     def section(self) -> bool:
@@ -175,7 +201,7 @@ class Plan:
     @property
     def growth(self) -> float:
         """Of the element size with the distance from the patch."""
-        return min(GROWTH, GROWTH * FULL_GROWTH * self.default_resolution / self.resolution)
+        return min(GROWTH, GROWTH * FULL_GROWTH * self.solid_resolution / self.resolution)
 
     def grading(self) -> Grading:
         """Sizes around the patches of the forecast; smaller patches get smaller elements."""
@@ -256,6 +282,7 @@ def make(scene: Scene) -> Plan:
     plan = Plan(scene, contact, predicted, decided, order, size, reach, expected)
     if scene.mesh.patch_size:
         return plan
-    if scene.accuracy is not None:
-        return plan.at_resolution(accuracy.resolution(scene.accuracy - plan.left_out, plan.laws))
-    return plan.at_resolution(plan.default_resolution * (SECTION_REFINEMENT if plan.section else 1))
+    plan = plan.at_resolution(plan.default_resolution)
+    if scene.accuracy is None or plan.family is None:
+        return plan
+    return plan.at_resolution(plan.family.finest(scene.accuracy - plan.left_out))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from railhead import accuracy, machine
+from railhead import estimates, machine
 from railhead.plan import Plan
 
 BUDGET_SHARE = 0.85  # of the budget that the prediction may fill
@@ -10,7 +10,7 @@ BUDGET_SHARE = 0.85  # of the budget that the prediction may fill
 
 def price(plan: Plan, n: float) -> tuple[int, float]:
     """Predicted unknowns of the fine mesh and seconds of the whole process at resolution n."""
-    fine, coarse = plan.at_resolution(n), plan.at_resolution(n / accuracy.STEP)
+    fine, coarse = plan.at_resolution(n), plan.at_resolution(n / estimates.STEP)
     work = machine.seconds(fine.unknowns) + machine.seconds(coarse.unknowns)
     return fine.unknowns, machine.START + work
 
@@ -18,8 +18,8 @@ def price(plan: Plan, n: float) -> tuple[int, float]:
 def affordable(plan: Plan, wanted: float) -> float:
     """The finest resolution, coarse mesh included, that the budget is predicted to allow."""
     budget = BUDGET_SHARE * float(plan.scene.budget or 0.0)
-    best = n = accuracy.RANGE[0] * accuracy.STEP
-    limit = wanted if plan.scene.accuracy is not None else accuracy.RANGE[1]
+    best = n = estimates.RANGE[0] * estimates.STEP
+    limit = wanted if plan.scene.accuracy is not None else estimates.RANGE[1]
     while n <= limit and price(plan, n)[1] <= budget:
         best, n = n, 1.05 * n
     return best

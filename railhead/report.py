@@ -8,7 +8,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from railhead import accuracy, machine
+from railhead import machine
 from railhead.effects import Effect
 from railhead.plan import Plan
 from railhead.price import price
@@ -31,7 +31,7 @@ COLUMNS = (
     "quantity",
     "unit",
     "FE",
-    "bound",
+    "estimate",
     "half-space",
     "Hertz",
     "FE - Hertz",
@@ -82,9 +82,15 @@ def _show_prices(plan: Plan, console: Console) -> None:
     table = Table(title="price on this machine", title_justify="left")
     for column in ("accuracy", "patch size, mm", "unknowns", "seconds", "memory, MB"):
         table.add_column(column, justify="right")
-    asked = plan.scene.accuracy
+    asked, family = plan.scene.accuracy, plan.family
+    if family is None:
+        console.print("price      unknown: no calibrated family; an accuracy takes three meshes or more")
+        return
     for value in sorted({*PRICES, *([asked] if asked else [])}, reverse=True):
-        n = accuracy.resolution(value, plan.laws)
+        if not family.reaches(value - plan.left_out):
+            table.add_row(f"{value:.3g}", *["out of reach"] * 4)
+            continue
+        n = family.finest(value - plan.left_out)
         unknowns, seconds = price(plan, n)
         size = plan.at_resolution(n).patch_size
         cells = (f"{value:.3g}", f"{size:.3g}", f"{unknowns}", f"{seconds:.1f}")
@@ -111,7 +117,7 @@ def show_result(summary: dict[str, Any], console: Console) -> None:
                 _number(thesis), _percent(thesis, exact),
             )  # fmt: skip
         console.print(table)
-        if not summary["checks"]["hertzian"]:
+        if summary["checks"]["passed"] and not summary["checks"]["hertzian"]:
             console.print(
                 "The patch is no Hertz ellipse "
                 f"(moments off by {summary['checks']['shape_error']:.1%}): "
@@ -130,22 +136,24 @@ def show_result(summary: dict[str, Any], console: Console) -> None:
 
 
 def show_failure(summary: dict[str, Any], console: Console) -> None:
-    """Why a check failed, the residual history, and what to try."""
+    """Which checks failed, by how much, and what to change; the history where it did not
+    converge."""
     newton, checks = summary["newton"], summary["checks"]
+    for name in checks["failed"]:
+        limit, source = checks["limits"][name]
+        console.print(
+            f"CHECK FAILED: {name} = {checks[name]:.3g}, limit {limit:.3g} ({source}); "
+            f"{checks['advice'][name]}",
+            highlight=False, markup=False,
+        )  # fmt: skip
     if checks["converged"]:
-        console.print(f"NOT BALANCED: force balance {checks['force_balance']:.2e}", highlight=False)
-    else:
-        console.print(f"NOT CONVERGED: {newton['reason']}", highlight=False)
+        return
     for number, step in enumerate(newton["history"]):
         console.print(
             f"  step {number:2d}  residual {step['residual']:.2e}  active points {step['active']}  "
             f"Krylov iterations {step['linear_iterations']}  step length {step['length']:.2f}",
             highlight=False,
         )
-    console.print(
-        "Try solver.gamma_factor=1, solver.method=nitsche with solver.theta=1, a smaller "
-        "mesh.patch_size, or solver.linear=direct."
-    )
 
 
 def _get(values: dict[str, Any] | None, path: tuple[str, ...]) -> float | None:

@@ -2,36 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
 from mpi4py import MPI
 
 from postprocess.findings import Findings
-from railhead import accuracy, machine
+from railhead import estimates, machine
 from railhead import plan as planning
 from railhead.level import Level, solve_level
 from railhead.plan import Plan
 from railhead.price import affordable
 from railhead.progress import Progress
 from railhead.scene import Scene, SceneError
-from railhead.summary import summarise
+from railhead.summary import Ending, summarise
 from solver.gather import Fields
 from theory.hertz import Ellipse
 from theory.line import LineContact
 
 MAX_LEVELS = 5
 MEMORY_SHARE = 0.8  # of the free memory that a run may take
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """What is known of the error: bound by quantity; why the sequence of meshes ended; what the
-    asked accuracy would have cost (unknowns, seconds) where it was not reached."""
-
-    bound: dict[str, float]
-    reason: str
-    would_cost: tuple[int, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -75,54 +66,69 @@ def run(
     plan = planning.make(scene)
     if scene.accuracy is None and scene.budget is None:
         _check_memory(plan, comm.bcast(machine.free_memory()))
-        levels = [solve_level(plan, plan.grading(), progress, comm)]
-        estimate = Estimate({}, "no accuracy asked")
+        levels, ending = [solve_level(plan, plan.grading(), progress, comm)], Ending("one mesh")
     else:
-        levels, estimate = _refine(plan, progress, comm)
+        levels, ending = _refine(plan, progress, comm)
     level = levels[-1]
     if level.fields is None:
         return Result(level)
-    return Result(level, summarise(levels, estimate.bound, estimate.reason, estimate.would_cost))
+    return Result(level, summarise(levels, ending))
 
 
-def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[Level], Estimate]:
-    """Solve on a coarse and a fine mesh, and on finer ones until the bounds meet the accuracy."""
+def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[Level], Ending]:
+    """Solve on a coarse and a fine mesh, and on finer ones until the estimates meet the accuracy.
+
+    Outside the calibrated families a third mesh, coarser still, comes first.
+    """
     scene = plan.scene
-    n = affordable(plan, plan.resolution) if scene.budget is not None else plan.resolution
-    target = scene.accuracy if scene.accuracy is not None else 0.0
-    low = accuracy.RANGE[0] * (planning.LINEAR_REFINEMENT if plan.order == 1 else 1.0)
-    level = solve_level(plan.at_resolution(max(n / accuracy.STEP, low)), None, progress, comm)
-    n = max(n, level.resolution * 1.25)
-    levels, spent = [level], sum(level.seconds.values())
-    bound: dict[str, float] = {}
+    wanted = plan.resolution
+    if scene.budget is not None:
+        wanted = affordable(plan, wanted)
+    low = estimates.RANGE[0] * (planning.LINEAR_REFINEMENT if plan.order == 1 else 1.0)
+    steps = 1 if plan.family else 2
+    first = plan.at_resolution(max(wanted / estimates.STEP**steps, low))
+    levels = [solve_level(first, None, progress, comm)]
+    spent = sum(levels[0].seconds.values())
     while True:
-        coarse = levels[-1]
-        finer, grading = coarse.finer(n)
+        done = levels[-1]
+        worst = comm.bcast(_worst(levels))
+        if not done.solution.newton.converged:
+            return levels, Ending("Newton's method did not converge")
+        if len(levels) > 1 and scene.accuracy is not None and worst <= scene.accuracy:
+            return levels, Ending("asked accuracy reached")
+        if len(levels) > 1 and scene.accuracy is None and math.isfinite(worst):
+            return levels, Ending("budget spent")
+        finer, grading = done.finer(comm.bcast(_next(levels, worst, wanted)))
         cost = finer.unknowns, machine.seconds(finer.unknowns)
-        stop = comm.bcast(_obstacle(coarse, cost, spent if len(levels) > 1 else 0.0))
+        # The second mesh was priced beforehand.
+        stop = comm.bcast(_obstacle(scene, cost, spent if len(levels) > 1 else 0.0))
         if stop or len(levels) == MAX_LEVELS:
-            return levels, Estimate(bound, stop or "too many meshes", cost)
+            return levels, Ending(stop or "too many meshes", cost)
         level = solve_level(finer, grading, progress, comm)
         levels.append(level)
         spent += sum(level.seconds.values())
-        bound = comm.bcast(_bound(_coarser(levels), level))
-        if not bound:
-            return levels, Estimate({}, "no solution to bound")
-        worst = max(bound.values())
-        if worst <= target or scene.accuracy is None:
-            reason = "asked accuracy reached" if worst <= target else "budget spent"
-            return levels, Estimate(bound, reason)
-        n = accuracy.next_resolution(level.resolution, worst, target)
 
 
-def _coarser(levels: list[Level]) -> Level:
-    """The finest mesh that is coarser than the last one by a whole step, else the first: of two
-    nearly equal meshes the difference is noise. A step may fall short by a twentieth."""
-    *before, last = levels
-    apart = [
-        level for level in before if last.resolution >= 0.95 * accuracy.STEP * level.resolution
-    ]
-    return (apart or before[:1])[-1]
+def _worst(levels: list[Level]) -> float:
+    """The largest estimate of the last mesh; infinite where a quantity has none."""
+    found, _ = estimates.estimate(levels)
+    if levels[-1].result is None or set(found) != set(estimates.flat(levels[-1].result)):
+        return math.inf
+    return max(each.total for each in found.values())
+
+
+def _next(levels: list[Level], worst: float, wanted: float) -> float:
+    """Elements per semi-axis of the next mesh."""
+    level = levels[-1]
+    n, asked = level.resolution, level.plan.scene.accuracy
+    known = estimates.family(level.setting)
+    if known is None or (len(levels) > 1 and not math.isfinite(worst)):
+        return estimates.STEP * n
+    if len(levels) > 1:
+        return estimates.next_resolution(n, worst, asked or worst)
+    if asked is not None and level.plan.scene.budget is None:
+        wanted = known.finest(asked - level.plan.left_out)
+    return max(wanted, 1.25 * n)
 
 
 def _check_memory(plan: Plan, free: int) -> None:
@@ -136,25 +142,8 @@ def _check_memory(plan: Plan, free: int) -> None:
         )
 
 
-def _bound(coarse: Level, fine: Level) -> dict[str, float]:
-    if coarse.result is None or fine.result is None:
-        return {}
-    found = accuracy.bounds(
-        accuracy.flat(coarse.result),
-        accuracy.flat(fine.result),
-        fine.resolution / coarse.resolution,
-        fine.resolution,
-        fine.laws,
-    )
-    return {name: bound + fine.plan.left_out for name, bound in found.items()}
-
-
-def _obstacle(done: Level, cost: tuple[int, float], spent: float) -> str:
-    """Why the next mesh is not solved; empty if it is. The second mesh was priced beforehand and
-    comes with `spent` 0: without it there is no bound at all."""
-    scene = done.plan.scene
-    if not done.solution.newton.converged:
-        return "Newton's method did not converge"
+def _obstacle(scene: Scene, cost: tuple[int, float], spent: float) -> str:
+    """Why a mesh of that cost (unknowns, seconds) is not solved; empty if it is."""
     if machine.memory(cost[0]) > MEMORY_SHARE * machine.free_memory():
         return f"memory: the next mesh needs about {machine.memory(cost[0]) / 1e9:.1f} GB"
     if scene.budget is not None and spent and machine.START + spent + cost[1] > scene.budget:

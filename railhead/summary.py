@@ -2,30 +2,30 @@
 
 from __future__ import annotations
 
-import math
 import resource
+from dataclasses import asdict, dataclass
 from typing import Any
 
-import numpy as np
-
-from meshing.surfaces import ExactGap
 from postprocess import compare
-from railhead import forecast
+from railhead import checks, estimates, forecast
 from railhead.flat import FlatContact
 from railhead.level import Level
 from theory.hertz import Ellipse
 
 BOUNDARY_CELLS = 128
-FORCE_BALANCE = 1e-6  # largest relative force imbalance that passes
 
 
-def summarise(
-    levels: list[Level],
-    bound: dict[str, float],
-    reason: str,
-    would_cost: tuple[int, float] | None,
-) -> dict[str, Any]:
-    """The summary of the last level (rank 0), with the bounds that the sequence gave."""
+@dataclass(frozen=True)
+class Ending:
+    """Why a sequence of meshes ended, and what the next one would have cost (unknowns, seconds)
+    where it was not solved."""
+
+    reason: str
+    would_cost: tuple[int, float] | None = None
+
+
+def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
+    """The summary of the last level (rank 0), with estimates from all of them."""
     level = levels[-1]
     plan, solution, found = level.plan, level.solution, level.findings
     scene, angle, poisson = plan.scene, plan.contact.touch.angle, plan.shown.poisson_ratio
@@ -37,16 +37,18 @@ def summarise(
     else:
         approach = contact.approach(ellipse) if isinstance(contact, FlatContact) else None
         hertz = compare.from_line(ellipse, poisson, angle, contact.origin, approach)
-    target = scene.load if scene.load is not None else solution.reaction
-    balance = max(
-        abs(solution.load - target) / target if target else math.inf,
-        abs(solution.reaction - solution.load) / solution.load if solution.load else math.inf,
-    )
-    newton = solution.newton
-    converged = newton.converged and found is not None
+    newton, cost = solution.newton, ending.would_cost
+    known, source = estimates.estimate(levels)
+    bound = {name: each.total for name, each in known.items()}
     reached = None
-    if scene.accuracy is not None:
-        reached = bool(bound) and max(bound.values()) <= scene.accuracy
+    if scene.accuracy is not None and level.result is not None:
+        complete = set(bound) == set(estimates.flat(level.result))
+        reached = complete and max(bound.values()) <= scene.accuracy
+    half_space = _half_space(level)
+    second = {**hertz, "allowance": {}} if plan.contact.half_space else half_space
+    if any(effect.override and effect.called_for != effect.on for effect in plan.effects.values()):
+        second = None  # a person chose to solve another problem
+    judged = checks.run(level, known, second, reached=reached)
     return {
         "case": scene.name,
         "scene": scene.model_dump(exclude_none=True),
@@ -54,25 +56,25 @@ def summarise(
         "result": level.result,
         "hertz": hertz,
         "thesis": thesis,
-        "half_space": _half_space(level),
+        "half_space": half_space,
         "difference": None if level.result is None else compare.difference(level.result, hertz),
         "effects_after": {name: vars(each) for name, each in level.after.items()},
         "accuracy": {
             "asked": scene.accuracy,
             "bound": bound,
             "reached": reached,
-            "reason": reason,
-            "would_cost": would_cost and {"unknowns": would_cost[0], "seconds": would_cost[1]},
-            "parts": _parts(level, bound),
+            "reason": ending.reason,
+            "would_cost": cost and {"unknowns": cost[0], "seconds": cost[1]},
+            "source": source,
+            "parts": {name: asdict(each) for name, each in known.items()},
             "levels": [_trace(each) for each in levels],
         },
         "checks": {
-            "force_balance": balance,
+            **checks.summary(judged),
+            "converged": newton.converged and found is not None,
             "max_penetration_mm": solution.penetration,
-            "converged": converged,
             "hertzian": None if found is None else found.hertzian,
             "shape_error": None if found is None else found.shape_error,
-            "passed": converged and balance < FORCE_BALANCE and reached is not False,
         },
         "newton": {"reason": newton.reason, "history": [vars(step) for step in newton.history]},
         "cost": {
@@ -88,23 +90,6 @@ def summarise(
     }
 
 
-def _parts(level: Level, bound: dict[str, float]) -> dict[str, float]:
-    """Where the error comes from, relative: the mesh (the bound), the contact law (overlap over
-    approach; Nitsche's method is consistent, so it is part of the mesh's), Newton's residual,
-    the geometry (contact points off the exact surface, over the smaller semi-axis), and what the
-    plan left out (part of the bound)."""
-    solution, law = level.solution, level.plan.scene.solver.method
-    size = min(level.plan.zone)
-    left_out = level.plan.left_out
-    return {
-        "discretisation": max(bound.values(), default=0.0) - (left_out if bound else 0.0),
-        "left_out": left_out,
-        "contact_law": abs(solution.penetration / solution.approach) if law == "penalty" else 0.0,
-        "newton": solution.newton.history[-1].residual,
-        "geometry": _off_surface(level) / size,
-    }
-
-
 def _half_space(level: Level) -> dict[str, Any] | None:
     """Boundary elements on the real profiles; None for half-spaces, where Hertz is exact."""
     contact, ellipse = level.plan.contact, level.ellipse
@@ -116,16 +101,6 @@ def _half_space(level: Level) -> dict[str, Any] | None:
         return None
     planes = [(touch.angle, patch) for touch, patch in found]
     return compare.from_half_space(planes, level.findings.hertzian)
-
-
-def _off_surface(level: Level) -> float:
-    """Largest distance in z of touching contact points from the exact surface, mm."""
-    gap = level.plan.surfaces.gap(level.plan.slave)
-    if level.fields is None or not isinstance(gap, ExactGap):
-        return 0.0
-    contact = level.fields.contact
-    touching = contact.points[contact.pressure > 0]
-    return float(np.max(gap.off_surface(touching), initial=0.0))
 
 
 def _trace(level: Level) -> dict[str, Any]:

@@ -1,0 +1,198 @@
+"""What a result must meet before it is signed: each check with its value, limit and reason.
+
+The limits follow from physics or from the asked accuracy and were set before any run was looked at.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from meshing.tags import BODIES
+from postprocess.flux import through_plane
+from railhead.estimates import RANGE, Estimate, flat
+from railhead.level import Level
+from railhead.plan import LINEAR_REFINEMENT
+
+ROUGH = 0.05  # relative: what a number without an asked accuracy may be off by at most
+BALANCE = 1e-6  # relative: what equations solved to 1e-8 leave
+NOISE = 0.2  # relative L2: fits over a hundred points leave a tenth of it
+SHEAR = (0.2, 0.6)  # over the largest pressure: 0.266 to 0.488 in Hertz's ellipses of any axis ratio
+# and Poisson's ratio (theory.subsurface), a quarter more room
+MISS = 1.5  # times an estimate: what a signed number may be off by
+OPINIONS = ("max_MPa", "area_mm2", "tau_max_MPa")  # quantities held against a second opinion
+
+
+@dataclass(frozen=True)
+class Check:
+    """value must not be above limit (least: not below); source: where the limit comes from;
+    advice: what to change where it fails. A value that is not a number fails."""
+
+    name: str
+    value: float
+    limit: float
+    source: str
+    advice: str
+    least: bool = False
+
+    @property
+    def passed(self) -> bool:
+        """Whether the limit is kept."""
+        return self.value >= self.limit if self.least else self.value <= self.limit
+
+
+FINER = "give a smaller mesh.patch_size, or an accuracy"
+SOLVER = (
+    "try solver.gamma_factor=1, solver.method=nitsche with solver.theta=1, a smaller "
+    "mesh.patch_size, or solver.linear=direct"
+)
+
+
+def run(
+    level: Level,
+    estimates: Mapping[str, Estimate],
+    second: Mapping[str, Any] | None,
+    *,
+    reached: bool | None,
+) -> list[Check]:
+    """All checks of a solved mesh (rank 0).
+
+    second: quantities nested as "result" that another method found, with relative "allowance" by
+    quantity; reached: whether the asked accuracy was met, None without one.
+    """
+    checks = _equations(level)
+    if level.result is not None and level.findings is not None:
+        checks += _mesh(level)
+        checks += _physics(level)
+        checks += _opinion(level, estimates, second)
+    if reached is not None:
+        worst = max((each.total for each in estimates.values()), default=math.inf)
+        asked = float(level.plan.scene.accuracy or 0.0)
+        advice = "ask for less, or give a larger budget; see accuracy.would_cost"
+        checks.append(
+            Check("accuracy", worst if reached else math.inf, asked, "asked", advice)
+        )
+    return checks
+
+
+def _equations(level: Level) -> list[Check]:
+    solution, scene = level.solution, level.plan.scene
+    newton = solution.newton
+    target = scene.load if scene.load is not None else solution.reaction
+    balance = max(_off(solution.load, target), _off(solution.reaction, solution.load))
+    found = [
+        Check(
+            "converged", 0.0 if newton.converged and level.result is not None else math.inf, 0.0,
+            f"Newton's method: {newton.reason}", SOLVER,
+        ),
+        Check("force_balance", balance, BALANCE, "equations solved to 1e-8", SOLVER),
+        Check(
+            "approach_reached", level.approach_error, BALANCE, "the given approach",
+            "give the load in the place of the approach",
+        ),
+        Check(
+            "patch_settled", 0.0 if level.settled else 1.0, 0.0,
+            "the mesh is around the patch that was found",
+            "give mesh.patch_size, or a scene whose patch is not at an edge",
+        ),
+    ]  # fmt: skip
+    return found
+
+
+def _mesh(level: Level) -> list[Check]:
+    plan, found, solution = level.plan, level.findings, level.solution
+    assert found is not None
+    least = RANGE[0] * (LINEAR_REFINEMENT if plan.order == 1 else 1.0)
+    allowed = max(ROUGH, plan.scene.accuracy or 0.0)
+    return [
+        Check(
+            "elements_across", min(found.elements_across), 2 * least,
+            "below it quadratic (linear) cells were never seen to give the area within a tenth",
+            FINER, least=True,
+        ),
+        Check("pressure_noise", found.noise, NOISE, "of fits over a hundred points", FINER),
+        Check(
+            "penetration", solution.penetration / abs(solution.approach), allowed,
+            "overlap over approach: it enters pressure and area in proportion",
+            "give a larger solver.gamma_factor, or solver.method=nitsche",
+        ),
+        Check(
+            "reported_force", _off(found.reported_force, solution.load), allowed,
+            "the load; the reported pressure is integrated", FINER,
+        ),
+    ]  # fmt: skip
+
+
+def _physics(level: Level) -> list[Check]:
+    plan, found, solution, result = level.plan, level.findings, level.solution, level.result
+    assert found is not None and level.fields is not None and result is not None
+    allowed = max(ROUGH, plan.scene.accuracy or 0.0)
+    depth = level.grading.a if plan.section else min(found.patch.a, found.patch.b)
+    fluxes = [
+        Check(
+            f"flux_{BODIES[body]}",
+            _off(through_plane(level.fields, body, depth), solution.load), allowed,
+            "the load; recovered stresses are integrated over a plane near the patch", FINER,
+        )
+        for body in plan.deformable
+    ]  # fmt: skip
+    pressure = found.patch.each[0].max_pressure if found.patch.each else found.patch.max_pressure
+    shear = result["stress"]["axis"]["tau_max_MPa"] / pressure
+    why = "0.266 to 0.488 in Hertz's ellipses, and a quarter more room"
+    checks = [
+        *fluxes,
+        Check("shear_over_pressure", shear, SHEAR[1], why, FINER),
+        Check("shear_over_pressure_least", shear, SHEAR[0], why, FINER, least=True),
+    ]
+    if found.edge_distance is not None:
+        checks.append(
+            Check(
+                "edge_distance", found.edge_distance, level.grading.size,
+                "one element: at an edge the pressure has no finite largest value",
+                "move the wheel, or give wider bodies", least=True,
+            )  # fmt: skip
+        )
+    return checks
+
+
+def _opinion(
+    level: Level, estimates: Mapping[str, Estimate], second: Mapping[str, Any] | None
+) -> list[Check]:
+    """Finite elements against the second opinion, within both errors and what it cannot know."""
+    if second is None:
+        return []
+    checks = []
+    own, other = flat(level.result or {}), flat(second)
+    for name in OPINIONS:
+        if name in own and name in other:
+            mine = estimates[name].total if name in estimates else ROUGH
+            allowance = second["allowance"].get(name, 0.0)
+            checks.append(
+                Check(
+                    f"second_opinion_{name}", _off(own[name], other[name]),
+                    MISS * mine + allowance,
+                    f"{MISS:g} times the estimate {mine:.2g}, and {allowance:.2g} for what it "
+                    "cannot know",
+                    "ask for an accuracy, and look at the profiles",
+                )  # fmt: skip
+            )
+    return checks
+
+
+def _off(value: float, target: float) -> float:
+    """Relative deviation; infinite where there is nothing to compare with."""
+    return abs(value / target - 1) if target else math.inf
+
+
+def summary(checks: list[Check]) -> dict[str, Any]:
+    """Value by name, limits with their sources, and what failed, as in summary.json."""
+    failed = [each.name for each in checks if not each.passed]
+    return {
+        **{each.name: each.value for each in checks},
+        "limits": {each.name: [each.limit, each.source] for each in checks},
+        "advice": {each.name: each.advice for each in checks if not each.passed},
+        "failed": failed,
+        "passed": not failed,
+    }

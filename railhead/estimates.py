@@ -1,0 +1,263 @@
+"""How large the error of a number is, before and after the solve.
+
+The error of a quantity at n elements per smaller semi-axis scatters below an envelope that falls
+with n, as the unstructured meshes of two sizes share no nodes. Envelopes are calibrated on runs of
+known answer (`railhead study calibrate` makes data/laws.json) and hold inside their family only:
+same cells, same contact law, same kind of patch. The estimate of a quantity is the sum of
+
+    mesh          the envelope at n; outside all families the scatter of several meshes
+    reading       what two ways of reading the same solution differ by
+    contact_law   the overlap that the law lets through, over the approach, times its calibrated effect
+    left_out      what effects left out by the plan add
+    geometry      contact points off the exact surface, over the smaller semi-axis
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from scipy.optimize import brentq
+
+if TYPE_CHECKING:
+    from railhead.level import Level
+
+STEP = 1.6  # refinement from one mesh of a sequence to the next
+AIM = 0.9  # of the asked accuracy: what the mesh may take, the rest is for the other parts
+SPREAD = 2.0  # times the change between meshes a step apart: first-order convergence leaves
+# 1/(STEP - 1) = 1.67 of it
+RANGE = (3.0, 60.0)  # elements per semi-axis that are considered
+QUANTITIES = {
+    "a_mm": ("patch", "a_mm"),
+    "b_mm": ("patch", "b_mm"),
+    "area_mm2": ("patch", "area_mm2"),
+    "max_MPa": ("pressure", "max_MPa"),
+    "approach_mm": ("approach_mm",),
+    "tau_max_MPa": ("stress", "tau_max_MPa"),
+    "tau_max_depth_mm": ("stress", "tau_max_depth_mm"),
+    "von_mises_max_MPa": ("stress", "von_mises_max_MPa"),
+}
+"""Reported quantities that carry an estimate, and their place under "result" in summary.json."""
+LAWS = Path(__file__).with_name("data") / "laws.json"
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What errors depend on besides the resolution.
+
+    shape: 'solid', 'plane strain' or 'meridian'; theta: as given, None where the law chooses;
+    poisson: the largest of the deformable bodies; ellipse: whether the patch is one; axis_ratio:
+    longer over shorter semi-axis; stiffness: E/(1 - nu^2) of the softer body over the other's.
+    """
+
+    shape: str
+    cell: str
+    order: int
+    method: str
+    theta: int | None
+    gamma_factor: float
+    poisson: float
+    ellipse: bool
+    axis_ratio: float
+    stiffness: float
+
+
+@dataclass(frozen=True)
+class Law:
+    """Relative error at most value * (6/n)^order."""
+
+    value: float
+    order: float
+
+    def __call__(self, n: float) -> float:
+        return float(self.value * (6.0 / n) ** self.order)
+
+
+@dataclass(frozen=True)
+class Family:
+    """Scenes whose errors were measured together.
+
+    where: by field of `Setting` the allowed words, or the range of a number; resolution: range of
+    n; laws: mesh error by quantity; reading: how large that part was, for prices only; overlap:
+    relative error by quantity for an overlap of the whole approach.
+    """
+
+    name: str
+    where: Mapping[str, Sequence[Any]]
+    resolution: tuple[float, float]
+    laws: Mapping[str, Law]
+    reading: Mapping[str, Law]
+    overlap: Mapping[str, float]
+
+    def holds(self, setting: Setting) -> bool:
+        """Whether the setting lies within what was calibrated."""
+        for name, value in asdict(setting).items():
+            allowed = self.where[name]
+            if isinstance(value, float):
+                if not allowed[0] <= value <= allowed[1]:
+                    return False
+            elif value not in allowed:
+                return False
+        return True
+
+    def covers(self, n: float) -> bool:
+        """Whether a resolution lies within what was calibrated; finer ones follow the slope for a
+        factor STEP."""
+        low, high = self.resolution
+        return low <= n * (1 + 1e-9) and n <= STEP * high
+
+    def expected(self, n: float) -> float:
+        """Largest relative error of all quantities at n elements per semi-axis."""
+        return max(self.laws[name](n) + self.reading[name](n) for name in self.laws)
+
+    def reaches(self, accuracy: float) -> bool:
+        """Whether a resolution within RANGE is expected to meet the accuracy."""
+        return self.expected(RANGE[1]) <= AIM * accuracy
+
+    def finest(self, accuracy: float) -> float:
+        """Elements per semi-axis at which all quantities meet the accuracy, within RANGE."""
+        low, high = max(RANGE[0], self.resolution[0]), RANGE[1]
+        target = AIM * accuracy
+        if not self.reaches(accuracy):
+            return high
+        if self.expected(low) <= target:
+            return low
+        return float(brentq(lambda n: self.expected(n) - target, low, high))
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Relative error of one quantity, in parts that add up."""
+
+    mesh: float
+    reading: float
+    contact_law: float
+    left_out: float
+    geometry: float
+
+    @property
+    def total(self) -> float:
+        """The sum of all parts."""
+        return self.mesh + self.reading + self.contact_law + self.left_out + self.geometry
+
+
+@cache
+def families() -> tuple[Family, ...]:
+    """All calibrated families."""
+    return tuple(
+        Family(
+            name,
+            entry["where"],
+            tuple(entry["resolution"]),
+            {key: Law(*law) for key, law in entry["laws"].items()},
+            {key: Law(*law) for key, law in entry["reading"].items()},
+            entry["overlap"],
+        )
+        for name, entry in json.loads(LAWS.read_text(encoding="utf-8"))["families"].items()
+    )
+
+
+def family(setting: Setting) -> Family | None:
+    """The family that a setting lies in."""
+    return next((each for each in families() if each.holds(setting)), None)
+
+
+def flat(result: Mapping[str, Any]) -> dict[str, float]:
+    """The quantities of a "result" that it has."""
+    values = {}
+    for name, path in QUANTITIES.items():
+        inner: Any = result
+        for key in path:
+            inner = None if inner is None else inner.get(key)
+        if inner is not None:
+            values[name] = float(inner)
+    return values
+
+
+def mesh_parts(
+    levels: Sequence[tuple[float, Mapping[str, float]]], known: Family | None
+) -> tuple[dict[str, float], str]:
+    """Mesh part by quantity and its source, from (n, values) of each mesh, the finest last.
+
+    Two meshes confirm a law where they differ by no more than both envelopes allow. Where they
+    do not, or no law covers the run, SPREAD times the larger change between the last three meshes
+    is taken, the earlier change counted as one step older; with fewer there is no estimate.
+    """
+    (n, fine), *before = reversed(levels)
+    parts: dict[str, float] = {}
+    denied = 0
+    if known is not None and known.covers(n):
+        for name, law in known.laws.items():
+            if name not in fine:
+                continue
+            others = [(m, v) for m, v in before if known.covers(m) and m < n]
+            if all(_change(v, fine, name) <= law(m) + law(n) for m, v in others):
+                parts[name] = law(n)
+            else:
+                denied += 1
+        if not denied:
+            return parts, f"law of the family {known.name}"
+    apart = _steps(n, before)
+    if len(apart) >= 2:
+        middle, coarse = apart[:2]
+        for name in fine:
+            if name not in parts and name in middle and name in coarse:
+                last, earlier = _change(middle, fine, name), _change(coarse, middle, name)
+                parts[name] = SPREAD * max(last, earlier / STEP)
+    if known is None:
+        return parts, "scatter of three meshes" if parts else "no calibrated family"
+    return parts, f"law of the family {known.name}, where meshes do not deny it"
+
+
+def _steps(
+    n: float, before: Sequence[tuple[float, Mapping[str, float]]]
+) -> list[Mapping[str, float]]:
+    """Values of earlier meshes, each a whole STEP (or nearly) coarser than the one after it: of
+    two nearly equal meshes the difference is noise."""
+    apart = []
+    for m, values in before:
+        if n >= 0.95 * STEP * m:
+            apart.append(values)
+            n = m
+    return apart
+
+
+def _change(one: Mapping[str, float], other: Mapping[str, float], name: str) -> float:
+    return abs(one[name] / other[name] - 1) if other[name] else math.inf
+
+
+def next_resolution(n: float, worst: float, accuracy: float) -> float:
+    """A finer mesh after the estimate `worst` missed the accuracy: first order, within a factor
+    STEP."""
+    return n * min(max(1.1 * worst / accuracy, 1.25), STEP)
+
+
+def estimate(levels: Sequence[Level]) -> tuple[dict[str, Estimate], str]:
+    """Estimates of the last of some meshes of a scene by quantity, and the source of their mesh
+    parts (rank 0). A quantity without a mesh part has none; neither has a run that did not
+    converge."""
+    level = levels[-1]
+    if level.result is None or level.findings is None or not level.solution.newton.converged:
+        return {}, "no solution"
+    solved = [(each.resolution, flat(each.result)) for each in levels if each.result is not None]
+    known = family(level.setting)
+    parts, source = mesh_parts(solved, known)
+    overlap = 0.0
+    if level.plan.scene.solver.method == "penalty":
+        overlap = abs(level.solution.penetration / level.solution.approach)
+    scatter = level.findings.patch.scatter
+    return {
+        name: Estimate(
+            mesh,
+            scatter.get(name, 0.0),
+            overlap * (known.overlap[name] if known is not None else 1.0),
+            level.plan.left_out,
+            level.off_surface / min(level.plan.zone),
+        )
+        for name, mesh in parts.items()
+    }, source
