@@ -137,8 +137,9 @@ def show_failure(summary: dict[str, Any], console: Console) -> None:
     else:
         console.print(f"NOT CONVERGED: {newton['reason']}", highlight=False)
     for number, step in enumerate(newton["history"]):
+        residual = step["problem"] or f"residual {step['residual']:.2e}"
         console.print(
-            f"  step {number:2d}  residual {step['residual']:.2e}  active points {step['active']}  "
+            f"  step {number:2d}  {residual}  active points {step['active']}  "
             f"Krylov iterations {step['linear_iterations']}  step length {step['length']:.2f}",
             highlight=False,
         )

@@ -88,7 +88,7 @@ def summarise(
     }
 
 
-def _parts(level: Level, bound: dict[str, float]) -> dict[str, float]:
+def _parts(level: Level, bound: dict[str, float]) -> dict[str, float | None]:
     """Where the error comes from, relative: the mesh (the bound), the contact law (overlap over
     approach; Nitsche's method is consistent, so it is part of the mesh's), Newton's residual,
     the geometry (contact points off the exact surface, over the smaller semi-axis), and what the
@@ -100,7 +100,7 @@ def _parts(level: Level, bound: dict[str, float]) -> dict[str, float]:
         "discretisation": max(bound.values(), default=0.0) - (left_out if bound else 0.0),
         "left_out": left_out,
         "contact_law": abs(solution.penetration / solution.approach) if law == "penalty" else 0.0,
-        "newton": solution.newton.history[-1].residual,
+        "newton": solution.newton.residual,
         "geometry": _off_surface(level) / size,
     }
 
