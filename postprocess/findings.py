@@ -7,7 +7,7 @@ order (xx, ss, nn, xs, xn, sn) with n the outward normal of the rail; tension po
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,6 +85,7 @@ class Patch:
     mean_pressure: float
     outlines: list[Array]
     each: tuple[OnePatch, ...] = ()
+    scatter: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -190,7 +190,7 @@ def summary(checks: list[Check]) -> dict[str, Any]:
     """Value by name, limits with their sources, and what failed, as in summary.json."""
     failed = [each.name for each in checks if not each.passed]
     return {
-        **{each.name: each.value for each in checks},
+        **{each.name: each.value for each in checks if each.name != "converged"},
         "limits": {each.name: [each.limit, each.source] for each in checks},
         "advice": {each.name: each.advice for each in checks if not each.passed},
         "failed": failed,

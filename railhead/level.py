@@ -32,12 +32,15 @@ from theory.line import LineContact
 
 OUTGROWN = 1.25  # patch over the finely meshed ellipse, either way, that calls for a new mesh
 MAX_MESHES = 3
+MAX_LOADS = 6  # that are tried to meet a given approach between half-spaces ...
+REACHED = 1e-9  # ... to this relative error
 
 
 @dataclass(frozen=True)
 class Level:
     """fields, findings and result ("result" of summary.json) are None off rank 0, the last two
-    also where nothing touches. ellipse: exact Hertz under the load that was found."""
+    also where nothing touches. ellipse: exact Hertz under the load that was found. settled: the
+    patch that was found is the one that was meshed for."""
 
     plan: Plan
     grading: Grading
@@ -49,7 +52,14 @@ class Level:
     fields: Fields | None
     findings: Findings | None
     result: dict[str, Any] | None
+    settled: bool
     seconds: dict[str, float]
+
+    @property
+    def approach_error(self) -> float:
+        """Of the approach, relative to the one asked for; 0 where the load is given."""
+        asked = self.plan.scene.approach
+        return abs(self.solution.approach / asked - 1) if asked else 0.0
 
     @property
     def after(self) -> dict[str, After]:
@@ -118,7 +128,7 @@ def solve_level(
     ellipse = exact.estimate(plan.scene, plan.contact, solution.load or None)
     return Level(
         plan, grading, mesh, unknowns, comm.size, solution, ellipse, fields, findings,
-        result, clock.seconds,
+        result, better is None, clock.seconds,
     )  # fmt: skip
 
 
@@ -142,14 +152,19 @@ def solve(
     target = float(scene.approach or 0.0)
     if not model.setup.load_control:
         return at(0.0, target)
-    # Half-spaces: the far field needs the load. The approach grows about as load^(2/3).
-    load = plan.estimate.load
-    for _ in range(6):
+    # Half-spaces: the far field needs the load. It grows about as approach^1.5, then by secants.
+    load, power = plan.estimate.load, 1.5
+    tried: list[tuple[float, float]] = []
+    for _ in range(MAX_LOADS):
         solution = at(load)
-        ratio = target / solution.approach
-        if abs(ratio - 1) < 1e-9 or not solution.newton.converged:
+        found = solution.approach
+        if not (solution.newton.converged and found > 0) or abs(found / target - 1) < REACHED:
             break
-        load *= ratio**1.5
+        tried.append((math.log(load), math.log(found)))
+        if len(tried) > 1:
+            (load_0, found_0), (load_1, found_1) = tried[-2:]
+            power = (load_1 - load_0) / (found_1 - found_0)
+        load *= (target / found) ** power
     return solution
 
 

@@ -140,6 +140,10 @@ def show_failure(summary: dict[str, Any], console: Console) -> None:
     converge."""
     newton, checks = summary["newton"], summary["checks"]
     for name in checks["failed"]:
+        if name == "converged":
+            text = f"NOT CONVERGED: {newton['reason']}; {checks['advice'][name]}"
+            console.print(text, highlight=False, markup=False)
+            continue
         limit, source = checks["limits"][name]
         console.print(
             f"CHECK FAILED: {name} = {checks[name]:.3g}, limit {limit:.3g} ({source}); "
@@ -149,8 +153,9 @@ def show_failure(summary: dict[str, Any], console: Console) -> None:
     if checks["converged"]:
         return
     for number, step in enumerate(newton["history"]):
+        residual = step["problem"] or f"residual {step['residual']:.2e}"
         console.print(
-            f"  step {number:2d}  residual {step['residual']:.2e}  active points {step['active']}  "
+            f"  step {number:2d}  {residual}  active points {step['active']}  "
             f"Krylov iterations {step['linear_iterations']}  step length {step['length']:.2f}",
             highlight=False,
         )

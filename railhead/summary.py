@@ -28,15 +28,10 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
     """The summary of the last level (rank 0), with estimates from all of them."""
     level = levels[-1]
     plan, solution, found = level.plan, level.solution, level.findings
-    scene, angle, poisson = plan.scene, plan.contact.touch.angle, plan.shown.poisson_ratio
-    ellipse, contact = level.ellipse, plan.contact
-    thesis = None
+    scene, ellipse = plan.scene, level.ellipse
+    hertz, thesis = exact_quantities(level), None
     if isinstance(ellipse, Ellipse):
-        hertz = compare.from_hertz(ellipse, poisson, angle, contact.origin)
-        thesis = compare.from_thesis(ellipse, poisson)
-    else:
-        approach = contact.approach(ellipse) if isinstance(contact, FlatContact) else None
-        hertz = compare.from_line(ellipse, poisson, angle, contact.origin, approach)
+        thesis = compare.from_thesis(ellipse, plan.shown.poisson_ratio)
     newton, cost = solution.newton, ending.would_cost
     known, source = estimates.estimate(levels)
     bound = {name: each.total for name, each in known.items()}
@@ -88,6 +83,16 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
             "seconds": _seconds(levels),
         },
     }
+
+
+def exact_quantities(level: Level) -> dict[str, Any]:
+    """Exact Hertz under the load that was found, nested as "result"."""
+    plan, ellipse, contact = level.plan, level.ellipse, level.plan.contact
+    given = plan.shown.poisson_ratio, contact.touch.angle, contact.origin
+    if isinstance(ellipse, Ellipse):
+        return compare.from_hertz(ellipse, *given)
+    approach = contact.approach(ellipse) if isinstance(contact, FlatContact) else None
+    return compare.from_line(ellipse, *given, approach)
 
 
 def _half_space(level: Level) -> dict[str, Any] | None:

@@ -27,19 +27,24 @@ CONVERGED = "residual below tolerance"
 @dataclass(frozen=True)
 class Step:
     """State after one linear solve: residual relative to the contact force, size of the active set
-    (all ranks), Krylov iterations, step length, factor of the law on the safe parameter."""
+    (all ranks), Krylov iterations, step length, factor of the law on the safe parameter.
 
-    residual: float
+    residual is None where there is no finite one; problem says why then: nothing touches, or the
+    linear solve failed and left no state.
+    """
+
+    residual: float | None
     active: int
     linear_iterations: int
     length: float
     factor: float
+    problem: str = ""
 
 
 @dataclass
 class NewtonResult:
     """y, the pressure at the local contact points (MPa), and the history. stalled: it was a linear
-    solve that failed."""
+    solve that failed. Both are always finite: zero where no state was found."""
 
     y: PETSc.Vec
     pressure: Array
@@ -51,6 +56,12 @@ class NewtonResult:
     def converged(self) -> bool:
         """Whether R(y) = 0 is met."""
         return self.reason == CONVERGED
+
+    @property
+    def residual(self) -> float | None:
+        """Of the last state; None where it has none."""
+        states = [step.residual for step in self.history if step.residual is not None]
+        return states[-1] if states else None
 
 
 def line_search(problem: ContactProblem, y: PETSc.Vec, step: PETSc.Vec) -> float:
@@ -102,15 +113,20 @@ def solve(
             rounding = ROUNDING * (diagonal * y).norm()
             active = pressure > 0.0
             touching = int(comm.allreduce(int(active.sum())))
-            result.history.append(
-                Step(norm, touching, iterations, length, problem.law.gamma_factor)
-            )
-            progress(step, norm)
-            if not touching:
-                result.reason = "the bodies do not touch"
-                return result
+            lost = ""
             if not np.isfinite(norm):
-                result.reason = "the residual is not a number"
+                lost = "the residual is not a number" if scale else "the bodies do not touch"
+            result.history.append(
+                Step(
+                    None if lost else norm, touching, iterations, length,
+                    problem.law.gamma_factor, lost,
+                )
+            )  # fmt: skip
+            progress(step, norm)
+            if lost:
+                result.reason = lost
+                if scale:
+                    _forget(result)
                 return result
             if norm <= max(rtol, rounding / scale):
                 result.reason = CONVERGED
@@ -132,10 +148,18 @@ def solve(
             y.axpy(length, increment)
     except StalledError as error:
         result.reason, result.stalled = str(error), True
+        if not result.history:  # what the predictor left in y is no state
+            _forget(result)
         result.history.append(
-            Step(float("nan"), 0, error.iterations, 0.0, problem.law.gamma_factor)
+            Step(None, 0, error.iterations, 0.0, problem.law.gamma_factor, str(error))
         )
     return result
+
+
+def _forget(result: NewtonResult) -> None:
+    """Leave the state at zero."""
+    result.y.set(0.0)
+    result.pressure = np.zeros_like(result.pressure)
 
 
 class _Seen:

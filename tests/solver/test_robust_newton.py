@@ -74,7 +74,7 @@ def test_a_stalled_linear_solve_is_taken_over_by_a_factorisation(model, monkeypa
     monkeypatch.setattr(linear, "KRYLOV_LIMIT", 3)
     stalled = model(linear="multigrid")
     solution = press(stalled)
-    assert any(np.isnan(step.residual) for step in solution.newton.history)
+    assert any(step.residual is None for step in solution.newton.history)
     assert isinstance(stalled.preconditioner, linear.Direct)
     assert solution.newton.converged
     assert solution.approach == pytest.approx(reference, rel=1e-7)

@@ -1,0 +1,140 @@
+"""Error laws from runs: makes railhead/data/laws.json, the envelopes that estimates rest on."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+
+from cases import families
+from cases.pool import spread
+from railhead import estimates, studies
+from railhead.estimates import QUANTITIES, Law
+from railhead.scene import Scene
+
+STUDY = "error laws by family, from random scenes of known answer"
+SEED = 1
+SCENES = 20
+HEADROOM = 1.1  # the envelope over the largest error that was seen
+ORDERS = (0.5, 3.0)  # of convergence that are believed
+LEAST = 1e-6  # relative; below it an error is rounding
+
+
+@dataclass(frozen=True)
+class Record:
+    """One quantity of one scene on one mesh; error, reading, overlap: relative."""
+
+    family: str
+    scene: str
+    n: float
+    unknowns: int
+    quantity: str
+    error: float
+    reading: float
+    overlap: float
+
+
+def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Record]:
+    """Errors of a scene on some meshes; none where a mesh or its solution fails."""
+    records: list[Record] = []
+    exact: dict[str, float] = {}
+    for n in resolutions:
+        level = families.solved(scene, n)
+        if level is None or level.result is None or not level.solution.newton.converged:
+            continue
+        exact = exact or families.truth(name, scene, level)
+        found, scatter = estimates.flat(level.result), level.findings.patch.scatter
+        penalty = scene.solver.method == "penalty"
+        overlap = abs(level.solution.penetration / level.solution.approach) if penalty else 0.0
+        records += [
+            Record(
+                name, scene.name, level.resolution, level.unknowns, key,
+                abs(found[key] / value - 1), scatter.get(key, 0.0), overlap,
+            )
+            for key, value in exact.items() if key in found
+        ]  # fmt: skip
+    return records
+
+
+def envelope(n: np.ndarray, errors: np.ndarray) -> Law:
+    """The law below which all errors lie: slope from the rms at each of the resolutions."""
+    at = np.round(np.log(n), 1)
+    levels = np.unique(at)
+    rms = np.array([np.sqrt(np.mean(errors[at == level] ** 2)) for level in levels])
+    slope = -np.polyfit(levels, np.log(np.maximum(rms, LEAST)), 1)[0] if len(levels) > 1 else 1.0
+    order = float(np.clip(slope, *ORDERS))
+    return Law(max(HEADROOM * float(np.max(errors * (n / 6.0) ** order)), LEAST), order)
+
+
+def fit(name: str, records: Sequence[Record]) -> dict[str, object]:
+    """The entry of a family in laws.json."""
+    laws, reading, overlap = {}, {}, {}
+    for key in QUANTITIES:
+        mine = [record for record in records if record.quantity == key]
+        if not mine:
+            continue
+        n, error, read, over = (
+            np.array([getattr(record, field) for record in mine])
+            for field in ("n", "error", "reading", "overlap")
+        )
+        share = float(error @ over / (over @ over)) if over.any() else 0.0
+        overlap[key] = share
+        laws[key] = envelope(n, np.maximum(error - read - share * over, 0.0))
+        reading[key] = envelope(n, read)
+    recipe = families.RECIPES[name]
+    return {
+        "where": {**families.DEFAULT, **recipe.where},
+        "resolution": [recipe.resolutions[0], recipe.resolutions[-1]],
+        "scenes": len({record.scene for record in records}),
+        "laws": {key: [law.value, law.order] for key, law in laws.items()},
+        "reading": {key: [law.value, law.order] for key, law in reading.items()},
+        "overlap": overlap,
+    }
+
+
+def calibrated(
+    names: Iterable[str], count: int, seed: int = SEED
+) -> tuple[list[Record], dict[str, object]]:
+    """Records of all families and the content of laws.json."""
+    jobs = [
+        (name, scene, families.RECIPES[name].resolutions)
+        for name in names
+        for scene in islice(families.scenes(name, seed), count)
+    ]
+    records = [record for found in spread(measure, jobs) for record in found]
+    entries = {}
+    for name in names:
+        mine = [record for record in records if record.family == name]
+        entries[name] = fit(name, mine)
+    return records, {"seed": seed, "families": entries}
+
+
+def main(out: Path, *, quick: bool) -> None:
+    """Write calibrate.csv, laws.json and page.md; quick: three scenes of the cheap families."""
+    names = ["plane strain", "meridian"] if quick else list(families.RECIPES)
+    records, laws = calibrated(names, 3 if quick else SCENES)
+    studies.write_csv(out / "calibrate.csv", records)
+    (out / "laws.json").write_text(json.dumps(laws, indent=1) + "\n", encoding="utf-8")
+    (out / studies.PAGE).write_text(page(laws), encoding="utf-8")
+    print(f"{len(records)} numbers", file=sys.stderr)
+
+
+def page(laws: dict) -> str:
+    """The laws as a table."""
+    rows = [
+        [name, str(entry["scenes"]), key, studies.percent(value), f"{order:.2f}"]
+        for name, entry in laws["families"].items()
+        for key, (value, order) in entry["laws"].items()
+    ]
+    head = ("family", "scenes", "quantity", "envelope at n = 6", "order")
+    return (
+        "# Error laws\n\nLargest relative error seen at n elements per smaller semi-axis, and a "
+        f"tenth more: envelope (6/n)^order. Seed {laws['seed']}. Made by `railhead study "
+        "calibrate`, whose laws.json is railhead/data/laws.json.\n\n"
+        + studies.table(head, rows) + "\n"
+    )  # fmt: skip

@@ -1,0 +1,106 @@
+"""Solves that stall or give no number: the history says so, summary.json stays valid."""
+
+import io
+import json
+
+import pytest
+from mpi4py import MPI
+from rich.console import Console
+
+from railhead import catalogue, level, plan, report, results, run
+from railhead.progress import Progress
+from solver import linear
+from solver.problem import ContactProblem
+
+COARSE = ["mesh.patch_size=1.2"]
+
+
+def solved(*changes: str) -> dict:
+    """summary.json, read back by a reader that knows no NaN."""
+
+    def refuse(word: str) -> None:
+        raise AssertionError(word)
+
+    result = run.run(catalogue.find("hertz_ellipse").replace([*COARSE, *changes]))
+    return json.loads(results.as_json(result), parse_constant=refuse)
+
+
+def told(summary: dict) -> str:
+    out = io.StringIO()
+    report.show_failure(summary, Console(file=out, width=200))
+    return out.getvalue()
+
+
+def test_a_rescued_solve_is_a_result(monkeypatch) -> None:
+    reference = solved()["result"]
+    monkeypatch.setattr(linear, "KRYLOV_LIMIT", 3)
+    summary = solved("solver.linear=multigrid")
+    stalled, *_, last = summary["newton"]["history"]
+    assert stalled["residual"] is None and stalled["problem"] == "the linear solver stalls"
+    assert last["residual"] == summary["accuracy"]["parts"]["newton"] < 1e-8
+    assert summary["checks"]["passed"]
+    assert summary["result"]["approach_mm"] == pytest.approx(reference["approach_mm"], rel=1e-7)
+
+
+def test_a_solve_that_stalls_for_good_is_status_1_with_its_history(monkeypatch) -> None:
+    monkeypatch.setattr(linear, "KRYLOV_LIMIT", 0)
+    summary = solved()
+    assert not summary["checks"]["passed"] and summary["result"] is None
+    assert [step["residual"] for step in summary["newton"]["history"]] == [None]
+    assert summary["accuracy"]["parts"]["newton"] is None
+    assert "step  0  the linear solver stalls" in told(summary)
+
+
+@pytest.mark.parametrize("number", [float("nan"), float("inf")])
+def test_a_residual_that_is_no_number_is_no_result(number, monkeypatch) -> None:
+    calls = []
+
+    def force(self: ContactProblem, pressure: object) -> float:
+        calls.append(pressure)
+        return original(self, pressure) if len(calls) < 2 else number
+
+    original = ContactProblem.contact_force
+    monkeypatch.setattr(ContactProblem, "contact_force", force)
+    if number == float("inf"):
+        monkeypatch.setattr(ContactProblem, "residual", lambda self, y, _: _endless(y))
+    summary = solved()
+    assert not summary["checks"]["passed"] and summary["result"] is None
+    assert summary["newton"]["reason"] == "the residual is not a number"
+    assert summary["newton"]["history"][-1]["residual"] is None
+    assert "the residual is not a number" in told(summary)
+
+
+def _endless(y):
+    out = y.duplicate()
+    out.set(float("inf"))
+    return out
+
+
+def one(*changes: str) -> level.Level:
+    decided = plan.make(catalogue.find("hertz_ellipse").replace([*COARSE, *changes]))
+    return level.solve_level(decided, None, Progress(quiet=True), MPI.COMM_WORLD)
+
+
+def test_a_patch_that_no_mesh_fits_is_not_settled(monkeypatch) -> None:
+    assert one().settled
+    monkeypatch.setattr(level, "OUTGROWN", 1 + 1e-9)
+    monkeypatch.setattr(level, "MAX_MESHES", 2)
+    assert not one().settled
+
+
+def test_an_approach_that_is_not_reached_is_told(monkeypatch) -> None:
+    assert one().approach_error == 0.0
+    monkeypatch.setattr(level, "MAX_LOADS", 1)
+    found = one("approach=0.03")
+    assert found.approach_error == abs(found.solution.approach / 0.03 - 1) > level.REACHED
+
+
+@pytest.mark.parametrize(
+    "case, more", [("hertz_ellipse", COARSE), ("long_roller", []), ("sphere_on_plane", [])]
+)
+def test_an_approach_between_half_spaces_takes_four_loads(case, more, monkeypatch) -> None:
+    monkeypatch.setattr(level, "MAX_LOADS", 4)
+    asked = ["approach=0.02", "rail.extent=half-space", *more]
+    decided = plan.make(catalogue.find(case).replace(asked))
+    found = level.solve_level(decided, None, Progress(quiet=True), MPI.COMM_WORLD)
+    assert found.approach_error < level.REACHED
