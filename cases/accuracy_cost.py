@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from railhead import accuracy, catalogue
+from railhead import catalogue, estimates
 from railhead.cli import main as command
 from railhead.progress import Progress
 from railhead.scene import Scene
@@ -217,7 +217,7 @@ def _errors(result: dict[str, Any] | None, exact: dict[str, float]) -> dict[str,
 
 
 def _flat(values: dict[str, Any]) -> dict[str, float]:
-    found = accuracy.flat(values)
+    found = estimates.flat(values)
     return {column: found[name] for column, name in QUANTITIES.items()}
 
 

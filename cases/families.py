@@ -32,7 +32,8 @@ FINE = 1.7  # times the finest calibrated resolution: the truth of real profiles
 @dataclass(frozen=True)
 class Recipe:
     """make: random assignments on `base`; where: see `estimates.Family`, what is left out is that
-    of DEFAULT; resolutions to calibrate at, ascending; exact: whether Hertz is the truth."""
+    of DEFAULT; resolutions to calibrate at, ascending, none for scenes outside all laws; exact:
+    whether Hertz is the truth."""
 
     make: Make
     where: Mapping[str, Sequence[Any]]
@@ -63,7 +64,9 @@ def materials(rng: np.random.Generator, low: float = 0.0, high: float = 0.45) ->
     """E ratio 1e-3 to 1e3, one body in ten rigid; the larger Poisson's ratio from low to high."""
     ratios = [rng.uniform(low, high), rng.uniform(0.0, high)]
     rng.shuffle(ratios)
-    keys = [f"{body}.poisson_ratio={nu!r}" for body, nu in zip(("rail", "wheel"), ratios)]
+    keys = [
+        f"{body}.poisson_ratio={nu!r}" for body, nu in zip(("rail", "wheel"), ratios, strict=True)
+    ]
     soft = ("rail", "wheel")[int(rng.random() < 0.5)]
     if rng.random() < 0.1:
         other = "wheel" if soft == "rail" else "rail"
@@ -103,6 +106,17 @@ def law(method: str, thetas: Sequence[int | None]) -> Make:
 def cells(*keys: str) -> Make:
     """Cells that lock in volume: Poisson's ratio up to 0.4, axis ratio up to 8."""
     return lambda rng: ellipse(rng, longest=8.0) + materials(rng, 0.0, 0.4) + list(keys)
+
+
+def outside(rng: np.random.Generator) -> list[str]:
+    """Contact laws far from the safe parameter, and penalty on cells of other families."""
+    odd = (
+        [f"solver.gamma_factor={10 ** rng.uniform(-2, -1)!r}"],
+        [f"solver.gamma_factor={10 ** rng.uniform(1, 3)!r}"],
+        ["solver.method=penalty", "mesh.order=1"],
+        ["mesh.cell=hexahedron", "mesh.order=2"],
+    )[rng.integers(4)]
+    return ellipse(rng, longest=4.0) + materials(rng, 0.0, 0.4) + odd
 
 
 def roller(rng: np.random.Generator) -> list[str]:
@@ -166,6 +180,17 @@ RECIPES = {
     ),
     "meridian": Recipe(
         ball, {"shape": ["meridian"], "axis_ratio": [1.0, 1.0]}, (3.0, 6.0, 12.0, 24.0)
+    ),
+    "outside": Recipe(
+        outside,
+        {
+            "cell": ["tetrahedron", "hexahedron"],
+            "order": [1, 2],
+            "method": ["nitsche", "penalty"],
+            "gamma_factor": [0.01, 1e3],
+            "theta": [None],
+        },
+        (),
     ),
     "profiles": Recipe(profiles, {"ellipse": [False]}, (3.0, 4.5, 7.0), exact=False),
 }

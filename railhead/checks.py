@@ -19,7 +19,10 @@ from railhead.plan import LINEAR_REFINEMENT
 ROUGH = 0.05  # relative: what a number without an asked accuracy may be off by at most
 BALANCE = 1e-6  # relative: what equations solved to 1e-8 leave
 NOISE = 0.2  # relative L2: fits over a hundred points leave a tenth of it
-SHEAR = (0.2, 0.6)  # over the largest pressure: 0.266 to 0.488 in Hertz's ellipses of any axis ratio
+SHEAR = (
+    0.2,
+    0.6,
+)  # over the largest pressure: 0.266 to 0.488 in Hertz's ellipses of any axis ratio
 # and Poisson's ratio (theory.subsurface), a quarter more room
 MISS = 1.5  # times an estimate: what a signed number may be off by
 OPINIONS = ("max_MPa", "area_mm2", "tau_max_MPa")  # quantities held against a second opinion
@@ -71,9 +74,7 @@ def run(
         worst = max((each.total for each in estimates.values()), default=math.inf)
         asked = float(level.plan.scene.accuracy or 0.0)
         advice = "ask for less, or give a larger budget; see accuracy.would_cost"
-        checks.append(
-            Check("accuracy", worst if reached else math.inf, asked, "asked", advice)
-        )
+        checks.append(Check("accuracy", worst if reached else math.inf, asked, "asked", advice))
     return checks
 
 
@@ -149,9 +150,12 @@ def _physics(level: Level) -> list[Check]:
     if found.edge_distance is not None:
         checks.append(
             Check(
-                "edge_distance", found.edge_distance, level.grading.size,
+                "edge_distance",
+                found.edge_distance,
+                level.grading.size,
                 "one element: at an edge the pressure has no finite largest value",
-                "move the wheel, or give wider bodies", least=True,
+                "move the wheel, or give wider bodies",
+                least=True,
             )  # fmt: skip
         )
     return checks
@@ -171,7 +175,8 @@ def _opinion(
             allowance = second["allowance"].get(name, 0.0)
             checks.append(
                 Check(
-                    f"second_opinion_{name}", _off(own[name], other[name]),
+                    f"second_opinion_{name}",
+                    _off(own[name], other[name]),
                     MISS * mine + allowance,
                     f"{MISS:g} times the estimate {mine:.2g}, and {allowance:.2g} for what it "
                     "cannot know",

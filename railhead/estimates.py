@@ -7,7 +7,7 @@ same cells, same contact law, same kind of patch. The estimate of a quantity is 
 
     mesh          the envelope at n; outside all families the scatter of several meshes
     reading       what two ways of reading the same solution differ by
-    contact_law   the overlap that the law lets through, over the approach, times its calibrated effect
+    contact_law   the overlap that the law lets through, over the approach, times its effect
     left_out      what effects left out by the plan add
     geometry      contact points off the exact surface, over the smaller semi-axis
 """

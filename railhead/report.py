@@ -84,7 +84,9 @@ def _show_prices(plan: Plan, console: Console) -> None:
         table.add_column(column, justify="right")
     asked, family = plan.scene.accuracy, plan.family
     if family is None:
-        console.print("price      unknown: no calibrated family; an accuracy takes three meshes or more")
+        console.print(
+            "price      unknown: no calibrated family; an accuracy takes three meshes or more"
+        )
         return
     for value in sorted({*PRICES, *([asked] if asked else [])}, reverse=True):
         if not family.reaches(value - plan.left_out):

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from railhead.summary import FORCE_BALANCE
+from railhead.checks import BALANCE as FORCE_BALANCE
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,13 @@ from mpi4py import MPI
 
 from cases.hard.case import Measured
 from postprocess.surface import SurfaceRecovery
-from railhead import accuracy
+from railhead import estimates
 from railhead import plan as planning
 from railhead import run as running
 from railhead.level import solve_level
 from railhead.progress import Progress
 from railhead.scene import Scene
-from railhead.summary import summarise
+from railhead.summary import Ending, summarise
 from solver.gather import Fields
 
 PATCH = ("a_mm", "b_mm", "max_MPa")
@@ -42,7 +42,7 @@ def resolved(scene: Scene, n: float) -> Scene:
 def quantities(summary: Mapping[str, Any]) -> dict[str, float]:
     """Result by name, NaN where there is none."""
     found = summary["result"]
-    return dict.fromkeys(accuracy.QUANTITIES, math.nan) if found is None else accuracy.flat(found)
+    return dict.fromkeys(estimates.QUANTITIES, math.nan) if found is None else estimates.flat(found)
 
 
 def worst(found: Mapping[str, float], exact: Mapping[str, float], names: tuple[str, ...]) -> float:
@@ -83,7 +83,7 @@ def against_hertz(
 
     def solve() -> Measured:
         result = running.run(resolved(scene, n))
-        exact = accuracy.flat(result.summary["hertz"])
+        exact = estimates.flat(result.summary["hertz"])
         return measure(result, worst(quantities(result.summary), exact, names))
 
     return solve
@@ -132,11 +132,11 @@ def outgrown(
         grading = planning.make(resolved(meshed, n)).grading()
         plan = replace(planning.make(scene), patch_size=grading.size)
         level = solve_level(plan, grading, Progress(quiet=True), MPI.COMM_WORLD)
-        result = running.Result(level, summarise([level], {}, "", None))
+        result = running.Result(level, summarise([level], Ending("one mesh")))
         if fine:
             exact = quantities(running.run(resolved(scene, fine)).summary)
         else:
-            exact = accuracy.flat(result.summary["hertz"])
+            exact = estimates.flat(result.summary["hertz"])
         return measure(result, worst(quantities(result.summary), exact, PATCH))
 
     return solve
