@@ -12,6 +12,7 @@ from postprocess.findings import Array
 from postprocess.stress import nodal
 from solver.gather import Fields
 
+BESIDE = 1e-7  # of the height of a body
 _SIMPLICES = {  # through the nodes of a cell in basix order; cubic cells by their corners
     ("triangle", 1): [[0, 1, 2]],
     ("triangle", 2): [[0, 5, 4], [5, 1, 3], [4, 3, 2], [3, 4, 5]],
@@ -49,6 +50,7 @@ def through_plane(fields: Fields, body: int, distance: float) -> float:
         height = touching.min() - min(distance, 0.5 * (touching.min() - ends.min()))
     else:
         height = touching.max() + min(distance, 0.5 * (ends.max() - touching.max()))
+    height += BESIDE * float(np.ptp(ends))  # a plane through a layer of nodes cuts no cell
     z = fields.points[fields.cells, 2]
     crossing = mine & (z.min(axis=1) < height) & (z.max(axis=1) > height)
     simplices = _simplices(fields, fields.cells[crossing])

@@ -1,64 +1,130 @@
-"""Accuracy on request: the bounds hold, the request is met or refused with a price."""
+"""Accuracy on request: estimates add up, hold, and are met or refused with a price."""
 
 import json
-from typing import NamedTuple
+import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from cases import error_bounds
-from railhead import accuracy, catalogue, machine, price, run
+from cases import calibrate, error_bounds, families
+from railhead import catalogue, estimates, machine, price, run
 from railhead import plan as planning
+from railhead.estimates import Family, Law, Setting
 from railhead.scene import SceneError
 
+SETTING = Setting("solid", "tetrahedron", 2, "nitsche", None, 1.0, 0.3, True, 2.0, 1.0)
+KNOWN = Family(
+    "known", families.DEFAULT, (3.0, 8.0), {"max_MPa": Law(0.01, 2.0)},
+    {"max_MPa": Law(0.0, 1.0)}, {"max_MPa": 0.5},
+)  # fmt: skip
 
-def test_resolution_meets_the_accuracy_a_priori() -> None:
-    for laws in (accuracy.LINEAR, accuracy.QUADRATIC, accuracy.LOBED, accuracy.SECTION):
+
+@pytest.mark.parametrize(
+    "change",
+    [{"method": "penalty"}, {"theta": 0}, {"theta": -1}, {"gamma_factor": 0.9}, {"poisson": 0.46},
+     {"cell": "hexahedron"}, {"order": 1}, {"shape": "meridian"}, {"ellipse": False},
+     {"axis_ratio": 10.5}],
+)  # fmt: skip
+def test_a_law_holds_inside_its_family_only(change) -> None:
+    assert KNOWN.holds(SETTING)
+    assert not KNOWN.holds(replace(SETTING, **change))
+
+
+def test_every_calibrated_family_holds_its_own_scenes_and_no_foreign_ones() -> None:
+    for known in estimates.families():
+        scene = next(families.scenes(known.name, 3))
+        assert estimates.family(planning.make(scene).setting).name == known.name
+    odd = next(families.scenes("outside", 3))
+    assert estimates.family(planning.make(odd).setting) is None
+
+
+def test_the_resolution_meets_the_accuracy_or_is_out_of_reach() -> None:
+    for known in estimates.families():
         for asked in (0.2, 0.05, 0.01, 0.002):
-            n = accuracy.resolution(asked, laws)
-            low, high = accuracy.RANGE
-            assert low <= n <= high
-            assert n == high or accuracy.expected(0.999 * n, laws) < asked  # not at it: rounding
-            if accuracy.HEADROOM * accuracy.STEP * low < n < high:
-                assert accuracy.expected(n, laws) == pytest.approx(accuracy.AIM * asked)
+            n = known.finest(asked)
+            assert known.expected(n) <= asked or not known.reaches(asked)
 
 
-def test_bound_is_the_larger_of_experience_and_richardson() -> None:
-    coarse = dict.fromkeys(accuracy.QUANTITIES, 1.0)
-    same = accuracy.bounds(coarse, coarse, 1.6, 8.0, accuracy.QUADRATIC)
-    for name, bound in same.items():
-        assert bound == accuracy.MARGIN * accuracy.QUADRATIC[name](8.0)
-    moved = accuracy.bounds(coarse, coarse | {"a_mm": 1.1}, 2.0, 8.0, accuracy.QUADRATIC)
-    assert moved["a_mm"] == pytest.approx(1.25 * 0.1 / (2**2.5 - 1))
+def test_two_meshes_confirm_a_law_or_deny_it() -> None:
+    assert estimates.mesh_parts([(6.0, {"max_MPa": 100.0})], KNOWN)[0] == {"max_MPa": 0.01}
+    coarse, fine = (5.0, {"max_MPa": 102.0}), (8.0, {"max_MPa": 100.0})
+    parts, source = estimates.mesh_parts([coarse, fine], KNOWN)
+    assert parts == {"max_MPa": pytest.approx(0.01 * (6 / 8) ** 2)} and "known" in source
+    parts, _ = estimates.mesh_parts([(5.0, {"max_MPa": 104.0}), fine], KNOWN)
+    assert parts == {}  # 4 % apart, the envelopes allow 1.4 and 0.6 %
+    third = (12.8, {"max_MPa": 99.0})
+    parts, _ = estimates.mesh_parts([(5.0, {"max_MPa": 104.0}), fine, third], KNOWN)
+    assert parts["max_MPa"] == pytest.approx(2.0 * max(1 / 99, 0.04 / 1.6), rel=1e-3)
 
 
-def test_bounds_hold_on_random_hertz_scenes() -> None:
-    """The small version of `railhead study error-bounds`: seven scenes, three accuracies."""
-    ratios = []
-    for index, (scene, ratio) in enumerate(error_bounds.random_scenes(9, seed=5)):
-        if scene.accuracy < 0.01:
-            continue
-        records = error_bounds.measure(index, scene, ratio)
-        assert all(record.reached for record in records)
-        assert max(record.bound for record in records) <= scene.accuracy
-        ratios += [record.ratio for record in records]
-    assert np.mean(np.array(ratios) <= 1) >= 0.95
-    assert max(ratios) < 2
-    assert np.median(1 / np.array(ratios)) < 5
+def test_a_law_does_not_reach_beyond_its_resolutions() -> None:
+    for n in (2.5, 14.0):
+        assert estimates.mesh_parts([(n, {"max_MPa": 100.0})], KNOWN)[0] == {}
 
 
-def test_summary_tells_bound_levels_and_parts() -> None:
-    summary = run.run(catalogue.find("uic54_thesis").replace(["accuracy=3%"])).summary
+def test_without_a_family_three_meshes_a_step_apart_are_needed() -> None:
+    one, two, three = ((n, {"max_MPa": v}) for n, v in ((4.0, 97.0), (6.4, 99.0), (10.24, 99.6)))
+    assert estimates.mesh_parts([one, two], None)[0] == {}
+    assert estimates.mesh_parts([one, (4.4, {"max_MPa": 97.1}), two], None)[0] == {}
+    parts, source = estimates.mesh_parts([one, two, three], None)
+    assert parts["max_MPa"] == pytest.approx(2.0 * (2.0 / 97) / 1.6) and "three" in source
+
+
+def test_an_envelope_lies_above_all_errors_and_follows_their_slope() -> None:
+    n = np.repeat([3.0, 6.0, 12.0], 20)
+    errors = 0.01 * (6 / n) ** 2 * np.random.default_rng(1).uniform(0.1, 1.0, n.size)
+    law = calibrate.envelope(n, errors)
+    assert law.order == pytest.approx(2.0, abs=0.3)
+    assert all(errors <= [law(each) for each in n])
+    assert law.value < 1.5 * 0.01
+
+
+def test_every_default_run_carries_estimates_whose_parts_add_up() -> None:
+    summary = run.run(catalogue.find("sphere_on_plane")).summary
     found = summary["accuracy"]
-    assert found["reached"] is True and summary["checks"]["passed"]
-    assert set(found["bound"]) == set(accuracy.QUANTITIES)
-    assert set(found["parts"]) == {
-        "discretisation", "left_out", "contact_law", "newton", "geometry",
-    }  # fmt: skip
-    assert found["parts"]["geometry"] < 1e-3
-    unknowns = [level["unknowns"] for level in found["levels"]]
-    assert unknowns == sorted(unknowns) and len(unknowns) >= 2
+    assert found["asked"] is None and found["reached"] is None
+    assert set(found["bound"]) == set(estimates.flat(summary["result"]))
+    for name, parts in found["parts"].items():
+        assert set(parts) == {"mesh", "reading", "contact_law", "left_out", "geometry"}
+        assert sum(parts.values()) == pytest.approx(found["bound"][name])
+        assert parts["mesh"] > 0
     json.dumps(summary, allow_nan=False, default=str)
+
+
+def test_penalty_carries_its_overlap_in_the_estimate() -> None:
+    summary = run.run(catalogue.find("hertz_ellipse").replace(["solver.method=penalty"])).summary
+    bound, error = summary["accuracy"]["bound"], estimates.flat(summary["difference"])
+    assert summary["accuracy"]["parts"]["max_MPa"]["contact_law"] > 0
+    assert abs(error["max_MPa"]) <= bound["max_MPa"]
+    asked = run.run(
+        catalogue.find("hertz_ellipse").replace(["solver.method=penalty", "accuracy=0.3%"])
+    ).summary
+    if asked["accuracy"]["reached"]:
+        assert abs(asked["difference"]["pressure"]["max_MPa"]) < 3e-3
+    else:
+        assert not asked["checks"]["passed"] and "accuracy" in asked["checks"]["failed"]
+
+
+def test_estimates_hold_in_random_sections() -> None:
+    """The small version of `railhead study error-bounds`."""
+    records = [
+        record
+        for name in ("plane strain", "meridian")
+        for index, scene in zip(range(6), families.scenes(name, 77), strict=False)
+        for record in error_bounds.measure(name, scene, error_bounds.asked(name, index))
+    ]
+    found = error_bounds.verdict(records)
+    assert len({record.scene for record in records}) == 12
+    assert found["estimated"] == 1.0
+    assert found["holds"] >= 0.95 and found["worst"] < 1.5
+
+
+def test_a_scene_outside_all_families_has_no_estimate_by_default() -> None:
+    scene = catalogue.find("hertz_ellipse").replace(["solver.gamma_factor=100"])
+    summary = run.run(scene).summary
+    assert summary["accuracy"]["bound"] == {}
+    assert "no calibrated family" in summary["accuracy"]["source"]
 
 
 def test_a_budget_buys_what_it_can_and_says_what_was_too_dear(monkeypatch) -> None:
@@ -69,7 +135,7 @@ def test_a_budget_buys_what_it_can_and_says_what_was_too_dear(monkeypatch) -> No
     assert max(rich["accuracy"]["bound"].values()) < max(poor["accuracy"]["bound"].values())
     dear = run.run(catalogue.find("hertz_ellipse").replace(["budget=4s", "accuracy=0.1%"]))
     found = dear.summary["accuracy"]
-    assert not dear.passed
+    assert not dear.passed and dear.summary["checks"]["failed"] == ["accuracy"]
     assert found["reached"] is False and "budget" in found["reason"]
     assert found["would_cost"]["seconds"] > 1
     assert found["bound"]
@@ -84,9 +150,9 @@ def test_memory_is_guarded_before_the_next_mesh(monkeypatch) -> None:
 
 def test_price_grows_with_the_accuracy() -> None:
     plan = planning.make(catalogue.find("uic54_thesis"))
-    needed = [accuracy.resolution(asked, plan.laws) for asked in (0.05, 0.01, 0.002)]
+    needed = [plan.family.finest(asked) for asked in (0.05, 0.01, 0.002)]
     prices = [price.price(plan, n) for n in needed]
-    assert prices == sorted(prices)
+    assert prices == sorted(prices) and all(math.isfinite(each[1]) for each in prices)
 
 
 def test_speed_is_measured_once_and_kept(tmp_path, monkeypatch) -> None:
@@ -103,16 +169,3 @@ def test_speed_is_measured_once_and_kept(tmp_path, monkeypatch) -> None:
 def test_patch_size_and_accuracy_exclude_each_other(other: str) -> None:
     with pytest.raises(SceneError, match="mesh.patch_size"):
         catalogue.find("hertz_ellipse").replace(["mesh.patch_size=1", other])
-
-
-def test_a_last_mesh_is_compared_with_one_that_is_a_whole_step_coarser() -> None:
-    class Mesh(NamedTuple):
-        resolution: float
-
-    def coarser(*resolutions: float) -> float:
-        return run._coarser([Mesh(n) for n in resolutions]).resolution
-
-    assert coarser(6.0, 9.6) == 6.0
-    assert coarser(6.0, 9.6, 12.0) == 6.0
-    assert coarser(6.0, 9.6, 16.0) == 9.6
-    assert coarser(6.0, 7.5) == 6.0
