@@ -94,9 +94,7 @@ def solve(contact: Contact, ellipse: Ellipse, load: float | None, cells: int) ->
         missed = _boxes(contact, x, s, _inside(surface, found, x, s, height))
         if not missed:
             return found
-        kept = [((w.x.mean(), w.s.mean()), (np.ptp(w.x) / 2, np.ptp(w.s) / 2))
-                for w in found.windows]  # fmt: skip
-        windows = kept + missed
+        windows = [_window(window.x, window.s) for window in found.windows] + missed
     raise ValueError(f"after {LOOKS} solutions the wheel still lies in the rail beside the patches")
 
 
@@ -114,6 +112,12 @@ def _inside(surface: Developed, found: Solution, x: Array, s: Array, height: Arr
     closed = found.approach * np.cos(angle) - surface.gap(x, s)
     depth[beside] = closed - found.displacement(x, s, angle)
     return np.where(depth > TOUCHING * found.approach, depth, 0.0)
+
+
+def _window(x: Array, s: Array) -> Window:
+    """Around places x, s (n,) or (m,)."""
+    (x0, x1), (s0, s1) = ((float(each.min()), float(each.max())) for each in (x, s))
+    return ((x0 + x1) / 2, (s0 + s1) / 2), ((x1 - x0) / 2, (s1 - s0) / 2)
 
 
 def _boxes(contact: Contact, x: Array, s: Array, depth: Array) -> list[Window]:

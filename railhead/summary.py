@@ -10,12 +10,11 @@ import numpy as np
 
 from meshing.surfaces import ExactGap
 from postprocess import compare
-from railhead import forecast
 from railhead.flat import FlatContact
 from railhead.level import Level
+from railhead.second_opinion import half_space
 from theory.hertz import Ellipse
 
-BOUNDARY_CELLS = 128
 FORCE_BALANCE = 1e-6  # largest relative force imbalance that passes
 
 
@@ -54,7 +53,7 @@ def summarise(
         "result": level.result,
         "hertz": hertz,
         "thesis": thesis,
-        "half_space": _half_space(level),
+        "half_space": half_space(level),
         "difference": None if level.result is None else compare.difference(level.result, hertz),
         "effects_after": {name: vars(each) for name, each in level.after.items()},
         "accuracy": {
@@ -103,19 +102,6 @@ def _parts(level: Level, bound: dict[str, float]) -> dict[str, float]:
         "newton": solution.newton.history[-1].residual,
         "geometry": _off_surface(level) / size,
     }
-
-
-def _half_space(level: Level) -> dict[str, Any] | None:
-    """Boundary elements on the real profiles; None for half-spaces, where Hertz is exact."""
-    contact, ellipse = level.plan.contact, level.ellipse
-    if contact.half_space or level.findings is None or not isinstance(ellipse, Ellipse):
-        return None
-    try:
-        found = forecast.solve(contact, ellipse, level.solution.load, BOUNDARY_CELLS)
-    except ValueError:  # no closed patch within the profiles
-        return None
-    planes = [(touch.angle, patch) for touch, patch in found]
-    return compare.from_half_space(planes, level.findings.hertzian)
 
 
 def _off_surface(level: Level) -> float:

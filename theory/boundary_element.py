@@ -60,6 +60,11 @@ class Solution:
         return max(window.max_pressure for window in self.windows)
 
     @property
+    def area(self) -> float:
+        """mm^2, of every patch on its own tangent plane."""
+        return sum(patch.area for patch in self.patches)
+
+    @property
     def patches(self) -> list[PatchSolution]:
         """Connected patches, most loaded first."""
         found = [patch for window in self.windows for patch in window.separate()]
@@ -216,7 +221,9 @@ def _equilibrium(
     on one grid this is their method.
     """
     influence = Influence(grids, contact_modulus)
-    weight = np.concatenate([np.full(h.size, g.cell) for g, h in zip(grids, undeformed)])
+    weight = np.concatenate(
+        [np.full(h.size, g.cell) for g, h in zip(grids, undeformed, strict=True)]
+    )
     c = np.concatenate(
         [np.tile(g.normals[0, 0], len(g.x)) for g in grids]
     )  # fmt: skip
@@ -247,7 +254,9 @@ def _equilibrium(
             direction -= np.where(used, c, 0) * (np.sum(wc * direction) / norm)
         change = influence(direction)
         curvature = float(np.sum(weight * change * direction))
-        step = np.sum(weight * descent * direction) / curvature if curvature > 0 else 1 / influence.own
+        step = (
+            np.sum(weight * descent * direction) / curvature if curvature > 0 else 1 / influence.own
+        )
         p = np.maximum(p - step * direction, 0)
         p[overlap] -= step * residual[overlap]
         previous = math.inf if overlap.any() else square

@@ -45,8 +45,9 @@ class Influence:
         moved = [within(piece) for within, piece in zip(self._within, pieces, strict=True)]
         forces = [nodes.gather(piece) for nodes, piece in zip(self._nodes, pieces, strict=False)]
         for i, nodes in enumerate(self._nodes):
-            others = [forces[j] @ self._kernels[i, j].T for j in range(len(forces)) if j != i]
-            moved[i] = moved[i] + nodes.spread(sum(others))
+            for j, force in enumerate(forces):
+                if j != i:
+                    moved[i] = moved[i] + nodes.spread(force @ self._kernels[i, j].T)
         return np.concatenate([piece.ravel() for piece in moved])
 
 
