@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from postprocess.findings import DepthAxis, Findings, OnePatch
+from postprocess.findings import Array, DepthAxis, Findings, OnePatch
+from postprocess.parts import SMALLEST
 from theory import line, subsurface, thesis
-from theory.boundary_element import PatchSolution
+from theory.boundary_element import Solution
+from theory.half_space_patch import PatchSolution
 from theory.hertz import Ellipse
 from theory.line import LineContact
 
@@ -105,23 +107,65 @@ def from_line(
     }
 
 
-def from_half_space(found: Sequence[tuple[float, PatchSolution]], hertzian: bool) -> Quantities:
+def from_half_space(
+    solution: Solution,
+    surface: Callable[[Array, Array], Array],
+    plane: float,
+    *,
+    hertzian: bool,
+) -> Quantities:
     """Boundary elements on the exact gap: the profiles' answer if the bodies were half-spaces.
 
-    found: contact angle (rad) and solution in each tangent plane, the first contact's first.
-    Semi-axes from moments where the patch is an ellipse, else half the extents in the first plane.
+    surface maps x, s (n,) to points (n, 3), mm; plane: contact angle of first contact, rad, on
+    whose tangent plane a single patch is measured. Of several, the areas are those on their own
+    tangent planes, a and b those of the most loaded one. Semi-axes are from moments where the
+    patch is an ellipse, else half the extents. grid_error: relative change from 64 cells an axis.
     """
-    angle, first = found[0]
-    a, b = first.semi_axes if hertzian else first.half_extents
-    area = sum(patch.area for _, patch in found)
-    return {
-        "load_N": sum(patch.load * math.cos(angle) for angle, patch in found),
-        "approach_mm": first.approach / math.cos(angle),
+    area = _areas(solution, plane)
+    patches = solution.patches
+    several = len(patches) > 1
+    main = patches[0]
+    a, b = main.half_extents_on(main.plane if several else plane)
+    if hertzian and not several:
+        a, b = main.semi_axes
+    quantities: Quantities = {
+        "load_N": solution.load,
+        "approach_mm": solution.approach,
         "patch": {"a_mm": a, "b_mm": b, "area_mm2": area},
-        "pressure": {
-            "max_MPa": max(patch.max_pressure for _, patch in found),
-            "mean_MPa": sum(patch.load for _, patch in found) / area,
-        },
+        "patches": [
+            _half_space_patch(patch, surface, solution.force)
+            for patch in patches
+            if patch.force > SMALLEST * solution.force
+        ],
+        "pressure": {"max_MPa": solution.max_pressure, "mean_MPa": solution.force / area},
+    }
+    if coarse := solution.coarse:
+        quantities["grid_error"] = {
+            "max_MPa": abs(coarse.max_pressure / solution.max_pressure - 1),
+            "area_mm2": abs(_areas(coarse, plane) / area - 1),
+        }
+    return quantities
+
+
+def _areas(solution: Solution, plane: float) -> float:
+    """Area (mm2) of a single patch on a plane, of several each on its own."""
+    patches = solution.patches
+    return patches[0].area_on(plane) if len(patches) == 1 else solution.area
+
+
+def _half_space_patch(
+    patch: PatchSolution, surface: Callable[[Array, Array], Array], force: float
+) -> Quantities:
+    x, s = patch.centroid
+    a, b = patch.half_extents_on(patch.plane)
+    return {
+        "centre_mm": [float(v) for v in surface(np.array([x]), np.array([s]))[0]],
+        "contact_angle_rad": patch.plane,
+        "a_mm": a,
+        "b_mm": b,
+        "area_mm2": patch.area,
+        "max_MPa": patch.max_pressure,
+        "load_share": patch.force / force,
     }
 
 

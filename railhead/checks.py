@@ -165,7 +165,7 @@ def _opinion(
     level: Level, estimates: Mapping[str, Estimate], second: Mapping[str, Any] | None
 ) -> list[Check]:
     """Finite elements against the second opinion, within both errors and what it cannot know."""
-    if second is None:
+    if second is None or "allowance" not in second:
         return []
     checks = []
     own, other = flat(level.result or {}), flat(second)

@@ -255,6 +255,7 @@ class Plan:
             "patch_size_mm": self.patch_size,
             "slave": BODIES[self.slave],
             "contact_angle_rad": self.contact.touch.angle,
+            "forecast": {"hertzian": self.forecast.hertzian, "reason": self.forecast.reason},
         }
 
     def _effect(self, name: str) -> dict[str, Any]:

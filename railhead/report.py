@@ -62,6 +62,8 @@ def show_plan(plan: Plan, console: Console) -> None:
     )
     for line in lines:
         console.print(line, markup=False)
+    if plan.forecast.reason:
+        console.print(f"The patch is forecast as Hertz's: {plan.forecast.reason}.", markup=False)
     _show_prices(plan, console)
 
 
@@ -119,6 +121,8 @@ def show_result(summary: dict[str, Any], console: Console) -> None:
                 _number(thesis), _percent(thesis, exact),
             )  # fmt: skip
         console.print(table)
+        if reason := (summary["half_space"] or {}).get("reason"):
+            console.print(f"No half-space column: {reason}.", markup=False, highlight=False)
         if summary["checks"]["passed"] and not summary["checks"]["hertzian"]:
             console.print(
                 "The patch is no Hertz ellipse "

@@ -7,12 +7,11 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from postprocess import compare
-from railhead import checks, estimates, forecast
+from railhead import checks, estimates
 from railhead.flat import FlatContact
 from railhead.level import Level
+from railhead.second_opinion import half_space
 from theory.hertz import Ellipse
-
-BOUNDARY_CELLS = 128
 
 
 @dataclass(frozen=True)
@@ -39,8 +38,8 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
     if scene.accuracy is not None and level.result is not None:
         complete = set(bound) == set(estimates.flat(level.result))
         reached = complete and max(bound.values()) <= scene.accuracy
-    half_space = _half_space(level)
-    second = {**hertz, "allowance": {}} if plan.contact.half_space else half_space
+    profiles = half_space(level)
+    second = {**hertz, "allowance": {}} if plan.contact.half_space else profiles
     if any(effect.override and effect.called_for != effect.on for effect in plan.effects.values()):
         second = None  # a person chose to solve another problem
     judged = checks.run(level, known, second, reached=reached)
@@ -51,7 +50,7 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
         "result": level.result,
         "hertz": hertz,
         "thesis": thesis,
-        "half_space": half_space,
+        "half_space": profiles,
         "difference": None if level.result is None else compare.difference(level.result, hertz),
         "effects_after": {name: vars(each) for name, each in level.after.items()},
         "accuracy": {
@@ -93,19 +92,6 @@ def exact_quantities(level: Level) -> dict[str, Any]:
         return compare.from_hertz(ellipse, *given)
     approach = contact.approach(ellipse) if isinstance(contact, FlatContact) else None
     return compare.from_line(ellipse, *given, approach)
-
-
-def _half_space(level: Level) -> dict[str, Any] | None:
-    """Boundary elements on the real profiles; None for half-spaces, where Hertz is exact."""
-    contact, ellipse = level.plan.contact, level.ellipse
-    if contact.half_space or level.findings is None or not isinstance(ellipse, Ellipse):
-        return None
-    try:
-        found = forecast.solve(contact, ellipse, level.solution.load, BOUNDARY_CELLS)
-    except ValueError:  # no closed patch within the profiles
-        return None
-    planes = [(touch.angle, patch) for touch, patch in found]
-    return compare.from_half_space(planes, level.findings.hertzian)
 
 
 def _trace(level: Level) -> dict[str, Any]:

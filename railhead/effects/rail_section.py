@@ -63,7 +63,8 @@ def _felt(scene: Scene, contact: Contact, a: float, b: float) -> tuple[bool, str
 
 
 def _twists(scene: Scene, contact: Contact, ellipse: Hertz) -> tuple[bool, str]:
-    """Whether pressure or area change by more than the accuracy as the load twists the rail."""
+    """Whether pressure or area change by more than the accuracy as the load twists the rail, or
+    may do so."""
     if isinstance(contact, FlatContact) or isinstance(ellipse, LineContact):
         return False, "nothing twists in a section"
     if not math.isfinite(scene.rail.young_modulus):
@@ -71,7 +72,10 @@ def _twists(scene: Scene, contact: Contact, ellipse: Hertz) -> tuple[bool, str]:
     if not true_profile.decide(scene, contact, ellipse).called_for:
         return False, "a twist changes nothing where both bodies have one radius"
     angle, limit = twist.twist(contact, ellipse), accuracy(scene)
-    change = twist.change(contact, ellipse, angle)
-    side = "above" if change > limit else "below"
     text = f"the load twists it by {1e3 * angle:.2g} mrad"
+    try:
+        change = twist.change(contact, ellipse, angle)
+    except ValueError as error:
+        return True, f"{text}: what that changes cannot be judged ({error})"
+    side = "above" if change > limit else "below"
     return change > limit, f"{text}: pressure or area change by {change:.2g}, {side} {limit:g}"

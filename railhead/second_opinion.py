@@ -1,0 +1,27 @@
+"""Boundary elements on the real profiles beside the finite elements."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from postprocess import compare
+from railhead import developed
+from railhead.level import Level
+from theory.hertz import Ellipse
+
+CELLS = 128
+
+
+def half_space(level: Level) -> dict[str, Any] | None:
+    """ "half_space" of summary.json: what the profiles would do as half-spaces under the load that
+    was found, or the reason why that is not known. None where exact Hertz is the answer of
+    half-spaces (these, and line contacts) or nothing touches."""
+    contact, ellipse, found = level.plan.contact, level.ellipse, level.findings
+    if contact.half_space or found is None or not isinstance(ellipse, Ellipse):
+        return None
+    try:
+        solution = developed.solve(contact, ellipse, level.solution.load, CELLS)
+    except ValueError as error:
+        return {"reason": f"boundary elements: {error}"}
+    points, plane = developed.develop(contact).points, contact.touch.angle
+    return compare.from_half_space(solution, points, plane, hertzian=found.hertzian)

@@ -1,0 +1,144 @@
+"""A contact patch as boundary elements give it: pressure in the cells of a rectangular grid.
+
+Lengths are in mm, forces in N, stresses in MPa; x runs along the rail and s across it, on the
+developed surface, whose normals are tilted from the load by angles in rad.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import label
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Cell centres x (nx,), s (ns,), evenly spaced, and angles (ns,) of the normals."""
+
+    x: Array
+    s: Array
+    angle: Array
+
+    @property
+    def cell(self) -> float:
+        """Area of a cell, mm^2."""
+        return float((self.x[1] - self.x[0]) * (self.s[1] - self.s[0]))
+
+    @property
+    def normals(self) -> Array:
+        """(2, 1, ns) components of the normals along the load and across it."""
+        return np.array([np.cos(self.angle), np.sin(self.angle)])[:, None]
+
+
+@dataclass(frozen=True)
+class PatchSolution(Grid):
+    """Pressure (nx, ns), deformed gap (nx, ns) and approach on a grid.
+
+    The gap is infinite where the bodies do not face each other, and zero in the patch.
+    """
+
+    pressure: Array
+    gap: Array
+    approach: float
+
+    @property
+    def force(self) -> float:
+        """Integral of the pressure, N."""
+        return self.cell * float(self.pressure.sum())
+
+    @property
+    def load(self) -> float:
+        """Its part along the load, N."""
+        return self.cell * float((self.pressure @ np.cos(self.angle)).sum())
+
+    @property
+    def plane(self) -> float:
+        """Angle of the patch's own tangent plane, from the mean normal of the pressure, rad."""
+        along, across = (self.normals * self.pressure).sum(axis=(1, 2))
+        return math.atan2(across, along)
+
+    @property
+    def area(self) -> float:
+        """Area in mm^2 of the patch's projection onto its own tangent plane, the mean from its
+        chords along x and along s (see `_edges`)."""
+        return self.area_on(self.plane)
+
+    def area_on(self, plane: float) -> float:
+        """The same on a plane tilted by an angle (rad)."""
+        share = np.broadcast_to(np.cos(self.angle - plane), self.pressure.shape)
+        pairs = (self.pressure, share), (self.pressure.T, share.T)
+        chords = [float(np.subtract(*_edges(p)) @ part[p > 0]) for p, part in pairs]
+        return self.cell * float(np.mean(chords))
+
+    @property
+    def half_extents(self) -> tuple[float, float]:
+        """Half the patch's length along x and across, along s, in mm (edges as for the area)."""
+        ends = [_edges(p) for p in (self.pressure, self.pressure.T)]
+        along, across = ((upper.max() - lower.min()) / 2 for upper, lower in ends)
+        return float(along * (self.x[1] - self.x[0])), float(across * (self.s[1] - self.s[0]))
+
+    def half_extents_on(self, plane: float) -> tuple[float, float]:
+        """The same of its projection onto a plane tilted by an angle (rad)."""
+        a, b = self.half_extents
+        across = np.flatnonzero(self.pressure.any(axis=0))
+        return a, b * float(np.cos(self.angle[across[0] : across[-1] + 1] - plane).mean())
+
+    @property
+    def max_pressure(self) -> float:
+        """Peak in MPa of parabolas along x and s through p^2 at the highest cell and beside it.
+
+        A line of cells on which a neighbour of the highest one is open adds nothing to that cell.
+        """
+        i, j = np.unravel_index(int(np.argmax(self.pressure)), self.pressure.shape)
+        squares = np.pad(self.pressure**2, 1)[i : i + 3, j : j + 3]
+        top = highest = squares[1, 1]
+        for low, _, high in (squares[:, 1], squares[1]):
+            if min(low, high) > 0 and low + high < 2 * highest:
+                top += (high - low) ** 2 / (8 * (2 * highest - low - high))
+        return math.sqrt(top)
+
+    @property
+    def mean_pressure(self) -> float:
+        """Force over area in MPa."""
+        return self.force / self.area
+
+    @property
+    def centroid(self) -> tuple[float, float]:
+        """Centre of pressure (x, s) in mm."""
+        along, across = self.pressure.sum(axis=1), self.pressure.sum(axis=0)
+        return float(np.average(self.x, weights=along)), float(np.average(self.s, weights=across))
+
+    @property
+    def semi_axes(self) -> tuple[float, float]:
+        """(a, b) in mm: a = sqrt(5 int p (x - x_c)^2 dA / force), b alike in s; exact for Hertz."""
+        along, across = self.pressure.sum(axis=1), self.pressure.sum(axis=0)
+        xx = np.average((self.x - self.centroid[0]) ** 2, weights=along)
+        ss = np.average((self.s - self.centroid[1]) ** 2, weights=across)
+        return math.sqrt(5 * xx), math.sqrt(5 * ss)
+
+    def separate(self) -> "list[PatchSolution]":
+        """Connected patches, cells that share a corner being connected."""
+        parts, count = label(self.pressure > 0, structure=np.ones((3, 3)))
+        return [
+            replace(self, pressure=np.where(parts == number, self.pressure, 0.0))
+            for number in range(1, count + 1)
+        ]
+
+
+def _edges(pressure: Array) -> tuple[Array, Array]:
+    """Upper and lower ends, in cells, of each contact cell's part of the chord along axis 0.
+
+    A patch ends where p^2, linear in the distance from a smooth edge, is extrapolated to zero from
+    the last two cells, within a cell of the last centre; where p does not fall, at its cell's end.
+    """
+    i, j = np.nonzero(pressure)
+    squares = np.pad(pressure**2, ((1, 1), (0, 0)))
+    ends = []
+    for way in (1, -1):
+        here, beyond, behind = (squares[i + 1 + k * way, j] for k in (0, 1, -1))
+        smooth = (beyond == 0) & (behind > here)
+        ends.append(i + way * np.where(smooth, here / np.maximum(here, behind - here), 0.5))
+    return ends[0], ends[1]
