@@ -22,21 +22,66 @@ if TYPE_CHECKING:
     from railhead.run import Result
 
 SUMMARY = "summary.json"
+MANIFEST = ".railhead"  # names of the files in a result folder that are replaced by the next one
+#: Files of versions that wrote no manifest.
+OLDER = frozenset(
+    [f"{name}.png" for name in (
+        "accuracy_cost", "depth", "hard_cases", "load_sweep", "patch", "patch_on_rail", "positions",
+        "pressure", "profiles", "rolling_radius", "stress_cut", "thesis_patch", "thesis_lines",
+        "thesis_loads", "wheel_rail",
+    )]
+    + [f"{name}.csv" for name in (
+        "accuracy_cost", "effects", "effects_off", "error_bounds", "hard_cases", "load_sweep",
+        "scaling", "thesis", "thesis_runs",
+    )]
+    + ["summary.json", "scene.toml", "solution.vtu", "contact.vtu", "page.md"]
+)  # fmt: skip
+
+
+def foreign(folder: Path) -> list[str]:
+    """Names in a folder that no result put there."""
+    names = set(os.listdir(folder))
+    if MANIFEST in names:
+        own = {MANIFEST, *(folder / MANIFEST).read_text(encoding="utf-8").splitlines()}
+    else:
+        result = names & {SUMMARY, "page.md"} and len(names & OLDER) > 1
+        own = set(OLDER) if result else set()
+    return sorted(names - own)
 
 
 def check_folder(folder: Path) -> None:
-    """Raise SceneError if results cannot go to `folder`, before anything is computed."""
+    """Raise SceneError if results cannot go to `folder`, before anything is computed.
+
+    A result takes the place of an earlier one as a whole, so the folder must be new, empty, or
+    hold nothing else; a link to one is followed.
+    """
+    try:
+        problem = _obstacle(folder)
+    except OSError as error:
+        problem = f"{str(folder)!r}: {error.strerror}"
+    if problem:
+        raise SceneError("--out", f"{problem}; give another folder")
+
+
+def _obstacle(folder: Path) -> str:
+    """Why results cannot go to a folder; empty if they can."""
+    name = repr(str(folder))
+    if folder.is_symlink() and not folder.exists():
+        return f"{name} is a link to nothing"
     if folder.exists() and not folder.is_dir():
-        raise SceneError("--out", f"{str(folder)!r} is a file; give a folder")
-    if folder.is_dir() and any(folder.iterdir()) and not (folder / SUMMARY).is_file():
-        raise SceneError(
-            "--out", f"{str(folder)!r} holds files that are not a result; give a new folder"
-        )
-    parent = folder.absolute().parent
+        return f"{name} is a file"
+    if folder.is_dir():
+        if folder.samefile(os.curdir) or os.path.ismount(folder):
+            kind = "a mount point" if os.path.ismount(folder) else "the working directory"
+            return f"{name} is {kind}, which cannot be replaced"
+        if others := foreign(folder):
+            return f"{name} holds {others[0]!r}, which is no result"
+    parent = folder.resolve().parent
     while not parent.exists():
         parent = parent.parent
-    if not os.access(parent, os.W_OK):
-        raise SceneError("--out", f"{str(parent)!r} cannot be written to; give another folder")
+    if not parent.is_dir() or not os.access(parent, os.W_OK):
+        return f"{str(parent)!r} cannot be written to"
+    return ""
 
 
 @contextmanager
@@ -44,14 +89,17 @@ def replacing(folder: Path) -> Iterator[Path]:
     """A temporary folder that takes the place of `folder` when the block ends without an error.
 
     `folder` holds the earlier result or the new one, whole, at every moment; of two that end
-    together the later one stays. A termination signal that comes during the exchange is too late
-    and is ignored. OSError: the files cannot be written.
+    together the later one stays. What somebody else put into it in the meantime is kept. A
+    termination signal that comes during the exchange is too late and is ignored. OSError: the
+    files cannot be written.
     """
-    folder = folder.absolute()
+    folder = folder.resolve()
     folder.parent.mkdir(parents=True, exist_ok=True)
     work = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
     try:
         yield work
+        names = "".join(f"{name}\n" for name in sorted(os.listdir(work)))
+        (work / MANIFEST).write_text(names, encoding="utf-8")
         with _undisturbed():
             work.chmod(0o755)
             try:
@@ -60,6 +108,8 @@ def replacing(folder: Path) -> Iterator[Path]:
                 if not folder.is_dir():
                     raise
                 _exchange(work, folder)
+                for name in foreign(work):
+                    os.rename(work / name, folder / name)
     finally:
         with _undisturbed():
             shutil.rmtree(work, ignore_errors=True)

@@ -63,8 +63,7 @@ def run(name: str, folder: Path | None, *, quick: bool) -> tuple[Path, str]:
 
     from railhead import results
 
-    if not all((folder / file).is_file() for file in (f"{name}.csv", PAGE)):
-        results.check_folder(folder)
+    results.check_folder(folder)
 
     from mpi4py import MPI
 

@@ -16,7 +16,7 @@ def quick(tmp_path_factory) -> tuple[Path, str]:
 def test_study_writes_its_tables_and_its_page(quick) -> None:
     folder, page = quick
     assert sorted(path.name for path in folder.iterdir()) == [
-        "effects.csv", "effects_off.csv", "page.md",
+        ".railhead", "effects.csv", "effects_off.csv", "page.md",
     ]  # fmt: skip
     rows = list(csv.DictReader((folder / "effects.csv").open(encoding="utf-8")))
     assert {row["effect"] for row in rows} == {

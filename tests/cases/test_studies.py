@@ -54,7 +54,9 @@ def cost(tmp_path_factory) -> tuple[subprocess.CompletedProcess[str], Path]:
 def test_load_sweep_writes_all_its_files_and_prints_its_page(sweep) -> None:
     done, folder = sweep
     assert done.returncode == 0, done.stderr
-    assert sorted(os.listdir(folder)) == ["load_sweep.csv", "load_sweep.png", "page.md"]
+    assert sorted(os.listdir(folder)) == [
+        ".railhead", "load_sweep.csv", "load_sweep.png", "page.md",
+    ]  # fmt: skip
     assert os.listdir(folder.parent) == ["load_sweep"]
     assert done.stdout.startswith((folder / "page.md").read_text())
     assert "hertz_ellipse: 1000 N" in done.stderr
@@ -88,7 +90,9 @@ def test_a_further_load_needs_no_more_krylov_iterations(sweep) -> None:
 def test_accuracy_cost_records_every_run(cost) -> None:
     done, folder = cost
     assert done.returncode == 0, done.stderr
-    assert sorted(os.listdir(folder)) == ["accuracy_cost.csv", "accuracy_cost.png", "page.md"]
+    assert sorted(os.listdir(folder)) == [
+        ".railhead", "accuracy_cost.csv", "accuracy_cost.png", "page.md",
+    ]  # fmt: skip
     rows = read(folder / "accuracy_cost.csv")
     given = [row for row in rows if row["asked"] is None]
     assert len(given) == 14  # two methods, three elements, two sizes; two cubic meshes

@@ -85,7 +85,9 @@ def test_killed_while_it_compiles(tmp_path: Path, monkeypatch) -> None:
 def test_killed_at_every_line_of_replacing(tmp_path: Path, there: bool) -> None:
     """At each moment the folder holds the earlier result or the new one, whole, or nothing where
     there was nothing."""
-    old, new = {"one": b"old", "two": b"old"}, {"one": b"new", "three": b"new"}
+    names = results.MANIFEST
+    old = {"one": b"old", "two": b"old", names: b"one\ntwo\n"}
+    new = {"one": b"new", "three": b"new", names: b"one\nthree\n"}
     seen = []
     for line in range(1, 60):
         folder = tmp_path / f"{line}" / "result"
@@ -122,8 +124,8 @@ def _replace_and_die(folder: Path, files: dict[str, bytes], line: int) -> None:
 
     sys.settrace(trace)
     with results.replacing(folder) as work:
-        for name, text in files.items():
-            (work / name).write_bytes(text)
+        for name in ("one", "three"):
+            (work / name).write_bytes(files[name])
     sys.settrace(None)
 
 
@@ -219,5 +221,7 @@ def test_many_replacements_at_once_leave_one_whole_result(tmp_path: Path) -> Non
         thread.start()
     for thread in threads:
         thread.join()
-    assert len(set(content(folder).values())) == 1
+    found = content(folder)
+    assert found.pop(results.MANIFEST) == b"one\ntwo\n"
+    assert len(set(found.values())) == 1
     assert os.listdir(tmp_path) == ["result"]

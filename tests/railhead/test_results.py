@@ -1,0 +1,133 @@
+"""The result folder: only what railhead wrote is ever replaced."""
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from railhead import results
+from railhead.cli import main
+from railhead.scene import SceneError
+
+FAST = ["--set", "mesh.patch_size=1.5", "--no-pictures", "--quiet"]
+
+
+def write(folder: Path, text: str, *names: str) -> None:
+    with results.replacing(folder) as work:
+        for name in names or ("summary.json", "scene.toml"):
+            (work / name).write_text(text)
+
+
+def refused(folder: Path) -> str:
+    with pytest.raises(SceneError, match="^--out: ") as caught:
+        results.check_folder(folder)
+    (line,) = str(caught.value).splitlines()
+    return line
+
+
+def run(*arguments: str) -> int:
+    with pytest.raises(SystemExit) as ended:
+        main(["run", *arguments, *FAST])
+    return int(ended.value.code or 0)
+
+
+def test_a_result_is_replaced_as_a_whole(tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    write(folder, "old", "summary.json", "patch.png")
+    results.check_folder(folder)
+    write(folder, "new")
+    assert sorted(os.listdir(folder)) == [".railhead", "scene.toml", "summary.json"]
+    assert (folder / "summary.json").read_text() == "new"
+    assert os.listdir(tmp_path) == ["out"]
+
+
+@pytest.mark.parametrize("name", ["mine.toml", "patch.png", ".notes", "thesis"])
+def test_a_foreign_file_is_named_and_kept(name: str, tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    write(folder, "old")
+    if name == "thesis":
+        (folder / name).mkdir()
+    else:
+        (folder / name).write_text("mine")
+    assert repr(name) in refused(folder)
+
+
+def test_a_scene_beside_its_result_survives(tmp_path: Path, capsys) -> None:
+    """Refused before anything is computed; nothing is touched."""
+    folder = tmp_path / "r1"
+    write(folder, "old")
+    scene = folder / "mine.toml"
+    scene.write_text("load = 25000\n")
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    assert run(str(scene), "--out", str(folder)) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "'mine.toml'" in line
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+
+
+def test_what_comes_while_it_computes_is_kept(tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    write(folder, "old")
+    with results.replacing(folder) as work:
+        (work / "summary.json").write_text("new")
+        (folder / "mine.txt").write_text("mine")
+        (folder / "notes").mkdir()
+        (folder / "notes" / "one").write_text("1")
+    assert (folder / "mine.txt").read_text() == "mine"
+    assert (folder / "notes" / "one").read_text() == "1"
+    assert (folder / "summary.json").read_text() == "new"
+    assert os.listdir(tmp_path) == ["out"]
+
+
+@pytest.mark.parametrize(
+    "names", [("summary.json", "scene.toml", "depth.png"), ("page.md", "thesis.csv")]
+)
+def test_results_of_older_versions_are_replaced(names: tuple[str, ...], tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    write(folder, "old", *names)
+    (folder / results.MANIFEST).unlink()
+    results.check_folder(folder)
+    (folder / "mine.csv").write_text("mine")
+    assert "'mine.csv'" in refused(folder)
+
+
+def test_known_names_alone_are_no_result(tmp_path: Path) -> None:
+    for name in ("summary.json", "patch.png"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / name).write_text("mine")
+        assert repr(name) in refused(tmp_path / name)
+
+
+def test_the_working_directory_stays(tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    number = tmp_path.stat().st_ino
+    for name in (".", str(tmp_path), f"../{tmp_path.name}"):
+        assert run("hertz_ellipse", "--out", name) == 2
+        assert "working directory" in capsys.readouterr().err
+    assert "mount point" in refused(Path("/proc"))
+    assert tmp_path.stat().st_ino == number and os.listdir(".") == []
+
+
+def test_a_link_is_followed(tmp_path: Path) -> None:
+    (tmp_path / "disk").mkdir()
+    target, link = tmp_path / "disk" / "target", tmp_path / "link"
+    target.mkdir()
+    link.symlink_to("disk/target")
+    for _ in range(2):
+        assert run("hertz_ellipse", "--out", str(link)) == 0
+        assert os.readlink(link) == "disk/target"
+        assert json.loads((target / "summary.json").read_text())["checks"]["passed"]
+    assert os.listdir(tmp_path / "disk") == ["target"]
+
+
+def test_links_to_nothing_and_folders_in_files_are_refused(tmp_path: Path) -> None:
+    link, loop, file = tmp_path / "link", tmp_path / "loop", tmp_path / "file"
+    link.symlink_to("gone")
+    loop.symlink_to("loop")
+    file.write_text("")
+    assert "is a link to nothing" in refused(link)
+    assert "is a link to nothing" in refused(loop)
+    assert "is a file" in refused(file)
+    assert "cannot be written to" in refused(file / "out")
+    assert "File name too long" in refused(tmp_path / ("x" * 300))
