@@ -28,7 +28,7 @@ def summarise(
     """The summary of the last level (rank 0), with the bounds that the sequence gave."""
     level = levels[-1]
     plan, solution, found = level.plan, level.solution, level.findings
-    scene, angle, poisson = plan.scene, plan.contact.touch.angle, plan.shown.poisson_ratio
+    scene, angle, poisson = plan.scene, plan.contact.touch.angle, plan.poisson_ratios
     ellipse, contact = level.ellipse, plan.contact
     thesis = None
     if isinstance(ellipse, Ellipse):
