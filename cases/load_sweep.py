@@ -127,8 +127,7 @@ def _point(
     values = compare.from_findings(
         read.findings(fields, frame), solution.load, solution.approach
     )  # fmt: skip
-    poisson = plan.scene.rail.poisson_ratio
-    reference = compare.from_hertz(ellipse, poisson, frame.angle, frame.origin)
+    reference = compare.from_hertz(ellipse, plan.poisson_ratios, frame.angle, frame.origin)
     return Point(
         plan.scene.name,
         solution.load,

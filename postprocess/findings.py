@@ -12,7 +12,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from theory.subsurface import max_shear, von_mises
+
 Array = NDArray[np.float64]
+Place = tuple[float, float, float]
 PEAK_SAMPLES = 8  # either side of the largest one
 
 
@@ -28,6 +31,15 @@ class Frame:
         """(3, 3) rows: unit vectors of x, s and the rail's outward normal."""
         c, s = np.cos(self.angle), np.sin(self.angle)
         return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
+
+    def place(self, x: float, s: float, height: float = 0.0) -> Place:
+        """Global, mm."""
+        px, py, pz = np.array(self.origin) + np.array([x, s, height]) @ self.axes
+        return float(px), float(py), float(pz)
+
+    def below(self, x: float, s: float, body: str, depth: float) -> Place:
+        """A point in the rail or the wheel, global, mm."""
+        return self.place(x, s, -depth if body == "rail" else depth)
 
     def local(self, points: Array) -> Array:
         """(n, 3) global -> (x, s, height over the tangent plane), mm."""
@@ -89,12 +101,36 @@ class Patch:
 
 
 @dataclass(frozen=True)
+class Peak:
+    """The largest of a stress: value MPa, depth below the contact surface mm, its place (mm) if
+    that is known."""
+
+    value: float
+    depth: float
+    place: Place | None
+
+
+@dataclass(frozen=True)
+class Largest:
+    """Largest shear and von Mises stress of one body, anywhere but at sharp edges.
+
+    edges: the same two near sharp edges, where a mesh says more there; None elsewhere.
+    """
+
+    tau: Peak
+    von_mises: Peak
+    edges: tuple[Peak | None, Peak | None] = (None, None)
+
+
+@dataclass(frozen=True)
 class DepthAxis:
-    """Stress below the contact in one body: depth (k,) mm, stress (k, 6) MPa."""
+    """Stress below the contact in one body: depth (k,) mm, stress (k, 6) MPa; line: where the axis
+    starts (mm) and its direction, global."""
 
     body: str
     depth: Array
     stress: Array
+    line: tuple[Place, Place] | None = None
 
     def peak(self, values: Array) -> tuple[float, float]:
         """Depth and value of the maximum of (k,) values, by a quartic through the samples around.
@@ -116,6 +152,18 @@ class DepthAxis:
         best = inside[np.argmax(curve(inside))]
         return float(self.depth[top] + best), float(curve(best))
 
+    @property
+    def largest(self) -> Largest:
+        """On this axis."""
+        return Largest(self._peak(max_shear(self.stress)), self._peak(von_mises(self.stress)))
+
+    def _peak(self, values: Array) -> Peak:
+        depth, value = self.peak(values)
+        if self.line is None:
+            return Peak(value, depth, None)
+        x, y, z = (float(at + depth * into) for at, into in zip(*self.line, strict=True))
+        return Peak(value, depth, (x, y, z))
+
 
 @dataclass(frozen=True)
 class AxisPressure:
@@ -128,6 +176,9 @@ class AxisPressure:
 @dataclass(frozen=True)
 class Findings:
     """All of it. depth: by body name; along: pressure along x; across: along s.
+
+    largest: stresses by body name; also: axes below the other patches, in the order of
+    `Patch.each`, in the body of `axis`.
 
     hertzian: whether the pressure is close enough to a semi-ellipsoid for the moments to give the
     semi-axes; shape_error: relative L2 distance of the pressure from that semi-ellipsoid; notes:
@@ -142,6 +193,8 @@ class Findings:
     across: AxisPressure
     shape_error: float
     hertzian: bool
+    largest: dict[str, Largest]
+    also: tuple[DepthAxis, ...] = ()
     notes: tuple[str, ...] = ()
 
     @property

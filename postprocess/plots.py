@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 FE, HERTZ, THESIS = "#1f4e79", "#c8502d", "#7a7a7a"
 BANDS = 10
+OFF_CUT = 0.2  # of its depth: from there on a point is said to lie off the cut
 Hertz = Ellipse | LineContact
 STYLE = {
     "font.size": 11,
@@ -156,6 +157,25 @@ def _stresses(
     panels[0].plot(principal(stress), at, style, **look)
     panels[1].plot(max_shear(stress), at, style, label=label, **look)
     panels[1].plot(peak[1], peak[0], "+", color=colour, ms=16, mew=1.8, zorder=4)
+
+
+def mark_largest(axes: Axes, findings: Findings, across: int) -> None:
+    """Mark the largest shear stress of each body in a cut of x (across = 0) or s (1) over height.
+
+    One that lies elsewhere along the rail is named by its distance; one whose image the cut shows
+    as well is marked once.
+    """
+    for body, largest in findings.largest.items():
+        peak = largest.tau
+        if peak.place is None:
+            continue
+        local = findings.frame.local(np.array([peak.place]))[0]
+        label = rf"$\tau_{{max}}$ in the {body}: {peak.value:.3g} MPa, {peak.depth:.3g} mm deep"
+        if across and abs(local[0]) > OFF_CUT * peak.depth:
+            label += f", {abs(local[0]):.3g} mm along the rail"
+        marker = "v" if body == "rail" else "^"
+        look: dict[str, Any] = {"ms": 10, "mfc": "white", "mec": "black", "ls": "none"}
+        axes.plot(local[across], local[2], marker, label=label, **look)
 
 
 def _name_curves(axes: Axes, axis: DepthAxis) -> None:

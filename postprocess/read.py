@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from meshing.tags import BODIES
-from postprocess import patch, section, stress
+from postprocess import inside, patch, section
 from postprocess.findings import Findings, Frame
 from postprocess.parts import parts
 from postprocess.patch import Moments
 from solver.gather import Fields
-
-DEPTH_SAMPLES = 121
-DEPTH_REACH = 3.0  # over the smaller semi-axis
 
 
 def moments(fields: Fields, frame: Frame) -> Moments:
@@ -32,13 +26,8 @@ def findings(fields: Fields, frame: Frame) -> Findings:
         found, surface, moments = section.read(fields, frame)
     else:
         found, surface, moments = patch.read(fields, separate, frame)
-    reach = moments.a if flat else min(found.a, found.b)
-    depth = np.linspace(0.0, DEPTH_REACH * reach, DEPTH_SAMPLES)
-    axes = {
-        name: stress.below(fields, frame, found.centre, tag, name, depth)
-        for tag, name in BODIES.items()
-        if np.any(fields.body == tag)
-    }
+    size = moments.a if flat else min(found.a, found.b)
+    axes, others, largest = inside.read(fields, frame, found.centre, size, separate[1:])
     if flat:
         lines = section.axis_pressures(surface, found, fields)
     else:
@@ -54,4 +43,6 @@ def findings(fields: Fields, frame: Frame) -> Findings:
         *lines,
         moments.shape_error,
         moments.hertzian and len(separate) < 2,
+        largest,
+        others,
     )

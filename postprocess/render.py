@@ -16,9 +16,8 @@ from scipy.interpolate import griddata
 from postprocess.camera import Camera, load_pyvista
 from postprocess.findings import Array, Findings, Frame, Patch
 from postprocess.mirror import cut_axes
-from postprocess.plots import BANDS, FE, closed_ellipse, new_figure
+from postprocess.plots import BANDS, FE, closed_ellipse, mark_largest, new_figure
 from theory.hertz import Ellipse
-from theory.subsurface import max_shear
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -76,12 +75,7 @@ def stress_cut(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
         axes = figure.add_subplot()
         for section in sections:
             bands = _bands(axes, section, frame, levels)
-        for axis in findings.depth.values():
-            at, tau = axis.peak(max_shear(axis.stress))
-            sign, marker = (-1, "v") if axis.body == "rail" else (1, "^")
-            label = rf"$\tau_{{max}}$ in the {axis.body}: {tau:.3g} MPa, {at:.3g} mm deep"
-            look: dict[str, Any] = {"ms": 10, "mfc": "white", "mec": "black", "ls": "none"}
-            axes.plot(centre[0], sign * at, marker, label=label, **look)
+        mark_largest(axes, findings, 1)
         figure.colorbar(bands, ax=axes, label=r"$\sigma_3$, MPa", ticks=levels)
         axes.set(xlabel="s, across the rail, mm", ylabel="height over the contact, mm")
         axes.set(xlim=centre[0] + half[0] * np.array([-1, 1]), ylim=(-half[1], half[1]))

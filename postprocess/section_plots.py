@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.findings import Array, Findings
-from postprocess.plots import BANDS, new_figure
+from postprocess.plots import BANDS, mark_largest, new_figure
 from postprocess.render import BODIES, COLOURS, CONTACT, EDGE
 from postprocess.section import coordinate
 from solver.gather import Fields
-from theory.subsurface import max_shear, principal
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from theory.subsurface import principal
 
 NAMES = ("x, along the rail, mm", "s, across the rail, mm")
 _CORNERS = {"triangle": [0, 1, 2], "quadrilateral": [0, 1, 3, 2]}
@@ -77,23 +74,13 @@ def stress_cut(fields: Fields, stress: Array, findings: Findings, path: Path) ->
             bands = axes.tricontourf(
                 *local.T, corners, sigma, levels, cmap="YlGnBu_r", extend="both"
             )
-        _peaks(axes, findings, middle)
+        mark_largest(axes, findings, coordinate(fields))
         figure.colorbar(bands, ax=axes, label=r"$\sigma_3$, MPa", ticks=levels)
         axes.set(xlabel=NAMES[coordinate(fields)], ylabel="height over the contact, mm")
         axes.set(xlim=middle + reach[0] * np.array([-1, 1]), ylim=(-reach[1], reach[1]))
         axes.set_aspect("equal")
         axes.grid(False)
         figure.legend(loc="outside upper center", ncols=2)
-
-
-def _peaks(axes: Axes, findings: Findings, middle: float) -> None:
-    """Mark the largest shear stress of each body."""
-    for axis in findings.depth.values():
-        depth, tau = axis.peak(max_shear(axis.stress))
-        sign, marker = (-1, "v") if axis.body == "rail" else (1, "^")
-        label = rf"$\tau_{{max}}$ in the {axis.body}: {tau:.3g} MPa, {depth:.3g} mm deep"
-        look: dict[str, Any] = {"ms": 10, "mfc": "white", "mec": "black", "ls": "none"}
-        axes.plot(middle, sign * depth, marker, label=label, **look)
 
 
 def _half_width(fields: Fields, findings: Findings) -> tuple[float, float]:

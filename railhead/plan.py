@@ -148,6 +148,11 @@ class Plan:
         """The body whose stresses are reported: the rail, unless it is rigid."""
         return self.scene.rail if RAIL in self.deformable else self.scene.wheel
 
+    @property
+    def poisson_ratios(self) -> dict[str, float]:
+        """Of the bodies that are meshed, by name, the one shown first."""
+        return {BODIES[tag]: self.material(tag).poisson_ratio for tag in self.deformable}
+
     def material(self, body: int) -> Material:
         """Elastic constants of RAIL or WHEEL as simulated."""
         part = self.scene.rail if body == RAIL else self.scene.wheel

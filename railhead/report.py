@@ -22,8 +22,10 @@ ROWS = (
     ("approach", "mm", ("approach_mm",)),
     ("largest shear stress", "MPa", ("stress", "tau_max_MPa")),
     ("   its depth", "mm", ("stress", "tau_max_depth_mm")),
+    ("   its body", "", ("stress", "tau_max_body")),
     ("largest von Mises stress", "MPa", ("stress", "von_mises_max_MPa")),
     ("   its depth", "mm", ("stress", "von_mises_max_depth_mm")),
+    ("   its body", "", ("stress", "von_mises_max_body")),
 )
 
 
@@ -129,6 +131,13 @@ def show_result(summary: dict[str, Any], console: Console) -> None:
                 f"(moments off by {summary['checks']['shape_error']:.1%}): "
                 "Hertz is what the formula would have said."
             )
+        for edge in summary["result"]["stress"]["at_edges"]:
+            place = ", ".join(f"{v:.4g}" for v in edge["place_mm"])
+            console.print(
+                f"Left out: {edge['quantity']} {edge['value_MPa']:.4g} in the {edge['body']} at "
+                f"({place}) mm, at a sharp edge or held face, where it depends on the mesh.",
+                highlight=False,
+            )
     for name, after in summary["effects_after"].items():
         if after["needed"]:
             console.print(f"{name}: {after['why']}", markup=False, highlight=False)
@@ -167,20 +176,22 @@ def show_failure(summary: dict[str, Any], console: Console) -> None:
         )
 
 
-def _get(values: dict[str, Any] | None, path: tuple[str, ...]) -> float | None:
+def _get(values: dict[str, Any] | None, path: tuple[str, ...]) -> float | str | None:
     inner: Any = values
     for key in path:
         inner = None if inner is None else inner.get(key)
-    return None if inner is None else float(inner)
+    return inner if inner is None or isinstance(inner, str) else float(inner)
 
 
 def _bound(value: float | None) -> str:
     return "" if value is None else f"{value:.2%}"
 
 
-def _number(value: float | None) -> str:
-    return "" if value is None else f"{value:.5g}"
+def _number(value: float | str | None) -> str:
+    return "" if value is None else value if isinstance(value, str) else f"{value:.5g}"
 
 
-def _percent(value: float | None, exact: float | None) -> str:
-    return "" if value is None or not exact else f"{(value - exact) / exact:+.2%}"
+def _percent(value: float | str | None, exact: float | str | None) -> str:
+    if isinstance(value, str) or isinstance(exact, str) or value is None or not exact:
+        return ""
+    return f"{(value - exact) / exact:+.2%}"

@@ -30,7 +30,7 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
     scene, ellipse = plan.scene, level.ellipse
     hertz, thesis = exact_quantities(level), None
     if isinstance(ellipse, Ellipse):
-        thesis = compare.from_thesis(ellipse, plan.shown.poisson_ratio)
+        thesis = compare.from_thesis(ellipse, plan.poisson_ratios)
     newton, cost = solution.newton, ending.would_cost
     known, source = estimates.estimate(levels)
     bound = {name: each.total for name, each in known.items()}
@@ -87,7 +87,7 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
 def exact_quantities(level: Level) -> dict[str, Any]:
     """Exact Hertz under the load that was found, nested as "result"."""
     plan, ellipse, contact = level.plan, level.ellipse, level.plan.contact
-    given = plan.shown.poisson_ratio, contact.touch.angle, contact.origin
+    given = plan.poisson_ratios, contact.touch.angle, contact.origin
     if isinstance(ellipse, Ellipse):
         return compare.from_hertz(ellipse, *given)
     approach = contact.approach(ellipse) if isinstance(contact, FlatContact) else None

@@ -111,7 +111,7 @@ def fe_facts(found: Findings, base: Run, exact: Ellipse) -> dict[str, float]:
 def _run(elements: str, result: Result) -> Run:
     summary = result.summary
     found, error, hertz = summary["result"], summary["difference"], summary["hertz"]
-    stress, surface = found["stress"], np.array(found["stress"]["surface_centre_MPa"])
+    stress, surface = found["stress"]["axis"], np.array(found["stress"]["surface_centre_MPa"])
     shear = np.ptp(surface) / np.ptp(hertz["stress"]["surface_centre_MPa"])
     grading = result.level.grading
     return Run(
@@ -129,8 +129,8 @@ def _run(elements: str, result: Result) -> Run:
         error_a=error["patch"]["a_mm"],
         error_b=error["patch"]["b_mm"],
         error_p0=error["pressure"]["max_MPa"],
-        error_tau_max=error["stress"]["tau_max_MPa"],
-        error_tau_depth=error["stress"]["tau_max_depth_mm"],
+        error_tau_max=error["stress"]["axis"]["tau_max_MPa"],
+        error_tau_depth=error["stress"]["axis"]["tau_max_depth_mm"],
         error_tau_surface=float(shear) - 1,
         surface_ratio=float(surface[0] / surface[1]),
         shape_error=summary["checks"]["shape_error"],

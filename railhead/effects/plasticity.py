@@ -21,11 +21,11 @@ def decide(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
 
 
 def check(scene: Scene, contact: Contact, effect: Effect, found: Findings) -> After | None:
-    """The same with the stresses that were found below the contact."""
+    """The same with the largest stresses that were found in each body."""
     stresses = {
-        name: found.depth[name].peak(subsurface.von_mises(found.depth[name].stress))[1]
+        name: found.largest[name].von_mises.value
         for name in _yielding(scene)
-        if name in found.depth
+        if name in found.largest
     }
     if not stresses:
         return None

@@ -110,13 +110,19 @@ def _findings(ellipse: Ellipse, cut: bool, size: Array) -> Findings:
     normal = axis_stress(ellipse, POISSON, depth)
     below = np.hstack((normal, np.zeros_like(normal)))
     x, s = a * np.linspace(-1.25, 1.25, 61), b * np.linspace(-1.25, 1.25, 61)
+    centre = 0.0, 0.0, 0.0
+    depths = {
+        body: DepthAxis(body, depth, below, (centre, (0.0, 0.0, into)))
+        for body, into in (("rail", -1.0), ("wheel", 1.0))
+    }
     return Findings(
         frame=Frame((0.0, 0.0, 0.0), 0.0),
         patch=patch,
         surface=surface,
-        depth={body: DepthAxis(body, depth, below) for body in ("rail", "wheel")},
+        depth=depths,
         along=AxisPressure(x, ellipse.pressure(x, 0)),
         across=AxisPressure(s, ellipse.pressure(0, s)),
         shape_error=0.0,
         hertzian=True,
+        largest={body: axis.largest for body, axis in depths.items()},
     )

@@ -58,9 +58,10 @@ def again(result: run.Result, *assignments: str) -> dict:
 
 
 def test_yield_is_judged_by_the_stress_that_was_found(thesis) -> None:
-    peak = thesis.summary["result"]["stress"]["von_mises_max_MPa"]
+    stress = thesis.summary["result"]["stress"]
+    body, peak = stress["von_mises_max_body"], stress["von_mises_max_MPa"]
     for share, yields in ((1.001, False), (0.999, True)):
-        found = again(thesis, f"rail.yield_stress={share * peak!r}")["plasticity"]
+        found = again(thesis, f"{body}.yield_stress={share * peak!r}")["plasticity"]
         assert found.needed is yields
     assert "plasticity" not in thesis.summary["effects_after"]  # no yield stress was given
 

@@ -1,0 +1,69 @@
+"""Stresses inside the bodies: on the axes below the patches, and the largest anywhere."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meshing.tags import BODIES
+from postprocess.findings import DepthAxis, Frame, Largest
+from postprocess.parts import Part
+from postprocess.peaks import Search
+from postprocess.recovery import Recovery
+from postprocess.solid import Solid
+from postprocess.stress import COLUMN, ROW
+from solver.gather import Fields
+from theory.subsurface import max_shear, von_mises
+
+SAMPLES = 121
+REACH = 3.0  # over the smaller semi-axis
+Found = tuple[dict[str, DepthAxis], tuple[DepthAxis, ...], dict[str, Largest]]
+
+
+def read(
+    fields: Fields, frame: Frame, centre: tuple[float, float], size: float, others: list[Part]
+) -> Found:
+    """By meshed body the stresses below (x, s) = centre and the largest ones; between them, in the
+    body that is shown, those below the centres of the other patches.
+
+    size: smaller semi-axis of the (most loaded) patch, mm.
+    """
+    bodies = {}
+    for tag, name in BODIES.items():
+        cells = np.flatnonzero(fields.body == tag)
+        if len(cells):
+            bodies[name] = Solid(fields, cells), Recovery(fields, cells)
+    axes = {name: _below(*body, frame, centre, name, size * REACH) for name, body in bodies.items()}
+    shown = next(iter(bodies))
+    also = tuple(
+        _below(*bodies[shown], part.frame, (0.0, 0.0), shown, min(part.a, part.b) * REACH)
+        for part in others
+    )
+    edges = np.concatenate([solid.sharp_edges() for solid, _ in bodies.values()])
+    largest = {
+        name: _largest(Search(fields, *body, edges, size), axes[name])
+        for name, body in bodies.items()
+    }
+    return axes, also, largest
+
+
+def _below(
+    solid: Solid, recovery: Recovery, frame: Frame, centre: tuple[float, float], name: str,
+    reach: float,
+) -> DepthAxis:  # fmt: skip
+    """Stress on the axis below a point of the tangent plane, as deep as the body goes."""
+    start, into = frame.place(*centre), frame.axes[2] * (-1.0 if name == "rail" else 1.0)
+    depth = np.linspace(0.0, solid.extent(np.array(start), into, reach), SAMPLES)
+    stress = recovery.at(start + depth[:, None] * into)
+    tensor = np.zeros((len(depth), 3, 3))
+    tensor[:, ROW, COLUMN] = tensor[:, COLUMN, ROW] = stress
+    stress = (frame.axes @ tensor @ frame.axes.T)[:, ROW, COLUMN]
+    return DepthAxis(name, depth, stress, (start, (float(into[0]), float(into[1]), float(into[2]))))
+
+
+def _largest(search: Search, axis: DepthAxis) -> Largest:
+    """The largest of both stresses in one body, on its axis if the body is nothing but edges."""
+    spare = axis.largest
+    tau = search.highest(max_shear) or spare.tau
+    mises = search.highest(von_mises) or spare.von_mises
+    edges = search.at_edges(max_shear, tau.value), search.at_edges(von_mises, mises.value)
+    return Largest(tau, mises, edges)
