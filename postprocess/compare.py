@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from postprocess import extremes
-from postprocess.findings import Array, Findings, Frame, OnePatch, Place
+from postprocess.findings import Array, DepthAxis, Findings, Frame, OnePatch, Place
 from postprocess.parts import SMALLEST
 from theory import thesis
 from theory.boundary_element import Solution
