@@ -28,7 +28,8 @@ LEAST = 1e-6  # relative; below it an error is rounding
 
 @dataclass(frozen=True)
 class Record:
-    """One quantity of one scene on one mesh; error, reading, overlap: relative."""
+    """One quantity of one scene on one mesh; error, reading, overlap: relative; scale: see
+    `estimates.scales`."""
 
     family: str
     scene: str
@@ -38,6 +39,7 @@ class Record:
     error: float
     reading: float
     overlap: float
+    scale: float
 
 
 def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Record]:
@@ -50,14 +52,15 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Recor
             continue
         exact = exact or families.truth(name, scene, level)
         found, scatter = estimates.flat(level.result or {}), level.findings.patch.scatter
+        scale = estimates.scales(level.findings, level.result or {})
         penalty = scene.solver.method == "penalty"
         overlap = abs(level.solution.penetration / level.solution.approach) if penalty else 0.0
         records += [
             Record(
                 name, scene.name, level.resolution, level.unknowns, key,
-                abs(found[key] / value - 1), scatter.get(key, 0.0), overlap,
+                abs(found[key] / value - 1), scatter.get(key, 0.0), overlap, scale.get(key, 1.0),
             )
-            for key, value in exact.items() if key in found
+            for key, value in exact.items() if key in found and value
         ]  # fmt: skip
     return records
 
@@ -74,18 +77,19 @@ def envelope(n: np.ndarray, errors: np.ndarray) -> Law:
 
 def fit(name: str, records: Sequence[Record]) -> dict[str, Any]:
     """The entry of a family in laws.json."""
-    laws, reading, overlap = {}, {}, {}
+    laws, typical, reading, overlap = {}, {}, {}, {}
     for key in QUANTITIES:
         mine = [record for record in records if record.quantity == key]
         if not mine:
             continue
-        n, error, read, over = (
+        n, error, read, over, scale = (
             np.array([getattr(record, field) for record in mine])
-            for field in ("n", "error", "reading", "overlap")
+            for field in ("n", "error", "reading", "overlap", "scale")
         )
         share = float(error @ over / (over @ over)) if over.any() else 0.0
         overlap[key] = share
-        laws[key] = envelope(n, np.maximum(error - read - share * over, 0.0))
+        laws[key] = envelope(n, np.maximum(error - read - share * over, 0.0) / scale)
+        typical[key] = float(np.median(scale))
         reading[key] = envelope(n, read)
     recipe = families.RECIPES[name]
     return {
@@ -93,6 +97,7 @@ def fit(name: str, records: Sequence[Record]) -> dict[str, Any]:
         "resolution": [recipe.resolutions[0], recipe.resolutions[-1]],
         "scenes": len({record.scene for record in records}),
         "laws": {key: [law.value, law.order] for key, law in laws.items()},
+        "typical": typical,
         "reading": {key: [law.value, law.order] for key, law in reading.items()},
         "overlap": overlap,
     }

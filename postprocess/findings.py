@@ -16,6 +16,7 @@ from theory.subsurface import max_shear, von_mises
 
 Array = NDArray[np.float64]
 Place = tuple[float, float, float]
+FLAT = 0.01  # relative
 PEAK_SAMPLES = 8  # either side of the largest one
 
 
@@ -151,6 +152,23 @@ class DepthAxis:
             return float(self.depth[top]), float(values[top])
         best = inside[np.argmax(curve(inside))]
         return float(self.depth[top] + best), float(curve(best))
+
+    def flatness(self, values: Array) -> float:
+        """Half the range of depths, mm, in which (k,) values are within FLAT of the largest one."""
+        high = values >= (1 - FLAT) * values.max()
+        top = int(np.argmax(values))
+        ends = []
+        for way in (-1, 1):
+            at = top
+            while 0 <= at + way < len(values) and high[at + way]:
+                at += way
+            if 0 <= at + way < len(values):
+                inside, outside = values[at], values[at + way]
+                share = (inside - (1 - FLAT) * values.max()) / (inside - outside)
+                ends.append(self.depth[at] + share * (self.depth[at + way] - self.depth[at]))
+            else:
+                ends.append(self.depth[at])
+        return float(abs(ends[1] - ends[0]) / 2)
 
     @property
     def largest(self) -> Largest:

@@ -24,7 +24,10 @@ from typing import TYPE_CHECKING, Any
 
 from scipy.optimize import brentq
 
+from theory.subsurface import max_shear
+
 if TYPE_CHECKING:
+    from postprocess.findings import Findings
     from railhead.level import Level
 
 STEP = 1.6  # refinement from one mesh of a sequence to the next
@@ -83,14 +86,16 @@ class Family:
     """Scenes whose errors were measured together.
 
     where: by field of `Setting` the allowed words, or the range of a number; resolution: range of
-    n; laws: mesh error by quantity; reading: how large that part was, for prices only; overlap:
-    relative error by quantity for an overlap of the whole approach.
+    n; laws: mesh error by quantity, over its scale (see `scales`); typical: that scale, and
+    reading: how large that part was, both for prices only; overlap: relative error by quantity for
+    an overlap of the whole approach.
     """
 
     name: str
     where: Mapping[str, Sequence[Any]]
     resolution: tuple[float, float]
     laws: Mapping[str, Law]
+    typical: Mapping[str, float]
     reading: Mapping[str, Law]
     overlap: Mapping[str, float]
 
@@ -113,7 +118,9 @@ class Family:
 
     def expected(self, n: float) -> float:
         """Largest relative error of all quantities at n elements per semi-axis."""
-        return max(self.laws[name](n) + self.reading[name](n) for name in self.laws)
+        return max(
+            self.typical[name] * law(n) + self.reading[name](n) for name, law in self.laws.items()
+        )
 
     def reaches(self, accuracy: float) -> bool:
         """Whether a resolution within RANGE is expected to meet the accuracy."""
@@ -155,6 +162,7 @@ def families() -> tuple[Family, ...]:
             entry["where"],
             tuple(entry["resolution"]),
             {key: Law(*law) for key, law in entry["laws"].items()},
+            entry["typical"],
             {key: Law(*law) for key, law in entry["reading"].items()},
             entry["overlap"],
         )
@@ -179,10 +187,23 @@ def flat(result: Mapping[str, Any]) -> dict[str, float]:
     return values
 
 
+def scales(found: Findings, result: Mapping[str, Any]) -> dict[str, float]:
+    """What the error of a quantity is in proportion to, where that differs from scene to scene:
+    the depth of the largest shear stress is as uncertain as its peak is flat."""
+    body, depth = (result["stress"][f"tau_max_{key}"] for key in ("body", "depth_mm"))
+    axis = found.depth[body]
+    return {
+        "tau_max_depth_mm": axis.flatness(max_shear(axis.stress)) / depth if depth else math.inf
+    }
+
+
 def mesh_parts(
-    levels: Sequence[tuple[float, Mapping[str, float]]], known: Family | None
+    levels: Sequence[tuple[float, Mapping[str, float]]],
+    known: Family | None,
+    scale: Mapping[str, float],
 ) -> tuple[dict[str, float], str]:
-    """Mesh part by quantity and its source, from (n, values) of each mesh, the finest last.
+    """Mesh part by quantity and its source, from (n, values) of each mesh, the finest last; scale:
+    see `scales`.
 
     Two meshes confirm a law where they differ by no more than both envelopes allow. Where they
     do not, or no law covers the run, SPREAD times the larger change between the last three meshes
@@ -195,9 +216,10 @@ def mesh_parts(
         for name, law in known.laws.items():
             if name not in fine:
                 continue
-            others = [(m, v) for m, v in before if known.covers(m) and m < n]
-            if all(_change(v, fine, name) <= law(m) + law(n) for m, v in others):
-                parts[name] = law(n)
+            others = [(m, v) for m, v in before if known.covers(m) and m < n and name in v]
+            factor = scale.get(name, 1.0)
+            if all(_change(v, fine, name) <= factor * (law(m) + law(n)) for m, v in others):
+                parts[name] = factor * law(n)
             else:
                 denied += 1
         if not denied:
@@ -246,7 +268,7 @@ def estimate(levels: Sequence[Level]) -> tuple[dict[str, Estimate], str]:
         return {}, "no solution"
     solved = [(each.resolution, flat(each.result)) for each in levels if each.result is not None]
     known = family(level.setting)
-    parts, source = mesh_parts(solved, known)
+    parts, source = mesh_parts(solved, known, scales(level.findings, level.result))
     overlap = 0.0
     if level.plan.scene.solver.method == "penalty":
         overlap = abs(level.solution.penetration / level.solution.approach)

@@ -16,7 +16,7 @@ from railhead.scene import SceneError
 SETTING = Setting("solid", "tetrahedron", 2, "nitsche", None, 1.0, 0.3, True, 2.0, 1.0)
 KNOWN = Family(
     "known", families.DEFAULT, (3.0, 8.0), {"max_MPa": Law(0.01, 2.0)},
-    {"max_MPa": Law(0.0, 1.0)}, {"max_MPa": 0.5},
+    {"max_MPa": 1.0}, {"max_MPa": Law(0.0, 1.0)}, {"max_MPa": 0.5},
 )  # fmt: skip
 
 
@@ -47,27 +47,27 @@ def test_the_resolution_meets_the_accuracy_or_is_out_of_reach() -> None:
 
 
 def test_two_meshes_confirm_a_law_or_deny_it() -> None:
-    assert estimates.mesh_parts([(6.0, {"max_MPa": 100.0})], KNOWN)[0] == {"max_MPa": 0.01}
+    assert estimates.mesh_parts([(6.0, {"max_MPa": 100.0})], KNOWN, {})[0] == {"max_MPa": 0.01}
     coarse, fine = (5.0, {"max_MPa": 102.0}), (8.0, {"max_MPa": 100.0})
-    parts, source = estimates.mesh_parts([coarse, fine], KNOWN)
+    parts, source = estimates.mesh_parts([coarse, fine], KNOWN, {})
     assert parts == {"max_MPa": pytest.approx(0.01 * (6 / 8) ** 2)} and "known" in source
-    parts, _ = estimates.mesh_parts([(5.0, {"max_MPa": 104.0}), fine], KNOWN)
+    parts, _ = estimates.mesh_parts([(5.0, {"max_MPa": 104.0}), fine], KNOWN, {})
     assert parts == {}  # 4 % apart, the envelopes allow 1.4 and 0.6 %
     third = (12.8, {"max_MPa": 99.0})
-    parts, _ = estimates.mesh_parts([(5.0, {"max_MPa": 104.0}), fine, third], KNOWN)
+    parts, _ = estimates.mesh_parts([(5.0, {"max_MPa": 104.0}), fine, third], KNOWN, {})
     assert parts["max_MPa"] == pytest.approx(2.0 * max(1 / 99, 0.04 / 1.6), rel=1e-3)
 
 
 def test_a_law_does_not_reach_beyond_its_resolutions() -> None:
     for n in (2.5, 14.0):
-        assert estimates.mesh_parts([(n, {"max_MPa": 100.0})], KNOWN)[0] == {}
+        assert estimates.mesh_parts([(n, {"max_MPa": 100.0})], KNOWN, {})[0] == {}
 
 
 def test_without_a_family_three_meshes_a_step_apart_are_needed() -> None:
     one, two, three = ((n, {"max_MPa": v}) for n, v in ((4.0, 97.0), (6.4, 99.0), (10.24, 99.6)))
-    assert estimates.mesh_parts([one, two], None)[0] == {}
-    assert estimates.mesh_parts([one, (4.4, {"max_MPa": 97.1}), two], None)[0] == {}
-    parts, source = estimates.mesh_parts([one, two, three], None)
+    assert estimates.mesh_parts([one, two], None, {})[0] == {}
+    assert estimates.mesh_parts([one, (4.4, {"max_MPa": 97.1}), two], None, {})[0] == {}
+    parts, source = estimates.mesh_parts([one, two, three], None, {})
     assert parts["max_MPa"] == pytest.approx(2.0 * (2.0 / 97) / 1.6) and "three" in source
 
 
