@@ -10,7 +10,7 @@ import numpy as np
 
 from railhead.geometry import RAIL_HALF_WIDTH, TREAD_HALF_WIDTH
 from railhead.scene import NOMINAL_RADIUS, Scene, SceneError
-from theory import hertz
+from theory import hertz, line
 
 SLENDER = 5.0  # predicted semi-axis across over half the contact length that makes a line contact:
 # the pressure at both ends is then within 2 % of that in the middle, sqrt(1 - 1/25)
@@ -126,6 +126,9 @@ def _along(scene: Scene) -> Dimension:
     text = f"predicted semi-axis across is {share:.3g} of half the common width {length:.4g} mm"
     if not level or share < (1.0 if forced == "on" else SLENDER) or forced == "off":
         return _solid(forced, f"{text}, a line contact needs {SLENDER:g}")
+    width = 2 * _half_width(scene, along, length)
+    if width > length and forced != "on":
+        return _solid(forced, f"a plate: the strip is {width:.3g} mm wide and {length:.4g} mm long")
     return Dimension("plane_along", text, length, centre)
 
 
@@ -151,6 +154,20 @@ def _common_width(scene: Scene) -> tuple[float, float]:
     shift = scene.wheelset.shift
     low, high = max(-rail, shift - wheel), min(rail, shift + wheel)
     return high - low, (low + high) / 2
+
+
+def _half_width(scene: Scene, along: float, length: float) -> float:
+    """Of the strip along that length, mm."""
+    rail, wheel = scene.rail, scene.wheel
+    return line.contact(
+        along,
+        (rail.young_modulus, wheel.young_modulus),
+        (rail.poisson_ratio, wheel.poisson_ratio),
+        length=length,
+        across=False,
+        load=scene.load,
+        approach=scene.approach,
+    ).half_width
 
 
 def _semi_axis_across(scene: Scene, along: float, across: float) -> float:
