@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.findings import Array
+from solver.elasticity import quadrature_degree
 from solver.facets import middle, tabulate
 from solver.gather import Fields
 
@@ -20,12 +21,27 @@ def at_reference(
     """Position (m, 3), stress (m, 6) in global axes and |det J| at one reference point."""
     x, strain, size = _strain(fields, cells, reference)
     dilatation = strain
-    if fields.kinematics.mean_dilatation:
+    if fields.kinematics.averaged:
+        dilatation = _mean_strain(fields, cells)
+    elif fields.kinematics.mean_dilatation:
         _, dilatation, _ = _strain(fields, cells, middle(fields.cell))
     lam, mu = fields.lame[cells].T[..., None, None]
     trace = np.trace(dilatation, axis1=1, axis2=2)[:, None, None]
     stress = lam * trace * np.eye(3) + 2 * mu * strain
     return x, stress[:, ROW, COLUMN], size
+
+
+def _mean_strain(fields: Fields, cells: NDArray[np.int64]) -> Array:
+    """Strain (m, 3, 3) in global axes, averaged over the volume of each cell."""
+    order = quadrature_degree(fields.cell, fields.degree, fields.kinematics)
+    rule = basix.make_quadrature(getattr(basix.CellType, fields.cell), order)
+    total, volume = np.zeros((len(cells), 3, 3)), np.zeros((len(cells), 1, 1))
+    for point, weight in zip(*rule, strict=True):
+        x, strain, size = _strain(fields, cells, point)
+        part = (weight * size * fields.kinematics.measure(x))[:, None, None]
+        total += part * strain
+        volume += part
+    return np.asarray(total / volume)
 
 
 def _strain(

@@ -77,6 +77,26 @@ def assemble(
         compat.form(kinematics.energy(u, v, lam, mu, mesh, order), mesh)
     )
     stiffness.assemble()
+    if kinematics.averaged:
+        part = _mean_dilatation(space, lam, order)
+        stiffness.axpy(1.0, part, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
     stiffness.scale(kinematics.thickness)
     stiffness.setOption(PETSc.Mat.Option.SYMMETRIC, True)
     return Bulk(space, lame, degree, kinematics), stiffness
+
+
+def _mean_dilatation(space: Any, lam: Any, degree: int) -> PETSc.Mat:
+    """B^T (lambda/V) B of a meridian section, lambda V times the squared mean dilatation of each
+    cell: B its integrals of tr eps, V its volume, both with the weight 2 pi r."""
+    mesh, dx = space.mesh, ufl.dx(metadata={"quadrature_degree": degree})
+    r = ufl.SpatialCoordinate(mesh)[0]
+    cell = 2 * np.pi * r * ufl.TestFunction(lam.function_space)
+    dilatation = Kinematics.dilatation(ufl.TrialFunction(space), r)
+    integrals = fem.petsc.assemble_matrix(compat.form(dilatation * cell * dx, mesh))
+    integrals.assemble()
+    volume = fem.petsc.assemble_vector(compat.form(cell * dx, mesh))
+    stiff = fem.petsc.assemble_vector(compat.form(lam * cell * dx, mesh))
+    stiff.array[:] /= volume.array**2
+    scaled = integrals.copy()
+    scaled.diagonalScale(L=stiff)
+    return integrals.transposeMatMult(scaled)

@@ -12,7 +12,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from solver import compat
-from solver.elasticity import Bulk
+from solver.elasticity import Bulk, quadrature_degree
 from solver.kinematics import Kinematics
 
 Array = NDArray[np.float64]
@@ -173,13 +173,24 @@ class FacetSet:
         return phi[0], np.einsum("jnd,njc->ndc", phi[1:], np.linalg.inv(jacobian))
 
     def divergence(self, index: Index, points: Array) -> Array:
-        """tr eps (n, d, c) of the basis in 1/mm at reference points of the cells, or where the
-        dilatation is taken constant, in their middle."""
+        """tr eps (n, d, c) of the basis in 1/mm at reference points of the cells, or its mean over
+        the cell where that is what counts."""
+        if self.kinematics.averaged:
+            return self._mean_divergence[index]
         if self.kinematics.mean_dilatation:
             points = np.broadcast_to(middle(self.cell), points.shape)
         value, gradient = self.basis(index, points)
         x = self._map(index, points)[0]
         return self.kinematics.divergence(value, gradient, x[:, None])
+
+    @cached_property
+    def _mean_divergence(self) -> Array:
+        """(m, d, c) volume average of tr eps over each cell, 1/mm."""
+        order = quadrature_degree(self.cell, self.degree, self.kinematics)
+        _, traces, volumes = self.cell_strains(order)
+        return np.asarray(
+            np.einsum("pm,pmdc->mdc", volumes, traces) / volumes.sum(axis=0)[:, None, None]
+        )
 
     def dof_points(self) -> Array:
         """(m, d, c) position of the cells' dofs, mm."""

@@ -21,14 +21,21 @@ Array = NDArray[np.float64]
 class Kinematics:
     """axes (d, 3): unit vectors in space of the mesh's d coordinates; offset (3,): of the section
     from the origin, mm; thickness mm (1 for a solid); revolved: about the second axis.
-    mean_dilatation: tr eps counts in every cell with its value at the middle, so that nearly
-    incompressible cells do not lock (B-bar; Nagtegaal, Parks and Rice 1974, Hughes 1980)."""
+    mean_dilatation: tr eps counts in every cell with its mean over the volume, so that nearly
+    incompressible cells do not lock (B-bar; Nagtegaal, Parks and Rice 1974, Hughes 1980). The
+    divergence of quadratic shape functions being linear, that is its value at the middle; not so
+    in a meridian section (`averaged`), where u_r/r and the weight 2 pi r vary within a cell."""
 
     axes: Array = field(default_factory=lambda: np.eye(3))
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
     thickness: float = 1.0
     revolved: bool = False
     mean_dilatation: bool = False
+
+    @property
+    def averaged(self) -> bool:
+        """Whether the mean dilatation has to be integrated over each cell."""
+        return self.revolved and self.mean_dilatation
 
     @property
     def dim(self) -> int:
@@ -64,17 +71,22 @@ class Kinematics:
 
     def energy(self, u: Any, v: Any, lam: Any, mu: Any, mesh: Any, degree: int) -> Any:
         """Integral of lambda tr eps(u) tr eps(v) + 2 mu eps(u) : eps(v) as a UFL form, times 2 pi r
-        where revolved; the thickness of a section is left to the caller. degree: of the rule."""
+        where revolved; the thickness of a section is left to the caller. degree: of the rule.
+        Where the dilatation is `averaged` the first term is left out."""
         dx = ufl.dx(metadata={"quadrature_degree": degree})
         middle = ufl.dx(metadata={"quadrature_degree": 0}) if self.mean_dilatation else dx
-        x = ufl.SpatialCoordinate(mesh)
-        trace, product = ufl.div(u) * ufl.div(v), ufl.inner(_eps(u), _eps(v))
+        product = ufl.inner(_eps(u), _eps(v))
         if not self.revolved:
-            return lam * trace * middle + 2 * mu * product * dx
-        hoop = [w[0] / x[0] for w in (u, v)]
-        trace = (ufl.div(u) + hoop[0]) * (ufl.div(v) + hoop[1])
-        shear = 2 * mu * (product + hoop[0] * hoop[1])
-        return 2 * np.pi * (x[0] * lam * trace * middle + x[0] * shear * dx)
+            return lam * ufl.div(u) * ufl.div(v) * middle + 2 * mu * product * dx
+        r = ufl.SpatialCoordinate(mesh)[0]
+        shear = 2 * mu * (product + u[0] / r * v[0] / r)
+        volume = 0 if self.averaged else lam * self.dilatation(u, r) * self.dilatation(v, r)
+        return 2 * np.pi * r * (volume + shear) * dx
+
+    @staticmethod
+    def dilatation(w: Any, r: Any) -> Any:
+        """tr eps of a displacement in a meridian section, as a UFL expression."""
+        return ufl.div(w) + w[0] / r
 
     def rigid_motions(self, points: Array) -> list[Array]:
         """Motions (..., d) at points (..., d) that carry no stress."""

@@ -98,6 +98,40 @@ def test_bulk_constant_stress(cell: str, degree: int, kinematics: Kinematics) ->
     np.testing.assert_allclose(found, np.tile(expected, (len(found), 1)), rtol=1e-8, atol=1e-7)
 
 
+def test_mean_dilatation_of_a_ring_is_that_of_its_volume() -> None:
+    """u_r = r^2 has tr eps = 3 r, whose mean over a triangle of corners r_i is 3 int r^2 / int r =
+    3 (S + (sum r_i)^2) / (4 sum r_i), S the sum of their squares; its energy is lambda V mean^2."""
+    ring = replace(RING, mean_dilatation=True)
+    made, setup = two_blocks(degree=2, kinematics=ring)
+    model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+    slave = model.interface.slave
+    r = slave.nodes[:, :3, 0]
+    total = r.sum(axis=1)
+    mean = 3 * ((r**2).sum(axis=1) + total**2) / (4 * total)
+    every = np.arange(len(slave))
+    divergence = slave.divergence(every, np.full((len(slave), 2), 0.1))
+    points = slave.dof_points()
+    found = np.einsum("mdc,mdc->m", divergence, points[..., :1] ** 2 * [1.0, 0.0])
+    np.testing.assert_allclose(found, mean, rtol=1e-12)
+
+    soft = dict.fromkeys((RAIL, WHEEL), Material(1000.0, 0.4))
+    none = dict.fromkeys((RAIL, WHEEL), Material(1000.0 / 1.4, 0.0))  # the same mu
+    energies = []
+    for materials in (soft, none):
+        bulk, stiffness = assemble(made.mesh, made.cell_tags, materials, 2, ring)
+        u = stiffness.createVecRight()
+        u.array[:] = (bulk.space.tabulate_dof_coordinates()[:, :2] ** 2 * [1.0, 0.0]).ravel()
+        energies.append(u.dot(stiffness * u))
+    r = made.mesh.geometry.x[compat.cell_nodes(made.mesh)][:, :, 0]
+    x = made.mesh.geometry.x[compat.cell_nodes(made.mesh)][:, :, :2]
+    area = np.abs(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])) / 2
+    total = r.sum(axis=1)
+    mean = 3 * ((r**2).sum(axis=1) + total**2) / (4 * total)
+    volume = 2 * np.pi * area * total / 3
+    lam = soft[RAIL].lame[0]
+    assert energies[0] - energies[1] == pytest.approx(lam * volume @ mean**2, rel=1e-10)
+
+
 @pytest.mark.parametrize("kinematics", [PLANE, RING], ids=["plane strain", "revolved"])
 @pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
 @pytest.mark.parametrize("law", [Law(), Law("nitsche", 0), Law("nitsche", -1), Law("penalty")])

@@ -63,7 +63,16 @@ HALF_SPACES = {
     "circle": ("sphere_on_plane", []),
     "circle of two bodies": ("sphere_on_plane", ["rail.young_modulus=3000"]),
     "circle of quadrilaterals": ("sphere_on_plane", ["mesh.cell=hexahedron", "mesh.order=2"]),
-}
+    "nearly incompressible roller": (
+        "long_roller", ["rail.poisson_ratio=0.4995", "wheel.poisson_ratio=0.4995"],
+    ),
+    "incompressible on compressible": (
+        "sphere_on_plane", ["rail.young_modulus=2000", "rail.poisson_ratio=0",
+        "wheel.poisson_ratio=0.4999"],
+    ),
+    **{f"circle at {nu}": ("sphere_on_plane", [f"wheel.poisson_ratio={nu}"])
+       for nu in (0.45, 0.49, 0.495, 0.499, 0.4995, 0.4999)},
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("case, assignments", HALF_SPACES.values(), ids=HALF_SPACES)
@@ -77,6 +86,17 @@ def test_half_spaces_give_exact_hertz(case: str, assignments: list[str]) -> None
     assert abs(off["stress"]["tau_max_MPa"]) < 0.002
     assert abs(off["stress"]["tau_max_depth_mm"]) < 0.005
     assert np.abs(off["stress"]["surface_centre_MPa"]).max() < 0.03
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.495, 0.4999])
+def test_stresses_are_alike_around_the_axis(nu: float) -> None:
+    """s_x = s_y below the centre of a circle, within 0.5 % of the largest pressure, with the mean
+    dilatation on as well."""
+    keys = [f"wheel.poisson_ratio={nu}", "effects.mean_dilatation=on"]
+    found = run.run(catalogue.find("sphere_on_plane").replace(keys)).findings
+    assert found is not None
+    s_x, s_y = found.axis.stress[:, :2].T
+    assert np.abs(s_x - s_y).max() < 0.005 * found.patch.max_pressure
 
 
 @pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
