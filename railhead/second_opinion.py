@@ -6,7 +6,9 @@ from typing import Any
 
 from postprocess import compare
 from railhead import developed
+from railhead.allowance import allowance
 from railhead.level import Level
+from theory.boundary_element import Solution
 from theory.hertz import Ellipse
 
 CELLS = 128
@@ -24,4 +26,14 @@ def half_space(level: Level) -> dict[str, Any] | None:
     except ValueError as error:
         return {"reason": f"boundary elements: {error}"}
     points, plane = developed.develop(contact).points, contact.touch.angle
-    return compare.from_half_space(solution, points, plane, hertzian=found.hertzian)
+    opinion = compare.from_half_space(solution, points, plane, hertzian=found.hertzian)
+    return {**opinion, "allowance": _allowance(level, solution)}
+
+
+def _allowance(level: Level, solution: Solution) -> dict[str, Any]:
+    """Relative, by quantity and part, or the reason why it is not known."""
+    try:
+        allowed = allowance(level.plan, solution)
+    except ValueError as error:
+        return {"reason": f"twist: {error}"}
+    return {key: {**vars(value), "total": value.total} for key, value in allowed.items()}

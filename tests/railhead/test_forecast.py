@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from cases.s1002_60e1 import SCENE as MANCHESTER
-from railhead import catalogue
+from railhead import catalogue, developed
 from railhead import plan as planning
 from railhead.plan import Plan
+from theory.hertz import Ellipse
 
 
 def planned(name: str, *assignments: str) -> Plan:
@@ -34,10 +35,9 @@ def test_patch_over_the_joint_of_two_radii_is_not_the_local_ellipse() -> None:
 
 def test_manchester_patch_has_two_lobes_and_the_published_pressure_and_area() -> None:
     """CONTACT (A-2.2, central): 338.3 MPa, 51.64 mm2 counted in cells, approach 0.01596 mm."""
-    from railhead.forecast import solve
-
     plan = planning.make(MANCHESTER)
-    ((_, patch),) = solve(plan.contact, plan.estimate, MANCHESTER.load, 128)
+    assert isinstance(plan.estimate, Ellipse)
+    patch = developed.solve(plan.contact, plan.estimate, MANCHESTER.load, 128)
     assert patch.max_pressure == pytest.approx(338.3, rel=0.01)
     assert patch.area == pytest.approx(51.64, rel=0.04)
     assert patch.approach == pytest.approx(0.01596, rel=0.01)
@@ -63,3 +63,19 @@ def test_plans_travel_between_processes() -> None:
         np.testing.assert_array_equal(
             again.forecast.touching(points), plan.forecast.touching(points)
         )
+
+
+def test_a_forecast_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> None:
+        raise ValueError("no bounded contact found")
+
+    monkeypatch.setattr(developed, "solve", fail)
+    plan = planning.make(MANCHESTER)
+    assert plan.forecast.hertzian
+    assert plan.summary()["forecast"] == {
+        "hertzian": True,
+        "reason": "boundary elements: no bounded contact found",
+    }
+    section = plan.effects["rail_section"]
+    assert section.called_for and "cannot be judged (no bounded contact found)" in section.why
+    assert planned("uic54_thesis").summary()["forecast"] == {"hertzian": True, "reason": ""}

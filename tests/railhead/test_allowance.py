@@ -1,0 +1,86 @@
+"""What half-spaces cannot know: the named parts, for contacts that have them and others."""
+
+import numpy as np
+import pytest
+
+from cases.s1002_60e1 import SCENE as MANCHESTER
+from railhead import catalogue, developed, twist
+from railhead import plan as planning
+from railhead.allowance import Allowance, allowance
+from railhead.scene import Scene
+from theory.hertz import Ellipse
+
+
+def allowed(scene: Scene) -> dict[str, Allowance]:
+    plan = planning.make(scene)
+    assert isinstance(plan.estimate, Ellipse)
+    return allowance(plan, developed.solve(plan.contact, plan.estimate, scene.load, 64))
+
+
+def thesis(*assignments: str) -> dict[str, Allowance]:
+    return allowed(catalogue.find("uic54_thesis").replace(assignments))
+
+
+def test_small_patch_in_large_bodies_needs_next_to_nothing() -> None:
+    for each in thesis().values():
+        assert 0 < each.total < 1e-3
+        assert each.share == each.twist == 0
+
+
+@pytest.mark.parametrize(
+    ("key", "thick", "thin"),
+    [
+        ("wheel.rim_depth", 20, 10),
+        ("wheel.width", 40, 20),
+        ("rail.depth", 20, 10),
+        ("rail.width", 40, 20),
+    ],
+)
+def test_finite_bodies_are_felt_as_the_cube_of_patch_over_size(
+    key: str, thick: float, thin: float
+) -> None:
+    block = ("rail.profile=arc", "rail.crown_radius=300", "rail.depth=1000", "rail.width=500")
+    block += ("wheel.rim_depth=400", "wheel.width=120", "load=5kN")
+    far, thicker, thinner = (
+        thesis(*block, *more)["max_MPa"].size
+        for more in ((), (f"{key}={thick}",), (f"{key}={thin}",))
+    )
+    assert (thinner - far) / (thicker - far) == pytest.approx(8, rel=0.1)
+
+
+def test_a_rim_of_3_mm_is_noticed() -> None:
+    """Finite elements: 14 % more pressure than half-spaces."""
+    assert thesis("wheel.rim_depth=3")["max_MPa"].size > 0.14
+
+
+def test_only_several_patches_share() -> None:
+    one, two = (allowed(MANCHESTER.replace([f"wheelset.shift={shift}"])) for shift in (2, 5))
+    for key in ("max_MPa", "area_mm2"):
+        assert one[key].share == 0
+        assert 0 < two[key].share < 0.01
+
+
+def test_conformity_grows_with_the_square_of_the_patch() -> None:
+    small, large = (
+        allowed(MANCHESTER.replace(["wheelset.shift=6", f"load={load}"])) for load in ("1kN", "8kN")
+    )
+    ratio = large["max_MPa"].conformity / small["max_MPa"].conformity
+    assert ratio == pytest.approx(4, rel=0.25)
+
+
+def test_twist_counts_where_a_section_is_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = catalogue.find("cone20_uninclined_uic54").replace(["load=110kN"])
+    section, head = (
+        allowed(scene.replace([f"effects.rail_section={state}"]))["max_MPa"].twist
+        for state in ("on", "off")
+    )
+    assert section > 0.01
+    assert head == 0
+
+    def fail(*_: object) -> float:
+        raise ValueError("no bounded contact found")
+
+    monkeypatch.setattr(twist, "change", fail)
+    with pytest.raises(ValueError, match="no bounded contact"):
+        allowed(scene.replace(["effects.rail_section=on"]))
+    assert np.isfinite(thesis()["max_MPa"].total)

@@ -1,0 +1,138 @@
+"""The rail's surface developed around its contacts: every point counted once."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cases.s1002_60e1 import SCENE as MANCHESTER
+from postprocess import compare
+from railhead import catalogue, developed, exact, geometry
+from railhead.geometry import Contact
+from railhead.scene import Scene
+from theory.boundary_element import Solution
+from theory.hertz import Ellipse
+
+SEEN_TWICE = ["wheel.profile=S1002", "rail.inclination=1:40", "wheelset.shift=2", "load=70kN"]
+TWO_SIDES = ["wheel.profile=arc", "wheel.transverse_radius=-200", "load=50kN"]
+
+
+def thesis(*assignments: str) -> Scene:
+    return catalogue.find("uic54_thesis").replace(assignments)
+
+
+def located(scene: Scene) -> tuple[Contact, Ellipse]:
+    contact = geometry.locate(scene)
+    return contact, exact.ellipse(scene, contact)
+
+
+def solved(scene: Scene, cells: int = 64) -> Solution:
+    return developed.solve(*located(scene), scene.load, cells)
+
+
+def second_opinion(scene: Scene) -> dict[str, Any]:
+    contact, ellipse = located(scene)
+    solution = developed.solve(contact, ellipse, scene.load, 128)
+    points = developed.develop(contact).points
+    return compare.from_half_space(solution, points, contact.touch.angle, hertzian=False)
+
+
+def test_a_patch_seen_from_two_planes_is_counted_once() -> None:
+    """70 kN at contact angles 0.12 and 0.26: finite elements find 1190 MPa and 95.5 mm2."""
+    found = second_opinion(thesis(*SEEN_TWICE))
+    assert found["pressure"]["max_MPa"] == pytest.approx(1190, rel=0.03)
+    assert found["patch"]["area_mm2"] == pytest.approx(95.5, rel=0.03)
+    assert found["load_N"] == pytest.approx(70e3, rel=1e-6)
+    assert sum(each["load_share"] for each in found["patches"]) == pytest.approx(1, abs=2e-3)
+    assert sum(each["area_mm2"] for each in found["patches"]) == pytest.approx(
+        found["patch"]["area_mm2"], rel=5e-3
+    )
+
+
+def test_tread_and_gauge_corner_are_listed_with_their_own_planes() -> None:
+    found = second_opinion(MANCHESTER.replace(["wheelset.shift=5"]))
+    tread, corner = found["patches"]
+    assert tread["contact_angle_rad"] == pytest.approx(0.127, abs=0.005)
+    assert corner["contact_angle_rad"] == pytest.approx(0.300, abs=0.005)
+    assert corner["max_MPa"] == found["pressure"]["max_MPa"] > 2 * tread["max_MPa"]
+    assert (found["patch"]["a_mm"], found["patch"]["b_mm"]) == (tread["a_mm"], tread["b_mm"])
+    rail = geometry.rail_profile(MANCHESTER)
+    for each in (tread, corner):
+        _, y, z = each["centre_mm"]
+        assert z == pytest.approx(float(rail.height(y)), abs=1e-6)
+    assert set(found["grid_error"]) == {"max_MPa", "area_mm2"}
+
+
+def test_one_ellipse_is_hertz() -> None:
+    """A wheel on a crown of one radius, on a slope: the load's normal part and Hertz's ellipse."""
+    scene = thesis("rail.profile=arc", "rail.crown_radius=80", "rail.inclination=1:20")
+    contact, ellipse = located(scene)
+    found = developed.solve(contact, ellipse, scene.load, 128)
+    assert found.max_pressure == pytest.approx(ellipse.p0, rel=2e-3)
+    assert found.area == pytest.approx(ellipse.area, rel=3e-3)
+    assert found.approach * math.cos(contact.touch.angle) == pytest.approx(
+        ellipse.approach, rel=2e-3
+    )
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.2])
+def test_mirrored_scenes_have_mirrored_patches(shift: float) -> None:
+    """A concave wheel on an upright head touches on both sides of the crown."""
+    one, other = (
+        solved(thesis(*TWO_SIDES, "rail.inclination=0", f"wheelset.shift={side * shift}"), 128)
+        for side in (1, -1)
+    )
+    assert one.approach == pytest.approx(other.approach, rel=1e-5)
+    angles = [[patch.plane for patch in each.patches] for each in (one, other)]
+    forces = [[patch.force for patch in each.patches] for each in (one, other)]
+    assert len(one.patches) == len(other.patches) == 2
+    assert sorted(angles[0]) == pytest.approx(sorted(-angle for angle in angles[1]), abs=1e-4)
+    assert forces[0] == pytest.approx(forces[1], rel=1e-3)
+    if not shift:
+        assert forces[0][0] == pytest.approx(forces[0][1], rel=1e-3)
+
+
+def test_yaw_either_way_mirrors_the_patches_along_the_rail() -> None:
+    one, other = (
+        solved(MANCHESTER.replace(["wheelset.shift=5", "load=30kN", f"wheelset.yaw={yaw} mrad"]))
+        for yaw in (15, -15)
+    )
+    assert other.approach == pytest.approx(one.approach, rel=1e-5)
+    assert other.max_pressure == pytest.approx(one.max_pressure, rel=1e-3)
+    assert len(one.patches) == len(other.patches) == 2
+
+
+def test_a_patch_that_was_not_looked_for_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The search starts at the first contact alone; the gauge corner then lies in the rail."""
+    scene = MANCHESTER.replace(["wheelset.shift=5"])
+    expected = solved(scene)
+    monkeypatch.setattr(developed, "START", 1e-3)
+    found = solved(scene)
+    assert len(found.patches) == len(expected.patches) == 2
+    assert found.max_pressure == pytest.approx(expected.max_pressure, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "assignments",
+    [("wheelset.shift=5",), ("wheelset.shift=5", "load=100kN"), ("wheelset.shift=8",)],
+)
+def test_second_opinion_does_not_hang_on_its_grid(assignments: tuple[str, ...]) -> None:
+    """Tread, gauge corner and flange: 128 cells against four times finer ones, within 1 %."""
+    contact, ellipse = located(MANCHESTER.replace(assignments))
+    load = contact.scene.load
+    found, fine = (developed.solve(contact, ellipse, load, cells) for cells in (128, 512))
+    assert found.max_pressure == pytest.approx(fine.max_pressure, rel=0.01)
+    assert found.area == pytest.approx(fine.area, rel=0.01)
+
+
+def test_developed_rail_keeps_lengths_and_normals() -> None:
+    scene = thesis("rail.profile=arc", "rail.crown_radius=80", "wheelset.shift=3")
+    surface = developed.develop(geometry.locate(scene))
+    s = np.linspace(-20, 20, 41)
+    points, angle = surface.points(0 * s, s), surface.angle(s)
+    turn = np.arcsin(points[:, 1] / 80)
+    np.testing.assert_allclose(np.diff(turn) * 80, 1.0, rtol=1e-4)
+    np.testing.assert_allclose(angle, -turn, atol=1e-12)
+    assert np.isinf(surface.gap(np.zeros(1), np.array([500.0]))).all()
+    assert surface.gap(np.zeros(1), np.zeros(1)) == pytest.approx(0, abs=1e-9)

@@ -1,0 +1,65 @@
+"""What a half-space leaves out of a contact: how far finite bodies bend its surface otherwise.
+
+Under a force F, a body that ends a distance away moves by that of a half-space and a smooth rest.
+Over the patch the rest is a rigid motion, which changes the approach alone, and a curvature, which
+adds to the relative curvature of the bodies. Lengths in mm.
+"""
+
+import math
+
+import numpy as np
+from scipy.integrate import quad
+from scipy.special import elliprd, elliprf
+
+REACH = 40.0  # of the integrals below; the integrands fall as exp(-2 u)
+
+
+def held_below(depth: float, poisson: float) -> float:
+    """Curvature by a force F on a layer bonded to a rigid base, over F (1 - nu^2)/(pi E), 1/mm^3.
+
+    The layer moves by F (1 - nu^2)/(pi E H) int L(u) J0(u r/H) du, with L = (2 k sinh 2u - 4u) /
+    (2 k cosh 2u + 1 + k^2 + 4 u^2), k = 3 - 4 nu (P. Meijers, Applied Scientific Research 18, 1968;
+    L = 1 is Boussinesq's half-space), so the curvature is int (1 - L) u^2 du / (2 H^3).
+    """
+    k = 3 - 4 * poisson
+
+    def rest(u: float) -> float:
+        e = math.exp(-2 * u)  # scaled by it, nothing overflows
+        above = k * (1 - e * e) - 4 * u * e
+        below = k * (1 + e * e) + (1 + k * k + 4 * u * u) * e
+        return (1 - above / below) * u * u
+
+    return float(quad(rest, 0, REACH)[0]) / (2 * depth**3)
+
+
+def free_edge(distance: float, poisson: float) -> float:
+    """The same beside a free edge at right angles: that of psi F at the mirrored place, psi/(4 D^3)
+    (R. Guilbault, Journal of Tribology 133, 2011)."""
+    return image(poisson) / (4 * distance**3)
+
+
+def image(poisson: float) -> float:
+    """Guilbault's psi = 1.29 - (0.08 - 0.5 nu)/(1 - nu): the mirrored force over the force."""
+    return 1.29 - (0.08 - 0.5 * poisson) / (1 - poisson)
+
+
+def own_curvatures(a: float, b: float) -> tuple[float, float]:
+    """Curvatures along a and along b that the pressure of Hertz's ellipse makes, over F/(pi E*):
+    R_D(0, b^2, a^2) and R_D(0, a^2, b^2), 1/mm^3 (from Johnson, Contact Mechanics, 3.41)."""
+    return float(elliprd(0, b * b, a * a)), float(elliprd(0, a * a, b * b))
+
+
+def own_approach(a: float, b: float) -> float:
+    """Approach of that ellipse over F/(pi E*): 3/2 R_F(0, a^2, b^2), 1/mm."""
+    return 1.5 * float(elliprf(0, a * a, b * b))
+
+
+def change(curvature: float, a: float, b: float) -> float:
+    """Relative rise of the pressure, and fall of the area, by a curvature (over F/(pi E*), as a
+    mean of the bodies weighted by their compliance) beside the own ones of a patch.
+
+    p0 and the area go as the 2/3 and -2/3 power of both curvatures together; the larger ratio of
+    the two counts for both.
+    """
+    ratio = curvature / min(own_curvatures(a, b))
+    return float(np.expm1(2 / 3 * np.log1p(ratio)))
