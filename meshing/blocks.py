@@ -68,12 +68,13 @@ def _sweep(
     if options.half:
         groups.setdefault((2, SYMMETRY_X), []).append(face)
     ahead, across, _ = body.pose.rotation.T
+    ahead = ahead / [grading.stretch, 1.0, 1.0]
     structured: dict[str, Any] = {}
     if options.cell == "hexahedron":
         ends = grading.layers(body.reach)
         structured = {"numElements": [1] * len(ends), "heights": ends, "recombine": True}
     for sign in (1,) if options.half else (1, -1):
-        if body.axle is None:
+        if body.axle is None or grading.stretch != 1:
             made = occ.extrude([(2, face)], *sign * body.reach * ahead, **structured)
         else:
             height, radius = body.axle
@@ -96,6 +97,28 @@ def _sweep(
             }.get(curve.role)
             if tag is not None:
                 groups.setdefault((2, tag), []).append(surface)
+
+
+def unfold(bodies: list[Body], grading: Grading) -> None:
+    """Give the current model's mesh its true length: x times the stretch, wheels rolled up.
+
+    A stretched wheel is meshed as a prism, its rolling circle straightened.
+    """
+    if grading.stretch == 1:
+        return
+    gmsh.model.mesh.affineTransform([grading.stretch, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0])
+    for body in bodies:
+        if body.axle is None:
+            continue
+        height, radius = body.axle
+        volumes = gmsh.model.getEntitiesForPhysicalGroup(3, body.tag)
+        found = [gmsh.model.mesh.getNodes(3, volume, includeBoundary=True) for volume in volumes]
+        tags = np.concatenate([each[0] for each in found])
+        x, y, z = body.pose.inward(np.concatenate([each[1] for each in found]).reshape(-1, 3)).T
+        angle, distance = x / radius, height - z
+        rolled = np.column_stack([distance * np.sin(angle), y, height - distance * np.cos(angle)])
+        for tag, place in zip(tags, body.pose.outward(rolled), strict=True):
+            gmsh.model.mesh.setNode(tag, place, [])
 
 
 def _mesh(grading: Grading, options: Options) -> None:

@@ -59,6 +59,7 @@ def generate(
             with blocks.model(bodies, finer, options) as model:
                 shapes = blocks.qualities(options.dim)
                 _check(shapes)
+                blocks.unfold(bodies, finer)
                 if save is not None:
                     gmsh.option.setNumber("Mesh.MshFileVersion", 2.2)  # meshio reads its groups
                     gmsh.write(str(save))

@@ -8,6 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import trapezoid
 
+LONG = 3.0  # a / b from which elements are stretched along the rail, by a / b over it ...
+MAX_STRETCH = 3.0  # ... and at most so much
+FAR_SIZE = 0.6  # longest stretched element over a, times elements per minor semi-axis, and ...
+FAR_GROWTH = 1.5  # ... its growth with the distance over the usual one
+
+
+def suited_stretch(a: float, b: float) -> float:
+    """Length over width of the elements that suit a patch of half lengths a along and b across."""
+    return min(MAX_STRETCH, max(1.0, a / b / LONG))
+
 
 @dataclass(frozen=True)
 class Grading:
@@ -18,8 +28,10 @@ class Grading:
     and neither leaves out the tips of a needle.
 
     centre (x, y, z) and semi-axes a (along x) and b (along the tangent across) in mm; angle of the
-    tangent to the horizontal in rad; size h and coarsest size in mm. also: further patches, each
-    with sizes of its own; the smallest size holds.
+    tangent to the horizontal in rad; size h and coarsest size in mm. stretch: elements are so many
+    times longer along the rail; all of this is isotropic where x is divided by it, which is where
+    gmsh meshes. also: further patches of the same stretch, with sizes of their own; the smallest
+    size holds.
     """
 
     centre: tuple[float, float, float]
@@ -30,17 +42,38 @@ class Grading:
     growth: float = 0.3
     margin: float = 1.15
     coarsest: float = 1e22
+    stretch: float = 1.0
     also: tuple[Grading, ...] = ()
 
     @property
     def _fine(self) -> tuple[float, float, float]:
-        """Semi-axes of the fine ellipsoid: along, across, down."""
-        return self.margin * self.a, self.margin * self.b, self.depth
+        """Semi-axes of the fine ellipsoid: along (divided by the stretch), across, down."""
+        return self.margin * self.a / self.stretch, self.margin * self.b, self.depth
 
     @property
     def depth(self) -> float:
         """Depth of the fine zone, mm."""
         return min(self.a, self.b)
+
+    @property
+    def resolution(self) -> float:
+        """Elements per smaller semi-axis; smaller ones that make up for too much stretch, count as
+        what they would be without it."""
+        spared = max(1.0, self.stretch / suited_stretch(self.a, self.b))
+        return self.depth / (self.size * spared)
+
+    @property
+    def _lines(self) -> list[tuple[float, float]]:
+        """Size at the patch and growth; the smaller one holds. Long elements far from a patch would
+        miss how its field changes along the rail, so they grow more slowly there."""
+        near = self.size, self.growth
+        if self.stretch == 1:
+            return [near]
+        first = FAR_SIZE * self.size * self.a / self.depth / self.stretch
+        return [near, (first, FAR_GROWTH * self.growth / self.stretch)]
+
+    def _size(self, distance: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.minimum.reduce([size + growth * distance for size, growth in self._lines])
 
     def turned(self) -> Grading:
         """The same with x in the place of the coordinate across."""
@@ -50,14 +83,15 @@ class Grading:
     def expression(
         self, *, section: bool = False, coordinates: tuple[str, str] = ("y", "z")
     ) -> str:
-        """The size as a gmsh MathEval formula; section: in the plane x = centre alone.
+        """The size as a gmsh MathEval formula of x / stretch, y and z; section: in the plane
+        x = centre alone.
 
         coordinates: gmsh's names of y and z.
         """
         y, z = coordinates
         cx, cy, cz = self.centre
         c, s = f"({np.cos(self.angle):.15g})", f"({np.sin(self.angle):.15g})"
-        dx = "0" if section else f"(x-({cx:.15g}))"
+        dx = "0" if section else f"(x-({cx / self.stretch:.15g}))"
         dy, dz = f"({y}-({cy:.15g}))", f"({z}-({cz:.15g}))"
         across = f"({c}*{dy}+{s}*{dz})"
         normal = f"({c}*{dz}-{s}*{dy})"
@@ -70,7 +104,9 @@ class Grading:
         ellipsoid = f"{norm(1)}*({norm(1)}-1)/{norm(2)}"
         beyond = [f"Max(0,Sqrt({x}*{x}+1e-300)-({e:.15g}))" for x, e in terms]
         box = f"Sqrt({'+'.join(f'{d}*{d}' for d in beyond)}+1e-300)"
-        own = f"{self.size:.15g}+{self.growth:.15g}*Max({box},{ellipsoid})"
+        distance = f"Max({box},{ellipsoid})"
+        lines = [f"{size:.15g}+{growth:.15g}*{distance}" for size, growth in self._lines]
+        own = lines[0] if len(lines) == 1 else f"Min({','.join(lines)})"
         for other in self.also:
             also = other.expression(section=section, coordinates=coordinates)
             own = f"Min({own},{also})"
@@ -84,13 +120,13 @@ class Grading:
         rho = max(float(np.linalg.norm(offset / self._fine[1:])), 1e-9)
         steep = max(float(np.linalg.norm(offset / np.square(self._fine[1:]))), 1e-9)
         box = float(np.linalg.norm(np.maximum(np.abs(offset) - self._fine[1:], 0.0)))
-        own = self.size + self.growth * max(box, rho * (rho - 1) / steep)
-        return float(min([own, *(other.at(y, z) for other in self.also)]))
+        own = self._size(np.array(max(box, rho * (rho - 1) / steep)))
+        return float(min([float(own), *(other.at(y, z) for other in self.also)]))
 
     def along(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """The same on the line through the centre along the rail."""
         outside = np.maximum(np.abs(x - self.centre[0]) - self.margin * self.a, 0.0)
-        own = self.size + self.growth * outside
+        own = self.stretch * self._size(outside / self.stretch)
         return np.minimum.reduce([own, *(other.along(x) for other in self.also)])
 
     def layers(self, length: float) -> list[float]:
@@ -115,12 +151,13 @@ class Grading:
 
     def _predicted_cells(self, reach: float, hexahedra: bool) -> float:
         distance = np.concatenate([[0.0], np.geomspace(1e-3 * self.size, reach, 400)])
-        size = self.size + self.growth * distance
+        size = self._size(distance)
         if hexahedra:
             across, down = (edge + distance for edge in self._fine[1:])
             area = np.pi / 2 * across * down
             quads = area[0] / size[0] ** 2 + float(trapezoid(1 / size**2, area))
             return quads * 2 * len(self.layers(reach))
         along, across, down = (edge + distance for edge in self._fine)
+        along = np.minimum(along, reach / self.stretch)
         volume = 2 * np.pi / 3 * along * across * down
         return 4.4 * float(volume[0] / size[0] ** 3 + trapezoid(1 / size**3, volume))

@@ -72,7 +72,7 @@ class Level:
     @property
     def resolution(self) -> float:
         """Elements per smaller semi-axis of the patch that was meshed for."""
-        return min(self.grading.a, self.grading.b) / self.grading.size
+        return self.grading.resolution
 
     @property
     def setting(self) -> Setting:
@@ -181,7 +181,7 @@ def _regrade(
         return None
     expected = found_forecast(fields, found, frame)
     if plan.scene.mesh.patch_size is None:
-        plan = replace(plan, patch_size=grading.size * expected.minor / min(grading.a, grading.b))
+        plan = replace(plan, patch_size=expected.minor / grading.resolution)
     plan = replace(plan, forecast=expected)
     return plan, plan.grading()
 

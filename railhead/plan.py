@@ -6,8 +6,10 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from meshing.bodies import Options
-from meshing.sizing import Grading
+from meshing.sizing import Grading, suited_stretch
 from meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y
 from railhead import bodies, dimension, effects, estimates, exact, flat, geometry, machine
 from railhead.effects import Effect
@@ -31,6 +33,7 @@ FULL_GROWTH = 7 / 6  # times the default resolution, up to which the growth is t
 FINEST_SHARE = 0.5  # elements in a further patch over those in the most loaded one, at least
 RIDGE_SHARE = 0.5  # elements on a ridge of the pressure over those of its patch ...
 RIDGE_WIDTH = 0.5  # ... and half the width that has them, over the latter
+STRETCHES = 9  # tried where patches share a mesh
 COARSEST = 0.25  # largest element over the half length of the bodies
 HALF_SPACE_REACH = 8.0  # edge of the blocks over the major semi-axis: the far field is exact
 BODY_REACH = 12.0  # half length of real bodies over the major semi-axis, at least
@@ -209,14 +212,27 @@ class Plan:
         return min(GROWTH, GROWTH * FULL_GROWTH * self.solid_resolution / self.resolution)
 
     def grading(self) -> Grading:
-        """Sizes around the patches of the forecast; smaller patches get smaller elements."""
+        """Sizes around the patches of the forecast; smaller patches get smaller elements. Elements
+        are stretched along the rail as far as it saves cells."""
+        if self.section:
+            return self._stretched(1.0)
+        most = max(suited_stretch(zone.a, zone.b) for zone in self.forecast.zones)
+        if len(self.forecast.zones) == 1:
+            return self._stretched(most)
+        tried = (self._stretched(float(k)) for k in np.linspace(1.0, most, STRETCHES))
+        hexahedra = self.scene.mesh.cell == "hexahedron"
+        return min(tried, key=lambda g: g.predicted_cells(self.reach, hexahedra=hexahedra))
+
+    def _stretched(self, stretch: float) -> Grading:
+        """Patches that want less than this stretch get smaller elements instead."""
 
         def around(zone: Zone) -> Grading:
             share = min(zone.a, zone.b) / self.forecast.minor
             size = self.patch_size * min(1.0, max(share, FINEST_SHARE))
-            coarsest = COARSEST * self.reach
+            size *= min(1.0, suited_stretch(zone.a, zone.b) / stretch)
             return Grading(
-                zone.centre, zone.a, zone.b, zone.angle, size, self.growth, coarsest=coarsest
+                zone.centre, zone.a, zone.b, zone.angle, size, self.growth,
+                coarsest=COARSEST * self.reach, stretch=stretch,
             )  # fmt: skip
 
         first, *others = (around(zone) for zone in self.forecast.zones)
