@@ -7,7 +7,8 @@ order (xx, ss, nn, xs, xn, sn) with n the outward normal of the rail; tension po
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,11 +71,12 @@ class OnePatch:
 class Patch:
     """The whole contact patch (symmetric parts included).
 
-    a, b: semi-axes along x and s from second moments, mm, exact for an ellipse under Hertz's
-    pressure, or half width and half length of a line contact; centre: (x, s) of the pressure's
-    centroid; area mm2; max_pressure, mean_pressure MPa; outlines: closed curves (k, 2) of (x, s),
-    one for each separate patch. Where there are several (each: one entry a patch), a, b and centre
-    are those of the most loaded one.
+    a, b: semi-axes along x and s from second moments, mm, where the pressure is Hertz's, else half
+    lengths of the outline, or half width and half length of a line contact; centre: (x, s) of the
+    pressure's centroid; area mm2; max_pressure, mean_pressure MPa; outlines: closed curves (k, 2)
+    of (x, s), one for each separate patch. Where there are several (each: one entry a patch), a, b
+    and centre are those of the most loaded one. scatter: relative differences of a, b, area and
+    max_pressure from other readings of the same solution; it says nothing of the mesh.
     """
 
     a: float
@@ -85,6 +87,7 @@ class Patch:
     mean_pressure: float
     outlines: list[Array]
     each: tuple[OnePatch, ...] = ()
+    scatter: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -130,7 +133,9 @@ class Findings:
 
     hertzian: whether the pressure is close enough to a semi-ellipsoid for the moments to give the
     semi-axes; shape_error: relative L2 distance of the pressure from that semi-ellipsoid; notes:
-    what every picture has to say below it.
+    what every picture has to say below it. The last four are those of `postprocess.quality`: noise,
+    relative; elements_across: along and across the most loaded patch; edge_distance of the patch
+    over its smaller half length; reported_force: what the recovered pressure carries along z, N.
     """
 
     frame: Frame
@@ -142,6 +147,10 @@ class Findings:
     shape_error: float
     hertzian: bool
     notes: tuple[str, ...] = ()
+    noise: float = math.nan
+    elements_across: tuple[float, float] = (math.nan, math.nan)
+    edge_distance: float = math.nan
+    reported_force: float = math.nan
 
     @property
     def axis(self) -> DepthAxis:

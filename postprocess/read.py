@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from meshing.tags import BODIES
-from postprocess import patch, section, stress
+from postprocess import patch, quality, section, stress
 from postprocess.findings import Findings, Frame
 from postprocess.parts import parts
 from postprocess.patch import Moments
@@ -29,9 +29,9 @@ def findings(fields: Fields, frame: Frame) -> Findings:
     separate = [] if flat else parts(fields)
     frame = separate[0].frame if len(separate) > 1 else frame
     if flat:
-        found, surface, moments = section.read(fields, frame)
+        found, surface, moments, recovered = section.read(fields, frame)
     else:
-        found, surface, moments = patch.read(fields, separate, frame)
+        found, surface, moments, recovered = patch.read(fields, separate, frame)
     reach = moments.a if flat else min(found.a, found.b)
     depth = np.linspace(0.0, DEPTH_REACH * reach, DEPTH_SAMPLES)
     axes = {
@@ -54,4 +54,8 @@ def findings(fields: Fields, frame: Frame) -> Findings:
         *lines,
         moments.shape_error,
         moments.hertzian and len(separate) < 2,
+        noise=quality.noise(fields, recovered),
+        elements_across=quality.elements_across(fields, frame, found),
+        edge_distance=quality.edge_distance(fields, found),
+        reported_force=quality.reported_force(fields, recovered),
     )
