@@ -7,6 +7,7 @@ order (xx, ss, nn, xs, xn, sn) with n the outward normal of the rail; tension po
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -83,11 +84,12 @@ class OnePatch:
 class Patch:
     """The whole contact patch (symmetric parts included).
 
-    a, b: semi-axes along x and s from second moments, mm, exact for an ellipse under Hertz's
-    pressure, or half width and half length of a line contact; centre: (x, s) of the pressure's
-    centroid; area mm2; max_pressure, mean_pressure MPa; outlines: closed curves (k, 2) of (x, s),
-    one for each separate patch. Where there are several (each: one entry a patch), a, b and centre
-    are those of the most loaded one.
+    a, b: semi-axes along x and s from second moments, mm, where the pressure is Hertz's, else half
+    lengths of the outline, or half width and half length of a line contact; centre: (x, s) of the
+    pressure's centroid; area mm2; max_pressure, mean_pressure MPa; outlines: closed curves (k, 2)
+    of (x, s), one for each separate patch. Where there are several (each: one entry a patch), a, b
+    and centre are those of the most loaded one. scatter: relative differences of a, b, area and
+    max_pressure from other readings of the same solution; it says nothing of the mesh.
     """
 
     a: float
@@ -200,7 +202,9 @@ class Findings:
 
     hertzian: whether the pressure is close enough to a semi-ellipsoid for the moments to give the
     semi-axes; shape_error: relative L2 distance of the pressure from that semi-ellipsoid; notes:
-    what every picture has to say below it.
+    what every picture has to say below it. The last four are those of `postprocess.quality`: noise,
+    relative; elements_across: along and across the most loaded patch; edge_distance of the patch
+    over its smaller half length; reported_force: what the recovered pressure carries along z, N.
     """
 
     frame: Frame
@@ -214,6 +218,10 @@ class Findings:
     largest: dict[str, Largest]
     also: tuple[DepthAxis, ...] = ()
     notes: tuple[str, ...] = ()
+    noise: float = math.nan
+    elements_across: tuple[float, float] = (math.nan, math.nan)
+    edge_distance: float = math.nan
+    reported_force: float = math.nan
 
     @property
     def axis(self) -> DepthAxis:

@@ -5,20 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from postprocess.findings import Array, AxisPressure, Frame, OnePatch, Patch, Surface
 from postprocess.parts import Part
-from postprocess.surface import SurfaceRecovery, chains, contour, smooth_outline, smooth_square
+from postprocess.reconstruct import ROUGHNESS, Samples, Square, ellipsoid, reconstruct
+from postprocess.shape import Shape, trace
+from postprocess.surface import SurfaceRecovery
 from solver.gather import Fields
 
-HERTZIAN = 0.02  # largest deviation of the fourth moments from those of a semi-ellipsoid
+HERTZIAN = 0.02  # largest deviation of the fourth moments from those of a semi-ellipsoid, and ...
+ELLIPTIC = 0.01  # ... that up to which nothing but Hertz's ellipsoid is read
 PEAK_RADIUS = 0.6  # of the semi-axes: where p^2 is fitted for the largest pressure
-LOBED = 0.1  # shape error from which the largest pressure is sought ...
-PEAK_FACETS = 16  # ... by quadratics fitted to p^2 over that many facets around each node, ...
-PEAK_SHARE = 0.75  # ... where the pressure is more than that share of the largest one
-EDGE_CLIP = 0.1  # of the largest pressure: how far the indicator is followed below zero
+VARIATION = 100.0  # of the roughness, either way: how far readings differ
 
 
 @dataclass(frozen=True)
@@ -26,7 +24,8 @@ class Moments:
     """Moments of the pressure in the contact frame; force N (whole patch), lengths mm.
 
     shape_error: largest relative deviation of its normalised third and fourth moments from those
-    of a semi-ellipsoid, <x^4>/<x^2>^2 = 15/7 and <x^2 s^2>/(<x^2> <s^2>) = 5/7.
+    of a semi-ellipsoid, <x^4>/<x^2>^2 = 15/7 and <x^2 s^2>/(<x^2> <s^2>) = 5/7; fourth: those of
+    <x^4> and <s^4>.
     """
 
     force: float
@@ -34,6 +33,7 @@ class Moments:
     a: float
     b: float
     shape_error: float
+    fourth: tuple[float, float] = (0.0, 0.0)
 
     @property
     def hertzian(self) -> bool:
@@ -70,6 +70,7 @@ def moments(fields: Fields, frame: Frame) -> Moments:
         float(np.sqrt(5 * xx)),
         float(np.sqrt(5 * ss)),
         float(np.max(np.abs(deviations))),
+        (float(deviations[0]), float(deviations[1])),
     )
 
 
@@ -105,102 +106,136 @@ def largest_pressure(fields: Fields, frame: Frame, found: Moments) -> float:
     return float(np.sqrt(np.max(basis @ c)))
 
 
-def read(fields: Fields, separate: list[Part], frame: Frame) -> tuple[Patch, Surface, Moments]:
-    """Patch and recovered surface fields of a solution in which something touches.
+def read(
+    fields: Fields, separate: list[Part], frame: Frame
+) -> tuple[Patch, Surface, Moments, Array]:
+    """Patch, recovered surface fields, moments, and the recovered pressure at the contact points
+    of a solution in which something touches.
 
     separate: its parts; frame: of the first one where there are several.
     """
     contact = fields.contact
+    several = len(separate) > 1
+    readings = [_reading(part, part.frame if several else frame) for part in separate]
+    images = [2 ** (len(fields.mirrors) - len(part.fields.mirrors)) for part in separate]
+    first, found = readings[0], moments(separate[0].fields, frame)
+    area = sum(each.shape.area * count for each, count in zip(readings, images, strict=True))
+    highest = max(readings, key=lambda each: each.shape.peak)
+    scatter = first.scatter | {"max_pressure": highest.scatter["max_pressure"]}
+    patch = Patch(
+        first.shape.a,
+        first.shape.b,
+        found.centre,
+        area,
+        highest.shape.peak,
+        moments(fields, frame).force / area,
+        [_in_frame(line, each.frame, frame) for each in readings for line in each.shape.outlines],
+        tuple(
+            OnePatch(
+                part.centre, part.frame.angle, each.shape.a, each.shape.b, each.shape.area,
+                each.shape.peak, part.share,
+            )
+            for part, each in zip(separate, readings, strict=True)
+        ),
+        scatter,
+    )  # fmt: skip
     recovery = SurfaceRecovery(fields)
     points = fields.points[recovery.nodes]
-    local = frame.local(points)[:, :2]
-    projected = np.maximum(recovery.project(contact.pressure), 0.0)
-    several = len(separate) > 1
-    found = moments(separate[0].fields if several else fields, frame)
-    peaks = [_peak(each.fields, frame, points, projected) for each in separate]
-    peak = max(peaks)
-
-    indicator = recovery.project(np.maximum(contact.indicator, -EDGE_CLIP * peak))
-    sites, values = mirrored(
-        frame.local(contact.points)[:, :2], recovery.interpolate(projected), fields
+    surface = Surface(
+        points,
+        frame.local(points)[:, :2],
+        recovery.triangles,
+        _pressure(readings, points),
+        recovery.project(contact.gap),
     )
-    pressure = np.where(indicator > 0, smooth_square(sites, values, local), 0.0)
-    segments, area = contour(local, recovery.triangles, indicator)
-    area *= 2 ** len(fields.mirrors)
-    a, b = found.a, found.b
-    jagged = _close(chains(segments, 1e-6 * a), fields)
-    size = float(np.sqrt(np.bincount(contact.facet, contact.weights)[contact.facet].mean()))
-    outlines = [smooth_outline(line, size) for line in jagged]
-    if several:
-        a, b = separate[0].a, separate[0].b
-    elif found.hertzian:
-        area = float(np.pi * a * b)
-    elif outlines:
-        extent = np.ptp(np.concatenate(outlines), axis=0)
-        a, b = float(extent[0] / 2), float(extent[1] / 2)
-    areas = _areas(separate, points, recovery.triangles, indicator) if several else [area]
-    each = tuple(
-        OnePatch(part.centre, part.frame.angle, part.a, part.b, own, top, part.share)
-        for part, own, top in zip(separate, areas, peaks, strict=True)
-    )
-    if not several:
-        each = (replace(each[0], a=a, b=b),)
-    force = moments(fields, frame).force if several else found.force
-    area = float(sum(areas))
-    patch = Patch(a, b, found.centre, area, peak, force / area, outlines, each)
-    gap = recovery.project(contact.gap)
-    return patch, Surface(points, local, recovery.triangles, pressure, gap), found
+    return patch, surface, found, _pressure(readings, contact.points)
 
 
-def _peak(fields: Fields, frame: Frame, points: Array, projected: Array) -> float:
-    """Largest pressure of one patch; points (n, 3) and projected (n,): recovered at the nodes."""
-    found = moments(fields, frame)
-    if found.shape_error < LOBED:
-        return largest_pressure(fields, frame, found)
+@dataclass(frozen=True)
+class _Reading:
+    """p^2 and shape of one patch in its frame, and the scatter of its readings."""
+
+    frame: Frame
+    square: Square
+    shape: Shape
+    scatter: dict[str, float]
+
+
+def _reading(part: Part, frame: Frame) -> _Reading:
+    """Of the pressure rebuilt from its moments; of Hertz's ellipsoid where it is one; where the
+    fourth moments are between ELLIPTIC and HERTZIAN off, of their mean."""
+    fields, found = part.fields, moments(part.fields, frame)
+    given = samples(fields, frame)
+    stiff = reconstruct(given, VARIATION * ROUGHNESS)
+    free = reconstruct(given, start=stiff)
+    soft = reconstruct(given, ROUGHNESS / VARIATION, free)
+    scatter = spread(trace(free), [trace(stiff), trace(soft)])
+    share = freedom(found.shape_error)
+    if share < 1:
+        peak = largest_pressure(fields, frame, found)
+        ellipse = ellipsoid(free, found.centre, (found.a, found.b), peak)
+        mixed = share * free.coefficients + (1 - share) * ellipse.coefficients
+        other = _other_ellipse(found, peak)
+        scatter = {key: share * scatter[key] + (1 - share) * other[key] for key in scatter}
+        free = replace(free, coefficients=mixed)
+    return _Reading(frame, free, trace(free), scatter)
+
+
+def freedom(shape_error: float) -> float:
+    """Share of the free reading in that of a patch: 0 of an ellipse, 1 of other shapes."""
+    return float(np.clip((shape_error - ELLIPTIC) / (HERTZIAN - ELLIPTIC), 0.0, 1.0))
+
+
+def spread(shape: Shape, others: list[Shape]) -> dict[str, float]:
+    """Largest relative difference from the same patch read otherwise, by the names in `Patch`."""
+
+    def largest(value: float, varied: list[float]) -> float:
+        return max(abs(other / value - 1) for other in varied)
+
+    return {
+        "a": largest(shape.a, [other.a for other in others]),
+        "b": largest(shape.b, [other.b for other in others]),
+        "area": largest(shape.area, [other.area for other in others]),
+        "max_pressure": largest(shape.peak, [other.peak for other in others]),
+    }
+
+
+def _other_ellipse(found: Moments, peak: float) -> dict[str, float]:
+    """Relative differences from semi-axes by fourth moments, and from the peak of the ellipsoid
+    that has the force."""
+    a, b = (abs((1 + off) ** 0.25 - 1) for off in found.fourth)
+    mean = peak * 2 / 3 * np.pi * found.a * found.b
+    return {"a": a, "b": b, "area": a + b, "max_pressure": abs(found.force / mean - 1)}
+
+
+def samples(fields: Fields, frame: Frame) -> Samples:
+    """Contact points with pressure, mirror images included, on the tangent plane."""
     contact = fields.contact
-    own = cKDTree(contact.points).query(points)[0] < 0.2 * min(found.a, found.b)
-    high = points[own & (projected > PEAK_SHARE * np.max(projected, where=own, initial=0.0))]
-    if not len(high):  # a patch smaller than its elements
-        return float(contact.pressure.max())
-    sites, pressure = mirrored(frame.local(contact.points)[:, :2], contact.pressure, fields)
-    samples = PEAK_FACETS * int(np.bincount(contact.facet).max())
-    targets = frame.local(high)[:, :2]
-    return float(np.max(smooth_square(sites, pressure, targets, samples, degree=2)))
+    touches = contact.pressure > 0
+    onto = contact.weights * np.abs(contact.normals @ frame.axes[2])
+    size = np.sqrt(2 * np.bincount(contact.facet, contact.weights)[contact.facet])
+    values = np.column_stack([contact.pressure * onto, contact.pressure, size])[touches]
+    local = frame.local(contact.points[touches])[:, :2]
+    border = frame.local(fields.points[contact.facet_nodes.ravel()])[:, :2]
+    x, s = np.concatenate([local, border]).T
+    whole, _ = mirrored(np.column_stack([x, s]), x, fields)
+    (x0, s0), (x1, s1) = whole.min(axis=0), whole.max(axis=0)
+    local, values = mirrored(local, values, fields)
+    even = any(abs(normal[0]) > 0.5 for normal in fields.mirrors)
+    force, pressure, size = values.T
+    return Samples(local[:, 0], local[:, 1], force, pressure, size, even, ((x0, x1), (s0, s1)))
 
 
-def _areas(
-    separate: list[Part], points: Array, triangles: NDArray[np.int64], indicator: Array
-) -> list[float]:
-    """Area of each patch in its own tangent plane, from the triangles nearest to it."""
-    middles = points[triangles].mean(axis=1)
-    distance = [cKDTree(part.fields.contact.points).query(middles)[0] for part in separate]
-    owner = np.argmin(distance, axis=0)
-    return [
-        contour(part.frame.local(points)[:, :2], triangles[owner == number], indicator)[1]
-        * 2 ** len(part.fields.mirrors)
-        for number, part in enumerate(separate)
-    ]
+def _pressure(readings: list[_Reading], points: Array) -> Array:
+    """Recovered pressure (n,) at points (n, 3); each patch knows its own."""
+    square = [each.square(*each.frame.local(points)[:, :2].T) for each in readings]
+    return np.asarray(np.sqrt(np.maximum(np.max(square, axis=0), 0.0)))
 
 
-def _close(lines: list[Array], fields: Fields) -> list[Array]:
-    """Whole closed outlines from those of the modelled part."""
-    for normal in fields.mirrors:
-        axis = int(np.argmax(np.abs(normal)))
-        flip = np.where(np.arange(2) == axis, -1.0, 1.0)
-        joined = []
-        for line in lines:
-            image = line[::-1] * flip
-            ends = np.abs(line[[0, -1], axis])
-            scale = 1e-3 * np.abs(line).max()
-            if ends[1] < scale:
-                line = np.concatenate([line, image[1:]])
-                joined.append(line)
-            elif ends[0] < scale:
-                joined.append(np.concatenate([image, line[1:]]))
-            else:
-                joined += [line, image]
-        lines = joined
-    return lines
+def _in_frame(line: Array, own: Frame, frame: Frame) -> Array:
+    """A curve (k, 2) in the tangent plane of one frame, seen in another."""
+    flat = np.column_stack([line, np.zeros(len(line))])
+    return frame.local(np.array(own.origin) + flat @ own.axes)[:, :2]
 
 
 def axis_pressure(surface: Surface, patch: Patch, axis: int, fields: Fields) -> AxisPressure:

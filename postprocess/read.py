@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from postprocess import inside, patch, section
+from postprocess import inside, patch, quality, section
 from postprocess.findings import Findings, Frame
 from postprocess.parts import parts
 from postprocess.patch import Moments
@@ -23,9 +23,9 @@ def findings(fields: Fields, frame: Frame) -> Findings:
     separate = [] if flat else parts(fields)
     frame = separate[0].frame if len(separate) > 1 else frame
     if flat:
-        found, surface, moments = section.read(fields, frame)
+        found, surface, moments, recovered = section.read(fields, frame)
     else:
-        found, surface, moments = patch.read(fields, separate, frame)
+        found, surface, moments, recovered = patch.read(fields, separate, frame)
     size = moments.a if flat else min(found.a, found.b)
     axes, others, largest = inside.read(fields, frame, found.centre, size, separate[1:])
     if flat:
@@ -45,4 +45,8 @@ def findings(fields: Fields, frame: Frame) -> Findings:
         moments.hertzian and len(separate) < 2,
         largest,
         others,
+        noise=quality.noise(fields, recovered),
+        elements_across=quality.elements_across(fields, frame, found),
+        edge_distance=quality.edge_distance(fields, found),
+        reported_force=quality.reported_force(fields, recovered),
     )

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from postprocess.findings import Array, AxisPressure, Frame, Patch, Surface
-from postprocess.patch import EDGE_CLIP, HERTZIAN, PEAK_RADIUS, Moments
-from postprocess.surface import SurfaceRecovery, smooth_square
+from postprocess.patch import PEAK_RADIUS, VARIATION, Moments, freedom, spread
+from postprocess.reconstruct import ROUGHNESS, Samples, Square, ellipsoid, reconstruct
+from postprocess.shape import Shape
+from postprocess.surface import SurfaceRecovery
 from solver.gather import Fields
 
 SAMPLES = 61
-SMOOTHED_SAMPLES = 24  # points on about three elements
+GRID = 2000  # points at which p^2 is looked at
 
 
 def coordinate(fields: Fields) -> int:
@@ -36,7 +40,8 @@ def moments(fields: Fields, frame: Frame) -> Moments:
     w = float(np.sqrt(factor * square))
     centre = (middle, 0.0) if axis == 0 else (0.0, middle)
     parts = 1 if revolved else 2 ** len(fields.mirrors)
-    return Moments(parts * total, centre, w, w, float(np.max(np.abs(deviations))))
+    off = float(deviations[0])
+    return Moments(parts * total, centre, w, w, float(np.max(np.abs(deviations))), (off, off))
 
 
 def largest_pressure(t: Array, pressure: Array, weights: Array, w: float, *, even: bool) -> float:
@@ -53,41 +58,95 @@ def largest_pressure(t: Array, pressure: Array, weights: Array, w: float, *, eve
     return float(np.sqrt(c[0] + c[1] * top**2 + shift))
 
 
-def read(fields: Fields, frame: Frame) -> tuple[Patch, Surface, Moments]:
-    """Patch and recovered surface of a section in which something touches."""
+def read(fields: Fields, frame: Frame) -> tuple[Patch, Surface, Moments, Array]:
+    """Patch, recovered surface, moments, and the recovered pressure at the contact points of a
+    section in which something touches."""
     contact, axis = fields.contact, coordinate(fields)
-    mirrored, revolved = bool(fields.mirrors), fields.kinematics.revolved
+    revolved, length = fields.kinematics.revolved, fields.kinematics.thickness
+    found = moments(fields, frame)
+    given = samples(fields, frame)
+    stiff = reconstruct(given, VARIATION * ROUGHNESS)
+    square = reconstruct(given, start=stiff)
+    soft = reconstruct(given, ROUGHNESS / VARIATION, square)
+    scatter = spread(_shape(square, fields), [_shape(stiff, fields), _shape(soft, fields)])
+    share = freedom(found.shape_error)
+    if share < 1:
+        t = frame.local(contact.points)[:, axis] - found.centre[axis]
+        even = bool(fields.mirrors)
+        peak = largest_pressure(t, contact.pressure, contact.weights, found.a, even=even)
+        half = (1.0, found.a)
+        ellipse = ellipsoid(square, (0.0, found.centre[axis]), half, peak)
+        mixed = share * square.coefficients + (1 - share) * ellipse.coefficients
+        square = replace(square, coefficients=mixed)
+        other = _other_reading(found, peak, fields)
+        scatter = {key: share * scatter[key] + (1 - share) * other[key] for key in scatter}
+    shape = _shape(square, fields)
+    outlines = _outlines(_spans(square), axis, None if revolved else length)
+    patch = Patch(
+        shape.a, shape.b, found.centre, shape.area, shape.peak, found.force / shape.area,
+        outlines, scatter=scatter,
+    )  # fmt: skip
+
     recovery = SurfaceRecovery(fields)
     points = fields.points[recovery.nodes]
     local = frame.local(points)[:, :2]
-    projected = np.maximum(recovery.project(contact.pressure), 0.0)
-    found = moments(fields, frame)
-    hertzian = found.shape_error < HERTZIAN
-
-    t = frame.local(contact.points)[:, axis]
-    start = found.centre[axis] if hertzian else local[np.argmax(projected), axis]
-    if mirrored:
-        start = 0.0 if hertzian else start
-    peak = largest_pressure(t - start, contact.pressure, contact.weights, found.a, even=mirrored)
-    indicator = recovery.project(np.maximum(contact.indicator, -EDGE_CLIP * peak))
-    sites, values = _both(t, recovery.interpolate(projected), mirrored)
-    smooth = smooth_square(_flat(sites), values, _flat(local[:, axis]), SMOOTHED_SAMPLES)
-    pressure = np.where(indicator > 0, smooth, 0.0)
-
-    spans = _spans(local[:, axis], recovery.triangles, indicator, mirrored)
-    half = found.a
-    if not hertzian and spans:
-        half = (max(end for _, end in spans) - min(begin for begin, _ in spans)) / 2
-    width = 2 * half if hertzian or not spans else sum(end - begin for begin, end in spans)
-    length = fields.kinematics.thickness
-    semi = (half, half) if revolved else (half, length / 2) if axis == 0 else (length / 2, half)
-    area = np.pi * half**2 if revolved else width * length
-    patch = Patch(
-        *semi, found.centre, float(area), peak, found.force / float(area),
-        _outlines(spans, axis, None if revolved else length),
-    )  # fmt: skip
     gap = recovery.project(contact.gap)
-    return patch, Surface(points, local, recovery.triangles, pressure, gap), found
+    surface = Surface(points, local, recovery.triangles, _pressure(square, local[:, axis]), gap)
+    return patch, surface, found, _pressure(square, frame.local(contact.points)[:, axis])
+
+
+def samples(fields: Fields, frame: Frame) -> Samples:
+    """Contact points with pressure, mirror images included, on the line of the section."""
+    contact, axis = fields.contact, coordinate(fields)
+    revolved, thickness = fields.kinematics.revolved, fields.kinematics.thickness
+    touches = contact.pressure > 0
+    t = frame.local(contact.points)[:, axis]
+    ends = frame.local(fields.points[contact.facet_nodes])[..., axis]
+    size = np.ptp(ends, axis=1)[contact.facet]
+    onto = contact.weights * np.abs(contact.normals @ frame.axes[2])
+    values = np.column_stack([onto * contact.pressure, contact.pressure, size])[touches]
+    low, high = float(ends.min()), float(ends.max())
+    t = t[touches]
+    if fields.mirrors:
+        t, values = np.concatenate([-t, t]), np.tile(values, (2, 1))
+        low = -high
+    if revolved:
+        values[:, 0] /= 2  # either side of the axis is half of the circle
+    limits = ((-1.0, 1.0), (low, high))
+    force, pressure, size = values.T
+    x = np.zeros_like(t)
+    return Samples(x, t, force, pressure, size, True, limits, True, revolved, thickness)
+
+
+def _pressure(square: Square, t: Array) -> Array:
+    return np.asarray(np.sqrt(np.maximum(square(np.zeros_like(t), t), 0.0)))
+
+
+def _shape(square: Square, fields: Fields) -> Shape:
+    """Half widths, area and peak of a section."""
+    spans, axis = _spans(square), coordinate(fields)
+    length = fields.kinematics.thickness
+    half = (spans[-1][1] - spans[0][0]) / 2
+    peak = _pressure(square, np.linspace(*square.box[1], GRID)).max()
+    if fields.kinematics.revolved:
+        return Shape([], float(np.pi * half**2), half, half, float(peak))
+    area = length * sum(end - begin for begin, end in spans)
+    semi = (half, length / 2) if axis == 0 else (length / 2, half)
+    return Shape([], float(area), *semi, float(peak))
+
+
+def _other_reading(found: Moments, peak: float, fields: Fields) -> dict[str, float]:
+    """Relative differences from the width by fourth moments, and from the peak of the parabola of
+    p^2 that has the force."""
+    half = abs((1 + found.fourth[0]) ** 0.25 - 1)
+    revolved, length = fields.kinematics.revolved, fields.kinematics.thickness
+    unit = 2 / 3 * np.pi * found.a**2 if revolved else np.pi / 2 * found.a * length
+    along, across = (half, half) if revolved else (half, 0.0)
+    if coordinate(fields) == 1:
+        along, across = across, along
+    area = 2 * half if revolved else half
+    off = abs(found.force / (peak * unit) - 1)
+    return {"a": along, "b": across, "area": area, "max_pressure": off}
 
 
 def axis_pressures(
@@ -112,28 +171,15 @@ def _both(t: Array, values: Array, mirrored: bool) -> tuple[Array, Array]:
     return (np.concatenate([-t, t]), np.tile(values, 2)) if mirrored else (t, values)
 
 
-def _flat(t: Array) -> Array:
-    return np.column_stack([t, np.zeros_like(t)])
-
-
-def _spans(t: Array, lines: np.ndarray, values: Array, mirrored: bool) -> list[tuple[float, float]]:
-    """Intervals of t in which a P1 field on lines is positive, in ascending order."""
-    ends, v = t[lines], values[lines]
-    pieces = []
-    for (t0, t1), (v0, v1) in zip(ends, v, strict=True):
-        zero = t0 + (t1 - t0) * v0 / (v0 - v1) if (v0 > 0) != (v1 > 0) else np.nan
-        kept = sorted(x for x in (t0 if v0 > 0 else zero, t1 if v1 > 0 else zero) if x == x)
-        if len(kept) == 2:
-            pieces.append((kept[0], kept[1]))
-            pieces += [(-kept[1], -kept[0])] if mirrored else []
-    joined: list[tuple[float, float]] = []
-    tiny = 1e-6 * float(np.ptp(t))
-    for begin, end in sorted(pieces):
-        if joined and begin - joined[-1][1] < tiny:
-            joined[-1] = (joined[-1][0], max(end, joined[-1][1]))
-        else:
-            joined.append((float(begin), float(end)))
-    return joined
+def _spans(square: Square) -> list[tuple[float, float]]:
+    """Intervals of t in which p^2 is positive, in ascending order."""
+    t = np.linspace(*square.box[1], GRID)
+    values = square(np.zeros_like(t), t)
+    values[[0, -1]] = np.minimum(values[[0, -1]], -1e-9 * values.max())
+    turn = np.flatnonzero((values[:-1] > 0) != (values[1:] > 0))
+    share = values[turn] / (values[turn] - values[turn + 1])
+    zeros = (t[turn] + share * (t[turn + 1] - t[turn])).tolist()
+    return list(zip(zeros[::2], zeros[1::2], strict=True))
 
 
 def _outlines(spans: list[tuple[float, float]], axis: int, length: float | None) -> list[Array]:

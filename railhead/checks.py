@@ -107,9 +107,10 @@ def _mesh(level: Level) -> list[Check]:
     assert found is not None
     least = RANGE[0] * (LINEAR_REFINEMENT if plan.order == 1 else 1.0)
     allowed = max(ROUGH, plan.scene.accuracy or 0.0)
+    across = max(found.elements_across) if plan.section else min(found.elements_across)
     return [
         Check(
-            "elements_across", min(found.elements_across), 2 * least,
+            "elements_across", across, 2 * least,
             "below it quadratic (linear) cells were never seen to give the area within a tenth",
             FINER, least=True,
         ),
@@ -147,17 +148,17 @@ def _physics(level: Level) -> list[Check]:
         Check("shear_over_pressure", shear, SHEAR[1], why, FINER),
         Check("shear_over_pressure_least", shear, SHEAR[0], why, FINER, least=True),
     ]
-    if found.edge_distance is not None:
-        checks.append(
-            Check(
-                "edge_distance",
-                found.edge_distance,
-                level.grading.size,
-                "one element: at an edge the pressure has no finite largest value",
-                "move the wheel, or give wider bodies",
-                least=True,
-            )  # fmt: skip
-        )
+    across = max(found.elements_across) if plan.section else min(found.elements_across)
+    checks.append(
+        Check(
+            "edge_distance",
+            found.edge_distance,
+            2 / across,
+            "one element, over the smaller half length: at an edge the pressure has no bound",
+            "move the wheel, or give wider bodies",
+            least=True,
+        )  # fmt: skip
+    )
     return checks
 
 

@@ -1,0 +1,246 @@
+"""The pressure on a patch of any shape, from the moments of the computed one.
+
+p = sqrt(max(F, 0)) with F(x, s) = sum_k x^k c_k(s), cubic splines c_k: bodies are smooth along the
+rail and may have joints of arcs across it. The computed pressure p_h wavers from point to point,
+its integrals against smooth functions do not. F is the minimum of the convex functional
+
+    int 2/3 F+^(3/2) dA - int p_h F dA + 1/2 int r |D3 F|^2
+
+so int p G = int p_h G for every G of that space up to the roughness r. Where G is a polynomial of
+degree 2, F is Hertz's ellipsoid by second moments, which costs no roughness: D3 F holds the third
+derivatives, in units of an element across (P. Eilers and B. Marx, Statist. Sci. 11, 1996, penalise
+splines alike). r is small inside, where joints of arcs bend F, and large near the ends across,
+where facets that are half in contact would be followed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import comb
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.polynomial import Polynomial
+from numpy.polynomial.legendre import leggauss
+from scipy.interpolate import BSpline
+from scipy.linalg import cho_factor, cho_solve
+
+from postprocess.findings import Array
+
+DEGREE = 4  # of F along the rail
+ROUGHNESS = 1e-5
+ENDS, STEEP = 6.0, 6  # r grows like (1 + (6 elements / distance from the end)^6)
+MARGIN = 0.8  # elements of the box around the points with pressure
+ROWS, COLUMNS = 6, 120  # points of integration: a spline's interval, and the box along x
+NEWTON_STEPS, CONVERGED = 80, 1e-10  # of the functional
+DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-9, 1e6  # of the tangent, over its diagonal
+EDGE = 0.02  # of the largest pressure: below it the tangent of sqrt(F) is that of this pressure
+Box = tuple[tuple[float, float], tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Samples:
+    """k contact points with pressure of a whole patch: x, s mm; force N; pressure MPa; size of
+    their element, mm. even: mirrored at x = 0; line: a section, in which x counts nothing;
+    limits: extent of the surface along x and s; measure: mm2 of surface for each mm2 of the plane
+    (mm of a line) at s (n,)."""
+
+    x: Array
+    s: Array
+    force: Array
+    pressure: Array
+    size: Array
+    even: bool
+    limits: Box
+    line: bool = False
+    circle: bool = False
+    thickness: float = 1.0
+
+    def measure(self, s: Array) -> Array:
+        """Surface for each unit of (x, s) plane, or of s in a section; see `Samples`."""
+        return np.pi * np.abs(s) if self.circle else np.full_like(s, self.thickness)
+
+
+@dataclass(frozen=True)
+class Square:
+    """p^2 = F(x, s) in a box, MPa^2; negative outside of the patch.
+
+    knots across; coefficients (k, n); powers of (x - middle)/half.
+    """
+
+    box: Box
+    knots: Array
+    coefficients: Array
+    powers: Array
+
+    @property
+    def middle(self) -> float:
+        """Of the box along x, mm."""
+        return sum(self.box[0]) / 2
+
+    @property
+    def half(self) -> float:
+        """Half the width of the box along x, mm."""
+        return (self.box[0][1] - self.box[0][0]) / 2
+
+    def _along(self, x: Array) -> Array:
+        return np.asarray(((x - self.middle) / self.half) ** self.powers[:, None])
+
+    def grid(self, x: Array, s: Array) -> Array:
+        """(n,), (m,) within the box -> (m, n) values."""
+        return np.asarray(_splines(self.knots, s) @ self.coefficients.T @ self._along(x))
+
+    def __call__(self, x: Array, s: Array) -> Array:
+        """(n,), (n,) -> (n,) values; -inf outside of the box."""
+        (x0, x1), (s0, s1) = self.box
+        inside = (x >= x0) & (x <= x1) & (s >= s0) & (s <= s1)
+        across = _splines(self.knots, np.clip(s, s0, s1)) @ self.coefficients.T
+        values = np.sum(across.T * self._along(x), axis=0)
+        return np.where(inside, values, -np.inf)
+
+
+def reconstruct(
+    samples: Samples, roughness: float = ROUGHNESS, start: Square | None = None
+) -> Square:
+    """Minimise the functional above by Levenberg and Marquardt's method, from Hertz's ellipsoid or
+    from the result with another roughness."""
+    box, knots = _box(samples), _knots(samples)
+    (x0, x1), (s0, s1) = box
+    middle, half = (x0 + x1) / 2, (x1 - x0) / 2
+    powers = np.arange(0.0, 1 if samples.line else DEGREE + 1, 2 if samples.even else 1)
+    n, top = len(knots) - 4, float(samples.pressure.max())
+
+    inner = knots[3:-3]
+    width = np.diff(inner)
+    s = (inner[:-1, None] + width[:, None] * (np.arange(ROWS) + 0.5) / ROWS).ravel()
+    rows = np.repeat(width / ROWS, ROWS) * samples.measure(s)
+    across = _splines(knots, s)
+    if samples.line:
+        along, cell = np.ones((1, 1)), rows
+    else:
+        x = (np.arange(COLUMNS) + 0.5) * 2 / COLUMNS - 1
+        along, cell = x ** powers[:, None], rows * 2 * half / COLUMNS
+    force = samples.force / top
+    each = ((samples.x - middle) / half) ** powers[:, None]
+    moments = np.stack([_splines(knots, samples.s).T @ (force * power) for power in each])
+    scale = float(cell.sum() * along.shape[1])  # the box, in mm2
+    moments, cell = moments.ravel() / scale, cell / scale
+    penalty = roughness * _penalty(knots, powers, s, rows / rows.sum(), samples)
+
+    def field(c: Array) -> Array:
+        return np.asarray((across @ c.reshape(-1, n).T) @ along)
+
+    def value(c: Array) -> float:
+        volume = cell @ (np.maximum(field(c), 0.0) ** 1.5).sum(axis=1)
+        return float(2 / 3 * volume - moments @ c + 0.5 * c @ penalty @ c)
+
+    like = Square(box, knots, np.zeros((len(powers), n)), powers)
+    c = _start(samples, like) if start is None else start.coefficients.ravel() / top**2
+    best, damping = value(c), DAMPING
+    for _ in range(NEWTON_STEPS):
+        squared = field(c)
+        pressure = np.sqrt(np.maximum(squared, 0.0))
+        gradient = (across.T @ (pressure @ along.T * cell[:, None])).T.ravel()
+        gradient = gradient - moments + penalty @ c
+        slope = np.where(squared > 0, 0.5 / np.maximum(pressure, EDGE), 0.0)
+        blocks = [
+            [across.T @ sp.diags(cell * (slope @ (one * two))) @ across for two in along]
+            for one in along
+        ]
+        tangent = sp.bmat(blocks).toarray() + penalty
+        diagonal = np.diag(np.diag(tangent))
+        while damping < MOST_DAMPING:
+            step = -cho_solve(cho_factor(tangent + damping * diagonal), gradient)
+            decrease = float(gradient @ step)
+            if (found := value(c + step)) <= best + 1e-4 * decrease:
+                break
+            damping *= 10
+        else:
+            break
+        c, best, damping = c + step, found, max(damping / 10, LEAST_DAMPING)
+        if -decrease < CONVERGED * abs(best) and damping < DAMPING:
+            break
+    return replace(like, coefficients=top**2 * c.reshape(-1, n))
+
+
+def _splines(knots: Array, s: Array) -> sp.csr_matrix:
+    return BSpline.design_matrix(s, knots, 3).tocsr()
+
+
+def _box(samples: Samples) -> Box:
+    """The points with pressure and a margin, within the surface."""
+    margin = MARGIN * float(samples.size.mean())
+    ends = [
+        (max(float(t.min()) - margin, low), min(float(t.max()) + margin, high))
+        for t, (low, high) in zip((samples.x, samples.s), samples.limits, strict=True)
+    ]
+    return ends[0], ends[1]
+
+
+def _knots(samples: Samples) -> Array:
+    """An element apart, as long as the elements are there; three more beyond either end."""
+    low, high = _box(samples)[1]
+    bins = max(int(2 * (high - low) / samples.size.mean()), 4)
+    edges = np.linspace(low, high, bins + 1)
+    count, _ = np.histogram(samples.s, edges)
+    total, _ = np.histogram(samples.s, edges, weights=samples.size)
+    known = np.flatnonzero(count)
+    size = np.interp(np.arange(bins), known, total[known] / count[known])
+    passed = np.concatenate([[0.0], np.cumsum(np.diff(edges) / size)])
+    intervals = max(int(np.ceil(passed[-1])), 4)
+    inner = np.interp(np.linspace(0, passed[-1], intervals + 1), passed, edges)
+    inner[[0, -1]] = low, high
+    first, last = inner[1] - inner[0], inner[-1] - inner[-2]
+    return np.concatenate([low - first * np.arange(3, 0, -1), inner, high + last * np.arange(1, 4)])
+
+
+def _penalty(knots: Array, powers: Array, s: Array, weight: Array, samples: Samples) -> Array:
+    """(kn, kn) of the mean of r |D3 F|^2, s in intervals of the spline, x in half widths."""
+    inner = knots[3:-3]
+    width = np.interp(s, (inner[1:] + inner[:-1]) / 2, np.diff(inner))
+    margin = MARGIN * float(samples.size.mean())
+    inside = np.minimum(s - inner[0], inner[-1] - s) - margin
+    distance = np.maximum(inside / samples.size.mean(), 0.0) + 0.5
+    weight = weight * (1 + (ENDS / distance) ** STEEP)
+    at, share = leggauss(DEGREE + 2)
+    total = np.zeros((len(powers) * (len(knots) - 4),) * 2)
+    splines = BSpline(knots, np.eye(len(knots) - 4), 3)
+    for order in range(4):  # of the derivative along x
+        along = np.stack([Polynomial.basis(int(k)).deriv(order)(at) for k in powers])
+        across = splines(s, nu=3 - order) * width[:, None] ** (3 - order)
+        total += comb(3, order) * np.kron(
+            along * share / 2 @ along.T, across.T @ (across * weight[:, None])
+        )
+    return total
+
+
+def ellipsoid(
+    like: Square, centre: tuple[float, float], semi: tuple[float, float], peak: float
+) -> Square:
+    """p0^2 (1 - (x - x_c)^2/a^2 - (s - s_c)^2/b^2) in the box and splines of another; of a line
+    without x. Exactly."""
+    half, middle = like.half, like.middle
+    t1, t2, t3 = (like.knots[k : len(like.knots) - 4 + k] for k in (1, 2, 3))
+    first, second = (t1 + t2 + t3) / 3, (t1 * t2 + t1 * t3 + t2 * t3) / 3  # s and s^2 as splines
+    (xc, sc), (a, b) = centre, semi
+    c = np.zeros((len(like.powers), len(first)))
+    c[0] = 1 - (second - 2 * sc * first + sc**2) / b**2
+    if len(like.powers) > 1:
+        along = Polynomial([middle - xc, half]) ** 2 / a**2
+        for row, power in enumerate(like.powers[like.powers < 3]):
+            c[row] -= along.coef[int(power)]
+    return replace(like, coefficients=peak**2 * c)
+
+
+def _start(samples: Samples, like: Square) -> Array:
+    """Hertz's ellipsoid with the moments of the pressure, over the largest one squared."""
+    share = samples.force / samples.force.sum()
+    least = (0.5 * float(samples.size.mean())) ** 2
+    xc, sc = float(share @ samples.x), float(share @ samples.s)
+    a, b = (
+        float(np.sqrt(max(5 * float(share @ (t - m) ** 2), least)))
+        for t, m in ((samples.x, xc), (samples.s, sc))
+    )
+    peak = 1.5 * float(samples.force.sum()) / (np.pi * a * b) / float(samples.pressure.max())
+    peak = 1.0 if samples.line else peak
+    return ellipsoid(like, (xc, sc), (a, b), peak).coefficients.ravel()
