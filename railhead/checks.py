@@ -62,8 +62,9 @@ def run(
 ) -> list[Check]:
     """All checks of a solved mesh (rank 0).
 
-    second: quantities nested as "result" that another method found, with relative "allowance" by
-    quantity; reached: whether the asked accuracy was met, None without one.
+    second: quantities nested as "result" that another method found, with "allowance" and
+    "grid_error" as in `second_opinion.half_space`; reached: whether the asked accuracy was met,
+    None without one.
     """
     checks = _equations(level)
     if level.result is not None and level.findings is not None:
@@ -166,24 +167,26 @@ def _opinion(
     level: Level, estimates: Mapping[str, Estimate], second: Mapping[str, Any] | None
 ) -> list[Check]:
     """Finite elements against the second opinion, within both errors and what it cannot know."""
-    if second is None or "allowance" not in second:
-        return []
+    if second is None or "reason" in second or "reason" in second["allowance"]:
+        return []  # what is not known is said beside the table
     checks = []
     own, other = flat(level.result or {}), flat(second)
     for name in OPINIONS:
-        if name in own and name in other:
-            mine = estimates[name].total if name in estimates else ROUGH
-            allowance = second["allowance"].get(name, 0.0)
-            checks.append(
-                Check(
-                    f"second_opinion_{name}",
-                    _off(own[name], other[name]),
-                    MISS * mine + allowance,
-                    f"{MISS:g} times the estimate {mine:.2g}, and {allowance:.2g} for what it "
-                    "cannot know",
-                    "ask for an accuracy, and look at the profiles",
-                )  # fmt: skip
-            )
+        if name not in own or name not in other:
+            continue
+        mine = estimates[name].total if name in estimates else ROUGH
+        allowance = second["allowance"].get(name, {}).get("total", 0.0)
+        allowance += second.get("grid_error", {}).get(name, 0.0)
+        checks.append(
+            Check(
+                f"second_opinion_{name}",
+                _off(own[name], other[name]),
+                MISS * mine + allowance,
+                f"{MISS:g} times the estimate {mine:.2g}, and {allowance:.2g} for what it cannot "
+                "know",
+                "ask for an accuracy, and look at the profiles",
+            )  # fmt: skip
+        )
     return checks
 
 
