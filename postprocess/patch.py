@@ -116,12 +116,17 @@ def read(
     """
     contact = fields.contact
     several = len(separate) > 1
-    readings = [_reading(part, part.frame if several else frame) for part in separate]
+    facets = np.bincount(contact.facet, contact.weights).astype(np.float64)
+    readings = [_reading(part, part.frame if several else frame, facets) for part in separate]
     images = [2 ** (len(fields.mirrors) - len(part.fields.mirrors)) for part in separate]
     first, found = readings[0], moments(separate[0].fields, frame)
-    area = sum(each.shape.area * count for each, count in zip(readings, images, strict=True))
+    areas = [each.shape.area * count for each, count in zip(readings, images, strict=True)]
+    area = sum(areas)
     highest = max(readings, key=lambda each: each.shape.peak)
-    scatter = first.scatter | {"max_pressure": highest.scatter["max_pressure"]}
+    scatter = first.scatter | {
+        "area": float(np.average([each.scatter["area"] for each in readings], weights=areas)),
+        "max_pressure": highest.scatter["max_pressure"],
+    }
     patch = Patch(
         first.shape.a,
         first.shape.b,
@@ -161,11 +166,11 @@ class _Reading:
     scatter: dict[str, float]
 
 
-def _reading(part: Part, frame: Frame) -> _Reading:
+def _reading(part: Part, frame: Frame, facets: Array) -> _Reading:
     """Of the pressure rebuilt from its moments; of Hertz's ellipsoid where it is one; where the
     fourth moments are between ELLIPTIC and HERTZIAN off, of their mean."""
     fields, found = part.fields, moments(part.fields, frame)
-    given = samples(fields, frame)
+    given = samples(fields, frame, facets)
     stiff = reconstruct(given, VARIATION * ROUGHNESS)
     free = reconstruct(given, start=stiff)
     soft = reconstruct(given, ROUGHNESS / VARIATION, free)
@@ -208,12 +213,13 @@ def _other_ellipse(found: Moments, peak: float) -> dict[str, float]:
     return {"a": a, "b": b, "area": a + b, "max_pressure": abs(found.force / mean - 1)}
 
 
-def samples(fields: Fields, frame: Frame) -> Samples:
-    """Contact points with pressure, mirror images included, on the tangent plane."""
+def samples(fields: Fields, frame: Frame, facets: Array) -> Samples:
+    """Contact points with pressure, mirror images included, on the tangent plane; facets: area of
+    each, mm2."""
     contact = fields.contact
     touches = contact.pressure > 0
     onto = contact.weights * np.abs(contact.normals @ frame.axes[2])
-    size = np.sqrt(2 * np.bincount(contact.facet, contact.weights)[contact.facet])
+    size = np.sqrt(2 * facets[contact.facet])  # leg of a right triangle
     values = np.column_stack([contact.pressure * onto, contact.pressure, size])[touches]
     local = frame.local(contact.points[touches])[:, :2]
     border = frame.local(fields.points[contact.facet_nodes.ravel()])[:, :2]

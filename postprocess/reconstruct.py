@@ -28,7 +28,8 @@ from scipy.linalg import cho_factor, cho_solve
 from postprocess.findings import Array
 
 DEGREE = 4  # of F along the rail
-ROUGHNESS = 1e-5
+ROUGHNESS = 1e-5  # r of a spline of ...
+INTERVALS = 16  # ... so many; it grows with their square, or finer meshes would scatter alike
 ENDS, STEEP = 6.0, 6  # r grows like (1 + (6 elements / distance from the end)^6)
 MARGIN = 0.8  # elements of the box around the points with pressure
 ROWS, COLUMNS = 6, 120  # points of integration: a spline's interval, and the box along x
@@ -125,6 +126,7 @@ def reconstruct(
     moments = np.stack([_splines(knots, samples.s).T @ (force * power) for power in each])
     scale = float(cell.sum() * along.shape[1])  # the box, in mm2
     moments, cell = moments.ravel() / scale, cell / scale
+    roughness *= ((len(knots) - 7) / INTERVALS) ** 2
     penalty = roughness * _penalty(knots, powers, s, rows / rows.sum(), samples)
 
     def field(c: Array) -> Array:

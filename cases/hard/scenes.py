@@ -11,7 +11,6 @@ import numpy as np
 from mpi4py import MPI
 
 from cases.hard.case import Measured
-from postprocess.surface import SurfaceRecovery
 from railhead import estimates
 from railhead import plan as planning
 from railhead import run as running
@@ -19,7 +18,6 @@ from railhead.level import solve_level
 from railhead.progress import Progress
 from railhead.scene import Scene
 from railhead.summary import Ending, summarise
-from solver.gather import Fields
 
 PATCH = ("a_mm", "b_mm", "max_MPa")
 HALF_SPACE = (*PATCH, "approach_mm")
@@ -51,16 +49,6 @@ def worst(found: Mapping[str, float], exact: Mapping[str, float], names: tuple[s
     return max(each) if np.isfinite(each).all() else math.inf
 
 
-def noise(fields: Fields | None, recovered: np.ndarray | None) -> float | None:
-    """||p - p_recovered|| / ||p|| in L2 over the contact surface; recovered: at the nodes."""
-    if fields is None or recovered is None:
-        return None
-    contact = fields.contact
-    smooth = SurfaceRecovery(fields).interpolate(recovered)
-    square = contact.weights @ (contact.pressure - smooth) ** 2
-    return float(np.sqrt(square / (contact.weights @ contact.pressure**2)))
-
-
 def measure(result: running.Result, deviation: float) -> Measured:
     """The deviation with the checks and costs of a run."""
     summary, findings = result.summary, result.findings
@@ -71,7 +59,7 @@ def measure(result: running.Result, deviation: float) -> Measured:
         checks["converged"],
         cost["newton_iterations"],
         cost["linear_iterations"],
-        noise(result.fields, None if findings is None else findings.surface.pressure),
+        None if findings is None else findings.noise,
         summary["newton"]["reason"] if not checks["converged"] else "",
     )
 

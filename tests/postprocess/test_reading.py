@@ -1,0 +1,117 @@
+"""Patches painted with a known pressure are read back: any shape, to second order."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from painted import measured, painted
+
+from postprocess import patch, quality
+from postprocess.findings import Array, Frame, Patch
+from postprocess.parts import parts
+from solver.gather import Fields
+
+FRAME = Frame((0.0, 0.0, 0.0), 0.0)
+Square = Callable[[Array, Array], Array]
+SHAPES: dict[str, tuple[Square, tuple[float, float], bool]] = {
+    "lobes": (lambda x, s: 1 - x**2 / 4 + 0.9 * s**2 - 0.35 * s**4, (3.2, 2.4), True),
+    "egg": (lambda x, s: (1 - x**2 / 4 - s**2 / 3) * (1 + 0.35 * s), (2.6, 2.2), True),
+    "turned": (lambda x, s: 1 - x**2 / 4 - s**2 / 3 + 0.2 * x * s - s**4 / 20, (3.2, 2.4), False),
+    "neck": (lambda x, s: 0.25 - x**2 / 6 + 0.9 * s**2 - 0.3 * s**4, (3.6, 2.6), True),
+}
+"""p^2, half lengths of the painted surface, and whether it is cut at x = 0."""
+
+
+def _read(fields: Fields) -> Patch:
+    return patch.read(fields, parts(fields), FRAME)[0]
+
+
+def _numbers(found: Patch) -> Array:
+    return np.array([found.a, found.b, found.area, found.max_pressure])
+
+
+def _errors(name: str, n: float) -> tuple[Array, Array]:
+    """Relative errors and scatters (4, 4) of four meshes with n elements a smaller half length."""
+    square, half, even = SHAPES[name]
+    exact = measured(square, half)
+    read = [_read(painted(square, half, exact[:2].min() / n, 0.02, k, even)) for k in range(4)]
+    scatter = [[each.scatter[key] for key in ("a", "b", "area", "max_pressure")] for each in read]
+    return np.array([_numbers(each) / exact - 1 for each in read]), np.array(scatter)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_patches_that_are_no_ellipse_are_read(name: str) -> None:
+    error = np.sqrt(np.mean(_errors(name, 12)[0] ** 2, axis=0))
+    assert (error < [0.005, 0.005, 0.003, 0.003]).all()
+
+
+def test_the_area_falls_faster_than_with_first_order() -> None:
+    """rms over all shapes."""
+    coarse, fine = (
+        np.sqrt(np.mean([np.mean(_errors(name, n)[0][:, 2] ** 2) for name in SHAPES]))
+        for n in (4, 12)
+    )
+    assert fine < coarse / 3**1.5
+
+
+def test_scatter_is_about_the_error() -> None:
+    """In most cases the error is within twice the scatter, and the scatter is not ten times it."""
+    both = [_errors(name, n) for name in SHAPES for n in (5, 8)]
+    error = np.abs(np.concatenate([each[0] for each in both]))
+    scatter = np.concatenate([each[1] for each in both])
+    assert np.mean(error < 2 * scatter + 5e-4) > 0.75
+    assert (np.median(scatter, axis=0) < 10 * np.median(error, axis=0)).all()
+
+
+def test_numbers_do_not_jump_where_an_ellipse_becomes_another_shape() -> None:
+    """A growing fourth power across: the fourth moments pass both thresholds."""
+    read, shares = [], []
+    for power in np.linspace(0.0, 0.3, 41):
+
+        def square(x: Array, s: Array, power: float = power) -> Array:
+            return 1 - x**2 / 4 - s**2 / 3 - power * s**4 / 9
+
+        fields = painted(square, (2.6, 2.2), 0.3, 0.02, even=True)
+        shares.append(patch.freedom(patch.moments(fields, FRAME).shape_error))
+        read.append(_numbers(_read(fields)) / measured(square, (2.6, 2.2)))
+    assert shares[0] == 0.0
+    assert shares[-1] == 1.0
+    assert np.abs(np.diff(read, axis=0)).max() < 0.003
+
+
+def test_an_ellipse_is_read_by_its_moments() -> None:
+    fields = painted(lambda x, s: 1 - x**2 / 4 - s**2 / 3, (2.6, 2.2), 0.3, 0.02)
+    found, moments = _read(fields), patch.moments(fields, FRAME)
+    assert _numbers(found)[:3] == pytest.approx(
+        [moments.a, moments.b, np.pi * moments.a * moments.b], rel=2e-5
+    )
+    outline = np.concatenate(found.outlines)
+    assert np.ptp(outline, axis=0) / 2 == pytest.approx([found.a, found.b], rel=1e-12)
+
+
+def test_rebuilt_pressure_carries_the_force() -> None:
+    """Also where two humps of a patch hang together by a neck."""
+    square, half, even = SHAPES["neck"]
+    fields = painted(square, half, 0.25, 0.02, even=even)
+    contact = fields.contact
+    recovered = patch.read(fields, parts(fields), FRAME)[3]
+    force = 2 * float(contact.weights @ contact.pressure)
+    assert quality.reported_force(fields, recovered) == pytest.approx(force, rel=3e-3)
+    exact = np.sqrt(np.maximum(square(*contact.points[:, :2].T), 0.0))
+    off = contact.weights @ (recovered - exact) ** 2 / (contact.weights @ exact**2)
+    assert np.sqrt(off) < 0.02 < quality.noise(fields, recovered)
+
+
+def test_distance_to_the_edge_and_elements_across() -> None:
+    """A circle of radius 1 on a surface of +-3 by +-2, cut at x = 0, which is no edge."""
+    fields = painted(lambda x, s: 1 - x**2 - s**2, (3.0, 2.0), 0.125, 0.0, even=True)
+    found = _read(fields)
+    assert quality.edge_distance(fields, found) == pytest.approx(1.0, abs=0.05)
+    assert quality.elements_across(fields, FRAME, found) == pytest.approx((16, 16), rel=0.1)
+
+
+def test_a_patch_smaller_than_its_elements_is_read() -> None:
+    fields = painted(lambda x, s: 1 - x**2 - s**2, (3.0, 3.0), 1.5, 0.0)
+    found = _read(fields)
+    assert np.isfinite(_numbers(found)).all()
+    assert found.area == pytest.approx(np.pi, rel=0.5)
