@@ -25,7 +25,8 @@ Invariant = Callable[[Array], Array]
 ELEMENTS = 2.0  # that a sharp edge spoils around it,
 OF_PATCH = 0.3  # and at least this share of the smaller semi-axis, whatever the mesh
 SHARE = 0.85  # of the largest nodal average: where a hill may have the highest top
-HILLS = 6  # that are looked at, ...
+HILLS = 6  # that are looked at, two elements and half a smaller semi-axis apart, ...
+APART = 0.5
 CLOSE = 0.95  # ... and climbed where their recovered stress is that share of the highest
 STEPS = 8
 LATTICE = 4  # steps along the edge of a cell between the points that are compared
@@ -45,7 +46,7 @@ class Search:
     ) -> None:
         """edges (n, 3): points on the sharp edges of all bodies; size: smaller semi-axis, mm."""
         self._fields, self._solid, self._recovery = fields, solid, recovery
-        self._edges, self._least = cKDTree(edges) if len(edges) else None, OF_PATCH * size
+        self._edges, self._size = cKDTree(edges) if len(edges) else None, size
         self._planes = [int(np.argmax(np.abs(normal))) for normal in fields.mirrors]
         nodes, number = np.unique(solid.corners, return_inverse=True)
         number = number.reshape(solid.corners.shape)
@@ -71,7 +72,7 @@ class Search:
         """(n,) whether points in cells of these sizes are far enough from every sharp edge."""
         if self._edges is None:
             return np.ones(len(points), dtype=bool)
-        least = np.maximum(2 * ELEMENTS * sizes, self._least)
+        least = np.maximum(2 * ELEMENTS * sizes, OF_PATCH * self._size)
         return self._edges.query(points, distance_upper_bound=least.max())[0] > least
 
     def highest(self, invariant: Invariant) -> Peak | None:
@@ -93,7 +94,7 @@ class Search:
         return self._peak(float(values[top]), self._nodes[top])
 
     def _hills(self, average: Array) -> Array:
-        """(n, 3) nodes with the largest averages, each more than two elements from the others."""
+        """(n, 3) nodes with the largest averages, apart from each other."""
         candidates = np.flatnonzero(self._sound)
         if not len(candidates):
             return self._nodes[:0]
@@ -103,7 +104,8 @@ class Search:
         while len(candidates) and len(found) < HILLS:
             found.append(int(candidates[0]))
             distance = np.linalg.norm(self._nodes[candidates] - self._nodes[found[-1]], axis=1)
-            candidates = candidates[distance > 4 * self._sizes[found[-1]]]
+            least = max(4 * self._sizes[found[-1]], APART * self._size)
+            candidates = candidates[distance > least]
         return self._nodes[found]
 
     def _climb(self, place: Array, invariant: Invariant) -> tuple[float, Array]:

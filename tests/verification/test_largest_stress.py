@@ -1,0 +1,107 @@
+"""The largest stress is that of both bodies, wherever it is, and never one outside them."""
+
+import numpy as np
+import pytest
+
+from postprocess import stress
+from railhead import catalogue, run
+from railhead.scene import Scene
+from theory import line, subsurface
+from theory.line import LineContact
+
+THIN = ["load=100kN", "wheel.width=10", "rail.profile=arc", "rail.crown_radius=inf"]
+THIN += ["rail.width=10", "rail.depth=5"]
+UNLIKE = {
+    "ellipse": ("hertz_ellipse", 0.4, 0.1, []),
+    "needle": ("hertz_ellipse", 0.05, 0.45, ["wheel.rolling_radius=4000", "load=300"]),
+    "nearly incompressible rail": ("hertz_ellipse", 0.4999, 0.0, []),
+    "soft wheel": ("hertz_ellipse", 0.25, 0.0, ["wheel.young_modulus=3000"]),
+    "long roller": ("long_roller", 0.45, 0.0, []),
+    "circle": ("sphere_on_plane", 0.1, 0.49, ["rail.young_modulus=3000"]),
+}
+
+
+def solved(scene: Scene) -> run.Result:
+    result = run.run(scene)
+    assert result.passed, result.summary["newton"]
+    return result
+
+
+@pytest.mark.parametrize(("case", "rail", "wheel", "more"), UNLIKE.values(), ids=UNLIKE)
+def test_both_bodies_of_half_spaces_meet_exact_hertz(
+    case: str, rail: float, wheel: float, more: list[str]
+) -> None:
+    """1 % in each body, with its own Poisson's ratio, and in what is reported of both."""
+    ratios = {"rail": rail, "wheel": wheel}
+    keys = [f"{body}.poisson_ratio={nu}" for body, nu in ratios.items()]
+    result = solved(catalogue.find(case).replace(["rail.extent=half-space", *keys, *more]))
+    hertz = line if isinstance(result.ellipse, LineContact) else subsurface
+    for body, found in result.findings.largest.items():
+        exact = hertz.axis_extrema(result.ellipse, ratios[body])
+        assert found.tau.value == pytest.approx(exact.tau_max, rel=0.01)
+        assert found.von_mises.value == pytest.approx(exact.von_mises_max, rel=0.01)
+    found, exact = (result.summary[key]["stress"] for key in ("result", "hertz"))
+    for name in ("tau_max", "von_mises_max"):
+        assert found[f"{name}_MPa"] == pytest.approx(exact[f"{name}_MPa"], rel=0.01)
+        assert found[f"{name}_body"] == exact[f"{name}_body"]
+        assert found[f"{name}_MPa"] == max(
+            getattr(each, name.removesuffix("_max")).value
+            for each in result.findings.largest.values()
+        )
+
+
+def test_no_stress_is_read_below_the_foot_of_a_thin_rail() -> None:
+    """A flat rail 5 mm deep under a patch of 2 x 6 mm: the axis ends at its foot."""
+    result = solved(catalogue.find("uic54_thesis").replace(THIN))
+    axis, found = result.findings.depth["rail"], result.summary["result"]["stress"]
+    assert axis.depth[-1] == pytest.approx(5, rel=1e-6)
+    assert np.abs(axis.stress).max() < 1.5 * result.summary["result"]["pressure"]["max_MPa"]
+    finer = catalogue.find("uic54_thesis").replace([*THIN, "mesh.patch_size=0.3"])
+    reference = solved(finer).summary["result"]["stress"]
+    for name in ("tau_max_MPa", "von_mises_max_MPa"):
+        assert found[name] == pytest.approx(reference[name], rel=0.03)
+        assert found["axis"][name] == pytest.approx(reference["axis"][name], rel=0.03)
+
+
+def test_patch_that_is_no_ellipse_has_its_largest_stress_beside_the_axis() -> None:
+    """S1002 on 60E1: nodal averages overshoot by a few per cent, a finer mesh does not."""
+    scene = catalogue.find("s1002_60e1")
+    coarse, fine = (solved(scene.replace([f"mesh.patch_size={h}"])) for h in (0.6, 0.4))
+    nodal = stress.nodal(fine.fields)
+    found, other = (r.summary["result"]["stress"] for r in (fine, coarse))
+    for name, invariant in (
+        ("tau_max_MPa", subsurface.max_shear),
+        ("von_mises_max_MPa", subsurface.von_mises),
+    ):
+        assert found[name] > 1.05 * found["axis"][name]
+        assert found[name] == pytest.approx(invariant(nodal).max(), rel=0.03)
+        assert found[name] == pytest.approx(other[name], rel=0.03)
+
+
+def test_symmetry_and_direction_do_not_matter() -> None:
+    """A quarter and the whole model, and the same ellipse turned by a right angle."""
+    scene = catalogue.find("hertz_ellipse").replace(["wheel.poisson_ratio=0.1"])
+    turned = scene.replace(["wheel.rolling_radius=300", "rail.crown_radius=420"])
+    whole = scene.replace(["effects.symmetry=off", "mesh.patch_size=0.8"])
+    results = [solved(each).summary["result"]["stress"] for each in (scene, turned, whole)]
+    for other in results[1:]:
+        assert other["tau_max_body"] == other["von_mises_max_body"] == "wheel"
+        for name in ("tau_max_MPa", "von_mises_max_MPa"):
+            assert other[name] == pytest.approx(results[0][name], rel=0.005)
+
+
+def test_the_edge_of_a_wheel_is_left_out_and_said() -> None:
+    """A tread narrower than its patch presses its edges into the rail, without bound."""
+    keys = ["wheel.width=5", "wheel.segment_length=40"]
+    result = solved(catalogue.find("uic54_thesis").replace(keys))
+    found = result.summary["result"]["stress"]
+    edges = found["at_edges"]
+    assert {edge["body"] for edge in edges} == {"rail", "wheel"}
+    for edge in edges:
+        assert (
+            edge["value_MPa"] > found[edge["quantity"]]
+            or edge["body"] != found[edge["quantity"].replace("_MPa", "_body")]
+        )
+        assert abs(abs(edge["place_mm"][1]) - 2.5) < 1
+    for name in ("tau_max", "von_mises_max"):
+        assert abs(abs(found[f"{name}_place_mm"][1]) - 2.5) > 0.5
