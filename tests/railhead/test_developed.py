@@ -1,7 +1,8 @@
 """The rail's surface developed around its contacts: every point counted once."""
 
 import math
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -10,7 +11,9 @@ from cases.s1002_60e1 import SCENE as MANCHESTER
 from postprocess import compare
 from railhead import catalogue, developed, exact, geometry
 from railhead.geometry import Contact
+from railhead.level import Level
 from railhead.scene import Scene
+from railhead.second_opinion import half_space
 from theory.boundary_element import Solution
 from theory.hertz import Ellipse
 
@@ -136,3 +139,16 @@ def test_developed_rail_keeps_lengths_and_normals() -> None:
     np.testing.assert_allclose(angle, -turn, atol=1e-12)
     assert np.isinf(surface.gap(np.zeros(1), np.array([500.0]))).all()
     assert surface.gap(np.zeros(1), np.zeros(1)) == pytest.approx(0, abs=1e-9)
+
+
+def test_a_second_opinion_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    contact, ellipse = located(MANCHESTER)
+    plan, load = SimpleNamespace(contact=contact), SimpleNamespace(load=10e3)
+    level = SimpleNamespace(plan=plan, solution=load, ellipse=ellipse, findings=object())
+
+    def fail(*_: object) -> None:
+        raise ValueError("no bounded contact found")
+
+    monkeypatch.setattr(developed, "solve", fail)
+    found = half_space(cast(Level, level))
+    assert found == {"reason": "boundary elements: no bounded contact found"}
