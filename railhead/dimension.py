@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from railhead import unused
 from railhead.geometry import RAIL_HALF_WIDTH, TREAD_HALF_WIDTH
 from railhead.scene import NOMINAL_RADIUS, Scene, SceneError
 from theory import hertz, line
@@ -39,7 +40,7 @@ class Dimension:
 
 def choose(scene: Scene) -> Dimension:
     """Decide. Raises SceneError where effects.plane_strain or effects.axisymmetry cannot be as
-    given, or a line contact has no length or is not level."""
+    given, a line contact has no length or is not level, or its section cannot use a given key."""
     ring = circular(scene)
     forced = scene.effects.axisymmetry
     if forced == "on" and not ring[0]:
@@ -72,10 +73,12 @@ def circular(scene: Scene) -> tuple[bool, str]:
         return True, f"{text}: a circle between half-spaces"
     rail, wheel = scene.rail, scene.wheel
     sphere = wheel.profile == "arc" and wheel.transverse_radius == wheel.rolling_radius
-    plane = rail.profile == "arc" and math.isinf(rail.crown_radius or 0) and not rail.inclination
-    if sphere and plane and not scene.wheelset.shift:
-        return True, f"{text}: a sphere on the middle of a plane"
-    return False, "the bodies are not a sphere over the middle of a level plane"
+    plane = rail.profile == "arc" and math.isinf(rail.crown_radius or 0)
+    if not (sphere and plane):
+        return False, "the bodies are not a sphere over the middle of a level plane"
+    for key, value in unused.given(scene, "axisymmetric"):
+        return False, f"{key} = {value:g}: no body of revolution about the contact's normal"
+    return True, f"{text}: a sphere on the middle of a plane"
 
 
 def _across(scene: Scene) -> Dimension:
@@ -90,6 +93,8 @@ def _across(scene: Scene) -> Dimension:
         raise SceneError(
             "rail.length", "not given; wheel.rolling_radius inf is a line contact of that length"
         )
+    if scene.rail.extent != "half-space":
+        unused.refuse(scene, "plane_across")
     why = f"no curvature along the rail: a line contact {scene.rail.length:g} mm long"
     return Dimension("plane_across", why, scene.rail.length)
 
@@ -106,6 +111,8 @@ def _along(scene: Scene) -> Dimension:
     straight = scene.rail.inclination == 0 and scene.wheel.profile in ("cylinder", "arc")
     level = scene.rail.extent == "half-space" or (straight and slope < LEVEL)
     if across == 0:
+        if scene.rail.extent != "half-space":
+            unused.refuse(scene, "plane_along")
         if not level or length <= 0:
             raise SceneError(
                 "rail.crown_radius, wheel.transverse_radius",
@@ -124,6 +131,8 @@ def _along(scene: Scene) -> Dimension:
         return _solid(forced, "half-spaces with an elliptic patch")
     share = _semi_axis_across(scene, along, across) / (length / 2) if length > 0 else 0.0
     text = f"predicted semi-axis across is {share:.3g} of half the common width {length:.4g} mm"
+    for key, value in unused.given(scene, "plane_along"):
+        return _solid(forced, f"{key} = {value:g}: no section along the rail")
     if not level or share < (1.0 if forced == "on" else SLENDER) or forced == "off":
         return _solid(forced, f"{text}, a line contact needs {SLENDER:g}")
     width = 2 * _half_width(scene, along, length)

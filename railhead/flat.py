@@ -200,6 +200,12 @@ def bodies(
                 f"{depth:g} is not allowed; it must not be larger than wheel.rolling_radius "
                 f"({radius:g})",
             )
+        if wheel.segment_length and depth == radius:
+            raise SceneError(
+                "wheel.segment_length",
+                f"{wheel.segment_length:g} is not allowed; half a disc has no segment; give a "
+                f"wheel.rim_depth below wheel.rolling_radius ({radius:g}), or leave it out",
+            )
         arc = min(wheel.segment_length / 2 if wheel.segment_length else reach, 1.2 * radius)
         made.append(Body(WHEEL, plane.disc(radius, depth, arc, 0.0, half=half), 0.0))
     return made

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, model_validator
 
-from railhead import units
+from railhead import units, unused
 from railhead.sections import (
     Effects,
     Friction,
@@ -37,12 +37,13 @@ NOMINAL_RADIUS = {"54E1": 300.0, "60E1": 300.0} | dict.fromkeys(
 )
 #: Keys whose values are words, even where they look like numbers: TOML reads 54E1 as 540.0.
 _WORDS = ("name", "rail.profile", "wheel.profile")
-#: Setting the key on the left drops the one on the right.
+#: Setting the key on the left drops the one on the right, but for one value.
 _DROPS = {
-    "load": "approach",
-    "approach": "load",
-    "rail.profile": "rail.crown_radius",
-    "wheel.profile": "wheel.transverse_radius",
+    "load": ("approach", None),
+    "approach": ("load", None),
+    "rail.profile": ("rail.crown_radius", "arc"),
+    "wheel.profile": ("wheel.transverse_radius", "arc"),
+    "solver.method": ("solver.theta", "nitsche"),
 }
 
 
@@ -135,7 +136,16 @@ class Scene(Section):
                     "contact; a half-space needs 1/crown_radius + 1/transverse_radius > 0, or 0 "
                     "with a finite wheel.rolling_radius",
                 )
+            unused.refuse(self, self._half_space)
         return self
+
+    @property
+    def _half_space(self) -> str:
+        """Which kind of half-spaces, in `unused`."""
+        along, across = self.relative_curvatures()
+        if along and across:
+            return "half_space"
+        return "half_space_along" if along else "half_space_across"
 
     def relative_curvatures(self) -> tuple[float, float]:
         """Return the relative curvatures (along, across) the rail in 1/mm of two half-spaces.
@@ -174,11 +184,15 @@ class Scene(Section):
         """Return a scene with some keys set anew, each written ``key=value`` with a dotted key.
 
         A value that is a TOML scalar is read as one, anything else as a plain string. Setting the
-        load drops the approach and the reverse; a profile other than ``arc`` drops its radius.
-        Raises SceneError.
+        load drops the approach and the reverse; a profile other than ``arc`` drops its radius, the
+        penalty method drops theta, and half-spaces drop what they cannot use. Raises SceneError.
         """
         given = dict(_assignment(text) for text in assignments)
-        drops = [_DROPS[key] for key, value in given.items() if key in _DROPS and value != "arc"]
+        drops = [
+            _DROPS[key][0]
+            for key, value in given.items()
+            if key in _DROPS and value != _DROPS[key][1]
+        ]
         data: dict[str, object] = self.model_dump()
         for key, value in (dict.fromkeys(drops) | given).items():
             section, dot, leaf = key.partition(".")
@@ -190,4 +204,7 @@ class Scene(Section):
                 raise SceneError(key, f"{show(value)} is not allowed; set one of its keys: {keys}")
             else:
                 data[key] = value
-        return type(self).from_mapping(data)
+        if given.get("rail.extent") == "half-space":
+            bare = self.from_mapping(unused.without(data, unused.HALF_SPACE - given.keys()))
+            data = unused.without(data, unused.UNUSED[bare._half_space][1] - given.keys())
+        return self.from_mapping(data)

@@ -173,6 +173,12 @@ class Solver(Section):
     linear: Literal["auto", "direct", "multigrid"] = "auto"
     max_newton: units.Iterations = 30
 
+    @model_validator(mode="after")
+    def _theta_of_nitsche(self) -> Self:
+        if self.method == "penalty" and self.theta is not None:
+            raise SceneError("theta", f"{self.theta} is not allowed; only method nitsche takes it")
+        return self
+
 
 class Mesh(Section):
     """The cells; without ``order`` tetrahedra are quadratic and hexahedra linear."""

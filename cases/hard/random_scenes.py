@@ -73,18 +73,18 @@ def scene(source: Source) -> Scene:
     if rigid:
         (rail if rigid == "rail" else wheel)["young_modulus"] = math.inf
     cell = source.choice(["tetrahedron", "tetrahedron", "tetrahedron", "hexahedron"])
+    shift = source.choice([0.0, 0.0, source.number(-8, 8)])
+    method = source.choice(["nitsche", "nitsche", "penalty"])
+    theta = source.choice([1, 1, 0, -1])
     return Scene.from_mapping(
         {
             "name": "random",
             "load": decades(1, 5.5),
             "rail": rail,
             "wheel": wheel,
-            "wheelset": {"shift": source.choice([0.0, 0.0, source.number(-8, 8)])},
+            "wheelset": {"shift": 0.0 if rail["extent"] == "half-space" else shift},
             "mesh": {"cell": cell},
-            "solver": {
-                "method": source.choice(["nitsche", "nitsche", "penalty"]),
-                "theta": source.choice([1, 1, 0, -1]),
-            },
+            "solver": {"method": method, "theta": theta if method == "nitsche" else None},
         }
     )
 

@@ -56,7 +56,7 @@ REFUSED = {
     "ellipse as a circle": (
         ["effects.axisymmetry=on"], "effects.axisymmetry: 'on' is not allowed: relative curvatures"
     ),
-    "tilted line": ([*INF_RAIL, "rail.inclination=1:20"], "relative curvature 0 across the rail"),
+    "tilted line": ([*INF_RAIL, "rail.inclination=1:20"], "rail.inclination: 0.05 is not allowed"),
     "conformal": (
         ["wheel.profile=arc", "wheel.transverse_radius=-300"], "line contact or a fully conformal"
     ),

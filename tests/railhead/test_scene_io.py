@@ -9,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from railhead import unused
 from railhead.scene import Effects, Scene, SceneError
 from railhead.scene_io import read_scene, to_toml
 
@@ -75,9 +76,14 @@ rest = {
 
 
 def size_or_accuracy(data: dict) -> dict:
-    """An accuracy chooses the patch size itself, so the two are not given together."""
+    """An accuracy chooses the patch size itself, so the two are not given together; half-spaces
+    take no sizes, the penalty method no theta."""
     if "accuracy" in data or "budget" in data:
         data.get("mesh", {}).pop("patch_size", None)
+    if data.get("solver", {}).get("method") == "penalty":
+        data["solver"].pop("theta", None)
+    if data.get("rail", {}).get("extent") == "half-space":
+        return unused.without(data, unused.HALF_SPACE)
     return data
 
 
