@@ -9,12 +9,14 @@ from typing import Any
 
 import gmsh
 import numpy as np
+from numpy.typing import NDArray
 
 from meshing import plane
 from meshing.bodies import Body, Options
 from meshing.sizing import Grading
 from meshing.tags import BODIES, CONTACT, SUPPORT, SYMMETRY_X, SYMMETRY_Y
 
+Array = NDArray[np.float64]
 REPAIR_BELOW = 0.1  # quality of a curved tetrahedron that is straightened
 STRAIGHTENING_PASSES = 5
 ELEMENTS_PER_TURN = 6  # on fillets
@@ -67,8 +69,7 @@ def _sweep(
     face = occ.addPlaneSurface([occ.addCurveLoop(curves)])
     if options.half:
         groups.setdefault((2, SYMMETRY_X), []).append(face)
-    ahead, across, _ = body.pose.rotation.T
-    ahead = ahead / [grading.stretch, 1.0, 1.0]
+    ahead, across = _swept(body, grading).T[:2]
     structured: dict[str, Any] = {}
     if options.cell == "hexahedron":
         ends = grading.layers(body.reach)
@@ -99,25 +100,29 @@ def _sweep(
                 groups.setdefault((2, tag), []).append(surface)
 
 
-def unfold(bodies: list[Body], grading: Grading) -> None:
-    """Give the current model's mesh its true length: x times the stretch, wheels rolled up.
+def _swept(body: Body, grading: Grading) -> Array:
+    """(3, 3) columns: along the sweep, across and up of a body as meshed."""
+    columns = body.pose.rotation.copy()
+    columns[0, 0] /= grading.stretch
+    return columns
 
-    A stretched wheel is meshed as a prism, its rolling circle straightened.
-    """
+
+def unfold(bodies: list[Body], grading: Grading) -> None:
+    """Give the current model's mesh its true length along the rail, and roll up its wheels: a
+    stretched one is meshed as a prism, its rolling circle straightened."""
     if grading.stretch == 1:
         return
-    gmsh.model.mesh.affineTransform([grading.stretch, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0])
-    for body in bodies:
-        if body.axle is None:
-            continue
-        height, radius = body.axle
-        volumes = gmsh.model.getEntitiesForPhysicalGroup(3, body.tag)
-        found = [gmsh.model.mesh.getNodes(3, volume, includeBoundary=True) for volume in volumes]
-        tags = np.concatenate([each[0] for each in found])
-        x, y, z = body.pose.inward(np.concatenate([each[1] for each in found]).reshape(-1, 3)).T
-        angle, distance = x / radius, height - z
-        rolled = np.column_stack([distance * np.sin(angle), y, height - distance * np.cos(angle)])
-        for tag, place in zip(tags, body.pose.outward(rolled), strict=True):
+    swept = [(b, v) for b in bodies for v in gmsh.model.getEntitiesForPhysicalGroup(3, b.tag)]
+    for body, volume in swept:  # two sweeps share their section, which stays where it is
+        tags, points, _ = gmsh.model.mesh.getNodes(3, volume, includeBoundary=True)
+        beside = np.asarray(points).reshape(-1, 3) - body.pose.origin
+        x, y, z = np.linalg.solve(_swept(body, grading), beside.T)
+        if body.axle is not None:
+            height, radius = body.axle
+            angle, distance = x / radius, height - z
+            x, z = distance * np.sin(angle), height - distance * np.cos(angle)
+        places = body.pose.outward(np.column_stack([x, y, z]))
+        for tag, place in zip(tags, places, strict=True):
             gmsh.model.mesh.setNode(tag, place, [])
 
 

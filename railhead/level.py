@@ -177,7 +177,8 @@ def _regrade(
     found = read.moments(fields, frame)
     x, s, a, b = plan.forecast.moments
     fits = all(1 / OUTGROWN < ratio < OUTGROWN for ratio in (found.a / a, found.b / b))
-    if fits and abs(found.centre[0] - x) < 0.2 * a and abs(found.centre[1] - s) < 0.2 * b:
+    beside = abs(found.centre[0] - x) / a, abs(found.centre[1] - s) / b
+    if fits and max(beside) < OUTGROWN - 1:
         return None
     expected = found_forecast(fields, found, frame)
     if plan.scene.mesh.patch_size is None:
@@ -194,7 +195,7 @@ def found_forecast(fields: Fields, found: Moments, frame: Frame) -> Forecast:
         x, y, z = np.array(frame.origin) + np.array([*found.centre, 0.0]) @ frame.axes
         zones: tuple[Zone, ...] = (Zone((x, y, z), found.a, found.b, frame.angle),)
     else:
-        least = math.sqrt(contact.weights[touches].sum() / math.pi)  # one point has no moments
+        least = math.sqrt(contact.weights[touches].max() / math.pi)  # one point has no moments
         found = replace(found, a=max(found.a, least), b=max(found.b, least))
         zones = tuple(
             Zone(part.centre, max(part.a, least), max(part.b, least), part.frame.angle)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from meshing.bodies import Options
+from meshing.profiles import data
 from meshing.sizing import Grading, suited_stretch
 from meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y
 from railhead import bodies, dimension, effects, estimates, exact, flat, geometry, machine
@@ -39,18 +40,6 @@ HALF_SPACE_REACH = 8.0  # edge of the blocks over the major semi-axis: the far f
 BODY_REACH = 12.0  # half length of real bodies over the major semi-axis, at least
 MIN_BODY_REACH = 80.0  # mm
 SECTION_CELLS = 30  # for each mm of web and foot, whose fillets set their size (measured)
-UNKNOWNS_PER_CELL = {
-    ("tetrahedron", 1): 0.6,
-    ("tetrahedron", 2): 4.5,
-    ("hexahedron", 1): 3.2,
-    ("hexahedron", 2): 25.0,
-}
-UNKNOWNS_PER_TRIANGLE = {
-    ("tetrahedron", 1): 1.0,
-    ("tetrahedron", 2): 4.0,
-    ("hexahedron", 1): 1.0,
-    ("hexahedron", 2): 4.0,
-}
 
 
 @dataclass(frozen=True)
@@ -253,14 +242,14 @@ class Plan:
         if isinstance(self.contact, FlatContact):
             share *= len(self.deformable) * (0.5 if self.contact.revolved else 1.0)
             triangles = self.grading().predicted_triangles(self.reach)
-            return int(share * triangles * UNKNOWNS_PER_TRIANGLE[cell, self.order])
+            return int(share * triangles * unknowns_per_cell("section", cell, self.order))
         cells = self.grading().predicted_cells(self.reach, hexahedra=cell == "hexahedron")
         cells *= len(self.deformable)
         section = self.effects["rail_section"]
         if section.on and not section.refused and RAIL in self.deformable:
             half = bodies.rail_reach(self.contact, self.reach, whole_section=True)
             cells += SECTION_CELLS * 2 * half
-        return int(share * cells * UNKNOWNS_PER_CELL[cell, self.order])
+        return int(share * cells * unknowns_per_cell("solid", cell, self.order))
 
     @property
     def seconds(self) -> float:
@@ -283,6 +272,11 @@ class Plan:
         unknowns, seconds = self.price(name)
         cost = {"unknowns": unknowns, "seconds": seconds}
         return {**self.effects[name].summary(), "predicted_cost": cost}
+
+
+def unknowns_per_cell(kind: str, cell: str, order: int) -> float:
+    """Of a predicted cell in a 'solid' or 'section': measured by `cases.cells`."""
+    return float(data("cells.json")[kind][cell][str(order)])
 
 
 def make(scene: Scene) -> Plan:
