@@ -26,7 +26,7 @@ from theory.hertz import point_contact
 
 Make = Callable[[np.random.Generator], list[str]]
 HALF_SPACE = {"rail": {"profile": "arc", "crown_radius": 300, "extent": "half-space"}}
-FINE = 1.7  # times the finest calibrated resolution: the truth of real profiles
+FINE = 1.6  # times the finest calibrated resolution: the truth of real profiles
 
 
 @dataclass(frozen=True)
