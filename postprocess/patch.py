@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from postprocess.findings import Array, AxisPressure, Frame, OnePatch, Patch, Surface
 from postprocess.parts import Part
-from postprocess.reconstruct import ROUGHNESS, Samples, Square, ellipsoid, reconstruct
+from postprocess.reconstruct import (
+    ROUGHNESS,
+    Samples,
+    Square,
+    ellipsoid,
+    mean,
+    nothing,
+    reconstruct,
+)
 from postprocess.shape import Shape, trace
 from postprocess.surface import SurfaceRecovery
 from solver.gather import Fields
@@ -16,6 +24,7 @@ from solver.gather import Fields
 HERTZIAN = 0.02  # largest deviation of the fourth moments from those of a semi-ellipsoid, and ...
 ELLIPTIC = 0.01  # ... that up to which nothing but Hertz's ellipsoid is read
 PEAK_RADIUS = 0.6  # of the semi-axes: where p^2 is fitted for the largest pressure
+READ = ("a", "b", "area", "max_pressure")
 VARIATION = 100.0  # of the roughness, either way: how far readings differ
 
 
@@ -171,19 +180,23 @@ def _reading(part: Part, frame: Frame, facets: Array) -> _Reading:
     fourth moments are between ELLIPTIC and HERTZIAN off, of their mean."""
     fields, found = part.fields, moments(part.fields, frame)
     given = samples(fields, frame, facets)
+    share = freedom(found.shape_error)
+    square, scatter = _free(given) if share > 0 else (nothing(given), dict.fromkeys(READ, 0.0))
+    if share < 1:
+        peak = largest_pressure(fields, frame, found)
+        ellipse = ellipsoid(square, found.centre, (found.a, found.b), peak)
+        square = mean(square, ellipse, share)
+        other = _other_ellipse(found, peak)
+        scatter = {key: share * scatter[key] + (1 - share) * other[key] for key in READ}
+    return _Reading(frame, square, trace(square), scatter)
+
+
+def _free(given: Samples) -> tuple[Square, dict[str, float]]:
+    """Any shape, and how far it differs with other roughnesses."""
     stiff = reconstruct(given, VARIATION * ROUGHNESS)
     free = reconstruct(given, start=stiff)
     soft = reconstruct(given, ROUGHNESS / VARIATION, free)
-    scatter = spread(trace(free), [trace(stiff), trace(soft)])
-    share = freedom(found.shape_error)
-    if share < 1:
-        peak = largest_pressure(fields, frame, found)
-        ellipse = ellipsoid(free, found.centre, (found.a, found.b), peak)
-        mixed = share * free.coefficients + (1 - share) * ellipse.coefficients
-        other = _other_ellipse(found, peak)
-        scatter = {key: share * scatter[key] + (1 - share) * other[key] for key in scatter}
-        free = replace(free, coefficients=mixed)
-    return _Reading(frame, free, trace(free), scatter)
+    return free, spread(trace(free), [trace(stiff), trace(soft)])
 
 
 def freedom(shape_error: float) -> float:

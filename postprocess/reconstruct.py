@@ -100,15 +100,20 @@ class Square:
         return np.where(inside, values, -np.inf)
 
 
+def nothing(samples: Samples) -> Square:
+    """F = 0 in the box and splines that suit the samples."""
+    knots = _knots(samples)
+    powers = np.arange(0.0, 1 if samples.line else DEGREE + 1, 2 if samples.even else 1)
+    return Square(_box(samples), knots, np.zeros((len(powers), len(knots) - 4)), powers)
+
+
 def reconstruct(
     samples: Samples, roughness: float = ROUGHNESS, start: Square | None = None
 ) -> Square:
     """Minimise the functional above by Levenberg and Marquardt's method, from Hertz's ellipsoid or
     from the result with another roughness."""
-    box, knots = _box(samples), _knots(samples)
-    (x0, x1), (s0, s1) = box
-    middle, half = (x0 + x1) / 2, (x1 - x0) / 2
-    powers = np.arange(0.0, 1 if samples.line else DEGREE + 1, 2 if samples.even else 1)
+    like = nothing(samples)
+    knots, powers, middle, half = like.knots, like.powers, like.middle, like.half
     n, top = len(knots) - 4, float(samples.pressure.max())
 
     inner = knots[3:-3]
@@ -136,7 +141,6 @@ def reconstruct(
         volume = cell @ (np.maximum(field(c), 0.0) ** 1.5).sum(axis=1)
         return float(2 / 3 * volume - moments @ c + 0.5 * c @ penalty @ c)
 
-    like = Square(box, knots, np.zeros((len(powers), n)), powers)
     c = _start(samples, like) if start is None else start.coefficients.ravel() / top**2
     best, damping = value(c), DAMPING
     for _ in range(NEWTON_STEPS):
@@ -232,6 +236,12 @@ def ellipsoid(
         for row, power in enumerate(like.powers[like.powers < 3]):
             c[row] -= along.coef[int(power)]
     return replace(like, coefficients=peak**2 * c)
+
+
+def mean(one: Square, other: Square, share: float) -> Square:
+    """share of the first and the rest of the second, in the same splines."""
+    mixed = share * one.coefficients + (1 - share) * other.coefficients
+    return replace(one, coefficients=mixed)
 
 
 def _start(samples: Samples, like: Square) -> Array:

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from postprocess.findings import Array, AxisPressure, Frame, Patch, Surface
-from postprocess.patch import PEAK_RADIUS, VARIATION, Moments, freedom, spread
-from postprocess.reconstruct import ROUGHNESS, Samples, Square, ellipsoid, reconstruct
+from postprocess.patch import PEAK_RADIUS, READ, VARIATION, Moments, freedom, spread
+from postprocess.reconstruct import (
+    ROUGHNESS,
+    Samples,
+    Square,
+    ellipsoid,
+    mean,
+    nothing,
+    reconstruct,
+)
 from postprocess.shape import Shape
 from postprocess.surface import SurfaceRecovery
 from solver.gather import Fields
@@ -65,21 +71,21 @@ def read(fields: Fields, frame: Frame) -> tuple[Patch, Surface, Moments, Array]:
     revolved, length = fields.kinematics.revolved, fields.kinematics.thickness
     found = moments(fields, frame)
     given = samples(fields, frame)
-    stiff = reconstruct(given, VARIATION * ROUGHNESS)
-    square = reconstruct(given, start=stiff)
-    soft = reconstruct(given, ROUGHNESS / VARIATION, square)
-    scatter = spread(_shape(square, fields), [_shape(stiff, fields), _shape(soft, fields)])
     share = freedom(found.shape_error)
+    square, scatter = nothing(given), dict.fromkeys(READ, 0.0)
+    if share > 0:
+        stiff = reconstruct(given, VARIATION * ROUGHNESS)
+        square = reconstruct(given, start=stiff)
+        soft = reconstruct(given, ROUGHNESS / VARIATION, square)
+        scatter = spread(_shape(square, fields), [_shape(stiff, fields), _shape(soft, fields)])
     if share < 1:
         t = frame.local(contact.points)[:, axis] - found.centre[axis]
         even = bool(fields.mirrors)
         peak = largest_pressure(t, contact.pressure, contact.weights, found.a, even=even)
-        half = (1.0, found.a)
-        ellipse = ellipsoid(square, (0.0, found.centre[axis]), half, peak)
-        mixed = share * square.coefficients + (1 - share) * ellipse.coefficients
-        square = replace(square, coefficients=mixed)
+        ellipse = ellipsoid(square, (0.0, found.centre[axis]), (1.0, found.a), peak)
+        square = mean(square, ellipse, share)
         other = _other_reading(found, peak, fields)
-        scatter = {key: share * scatter[key] + (1 - share) * other[key] for key in scatter}
+        scatter = {key: share * scatter[key] + (1 - share) * other[key] for key in READ}
     shape = _shape(square, fields)
     outlines = _outlines(_spans(square), axis, None if revolved else length)
     patch = Patch(
