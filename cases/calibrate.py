@@ -20,7 +20,7 @@ from railhead.scene import Scene
 
 STUDY = "error laws by family, from random scenes of known answer"
 SEED = 1
-SCENES = 16
+SCENES = 12
 HEADROOM = 1.1  # the envelope over the largest error that was seen
 ORDERS = (0.5, 3.0)  # of convergence that are believed
 LEAST = 1e-6  # relative; below it an error is rounding
