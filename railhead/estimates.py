@@ -188,6 +188,15 @@ def flat(result: Mapping[str, Any]) -> dict[str, float]:
     return values
 
 
+def resolved(level: Level) -> dict[str, float]:
+    """The quantities of a mesh that it can tell: a largest shear stress within one element of the
+    surface has no depth."""
+    values = flat(level.result or {})
+    if values.get("tau_max_depth_mm", math.inf) < level.grading.size:
+        del values["tau_max_depth_mm"]
+    return values
+
+
 def scales(found: Findings, result: Mapping[str, Any]) -> dict[str, float]:
     """What the error of a quantity is in proportion to, where that differs from scene to scene:
     the depth of the largest shear stress is as uncertain as its peak is flat."""
@@ -276,9 +285,9 @@ def estimate(levels: Sequence[Level]) -> tuple[dict[str, Estimate], str]:
     if level.result is None or level.findings is None or not level.solution.newton.converged:
         return {}, "no solution"
     solved = [
-        (each.resolution, flat(each.result), reading(each.findings))
+        (each.resolution, resolved(each), reading(each.findings))
         for each in levels
-        if each.result is not None and each.findings is not None
+        if each.findings is not None
     ]
     known = family(level.setting)
     parts, source = mesh_parts(solved, known, scales(level.findings, level.result))
