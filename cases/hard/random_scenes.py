@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 import numpy as np
 
 from railhead import plan as planning
 from railhead.scene import Scene, SceneError
+
+FINE = 2 / 3  # of the default resolution: the cheapest that the checks let pass with some room
+MOST = 40_000  # predicted unknowns
 
 
 class Source(Protocol):
@@ -104,17 +108,15 @@ def plans(given: Scene) -> planning.Plan | None:
     return made
 
 
-def runnable(count: int, seed: int, most: int = 40_000) -> list[Scene]:
-    """The first `count` scenes that the plan accepts with at most so many predicted unknowns at
-    three elements (linear cells: six) per semi-axis."""
-    found: list[Scene] = []
-    while len(found) < count:
-        given = scene(Seeded(seed))
-        seed += 1
-        made = plans(given)
+def runnable(seed: int, fits: Callable[[Scene], bool], most: int = MOST) -> Scene:
+    """The first scene from a seed on that fits and that the plan accepts with at most so many
+    predicted unknowns at FINE of the default resolution, which it is given."""
+    for drawn in itertools.count(seed):
+        given = scene(Seeded(drawn))
+        made = plans(given) if fits(given) else None
         if made is None:
             continue
-        coarse = made.at_resolution(made.default_resolution / 2)
+        coarse = made.at_resolution(FINE * made.default_resolution)
         if coarse.unknowns <= most:
-            found.append(given.replace([f"mesh.patch_size={coarse.patch_size!r}"]))
-    return found
+            return given.replace([f"mesh.patch_size={coarse.patch_size!r}"])
+    raise AssertionError
