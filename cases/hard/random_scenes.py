@@ -93,6 +93,36 @@ def scene(source: Source) -> Scene:
     )
 
 
+def wild(source: Source) -> Scene:
+    """One of them with up to two keys that few people touch. Raises SceneError where they do not go
+    together."""
+
+    def number(key: str, low: float, high: float) -> str:
+        return f"{key}={source.number(low, high)!r}"
+
+    def decades(key: str, low: float, high: float) -> str:
+        return f"{key}={10 ** source.number(low, high)!r}"
+
+    given = scene(source)
+    makes = (
+        lambda: decades("solver.gamma_factor", -3, 4),
+        lambda: f"mesh.order={source.choice([1, 2])}",
+        lambda: number("rail.poisson_ratio", 0.45, 0.4999),
+        lambda: number("wheel.poisson_ratio", 0.45, 0.4999),
+        lambda: decades("approach", -4, -1),
+        lambda: number("wheelset.yaw", -0.02, 0.02),
+        lambda: "rail.gauge=1435",
+        lambda: decades("wheel.width", 0.5, 2),
+        lambda: decades("wheel.rim_depth", 0.3, 1.7),
+        lambda: decades("rail.length", 1, 3),
+        lambda: f"solver.linear={source.choice(['direct', 'multigrid'])}",
+        lambda: f"solver.max_newton={source.choice([2, 5, 100])}",
+        lambda: "rail.crown_radius=inf" if given.rail.profile == "arc" else "wheelset.shift=0",
+        lambda: "friction.coefficient=0.3",
+    )
+    return given.replace([source.choice(makes)() for _ in range(source.choice([0, 1, 2]))])
+
+
 def plans(given: Scene) -> planning.Plan | None:
     """The plan, None where it refuses the pair in one line; raises ValueError for a plan with
     numbers that are not finite."""
