@@ -20,7 +20,7 @@ from railhead.scene import Scene
 
 STUDY = "error laws by family, from random scenes of known answer"
 SEED = 1
-SCENES = 16
+SCENES = 12
 HEADROOM = 1.1  # the envelope over the largest error that was seen
 ORDERS = (0.5, 3.0)  # of convergence that are believed
 LEAST = 1e-6  # relative; below it an error is rounding
@@ -51,7 +51,7 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Recor
         if level is None or level.findings is None or not level.solution.newton.converged:
             continue
         exact = exact or families.truth(name, scene, level)
-        found, scatter = estimates.flat(level.result or {}), level.findings.patch.scatter
+        found, scatter = estimates.flat(level.result or {}), estimates.reading(level.findings)
         scale = estimates.scales(level.findings, level.result or {})
         penalty = scene.solver.method == "penalty"
         overlap = abs(level.solution.penetration / level.solution.approach) if penalty else 0.0

@@ -154,7 +154,7 @@ def profiles(rng: np.random.Generator) -> list[str]:
 
 
 RECIPES = {
-    "ellipse": Recipe(lambda rng: ellipse(rng) + materials(rng), {}, (3.0, 5.0, 8.0, 11.0)),
+    "ellipse": Recipe(lambda rng: ellipse(rng) + materials(rng), {}, (3.0, 5.0, 8.0)),
     "penalty": Recipe(
         law("penalty", [None]),
         {"method": ["penalty"], "theta": [None], "gamma_factor": [0.1, 10.0]},

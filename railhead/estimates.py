@@ -46,6 +46,7 @@ QUANTITIES = {
     "von_mises_max_MPa": ("stress", "von_mises_max_MPa"),
 }
 """Reported quantities that carry an estimate, and their place under "result" in summary.json."""
+READ = {"a_mm": "a", "b_mm": "b", "area_mm2": "area", "max_MPa": "max_pressure"}
 LAWS = Path(__file__).with_name("data") / "laws.json"
 
 
@@ -197,6 +198,11 @@ def scales(found: Findings, result: Mapping[str, Any]) -> dict[str, float]:
     }
 
 
+def reading(found: Findings) -> dict[str, float]:
+    """What two ways of reading the same solution differ by, relative, by quantity."""
+    return {name: found.patch.scatter[key] for name, key in READ.items()}
+
+
 def mesh_parts(
     levels: Sequence[tuple[float, Mapping[str, float]]],
     known: Family | None,
@@ -272,7 +278,7 @@ def estimate(levels: Sequence[Level]) -> tuple[dict[str, Estimate], str]:
     overlap = 0.0
     if level.plan.scene.solver.method == "penalty":
         overlap = abs(level.solution.penetration / level.solution.approach)
-    scatter = level.findings.patch.scatter
+    scatter = reading(level.findings)
     return {
         name: Estimate(
             mesh,

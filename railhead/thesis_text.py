@@ -19,8 +19,10 @@ A. Negash, *Analysis of Wheel/Rail Contact Geometry and Applied Load Conditions 
 Surface*, M.Sc. thesis, Addis Ababa University, 2012: wheel R 420, rail UIC54, 25 kN, with Hertz's
 formulas, ANSYS SOLID185 and MATLAB. Each of 89 statements and equations is held against exact
 theory, the real profiles and our finite elements. The verdicts are computed from the checks in the
-tables at the end; the remarks are typed. The reference is an independent reading of the thesis; it
-was known when the checks were chosen, so that agreement says that numbers bear it out, no more.
+tables at the end: a number must agree with exact theory, and with finite elements where there are
+any (to 1 % more, as real bodies are no half-spaces). Why a claim is not computable, and the
+remarks, are typed. The reference is an independent reading of the thesis; it was known when the
+checks were chosen, so that agreement says that numbers bear it out, no more.
 Made by `railhead study thesis`."""
 
 CIRCLE_SHAKEDOWN = 4.7  # p0/k, circular patch

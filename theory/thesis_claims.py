@@ -1,6 +1,7 @@
 """Statements of the thesis, checks of them, and the rule that turns checks into a verdict.
 
-A rule computes the checks of one claim; the verdict follows from their grades and is never typed.
+A rule computes the checks of one claim; the verdict follows from their grades. Where a claim cannot
+be computed, why is typed.
 """
 
 import csv
@@ -18,6 +19,7 @@ from theory.thesis import ThesisContact
 
 EXACT = 1e-3  # relative difference that passes as rounding
 CLOSE = 2e-2  # relative difference of an approximation
+SOLVED = 1e-2  # more that a number may differ from finite elements: their bodies are no half-spaces
 CLOSE_CURVE = 0.1  # the same of a drawn curve, relative to the pressure
 
 
@@ -152,19 +154,22 @@ class Rules(dict[int, Callable[[Facts], Finding]]):
 def number(
     what: str, thesis: float | str, exact: float, unit: str = "", ours: float | None = None
 ) -> Check:
-    """A number; given as printed (a string), half a unit of its last digit passes as well."""
+    """A number; given as printed (a string), half a unit of its last digit passes as well. Where
+    there are finite elements (ours), both must bear it out: the worse grade counts."""
     value = float(thesis)
     grade = grade_number(value, exact)
     if isinstance(thesis, str) and abs(value - exact) <= half_last_digit(thesis):
         grade = Grade.HOLDS
+    if ours is not None:
+        grade = min(grade, grade_number(value, ours, SOLVED))
     return Check(what, value, exact, grade, unit, ours)
 
 
-def grade_number(value: float, exact: float) -> Grade:
-    """HOLDS within EXACT of the exact value, CLOSE within CLOSE of it."""
-    if math.isclose(value, exact, rel_tol=EXACT, abs_tol=1e-12):
+def grade_number(value: float, exact: float, more: float = 0.0) -> Grade:
+    """HOLDS within EXACT (and `more`) of the exact value, CLOSE within CLOSE (and `more`) of it."""
+    if math.isclose(value, exact, rel_tol=EXACT + more, abs_tol=1e-12):
         return Grade.HOLDS
-    return Grade.CLOSE if math.isclose(value, exact, rel_tol=CLOSE) else Grade.FAILS
+    return Grade.CLOSE if math.isclose(value, exact, rel_tol=CLOSE + more) else Grade.FAILS
 
 
 def half_last_digit(printed: str) -> float:

@@ -89,3 +89,10 @@ def test_all_claims_are_read_in_order() -> None:
     assert [claim.id for claim in claims] == list(range(1, 90))
     assert {claim.chapter for claim in claims} == {"1", "2", "3", "4", "5", "6", "7", "all"}
     assert (claims[52].claim, claims[52].printed) == ("a", "4.34 mm")
+
+
+@pytest.mark.parametrize(
+    ("ours", "grade"), [(None, H), (1.0, H), (1.01, H), (0.985, C), (1.029, C), (0.96, F), (2.0, F)]
+)
+def test_finite_elements_can_overturn_a_number(ours, grade) -> None:
+    assert number("x", 1.0, 1.0, ours=ours).grade == grade
