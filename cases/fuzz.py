@@ -27,8 +27,9 @@ def main(out: Path, *, quick: bool) -> None:
         lost = Fuzzed(seed, kind, "run", None, attempt.fault, "", "", None, None, attempt.fault)
         found.append(attempt.found or lost)
         seconds.append(attempt.seconds)
-        if found[-1].fault:
-            print(f"{found[-1].kind}, seed {seed}: {found[-1].fault}", file=sys.stderr)
+        ended = found[-1].fault or f"status {found[-1].status}"
+        print(f"{len(found)} of {len(jobs)}: {found[-1].kind}, seed {seed}: {ended}",
+              file=sys.stderr)  # fmt: skip
     studies.write_csv(out / "fuzz.csv", found)
     (out / studies.PAGE).write_text(page(found, seconds), encoding="utf-8")
 
