@@ -1,5 +1,5 @@
 .PHONY: run test setup lint docs
-STUDIES = accuracy-cost error-bounds load-sweep scaling thesis effects hard-cases
+STUDIES = accuracy-cost error-bounds load-sweep scaling thesis effects hard-cases fuzz
 
 run: setup
 	.venv/bin/railhead run uic54_thesis

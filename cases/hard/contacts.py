@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.hard import blocks
-from cases.hard.case import Measured
+from cases.hard.case import Deviation, Measured
 from meshing.mesh import ContactMesh
 from meshing.surfaces import ParabolicGap
 from postprocess import read
 from postprocess.findings import Findings, Frame
+from railhead.checks import BALANCE, NOISE
 from solver.contact import ContactModel, Solution
 from solver.elasticity import Material
 from solver.gather import Fields, gather
@@ -24,7 +25,8 @@ from solver.setup import Setup
 Array = NDArray[np.float64]
 Start = Callable[[ContactModel], NDArray[np.bool_]]
 LOAD = 3000.0
-EXACTLY = 1e-8  # what an invariance may be off by
+EXACTLY = 1e-8  # what an invariance may be off by: the tolerance of Newton's method
+SOLUTION = "pressure, approach"
 
 
 def near(radius: float = 3.0) -> Start:
@@ -62,17 +64,25 @@ class Solved:
         """What is read out of it."""
         return read.findings(self.fields(), Frame((0.0, 0.0, 0.0), 0.0))
 
-    def measured(self, deviation: float, findings: Findings | None = None) -> Measured:
-        """The deviation with the costs."""
-        newton = self.solution.newton
+    @property
+    def failed(self) -> tuple[str, ...]:
+        """Checks that a solution without a scene can fail, as `railhead.checks` names them."""
+        failed = [] if self.solution.newton.converged else ["converged"]
+        return (*failed, *([] if self.balance < BALANCE else ["force_balance"]))
+
+    def measured(
+        self, deviation: float, limit: float, name: str, findings: Findings | None = None
+    ) -> Measured:
+        """The deviation of what is named, its limit, the failed checks and the costs."""
+        history = self.solution.newton.history
+        noise = None if findings is None else findings.noise
+        rough = noise is not None and not noise <= NOISE
         return Measured(
-            deviation,
-            self.balance,
-            newton.converged,
-            len(newton.history),
-            sum(step.linear_iterations for step in newton.history),
-            None if findings is None else findings.noise,
-            "" if newton.converged else newton.reason,
+            {name: Deviation(deviation, limit)},
+            (*self.failed, *(["pressure_noise"] if rough else [])),
+            len(history),
+            sum(step.linear_iterations for step in history),
+            noise,
         )
 
 
@@ -105,7 +115,8 @@ def start_from(start: Start, distance: float = 0.0, **changes: Any) -> Measured:
     good = solve(made, setup, near())
     bad = solve(made, replace(setup, gap=offset(distance, setup.gap)), start)
     shifted = replace(bad.solution, approach=bad.solution.approach - distance)
-    return bad.measured(differ(shifted, good.solution, good.solution.approach))
+    deviation = differ(shifted, good.solution, good.solution.approach)
+    return bad.measured(deviation, EXACTLY, SOLUTION)
 
 
 def transformed(matrix: Array, length: float = 1.0, stress: float = 1.0) -> Measured:
@@ -140,7 +151,8 @@ def transformed(matrix: Array, length: float = 1.0, stress: float = 1.0) -> Meas
         pressure=found.solution.pressure / stress,
         approach=found.solution.approach / length,
     )
-    return found.measured(differ(solution, good.solution, good.solution.approach))
+    deviation = differ(solution, good.solution, good.solution.approach)
+    return found.measured(deviation, EXACTLY, SOLUTION)
 
 
 def path(loads: list[float]) -> Measured:
@@ -154,16 +166,17 @@ def path(loads: list[float]) -> Measured:
         steps.append(Solved(stepping.model, stepping.model.solve(load=load, active=active), load))
     fresh = solve(made, setup, near(), loads[-1]).solution
     worst = max(steps, key=lambda step: len(step.solution.newton.history))
-    found = steps[-1].measured(differ(steps[-1].solution, fresh, fresh.approach))
+    deviation = differ(steps[-1].solution, fresh, fresh.approach)
     return replace(
-        found,
+        steps[-1].measured(deviation, EXACTLY, SOLUTION),
         newton=len(worst.solution.newton.history),
-        converged=all(step.solution.newton.converged for step in steps),
-        balance=max(step.balance for step in steps),
+        failed=tuple(dict.fromkeys(name for step in steps for name in step.failed)),
     )
 
 
-def against_matched(h: float, ratio: float, fine: float = 0.7, **changes: Any) -> Measured:
+def against_matched(
+    h: float, ratio: float, limit: float, fine: float = 0.7, **changes: Any
+) -> Measured:
     """Meshes of sizes h and ratio * h: approach and largest pressure of a matched mesh of size
     `fine` (mm) are the reference."""
     found = solve(*blocks.two_blocks(h=h, ratio=ratio, **changes), near())
@@ -174,11 +187,11 @@ def against_matched(h: float, ratio: float, fine: float = 0.7, **changes: Any) -
             abs(found.solution.approach / reference.solution.approach - 1),
             abs(findings.patch.max_pressure / exact.patch.max_pressure - 1),
         ),
-        findings,
-    )
+        limit, "max_MPa, approach_mm", findings,
+    )  # fmt: skip
 
 
-def slivers(quality: float, count: int) -> Measured:
+def slivers(quality: float, count: int, limit: float) -> Measured:
     """`count` cells at the contact face squashed to a scaled Jacobian: the regular mesh is the
     reference for approach and largest pressure."""
     made, setup = blocks.two_blocks(h=1.0)
@@ -190,10 +203,13 @@ def slivers(quality: float, count: int) -> Measured:
         abs(found.solution.approach / good.solution.approach - 1),
         abs(findings.patch.max_pressure / good.findings().patch.max_pressure - 1),
     )
-    return replace(found.measured(deviation, findings), remark=f"{squashed} cells squashed")
+    measured = found.measured(deviation, limit, "max_MPa, approach_mm", findings)
+    if squashed < count:
+        measured = replace(measured, deviations={})
+    return replace(measured, remark=f"{squashed} cells squashed")
 
 
-def two_patches(height: float, h: float, fine: float) -> Measured:
+def two_patches(height: float, h: float, fine: float, limit: float) -> Measured:
     """Two bumps at y = -6 and 6 mm, the second lower by `height` mm; a finer mesh is the
     reference for the approach and for the load's share on the first."""
 
@@ -215,10 +231,13 @@ def two_patches(height: float, h: float, fine: float) -> Measured:
     deviation = max(
         abs(one.solution.approach / two.solution.approach - 1), abs(share(one) / share(two) - 1)
     )
-    return replace(one.measured(deviation), remark=f"{share(one):.0%} on the first")
+    measured = one.measured(deviation, limit, "approach_mm, share of the load")
+    return replace(measured, remark=f"{share(one):.0%} on the first")
 
 
-def line_contact(cell: str, h: float, half_widths: list[float], radius: float = 500.0) -> Measured:
+def line_contact(
+    cell: str, h: float, half_widths: list[float], limit: float, radius: float = 500.0
+) -> Measured:
     """A cylinder on a plane, nu = 0 (plane strain and free ends are the same): half-width and mean
     pressure within half of it against Hertz's line contact for each half-width (mm).
 
@@ -236,22 +255,22 @@ def line_contact(cell: str, h: float, half_widths: list[float], radius: float = 
         materials=(soft, soft),
         gap=ParabolicGap(0.0, 1 / radius, 1),
     )
-    model, worst = None, None
+    model, found = None, []
     for b in half_widths:
         per_length = np.pi * 0.5 * soft.young_modulus * b**2 / (4 * radius)
         load = float(per_length * 4.0 * h)
         if model is None:
             model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
         y, w = model.interface.points[:, 1], model.interface.weights
-        found = Solved(model, model.solve(load=load, active=y < b), load)
-        p = found.solution.pressure
+        solved = Solved(model, model.solve(load=load, active=y < b), load)
+        p = solved.solution.pressure
         half = y < 0.5 * b
         exact = 2 * per_length / (np.pi * b) * np.sqrt(1 - (y[half] / b) ** 2)
         deviation = max(
             abs(2 * float(np.sqrt(w @ (p * y**2) / (w @ p))) / b - 1),
             abs(float(w[half] @ p[half]) / float(w[half] @ exact) - 1),
         )
-        measured = found.measured(deviation)
-        worst = measured if worst is None or deviation > worst.deviation else worst
-    assert worst is not None
-    return worst
+        found.append((deviation, solved))
+    deviation, worst = max(found, key=lambda each: each[0])
+    failed = tuple(dict.fromkeys(name for _, solved in found for name in solved.failed))
+    return replace(worst.measured(deviation, limit, "b_mm, pressure"), failed=failed)
