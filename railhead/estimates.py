@@ -125,12 +125,13 @@ class Family:
         )
 
     def reaches(self, accuracy: float) -> bool:
-        """Whether a resolution within RANGE is expected to meet the accuracy."""
-        return self.expected(RANGE[1]) <= AIM * accuracy
+        """Whether a resolution that the laws cover is expected to meet the accuracy."""
+        return self.expected(STEP * self.resolution[1]) <= AIM * accuracy
 
     def finest(self, accuracy: float) -> float:
-        """Elements per semi-axis at which all quantities meet the accuracy, within RANGE."""
-        low, high = max(RANGE[0], self.resolution[0]), RANGE[1]
+        """Elements per semi-axis at which all quantities meet the accuracy, as far as the laws
+        go."""
+        low, high = self.resolution[0], STEP * self.resolution[1]
         target = AIM * accuracy
         if not self.reaches(accuracy):
             return high
