@@ -52,7 +52,8 @@ def share(plan: Plan) -> float:
 
     from railhead import build
 
-    model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
+    mesh = build.generate(plan, plan.grading(), MPI.COMM_WORLD)  # holds the model's communicator
+    model = build.model(plan, mesh)
     unknowns = model.unknowns
     model.release()
     return unknowns / plan.unknowns

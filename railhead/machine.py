@@ -7,7 +7,8 @@ import os
 import platform
 from pathlib import Path
 
-REFERENCE = 55e-6  # seconds an unknown on two shared cores of 2026: mesh to findings
+REFERENCE = 55e-6  # seconds an unknown on two shared cores of 2026: mesh to findings ...
+REFERENCE_SIZE = 27_000  # ... of so many; of more of them each takes longer
 START = 1.3  # seconds to import everything there
 BYTES_PER_UNKNOWN = 9_000
 BASE_BYTES = 300_000_000
@@ -56,7 +57,8 @@ def measure() -> float:
 
 def seconds(unknowns: int) -> float:
     """Predicted for one mesh, imports not included."""
-    return REFERENCE * unknowns * speed()
+    growth = max(1.0, unknowns / REFERENCE_SIZE) ** (1 / 3)
+    return REFERENCE * unknowns * growth * speed()
 
 
 def memory(unknowns: int) -> int:
