@@ -51,7 +51,8 @@ def moments(fields: Fields, frame: Frame) -> Moments:
 
 
 def largest_pressure(t: Array, pressure: Array, weights: Array, w: float, *, even: bool) -> float:
-    """Peak of a parabola fitted to p^2 near t = 0 (mm); Hertz's p^2 is one exactly."""
+    """Peak of a parabola fitted to p^2 near t = 0 (mm); Hertz's p^2 is one exactly. Where it has
+    none, the largest of its values there."""
     near = (np.abs(t) < PEAK_RADIUS * w) & (pressure > 0)
     if near.sum() < 6:
         return float(pressure.max())
@@ -59,7 +60,9 @@ def largest_pressure(t: Array, pressure: Array, weights: Array, w: float, *, eve
     basis = np.column_stack([np.ones_like(x), x**2] + ([] if even else [x]))
     root = np.sqrt(weights[near])
     c = np.linalg.lstsq(basis * root[:, None], pressure[near] ** 2 * root, rcond=None)[0]
-    top = 0.0 if even or c[1] >= 0 else float(np.clip(-c[2] / (2 * c[1]), -1, 1) * PEAK_RADIUS)
+    if c[1] >= 0:
+        return float(np.sqrt(np.max(basis @ c)))
+    top = 0.0 if even else float(np.clip(-c[2] / (2 * c[1]), -PEAK_RADIUS, PEAK_RADIUS))
     shift = 0.0 if even else c[2] * top
     return float(np.sqrt(c[0] + c[1] * top**2 + shift))
 

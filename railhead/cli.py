@@ -10,11 +10,10 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from railhead import __version__, catalogue
+from railhead import __version__, catalogue, ending
 from railhead.scene import Scene, SceneError
 
 SOLVED, CHECK_FAILED, WRONG_INPUT = 0, 1, 2
-TERMINATED = 128 + signal.SIGTERM
 
 _set = click.option(
     "--set", "assignments", multiple=True, metavar="KEY=VALUE", help="Change a key of the scene."
@@ -208,29 +207,30 @@ def _run(scene: Scene, out: Path | None, *, pictures: bool, quiet: bool, as_json
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command; exits with 0 (solved), 1 (a check failed, or the files could not be
-    written) or 2 (wrong input)."""
-    signal.signal(signal.SIGTERM, _terminated)
+    written), 2 (wrong input) or 128 + number (a signal)."""
+    with ending.prompt():
+        sys.exit(_status(arguments))
+
+
+def _status(arguments: Sequence[str] | None) -> int:
     try:
-        status = railhead.main(arguments, prog_name="railhead", standalone_mode=False)
+        return int(railhead.main(arguments, prog_name="railhead", standalone_mode=False) or SOLVED)
     except SceneError as error:
-        status = _refuse(str(error))
+        return _refuse(str(error))
     except click.exceptions.NoArgsIsHelpError as error:
         click.echo(error.format_message())
-        status = WRONG_INPUT
+        return WRONG_INPUT
     except click.ClickException as error:
-        status = _refuse(error.format_message())
-    except (click.Abort, KeyboardInterrupt):
-        status = 130
+        return _refuse(error.format_message())
     except OSError as error:
-        status = _not_written(error)
+        return _not_written(error)
     except Exception as error:
         from meshing.mesh import MeshError
 
         if not isinstance(error, MeshError):
             raise
         click.echo(f"railhead: NOT MESHED: {error}", err=True)
-        status = CHECK_FAILED
-    sys.exit(status or SOLVED)
+        return CHECK_FAILED
 
 
 def _refuse(text: str) -> int:
@@ -242,10 +242,6 @@ def _not_written(error: OSError) -> int:
     where = f"{error.filename}: " if error.filename else ""
     click.echo(f"railhead: NOT WRITTEN: {where}{error.strerror or error}", err=True)
     return CHECK_FAILED
-
-
-def _terminated(*_: object) -> None:
-    raise SystemExit(TERMINATED)
 
 
 def run_case(scene: Scene) -> None:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import time
+from contextlib import ExitStack
 from types import TracebackType
 from typing import Self
 
 from rich.console import Console
+
+from railhead import ending
 
 
 class Progress:
@@ -17,10 +20,12 @@ class Progress:
         self._live = self._console.is_terminal and not quiet
         self._status = self._console.status("")
         self._stage, self._start = "", time.perf_counter()
+        self._running = ExitStack()
 
     def __enter__(self) -> Self:
         if self._live:
             self._status.start()
+        self._running.enter_context(ending.undoing(self._status.stop))
         return self
 
     def __exit__(
@@ -29,6 +34,7 @@ class Progress:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        self._running.close()
         self._status.stop()
 
     def _say(self, text: str) -> None:

@@ -15,6 +15,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from railhead import ending
 from railhead.scene import SceneError
 from railhead.scene_io import to_toml
 
@@ -96,36 +97,42 @@ def replacing(folder: Path) -> Iterator[Path]:
     folder = folder.resolve()
     folder.parent.mkdir(parents=True, exist_ok=True)
     work = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
-    try:
-        yield work
-        names = "".join(f"{name}\n" for name in sorted(os.listdir(work)))
-        (work / MANIFEST).write_text(names, encoding="utf-8")
-        with _undisturbed():
-            work.chmod(0o755)
-            try:
-                os.rename(work, folder)
-            except OSError:
-                if not folder.is_dir():
-                    raise
-                _exchange(work, folder)
-                for name in foreign(work):
-                    os.rename(work / name, folder / name)
-    finally:
-        with _undisturbed():
-            shutil.rmtree(work, ignore_errors=True)
+
+    def remove() -> None:
+        shutil.rmtree(work, ignore_errors=True)
+
+    with ending.undoing(remove):
+        try:
+            yield work
+            names = "".join(f"{name}\n" for name in sorted(os.listdir(work)))
+            (work / MANIFEST).write_text(names, encoding="utf-8")
+            with _undisturbed():
+                work.chmod(0o755)
+                try:
+                    os.rename(work, folder)
+                except OSError:
+                    if not folder.is_dir():
+                        raise
+                    _exchange(work, folder)
+                    for name in foreign(work):
+                        os.rename(work / name, folder / name)
+        finally:
+            with _undisturbed():
+                remove()
 
 
 @contextmanager
 def _undisturbed() -> Iterator[None]:
-    """Ignore termination signals for a moment; they reach the main thread only."""
+    """Ignore signals that end the process for a moment; they reach the main thread only."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    handler = signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    before = {number: signal.signal(number, signal.SIG_IGN) for number in ending.SIGNALS}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, handler)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _exchange(one: Path, other: Path) -> None:

@@ -77,7 +77,7 @@ class Scene(Section):
 
     name: Annotated[str, BeforeValidator(_name)] = "scene"
     load: units.Force | None = None
-    approach: units.PositiveLength | None = None
+    approach: units.Approach | None = None
     accuracy: units.Accuracy | None = None
     budget: units.Duration | None = None
     rail: Rail = Rail()

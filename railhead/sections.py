@@ -112,9 +112,9 @@ class Rail(Section):
     inclination: units.Slope = 0.0
     gauge: units.Gauge | None = None
     extent: Literal["head", "section", "half-space"] = "head"
-    length: units.PositiveLength | None = None
-    depth: units.PositiveLength | None = None
-    width: units.PositiveLength | None = None
+    length: units.BodyLength | None = None
+    depth: units.BodyLength | None = None
+    width: units.BodyLength | None = None
     young_modulus: units.Modulus = 207000.0
     poisson_ratio: units.PoissonRatio = 0.3
     yield_stress: units.Stress | None = None
@@ -137,9 +137,9 @@ class Wheel(Section):
     profile: Annotated[str, _profile("cylinder", "cone20", "cone40", "arc", "S1002")] = "cylinder"
     rolling_radius: units.Radius = 420.0
     transverse_radius: units.SignedRadius | None = None
-    width: units.PositiveLength | None = None
-    rim_depth: units.PositiveLength | None = None
-    segment_length: units.PositiveLength | None = None
+    width: units.BodyLength | None = None
+    rim_depth: units.BodyLength | None = None
+    segment_length: units.BodyLength | None = None
     young_modulus: units.Modulus = 207000.0
     poisson_ratio: units.PoissonRatio = 0.3
     yield_stress: units.Stress | None = None
@@ -185,7 +185,7 @@ class Mesh(Section):
 
     cell: Literal["tetrahedron", "hexahedron"] = "tetrahedron"
     order: units.Order | None = None
-    patch_size: units.PositiveLength | None = None
+    patch_size: units.ElementSize | None = None
 
 
 class Friction(Section):

@@ -1,6 +1,6 @@
 """Quantities as people write them: a number in N, mm, MPa, or a string with its unit.
 
-Each quantity of a scene is an annotated number (`Force`, `PositiveLength`, ...): pydantic reads its
+Each quantity of a scene is an annotated number (`Force`, `BodyLength`, ...): pydantic reads its
 value through `to_base`, checks the range, and stores the number in the base unit.
 """
 
@@ -155,16 +155,44 @@ def _positive(value: float) -> bool:
     return 0 < value < math.inf
 
 
-def _above_zero(value: float) -> bool:
-    return value > 0
+def _between(low: float, high: float, also: float = math.nan) -> Callable[[float], bool]:
+    return lambda value: low <= value <= high or value == also
 
 
-Force = Annotated[float, quantity(FORCE, _positive, "a positive, finite force")]
+# Beyond these ranges no scene of allowed radii and moduli makes a patch of a nanometre or more, or
+# numbers overflow.
+Force = Annotated[
+    float, quantity(FORCE, _between(1e-40, 1e15), "a positive force from 1e-40 to 1e15 N")
+]
+Approach = Annotated[
+    float, quantity(LENGTH, _between(1e-21, 1e6), "a positive length from 1e-21 to 1e6 mm")
+]
+Radius = Annotated[
+    float,
+    quantity(LENGTH, _between(1e-6, 1e9, math.inf), "a length from 1e-6 to 1e9 mm; inf is flat"),
+]
+SignedRadius = Annotated[
+    float,
+    quantity(
+        LENGTH,
+        lambda v: _between(1e-6, 1e9, math.inf)(abs(v)),
+        "a length of 1e-6 to 1e9 mm; negative is concave, inf is flat",
+    ),
+]
+Modulus = Annotated[
+    float,
+    quantity(
+        STRESS, _between(1e-12, 1e15, math.inf), "a stress from 1e-12 to 1e15 MPa; inf is rigid"
+    ),
+]
+BodyLength = Annotated[
+    float, quantity(LENGTH, _between(1e-3, 1e6), "a length from 0.001 to 1e6 mm")
+]
+ElementSize = Annotated[
+    float, quantity(LENGTH, _between(1e-9, 1e6), "a length from 1e-9 to 1e6 mm")
+]
 Duration = Annotated[float, quantity(DURATION, _positive, "a positive, finite time")]
-PositiveLength = Annotated[float, quantity(LENGTH, _positive, "a positive, finite length")]
-Radius = Annotated[float, quantity(LENGTH, _above_zero, "a positive length; inf is flat")]
 Stress = Annotated[float, quantity(STRESS, _positive, "a positive, finite stress")]
-Modulus = Annotated[float, quantity(STRESS, _above_zero, "a positive stress; inf is rigid")]
 Factor = Annotated[float, quantity(NUMBER, _positive, "a positive, finite number")]
 Slope = Annotated[
     float, quantity(SLOPE, lambda v: abs(v) <= 0.2, 'a slope from -0.2 to 0.2, e.g. "1:20"')
@@ -176,9 +204,6 @@ PoissonRatio = Annotated[
 Accuracy = Annotated[
     float,
     quantity(FRACTION, lambda v: 0.0005 <= v <= 0.2, 'a fraction from 0.0005 to 0.2, e.g. "1%"'),
-]
-SignedRadius = Annotated[
-    float, quantity(LENGTH, bool, "any length but 0; negative is concave, inf is flat")
 ]
 SignedForce = Annotated[float, quantity(FORCE, math.isfinite, "a finite force")]
 FrictionCoefficient = Annotated[

@@ -127,7 +127,7 @@ def solve(
     fresh = preconditioner.suit(active)
     operator = preconditioner.problem.tangent(active)
     iterations = 0
-    ksp.setTolerances(rtol=rtol, max_it=KRYLOV_LIMIT)
+    ksp.setTolerances(rtol=rtol, atol=0.0, max_it=KRYLOV_LIMIT)
     while True:
         ksp.setPC(preconditioner.pc)
         ksp.setOperators(operator, preconditioner.operator)

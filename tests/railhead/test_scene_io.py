@@ -16,7 +16,9 @@ from railhead.scene_io import read_scene, to_toml
 reusing_the_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 number = st.floats(min_value=1e-300, max_value=1e300)
-radius = number | st.just(math.inf)
+radius = st.floats(1e-6, 1e9) | st.just(math.inf)
+modulus = st.floats(1e-12, 1e15)
+body = st.floats(1e-3, 1e6)
 ratio = st.floats(0, 0.5, exclude_max=True)
 
 
@@ -33,21 +35,24 @@ rails = table(
     {"profile": st.sampled_from(["54E1", "60E1", "UIC54", "UIC60"])},
     extent=st.sampled_from(["head", "section", "half-space"]),
     inclination=st.floats(-0.2, 0.2),
-    length=number,
-    **material(number),
+    length=body,
+    **material(modulus),
 ) | table(
     {"profile": st.just("arc"), "crown_radius": radius},
     extent=st.sampled_from(["head", "section"]),
-    **material(number),
+    **material(modulus),
 )
 wheels = table(
     {"profile": st.sampled_from(["cylinder", "cone20", "cone40"])},
-    rolling_radius=number,
-    width=number,
-    rim_depth=number,
-    segment_length=number,
-    **material(radius),
-) | table({"profile": st.just("arc"), "transverse_radius": radius}, **material(radius))
+    rolling_radius=radius,
+    width=body,
+    rim_depth=body,
+    segment_length=body,
+    **material(modulus | st.just(math.inf)),
+) | table(
+    {"profile": st.just("arc"), "transverse_radius": radius},
+    **material(modulus | st.just(math.inf)),
+)
 rest = {
     "name": st.from_regex(r"[A-Za-z0-9_-][A-Za-z0-9_.-]{0,20}", fullmatch=True),
     "accuracy": st.floats(0.0005, 0.2),
@@ -67,7 +72,7 @@ rest = {
         {},
         cell=st.sampled_from(["tetrahedron", "hexahedron"]),
         order=st.sampled_from([1, 2]),
-        patch_size=number,
+        patch_size=st.floats(1e-9, 1e6),
     ),
     "effects": table(
         {}, **dict.fromkeys(Effects.model_fields, st.sampled_from(["auto", "on", "off"]))
@@ -88,7 +93,10 @@ def size_or_accuracy(data: dict) -> dict:
 
 
 scenes = (
-    (table({"load": number}, **rest) | table({"approach": number}, **rest))
+    (
+        table({"load": st.floats(1e-40, 1e15)}, **rest)
+        | table({"approach": st.floats(1e-21, 1e6)}, **rest)
+    )
     .map(size_or_accuracy)
     .map(Scene.from_mapping)
 )

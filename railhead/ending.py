@@ -1,0 +1,68 @@
+"""SIGTERM and SIGINT end the command: cleanly where Python runs, and soon where it does not.
+
+Python's handlers wait until a call into a library returns, which takes gmsh up to half a minute.
+A thread is told of every signal at once, and ends the process where that takes too long.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+SIGNALS = (signal.SIGTERM, signal.SIGINT)
+PATIENCE = 2.0  # seconds until the thread takes over
+_undo: list[Callable[[], None]] = []
+
+
+@contextmanager
+def undoing(action: Callable[[], None]) -> Iterator[None]:
+    """A signal inside the block raises SystemExit, or calls `action` and ends the process."""
+    _undo.append(action)
+    try:
+        yield
+    finally:
+        _undo.remove(action)
+
+
+@contextmanager
+def prompt() -> Iterator[None]:
+    """Exit with 128 + number on SIGTERM and SIGINT, at once where there is nothing to undo."""
+    outer = signal.getsignal(signal.SIGTERM) is _handle
+    if outer or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    heard = [number for number in SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
+    before = {number: signal.signal(number, _handle) for number in heard}
+    told, tell = os.pipe()
+    os.set_blocking(tell, False)
+    fd = signal.set_wakeup_fd(tell, warn_on_full_buffer=False)
+    over = threading.Event()
+    threading.Thread(target=_watch, args=(told, over), daemon=True).start()
+    try:
+        yield
+    finally:
+        signal.set_wakeup_fd(fd)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        over.set()
+        os.close(tell)
+
+
+def _handle(number: int, _: object) -> None:
+    if not _undo:
+        os._exit(128 + number)
+    raise SystemExit(128 + number)
+
+
+def _watch(told: int, over: threading.Event) -> None:
+    """Wait for one of the signals, or the end of the pipe."""
+    while read := os.read(told, 1):
+        number = read[0]
+        if number in SIGNALS and not over.wait(PATIENCE):
+            for action in reversed(_undo):
+                action()
+            os._exit(128 + number)
+    os.close(told)

@@ -1,0 +1,11 @@
+"""The command's entry: signals are heard before anything heavy is imported."""
+
+from railhead.ending import prompt
+
+
+def main() -> None:
+    """Run the command; see `railhead.cli.main`."""
+    with prompt():
+        from railhead import cli
+
+        cli.main()

@@ -1,0 +1,102 @@
+"""Numbers from 1e-300 to 1e300: a solution, or one line that says what is allowed."""
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from railhead import catalogue, plan
+from railhead.scene import Scene, SceneError
+
+COMMAND = "from railhead.start import main; main()"
+BODIES = ("length", "depth", "width"), ("width", "rim_depth", "segment_length")
+EXTREMES = [10.0**n for n in (-300, -30, -12, -6, -3, 6, 9, 15, 300)]
+KEYS = [
+    "load", "approach", "mesh.patch_size", "solver.gamma_factor", "rail.crown_radius",
+    "wheel.rolling_radius", "wheel.transverse_radius", "rail.young_modulus",
+    "wheel.young_modulus", "rail.length", "rail.depth", "rail.width", "wheel.width",
+    "wheel.rim_depth", "wheel.segment_length",
+]  # fmt: skip
+CASES = ["hertz_ellipse", "sphere_on_plane", "two_cylinders", "roller_on_block", "uic54_thesis"]
+
+
+@pytest.mark.parametrize("key", KEYS)
+@pytest.mark.parametrize("case", CASES)
+def test_a_plan_is_finite_or_refused_in_one_line(case: str, key: str) -> None:
+    for value in EXTREMES:
+        try:
+            made = plan.make(catalogue.find(case).replace([f"{key}={value!r}"]))
+        except SceneError as error:
+            assert len(str(error).splitlines()) == 1
+            continue
+        numbers = [made.patch_size, made.reach, made.estimate.p0, *made.zone, made.seconds]
+        assert made.unknowns >= 0 and min(numbers) > 0 and all(map(math.isfinite, numbers))
+
+
+def run(folder: Path, *arguments: str) -> tuple[int, str]:
+    done = subprocess.run(
+        [sys.executable, "-c", COMMAND, "run", *arguments, "--no-pictures", "--quiet",
+         "--out", str(folder / "out")],
+        capture_output=True, text=True, timeout=300, check=False,
+    )  # fmt: skip
+    return done.returncode, done.stderr.strip()
+
+
+@pytest.mark.parametrize(
+    "case, assignment, words",
+    [
+        ("uic54_thesis", "load=1e-300", "give a positive force from 1e-40 to 1e15 N"),
+        ("uic54_thesis", "load=1e-39", "give a larger one, half lengths below"),
+        ("uic54_thesis", "load=1e-10", "give a larger one, half lengths below"),
+        ("long_roller", "load=1e-6", "give a larger one, half lengths below"),
+        ("sphere_on_plane", "load=1e-20", "give a larger one, half lengths below 1e-06 mm"),
+        ("sphere_on_plane", "approach=1e-20", "give a larger one"),
+        ("sphere_on_plane", "approach=1e300", "give a positive length from 1e-21"),
+        ("sphere_on_plane", "wheel.young_modulus=1e300", "from 1e-12 to 1e15 MPa"),
+        ("sphere_on_plane", "wheel.young_modulus=1e-12", "give a smaller one"),
+        ("sphere_on_plane", "mesh.patch_size=1e-300", "give a length from 1e-9 to 1e6 mm"),
+        ("sphere_on_plane", "mesh.patch_size=1e200", "give a length from 1e-9 to 1e6 mm"),
+        ("two_cylinders", "wheel.width=1e-9", "give a length from 0.001 to 1e6 mm"),
+    ],
+)
+def test_what_cannot_be_computed_is_refused(case, assignment, words, tmp_path) -> None:
+    status, errors = run(tmp_path, case, "--set", assignment)
+    (line,) = errors.splitlines()
+    assert status == 2 and words in line and list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "case, assignments",
+    [
+        ("uic54_thesis", ["load=1e-3"]),
+        ("long_roller", ["load=1e-3"]),
+        ("hertz_ellipse", ["load=1e-9"]),
+        ("sphere_on_plane", ["load=1e-15"]),
+        ("sphere_on_plane", ["load=1e-12", "wheel.young_modulus=1e-11"]),
+        ("sphere_on_plane", ["load=1e12", "wheel.young_modulus=1e13"]),
+    ],
+)
+def test_small_and_large_scenes_are_hertz(case, assignments, tmp_path) -> None:
+    """Pressure and area within the default accuracy of 1 %."""
+    status, errors = run(tmp_path, case, *(x for key in assignments for x in ("--set", key)))
+    assert status == 0, errors
+    off = json.loads((tmp_path / "out" / "summary.json").read_text())["difference"]
+    assert abs(off["pressure"]["max_MPa"]) < 0.01 and abs(off["patch"]["area_mm2"]) < 0.01
+
+
+def test_a_noisy_pressure_is_no_nan(tmp_path) -> None:
+    """A state far from converged, whose squared pressure is no concave parabola."""
+    status, errors = run(tmp_path, "sphere_on_plane", "--set", "solver.gamma_factor=1e12")
+    assert status == 1 and errors.startswith("NOT CONVERGED")
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["result"]
+
+
+def test_lengths_of_bodies_have_a_range() -> None:
+    for table, keys in zip(("rail", "wheel"), BODIES, strict=True):
+        for key in keys:
+            profile = {"profile": "arc", "crown_radius": 80} if table == "rail" else {}
+            with pytest.raises(SceneError, match=f"^{table}.{key}: .* from 0.001 to 1e6 mm$"):
+                Scene.from_mapping({"load": 1, table: {**profile, key: 1e-4}})
