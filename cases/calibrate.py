@@ -51,7 +51,7 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Recor
         if level is None or level.findings is None or not level.solution.newton.converged:
             continue
         exact = exact or families.truth(name, scene, level)
-        found, scatter = estimates.flat(level.result or {}), estimates.reading(level.findings)
+        found, scatter = estimates.resolved(level), estimates.reading(level.findings)
         scale = estimates.scales(level.findings, level.result or {})
         penalty = scene.solver.method == "penalty"
         overlap = abs(level.solution.penetration / level.solution.approach) if penalty else 0.0

@@ -157,20 +157,16 @@ class DepthAxis:
 
     def flatness(self, values: Array) -> float:
         """Half the range of depths, mm, in which (k,) values are within FLAT of the largest one."""
-        high = values >= (1 - FLAT) * values.max()
-        top = int(np.argmax(values))
+        least = (1 - FLAT) * values.max()
+        high = np.flatnonzero(values >= least)
         ends = []
-        for way in (-1, 1):
-            at = top
-            while 0 <= at + way < len(values) and high[at + way]:
-                at += way
-            if 0 <= at + way < len(values):
-                inside, outside = values[at], values[at + way]
-                share = (inside - (1 - FLAT) * values.max()) / (inside - outside)
-                ends.append(self.depth[at] + share * (self.depth[at + way] - self.depth[at]))
-            else:
-                ends.append(self.depth[at])
-        return float(abs(ends[1] - ends[0]) / 2)
+        for inside, outside in ((high[0], high[0] - 1), (high[-1], high[-1] + 1)):
+            end = float(self.depth[inside])
+            if 0 <= outside < len(values):
+                share = (values[inside] - least) / (values[inside] - values[outside])
+                end += share * (self.depth[outside] - end)
+            ends.append(end)
+        return (ends[1] - ends[0]) / 2
 
     @property
     def largest(self) -> Largest:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from meshing.tags import BODIES
-from postprocess.findings import DepthAxis, Frame, Largest
+from postprocess.findings import Array, DepthAxis, Frame, Largest, Peak
 from postprocess.parts import Part
 from postprocess.peaks import Search
 from postprocess.recovery import Recovery
@@ -63,7 +63,12 @@ def _below(
 def _largest(search: Search, axis: DepthAxis) -> Largest:
     """The largest of both stresses in one body, on its axis if the body is nothing but edges."""
     spare = axis.largest
-    tau = search.highest(max_shear) or spare.tau
-    mises = search.highest(von_mises) or spare.von_mises
+    tau = search.highest(max_shear, _place(spare.tau)) or spare.tau
+    mises = search.highest(von_mises, _place(spare.von_mises)) or spare.von_mises
     edges = search.at_edges(max_shear, tau.value), search.at_edges(von_mises, mises.value)
     return Largest(tau, mises, edges)
+
+
+def _place(peak: Peak) -> Array:
+    """(1, 3) or, where it is not known, (0, 3)."""
+    return np.array([peak.place] if peak.place else []).reshape(-1, 3)

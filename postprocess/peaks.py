@@ -75,9 +75,16 @@ class Search:
         least = np.maximum(2 * ELEMENTS * sizes, OF_PATCH * self._size)
         return self._edges.query(points, distance_upper_bound=least.max())[0] > least
 
-    def highest(self, invariant: Invariant) -> Peak | None:
-        """The largest recovered value; None for a body that is nothing but edges."""
+    def _element(self, place: Array) -> float:
+        """Of the largest cell around a place (3,), mm."""
+        return float(self._solid.sizes[self._solid.near(place, 0.0)].max(initial=0.0))
+
+    def highest(self, invariant: Invariant, also: Array) -> Peak | None:
+        """The largest recovered value; None for a body that is nothing but edges. also (n, 3):
+        further places that may be on the highest hill."""
+        sizes = np.array([self._element(place) for place in also])
         hills = self._hills(invariant(self._average))
+        hills = np.concatenate([hills, also[self._is_sound(also, sizes)]])
         if not len(hills):
             return None
         values = invariant(self._recovery.at(hills))
@@ -155,8 +162,7 @@ class Search:
         limit = REACH / STENCIL
         moved = place + step * (directions @ np.clip(move, -limit, limit)) @ axes
         moved[self._planes] = np.abs(moved[self._planes])
-        size = self._solid.sizes[self._solid.near(place, 0.0)].max(initial=0.0)
-        sound = self._is_sound(moved[None], np.array([size]))[0]
+        sound = self._is_sound(moved[None], np.array([self._element(place)]))[0]
         return moved if sound and self._solid.holds(moved) else place
 
     def _peak(self, value: float, place: Array) -> Peak:

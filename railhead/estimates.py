@@ -188,6 +188,15 @@ def flat(result: Mapping[str, Any]) -> dict[str, float]:
     return values
 
 
+def resolved(level: Level) -> dict[str, float]:
+    """The quantities of a mesh that it can tell: a largest shear stress within one element of the
+    surface has no depth."""
+    values = flat(level.result or {})
+    if values.get("tau_max_depth_mm", math.inf) < level.grading.size:
+        del values["tau_max_depth_mm"]
+    return values
+
+
 def scales(found: Findings, result: Mapping[str, Any]) -> dict[str, float]:
     """What the error of a quantity is in proportion to, where that differs from scene to scene:
     the depth of the largest shear stress is as uncertain as its peak is flat."""
@@ -203,28 +212,33 @@ def reading(found: Findings) -> dict[str, float]:
     return {name: found.patch.scatter[key] for name, key in READ.items()}
 
 
-def mesh_parts(
-    levels: Sequence[tuple[float, Mapping[str, float]]],
-    known: Family | None,
-    scale: Mapping[str, float],
-) -> tuple[dict[str, float], str]:
-    """Mesh part by quantity and its source, from (n, values) of each mesh, the finest last; scale:
-    see `scales`.
+Numbers = Mapping[str, float]
 
-    Two meshes confirm a law where they differ by no more than both envelopes allow. Where they
+
+def mesh_parts(
+    levels: Sequence[tuple[float, Numbers, Numbers]], known: Family | None, scale: Numbers
+) -> tuple[dict[str, float], str]:
+    """Mesh part by quantity and its source, from (n, values, their readings' parts) of each mesh,
+    the finest last; scale: see `scales`.
+
+    Two meshes confirm a law where they differ by no more than both estimates allow. Where they
     do not, or no law covers the run, SPREAD times the larger change between the last three meshes
     is taken, the earlier change counted as one step older; with fewer there is no estimate.
     """
-    (n, fine), *before = reversed(levels)
+    (n, fine, own), *before = reversed(levels)
     parts: dict[str, float] = {}
     denied = 0
     if known is not None and known.covers(n):
         for name, law in known.laws.items():
             if name not in fine:
                 continue
-            others = [(m, v) for m, v in before if known.covers(m) and m < n and name in v]
-            factor = scale.get(name, 1.0)
-            if all(_change(v, fine, name) <= factor * (law(m) + law(n)) for m, v in others):
+            factor, read = scale.get(name, 1.0), own.get(name, 0.0)
+            if all(
+                _change(values, fine, name)
+                <= factor * (law(m) + law(n)) + read + readings.get(name, 0.0)
+                for m, values, readings in before
+                if known.covers(m) and m < n and name in values
+            ):
                 parts[name] = factor * law(n)
             else:
                 denied += 1
@@ -242,13 +256,11 @@ def mesh_parts(
     return parts, f"law of the family {known.name}, where meshes do not deny it"
 
 
-def _steps(
-    n: float, before: Sequence[tuple[float, Mapping[str, float]]]
-) -> list[Mapping[str, float]]:
+def _steps(n: float, before: Sequence[tuple[float, Numbers, Numbers]]) -> list[Numbers]:
     """Values of earlier meshes, each a whole STEP (or nearly) coarser than the one after it: of
     two nearly equal meshes the difference is noise."""
     apart = []
-    for m, values in before:
+    for m, values, _ in before:
         if n >= 0.95 * STEP * m:
             apart.append(values)
             n = m
@@ -272,13 +284,17 @@ def estimate(levels: Sequence[Level]) -> tuple[dict[str, Estimate], str]:
     level = levels[-1]
     if level.result is None or level.findings is None or not level.solution.newton.converged:
         return {}, "no solution"
-    solved = [(each.resolution, flat(each.result)) for each in levels if each.result is not None]
+    solved = [
+        (each.resolution, resolved(each), reading(each.findings))
+        for each in levels
+        if each.findings is not None
+    ]
     known = family(level.setting)
     parts, source = mesh_parts(solved, known, scales(level.findings, level.result))
     overlap = 0.0
     if level.plan.scene.solver.method == "penalty":
         overlap = abs(level.solution.penetration / level.solution.approach)
-    scatter = reading(level.findings)
+    scatter = solved[-1][2]
     return {
         name: Estimate(
             mesh,

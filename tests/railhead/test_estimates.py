@@ -47,28 +47,35 @@ def test_the_resolution_meets_the_accuracy_or_is_out_of_reach() -> None:
 
 
 def test_two_meshes_confirm_a_law_or_deny_it() -> None:
-    assert estimates.mesh_parts([(6.0, {"max_MPa": 100.0})], KNOWN, {})[0] == {"max_MPa": 0.01}
-    coarse, fine = (5.0, {"max_MPa": 102.0}), (8.0, {"max_MPa": 100.0})
+    assert estimates.mesh_parts([(6.0, {"max_MPa": 100.0}, {})], KNOWN, {})[0] == {"max_MPa": 0.01}
+    coarse, fine = (5.0, {"max_MPa": 102.0}, {}), (8.0, {"max_MPa": 100.0}, {})
     parts, source = estimates.mesh_parts([coarse, fine], KNOWN, {})
     assert parts == {"max_MPa": pytest.approx(0.01 * (6 / 8) ** 2)} and "known" in source
-    parts, _ = estimates.mesh_parts([(5.0, {"max_MPa": 104.0}), fine], KNOWN, {})
+    parts, _ = estimates.mesh_parts([(5.0, {"max_MPa": 104.0}, {}), fine], KNOWN, {})
     assert parts == {}  # 4 % apart, the envelopes allow 1.4 and 0.6 %
-    third = (12.8, {"max_MPa": 99.0})
-    parts, _ = estimates.mesh_parts([(5.0, {"max_MPa": 104.0}), fine, third], KNOWN, {})
+    rough = {"max_MPa": 0.012}
+    parts, _ = estimates.mesh_parts(
+        [(5.0, {"max_MPa": 104.0}, rough), (*fine[:2], rough)], KNOWN, {}
+    )
+    assert "max_MPa" in parts  # 4 % apart: the readings allow 2.4 % more
+    third = (12.8, {"max_MPa": 99.0}, {})
+    parts, _ = estimates.mesh_parts([(5.0, {"max_MPa": 104.0}, {}), fine, third], KNOWN, {})
     assert parts["max_MPa"] == pytest.approx(2.0 * max(1 / 99, 0.04 / 1.6), rel=1e-3)
 
 
 def test_a_law_does_not_reach_beyond_its_resolutions() -> None:
     for n in (2.5, 14.0):
-        assert estimates.mesh_parts([(n, {"max_MPa": 100.0})], KNOWN, {})[0] == {}
+        assert estimates.mesh_parts([(n, {"max_MPa": 100.0}, {})], KNOWN, {})[0] == {}
 
 
 def test_without_a_family_three_meshes_a_step_apart_are_needed() -> None:
-    one, two, three = ((n, {"max_MPa": v}) for n, v in ((4.0, 97.0), (6.4, 99.0), (10.24, 99.6)))
+    one, two, three = (
+        (n, {"max_MPa": v}, {}) for n, v in ((4.0, 97.0), (6.4, 99.0), (10.24, 99.6))
+    )
     assert estimates.mesh_parts([one, two], None, {})[0] == {}
-    assert estimates.mesh_parts([one, (4.4, {"max_MPa": 97.1}), two], None, {})[0] == {}
+    assert estimates.mesh_parts([one, (4.4, {"max_MPa": 97.1}, {}), two], None, {})[0] == {}
     parts, source = estimates.mesh_parts([one, two, three], None, {})
-    assert parts["max_MPa"] == pytest.approx(2.0 * (2.0 / 97) / 1.6) and "three" in source
+    assert parts["max_MPa"] == pytest.approx(2.0 * (2.0 / 99) / 1.6) and "three" in source
 
 
 def test_an_envelope_lies_above_all_errors_and_follows_their_slope() -> None:
