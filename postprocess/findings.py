@@ -18,6 +18,7 @@ from theory.subsurface import max_shear, von_mises
 Array = NDArray[np.float64]
 Place = tuple[float, float, float]
 FLAT = 0.01  # relative
+RIVAL = 0.005  # relative: which of two hills is higher is not known below it
 PEAK_SAMPLES = 8  # either side of the largest one
 
 
@@ -106,11 +107,12 @@ class Patch:
 @dataclass(frozen=True)
 class Peak:
     """The largest of a stress: value MPa, depth below the contact surface mm, its place (mm) if
-    that is known."""
+    that is known; rivals: depths of other hills in the body whose tops are within RIVAL of it."""
 
     value: float
     depth: float
     place: Place | None
+    rivals: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ what a mesh says there depends on the mesh.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 from itertools import product
 
@@ -15,7 +16,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
-from postprocess.findings import Array, Peak
+from postprocess.findings import RIVAL, Array, Peak
 from postprocess.recovery import Polynomial, Recovery
 from postprocess.solid import Solid
 from solver.facets import tabulate
@@ -88,9 +89,11 @@ class Search:
         if not len(hills):
             return None
         values = invariant(self._recovery.at(hills))
-        tops = [self._climb(start, invariant) for start in hills[values > CLOSE * values.max()]]
-        value, place = max(tops, key=lambda top: top[0])
-        return self._peak(value, place)
+        starts = hills[values > CLOSE * values.max()]
+        tops = [self._peak(*self._climb(start, invariant)) for start in starts]
+        best = max(tops, key=lambda top: top.value)
+        rivals = [top.depth for top in tops if top.value > (1 - RIVAL) * best.value]
+        return replace(best, rivals=tuple(rivals))
 
     def at_edges(self, invariant: Invariant, value: float) -> Peak | None:
         """The largest nodal average near sharp edges, where it passes the value found elsewhere."""

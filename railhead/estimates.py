@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 from scipy.optimize import brentq
 
+from postprocess.findings import RIVAL
 from theory.subsurface import max_shear
 
 if TYPE_CHECKING:
@@ -124,12 +125,13 @@ class Family:
         )
 
     def reaches(self, accuracy: float) -> bool:
-        """Whether a resolution within RANGE is expected to meet the accuracy."""
-        return self.expected(RANGE[1]) <= AIM * accuracy
+        """Whether a resolution that the laws cover is expected to meet the accuracy."""
+        return self.expected(STEP * self.resolution[1]) <= AIM * accuracy
 
     def finest(self, accuracy: float) -> float:
-        """Elements per semi-axis at which all quantities meet the accuracy, within RANGE."""
-        low, high = max(RANGE[0], self.resolution[0]), RANGE[1]
+        """Elements per semi-axis at which all quantities meet the accuracy, as far as the laws
+        go."""
+        low, high = self.resolution[0], STEP * self.resolution[1]
         target = AIM * accuracy
         if not self.reaches(accuracy):
             return high
@@ -208,8 +210,15 @@ def scales(found: Findings, result: Mapping[str, Any]) -> dict[str, float]:
 
 
 def reading(found: Findings) -> dict[str, float]:
-    """What two ways of reading the same solution differ by, relative, by quantity."""
-    return {name: found.patch.scatter[key] for name, key in READ.items()}
+    """What two ways of reading the same solution differ by, relative, by quantity; of the depth of
+    the largest shear stress, how far other hills are that may be the highest."""
+    peaks = [each.tau for each in found.largest.values()]
+    top = max(peaks, key=lambda peak: peak.value)
+    high = [peak for peak in peaks if peak.value > (1 - RIVAL) * top.value]
+    depths = [depth for peak in high for depth in (peak.depth, *peak.rivals)]
+    apart = max(abs(depth - top.depth) for depth in depths)
+    scatter = {name: found.patch.scatter[key] for name, key in READ.items()}
+    return {**scatter, "tau_max_depth_mm": apart / top.depth if top.depth else math.inf}
 
 
 Numbers = Mapping[str, float]

@@ -19,7 +19,10 @@ def affordable(plan: Plan, wanted: float) -> float:
     """The finest resolution, coarse mesh included, that the budget is predicted to allow."""
     budget = BUDGET_SHARE * float(plan.scene.budget or 0.0)
     best = n = estimates.RANGE[0] * estimates.STEP
-    limit = wanted if plan.scene.accuracy is not None else estimates.RANGE[1]
+    limit = wanted
+    if plan.scene.accuracy is None:
+        known = plan.family
+        limit = estimates.STEP * known.resolution[1] if known else estimates.RANGE[1]
     while n <= limit and price(plan, n)[1] <= budget:
         best, n = n, 1.05 * n
     return best

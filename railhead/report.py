@@ -159,9 +159,12 @@ def show_failure(summary: dict[str, Any], console: Console) -> None:
             text = f"NOT CONVERGED: {newton['reason']}; {checks['advice'][name]}"
             console.print(text, highlight=False, markup=False)
             continue
-        limit, source = checks["limits"][name]
+        (limit, source), value = (
+            checks["limits"][name],
+            float(checks[name]),
+        )  # inf is a word in JSON
         console.print(
-            f"CHECK FAILED: {name} = {checks[name]:.3g}, limit {limit:.3g} ({source}); "
+            f"CHECK FAILED: {name} = {value:.3g}, limit {float(limit):.3g} ({source}); "
             f"{checks['advice'][name]}",
             highlight=False, markup=False,
         )  # fmt: skip

@@ -98,10 +98,13 @@ def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[L
             return levels, Ending("asked accuracy reached")
         if len(levels) > 1 and scene.accuracy is None and math.isfinite(worst):
             return levels, Ending("budget spent")
-        finer, grading = done.finer(comm.bcast(_next(levels, worst, wanted)))
+        n, covered = comm.bcast(_next(levels, worst, wanted))
+        finer, grading = done.finer(n)
         cost = finer.unknowns, machine.seconds(finer.unknowns)
         # The second mesh was priced beforehand.
         stop = comm.bcast(_obstacle(scene, cost, spent if len(levels) > 1 else 0.0))
+        if not covered:
+            stop = stop or "the error laws end at coarser meshes"
         if stop or len(levels) == MAX_LEVELS:
             return levels, Ending(stop or "too many meshes", cost)
         level = solve_level(finer, grading, progress, comm)
@@ -117,18 +120,20 @@ def _worst(levels: list[Level]) -> float:
     return max(each.total for each in found.values())
 
 
-def _next(levels: list[Level], worst: float, wanted: float) -> float:
-    """Elements per semi-axis of the next mesh."""
+def _next(levels: list[Level], worst: float, wanted: float) -> tuple[float, bool]:
+    """Elements per semi-axis of the next mesh, and whether an estimate can be had there."""
     level = levels[-1]
     n, asked = level.resolution, level.plan.scene.accuracy
     known = estimates.family(level.setting)
     if known is None or (len(levels) > 1 and not math.isfinite(worst)):
-        return estimates.STEP * n
+        return estimates.STEP * n, True
     if len(levels) > 1:
-        return estimates.next_resolution(n, worst, asked or worst)
-    if asked is not None and level.plan.scene.budget is None:
-        wanted = known.finest(asked - level.plan.left_out)
-    return max(wanted, 1.25 * n)
+        wanted = estimates.next_resolution(n, worst, asked or worst)
+    elif asked is not None and level.plan.scene.budget is None:
+        wanted = max(known.finest(asked - level.plan.left_out), 1.25 * n)
+    else:
+        wanted = max(wanted, 1.25 * n)
+    return wanted, known.covers(wanted)
 
 
 def _check_memory(plan: Plan, free: int) -> None:

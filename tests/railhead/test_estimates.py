@@ -1,6 +1,5 @@
 """Accuracy on request: estimates add up, hold, and are met or refused with a price."""
 
-import json
 import math
 from dataclasses import replace
 
@@ -8,7 +7,7 @@ import numpy as np
 import pytest
 
 from cases import calibrate, error_bounds, families
-from railhead import catalogue, estimates, machine, price, run
+from railhead import catalogue, estimates, machine, price, results, run
 from railhead import plan as planning
 from railhead.estimates import Family, Law, Setting
 from railhead.scene import SceneError
@@ -96,7 +95,7 @@ def test_every_default_run_carries_estimates_whose_parts_add_up() -> None:
         assert set(parts) == {"mesh", "reading", "contact_law", "left_out", "geometry"}
         assert sum(parts.values()) == pytest.approx(found["bound"][name])
         assert parts["mesh"] > 0
-    json.dumps(summary, allow_nan=False, default=str)
+    assert "NaN" not in results.to_json(summary)
 
 
 def test_penalty_carries_its_overlap_in_the_estimate() -> None:

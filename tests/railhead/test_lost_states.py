@@ -37,7 +37,7 @@ def test_a_rescued_solve_is_a_result(monkeypatch) -> None:
     summary = solved("solver.linear=multigrid")
     stalled, *_, last = summary["newton"]["history"]
     assert stalled["residual"] is None and stalled["problem"] == "the linear solver stalls"
-    assert last["residual"] == summary["accuracy"]["parts"]["newton"] < 1e-8
+    assert last["residual"] < 1e-8
     assert summary["checks"]["passed"]
     assert summary["result"]["approach_mm"] == pytest.approx(reference["approach_mm"], rel=1e-7)
 
@@ -47,7 +47,6 @@ def test_a_solve_that_stalls_for_good_is_status_1_with_its_history(monkeypatch) 
     summary = solved()
     assert not summary["checks"]["passed"] and summary["result"] is None
     assert [step["residual"] for step in summary["newton"]["history"]] == [None]
-    assert summary["accuracy"]["parts"]["newton"] is None
     assert "step  0  the linear solver stalls" in told(summary)
 
 

