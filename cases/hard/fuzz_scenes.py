@@ -83,8 +83,8 @@ def _affordable(file: Path) -> list[str] | None:
     try:
         given = read_scene(file)
         made = plans(given)
-    except (SceneError, ValueError):
-        return []  # the command will say so
+    except Exception:
+        return []  # the command meets it again
     if made is None:
         return []
     options = []
