@@ -190,15 +190,23 @@ def positioned(scene: Scene, single: float, several: float) -> Solve:
     return refusals(solve)
 
 
-def outgrown(scene: Scene, meshed: Scene, n: float = 4.0) -> Solve:
+def outgrown(
+    scene: Scene, meshed: Scene, n: float = 4.0, fine: float = 0.0, limit: float = 0.02
+) -> Solve:
     """Solve a scene on a first mesh made for another one, as if it had been mispredicted; boundary
-    elements are the reference."""
+    elements are the reference, or the scene itself at `fine` elements per semi-axis."""
 
     def solve() -> Measured:
         grading = planning.make(resolved(meshed, n)).grading()
         plan = replace(planning.make(scene), patch_size=grading.size)
         level = solve_level(plan, grading, Progress(quiet=True), MPI.COMM_WORLD)
         result = running.Result(level, summarise([level], Ending("one mesh")))
-        return measure(result, against_boundary_elements(result.summary, half_space(scene)))
+        if not fine:
+            found = against_boundary_elements(result.summary, half_space(scene))
+            return measure(result, found)
+        finer = running.run(resolved(scene, fine)).summary
+        unknown = finer["accuracy"]["bound"]
+        found = deviations(result.summary, quantities(finer), PATCH, limit, unknown)
+        return measure(result, found)
 
     return solve
