@@ -200,7 +200,7 @@ def scenes(name: str, seed: int) -> Iterator[Scene]:
     """Endless random scenes of a family, those left out that make no contact of its kind."""
     recipe = RECIPES[name]
     rng = np.random.default_rng([seed, *name.encode()])
-    where = estimates.Family(name, {**DEFAULT, **recipe.where}, (0, 0), {}, {}, {}, {})
+    where = estimates.Family(name, {**DEFAULT, **recipe.where}, (0, 0), {}, {}, {})
     index = 0
     while True:
         keys = recipe.make(rng)

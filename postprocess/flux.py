@@ -1,4 +1,4 @@
-"""The load that recovered stresses carry through a horizontal plane near the contact."""
+"""The load that recovered stresses carry through a horizontal plane through a body."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from meshing.tags import RAIL
 from postprocess.findings import Array
+from postprocess.solid import Solid
 from postprocess.stress import nodal
 from solver.gather import Fields
 
@@ -40,17 +41,18 @@ def through_plane(fields: Fields, body: int, distance: float) -> float:
     """-int sigma_zz over the plane z = const of one body, N, of the whole model.
 
     It lies `distance` (mm) below the lowest point with pressure in the rail, above the highest one
-    in the wheel, or half way to the end of a body that is thinner than twice that. What a body with
+    in the wheel, or half way through a body that is thinner there than twice that. What a body with
     free sides carries through it is the load.
     """
-    touching = fields.contact.points[fields.contact.pressure > 0, 2]
-    mine = fields.body == body
-    ends = fields.points[np.unique(fields.cells[mine]), 2]
-    if body == RAIL:
-        height = touching.min() - min(distance, 0.5 * (touching.min() - ends.min()))
-    else:
-        height = touching.max() + min(distance, 0.5 * (ends.max() - touching.max()))
-    height += BESIDE * float(np.ptp(ends))  # a plane through a layer of nodes cuts no cell
+    pressure, points = fields.contact.pressure, fields.contact.points
+    touching, mine = points[pressure > 0, 2], fields.body == body
+    height = float(np.ptp(fields.points[np.unique(fields.cells[mine]), 2]))
+    into = np.array([0.0, 0.0, -1.0 if body == RAIL else 1.0])
+    solid = Solid(fields, np.flatnonzero(mine))
+    depth = min(distance, 0.5 * solid.extent(points[np.argmax(pressure)], into, height))
+    start = touching.min() if body == RAIL else touching.max()
+    # A plane through a layer of nodes would cut no cell.
+    height = start + depth * into[2] + BESIDE * height
     z = fields.points[fields.cells, 2]
     crossing = mine & (z.min(axis=1) < height) & (z.max(axis=1) > height)
     simplices = _simplices(fields, fields.cells[crossing])

@@ -16,14 +16,15 @@ from theory.subsurface import max_shear, von_mises
 
 SAMPLES = 121
 REACH = 3.0  # over the smaller semi-axis
-Found = tuple[dict[str, DepthAxis], tuple[DepthAxis, ...], dict[str, Largest]]
+Found = tuple[dict[str, DepthAxis], tuple[DepthAxis, ...], dict[str, Largest], Array]
 
 
 def read(
     fields: Fields, frame: Frame, centre: tuple[float, float], size: float, others: list[Part]
 ) -> Found:
     """By meshed body the stresses below (x, s) = centre and the largest ones; between them, in the
-    body that is shown, those below the centres of the other patches.
+    body that is shown, those below the centres of the other patches; points (n, 3) on the sharp
+    edges of all bodies.
 
     size: smaller semi-axis of the (most loaded) patch, mm.
     """
@@ -43,7 +44,7 @@ def read(
         name: _largest(Search(fields, *body, edges, size), axes[name])
         for name, body in bodies.items()
     }
-    return axes, also, largest
+    return axes, also, largest, edges
 
 
 def _below(

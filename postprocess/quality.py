@@ -46,9 +46,10 @@ def elements_across(fields: Fields, frame: Frame, patch: Patch) -> tuple[float, 
     return along, across
 
 
-def edge_distance(fields: Fields, patch: Patch) -> float:
-    """Smallest distance of a point with pressure from the border of the contact surface, over the
-    smaller half length of the patch. Where the model was cut by symmetry there is no border."""
+def edge_distance(fields: Fields, patch: Patch, edges: Array) -> float:
+    """Smallest distance of a point with pressure from the border of the contact surface and from
+    the sharp edges of both bodies, on which points (n, 3) are given, over the smaller half length
+    of the patch. Where the model was cut by symmetry there is no border."""
     contact = fields.contact
     kinematics = fields.kinematics
     flat = kinematics.dim == 2
@@ -60,10 +61,12 @@ def edge_distance(fields: Fields, patch: Patch) -> float:
     for normal in fields.mirrors:
         off = np.abs(ends @ np.array(normal)).max(axis=1)
         ends = ends[off > ON_PLANE * np.ptp(fields.points)]
-    if not len(ends):
-        return float("inf")
     share = np.linspace(0.0, 1.0, BORDER_POINTS)[:, None, None]
-    border = (ends[:, 0] * (1 - share) + ends[:, -1] * share).reshape(-1, 3)
+    border = np.concatenate(
+        [(ends[:, 0] * (1 - share) + ends[:, -1] * share).reshape(-1, 3), edges]
+    )
+    if not len(border):
+        return float("inf")
     distance = cKDTree(border).query(contact.points[contact.pressure > 0])[0]
     half = min(patch.a, patch.b)
     if flat and not kinematics.revolved:

@@ -27,7 +27,7 @@ def findings(fields: Fields, frame: Frame) -> Findings:
     else:
         found, surface, moments, recovered = patch.read(fields, separate, frame)
     size = moments.a if flat else min(found.a, found.b)
-    axes, others, largest = inside.read(fields, frame, found.centre, size, separate[1:])
+    axes, others, largest, edges = inside.read(fields, frame, found.centre, size, separate[1:])
     if flat:
         lines = section.axis_pressures(surface, found, fields)
     else:
@@ -47,6 +47,6 @@ def findings(fields: Fields, frame: Frame) -> Findings:
         others,
         noise=quality.noise(fields, recovered),
         elements_across=quality.elements_across(fields, frame, found),
-        edge_distance=quality.edge_distance(fields, found),
+        edge_distance=quality.edge_distance(fields, found, edges),
         reported_force=quality.reported_force(fields, recovered),
     )

@@ -10,6 +10,9 @@ same cells, same contact law, same kind of patch. The estimate of a quantity is 
     contact_law   the overlap that the law lets through, over the approach, times its effect
     left_out      what effects left out by the plan add
     geometry      contact points off the exact surface, over the smaller semi-axis
+
+An asked accuracy is one of sizes and values. Of a place, the depth of the largest shear stress, it
+asks that the stress there be that near to the largest one.
 """
 
 from __future__ import annotations
@@ -24,7 +27,7 @@ from typing import TYPE_CHECKING, Any
 
 from scipy.optimize import brentq
 
-from postprocess.findings import RIVAL
+from postprocess.findings import FLAT, RIVAL
 from theory.subsurface import max_shear
 
 if TYPE_CHECKING:
@@ -48,6 +51,8 @@ QUANTITIES = {
 }
 """Reported quantities that carry an estimate, and their place under "result" in summary.json."""
 READ = {"a_mm": "a", "b_mm": "b", "area_mm2": "area", "max_MPa": "max_pressure"}
+PLACES = ("tau_max_depth_mm",)
+"""Those that are places of a maximum: their scale is how flat that is."""
 LAWS = Path(__file__).with_name("data") / "laws.json"
 
 
@@ -88,16 +93,15 @@ class Family:
     """Scenes whose errors were measured together.
 
     where: by field of `Setting` the allowed words, or the range of a number; resolution: range of
-    n; laws: mesh error by quantity, over its scale (see `scales`); typical: that scale, and
-    reading: how large that part was, both for prices only; overlap: relative error by quantity for
-    an overlap of the whole approach.
+    n; laws: mesh error by quantity, over its scale (see `scales`); reading: how large that part
+    was in the middle, for prices only; overlap: relative error by quantity for an overlap of the
+    whole approach.
     """
 
     name: str
     where: Mapping[str, Sequence[Any]]
     resolution: tuple[float, float]
     laws: Mapping[str, Law]
-    typical: Mapping[str, float]
     reading: Mapping[str, Law]
     overlap: Mapping[str, float]
 
@@ -119,9 +123,11 @@ class Family:
         return low <= n * (1 + 1e-9) and n <= STEP * high
 
     def expected(self, n: float) -> float:
-        """Largest relative error of all quantities at n elements per semi-axis."""
+        """Largest relative error of all quantities at n elements per semi-axis, of a place by
+        what is lost there."""
         return max(
-            self.typical[name] * law(n) + self.reading[name](n) for name, law in self.laws.items()
+            lost(law(n)) if name in PLACES else law(n) + self.reading[name](n)
+            for name, law in self.laws.items()
         )
 
     def reaches(self, accuracy: float) -> bool:
@@ -142,18 +148,38 @@ class Family:
 
 @dataclass(frozen=True)
 class Estimate:
-    """Relative error of one quantity, in parts that add up."""
+    """Relative error of one quantity, in parts that add up; flatness: of the maximum that it is
+    the place of (see `scales`), None of others."""
 
     mesh: float
     reading: float
     contact_law: float
     left_out: float
     geometry: float
+    flatness: float | None = None
+
+    @property
+    def parts(self) -> dict[str, float]:
+        """By name."""
+        return {name: value for name, value in vars(self).items() if name != "flatness"}
 
     @property
     def total(self) -> float:
         """The sum of all parts."""
-        return self.mesh + self.reading + self.contact_law + self.left_out + self.geometry
+        return sum(self.parts.values())
+
+    @property
+    def counts(self) -> float:
+        """What is held against an asked accuracy: of a place what is lost there. Another hill that
+        may be the highest is no higher than the error of the largest stress itself."""
+        if self.flatness is None:
+            return self.total
+        return lost((self.total - self.reading) / self.flatness)
+
+
+def lost(beside: float) -> float:
+    """Of a maximum, relative, at a distance from it over its flatness: a parabola."""
+    return FLAT * beside**2
 
 
 @cache
@@ -165,7 +191,6 @@ def families() -> tuple[Family, ...]:
             entry["where"],
             tuple(entry["resolution"]),
             {key: Law(*law) for key, law in entry["laws"].items()},
-            entry["typical"],
             {key: Law(*law) for key, law in entry["reading"].items()},
             entry["overlap"],
         )
@@ -299,7 +324,8 @@ def estimate(levels: Sequence[Level]) -> tuple[dict[str, Estimate], str]:
         if each.findings is not None
     ]
     known = family(level.setting)
-    parts, source = mesh_parts(solved, known, scales(level.findings, level.result))
+    flatness = scales(level.findings, level.result)
+    parts, source = mesh_parts(solved, known, flatness)
     overlap = 0.0
     if level.plan.scene.solver.method == "penalty":
         overlap = abs(level.solution.penetration / level.solution.approach)
@@ -311,6 +337,7 @@ def estimate(levels: Sequence[Level]) -> tuple[dict[str, Estimate], str]:
             overlap * (known.overlap[name] if known is not None else 1.0),
             level.plan.left_out,
             level.off_surface / min(level.plan.zone),
+            flatness.get(name),
         )
         for name, mesh in parts.items()
     }, source

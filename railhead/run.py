@@ -117,7 +117,7 @@ def _worst(levels: list[Level]) -> float:
     found, _ = estimates.estimate(levels)
     if levels[-1].result is None or set(found) != set(estimates.flat(levels[-1].result)):
         return math.inf
-    return max(each.total for each in found.values())
+    return max(each.counts for each in found.values())
 
 
 def _next(levels: list[Level], worst: float, wanted: float) -> tuple[float, bool]:

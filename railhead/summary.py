@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import resource
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from postprocess import compare
@@ -37,7 +37,7 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
     reached = None
     if scene.accuracy is not None and level.result is not None:
         complete = set(bound) == set(estimates.flat(level.result))
-        reached = complete and max(bound.values()) <= scene.accuracy
+        reached = complete and max(each.counts for each in known.values()) <= scene.accuracy
     profiles = half_space(level)
     second = {**hertz, "allowance": {}} if plan.contact.half_space else profiles
     if any(effect.override and effect.called_for != effect.on for effect in plan.effects.values()):
@@ -60,7 +60,7 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
             "reason": ending.reason,
             "would_cost": cost and {"unknowns": cost[0], "seconds": cost[1]},
             "source": source,
-            "parts": {name: asdict(each) for name, each in known.items()},
+            "parts": {name: each.parts for name, each in known.items()},
             "levels": [_trace(each) for each in levels],
         },
         "checks": {

@@ -21,7 +21,7 @@ import resource
 from mpi4py import MPI
 resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
 {SCRIPT}"""
-CASE = ["hertz_ellipse", "--set", "mesh.patch_size=1.5", "--no-pictures", "--quiet", "--out"]
+CASE = ["hertz_ellipse", "--set", "mesh.patch_size=1.2", "--no-pictures", "--quiet", "--out"]
 
 
 def start(folder: Path, *more: str, script: str = SCRIPT) -> subprocess.Popen:

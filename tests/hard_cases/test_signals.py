@@ -78,7 +78,7 @@ def test_imports_end_silently(seconds: float, number: signal.Signals, tmp_path: 
 def test_an_ignored_interrupt_stays_ignored(tmp_path: Path) -> None:
     """As of a job in the background of a script."""
     script = f"import signal; signal.signal(signal.SIGINT, signal.SIG_IGN); {COMMAND}"
-    small = ["run", "hertz_ellipse", "--set", "mesh.patch_size=1.5", "--no-pictures", "--out"]
+    small = ["run", "hertz_ellipse", "--set", "mesh.patch_size=1.2", "--no-pictures", "--out"]
     running = start(tmp_path, script, *small)
     time.sleep(2.0)
     _, errors = ended(running, signal.SIGINT)

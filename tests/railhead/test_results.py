@@ -10,7 +10,7 @@ from railhead import results
 from railhead.cli import main
 from railhead.scene import SceneError
 
-FAST = ["--set", "mesh.patch_size=1.5", "--no-pictures", "--quiet"]
+FAST = ["--set", "mesh.patch_size=1.2", "--no-pictures", "--quiet"]
 
 
 def write(folder: Path, text: str, *names: str) -> None:
