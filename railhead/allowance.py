@@ -6,7 +6,7 @@ conformity  1 - cos of half the range of the normals in the patch, on the rail a
             the gap, on the wheel: what a developed plane neglects
 share       of several patches: their compliances differ by where the bodies end, and with them the
             loads they carry (F ~ d^(3/2), p ~ F^(1/3), area ~ F^(2/3))
-twist       the change by the twist of a whole section
+twist       the change by the rotation and the movement aside of the bodies where they touch
 """
 
 from __future__ import annotations
@@ -71,10 +71,11 @@ class _Body:
         return np.asarray(self.weight * (edges + below))
 
 
-def allowance(plan: Plan, solution: Solution) -> dict[str, Allowance]:
+def allowance(plan: Plan, solution: Solution, motion: tuple[float, float]) -> dict[str, Allowance]:
     """By "max_MPa" and "area_mm2", for a plan of a solid contact and its second opinion.
 
-    Raises ValueError where the effect of a twist is to be known but cannot be judged.
+    motion: rotation of the rail (rad) and movement aside of the wheel (mm), against each other.
+    Raises ValueError where the effect of a motion cannot be judged.
     """
     surface = developed.develop(plan.contact)
     patches = [each for each in solution.patches if each.force > LEAST * solution.force]
@@ -83,7 +84,7 @@ def allowance(plan: Plan, solution: Solution) -> dict[str, Allowance]:
     conformity = max(_conformity(patch, solution.contact_modulus) for patch in patches)
     shift = _shares(patches, around)
     areas = np.array([patch.area for patch in patches])
-    turned = _twist(plan)
+    turned = _twist(plan, *motion)
     return {
         "max_MPa": Allowance(size, conformity, float(shift.max()) / 3, turned),
         "area_mm2": Allowance(size, conformity, float(2 / 3 * shift @ areas / areas.sum()), turned),
@@ -137,10 +138,8 @@ def _shares(patches: list[PatchSolution], around: list[_Body]) -> Array:
     return np.asarray(np.abs(rest - np.average(rest, weights=stiffness)) * stiffness / force)
 
 
-def _twist(plan: Plan) -> float:
+def _twist(plan: Plan, angle: float, aside: float) -> float:
     contact, ellipse = plan.contact, plan.estimate
-    if not (plan.effects["rail_section"].on and RAIL in plan.deformable):
-        return 0.0
     if contact.mirror_across is None or not isinstance(ellipse, Ellipse):
         return 0.0
-    return twist.change(contact, ellipse, twist.twist(contact, ellipse))
+    return twist.change(contact, ellipse, angle, aside)

@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from meshing.tags import BODIES
 from postprocess.flux import through_plane
 from railhead.estimates import RANGE, Estimate, flat
@@ -110,7 +112,7 @@ def _mesh(level: Level) -> list[Check]:
     allowed = max(ROUGH, plan.scene.accuracy or 0.0)
     along, wide = found.elements_across
     across = max(along, wide) if plan.section else min(along, wide)
-    facets = across if plan.section else math.pi / 4 * along * wide
+    nodes = _touching_nodes(level)
     return [
         Check(
             "elements_across", across, 2 * least,
@@ -133,10 +135,20 @@ def _mesh(level: Level) -> list[Check]:
     ]  # fmt: skip
 
 
+def _touching_nodes(level: Level) -> int:
+    """Nodes of facets with pressure, of the whole model: as many independent values it has."""
+    assert level.fields is not None
+    contact = level.fields.contact
+    touching = contact.facet_nodes[np.unique(contact.facet[contact.pressure > 0])]
+    return int(np.unique(touching).size * 2 ** len(level.fields.mirrors))
+
+
 def _physics(level: Level) -> list[Check]:
     plan, found, solution, result = level.plan, level.findings, level.solution, level.result
     assert found is not None and level.fields is not None and result is not None
     allowed = max(ROUGH, plan.scene.accuracy or 0.0)
+    if plan.order == 1:
+        allowed *= LINEAR_REFINEMENT  # stresses are constant in linear cells
     depth = math.inf  # half way through a body: errors near a large free surface add up
     if plan.far_field:  # sides of half-spaces carry load too
         depth = level.grading.a if plan.section else min(found.patch.a, found.patch.b)

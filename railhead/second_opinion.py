@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from meshing.tags import RAIL
 from postprocess import compare
+from postprocess import motion as bodily
 from railhead import developed
 from railhead.allowance import allowance
 from railhead.level import Level
@@ -30,10 +32,23 @@ def half_space(level: Level) -> dict[str, Any] | None:
     return {**opinion, "allowance": _allowance(level, solution)}
 
 
+def motion(level: Level) -> tuple[float, float]:
+    """Rotation of the rail (rad) and movement aside of the wheel (mm), against each other, that
+    the solution shows beside the patch (rank 0)."""
+    found, fields = level.findings, level.fields
+    assert found is not None and fields is not None
+    angle = aside = 0.0
+    for tag in level.plan.deformable:
+        sign = 1.0 if tag == RAIL else -1.0
+        turned, moved = bodily.motion(fields, tag, found.patch.each, level.solution.load)
+        angle, aside = angle + sign * turned, aside - sign * moved
+    return angle, aside - angle * found.patch.each[0].centre[2]
+
+
 def _allowance(level: Level, solution: Solution) -> dict[str, Any]:
     """Relative, by quantity and part, or the reason why it is not known."""
     try:
-        allowed = allowance(level.plan, solution)
+        allowed = allowance(level.plan, solution, motion(level))
     except ValueError as error:
         return {"reason": f"twist: {error}"}
     return {key: {**vars(value), "total": value.total} for key, value in allowed.items()}

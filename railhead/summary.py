@@ -37,7 +37,7 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
     reached = None
     if scene.accuracy is not None and level.result is not None:
         complete = set(bound) == set(estimates.flat(level.result))
-        reached = complete and max(each.counts for each in known.values()) <= scene.accuracy
+        reached = complete and bool(max(e.counts for e in known.values()) <= scene.accuracy)
     profiles = half_space(level)
     second = {**hertz, "allowance": {}} if plan.contact.half_space else profiles
     if any(effect.override and effect.called_for != effect.on for effect in plan.effects.values()):

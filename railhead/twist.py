@@ -34,29 +34,34 @@ def twist(contact: Contact, ellipse: Ellipse) -> float:
     return COMPLIANCE[rail.profile] * moment / rail.young_modulus
 
 
-def twisted(contact: Contact, angle: float) -> Contact:
-    """The wheel lowered onto the rail turned by an angle (rad) about the centre of twist.
+def twisted(contact: Contact, angle: float, aside: float) -> Contact:
+    """The wheel lowered onto the rail whose head was turned by an angle (rad) about its crown and
+    moved by -aside (mm) along y.
 
     Raises PlacementError where it misses it.
     """
     if contact.pair is None or contact.pose is None:
         raise PlacementError("half-spaces do not twist")
-    slope = math.tan(math.atan(contact.scene.rail.inclination) + angle)
-    rail = profiles.rail_head(contact.scene.rail.profile, slope)
-    pair = replace(contact.pair, rail=rail)
-    beside = contact.pose.moved(y=CENTRE * angle)
+    rail = contact.scene.rail
+    if rail.profile in COMPLIANCE:
+        slope = math.tan(math.atan(rail.inclination) + angle)
+        turned = profiles.rail_head(rail.profile, slope)
+    else:
+        turned = profiles.rolled(contact.pair.rail, math.tan(angle))
+    pair = replace(contact.pair, rail=turned)
+    beside = contact.pose.moved(y=aside)
     pose = beside.moved(z=-pair.touches(beside)[0].gap)
     return replace(contact, touch=pair.touches(pose)[0], pair=pair, pose=pose)
 
 
-def change(contact: Contact, ellipse: Ellipse, angle: float) -> float:
-    """Relative change of the largest pressure or of the area by the twist, the larger one, by
-    boundary elements under the same load.
+def change(contact: Contact, ellipse: Ellipse, angle: float, aside: float) -> float:
+    """Relative change of the largest pressure or of the area where the rail is `twisted`, the
+    larger one, by boundary elements under the same load.
 
     Raises ValueError where the wheel misses the twisted rail or they find no closed patch.
     """
     load = ellipse.load * math.cos(contact.touch.angle)
-    other = twisted(contact, angle)
+    other = twisted(contact, angle, aside)
     after = exact.ellipse(contact.scene, other, load)
     before, behind = (
         developed.solve(where, hertz, load, CELLS)

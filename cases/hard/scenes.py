@@ -22,10 +22,10 @@ from railhead import run as running
 from railhead.allowance import allowance
 from railhead.checks import MISS
 from railhead.geometry import Contact
-from railhead.level import solve_level
+from railhead.level import Level, solve_level
 from railhead.progress import Progress
 from railhead.scene import Scene, SceneError
-from railhead.second_opinion import CELLS
+from railhead.second_opinion import CELLS, motion
 from railhead.summary import Ending, summarise
 from theory.hertz import Ellipse
 
@@ -126,9 +126,10 @@ def against_hertz(scene: Scene, n: float | None = 4.0, limit: float = LIMIT) -> 
     return refusals(solve)
 
 
-def half_space(scene: Scene) -> Summary:
+def half_space(scene: Scene, level: Level) -> Summary:
     """Boundary elements on the profiles of a scene with a load, twice as fine as beside a result,
-    nested as "half_space" of a summary. Raises ValueError where they know no answer."""
+    nested as "half_space" of a summary; level: a solution of it. Raises ValueError where they know
+    no answer."""
     plan = planning.make(scene)
     contact = plan.contact
     assert isinstance(contact, Contact) and isinstance(plan.estimate, Ellipse)
@@ -136,7 +137,7 @@ def half_space(scene: Scene) -> Summary:
     points, plane = developed.develop(contact).points, contact.touch.angle
     other = compare.from_half_space(found, points, plane, hertzian=plan.forecast.hertzian)
     allowed = {name: vars(each) | {"total": each.total}
-               for name, each in allowance(plan, found).items()}  # fmt: skip
+               for name, each in allowance(plan, found, motion(level)).items()}  # fmt: skip
     return {**other, "allowance": allowed}
 
 
@@ -145,7 +146,10 @@ def against_half_space(scene: Scene, n: float | None = 4.0, limit: float = LIMIT
 
     def solve() -> Measured:
         result = running.run(scene if n is None else resolved(scene, n))
-        return measure(result, against_boundary_elements(result.summary, half_space(scene), limit))
+        return measure(
+            result,
+            against_boundary_elements(result.summary, half_space(scene, result.level), limit),
+        )
 
     return refusals(solve)
 
@@ -180,7 +184,7 @@ def positioned(scene: Scene, single: float, several: float) -> Solve:
 
     def solve() -> Measured:
         result = running.run(scene)
-        second = half_space(scene)
+        second = half_space(scene, result.level)
         pressure = off(quantities(result.summary)["max_MPa"], second["pressure"]["max_MPa"])
         patches = len(second["patches"])
         allowed = single if patches == 1 else several
@@ -202,7 +206,7 @@ def outgrown(
         level = solve_level(plan, grading, Progress(quiet=True), MPI.COMM_WORLD)
         result = running.Result(level, summarise([level], Ending("one mesh")))
         if not fine:
-            found = against_boundary_elements(result.summary, half_space(scene))
+            found = against_boundary_elements(result.summary, half_space(scene, level))
             return measure(result, found)
         finer = running.run(resolved(scene, fine)).summary
         unknown = finer["accuracy"]["bound"]

@@ -79,8 +79,8 @@ def against_true_profile(wear: Wear, noise: float) -> Solve:
         with tempfile.TemporaryDirectory() as folder:
             smooth = resolved(wear.scene(Path(folder), 0.0), ELEMENTS)
             size = f"mesh.patch_size={smooth.mesh.patch_size!r}"
-            true = half_space(smooth)
             result = running.run(wear.scene(Path(folder), noise).replace([size]))
+            true = half_space(smooth, result.level)
         return measure(result, against_boundary_elements(result.summary, true))
 
     return refusals(solve)

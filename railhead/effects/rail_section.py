@@ -74,7 +74,7 @@ def _twists(scene: Scene, contact: Contact, ellipse: Hertz) -> tuple[bool, str]:
     angle, limit = twist.twist(contact, ellipse), accuracy(scene)
     text = f"the load twists it by {1e3 * angle:.2g} mrad"
     try:
-        change = twist.change(contact, ellipse, angle)
+        change = twist.change(contact, ellipse, angle, twist.CENTRE * angle)
     except ValueError as error:
         return True, f"{text}: what that changes cannot be judged ({error})"
     side = "above" if change > limit else "below"

@@ -197,7 +197,7 @@ def test_memory_that_is_missing_ends_a_sequence(tmp_path, monkeypatch, capsys) -
 
 
 def test_two_runs_into_one_folder_do_not_mix(earlier: Path) -> None:
-    loads = ("20000.0", "30000.0")
+    loads = ("25000.0", "30000.0")
     runs = [start(earlier, "--set", f"load={load}") for load in loads]
     for running in runs:
         _, errors = running.communicate(timeout=120)

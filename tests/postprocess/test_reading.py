@@ -106,7 +106,7 @@ def test_distance_to_the_edge_and_elements_across() -> None:
     """A circle of radius 1 on a surface of +-3 by +-2, cut at x = 0, which is no edge."""
     fields = painted(lambda x, s: 1 - x**2 - s**2, (3.0, 2.0), 0.125, 0.0, even=True)
     found = _read(fields)
-    assert quality.edge_distance(fields, found) == pytest.approx(1.0, abs=0.05)
+    assert quality.edge_distance(fields, found, np.zeros((0, 3))) == pytest.approx(1.0, abs=0.05)
     assert quality.elements_across(fields, FRAME, found) == pytest.approx((16, 16), rel=0.1)
 
 

@@ -15,7 +15,7 @@ from railhead.scene import SceneError
 SETTING = Setting("solid", "tetrahedron", 2, "nitsche", None, 1.0, 0.3, True, 2.0, 1.0)
 KNOWN = Family(
     "known", families.DEFAULT, (3.0, 8.0), {"max_MPa": Law(0.01, 2.0)},
-    {"max_MPa": 1.0}, {"max_MPa": Law(0.0, 1.0)}, {"max_MPa": 0.5},
+    {"max_MPa": Law(0.0, 1.0)}, {"max_MPa": 0.5},
 )  # fmt: skip
 
 
@@ -75,6 +75,14 @@ def test_without_a_family_three_meshes_a_step_apart_are_needed() -> None:
     assert estimates.mesh_parts([one, (4.4, {"max_MPa": 97.1}, {}), two], None, {})[0] == {}
     parts, source = estimates.mesh_parts([one, two, three], None, {})
     assert parts["max_MPa"] == pytest.approx(2.0 * (2.0 / 99) / 1.6) and "three" in source
+
+
+def test_a_place_counts_by_the_stress_that_is_lost_there() -> None:
+    """A parabola that has lost FLAT = 1 % at its flatness; another hill counts elsewhere."""
+    place = estimates.Estimate(0.08, 0.5, 0.0, 0.0, 0.0, flatness=0.16)
+    assert place.total == pytest.approx(0.58)
+    assert place.counts == pytest.approx(0.01 / 4)
+    assert replace(place, flatness=None).counts == place.total
 
 
 def test_an_envelope_lies_above_all_errors_and_follows_their_slope() -> None:
