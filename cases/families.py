@@ -103,9 +103,9 @@ def law(method: str, thetas: Sequence[int | None]) -> Make:
     return make
 
 
-def cells(*keys: str) -> Make:
-    """Cells that lock in volume: Poisson's ratio up to 0.4, axis ratio up to 8."""
-    return lambda rng: ellipse(rng, longest=8.0) + materials(rng, 0.0, 0.4) + list(keys)
+def cells(key: str, longest: float) -> Make:
+    """Cells that lock in volume: Poisson's ratio up to 0.4, axis ratio up to `longest`."""
+    return lambda rng: [*ellipse(rng, longest=longest), *materials(rng, 0.0, 0.4), key]
 
 
 def outside(rng: np.random.Generator) -> list[str]:
@@ -166,12 +166,12 @@ RECIPES = {
         lambda rng: ellipse(rng) + materials(rng, 0.45, 0.4999), {"poisson": [0.45, 0.4999]}
     ),
     "hexahedra": Recipe(
-        cells("mesh.cell=hexahedron"),
-        {"cell": ["hexahedron"], "order": [1], "poisson": [0.0, 0.4], "axis_ratio": [1.0, 8.0]},
+        cells("mesh.cell=hexahedron", 4.0),
+        {"cell": ["hexahedron"], "order": [1], "poisson": [0.0, 0.4], "axis_ratio": [1.0, 4.0]},
         (6.0, 9.0, 14.0),
     ),
     "linear": Recipe(
-        cells("mesh.order=1"),
+        cells("mesh.order=1", 8.0),
         {"order": [1], "poisson": [0.0, 0.4], "axis_ratio": [1.0, 8.0]},
         (6.0, 9.0, 14.0),
     ),

@@ -120,8 +120,8 @@ def _mesh(level: Level) -> list[Check]:
             FINER, least=True,
         ),
         Check(
-            "pressure_noise", found.noise, min(allowed * math.sqrt(facets), NOISE),
-            f"a fit over {facets:.0f} facets leaves one over their square root of it", FINER,
+            "pressure_noise", found.noise, min(allowed * math.sqrt(nodes), NOISE),
+            f"a fit over {nodes} nodes leaves one over their square root of it", FINER,
         ),
         Check(
             "penetration", solution.penetration / abs(solution.approach), allowed,
