@@ -25,6 +25,7 @@ HERTZIAN = 0.02  # largest deviation of the fourth moments from those of a semi-
 ELLIPTIC = 0.01  # ... that up to which nothing but Hertz's ellipsoid is read
 PEAK_RADIUS = 0.6  # of the semi-axes: where p^2 is fitted for the largest pressure
 READ = ("a", "b", "area", "max_pressure")
+LINE, LINE_POINTS = 1.25, 121  # lines through the centre reach that many half lengths either way
 VARIATION = 100.0  # of the roughness, either way: how far readings differ
 
 
@@ -117,9 +118,9 @@ def largest_pressure(fields: Fields, frame: Frame, found: Moments) -> float:
 
 def read(
     fields: Fields, separate: list[Part], frame: Frame
-) -> tuple[Patch, Surface, Moments, Array]:
-    """Patch, recovered surface fields, moments, and the recovered pressure at the contact points
-    of a solution in which something touches.
+) -> tuple[Patch, Surface, Moments, Array, tuple[AxisPressure, AxisPressure]]:
+    """Patch, recovered surface fields, moments, the recovered pressure at the contact points and
+    along x and s through the centre, of a solution in which something touches.
 
     separate: its parts; frame: of the first one where there are several.
     """
@@ -162,7 +163,8 @@ def read(
         _pressure(readings, points),
         recovery.project(contact.gap),
     )
-    return patch, surface, found, _pressure(readings, contact.points)
+    lines = _line(readings, frame, patch, 0), _line(readings, frame, patch, 1)
+    return patch, surface, found, _pressure(readings, contact.points), lines
 
 
 @dataclass(frozen=True)
@@ -257,27 +259,10 @@ def _in_frame(line: Array, own: Frame, frame: Frame) -> Array:
     return frame.local(np.array(own.origin) + flat @ own.axes)[:, :2]
 
 
-def axis_pressure(surface: Surface, patch: Patch, axis: int, fields: Fields) -> AxisPressure:
+def _line(readings: list[_Reading], frame: Frame, patch: Patch, axis: int) -> AxisPressure:
     """Recovered pressure along x (axis 0) or s (axis 1) through the patch centre."""
-    half = (patch.a, patch.b)[axis] * 1.25
-    cut = any(int(np.argmax(np.abs(n))) == axis for n in fields.mirrors)
-    centre = np.array(patch.centre)
-    coordinate = np.linspace(0.0 if cut else -half, half, 61) + centre[axis]
-    probes = np.tile(centre, (len(coordinate), 1))
-    probes[:, axis] = coordinate
-    probes += 1e-9 * half  # off the symmetry line, into the model
-    corners = surface.local[surface.triangles]
-    e1, e2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    det = np.cross(e1, e2)
-    offset = probes[:, None, :] - corners[None, :, 0]
-    u, v = np.cross(offset, e2) / det, np.cross(e1, offset) / det
-    outside = np.maximum(np.maximum(-u, -v), u + v - 1)
-    best = np.argmin(outside, axis=1)
-    rows = np.arange(len(probes))
-    u, v = u[rows, best], v[rows, best]
-    p = surface.pressure[surface.triangles[best]]
-    values = p[:, 0] * (1 - u - v) + p[:, 1] * u + p[:, 2] * v
-    if cut:
-        coordinate = np.concatenate([-coordinate[:0:-1], coordinate])
-        values = np.concatenate([values[:0:-1], values])
-    return AxisPressure(coordinate, values)
+    half = (patch.a, patch.b)[axis] * LINE
+    local = np.tile([*patch.centre, 0.0], (LINE_POINTS, 1))
+    local[:, axis] += np.linspace(-half, half, LINE_POINTS)
+    points = np.array(frame.origin) + local @ frame.axes
+    return AxisPressure(local[:, axis], _pressure(readings, points))

@@ -24,17 +24,11 @@ def findings(fields: Fields, frame: Frame) -> Findings:
     frame = separate[0].frame if len(separate) > 1 else frame
     if flat:
         found, surface, moments, recovered = section.read(fields, frame)
-    else:
-        found, surface, moments, recovered = patch.read(fields, separate, frame)
-    size = moments.a if flat else min(found.a, found.b)
-    axes, others, largest, edges = inside.read(fields, frame, found.centre, size, separate[1:])
-    if flat:
         lines = section.axis_pressures(surface, found, fields)
     else:
-        lines = (
-            patch.axis_pressure(surface, found, 0, fields),
-            patch.axis_pressure(surface, found, 1, fields),
-        )
+        found, surface, moments, recovered, lines = patch.read(fields, separate, frame)
+    size = moments.a if flat else min(found.a, found.b)
+    axes, others, largest, edges = inside.read(fields, frame, found.centre, size, separate[1:])
     return Findings(
         frame,
         found,

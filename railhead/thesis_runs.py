@@ -103,7 +103,7 @@ def fe_facts(found: Findings, base: Run, exact: Ellipse) -> dict[str, float]:
                 np.interp(depth, axis.depth, axis.stress[:, i])
             )
     for share in (0.5, 1.0):
-        at = share * exact.a
+        at = share * base.a  # of the patch that was found: the edge is an edge of a square root
         values[f"p at {share:g} a"] = float(np.interp(at, along.coordinate, along.pressure))
     return values
 

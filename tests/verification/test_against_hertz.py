@@ -9,7 +9,7 @@ from railhead.scene import Scene
 
 def solved(scene: Scene) -> run.Result:
     result = run.run(scene)
-    assert result.passed, result.summary["newton"]
+    assert result.passed, result.summary["checks"]
     return result
 
 
