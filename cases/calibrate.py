@@ -26,7 +26,7 @@ SECTIONS = ("plane strain", "meridian")
 HEADROOM = 1.1  # the envelope over the largest error that was seen
 ORDERS = (0.5, 3.0)  # of convergence that are believed
 LEAST = 1e-6  # relative; below it an error is rounding
-CHANCE = 0.5  # of an error: what the scatter of its reading is not believed to cover
+CHANCE = 1.5  # times the median error: the least of a law, as a reading may be right by chance
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,9 @@ def fit(name: str, records: Sequence[Record]) -> dict[str, Any]:
         share = float(error @ over / (over @ over)) if over.any() else 0.0
         overlap[key] = share
         rest = np.maximum(error - share * over, 0.0)
-        laws[key] = envelope(n, np.maximum(rest - read, CHANCE * rest) / scale)
+        usual = middle(n, rest / scale)
+        least = np.array([CHANCE * usual(each) for each in n])
+        laws[key] = envelope(n, np.maximum((rest - read) / scale, least))
         reading[key] = middle(n, read)
     recipe = families.RECIPES[name]
     return {

@@ -51,6 +51,7 @@ QUANTITIES = {
 }
 """Reported quantities that carry an estimate, and their place under "result" in summary.json."""
 READ = {"a_mm": "a", "b_mm": "b", "area_mm2": "area", "max_MPa": "max_pressure"}
+RIDGED = ("tau_max_MPa", "von_mises_max_MPa")
 PLACES = ("tau_max_depth_mm",)
 """Those that are places of a maximum: their scale is how flat that is."""
 LAWS = Path(__file__).with_name("data") / "laws.json"
@@ -243,6 +244,8 @@ def reading(found: Findings) -> dict[str, float]:
     depths = [depth for peak in high for depth in (peak.depth, *peak.rivals)]
     apart = max(abs(depth - top.depth) for depth in depths)
     scatter = {name: found.patch.scatter[key] for name, key in READ.items()}
+    if not found.hertzian:  # the stress below a ridge is as uncertain as the ridge
+        scatter |= dict.fromkeys(RIDGED, found.patch.scatter["max_pressure"])
     return {**scatter, "tau_max_depth_mm": apart / top.depth if top.depth else math.inf}
 
 

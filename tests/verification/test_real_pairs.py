@@ -35,12 +35,15 @@ def test_a_yawed_wheel_has_the_patch_of_the_straight_one() -> None:
 
 
 def test_bound_covers_the_ridge_at_a_joint_of_two_arcs() -> None:
-    """54E1 at 1:40: the patch crosses the R300-R80 joint, where the pressure has a ridge. Both
-    methods carry the same load on nearly the same area, so peak over mean is compared."""
+    """54E1 at 1:40: the patch crosses the R300-R80 joint, where the pressure has a ridge. Half-spaces
+    do not turn under the load as the head does."""
     choice = ["rail.inclination=1:40", "accuracy=4%", "effects.rail_section=off"]
     scene = catalogue.find("uic54_22t5_axle").replace(choice)
     summary = run(scene).summary
     assert summary["checks"]["passed"] and not summary["checks"]["hertzian"]
     found, other = summary["result"]["pressure"], summary["half_space"]["pressure"]
-    error = found["max_MPa"] / found["mean_MPa"] / (other["max_MPa"] / other["mean_MPa"]) - 1
-    assert abs(error) < summary["accuracy"]["bound"]["max_MPa"] < 0.04
+    turned = summary["half_space"]["allowance"]["max_MPa"]
+    error = abs(found["max_MPa"] / other["max_MPa"] - 1)
+    assert 0.015 < turned["twist"] < 0.02
+    assert error < summary["accuracy"]["bound"]["max_MPa"] + turned["total"]
+    assert summary["accuracy"]["bound"]["max_MPa"] < 0.04
