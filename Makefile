@@ -5,7 +5,7 @@ run: setup
 	.venv/bin/railhead run uic54_thesis
 
 test: setup lint
-	.venv/bin/python -m pytest
+	OMP_NUM_THREADS=1 .venv/bin/python -m pytest -n 2 --dist loadfile
 
 setup:
 	@./setup.sh

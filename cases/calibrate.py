@@ -20,7 +20,7 @@ from railhead.scene import Scene
 
 STUDY = "error laws by family, from random scenes of known answer"
 SEED = 1
-SCENES = 12
+SCENES = 16
 SECTION_SCENES = 40  # of families that cost next to nothing
 SECTIONS = ("plane strain", "meridian")
 HEADROOM = 1.1  # the envelope over the largest error that was seen
