@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice
@@ -11,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from cases import families
-from cases.pool import spread
+from cases.pool import attempts
 from railhead import estimates, run, studies
 from railhead.estimates import QUANTITIES
 from railhead.scene import Scene
@@ -21,6 +22,7 @@ SEED = 2012
 SCENES = 20
 ASKED = (None, 0.05, None, 0.02, None, 0.01)  # by scene in turn; None: default settings
 ROUGH_ASKED = (None, 0.1, None, 0.05)  # of linear cells
+LIMIT = 600.0  # s, of one scene and its truth
 ROUNDING = 1e-7  # relative; errors below it say nothing of an estimate
 MAIN = ("max_MPa", "area_mm2", "tau_max_MPa")  # quantities that must have an estimate
 
@@ -93,9 +95,16 @@ def main(out: Path, *, quick: bool) -> None:
         for name in names
         for index, scene in enumerate(islice(families.scenes(name, SEED), 4 if quick else SCENES))
     ]
-    records = [record for found in spread(measure, jobs) for record in found]
+    records: list[Record] = []
+    lost = []
+    for number, (job, attempt) in enumerate(
+        zip(jobs, attempts(measure, jobs, [LIMIT] * len(jobs)), strict=True), 1
+    ):
+        records += attempt.found or []
+        lost += [f"{job[1].name}: {attempt.fault}"] if attempt.fault else []
+        print(f"{number} of {len(jobs)}", file=sys.stderr)
     studies.write_csv(out / "error_bounds.csv", records)
-    (out / studies.PAGE).write_text(page(records), encoding="utf-8")
+    (out / studies.PAGE).write_text(page(records, lost), encoding="utf-8")
 
 
 def verdict(records: Sequence[Record]) -> dict[str, float]:
@@ -113,8 +122,8 @@ def verdict(records: Sequence[Record]) -> dict[str, float]:
     }
 
 
-def page(records: Sequence[Record]) -> str:
-    """Tables by family and by quantity."""
+def page(records: Sequence[Record], lost: Sequence[str]) -> str:
+    """Tables by family and by quantity; lost: scenes that gave nothing, with the reason."""
 
     def row(title: str, mine: Sequence[Record]) -> list[str]:
         v = verdict(mine)
@@ -140,4 +149,5 @@ def page(records: Sequence[Record]) -> str:
         + studies.table(("quantity", *head), by_quantity) + "\n\n"
         f"Time over predicted time: {off.min():.2f} to {off.max():.2f}, median "
         f"{np.median(off):.2f}.\n"
+        + "".join(f"\nGave nothing: {line}\n" for line in lost)
     )  # fmt: skip

@@ -32,7 +32,7 @@ def test_a_good_result_passes(level) -> None:
 @pytest.mark.parametrize(
     ("change", "name"),
     [
-        ({"noise": 0.25}, "pressure_noise"),
+        ({"noise": 0.55}, "pressure_noise"),
         ({"elements_across": (5.0, 5.0)}, "elements_across"),
         ({"edge_distance": 0.01}, "edge_distance"),
         ({"reported_force": 100.0}, "reported_force"),
