@@ -31,8 +31,8 @@ CHANCE = 1.5  # times the median error: the least of a law, as a reading may be 
 
 @dataclass(frozen=True)
 class Record:
-    """One quantity of one scene on one mesh; error, reading, overlap: relative; scale: see
-    `estimates.scales`."""
+    """One quantity of one scene on one mesh; error (without what the plan leaves out), reading,
+    overlap: relative; scale: see `estimates.scales`."""
 
     family: str
     scene: str
@@ -61,7 +61,8 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Recor
         records += [
             Record(
                 name, scene.name, level.resolution, level.unknowns, key,
-                abs(found[key] / value - 1), scatter.get(key, 0.0), overlap, scale.get(key, 1.0),
+                max(abs(found[key] / value - 1) - level.plan.left_out, 0.0),
+                scatter.get(key, 0.0), overlap, scale.get(key, 1.0),
             )
             for key, value in exact.items() if key in found and value
         ]  # fmt: skip
