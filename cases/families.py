@@ -27,6 +27,7 @@ from theory.hertz import point_contact
 Make = Callable[[np.random.Generator], list[str]]
 HALF_SPACE = {"rail": {"profile": "arc", "crown_radius": 300, "extent": "half-space"}}
 INCOMPRESSIBLE = (0.4, 0.4999)  # Poisson's ratios of families of their own
+LINES = (3.0, 4.0, 5.0, 6.5, 8.0, 10.0, 13.0, 18.0, 24.0)  # resolutions of sections
 FINE = 1.6  # times the finest calibrated resolution: the truth of real profiles
 
 
@@ -179,22 +180,22 @@ RECIPES = {
     "plane strain": Recipe(
         lambda rng: roller(rng) + materials(rng),
         {"shape": ["plane strain"], "axis_ratio": [1.0, 1.0]},
-        (3.0, 6.0, 12.0, 24.0),
+        LINES,
     ),
     "meridian": Recipe(
         lambda rng: ball(rng) + materials(rng),
         {"shape": ["meridian"], "axis_ratio": [1.0, 1.0]},
-        (3.0, 6.0, 12.0, 24.0),
+        LINES,
     ),
     "incompressible lines": Recipe(
         lambda rng: roller(rng) + materials(rng, *INCOMPRESSIBLE),
         {"shape": ["plane strain"], "axis_ratio": [1.0, 1.0], "poisson": INCOMPRESSIBLE},
-        (3.0, 6.0, 12.0, 24.0),
+        LINES,
     ),
     "incompressible circles": Recipe(
         lambda rng: ball(rng) + materials(rng, *INCOMPRESSIBLE),
         {"shape": ["meridian"], "axis_ratio": [1.0, 1.0], "poisson": INCOMPRESSIBLE},
-        (3.0, 6.0, 12.0, 24.0),
+        LINES,
     ),
     "outside": Recipe(
         outside,
