@@ -178,6 +178,14 @@ class Estimate:
         return lost((self.total - self.reading) / self.flatness)
 
 
+def worst(found: Mapping[str, Estimate], result: Mapping[str, Any] | None) -> float:
+    """The largest of what counts against an asked accuracy; infinite where a quantity of the
+    "result" has no estimate."""
+    if result is None or set(found) != set(flat(result)):
+        return math.inf
+    return max((each.counts for each in found.values()), default=math.inf)
+
+
 def lost(beside: float) -> float:
     """Of a maximum, relative, at a distance from it over its flatness: a parabola."""
     return FLAT * beside**2

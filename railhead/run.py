@@ -113,11 +113,8 @@ def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[L
 
 
 def _worst(levels: list[Level]) -> float:
-    """The largest estimate of the last mesh; infinite where a quantity has none."""
-    found, _ = estimates.estimate(levels)
-    if levels[-1].result is None or set(found) != set(estimates.flat(levels[-1].result)):
-        return math.inf
-    return max(each.counts for each in found.values())
+    """What counts of the estimates of the last mesh."""
+    return estimates.worst(estimates.estimate(levels)[0], levels[-1].result)
 
 
 def _next(levels: list[Level], worst: float, wanted: float) -> tuple[float, bool]:
@@ -129,9 +126,9 @@ def _next(levels: list[Level], worst: float, wanted: float) -> tuple[float, bool
         return estimates.STEP * n, True
     if len(levels) > 1:
         wanted = estimates.next_resolution(n, worst, asked or worst)
-    elif asked is not None and level.plan.scene.budget is None:
-        wanted = max(known.finest(asked - level.plan.left_out), 1.25 * n)
     else:
+        if asked is not None and level.plan.scene.budget is None:
+            wanted = known.finest(asked - level.plan.left_out)
         wanted = max(wanted, 1.25 * n)
     return wanted, known.covers(wanted)
 

@@ -36,8 +36,7 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
     bound = {name: each.total for name, each in known.items()}
     reached = None
     if scene.accuracy is not None and level.result is not None:
-        complete = set(bound) == set(estimates.flat(level.result))
-        reached = complete and bool(max(e.counts for e in known.values()) <= scene.accuracy)
+        reached = bool(estimates.worst(known, level.result) <= scene.accuracy)
     profiles = half_space(level)
     second = {**hertz, "allowance": {}} if plan.contact.half_space else profiles
     if any(effect.override and effect.called_for != effect.on for effect in plan.effects.values()):
