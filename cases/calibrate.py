@@ -85,6 +85,16 @@ def middle(n: np.ndarray, values: np.ndarray) -> Law:
     return Law(max(float(np.median(values * (n / 6.0) ** order)), LEAST), order)
 
 
+def effect(n: np.ndarray, errors: np.ndarray, overlap: np.ndarray) -> float:
+    """The largest error over overlap on the finest meshes, of the scenes in which more overlaps
+    than in half of them: in the others the mesh may err more."""
+    if not overlap.any():
+        return 0.0
+    finest = n > 0.9 * n.max()
+    much = finest & (overlap >= np.median(overlap[finest]))
+    return float(np.max(errors[much] / overlap[much]))
+
+
 def fit(name: str, records: Sequence[Record]) -> dict[str, Any]:
     """The entry of a family in laws.json."""
     laws, reading, overlap = {}, {}, {}
@@ -96,9 +106,8 @@ def fit(name: str, records: Sequence[Record]) -> dict[str, Any]:
             np.array([getattr(record, field) for record in mine])
             for field in ("n", "error", "reading", "overlap", "scale")
         )
-        share = float(error @ over / (over @ over)) if over.any() else 0.0
-        overlap[key] = share
-        rest = np.maximum(error - share * over, 0.0)
+        overlap[key] = effect(n, error, over)
+        rest = np.maximum(error - overlap[key] * over, 0.0)
         usual = middle(n, rest / scale)
         least = np.array([CHANCE * usual(each) for each in n])
         laws[key] = envelope(n, np.maximum((rest - read) / scale, least))

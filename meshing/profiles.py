@@ -18,6 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import make_interp_spline
 
+STANDARD_RAILS = ("54E1", "60E1")  # EN 13674-1
+
 Array = NDArray[np.float64]
 CONES = {"cylinder": 0.0, "cone20": 1 / 20, "cone40": 1 / 40}
 

@@ -8,9 +8,11 @@ its integrals against smooth functions do not. F is the minimum of the convex fu
 
 so int p G = int p_h G for every G of that space up to the roughness r. Where G is a polynomial of
 degree 2, F is Hertz's ellipsoid by second moments, which costs no roughness: D3 F holds the third
-derivatives, in units of an element across (P. Eilers and B. Marx, Statist. Sci. 11, 1996, penalise
-splines alike). r is small inside, where joints of arcs bend F, and large near the ends across,
-where facets that are half in contact would be followed.
+derivatives (P. Eilers and B. Marx, Statist. Sci. 11, 1996, penalise splines alike), across in
+units of an element and along in half widths: bodies of one radius along the rail hardly leave a
+third one there. How the curvature along changes across is counted in elements both ways, or a
+patch with a neck would be as uncertain on any mesh. r is small inside, where joints of arcs bend
+F, and large near the ends across, where facets that are half in contact would be followed.
 """
 
 from __future__ import annotations
@@ -28,6 +30,7 @@ from scipy.linalg import cho_factor, cho_solve
 from postprocess.findings import Array
 
 DEGREE = 4  # of F along the rail
+NECK = 3.0  # elements: the unit of length along, in the change across of the curvature along
 ROUGHNESS = 1e-5  # r of a spline of ...
 INTERVALS = 16  # ... so many; it grows with their square, or finer meshes would scatter alike
 ENDS, STEEP = 6.0, 6  # r grows like (1 + (6 elements / distance from the end)^6)
@@ -201,7 +204,8 @@ def _knots(samples: Samples) -> Array:
 
 
 def _penalty(knots: Array, powers: Array, s: Array, weight: Array, samples: Samples) -> Array:
-    """(kn, kn) of the mean of r |D3 F|^2, s in intervals of the spline, x in half widths."""
+    """(kn, kn) of the mean of r |D3 F|^2, s in intervals of the spline, x in half widths, in the
+    second derivative along in NECK elements."""
     inner = knots[3:-3]
     width = np.interp(s, (inner[1:] + inner[:-1]) / 2, np.diff(inner))
     margin = MARGIN * float(samples.size.mean())
@@ -209,13 +213,17 @@ def _penalty(knots: Array, powers: Array, s: Array, weight: Array, samples: Samp
     distance = np.maximum(inside / samples.size.mean(), 0.0) + 0.5
     weight = weight * (1 + (ENDS / distance) ** STEEP)
     at, share = leggauss(DEGREE + 2)
+    x0, x1 = _box(samples)[0]
+    neck = 1.0 if samples.line else 2 * NECK * float(samples.size.mean()) / (x1 - x0)
     total = np.zeros((len(powers) * (len(knots) - 4),) * 2)
     splines = BSpline(knots, np.eye(len(knots) - 4), 3)
     for order in range(4):  # of the derivative along x
         along = np.stack([Polynomial.basis(int(k)).deriv(order)(at) for k in powers])
         across = splines(s, nu=3 - order) * width[:, None] ** (3 - order)
-        total += comb(3, order) * np.kron(
-            along * share / 2 @ along.T, across.T @ (across * weight[:, None])
+        total += (
+            comb(3, order)
+            * (neck**4 if order == 2 else 1.0)
+            * np.kron(along * share / 2 @ along.T, across.T @ (across * weight[:, None]))
         )
     return total
 

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from meshing.outlines import head_depth
 from meshing.tags import RAIL
 from railhead import bodies, developed, exact, twist
 from railhead.developed import Developed
@@ -100,15 +99,12 @@ def _bodies(plan: Plan, surface: Developed) -> list[_Body]:
         part = rail if tag == RAIL else wheel
         weight = modulus / exact.plane_strain_modulus(scene, tag)
         if tag == RAIL:
-            known = rail.profile in ("54E1", "60E1")
-            depth = head_depth(rail.profile) if known else rail.depth or bodies.HEAD_DEPTH
             ends = float(surface.s[0]), float(surface.s[-1])
         else:
-            depth = wheel.rim_depth or min(bodies.RIM_DEPTH, 0.5 * wheel.rolling_radius)
             low, high = plan.contact.profiles["wheel"][0].domain
             half = (wheel.width or math.inf) / 2
             ends = max(low - touch.tread, -half), min(high - touch.tread, half)
-        found.append(_Body(weight, part.poisson_ratio, depth, ends))
+        found.append(_Body(weight, part.poisson_ratio, bodies.depth(scene, tag), ends))
     return found
 
 

@@ -13,7 +13,7 @@ from meshing.bodies import Body
 from meshing.pose import Pose, about_axle
 from meshing.tags import RAIL, WHEEL
 from railhead.geometry import Contact
-from railhead.scene import SceneError
+from railhead.scene import Scene, SceneError
 
 HEAD_DEPTH = 50.0  # mm, of a block below a single-radius or measured crown
 RIM_DEPTH = 60.0  # mm
@@ -37,6 +37,16 @@ def bodies(
     return made
 
 
+def depth(scene: Scene, body: int) -> float:
+    """From the contact of RAIL or WHEEL to where the body is held, mm: of a standard rail its
+    head."""
+    if body == WHEEL:
+        return scene.wheel.rim_depth or min(RIM_DEPTH, 0.5 * scene.wheel.rolling_radius)
+    if scene.rail.profile in profiles.STANDARD_RAILS:
+        return outlines.head_depth(scene.rail.profile)
+    return scene.rail.depth or HEAD_DEPTH
+
+
 def rail_reach(contact: Contact, reach: float, *, whole_section: bool) -> float:
     """Half length of the rail, mm; reach: that of bodies which are not twisted."""
     if contact.scene.rail.length is not None:
@@ -49,7 +59,7 @@ def _rail(contact: Contact, reach: float, *, whole_section: bool, half: bool) ->
     scene = contact.scene
     if contact.pair is None:
         return _half_space(RAIL, reach, half=half)
-    if scene.rail.profile in ("54E1", "60E1"):
+    if scene.rail.profile in profiles.STANDARD_RAILS:
         extent = "section" if whole_section else "head"
         section = outlines.rail_section(scene.rail.profile, extent, half=half)
         angle = math.atan(scene.rail.inclination)
@@ -72,20 +82,21 @@ def _rail(contact: Contact, reach: float, *, whole_section: bool, half: bool) ->
 
 
 def _wheel(contact: Contact, reach: float, *, half: bool) -> Body:
-    wheel = contact.scene.wheel
+    scene = contact.scene
+    wheel = scene.wheel
     if contact.pair is None or contact.pose is None:
         return _half_space(WHEEL, reach, half=half)
     centre = contact.touch.tread
     start, end = contact.pair.wheel.domain
     if wheel.width:
         start, end = max(start, centre - wheel.width / 2), min(end, centre + wheel.width / 2)
-    depth = wheel.rim_depth or min(RIM_DEPTH, 0.5 * wheel.rolling_radius)
+    deep = depth(scene, WHEEL)
     lowest = min(0.0, float(np.nanmin(contact.pair.wheel.height(np.linspace(start, end, 200)))))
-    base = depth if wheel.rim_depth and depth > -lowest else depth - lowest
+    base = deep if wheel.rim_depth and deep > -lowest else deep - lowest
     if base >= wheel.rolling_radius:
         raise SceneError(
             "wheel.rim_depth",
-            f"{depth:g} is not allowed; it must be smaller than wheel.rolling_radius "
+            f"{deep:g} is not allowed; it must be smaller than wheel.rolling_radius "
             f"({wheel.rolling_radius:g})",
         )
     section = outlines.block_section(

@@ -27,7 +27,7 @@ TREAD_HALF_WIDTH = 67.5  # mm, of a cylinder, cone or arc
 def rail_profile(scene: Scene) -> Profile:
     """Crown z(y) of the rail as it stands, inclination included."""
     rail = scene.rail
-    if rail.profile in ("54E1", "60E1"):
+    if rail.profile in profiles.STANDARD_RAILS:
         return profiles.rail_head(rail.profile, rail.inclination)
     if rail.profile == "arc":
         profile = profiles.single_radius(

@@ -48,6 +48,7 @@ CHECKS = {
 ASSUMPTIONS = {
     "small_patch": assumptions.small_patch,
     "inside_the_bodies": assumptions.inside_the_bodies,
+    "thick_bodies": assumptions.thick_bodies,
 }
 
 

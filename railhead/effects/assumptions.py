@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import math
 
+from meshing.profiles import STANDARD_RAILS
+from meshing.tags import BODIES
 from postprocess.findings import Findings
-from railhead.effects.base import After, touching
+from railhead import bodies, exact
+from railhead.effects.base import After, accuracy, touching
 from railhead.geometry import Contact
 from railhead.scene import Scene
+from theory import finite_bodies
 
 SMALL = 0.1  # semi-axis over relative radius
 EDGE = 1.1  # times the semi-axis across that must lie within both profiles
@@ -37,3 +41,26 @@ def inside_the_bodies(scene: Scene, contact: Contact, found: Findings) -> After 
     near = bool(room < reach)
     text = f"{room:.1f} mm from the middle of the patch to the nearest edge, b = {patch.b:.2f} mm"
     return After(near, f"{text}: the edge carries load" if near else text)
+
+
+def thick_bodies(scene: Scene, contact: Contact, found: Findings) -> After | None:
+    """A body held just below the patch is stiffer than a half-space (see theory.finite_bodies); of
+    a standard rail the effect rail_section tells."""
+    if contact.half_space or contact.lengthwise:
+        return None
+    modulus, patch, limit = exact.contact_modulus(scene), found.patch, accuracy(scene)
+    changes = {}
+    for tag, body in BODIES.items():
+        if body == "rail" and scene.rail.profile in STANDARD_RAILS:
+            continue
+        part = scene.rail if body == "rail" else scene.wheel
+        weight = modulus / exact.plane_strain_modulus(scene, tag)
+        deep = bodies.depth(scene, tag)
+        curvature = weight * finite_bodies.held_below(deep, part.poisson_ratio)
+        changes[body, deep] = finite_bodies.change(curvature, patch.a, patch.b)
+    (body, deep), change = max(changes.items(), key=lambda each: each[1])
+    thin = bool(change > limit)
+    side = "above" if thin else "below"
+    rise = f"pressure rises by {change:.2g}, {side} {limit:g}"
+    text = f"the {body} is held {deep:.3g} mm deep: {rise}"
+    return After(thin, f"{text}: the comparison with Hertz is doubtful" if thin else text)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from meshing.outlines import head_depth
+from meshing.profiles import STANDARD_RAILS
 from postprocess.findings import Findings
 from railhead import exact, twist
 from railhead.effects import true_profile
@@ -26,7 +27,7 @@ def decide(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
     if contact.half_space:
         why = "a half-space has neither web nor foot"
         return Effect(False, False, why, {"on": why})
-    if name not in ("54E1", "60E1"):
+    if name not in STANDARD_RAILS:
         if extent == "section":
             raise SceneError("rail.extent", "section needs rail.profile 54E1 or 60E1; give head")
         why = f"rail.profile {name} has neither web nor foot"

@@ -63,6 +63,22 @@ def test_scatter_is_about_the_error() -> None:
     assert (np.median(scatter, axis=0) < 10 * np.median(error, axis=0)).all()
 
 
+def test_finer_meshes_agree_on_the_area_of_a_patch_with_a_waist() -> None:
+    """The curvature of p^2 along changes quickly across there, as of S1002 on 60E1. Its readings
+    differed by 0.6 % on any mesh, ten times their error."""
+
+    def square(x: Array, s: Array) -> Array:
+        half = 0.16 + 0.4 * (s - 0.4) ** 2 - 0.055 * (s - 0.4) ** 4
+        return (half - x**2) * (1 + 1.5 / (1 + ((s - 0.4) / 0.5) ** 2))
+
+    surface = (1.5, 3.6)
+    area = measured(square, surface)[2]
+    for n, limit in ((6, 0.002), (12, 0.0005)):
+        found = _read(painted(square, surface, 0.5 / n, 0.02, even=True))
+        assert found.area == pytest.approx(area, rel=limit)
+        assert found.scatter["area"] < limit
+
+
 def test_numbers_do_not_jump_where_an_ellipse_becomes_another_shape() -> None:
     """A growing fourth power across: the fourth moments pass both thresholds."""
     read, shares = [], []

@@ -6,6 +6,7 @@ import matplotlib.image
 import pytest
 
 from railhead import catalogue, cli, effects, run
+from railhead.effects import assumptions
 
 
 @pytest.fixture
@@ -72,6 +73,23 @@ def test_a_patch_at_the_edge_of_the_tread_is_named(thesis) -> None:
         found = again(thesis, f"wheel.width={width!r}")["inside_the_bodies"]
         assert found.needed is near
         assert ("the edge carries load" in found.why) is near
+
+
+def test_a_rim_or_a_block_that_is_thin_is_named(thesis) -> None:
+    """Finite elements on a rim of 3 mm: 14 % more pressure than on half-spaces."""
+    plan = thesis.plan
+
+    def judged(*assignments: str) -> effects.After:
+        scene = plan.scene.replace(["rail.profile=arc", "rail.crown_radius=300", *assignments])
+        return assumptions.thick_bodies(scene, plan.contact, thesis.findings)
+
+    assert not effects.check(plan.scene, plan.contact, plan.effects, thesis.findings)[
+        "thick_bodies"
+    ].needed
+    for thin, body in (("wheel.rim_depth=3", "wheel"), ("rail.depth=3", "rail")):
+        found = judged(thin)
+        assert found.needed and found.why.startswith(f"the {body} is held 3 mm deep")
+    assert not judged("rail.depth=30", "wheel.rim_depth=30").needed
 
 
 def test_a_patch_that_is_large_against_its_radius_puts_hertz_in_doubt() -> None:
