@@ -88,23 +88,19 @@ def measure(name: str, scene: Scene, accuracy: float | None) -> list[Record]:
 
 
 def main(out: Path, *, quick: bool) -> None:
-    """Write error_bounds.csv and page.md; quick: four scenes of each section family."""
-    names = ["plane strain", "meridian"] if quick else list(families.RECIPES)
-    jobs = [
-        (name, scene, asked(name, index))
-        for name in names
-        for index, scene in enumerate(islice(families.scenes(name, SEED), 4 if quick else SCENES))
-    ]
+    """Write error_bounds.csv and page.md, anew after each family; quick: four scenes of two."""
     records: list[Record] = []
-    lost = []
-    for number, (job, attempt) in enumerate(
-        zip(jobs, attempts(measure, jobs, [LIMIT] * len(jobs)), strict=True), 1
-    ):
-        records += attempt.found or []
-        lost += [f"{job[1].name}: {attempt.fault}"] if attempt.fault else []
-        print(f"{number} of {len(jobs)}", file=sys.stderr)
-    studies.write_csv(out / "error_bounds.csv", records)
-    (out / studies.PAGE).write_text(page(records, lost), encoding="utf-8")
+    lost: list[str] = []
+    for name in ["plane strain", "meridian"] if quick else families.RECIPES:
+        scenes = islice(families.scenes(name, SEED), 4 if quick else SCENES)
+        jobs = [(name, scene, asked(name, index)) for index, scene in enumerate(scenes)]
+        done = attempts(measure, jobs, [LIMIT] * len(jobs))
+        for number, (job, attempt) in enumerate(zip(jobs, done, strict=True), 1):
+            records += attempt.found or []
+            lost += [f"{job[1].name}: {attempt.fault}"] if attempt.fault else []
+            print(f"{name}: {number} of {len(jobs)}", file=sys.stderr)
+        studies.write_csv(out / "error_bounds.csv", records)
+        (out / studies.PAGE).write_text(page(records, lost), encoding="utf-8")
 
 
 def verdict(records: Sequence[Record]) -> dict[str, float]:

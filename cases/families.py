@@ -171,7 +171,7 @@ RECIPES = {
     "hexahedra": Recipe(
         cells("mesh.cell=hexahedron", 4.0),
         {"cell": ["hexahedron"], "order": [1], "poisson": [0.0, 0.4], "axis_ratio": [1.0, 4.0]},
-        (6.0, 8.0, 11.0),
+        (4.5, 6.0, 8.0),
     ),
     "linear": Recipe(
         cells("mesh.order=1", 8.0),
