@@ -194,10 +194,13 @@ def _reading(part: Part, frame: Frame, facets: Array) -> _Reading:
 
 
 def _free(given: Samples) -> tuple[Square, dict[str, float]]:
-    """Any shape, and how far it differs with other roughnesses."""
+    """Any shape, and how far it differs with other roughnesses: beyond any bound where one of them
+    did not come to a minimum."""
     stiff = reconstruct(given, VARIATION * ROUGHNESS)
     free = reconstruct(given, start=stiff)
     soft = reconstruct(given, ROUGHNESS / VARIATION, free)
+    if not (stiff.settled and free.settled and soft.settled):
+        return free, dict.fromkeys(READ, np.inf)
     return free, spread(trace(free), [trace(stiff), trace(soft)])
 
 

@@ -38,6 +38,7 @@ MARGIN = 0.8  # elements of the box around the points with pressure
 ROWS, COLUMNS = 6, 120  # points of integration: a spline's interval, and the box along x
 NEWTON_STEPS, CONVERGED = 80, 1e-10  # of the functional
 DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-9, 1e6  # of the tangent, over its diagonal
+SETTLED = 1e-8  # of the functional: what Newton's method may still promise at the end
 EDGE = 0.02  # of the largest pressure: below it the tangent of sqrt(F) is that of this pressure
 Box = tuple[tuple[float, float], tuple[float, float]]
 
@@ -69,13 +70,15 @@ class Samples:
 class Square:
     """p^2 = F(x, s) in a box, MPa^2; negative outside of the patch.
 
-    knots across; coefficients (k, n); powers of (x - middle)/half.
+    knots across; coefficients (k, n); powers of (x - middle)/half; settled: whether the functional
+    came to its minimum.
     """
 
     box: Box
     knots: Array
     coefficients: Array
     powers: Array
+    settled: bool = True
 
     @property
     def middle(self) -> float:
@@ -169,7 +172,9 @@ def reconstruct(
         c, best, damping = c + step, found, max(damping / 10, LEAST_DAMPING)
         if -decrease < CONVERGED * abs(best) and damping < DAMPING:
             break
-    return replace(like, coefficients=top**2 * c.reshape(-1, n))
+    left = gradient @ cho_solve(cho_factor(tangent + LEAST_DAMPING * diagonal), gradient)
+    settled = bool(left < SETTLED * abs(best))
+    return replace(like, coefficients=top**2 * c.reshape(-1, n), settled=settled)
 
 
 def _splines(knots: Array, s: Array) -> sp.csr_matrix:

@@ -80,7 +80,9 @@ def read(fields: Fields, frame: Frame) -> tuple[Patch, Surface, Moments, Array]:
         stiff = reconstruct(given, VARIATION * ROUGHNESS)
         square = reconstruct(given, start=stiff)
         soft = reconstruct(given, ROUGHNESS / VARIATION, square)
-        scatter = spread(_shape(square, fields), [_shape(stiff, fields), _shape(soft, fields)])
+        scatter = dict.fromkeys(READ, np.inf)
+        if stiff.settled and square.settled and soft.settled:
+            scatter = spread(_shape(square, fields), [_shape(stiff, fields), _shape(soft, fields)])
     if share < 1:
         t = frame.local(contact.points)[:, axis] - found.centre[axis]
         even = bool(fields.mirrors)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from painted import measured, painted
 
-from postprocess import patch, quality
+from postprocess import patch, quality, reconstruct
 from postprocess.findings import Array, Frame, Patch
 from postprocess.parts import parts
 from solver.gather import Fields
@@ -77,6 +77,14 @@ def test_finer_meshes_agree_on_the_area_of_a_patch_with_a_waist() -> None:
         found = _read(painted(square, surface, 0.5 / n, 0.02, even=True))
         assert found.area == pytest.approx(area, rel=limit)
         assert found.scatter["area"] < limit
+
+
+def test_a_reading_that_comes_to_no_minimum_has_no_bound(monkeypatch) -> None:
+    square, half, even = SHAPES["neck"]
+    fields = painted(square, half, 0.25, 0.02, even=even)
+    assert max(_read(fields).scatter.values()) < 0.1
+    monkeypatch.setattr(reconstruct, "NEWTON_STEPS", 2)
+    assert min(_read(fields).scatter.values()) == np.inf
 
 
 def test_numbers_do_not_jump_where_an_ellipse_becomes_another_shape() -> None:
