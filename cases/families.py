@@ -35,12 +35,13 @@ FINE = 1.6  # times the finest calibrated resolution: the truth of real profiles
 @dataclass(frozen=True)
 class Recipe:
     """make: random assignments on `base`; where: see `estimates.Family`, what is left out is that
-    of DEFAULT; resolutions to calibrate at, ascending, none for scenes outside all laws; exact:
-    whether Hertz is the truth."""
+    of DEFAULT; resolutions to calibrate at, ascending, none for scenes outside all laws; scenes:
+    how many of them; exact: whether Hertz is the truth."""
 
     make: Make
     where: Mapping[str, Sequence[Any]]
     resolutions: tuple[float, ...] = (3.0, 5.0, 8.0)
+    scenes: int = 16
     exact: bool = True
 
     @property
@@ -161,6 +162,7 @@ RECIPES = {
     "penalty": Recipe(
         law("penalty", [None]),
         {"method": ["penalty"], "theta": [None], "gamma_factor": [0.1, 10.0]},
+        scenes=32,
     ),
     "theta": Recipe(
         law("nitsche", [None, 0, -1]), {"theta": [None, 0, -1], "gamma_factor": [0.1, 10.0]}
@@ -182,21 +184,25 @@ RECIPES = {
         lambda rng: roller(rng) + materials(rng, 0.0, LOCKING[0]),
         {"shape": ["plane strain"], "axis_ratio": [1.0, 1.0], "poisson": [0.0, LOCKING[0]]},
         LINES,
+        40,
     ),
     "meridian": Recipe(
         lambda rng: ball(rng) + materials(rng, 0.0, LOCKING[0]),
         {"shape": ["meridian"], "axis_ratio": [1.0, 1.0], "poisson": [0.0, LOCKING[0]]},
         LINES,
+        40,
     ),
     "incompressible lines": Recipe(
         lambda rng: roller(rng) + materials(rng, *LOCKING),
         {"shape": ["plane strain"], "axis_ratio": [1.0, 1.0], "poisson": LOCKING},
         LINES,
+        40,
     ),
     "incompressible circles": Recipe(
         lambda rng: ball(rng) + materials(rng, *LOCKING),
         {"shape": ["meridian"], "axis_ratio": [1.0, 1.0], "poisson": LOCKING},
         LINES,
+        40,
     ),
     "outside": Recipe(
         outside,

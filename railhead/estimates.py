@@ -117,9 +117,17 @@ class Family:
                 return False
         return True
 
+    def mesh(self, name: str, n: float) -> float:
+        """The envelope of a quantity at n; beyond what was calibrated it falls at most as the first
+        power."""
+        law, top = self.laws[name], self.resolution[1]
+        if n <= top:
+            return law(n)
+        return law(top) * (top / n) ** min(law.order, 1.0)
+
     def covers(self, n: float) -> bool:
-        """Whether a resolution lies within what was calibrated; finer ones follow the slope for a
-        factor STEP."""
+        """Whether a resolution lies within what was calibrated, or is finer by a factor STEP at
+        most."""
         low, high = self.resolution
         return low <= n * (1 + 1e-9) and n <= STEP * high
 
@@ -127,8 +135,8 @@ class Family:
         """Largest relative error of all quantities at n elements per semi-axis, of a place by
         what is lost there."""
         return max(
-            lost(law(n)) if name in PLACES else law(n) + self.reading[name](n)
-            for name, law in self.laws.items()
+            lost(self.mesh(name, n)) if name in PLACES else self.mesh(name, n) + read(n)
+            for name, read in self.reading.items()
         )
 
     def reaches(self, accuracy: float) -> bool:
@@ -274,17 +282,19 @@ def mesh_parts(
     parts: dict[str, float] = {}
     denied = 0
     if known is not None and known.covers(n):
-        for name, law in known.laws.items():
+        for name in known.laws:
             if name not in fine:
                 continue
             factor, read = scale.get(name, 1.0), own.get(name, 0.0)
             if all(
                 _change(values, fine, name)
-                <= factor * (law(m) + law(n)) + read + readings.get(name, 0.0)
+                <= factor * (known.mesh(name, m) + known.mesh(name, n))
+                + read
+                + readings.get(name, 0.0)
                 for m, values, readings in before
                 if known.covers(m) and m < n and name in values
             ):
-                parts[name] = factor * law(n)
+                parts[name] = factor * known.mesh(name, n)
             else:
                 denied += 1
         if not denied:
@@ -324,8 +334,8 @@ def next_resolution(n: float, worst: float, accuracy: float) -> float:
 
 def estimate(levels: Sequence[Level]) -> tuple[dict[str, Estimate], str]:
     """Estimates of the last of some meshes of a scene by quantity, and the source of their mesh
-    parts (rank 0). A quantity without a mesh part has none; neither has a run that did not
-    converge."""
+    parts (rank 0). A quantity without a mesh part or without a bound of its reading has none;
+    neither has a run that did not converge."""
     level = levels[-1]
     if level.result is None or level.findings is None or not level.solution.newton.converged:
         return {}, "no solution"
@@ -341,7 +351,7 @@ def estimate(levels: Sequence[Level]) -> tuple[dict[str, Estimate], str]:
     if level.plan.scene.solver.method == "penalty":
         overlap = abs(level.solution.penetration / level.solution.approach)
     scatter = solved[-1][2]
-    return {
+    found = {
         name: Estimate(
             mesh,
             scatter.get(name, 0.0),
@@ -351,4 +361,5 @@ def estimate(levels: Sequence[Level]) -> tuple[dict[str, Estimate], str]:
             flatness.get(name),
         )
         for name, mesh in parts.items()
-    }, source
+    }
+    return {name: each for name, each in found.items() if math.isfinite(each.total)}, source
