@@ -25,4 +25,5 @@ docs: setup
 lint: setup
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
-	.venv/bin/mypy
+	rm -rf .mypy_built && .venv/bin/python -m pip install -q --no-deps --target .mypy_built .
+	MYPYPATH=.mypy_built .venv/bin/mypy -p railhead

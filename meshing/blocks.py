@@ -11,10 +11,10 @@ import gmsh
 import numpy as np
 from numpy.typing import NDArray
 
-from meshing import plane
-from meshing.bodies import Body, Options
-from meshing.sizing import Grading
-from meshing.tags import BODIES, CONTACT, SUPPORT, SYMMETRY_X, SYMMETRY_Y
+from railhead.meshing import plane
+from railhead.meshing.bodies import Body, Options
+from railhead.meshing.sizing import Grading
+from railhead.meshing.tags import BODIES, CONTACT, SUPPORT, SYMMETRY_X, SYMMETRY_Y
 
 Array = NDArray[np.float64]
 REPAIR_BELOW = 0.1  # quality of a curved tetrahedron that is straightened

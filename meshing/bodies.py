@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from meshing.outlines import Curve
-from meshing.pose import Pose, upright
+from railhead.meshing.outlines import Curve
+from railhead.meshing.pose import Pose, upright
 
 
 @dataclass(frozen=True)

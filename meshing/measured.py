@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_smoothing_spline
 
-from meshing.profiles import Profile, Spline
+from railhead.meshing.profiles import Profile, Spline
 
 Array = NDArray[np.float64]
 EDGE = 0.02  # of the width at either end that the report leaves out

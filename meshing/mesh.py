@@ -10,9 +10,9 @@ import gmsh
 import numpy as np
 from mpi4py import MPI
 
-from meshing import blocks
-from meshing.bodies import Body, Options
-from meshing.sizing import Grading
+from railhead.meshing import blocks
+from railhead.meshing.bodies import Body, Options
+from railhead.meshing.sizing import Grading
 
 MIN_QUALITY = 0.01
 RETRIES = (1.0, 0.95, 0.9)  # of the element size, where gmsh leaves a flat element or gives up
@@ -47,7 +47,7 @@ def generate(
 
     Raises MeshError (on every rank) when gmsh fails or an element is inverted or nearly flat.
     """
-    from solver import compat
+    from railhead.solver import compat
 
     if comm.rank:
         _raise_together(comm, None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from meshing.profiles import Arc, Polynomial, Profile
+from railhead.meshing.profiles import Arc, Polynomial, Profile
 
 FLAT = 1e-9  # 1/mm, curvature of what counts as straight
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from meshing.profiles import Arc, Polynomial, Profile, data
+from railhead.meshing.profiles import Arc, Polynomial, Profile, data
 
 Array = NDArray[np.float64]
 

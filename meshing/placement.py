@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from meshing.pose import Pose
-from meshing.profiles import Profile
+from railhead.meshing.pose import Pose
+from railhead.meshing.profiles import Profile
 
 Array = NDArray[np.float64]
 SAMPLES = 4001

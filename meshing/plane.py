@@ -8,10 +8,10 @@ import gmsh
 import numpy as np
 from numpy.typing import NDArray
 
-from meshing.bodies import Body, Options
-from meshing.outlines import Curve
-from meshing.profiles import Profile
-from meshing.tags import CONTACT, SUPPORT, SYMMETRY_X, SYMMETRY_Y
+from railhead.meshing.bodies import Body, Options
+from railhead.meshing.outlines import Curve
+from railhead.meshing.profiles import Profile
+from railhead.meshing.tags import CONTACT, SUPPORT, SYMMETRY_X, SYMMETRY_Y
 
 Array = NDArray[np.float64]
 

@@ -127,7 +127,8 @@ class Profile:
 @lru_cache
 def data(name: str) -> dict[str, Any]:
     """A JSON file of this room's data folder."""
-    content: dict[str, Any] = json.loads((resources.files("meshing") / "data" / name).read_text())
+    file = resources.files("railhead.meshing") / "data" / name
+    content: dict[str, Any] = json.loads(file.read_text())
     return content
 
 

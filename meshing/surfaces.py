@@ -8,8 +8,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from meshing.pose import Pose
-from meshing.profiles import Profile
+from railhead.meshing.pose import Pose
+from railhead.meshing.profiles import Profile
 
 Array = NDArray[np.float64]
 NEWTON_STEPS = 20

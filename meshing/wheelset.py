@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from meshing.placement import Pair, PlacementError, Touch
-from meshing.pose import Pose, turned
-from meshing.profiles import Profile
+from railhead.meshing.placement import Pair, PlacementError, Touch
+from railhead.meshing.pose import Pose, turned
+from railhead.meshing.profiles import Profile
 
 TAPE_CIRCLE = 70.0  # mm from the flange back to the nominal rolling radius
 GAUGE_DEPTH = 14.0  # mm below the highest point of the rail

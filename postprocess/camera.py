@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.findings import Array
+from railhead.postprocess.findings import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from postprocess import extremes
-from postprocess.findings import Array, DepthAxis, Findings, Frame, OnePatch, Place
-from postprocess.parts import SMALLEST
-from theory import thesis
-from theory.boundary_element import Solution
-from theory.half_space_patch import PatchSolution
-from theory.hertz import Ellipse
-from theory.line import LineContact
+from railhead.postprocess import extremes
+from railhead.postprocess.findings import Array, DepthAxis, Findings, Frame, OnePatch, Place
+from railhead.postprocess.parts import SMALLEST
+from railhead.theory import thesis
+from railhead.theory.boundary_element import Solution
+from railhead.theory.half_space_patch import PatchSolution
+from railhead.theory.hertz import Ellipse
+from railhead.theory.line import LineContact
 
 Quantities = dict[str, Any]
 """Nested as under "result" in summary.json; None where a route has no answer."""

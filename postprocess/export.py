@@ -7,9 +7,9 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from postprocess.findings import Array, Surface
-from solver.gather import Fields
-from theory.subsurface import max_shear, principal, von_mises
+from railhead.postprocess.findings import Array, Surface
+from railhead.solver.gather import Fields
+from railhead.theory.subsurface import max_shear, principal, von_mises
 
 _HEXAHEDRON = [0, 1, 3, 2, 4, 5, 7, 6]
 # (cell, degree): VTK's name in meshio, and the basix number of each node in VTK's order: vertices,

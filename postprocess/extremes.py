@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from postprocess.findings import Array, DepthAxis, Frame, Largest, Peak
-from theory import line, subsurface, thesis
-from theory.hertz import Ellipse
-from theory.line import LineContact
-from theory.subsurface import AxisExtrema
+from railhead.postprocess.findings import Array, DepthAxis, Frame, Largest, Peak
+from railhead.theory import line, subsurface, thesis
+from railhead.theory.hertz import Ellipse
+from railhead.theory.line import LineContact
+from railhead.theory.subsurface import AxisExtrema
 
 NAMES = {"tau": "tau_max", "von_mises": "von_mises_max"}
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from theory.subsurface import max_shear, von_mises
+from railhead.theory.subsurface import max_shear, von_mises
 
 Array = NDArray[np.float64]
 Place = tuple[float, float, float]

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from meshing.tags import RAIL
-from postprocess.findings import Array
-from postprocess.solid import Solid
-from postprocess.stress import nodal
-from solver.gather import Fields
+from railhead.meshing.tags import RAIL
+from railhead.postprocess.findings import Array
+from railhead.postprocess.solid import Solid
+from railhead.postprocess.stress import nodal
+from railhead.solver.gather import Fields
 
 BESIDE = 1e-7  # of the height of a body
 _SIMPLICES = {  # through the nodes of a cell in basix order; cubic cells by their corners

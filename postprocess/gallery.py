@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from postprocess import export, plots, render, section_plots, stress
-from postprocess.findings import Findings
-from solver.gather import Fields
-from theory import thesis
-from theory.hertz import Ellipse
-from theory.line import LineContact
+from railhead.postprocess import export, plots, render, section_plots, stress
+from railhead.postprocess.findings import Findings
+from railhead.solver.gather import Fields
+from railhead.theory import thesis
+from railhead.theory.hertz import Ellipse
+from railhead.theory.line import LineContact
 
 
 def draw(

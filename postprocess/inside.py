@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshing.tags import BODIES
-from postprocess.findings import Array, DepthAxis, Frame, Largest, Peak
-from postprocess.parts import Part
-from postprocess.peaks import Search
-from postprocess.recovery import Recovery
-from postprocess.solid import Solid
-from postprocess.stress import COLUMN, ROW
-from solver.gather import Fields
-from theory.subsurface import max_shear, von_mises
+from railhead.meshing.tags import BODIES
+from railhead.postprocess.findings import Array, DepthAxis, Frame, Largest, Peak
+from railhead.postprocess.parts import Part
+from railhead.postprocess.peaks import Search
+from railhead.postprocess.recovery import Recovery
+from railhead.postprocess.solid import Solid
+from railhead.postprocess.stress import COLUMN, ROW
+from railhead.solver.gather import Fields
+from railhead.theory.subsurface import max_shear, von_mises
 
 SAMPLES = 121
 REACH = 3.0  # over the smaller semi-axis

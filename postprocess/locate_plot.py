@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from meshing.placement import Pair, Touch
-from meshing.wheelset import Placed, Side
-from postprocess.findings import Array
-from postprocess.plots import new_figure
+from railhead.meshing.placement import Pair, Touch
+from railhead.meshing.wheelset import Placed, Side
+from railhead.postprocess.findings import Array
+from railhead.postprocess.plots import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from postprocess.findings import Array, Surface
+from railhead.postprocess.findings import Array, Surface
 
 _TOLERANCE = 1e-9  # of the extent of the model
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshing.tags import RAIL
-from postprocess.findings import Array, Frame, OnePatch
-from solver.gather import Fields
-from theory.halfspace import boussinesq_displacement
+from railhead.meshing.tags import RAIL
+from railhead.postprocess.findings import Array, Frame, OnePatch
+from railhead.solver.gather import Fields
+from railhead.theory.halfspace import boussinesq_displacement
 
 RING = (2.5, 5.0)  # over the longest half length of a patch: nodes that tell the motion
 

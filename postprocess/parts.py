@@ -9,9 +9,9 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
-from meshing.tags import RAIL
-from postprocess.findings import Array, Frame
-from solver.gather import Fields
+from railhead.meshing.tags import RAIL
+from railhead.postprocess.findings import Array, Frame
+from railhead.solver.gather import Fields
 
 SMALLEST = 0.002  # share of the force; below it a few open-and-shut points, not a patch
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from postprocess.findings import Array, AxisPressure, Frame, OnePatch, Patch, Surface
-from postprocess.parts import Part
-from postprocess.reconstruct import (
+from railhead.postprocess.findings import Array, AxisPressure, Frame, OnePatch, Patch, Surface
+from railhead.postprocess.parts import Part
+from railhead.postprocess.reconstruct import (
     ROUGHNESS,
     Samples,
     Square,
@@ -17,9 +17,9 @@ from postprocess.reconstruct import (
     nothing,
     reconstruct,
 )
-from postprocess.shape import Shape, trace
-from postprocess.surface import SurfaceRecovery
-from solver.gather import Fields
+from railhead.postprocess.shape import Shape, trace
+from railhead.postprocess.surface import SurfaceRecovery
+from railhead.solver.gather import Fields
 
 HERTZIAN = 0.02  # largest deviation of the fourth moments from those of a semi-ellipsoid, and ...
 ELLIPTIC = 0.01  # ... that up to which nothing but Hertz's ellipsoid is read

@@ -16,11 +16,11 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
-from postprocess.findings import RIVAL, Array, Peak
-from postprocess.recovery import Polynomial, Recovery
-from postprocess.solid import Solid
-from solver.facets import tabulate
-from solver.gather import Fields
+from railhead.postprocess.findings import RIVAL, Array, Peak
+from railhead.postprocess.recovery import Polynomial, Recovery
+from railhead.postprocess.solid import Solid
+from railhead.solver.facets import tabulate
+from railhead.solver.gather import Fields
 
 Invariant = Callable[[Array], Array]
 ELEMENTS = 2.0  # that a sharp edge spoils around it,

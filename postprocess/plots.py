@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from postprocess.findings import Array, AxisPressure, DepthAxis, Findings
-from postprocess.mirror import whole
-from theory import line, subsurface
-from theory.hertz import Ellipse
-from theory.line import LineContact
-from theory.subsurface import max_shear, principal
-from theory.thesis import thesis_axis_stress
+from railhead.postprocess.findings import Array, AxisPressure, DepthAxis, Findings
+from railhead.postprocess.mirror import whole
+from railhead.theory import line, subsurface
+from railhead.theory.hertz import Ellipse
+from railhead.theory.line import LineContact
+from railhead.theory.subsurface import max_shear, principal
+from railhead.theory.thesis import thesis_axis_stress
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

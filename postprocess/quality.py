@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from postprocess.findings import Array, Frame, Patch
-from solver.gather import Fields
+from railhead.postprocess.findings import Array, Frame, Patch
+from railhead.solver.gather import Fields
 
 BORDER_POINTS = 8  # on each edge of a facet
 ON_PLANE = 1e-9  # of the surface's extent: nodes that lie on a symmetry plane

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from postprocess import inside, patch, quality, section
-from postprocess.findings import Findings, Frame
-from postprocess.parts import parts
-from postprocess.patch import Moments
-from solver.gather import Fields
+from railhead.postprocess import inside, patch, quality, section
+from railhead.postprocess.findings import Findings, Frame
+from railhead.postprocess.parts import parts
+from railhead.postprocess.patch import Moments
+from railhead.solver.gather import Fields
 
 
 def moments(fields: Fields, frame: Frame) -> Moments:

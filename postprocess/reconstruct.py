@@ -27,7 +27,7 @@ from numpy.polynomial.legendre import leggauss
 from scipy.interpolate import BSpline
 from scipy.linalg import cho_factor, cho_solve
 
-from postprocess.findings import Array
+from railhead.postprocess.findings import Array
 
 DEGREE = 4  # of F along the rail
 NECK = 3.0  # elements: the unit of length along, in the change across of the curvature along

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from postprocess.findings import Array
-from postprocess.stress import COLUMN, ROW, at_reference
-from solver.gather import Fields
+from railhead.postprocess.findings import Array
+from railhead.postprocess.stress import COLUMN, ROW, at_reference
+from railhead.solver.gather import Fields
 
 NEIGHBOURS = 1200  # samples of one local fit: about three element sizes around
 FLAT_NEIGHBOURS = {"triangle": 120, "quadrilateral": 60}  # the same in a section

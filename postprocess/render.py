@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import griddata
 
-from postprocess.camera import Camera, load_pyvista
-from postprocess.findings import Array, Findings, Frame, Patch
-from postprocess.mirror import cut_axes
-from postprocess.plots import BANDS, FE, closed_ellipse, mark_largest, new_figure
-from theory.hertz import Ellipse
+from railhead.postprocess.camera import Camera, load_pyvista
+from railhead.postprocess.findings import Array, Findings, Frame, Patch
+from railhead.postprocess.mirror import cut_axes
+from railhead.postprocess.plots import BANDS, FE, closed_ellipse, mark_largest, new_figure
+from railhead.theory.hertz import Ellipse
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from postprocess.findings import Array, AxisPressure, Frame, Patch, Surface
-from postprocess.patch import PEAK_RADIUS, READ, VARIATION, Moments, freedom, spread
-from postprocess.reconstruct import (
+from railhead.postprocess.findings import Array, AxisPressure, Frame, Patch, Surface
+from railhead.postprocess.patch import PEAK_RADIUS, READ, VARIATION, Moments, freedom, spread
+from railhead.postprocess.reconstruct import (
     ROUGHNESS,
     Samples,
     Square,
@@ -15,9 +15,9 @@ from postprocess.reconstruct import (
     nothing,
     reconstruct,
 )
-from postprocess.shape import Shape
-from postprocess.surface import SurfaceRecovery
-from solver.gather import Fields
+from railhead.postprocess.shape import Shape
+from railhead.postprocess.surface import SurfaceRecovery
+from railhead.solver.gather import Fields
 
 SAMPLES = 61
 GRID = 2000  # points at which p^2 is looked at

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.findings import Array, Findings
-from postprocess.plots import BANDS, mark_largest, new_figure
-from postprocess.render import BODIES, COLOURS, CONTACT, EDGE
-from postprocess.section import coordinate
-from solver.gather import Fields
-from theory.subsurface import principal
+from railhead.postprocess.findings import Array, Findings
+from railhead.postprocess.plots import BANDS, mark_largest, new_figure
+from railhead.postprocess.render import BODIES, COLOURS, CONTACT, EDGE
+from railhead.postprocess.section import coordinate
+from railhead.solver.gather import Fields
+from railhead.theory.subsurface import principal
 
 NAMES = ("x, along the rail, mm", "s, across the rail, mm")
 _CORNERS = {"triangle": [0, 1, 2], "quadrilateral": [0, 1, 3, 2]}

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import contourpy
 import numpy as np
 
-from postprocess.findings import Array
-from postprocess.reconstruct import Square
+from railhead.postprocess.findings import Array
+from railhead.postprocess.reconstruct import Square
 
 GRID = 400  # lines each way: zeros of a parabola are found to 4e-6 of its width
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.findings import Array
-from solver.facets import Index
-from solver.gather import Fields
+from railhead.postprocess.findings import Array
+from railhead.solver.facets import Index
+from railhead.solver.gather import Fields
 
 SHARP = np.radians(75.0)  # between neighbouring facets; a fillet has six elements a turn at least
 ON_PLANE = 1e-9  # of the extent of the body

@@ -6,10 +6,10 @@ import basix
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.findings import Array
-from solver.elasticity import quadrature_degree
-from solver.facets import middle, tabulate
-from solver.gather import Fields
+from railhead.postprocess.findings import Array
+from railhead.solver.elasticity import quadrature_degree
+from railhead.solver.facets import middle, tabulate
+from railhead.solver.gather import Fields
 
 OUT = np.diag([0.0, 1.0, 0.0])  # the hoop direction of a meridian section
 ROW, COLUMN = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])

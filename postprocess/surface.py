@@ -11,9 +11,9 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
-from postprocess.findings import Array
-from solver.facets import facet_type
-from solver.gather import Fields
+from railhead.postprocess.findings import Array
+from railhead.solver.facets import facet_type
+from railhead.solver.gather import Fields
 
 _TRIANGLES = {
     ("triangle", 1): [[0, 1]],

@@ -17,14 +17,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from meshing.tags import RAIL
 from railhead import bodies, developed, exact, twist
 from railhead.developed import Developed
+from railhead.meshing.tags import RAIL
 from railhead.plan import Plan
-from theory import finite_bodies
-from theory.boundary_element import Solution
-from theory.half_space_patch import PatchSolution
-from theory.hertz import Ellipse
+from railhead.theory import finite_bodies
+from railhead.theory.boundary_element import Solution
+from railhead.theory.half_space_patch import PatchSolution
+from railhead.theory.hertz import Ellipse
 
 Array = NDArray[np.float64]
 LEAST = 0.002  # of the force: smaller patches are left out

@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from meshing import outlines, profiles
-from meshing.bodies import Body
-from meshing.pose import Pose, about_axle
-from meshing.tags import RAIL, WHEEL
 from railhead.geometry import Contact
+from railhead.meshing import outlines, profiles
+from railhead.meshing.bodies import Body
+from railhead.meshing.pose import Pose, about_axle
+from railhead.meshing.tags import RAIL, WHEEL
 from railhead.scene import Scene, SceneError
 
 HEAD_DEPTH = 50.0  # mm, of a block below a single-radius or measured crown

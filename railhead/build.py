@@ -8,19 +8,19 @@ from pathlib import Path
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from meshing import mesh
-from meshing.bodies import Body
-from meshing.sizing import Grading
-from meshing.tags import CONTACT, RAIL, SUPPORT, WHEEL
 from railhead import bodies, exact, flat
 from railhead.flat import FlatContact
+from railhead.meshing import mesh
+from railhead.meshing.bodies import Body
+from railhead.meshing.sizing import Grading
+from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, WHEEL
 from railhead.plan import Plan
-from solver.contact import ContactModel
-from solver.kinematics import SOLID
-from solver.laws import Law
-from solver.setup import Setup, Side
-from theory import halfspace, line
-from theory.line import LineContact
+from railhead.solver.contact import ContactModel
+from railhead.solver.kinematics import SOLID
+from railhead.solver.laws import Law
+from railhead.solver.setup import Setup, Side
+from railhead.theory import halfspace, line
+from railhead.theory.line import LineContact
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The cases that ship: modules of `cases` with a SCENE."""
+"""The cases that ship: modules of `railhead.cases` with a SCENE."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import importlib
 import pkgutil
 from pathlib import Path
 
-import cases
 from railhead.scene import Scene, SceneError
 from railhead.scene_io import read_scene
 
@@ -15,8 +14,9 @@ from railhead.scene_io import read_scene
 def shipped() -> dict[str, tuple[Scene, str]]:
     """Scene and one line of description, by name."""
     found = {}
+    cases = importlib.import_module("railhead.cases")
     for module_info in pkgutil.iter_modules(cases.__path__):
-        module = importlib.import_module(f"cases.{module_info.name}")
+        module = importlib.import_module(f"railhead.cases.{module_info.name}")
         if hasattr(module, "SCENE"):
             found[module_info.name] = (module.SCENE, (module.__doc__ or "").strip().split("\n")[0])
     return found

@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from meshing.tags import BODIES
-from postprocess.flux import through_plane
 from railhead.estimates import RANGE, Estimate, flat, worst
 from railhead.level import Level
+from railhead.meshing.tags import BODIES
 from railhead.plan import LINEAR_REFINEMENT
+from railhead.postprocess.flux import through_plane
 
 ROUGH = 0.05  # relative: what a number without an asked accuracy may be off by at most
 BALANCE = 1e-6  # relative: what equations solved to 1e-8 leave

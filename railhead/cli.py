@@ -137,13 +137,13 @@ def locate(
 @click.option("--quick", is_flag=True, help="Only a small part of the study.")
 def study(name: str | None, out: Path | None, quick: bool) -> None:
     """Run a study: CSV, picture and page. Without a name: list the studies."""
-    from railhead import studies
+    from railhead import study as studying
 
     if name is None:
-        for known, module in studies.shipped().items():
-            click.echo(f"{known:22s} {module.STUDY}")
+        for known in studying.names():
+            click.echo(f"{known:22s} {studying.load(known).STUDY}")
         return
-    folder, page = studies.run(name, out, quick=quick)
+    folder, page = studying.run(name, out, quick=quick)
     click.echo(page)
     click.echo(f"written to {folder}/")
 
@@ -225,7 +225,7 @@ def _status(arguments: Sequence[str] | None) -> int:
     except OSError as error:
         return _not_written(error)
     except Exception as error:
-        from meshing.mesh import MeshError
+        from railhead.meshing.mesh import MeshError
 
         if not isinstance(error, MeshError):
             raise

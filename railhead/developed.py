@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import find_objects, label
 
-from meshing.surfaces import along
 from railhead.geometry import Contact
-from theory import boundary_element
-from theory.boundary_element import Solution, Window
-from theory.hertz import Ellipse
+from railhead.meshing.surfaces import along
+from railhead.theory import boundary_element
+from railhead.theory.boundary_element import Solution, Window
+from railhead.theory.hertz import Ellipse
 
 Array = NDArray[np.float64]
 SAMPLES = 4001  # of either profile

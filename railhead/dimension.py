@@ -11,7 +11,7 @@ import numpy as np
 from railhead import unused
 from railhead.geometry import RAIL_HALF_WIDTH, TREAD_HALF_WIDTH
 from railhead.scene import NOMINAL_RADIUS, Scene, SceneError
-from theory import hertz, line
+from railhead.theory import hertz, line
 
 SLENDER = 5.0  # predicted semi-axis across over half the contact length that makes a line contact:
 # the pressure at both ends is then within 2 % of that in the middle, sqrt(1 - 1/25)

@@ -27,12 +27,12 @@ from typing import TYPE_CHECKING, Any
 
 from scipy.optimize import brentq
 
-from postprocess.findings import FLAT, RIVAL
-from theory.subsurface import max_shear
+from railhead.postprocess.findings import FLAT, RIVAL
+from railhead.theory.subsurface import max_shear
 
 if TYPE_CHECKING:
-    from postprocess.findings import Findings
     from railhead.level import Level
+    from railhead.postprocess.findings import Findings
 
 STEP = 1.6  # refinement from one mesh of a sequence to the next
 AIM = 0.9  # of the asked accuracy: what the mesh may take, the rest is for the other parts

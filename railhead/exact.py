@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from meshing.tags import RAIL
 from railhead.flat import FlatContact
 from railhead.geometry import Contact
+from railhead.meshing.tags import RAIL
 from railhead.scene import NOMINAL_RADIUS, Scene, SceneError
-from theory import hertz
-from theory.hertz import Ellipse
-from theory.line import LineContact
+from railhead.theory import hertz
+from railhead.theory.hertz import Ellipse
+from railhead.theory.line import LineContact
 
 CONTINUUM = 1e-6  # mm: a nanometre, some atoms
 LARGEST = 1e6  # mm: a kilometre; no body is longer

@@ -8,22 +8,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from meshing import outlines, plane, profiles
-from meshing.bodies import Body
-from meshing.placement import Pair, parabolic
-from meshing.pose import upright
-from meshing.profiles import Profile
-from meshing.surfaces import ExactGap, ParabolicGap, RailSurface
-from meshing.tags import RAIL, WHEEL
 from railhead import geometry
 from railhead.bodies import HEAD_DEPTH, RIM_DEPTH
 from railhead.bodies import bodies as solid_bodies
 from railhead.dimension import Dimension
 from railhead.geometry import Contact
+from railhead.meshing import outlines, plane, profiles
+from railhead.meshing.bodies import Body
+from railhead.meshing.placement import Pair, parabolic
+from railhead.meshing.pose import upright
+from railhead.meshing.profiles import Profile
+from railhead.meshing.surfaces import ExactGap, ParabolicGap, RailSurface
+from railhead.meshing.tags import RAIL, WHEEL
 from railhead.scene import Scene, SceneError
-from solver.kinematics import Kinematics
-from theory import line
-from theory.line import LineContact
+from railhead.solver.kinematics import Kinematics
+from railhead.theory import line
+from railhead.theory.line import LineContact
 
 ANY_RADIUS = 1e4  # mm: the section across a straight bar does not depend on it
 WIDE = 1e4  # mm: what is flat across has no end in a section

@@ -15,14 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from postprocess.findings import Frame
 from railhead import developed
 from railhead.developed import Developed
 from railhead.flat import FlatContact
 from railhead.geometry import Contact
-from theory.half_space_patch import PatchSolution
-from theory.hertz import Ellipse
-from theory.line import LineContact
+from railhead.postprocess.findings import Frame
+from railhead.theory.half_space_patch import PatchSolution
+from railhead.theory.hertz import Ellipse
+from railhead.theory.line import LineContact
 
 Array = NDArray[np.float64]
 PARABOLIC = 0.02  # largest deviation from Hertz's gap over his approach

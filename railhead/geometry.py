@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from meshing import measured, placement, profiles, wheelset
-from meshing.placement import Pair, PlacementError, Touch
-from meshing.pose import Pose, upright
-from meshing.profiles import Profile
-from meshing.surfaces import ExactGap, ParabolicGap, RailSurface, WheelSurface, along
-from meshing.tags import RAIL
-from meshing.wheelset import Placed, Track
+from railhead.meshing import measured, placement, profiles, wheelset
+from railhead.meshing.placement import Pair, PlacementError, Touch
+from railhead.meshing.pose import Pose, upright
+from railhead.meshing.profiles import Profile
+from railhead.meshing.surfaces import ExactGap, ParabolicGap, RailSurface, WheelSurface, along
+from railhead.meshing.tags import RAIL
+from railhead.meshing.wheelset import Placed, Track
 from railhead.scene import Scene, SceneError
 
 Array = NDArray[np.float64]

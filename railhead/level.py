@@ -12,23 +12,23 @@ import numpy as np
 from mpi4py import MPI
 from scipy.spatial import cKDTree
 
-from meshing.mesh import ContactMesh
-from meshing.sizing import Grading
-from meshing.surfaces import ExactGap
-from postprocess import compare, read
-from postprocess.findings import Findings, Frame
-from postprocess.parts import parts
-from postprocess.patch import Moments
 from railhead import build, effects, exact
 from railhead.effects import After
 from railhead.estimates import Setting
 from railhead.forecast import Forecast, Nearest, Zone
+from railhead.meshing.mesh import ContactMesh
+from railhead.meshing.sizing import Grading
+from railhead.meshing.surfaces import ExactGap
 from railhead.plan import Plan
+from railhead.postprocess import compare, read
+from railhead.postprocess.findings import Findings, Frame
+from railhead.postprocess.parts import parts
+from railhead.postprocess.patch import Moments
 from railhead.progress import Progress
-from solver.contact import ContactModel, Solution
-from solver.gather import Fields, gather
-from theory.hertz import Ellipse
-from theory.line import LineContact
+from railhead.solver.contact import ContactModel, Solution
+from railhead.solver.gather import Fields, gather
+from railhead.theory.hertz import Ellipse
+from railhead.theory.line import LineContact
 
 OUTGROWN = 1.25  # patch over the finely meshed ellipse, either way, that calls for a new mesh
 MAX_MESHES = 3

@@ -12,10 +12,10 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from meshing import measured, wheelset
-from meshing.placement import Pair, PlacementError, Touch
-from meshing.wheelset import Placed, Track
 from railhead import geometry, results
+from railhead.meshing import measured, wheelset
+from railhead.meshing.placement import Pair, PlacementError, Touch
+from railhead.meshing.wheelset import Placed, Track
 from railhead.scene import Scene, SceneError
 
 CLEARANCE = 0.05  # mm; elastic approaches of wheels are of this size
@@ -73,7 +73,7 @@ def sweep(location: Location, shifts: Sequence[float]) -> list[tuple[float, Plac
 
 def write(location: Location, folder: Path) -> None:
     """summary.json and three pictures."""
-    from postprocess import locate_plot
+    from railhead.postprocess import locate_plot
 
     with results.replacing(folder) as work:
         locate_plot.profiles(location.pair, location.placed, work / "profiles.png")

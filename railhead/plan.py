@@ -8,10 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from meshing.bodies import Options
-from meshing.profiles import data
-from meshing.sizing import Grading, suited_stretch
-from meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y
 from railhead import bodies, dimension, effects, estimates, exact, flat, geometry, machine
 from railhead.effects import Effect
 from railhead.effects.true_profile import one_radius
@@ -19,12 +15,16 @@ from railhead.estimates import Family, Setting
 from railhead.flat import FlatContact
 from railhead.forecast import Forecast, Zone, forecast
 from railhead.geometry import Contact
+from railhead.meshing.bodies import Options
+from railhead.meshing.profiles import data
+from railhead.meshing.sizing import Grading, suited_stretch
+from railhead.meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y
 from railhead.ridges import ridges
 from railhead.scene import Scene
 from railhead.sections import Rail, Wheel
-from solver.elasticity import Material
-from theory.hertz import Ellipse
-from theory.line import LineContact
+from railhead.solver.elasticity import Material
+from railhead.theory.hertz import Ellipse
+from railhead.theory.line import LineContact
 
 ELEMENTS_PER_SEMI_AXIS = 6.0  # default patch resolution for quadratic cells
 LINEAR_REFINEMENT = 2.0  # linear cells are made so much smaller
@@ -275,7 +275,7 @@ class Plan:
 
 
 def unknowns_per_cell(kind: str, cell: str, order: int) -> float:
-    """Of a predicted cell in a 'solid' or 'section': measured by `cases.cells`."""
+    """Of a predicted cell in a 'solid' or 'section': measured by `studies.cells`."""
     return float(data("cells.json")[kind][cell][str(order)])
 
 

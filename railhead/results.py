@@ -149,7 +149,7 @@ def _exchange(one: Path, other: Path) -> None:
 
 def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
     """Write summary, scene, VTU files and pictures; returns the file names."""
-    from postprocess import gallery
+    from railhead.postprocess import gallery
 
     with replacing(folder) as work:
         if result.fields is not None and result.findings is not None:

@@ -8,18 +8,18 @@ from typing import Any
 
 from mpi4py import MPI
 
-from postprocess.findings import Findings
 from railhead import estimates, machine
 from railhead import plan as planning
 from railhead.level import Level, solve_level
 from railhead.plan import Plan
+from railhead.postprocess.findings import Findings
 from railhead.price import affordable
 from railhead.progress import Progress
 from railhead.scene import Scene, SceneError
+from railhead.solver.gather import Fields
 from railhead.summary import Ending, summarise
-from solver.gather import Fields
-from theory.hertz import Ellipse
-from theory.line import LineContact
+from railhead.theory.hertz import Ellipse
+from railhead.theory.line import LineContact
 
 MAX_LEVELS = 5
 MEMORY_SHARE = 0.8  # of the free memory that a run may take

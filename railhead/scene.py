@@ -24,7 +24,7 @@ from railhead.sections import (
     Solver,
     Wheel,
     Wheelset,
-)  # fmt: skip
+)
 from railhead.units import show
 
 __all__ = [

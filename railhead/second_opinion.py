@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from meshing.tags import RAIL
-from postprocess import compare
-from postprocess import motion as bodily
 from railhead import developed
 from railhead.allowance import allowance
 from railhead.level import Level
-from theory.boundary_element import Solution
-from theory.hertz import Ellipse
+from railhead.meshing.tags import RAIL
+from railhead.postprocess import compare
+from railhead.postprocess import motion as bodily
+from railhead.theory.boundary_element import Solution
+from railhead.theory.hertz import Ellipse
 
 CELLS = 128
 

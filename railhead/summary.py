@@ -6,12 +6,12 @@ import resource
 from dataclasses import dataclass
 from typing import Any
 
-from postprocess import compare
 from railhead import checks, estimates
 from railhead.flat import FlatContact
 from railhead.level import Level
+from railhead.postprocess import compare
 from railhead.second_opinion import half_space
-from theory.hertz import Ellipse
+from railhead.theory.hertz import Ellipse
 
 
 @dataclass(frozen=True)

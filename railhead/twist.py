@@ -10,11 +10,11 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from meshing import profiles
-from meshing.placement import PlacementError
 from railhead import developed, exact
 from railhead.geometry import Contact
-from theory.hertz import Ellipse
+from railhead.meshing import profiles
+from railhead.meshing.placement import PlacementError
+from railhead.theory.hertz import Ellipse
 
 COMPLIANCE = {"54E1": 2.9e-4, "60E1": 2.6e-4}  # twist times E over the moment, 1/mm3
 CELLS = 64

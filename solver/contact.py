@@ -14,15 +14,15 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from solver import compat, constraints, interface, linear, newton, transfer
-from solver.elasticity import Bulk, assemble
-from solver.facets import Array, FacetSet
-from solver.held import HeldRows
-from solver.interface import Interface
-from solver.linear import Preconditioner
-from solver.multigrid import Hierarchy, PMultigrid
-from solver.problem import ContactProblem, Mask, reduce_problem
-from solver.setup import Setup
+from railhead.solver import compat, constraints, interface, linear, newton, transfer
+from railhead.solver.elasticity import Bulk, assemble
+from railhead.solver.facets import Array, FacetSet
+from railhead.solver.held import HeldRows
+from railhead.solver.interface import Interface
+from railhead.solver.linear import Preconditioner
+from railhead.solver.multigrid import Hierarchy, PMultigrid
+from railhead.solver.problem import ContactProblem, Mask, reduce_problem
+from railhead.solver.setup import Setup
 
 NEWTON_TOLERANCE = 1e-8  # residual over the contact force
 LINEAR_DIRECT_BELOW = 80_000  # unknowns of linear cells, whose multigrid is slow on stretched ones

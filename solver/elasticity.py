@@ -12,8 +12,8 @@ from dolfinx import fem
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from solver import compat
-from solver.kinematics import SOLID, Kinematics
+from railhead.solver import compat
+from railhead.solver.kinematics import SOLID, Kinematics
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from solver import compat
-from solver.elasticity import Bulk, quadrature_degree
-from solver.kinematics import Kinematics
+from railhead.solver import compat
+from railhead.solver.elasticity import Bulk, quadrature_degree
+from railhead.solver.kinematics import Kinematics
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

@@ -9,10 +9,10 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from solver import compat
-from solver.contact import ContactModel, Solution
-from solver.facets import Array, FacetSet, facet_closure
-from solver.kinematics import SOLID, Kinematics
+from railhead.solver import compat
+from railhead.solver.contact import ContactModel, Solution
+from railhead.solver.facets import Array, FacetSet, facet_closure
+from railhead.solver.kinematics import SOLID, Kinematics
 
 
 @dataclass(frozen=True)

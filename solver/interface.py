@@ -18,10 +18,10 @@ import scipy.sparse as sp
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from solver.constraints import petsc_matrix
-from solver.elasticity import quadrature_degree
-from solver.facets import Array, FacetSet, Index
-from solver.pairing import pair
+from railhead.solver.constraints import petsc_matrix
+from railhead.solver.elasticity import quadrature_degree
+from railhead.solver.facets import Array, FacetSet, Index
+from railhead.solver.pairing import pair
 
 SECTION_RULE = 15  # degree of the contact quadrature in a section, where points cost nothing: it
 # integrates across the master's element edges, and the error of the pressure falls tenfold

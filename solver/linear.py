@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 from petsc4py import PETSc
 
-from solver.problem import ContactProblem, Mask
+from railhead.solver.problem import ContactProblem, Mask
 
 DIRECT_BELOW = 12_000  # unknowns; below, a factorisation is the cheapest preconditioner
 KRYLOV_LIMIT = 150  # iterations of one linear solve

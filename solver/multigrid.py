@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from petsc4py import PETSc
 
-from solver import compat
-from solver.linear import Preconditioner, factorise, near_nullspace
-from solver.problem import ContactProblem, Mask
+from railhead.solver import compat
+from railhead.solver.linear import Preconditioner, factorise, near_nullspace
+from railhead.solver.problem import ContactProblem, Mask
 
 COARSE_DIRECT_BELOW = 40_000  # unknowns of the P1 level (measured from 20 000 to 33 000)
 SMOOTHING = 3  # steps of Chebyshev's method before and after

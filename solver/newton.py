@@ -11,10 +11,10 @@ from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.optimize import brentq
 
-from solver import linear
-from solver.facets import Array
-from solver.linear import Preconditioner, StalledError
-from solver.problem import ContactProblem, Mask
+from railhead.solver import linear
+from railhead.solver.facets import Array
+from railhead.solver.linear import Preconditioner, StalledError
+from railhead.solver.problem import ContactProblem, Mask
 
 ROUNDING = 100 * np.finfo(float).eps  # of diag(K) y: what the residual cannot fall below
 FIRST, LOOSE = 1e-4, 1e-2  # tolerances of the first linear solve and of those far from the solution

@@ -19,11 +19,11 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from solver.constraints import Reduction, petsc_matrix
-from solver.facets import Array
-from solver.held import HeldRows
-from solver.interface import Interface
-from solver.laws import Law
+from railhead.solver.constraints import Reduction, petsc_matrix
+from railhead.solver.facets import Array
+from railhead.solver.held import HeldRows
+from railhead.solver.interface import Interface
+from railhead.solver.laws import Law
 
 Mask = NDArray[np.bool_]
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from solver.elasticity import Material
-from solver.facets import Array
-from solver.interface import Gap
-from solver.kinematics import SOLID, Kinematics
-from solver.laws import Law
+from railhead.solver.elasticity import Material
+from railhead.solver.facets import Array
+from railhead.solver.interface import Gap
+from railhead.solver.kinematics import SOLID, Kinematics
+from railhead.solver.laws import Law
 
 FarField = Callable[[float, int, Array], Array]
 """(load N, body tag, points in space (n, 3)) -> displacement (n, 3) of the supported faces, mm."""

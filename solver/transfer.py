@@ -9,10 +9,10 @@ import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
 
-from solver import compat
-from solver.constraints import Reduction, petsc_matrix
-from solver.facets import Array, tabulate
-from solver.kinematics import SOLID, Kinematics
+from railhead.solver import compat
+from railhead.solver.constraints import Reduction, petsc_matrix
+from railhead.solver.facets import Array, tabulate
+from railhead.solver.kinematics import SOLID, Kinematics
 
 
 def interpolation(coarse: Any, fine: Any, degree: int) -> PETSc.Mat:

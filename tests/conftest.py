@@ -5,15 +5,15 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from cases.hard import blocks
-from meshing import mesh
-from solver.contact import ContactModel
-from solver.setup import Setup
+from railhead.meshing import mesh
+from railhead.solver.contact import ContactModel
+from railhead.solver.setup import Setup
+from railhead.studies.hard import blocks
 
 
 @pytest.fixture(scope="session")
 def two_blocks() -> Callable[..., tuple[mesh.ContactMesh, Setup]]:
-    """Mesh and set-up of two quarter blocks, non-matching: see `cases.hard.blocks`."""
+    """Mesh and set-up of two quarter blocks, non-matching: see `studies.hard.blocks`."""
     return blocks.two_blocks
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from railhead import catalogue, studies
+from railhead import catalogue, study
 from railhead.scene import Scene
 
 ROOT = Path(__file__).parents[1]
@@ -40,7 +40,7 @@ def test_commands_are_accepted(line: str) -> None:
     command, *arguments = shlex.split(line)
     assert command in ("list", "locate", "plan", "run", "study")
     if command == "study":
-        studies.canonical(arguments[0])
+        study.canonical(arguments[0])
     elif command != "list" and not arguments[0].endswith(".toml"):
         scene = catalogue.find(arguments[0])
         pairs = zip(arguments[1::2], arguments[2::2], strict=True)

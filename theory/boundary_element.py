@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
-from theory import domains
-from theory.half_space_patch import Grid, PatchSolution
-from theory.influence import Influence, Nodes, point_force
+from railhead.theory import domains
+from railhead.theory.half_space_patch import Grid, PatchSolution
+from railhead.theory.influence import Influence, Nodes, point_force
 
 Array = NDArray[np.float64]
 Gap = Callable[[Array, Array], Array]

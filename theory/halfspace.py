@@ -7,8 +7,8 @@ infinity. An infinite Young's modulus gives no displacement.
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from theory.hertz import Ellipse
-from theory.subsurface import contact_potential
+from railhead.theory.hertz import Ellipse
+from railhead.theory.subsurface import contact_potential
 
 Array = NDArray[np.float64]
 

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq, minimize_scalar
 
-from theory.hertz import Strip, contact_modulus, line_contact
-from theory.subsurface import AxisExtrema, line_axis_stress, max_shear, von_mises
+from railhead.theory.hertz import Strip, contact_modulus, line_contact
+from railhead.theory.subsurface import AxisExtrema, line_axis_stress, max_shear, von_mises
 
 Array = NDArray[np.float64]
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 
-from theory.hertz import Ellipse, Strip
-from theory.potential import EllipsoidPotential
+from railhead.theory.hertz import Ellipse, Strip
+from railhead.theory.potential import EllipsoidPotential
 
 Array = NDArray[np.float64]
 

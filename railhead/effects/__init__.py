@@ -6,7 +6,6 @@ weighs the same indicator on the solution, (scene, contact, effect, findings) ->
 
 from __future__ import annotations
 
-from postprocess.findings import Findings
 from railhead.effects import (
     assumptions,
     deformable,
@@ -18,9 +17,10 @@ from railhead.effects import (
     sections,
     symmetry,
     true_profile,
-)  # fmt: skip
+)
 from railhead.effects.base import After, Effect, Hertz
 from railhead.geometry import Contact
+from railhead.postprocess.findings import Findings
 from railhead.scene import Scene, SceneError
 
 __all__ = ["After", "Effect", "check", "decide"]

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 
-from meshing.profiles import STANDARD_RAILS
-from meshing.tags import BODIES
-from postprocess.findings import Findings
 from railhead import bodies, exact
 from railhead.effects.base import After, accuracy, touching
 from railhead.geometry import Contact
+from railhead.meshing.profiles import STANDARD_RAILS
+from railhead.meshing.tags import BODIES
+from railhead.postprocess.findings import Findings
 from railhead.scene import Scene
-from theory import finite_bodies
+from railhead.theory import finite_bodies
 
 SMALL = 0.1  # semi-axis over relative radius
 EDGE = 1.1  # times the semi-axis across that must lie within both profiles

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from meshing.profiles import Profile
 from railhead.geometry import Contact
+from railhead.meshing.profiles import Profile
 from railhead.scene import Scene, SceneError
-from theory.hertz import Ellipse
-from theory.line import LineContact
+from railhead.theory.hertz import Ellipse
+from railhead.theory.line import LineContact
 
 DEFAULT_ACCURACY = 0.01  # that a scene without an asked accuracy is held to
 Hertz = Ellipse | LineContact

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from postprocess.findings import Findings
 from railhead.effects.base import NOT_SIMULATED, After, Effect, Hertz
 from railhead.geometry import Contact
+from railhead.postprocess.findings import Findings
 from railhead.scene import Scene
-from theory import hertz
+from railhead.theory import hertz
 
 NO_MISMATCH = 1e-9  # |beta| that is rounding
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from postprocess.findings import Findings
 from railhead.effects.base import NOT_SIMULATED, After, Effect, Hertz
 from railhead.geometry import Contact
+from railhead.postprocess.findings import Findings
 from railhead.scene import Scene
-from theory import line, subsurface
-from theory.line import LineContact
+from railhead.theory import line, subsurface
+from railhead.theory.line import LineContact
 
 
 def decide(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:

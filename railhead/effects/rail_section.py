@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 
-from meshing.outlines import head_depth
-from meshing.profiles import STANDARD_RAILS
-from postprocess.findings import Findings
 from railhead import exact, twist
 from railhead.effects import true_profile
 from railhead.effects.base import After, Effect, Hertz, accuracy
 from railhead.flat import FlatContact
 from railhead.geometry import Contact
+from railhead.meshing.outlines import head_depth
+from railhead.meshing.profiles import STANDARD_RAILS
+from railhead.postprocess.findings import Findings
 from railhead.scene import Scene, SceneError
-from theory.line import LineContact
+from railhead.theory.line import LineContact
 
 CHANGE = (
     0.25  # of the stress at the cut over p0: what the largest shear stress changes by (measured)

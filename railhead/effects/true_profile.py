@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from meshing.osculating import osculating
-from meshing.profiles import Arc, Polynomial
-from postprocess.findings import Findings
 from railhead.effects.base import After, Effect, Hertz, touching
 from railhead.geometry import Contact
+from railhead.meshing.osculating import osculating
+from railhead.meshing.profiles import Arc, Polynomial
+from railhead.postprocess.findings import Findings
 from railhead.scene import Scene
 
 MARGIN = 1.1  # times the patch that must lie within one arc

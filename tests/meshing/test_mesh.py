@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from meshing import blocks, mesh, outlines, profiles
-from meshing.bodies import Body, Options
-from meshing.sizing import Grading
-from meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, SYMMETRY_Y, WHEEL
+from railhead.meshing import blocks, mesh, outlines, profiles
+from railhead.meshing.bodies import Body, Options
+from railhead.meshing.sizing import Grading
+from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, SYMMETRY_Y, WHEEL
 
 GRADING = Grading((0.0, 0.0, 0.0), 4.3, 3.5, 0.0, 1.2, coarsest=20.0)
 CELLS = ["tetrahedron", "hexahedron"]
@@ -63,8 +63,8 @@ def test_faces_are_tagged_and_fine_only_in_the_patch(cell: str) -> None:
 
 def _nodes(made: mesh.ContactMesh, facets: np.ndarray) -> np.ndarray:
     """Geometry nodes of facets: those of their cell that lie on them (order 1)."""
-    from solver import compat
-    from solver.facets import reference_facets
+    from railhead.solver import compat
+    from railhead.solver.facets import reference_facets
 
     topology = made.mesh.topology
     topology.create_connectivity(2, 3)

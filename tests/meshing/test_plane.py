@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from meshing import blocks, mesh, outlines, plane, profiles
-from meshing.bodies import Body, Options
-from meshing.sizing import Grading
-from meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, SYMMETRY_Y, WHEEL
+from railhead.meshing import blocks, mesh, outlines, plane, profiles
+from railhead.meshing.bodies import Body, Options
+from railhead.meshing.sizing import Grading
+from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, SYMMETRY_Y, WHEEL
 
 GRADING = Grading((0.0, 0.0, 0.0), 2.0, 2.0, 0.0, 0.4, coarsest=10.0)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from meshing import measured, outlines, profiles
+from railhead.meshing import measured, outlines, profiles
 
 HEIGHT = {"54E1": 159.0, "60E1": 172.0}
 

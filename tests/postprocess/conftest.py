@@ -10,13 +10,21 @@ from dolfinx.mesh import CellType, create_box
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from postprocess.findings import Array, AxisPressure, DepthAxis, Findings, Frame, Patch, Surface
-from postprocess.plots import closed_ellipse
-from solver import compat
-from solver.gather import ContactFields, Fields
-from theory.halfspace import hertz_displacement
-from theory.hertz import Ellipse, contact_modulus, point_contact
-from theory.subsurface import axis_stress, stress
+from railhead.postprocess.findings import (
+    Array,
+    AxisPressure,
+    DepthAxis,
+    Findings,
+    Frame,
+    Patch,
+    Surface,
+)
+from railhead.postprocess.plots import closed_ellipse
+from railhead.solver import compat
+from railhead.solver.gather import ContactFields, Fields
+from railhead.theory.halfspace import hertz_displacement
+from railhead.theory.hertz import Ellipse, contact_modulus, point_contact
+from railhead.theory.subsurface import axis_stress, stress
 
 YOUNG, POISSON = 207000.0, 0.3
 

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import basix
 import numpy as np
 
-from postprocess.findings import Array
-from solver.gather import ContactFields, Fields
+from railhead.postprocess.findings import Array
+from railhead.solver.gather import ContactFields, Fields
 
 JITTER = 0.2  # of an element
 Square = Callable[[Array, Array], Array]

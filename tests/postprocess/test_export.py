@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import pyvista as pv
 
-from postprocess import export
-from theory.subsurface import axis_stress
+from railhead.postprocess import export
+from railhead.theory.subsurface import axis_stress
 
 KINDS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)]
 

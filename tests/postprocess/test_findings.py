@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from postprocess.findings import DepthAxis, Frame
+from railhead.postprocess.findings import DepthAxis, Frame
 
 
 def test_parabola_finds_the_maximum_between_samples() -> None:

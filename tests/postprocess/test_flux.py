@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from postprocess.flux import through_plane
-from solver.gather import ContactFields
+from railhead.postprocess.flux import through_plane
+from railhead.solver.gather import ContactFields
 
 YOUNG, POISSON = 1000.0, 0.25
 LAME = (YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON)), YOUNG / (2 * (1 + POISSON)))

@@ -11,8 +11,8 @@ import pytest
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
-from postprocess import plots
-from postprocess.mirror import cut_axes, whole
+from railhead.postprocess import plots
+from railhead.postprocess.mirror import cut_axes, whole
 
 
 def image(path: Path) -> Any:

@@ -10,8 +10,8 @@ import pytest
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
-from postprocess import export, render
-from postprocess.camera import Camera, load_pyvista
+from railhead.postprocess import export, render
+from railhead.postprocess.camera import Camera, load_pyvista
 
 
 def image(path: Path) -> Any:

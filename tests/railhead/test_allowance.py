@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from cases.s1002_60e1 import SCENE as MANCHESTER
 from railhead import catalogue, developed, run, twist
 from railhead import plan as planning
 from railhead.allowance import Allowance, allowance
+from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
 from railhead.scene import Scene
-from theory.hertz import Ellipse
+from railhead.theory.hertz import Ellipse
 
 
 def allowed(scene: Scene, motion: tuple[float, float] = (0.0, 0.0)) -> dict[str, Allowance]:

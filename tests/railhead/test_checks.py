@@ -99,7 +99,7 @@ def test_a_missed_accuracy_fails(level) -> None:
 
 
 def test_the_range_of_shear_over_pressure_is_that_of_hertz() -> None:
-    from theory import hertz, subsurface
+    from railhead.theory import hertz, subsurface
 
     ratios = [
         subsurface.axis_extrema(contact, nu).tau_max / contact.p0

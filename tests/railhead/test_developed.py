@@ -7,15 +7,15 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from cases.s1002_60e1 import SCENE as MANCHESTER
-from postprocess import compare
 from railhead import catalogue, developed, exact, geometry
+from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
 from railhead.geometry import Contact
 from railhead.level import Level
+from railhead.postprocess import compare
 from railhead.scene import Scene
 from railhead.second_opinion import half_space
-from theory.boundary_element import Solution
-from theory.hertz import Ellipse
+from railhead.theory.boundary_element import Solution
+from railhead.theory.hertz import Ellipse
 
 SEEN_TWICE = ["wheel.profile=S1002", "rail.inclination=1:40", "wheelset.shift=2", "load=70kN"]
 TWO_SIDES = ["wheel.profile=arc", "wheel.transverse_radius=-200", "load=50kN"]

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases import calibrate, error_bounds, families
 from railhead import catalogue, estimates, machine, price, results, run
 from railhead import plan as planning
 from railhead.estimates import Family, Law, Setting
 from railhead.scene import SceneError
+from railhead.studies import calibrate, error_bounds, families
 
 SETTING = Setting("solid", "tetrahedron", 2, "nitsche", None, 1.0, 0.3, True, 2.0, 1.0)
 KNOWN = Family(

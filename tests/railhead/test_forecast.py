@@ -5,11 +5,11 @@ import pickle
 import numpy as np
 import pytest
 
-from cases.s1002_60e1 import SCENE as MANCHESTER
 from railhead import catalogue, developed
 from railhead import plan as planning
+from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
 from railhead.plan import Plan
-from theory.hertz import Ellipse
+from railhead.theory.hertz import Ellipse
 
 
 def planned(name: str, *assignments: str) -> Plan:

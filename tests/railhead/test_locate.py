@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from cases.s1002_60e1 import SCENE
 from railhead import cli, locate
+from railhead.cases.s1002_60e1 import SCENE
 from railhead.scene import SceneError
 
 

@@ -9,8 +9,8 @@ from rich.console import Console
 
 from railhead import catalogue, level, plan, report, results, run
 from railhead.progress import Progress
-from solver import linear
-from solver.problem import ContactProblem
+from railhead.solver import linear
+from railhead.solver.problem import ContactProblem
 
 COARSE = ["mesh.patch_size=1.2"]
 

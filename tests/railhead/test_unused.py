@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from meshing.tags import RAIL, WHEEL
 from railhead import build, catalogue, dimension, plan, unused
 from railhead.exact import estimate
 from railhead.flat import FlatContact
+from railhead.meshing.tags import RAIL, WHEEL
 from railhead.scene import Scene, SceneError
 
 BALL = {"rail": {"profile": "arc", "crown_radius": math.inf},

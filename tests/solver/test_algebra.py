@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from solver import constraints, linear, multigrid, newton
-from solver.contact import ContactModel
-from solver.laws import Law
+from railhead.solver import constraints, linear, multigrid, newton
+from railhead.solver.contact import ContactModel
+from railhead.solver.laws import Law
 
 LAWS = [Law("nitsche", 1), Law("nitsche", 0), Law("nitsche", -1), Law("penalty")]
 IDS = ["theta=1", "theta=0", "theta=-1", "penalty"]
@@ -171,7 +171,7 @@ def test_direct_and_multigrid_give_the_same_solution(models) -> None:
 
 def test_prolongation_carries_rigid_motion_and_the_approach(models) -> None:
     """Q y1 represents the same displacement as y1 does in the P1 space."""
-    from solver import compat, transfer
+    from railhead.solver import compat, transfer
 
     model = models()
     coarse = compat.vector_space(model.bulk.space.mesh, 1)

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from meshing.surfaces import ParabolicGap
-from meshing.tags import CONTACT, RAIL, WHEEL
-from solver import interface
-from solver.contact import ContactModel
-from solver.facets import FacetSet, facet_closure, reference_facets, tabulate
-from solver.pairing import pair
+from railhead.meshing.surfaces import ParabolicGap
+from railhead.meshing.tags import CONTACT, RAIL, WHEEL
+from railhead.solver import interface
+from railhead.solver.contact import ContactModel
+from railhead.solver.facets import FacetSet, facet_closure, reference_facets, tabulate
+from railhead.solver.pairing import pair
 
 
 @pytest.fixture(scope="module", params=["tetrahedron", "hexahedron"])

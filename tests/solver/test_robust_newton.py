@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from solver import linear, newton
-from solver.contact import ContactModel
-from solver.elasticity import Material
-from solver.laws import Law
+from railhead.solver import linear, newton
+from railhead.solver.contact import ContactModel
+from railhead.solver.elasticity import Material
+from railhead.solver.laws import Law
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from theory.boundary_element import PatchSolution, solve
-from theory.hertz import Ellipse, point_contact
+from railhead.theory.boundary_element import PatchSolution, solve
+from railhead.theory.hertz import Ellipse, point_contact
 
 Array = NDArray[np.float64]
 Gap = Callable[[Array, Array], Array]

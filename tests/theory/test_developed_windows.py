@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from railhead.theory.boundary_element import Solution, flat, solve, solve_developed
+from railhead.theory.hertz import point_contact
 from tests.theory.test_boundary_element import LOAD, MODULUS, RADIUS, lopsided, paraboloid
-from theory.boundary_element import Solution, flat, solve, solve_developed
-from theory.hertz import point_contact
 
 Array = NDArray[np.float64]
 Gap = Callable[[Array, Array], Array]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.special import elliprd, roots_legendre
 
-from theory.hertz import (
+from railhead.theory.hertz import (
     Ellipse,
     contact_modulus,
     general_orientation,

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from finite_differences import Array, jacobian
 
-from theory.hertz import Ellipse, line_contact, point_contact
-from theory.subsurface import (
+from railhead.theory.hertz import Ellipse, line_contact, point_contact
+from railhead.theory.subsurface import (
     axis_extrema,
     axis_stress,
     line_axis_stress,
@@ -18,7 +18,7 @@ from theory.subsurface import (
     surface_centre_stress,
     von_mises,
 )
-from theory.thesis import thesis_axis_stress
+from railhead.theory.thesis import thesis_axis_stress
 
 CURVATURE_RATIOS = [1e-3, 0.1, 0.9, 1.0, 1 + 1e-9, 5.0]
 

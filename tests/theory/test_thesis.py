@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from theory.hertz import Ellipse
-from theory.thesis import (
+from railhead.theory.hertz import Ellipse
+from railhead.theory.thesis import (
     exact_coefficients,
     hertz_coefficients,
     table_5_3,

@@ -9,12 +9,12 @@ from dolfinx import mesh as dmesh
 from mpi4py import MPI
 from scipy.spatial import cKDTree
 
-from cases import bare_contact
-from meshing.mesh import ContactMesh
-from meshing.tags import CONTACT, SUPPORT
 from railhead import catalogue, level, plan, twist
+from railhead.meshing.mesh import ContactMesh
+from railhead.meshing.tags import CONTACT, SUPPORT
 from railhead.progress import Progress
-from solver import compat
+from railhead.solver import compat
+from railhead.studies.effects import bare_contact
 
 
 def mirrored(made: ContactMesh, axis: int, size: float) -> ContactMesh:

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from meshing.surfaces import ParabolicGap
-from meshing.tags import RAIL, WHEEL
-from solver import compat
-from solver.elasticity import Material
-from solver.laws import Law
+from railhead.meshing.surfaces import ParabolicGap
+from railhead.meshing.tags import RAIL, WHEEL
+from railhead.solver import compat
+from railhead.solver.elasticity import Material
+from railhead.solver.laws import Law
 
 LAWS = [Law("nitsche", 1), Law("nitsche", -1), Law("penalty")]
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from postprocess import stress
 from railhead import catalogue, run
+from railhead.postprocess import stress
 from railhead.scene import Scene
-from theory import line, subsurface
-from theory.line import LineContact
+from railhead.theory import line, subsurface
+from railhead.theory.line import LineContact
 
 THIN = ["load=100kN", "wheel.width=10", "rail.profile=arc", "rail.crown_radius=inf"]
 THIN += ["rail.width=10", "rail.depth=5"]

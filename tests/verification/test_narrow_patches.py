@@ -5,18 +5,18 @@ import pytest
 from dolfinx import fem
 from mpi4py import MPI
 
-from meshing import mesh
-from meshing.sizing import MAX_STRETCH
-from meshing.tags import CONTACT, WHEEL
-from postprocess import read
-from postprocess.findings import Frame
 from railhead import build, catalogue
 from railhead import plan as planning
 from railhead.level import found_forecast, solve_level
+from railhead.meshing import mesh
+from railhead.meshing.sizing import MAX_STRETCH
+from railhead.meshing.tags import CONTACT, WHEEL
 from railhead.plan import Plan
+from railhead.postprocess import read
+from railhead.postprocess.findings import Frame
 from railhead.progress import Progress
 from railhead.run import run
-from solver import compat
+from railhead.solver import compat
 
 
 def planned(name: str, *assignments: str) -> Plan:

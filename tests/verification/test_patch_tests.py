@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from meshing.surfaces import ParabolicGap
-from meshing.tags import RAIL, WHEEL
-from postprocess import stress
-from solver.contact import ContactModel
-from solver.elasticity import Material, assemble
-from solver.gather import gather
-from solver.laws import Law
+from railhead.meshing.surfaces import ParabolicGap
+from railhead.meshing.tags import RAIL, WHEEL
+from railhead.postprocess import stress
+from railhead.solver.contact import ContactModel
+from railhead.solver.elasticity import Material, assemble
+from railhead.solver.gather import gather
+from railhead.solver.laws import Law
 
 SOFT = Material(1000.0, 0.0)
 FLAT = ParabolicGap(0.0, 0.0, 1)

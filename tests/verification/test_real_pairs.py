@@ -2,8 +2,8 @@
 
 import pytest
 
-from cases.s1002_60e1 import SCENE
 from railhead import catalogue
+from railhead.cases.s1002_60e1 import SCENE
 from railhead.run import run
 
 

@@ -9,19 +9,19 @@ import ufl
 from dolfinx.mesh import compute_midpoints, create_mesh, exterior_facet_indices, meshtags
 from mpi4py import MPI
 
-from meshing import mesh, outlines, profiles
-from meshing.bodies import Body, Options
-from meshing.sizing import Grading
-from meshing.surfaces import ParabolicGap
-from meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL
-from postprocess import stress
-from solver import compat
-from solver.contact import ContactModel
-from solver.elasticity import Material, assemble
-from solver.gather import gather
-from solver.kinematics import Kinematics
-from solver.laws import Law
-from solver.setup import Setup, Side
+from railhead.meshing import mesh, outlines, profiles
+from railhead.meshing.bodies import Body, Options
+from railhead.meshing.sizing import Grading
+from railhead.meshing.surfaces import ParabolicGap
+from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL
+from railhead.postprocess import stress
+from railhead.solver import compat
+from railhead.solver.contact import ContactModel
+from railhead.solver.elasticity import Material, assemble
+from railhead.solver.gather import gather
+from railhead.solver.kinematics import Kinematics
+from railhead.solver.laws import Law
+from railhead.solver.setup import Setup, Side
 
 XZ = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 PLANE, RING = Kinematics(XZ, thickness=5.0), Kinematics(XZ, revolved=True)

@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from meshing import mesh, plane, profiles
-from meshing.bodies import Body, Options
-from meshing.sizing import Grading
-from meshing.surfaces import ExactGap, RailSurface
-from meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL
 from railhead import catalogue, run
+from railhead.meshing import mesh, plane, profiles
+from railhead.meshing.bodies import Body, Options
+from railhead.meshing.sizing import Grading
+from railhead.meshing.surfaces import ExactGap, RailSurface
+from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL
 from railhead.scene import Scene
-from solver.contact import ContactModel
-from solver.elasticity import Material
-from solver.kinematics import Kinematics
-from solver.setup import Setup, Side
-from theory import line
-from theory.hertz import line_contact
+from railhead.solver.contact import ContactModel
+from railhead.solver.elasticity import Material
+from railhead.solver.kinematics import Kinematics
+from railhead.solver.setup import Setup, Side
+from railhead.theory import line
+from railhead.theory.hertz import line_contact
 
 
 def solved(scene: Scene) -> dict:

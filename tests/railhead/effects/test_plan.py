@@ -5,12 +5,12 @@ import math
 import pytest
 from mpi4py import MPI
 
-from meshing.tags import RAIL, WHEEL
 from railhead import build, catalogue, level, run
 from railhead import plan as planning
+from railhead.meshing.tags import RAIL, WHEEL
 from railhead.progress import Progress
 from railhead.scene import Effects, Scene, SceneError
-from theory import hertz
+from railhead.theory import hertz
 
 
 def planned(case: str, *assignments: str) -> planning.Plan:

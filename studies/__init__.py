@@ -1,0 +1,1 @@
+"""Measurements of the program, one module or folder each."""

@@ -1,0 +1,155 @@
+"""Error laws from runs: makes railhead/data/laws.json, the envelopes that estimates rest on."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from railhead import estimates, study
+from railhead.estimates import QUANTITIES, Law
+from railhead.scene import Scene
+from railhead.studies import families, tables
+from railhead.studies.pool import attempts
+
+STUDY = "error laws by family, from random scenes of known answer"
+SEED = 1
+LIMIT = 900.0  # s, of one scene on all its meshes
+CHEAP = ("plane strain", "meridian")
+HEADROOM = 1.1  # the envelope over the largest error that was seen
+ORDERS = (0.5, 3.0)  # of convergence that are believed
+LEAST = 1e-6  # relative; below it an error is rounding
+CHANCE = 1.5  # times the median error: the least of a law, as a reading may be right by chance
+
+
+@dataclass(frozen=True)
+class Record:
+    """One quantity of one scene on one mesh; error (without what the plan leaves out), reading,
+    overlap: relative; scale: see `estimates.scales`."""
+
+    family: str
+    scene: str
+    n: float
+    unknowns: int
+    quantity: str
+    error: float
+    reading: float
+    overlap: float
+    scale: float
+
+
+def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Record]:
+    """Errors of a scene on some meshes; none where a mesh or its solution fails."""
+    records: list[Record] = []
+    exact: dict[str, float] = {}
+    for n in resolutions:
+        level = families.solved(scene, n)
+        if level is None or level.findings is None or not level.solution.newton.converged:
+            continue
+        exact = exact or families.truth(name, scene, level)
+        found, scatter = estimates.resolved(level), estimates.reading(level.findings)
+        scale = estimates.scales(level.findings, level.result or {})
+        penalty = scene.solver.method == "penalty"
+        overlap = abs(level.solution.penetration / level.solution.approach) if penalty else 0.0
+        records += [
+            Record(
+                name, scene.name, level.resolution, level.unknowns, key,
+                max(abs(found[key] / value - 1) - level.plan.left_out, 0.0),
+                scatter.get(key, 0.0), overlap, scale.get(key, 1.0),
+            )
+            for key, value in exact.items() if key in found and value
+        ]  # fmt: skip
+    return records
+
+
+def envelope(n: np.ndarray, errors: np.ndarray) -> Law:
+    """The law below which all errors lie: slope from the rms at each of the resolutions."""
+    at = np.round(np.log(n), 1)
+    levels = np.unique(at)
+    rms = np.array([np.sqrt(np.mean(errors[at == level] ** 2)) for level in levels])
+    slope = -np.polyfit(levels, np.log(np.maximum(rms, LEAST)), 1)[0] if len(levels) > 1 else 1.0
+    order = float(np.clip(slope, *ORDERS))
+    return Law(max(HEADROOM * float(np.max(errors * (n / 6.0) ** order)), LEAST), order)
+
+
+def middle(n: np.ndarray, values: np.ndarray) -> Law:
+    """The law of the same slope above and below which are half of the values."""
+    order = envelope(n, values).order
+    return Law(max(float(np.median(values * (n / 6.0) ** order)), LEAST), order)
+
+
+def fit(name: str, records: Sequence[Record]) -> dict[str, Any]:
+    """The entry of a family in laws.json."""
+    laws, reading, overlap = {}, {}, {}
+    for key in QUANTITIES:
+        mine = [record for record in records if record.quantity == key]
+        if not mine:
+            continue
+        n, error, read, over, scale = (
+            np.array([getattr(record, field) for record in mine])
+            for field in ("n", "error", "reading", "overlap", "scale")
+        )
+        overlap[key] = float(error @ over / (over @ over)) if over.any() else 0.0
+        rest = np.maximum(error - overlap[key] * over, 0.0)
+        usual = middle(n, rest / scale)
+        least = np.array([CHANCE * usual(each) for each in n])
+        laws[key] = envelope(n, np.maximum((rest - read) / scale, least))
+        reading[key] = middle(n, read)
+    recipe = families.RECIPES[name]
+    return {
+        "where": {**families.DEFAULT, **recipe.where},
+        "resolution": [recipe.resolutions[0], recipe.resolutions[-1]],
+        "scenes": len({record.scene for record in records}),
+        "laws": {key: [law.value, law.order] for key, law in laws.items()},
+        "reading": {key: [law.value, law.order] for key, law in reading.items()},
+        "overlap": overlap,
+    }
+
+
+def measured(name: str, count: int) -> list[Record]:
+    """Errors of random scenes of a family; those that give nothing are named and left out."""
+    resolutions = families.RECIPES[name].resolutions
+    jobs = [(name, scene, resolutions) for scene in islice(families.scenes(name, SEED), count)]
+    records: list[Record] = []
+    for job, attempt in zip(jobs, attempts(measure, jobs, [LIMIT] * count), strict=True):
+        records += attempt.found or []
+        print(f"{job[1].name}: {attempt.fault or 'done'}", file=sys.stderr)
+    return records
+
+
+def main(out: Path, *, quick: bool) -> None:
+    """Write calibrate.csv, laws.json and page.md, anew after each family; quick: three scenes of
+    the cheap ones."""
+    names = CHEAP if quick else [n for n, each in families.RECIPES.items() if each.resolutions]
+    records: list[Record] = []
+    laws: dict[str, Any] = {"seed": SEED, "families": {}}
+    for name in names:
+        found = measured(name, 3 if quick else families.RECIPES[name].scenes)
+        records += found
+        laws["families"][name] = fit(name, found)
+        tables.write_csv(out / "calibrate.csv", records)
+        (out / "laws.json").write_text(json.dumps(laws, indent=1) + "\n", encoding="utf-8")
+        (out / study.PAGE).write_text(page(laws), encoding="utf-8")
+        print(f"{name}: {len(found)} numbers", file=sys.stderr)
+
+
+def page(laws: dict[str, Any]) -> str:
+    """The laws as a table."""
+    rows = [
+        [name, str(entry["scenes"]), key, tables.percent(value), f"{order:.2f}"]
+        for name, entry in laws["families"].items()
+        for key, (value, order) in entry["laws"].items()
+    ]
+    head = ("family", "scenes", "quantity", "envelope at n = 6", "order")
+    return (
+        "# Error laws\n\nLargest relative error seen at n elements per smaller semi-axis, and a "
+        f"tenth more: envelope (6/n)^order. Seed {laws['seed']}. Made by `railhead study "
+        "calibrate`, whose laws.json is railhead/data/laws.json.\n\n"
+        + tables.table(head, rows) + "\n"
+    )  # fmt: skip

@@ -1,0 +1,136 @@
+"""One contact by way of a plan with every optional effect off, and without any plan."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from railhead import catalogue
+
+if TYPE_CHECKING:
+    from railhead.scene import Scene
+
+CASE = "sphere_on_plane"
+# Nothing else is on and could be left out.
+OPTIONAL = ("axisymmetry", "symmetry", "far_field", "true_profile")
+
+
+@dataclass(frozen=True)
+class Bare:
+    """The same contact by way of the plan with all optional effects off, or without a plan."""
+
+    route: str
+    unknowns: int
+    forms: int
+    seconds: float
+    p_max: float
+
+
+def compare(repeats: int, patch_size: float = 0.25) -> list[Bare]:
+    """Both routes in turn; median processor seconds of mesh, assembly and solve. patch_size: mm."""
+    off = [f"effects.{name}=off" for name in OPTIONAL]
+    scene = catalogue.find(CASE).replace([f"mesh.patch_size={patch_size}", *off])
+    routes: dict[str, Callable[[Scene], tuple[int, float]]]
+    routes = {"plan, all optional effects off": _planned, "no plan": _unplanned}
+    for route in routes.values():
+        route(scene)  # compiles
+    found: dict[str, list[Bare]] = {name: [] for name in routes}
+    for _ in range(repeats):
+        for name, route in routes.items():
+            found[name].append(_measured(name, route, scene))
+    return [
+        Bare(
+            name, runs[0].unknowns, runs[0].forms,
+            statistics.median(run.seconds for run in runs), runs[0].p_max,
+        )
+        for name, runs in found.items()
+    ]  # fmt: skip
+
+
+def _measured(name: str, route: Callable[[Scene], tuple[int, float]], scene: Scene) -> Bare:
+    with forms_compiled() as forms:
+        start = time.process_time()
+        unknowns, p_max = route(scene)
+        return Bare(name, unknowns, len(forms), time.process_time() - start, p_max)
+
+
+@contextmanager
+def forms_compiled() -> Iterator[list[Any]]:
+    """The forms that are compiled (or found compiled) meanwhile."""
+    from railhead.solver import compat
+
+    real, forms = compat.form, []
+
+    def counting(expression: Any, mesh: Any) -> Any:
+        forms.append(expression)
+        return real(expression, mesh)
+
+    compat.form = counting
+    try:
+        yield forms
+    finally:
+        compat.form = real
+
+
+def _planned(scene: Scene) -> tuple[int, float]:
+    from mpi4py import MPI
+
+    from railhead import build, level
+    from railhead import plan as planning
+    from railhead.postprocess.findings import Frame
+
+    plan = planning.make(scene)
+    model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
+    solution = level.solve(
+        plan, model, Frame(plan.contact.origin, 0.0), lambda step, residual: None
+    )
+    return model.unknowns, float(solution.pressure.max())
+
+
+def _unplanned(scene: Scene) -> tuple[int, float]:
+    """One elastic block under Hertz's gap against a rigid plane, by meshing and solver alone."""
+    import math
+
+    import numpy as np
+    from mpi4py import MPI
+
+    from railhead.meshing import mesh, outlines, profiles
+    from railhead.meshing.bodies import Body, Options
+    from railhead.meshing.sizing import Grading
+    from railhead.meshing.surfaces import ParabolicGap
+    from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, WHEEL
+    from railhead.solver.contact import ContactModel
+    from railhead.solver.elasticity import Material
+    from railhead.solver.setup import Setup, Side
+    from railhead.theory import hertz
+
+    wheel, radius, load = scene.wheel, scene.wheel.rolling_radius, float(scene.load or 0.0)
+    modulus = wheel.young_modulus / (1 - wheel.poisson_ratio**2)
+    ellipse = hertz.point_contact(1 / radius, 1 / radius, modulus, load)
+    size, edge = float(scene.mesh.patch_size or 0.0), 8 * ellipse.a
+    section = outlines.block_section(
+        profiles.single_radius(math.inf, edge), -edge, edge, edge, outwards=-1, half=False
+    )
+    section = [replace(c, role="support") if c.role == "free" else c for c in section]
+    grading = Grading(
+        (0.0, 0.0, 0.0), ellipse.a, ellipse.b, 0.0, size, 0.3, coarsest=0.25 * edge
+    )  # fmt: skip
+    body = Body(WHEEL, section, edge, end_role="support")
+    made = mesh.generate([body], grading, Options("tetrahedron", 1, False), MPI.COMM_WORLD)
+    steel = Material(wheel.young_modulus, wheel.poisson_ratio)
+    setup = Setup(
+        fixed=Side(RAIL, CONTACT + RAIL, SUPPORT + RAIL, Material(math.inf, 0.3)),
+        moving=Side(WHEEL, CONTACT + WHEEL, SUPPORT + WHEEL, steel),
+        slave=WHEEL,
+        gap=ParabolicGap(1 / radius, 1 / radius, -1),
+        degree=2,
+    )  # fmt: skip
+    model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+    points = model.interface.points
+    inside = (np.hypot(points[:, 0], points[:, 1]) < ellipse.a) & (np.abs(points[:, 2]) < ellipse.a)
+    solution = model.solve(load=load, active=inside)
+    return model.unknowns, float(solution.pressure.max())

@@ -1,0 +1,257 @@
+"""Random scenes by family: what error laws are calibrated on and validated with.
+
+A family is a set of scenes whose errors behave alike: the same cells, contact law and kind of
+patch. The truth of half-spaces is exact Hertz; of real profiles the same scene on a fine mesh.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from scipy.optimize import brentq
+
+from railhead import estimates
+from railhead import plan as planning
+from railhead.level import Level, solve_level
+from railhead.meshing.mesh import MeshError
+from railhead.progress import Progress
+from railhead.scene import Scene, SceneError
+from railhead.summary import exact_quantities
+from railhead.theory.hertz import point_contact
+
+Make = Callable[[np.random.Generator], list[str]]
+HALF_SPACE = {"rail": {"profile": "arc", "crown_radius": 300, "extent": "half-space"}}
+INCOMPRESSIBLE = (0.4, 0.4999)  # Poisson's ratios of a family of its own; those of ...
+LOCKING = (0.45, 0.4999)  # ... sections, where errors grow later
+LINES = (3.0, 4.0, 5.0, 6.5, 8.0, 10.0, 13.0, 18.0, 24.0)  # resolutions of sections
+FINE = 1.6  # times the finest calibrated resolution: the truth of real profiles
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """make: random assignments on `base`; where: see `estimates.Family`, what is left out is that
+    of DEFAULT; resolutions to calibrate at, ascending, none for scenes outside all laws; scenes:
+    how many of them; exact: whether Hertz is the truth."""
+
+    make: Make
+    where: Mapping[str, Sequence[Any]]
+    resolutions: tuple[float, ...] = (3.0, 5.0, 8.0)
+    scenes: int = 16
+    exact: bool = True
+
+    @property
+    def base(self) -> Scene:
+        """The scene that assignments are made on."""
+        return Scene.from_mapping({"load": 1e4, **(HALF_SPACE if self.exact else {})})
+
+
+DEFAULT: dict[str, Sequence[Any]] = {
+    "shape": ["solid"],
+    "cell": ["tetrahedron"],
+    "order": [2],
+    "method": ["nitsche"],
+    "theta": [None, 1],
+    "gamma_factor": [1.0, 1.0],
+    "poisson": [0.0, 0.4],
+    "ellipse": [True],
+    "axis_ratio": [1.0, 10.0],
+    "stiffness": [0.0, 1.0],
+}
+
+
+def materials(rng: np.random.Generator, low: float = 0.0, high: float = 0.4) -> list[str]:
+    """E ratio 1e-3 to 1e3, one body in five rigid; the larger Poisson's ratio from low to high, in
+    one scene of four the highest."""
+    largest = high if rng.random() < 0.25 else rng.uniform(low, high)
+    ratios = [largest, rng.uniform(0.0, high)]
+    rng.shuffle(ratios)
+    keys = [
+        f"{body}.poisson_ratio={nu!r}" for body, nu in zip(("rail", "wheel"), ratios, strict=True)
+    ]
+    soft = ("rail", "wheel")[int(rng.random() < 0.5)]
+    if rng.random() < 0.2:
+        other = "wheel" if soft == "rail" else "rail"
+        keys = [key for key in keys if not key.startswith(other)]
+        keys = [f"{soft}.poisson_ratio={max(ratios)!r}", f"{other}.young_modulus=inf"]
+    else:
+        keys.append(f"{soft}.young_modulus={207e3 * 10 ** rng.uniform(-3, 0)!r}")
+    return keys
+
+
+def ellipse(rng: np.random.Generator, *, longest: float = 10.0) -> list[str]:
+    """Radii of an axis ratio from 1 to `longest`, either way, and a load."""
+    ratio, radius = longest ** rng.uniform(), 10 ** rng.uniform(1.5, 3)
+
+    def excess(log: float) -> float:
+        found = point_contact(math.exp(-log) / radius, 1 / radius, 1e5, 1e3)
+        return math.log(found.a / found.b / ratio)
+
+    other = radius * math.exp(brentq(excess, -0.01, 12.0))
+    rolling, crown = (other, radius) if rng.random() < 0.5 else (radius, other)
+    load = radius**2 * 10 ** rng.uniform(-3, -0.5)
+    return [f"wheel.rolling_radius={rolling!r}", f"rail.crown_radius={crown!r}", f"load={load!r}"]
+
+
+def law(method: str, thetas: Sequence[int | None]) -> Make:
+    """Another contact law with a factor from 0.1 to 10."""
+
+    def make(rng: np.random.Generator) -> list[str]:
+        theta = thetas[rng.integers(len(thetas))]
+        keys = [f"solver.method={method}", f"solver.gamma_factor={10 ** rng.uniform(-1, 1)!r}"]
+        keys += [] if theta is None else [f"solver.theta={theta}"]
+        return ellipse(rng) + materials(rng) + keys
+
+    return make
+
+
+def cells(key: str, longest: float) -> Make:
+    """Cells that lock in volume: Poisson's ratio up to 0.4, axis ratio up to `longest`."""
+    return lambda rng: [*ellipse(rng, longest=longest), *materials(rng), key]
+
+
+def outside(rng: np.random.Generator) -> list[str]:
+    """Contact laws far from the safe parameter, and penalty on cells of other families."""
+    odd = (
+        [f"solver.gamma_factor={10 ** rng.uniform(-2, -1)!r}"],
+        [f"solver.gamma_factor={10 ** rng.uniform(1, 3)!r}"],
+        ["solver.method=penalty", "mesh.order=1"],
+        ["mesh.cell=hexahedron", "mesh.order=2"],
+    )[rng.integers(4)]
+    return ellipse(rng, longest=4.0) + materials(rng) + odd
+
+
+def roller(rng: np.random.Generator) -> list[str]:
+    """A line contact between half-spaces."""
+    radius = 10 ** rng.uniform(1.5, 3)
+    return [
+        "rail.crown_radius=inf", f"wheel.rolling_radius={radius!r}",
+        f"rail.width={rng.uniform(20, 80)!r}", f"load={radius * 10 ** rng.uniform(1, 2.5)!r}",
+    ]  # fmt: skip
+
+
+def ball(rng: np.random.Generator) -> list[str]:
+    """A circular contact between half-spaces."""
+    radius = 10 ** rng.uniform(1, 3)
+    load = radius**2 * 10 ** rng.uniform(-3, -0.5)
+    return [f"wheel.rolling_radius={radius!r}", f"rail.crown_radius={radius!r}", f"load={load!r}"]
+
+
+def profiles(rng: np.random.Generator) -> list[str]:
+    """Standard rails under standard wheels anywhere across the tread."""
+
+    def one(*values: str) -> str:
+        return values[rng.integers(len(values))]
+
+    keys = [
+        f"rail.profile={one('54E1', '60E1')}", f"rail.inclination={one('0', '1:20', '1:40')}",
+        f"wheel.profile={one('S1002', 'S1002', 'cone20', 'cone40', 'cylinder')}",
+        f"load={10 ** rng.uniform(3.7, 5.1)!r}", f"wheelset.shift={rng.uniform(-6, 9)!r}",
+        f"wheel.rolling_radius={rng.uniform(330, 500)!r}",
+    ]  # fmt: skip
+    keys += ["rail.gauge=1435"] if rng.random() < 0.5 else []
+    return keys + (materials(rng) if rng.random() < 0.3 else [])
+
+
+RECIPES = {
+    "ellipse": Recipe(lambda rng: ellipse(rng) + materials(rng), {}, (3.0, 5.0, 8.0)),
+    "penalty": Recipe(
+        law("penalty", [None]),
+        {"method": ["penalty"], "theta": [None], "gamma_factor": [0.1, 10.0]},
+        scenes=32,
+    ),
+    "theta": Recipe(
+        law("nitsche", [None, 0, -1]), {"theta": [None, 0, -1], "gamma_factor": [0.1, 10.0]}
+    ),
+    "incompressible": Recipe(
+        lambda rng: ellipse(rng) + materials(rng, *INCOMPRESSIBLE), {"poisson": INCOMPRESSIBLE}
+    ),
+    "hexahedra": Recipe(
+        cells("mesh.cell=hexahedron", 4.0),
+        {"cell": ["hexahedron"], "order": [1], "poisson": [0.0, 0.4], "axis_ratio": [1.0, 4.0]},
+        (4.5, 6.0, 8.0),
+    ),
+    "linear": Recipe(
+        cells("mesh.order=1", 8.0),
+        {"order": [1], "poisson": [0.0, 0.4], "axis_ratio": [1.0, 8.0]},
+        (6.0, 9.0, 14.0),
+    ),
+    "plane strain": Recipe(
+        lambda rng: roller(rng) + materials(rng, 0.0, LOCKING[0]),
+        {"shape": ["plane strain"], "axis_ratio": [1.0, 1.0], "poisson": [0.0, LOCKING[0]]},
+        LINES,
+        40,
+    ),
+    "meridian": Recipe(
+        lambda rng: ball(rng) + materials(rng, 0.0, LOCKING[0]),
+        {"shape": ["meridian"], "axis_ratio": [1.0, 1.0], "poisson": [0.0, LOCKING[0]]},
+        LINES,
+        40,
+    ),
+    "incompressible lines": Recipe(
+        lambda rng: roller(rng) + materials(rng, *LOCKING),
+        {"shape": ["plane strain"], "axis_ratio": [1.0, 1.0], "poisson": LOCKING},
+        LINES,
+        40,
+    ),
+    "incompressible circles": Recipe(
+        lambda rng: ball(rng) + materials(rng, *LOCKING),
+        {"shape": ["meridian"], "axis_ratio": [1.0, 1.0], "poisson": LOCKING},
+        LINES,
+        40,
+    ),
+    "outside": Recipe(
+        outside,
+        {
+            "cell": ["tetrahedron", "hexahedron"],
+            "order": [1, 2],
+            "method": ["nitsche", "penalty"],
+            "gamma_factor": [0.01, 1e3],
+            "theta": [None],
+        },
+        (),
+    ),
+    "profiles": Recipe(profiles, {"ellipse": [False]}, (3.0, 4.5, 7.0), exact=False),
+}
+
+
+def scenes(name: str, seed: int) -> Iterator[Scene]:
+    """Endless random scenes of a family, those left out that make no contact of its kind."""
+    recipe = RECIPES[name]
+    rng = np.random.default_rng([seed, *name.encode()])
+    where = estimates.Family(name, {**DEFAULT, **recipe.where}, (0, 0), {}, {}, {})
+    index = 0
+    while True:
+        keys = recipe.make(rng)
+        try:
+            scene = recipe.base.replace([f"name={name.replace(' ', '_')}_{index}", *keys])
+            plan = planning.make(scene)
+        except SceneError:
+            continue
+        if where.holds(plan.setting):
+            index += 1
+            yield scene
+
+
+def solved(scene: Scene, n: float | None = None) -> Level | None:
+    """One mesh, at n elements per semi-axis or as planned; None where gmsh cannot make it."""
+    plan = planning.make(scene)
+    try:
+        return solve_level(
+            plan if n is None else plan.at_resolution(n), None, Progress(quiet=True), MPI.COMM_WORLD
+        )
+    except MeshError:
+        return None
+
+
+def truth(name: str, scene: Scene, level: Level) -> dict[str, float]:
+    """The quantities as they should be: exact Hertz under the load found, or a fine mesh."""
+    recipe = RECIPES[name]
+    if recipe.exact:
+        return estimates.flat(exact_quantities(level))
+    fine = solved(scene, FINE * recipe.resolutions[-1])
+    return {} if fine is None or fine.result is None else estimates.flat(fine.result)

@@ -1,0 +1,276 @@
+"""Hard cases solved directly on two blocks: starts, invariances, paths, poor meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.checks import BALANCE, NOISE
+from railhead.meshing.mesh import ContactMesh
+from railhead.meshing.surfaces import ParabolicGap
+from railhead.postprocess import read
+from railhead.postprocess.findings import Findings, Frame
+from railhead.solver.contact import ContactModel, Solution
+from railhead.solver.elasticity import Material
+from railhead.solver.gather import Fields, gather
+from railhead.solver.interface import Gap
+from railhead.solver.setup import Setup
+from railhead.studies.hard import blocks
+from railhead.studies.hard.case import Deviation, Measured
+
+Array = NDArray[np.float64]
+Start = Callable[[ContactModel], NDArray[np.bool_]]
+LOAD = 3000.0
+EXACTLY = 1e-8  # what an invariance may be off by: the tolerance of Newton's method
+SOLUTION = "pressure, approach"
+
+
+def near(radius: float = 3.0) -> Start:
+    """Points within a radius of the axis touch: close to the patch of LOAD."""
+    return lambda model: np.linalg.norm(model.interface.points[:, :2], axis=1) < radius
+
+
+def random(share: float, seed: int = 1) -> Start:
+    """A random share of all points touches."""
+    generator = np.random.default_rng(seed)
+    return lambda model: generator.random(len(model.interface.points)) < share
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A model with one solution."""
+
+    model: ContactModel
+    solution: Solution
+    load: float
+
+    @property
+    def balance(self) -> float:
+        """Relative force imbalance at the interface and at the support."""
+        found = self.solution
+        return max(abs(found.load / self.load - 1), abs(found.reaction / self.load - 1))
+
+    def fields(self) -> Fields:
+        """As plain arrays."""
+        fields = gather(self.model, self.solution)
+        assert fields is not None
+        return fields
+
+    def findings(self) -> Findings:
+        """What is read out of it."""
+        return read.findings(self.fields(), Frame((0.0, 0.0, 0.0), 0.0))
+
+    @property
+    def failed(self) -> tuple[str, ...]:
+        """Checks that a solution without a scene can fail, as `railhead.checks` names them."""
+        failed = [] if self.solution.newton.converged else ["converged"]
+        return (*failed, *([] if self.balance < BALANCE else ["force_balance"]))
+
+    def measured(
+        self, deviation: float, limit: float, name: str, findings: Findings | None = None
+    ) -> Measured:
+        """The deviation of what is named, its limit, the failed checks and the costs."""
+        history = self.solution.newton.history
+        noise = None if findings is None else findings.noise
+        rough = noise is not None and not noise <= NOISE
+        return Measured(
+            {name: Deviation(deviation, limit)},
+            (*self.failed, *(["pressure_noise"] if rough else [])),
+            len(history),
+            sum(step.linear_iterations for step in history),
+            noise,
+        )
+
+
+def solve(made: ContactMesh, setup: Setup, start: Start, load: float = LOAD) -> Solved:
+    """Assemble and solve."""
+    model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+    return Solved(model, model.solve(load=load, active=start(model)), load)
+
+
+def differ(one: Solution, other: Solution, approach: float) -> float:
+    """Largest difference of the pressures over the largest, or of the approaches (mm) over
+    `approach`."""
+    pressure = np.abs(one.pressure - other.pressure).max() / other.pressure.max()
+    return float(max(pressure, abs(one.approach - other.approach) / abs(approach)))
+
+
+def offset(distance: float, gap: Gap = blocks.GAP) -> Gap:
+    """The same surfaces, further apart by `distance` mm."""
+
+    def moved(points: Array) -> tuple[Array, Array]:
+        gaps, normals = gap(points)
+        return gaps + distance, normals
+
+    return moved
+
+
+def start_from(start: Start, distance: float = 0.0, **changes: Any) -> Measured:
+    """From a bad start, the bodies `distance` mm apart: the answer must be that of a good start."""
+    made, setup = blocks.two_blocks(**changes)
+    good = solve(made, setup, near())
+    bad = solve(made, replace(setup, gap=offset(distance, setup.gap)), start)
+    shifted = replace(bad.solution, approach=bad.solution.approach - distance)
+    deviation = differ(shifted, good.solution, good.solution.approach)
+    return bad.measured(deviation, EXACTLY, SOLUTION)
+
+
+def transformed(matrix: Array, length: float = 1.0, stress: float = 1.0) -> Measured:
+    """The scene turned or mirrored by an orthogonal matrix, in other units: the same answer.
+
+    length, stress: numbers in the new units over those in mm and MPa.
+    """
+    made, setup = blocks.two_blocks()
+    good = solve(made, setup, near())
+    gap = setup.gap
+
+    def turned(points: Array) -> tuple[Array, Array]:
+        gaps, normals = gap(points @ matrix / length)
+        return gaps * length, normals @ matrix.T
+
+    moved, other = blocks.two_blocks()
+    moved.mesh.geometry.x[:] = length * moved.mesh.geometry.x @ matrix.T
+    steel = Material(blocks.STEEL.young_modulus * stress, blocks.STEEL.poisson_ratio)
+    other = replace(
+        other,
+        fixed=blocks.side(other.fixed.tag, steel),
+        moving=blocks.side(other.moving.tag, steel),
+        gap=turned,
+        direction=tuple(matrix @ np.array(other.direction)),
+        planes=tuple((tag, tuple(matrix @ np.array(normal))) for tag, normal in other.planes),
+    )
+    points = good.model.interface.points[:, :2]
+    inside = np.linalg.norm(points, axis=1) < 3.0
+    found = solve(moved, other, lambda _: inside, LOAD * stress * length**2)
+    solution = replace(
+        found.solution,
+        pressure=found.solution.pressure / stress,
+        approach=found.solution.approach / length,
+    )
+    deviation = differ(solution, good.solution, good.solution.approach)
+    return found.measured(deviation, EXACTLY, SOLUTION)
+
+
+def path(loads: list[float]) -> Measured:
+    """Loads up and down on one mesh, each from the last one's active set; the last load solved
+    afresh is the reference."""
+    made, setup = blocks.two_blocks()
+    stepping = solve(made, setup, near(), loads[0])
+    steps = [stepping]
+    for load in loads[1:]:
+        active = steps[-1].solution.pressure > 0
+        steps.append(Solved(stepping.model, stepping.model.solve(load=load, active=active), load))
+    fresh = solve(made, setup, near(), loads[-1]).solution
+    worst = max(steps, key=lambda step: len(step.solution.newton.history))
+    deviation = differ(steps[-1].solution, fresh, fresh.approach)
+    return replace(
+        steps[-1].measured(deviation, EXACTLY, SOLUTION),
+        newton=len(worst.solution.newton.history),
+        failed=tuple(dict.fromkeys(name for step in steps for name in step.failed)),
+    )
+
+
+def against_matched(
+    h: float, ratio: float, limit: float, fine: float = 0.7, **changes: Any
+) -> Measured:
+    """Meshes of sizes h and ratio * h: approach and largest pressure of a matched mesh of size
+    `fine` (mm) are the reference."""
+    found = solve(*blocks.two_blocks(h=h, ratio=ratio, **changes), near())
+    reference = solve(*blocks.two_blocks(h=fine), near())
+    findings, exact = found.findings(), reference.findings()
+    return found.measured(
+        max(
+            abs(found.solution.approach / reference.solution.approach - 1),
+            abs(findings.patch.max_pressure / exact.patch.max_pressure - 1),
+        ),
+        limit, "max_MPa, approach_mm", findings,
+    )  # fmt: skip
+
+
+def slivers(quality: float, count: int, limit: float) -> Measured:
+    """`count` cells at the contact face squashed to a scaled Jacobian: the regular mesh is the
+    reference for approach and largest pressure."""
+    made, setup = blocks.two_blocks(h=1.0)
+    good = solve(made, setup, near())
+    squashed = blocks.squash(made, setup.fixed, quality, count)
+    found = solve(made, setup, near())
+    findings = found.findings()
+    deviation = max(
+        abs(found.solution.approach / good.solution.approach - 1),
+        abs(findings.patch.max_pressure / good.findings().patch.max_pressure - 1),
+    )
+    measured = found.measured(deviation, limit, "max_MPa, approach_mm", findings)
+    if squashed < count:
+        measured = replace(measured, deviations={})
+    return replace(measured, remark=f"{squashed} cells squashed")
+
+
+def two_patches(height: float, h: float, fine: float, limit: float) -> Measured:
+    """Two bumps at y = -6 and 6 mm, the second lower by `height` mm; a finer mesh is the
+    reference for the approach and for the load's share on the first."""
+
+    def gap(points: Array) -> tuple[Array, Array]:
+        x, y = points[:, 0], points[:, 1]
+        one = 0.5 * (x**2 / 3000 + (y + 6) ** 2 / 2000)
+        two = 0.5 * (x**2 / 3000 + (y - 6) ** 2 / 2000) + height
+        return np.minimum(one, two), np.tile([0.0, 0.0, 1.0], (len(points), 1))
+
+    def share(of: Solved) -> float:
+        interface = of.model.interface
+        force = interface.weights * of.solution.pressure
+        return float(force[interface.points[:, 1] < 0].sum() / force.sum())
+
+    one, two = (
+        solve(*blocks.two_blocks(20.0, size, fine=(0.2, 0.45), half=False, gap=gap), near(9.0))
+        for size in (h, fine)
+    )
+    deviation = max(
+        abs(one.solution.approach / two.solution.approach - 1), abs(share(one) / share(two) - 1)
+    )
+    measured = one.measured(deviation, limit, "approach_mm, share of the load")
+    return replace(measured, remark=f"{share(one):.0%} on the first")
+
+
+def line_contact(
+    cell: str, h: float, half_widths: list[float], limit: float, radius: float = 500.0
+) -> Measured:
+    """A cylinder on a plane, nu = 0 (plane strain and free ends are the same): half-width and mean
+    pressure within half of it against Hertz's line contact for each half-width (mm).
+
+    b = sqrt(4 P R / (pi E*)), p = p0 sqrt(1 - y^2/b^2), p0 = 2 P / (pi b), P in N/mm (Johnson 1985,
+    section 4.2 (c)).
+    """
+    soft = Material(207000.0, 0.0)
+    made, setup = blocks.two_blocks(
+        size=20.0 * max(half_widths),
+        length=2.0 * h,
+        h=h,
+        fine=(0.08, 0.08),
+        cell=cell,
+        degree=1 if cell == "hexahedron" else 2,
+        materials=(soft, soft),
+        gap=ParabolicGap(0.0, 1 / radius, 1),
+    )
+    model, found = None, []
+    for b in half_widths:
+        per_length = np.pi * 0.5 * soft.young_modulus * b**2 / (4 * radius)
+        load = float(per_length * 4.0 * h)
+        if model is None:
+            model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+        y, w = model.interface.points[:, 1], model.interface.weights
+        solved = Solved(model, model.solve(load=load, active=y < b), load)
+        p = solved.solution.pressure
+        half = y < 0.5 * b
+        exact = 2 * per_length / (np.pi * b) * np.sqrt(1 - (y[half] / b) ** 2)
+        deviation = max(
+            abs(2 * float(np.sqrt(w @ (p * y**2) / (w @ p))) / b - 1),
+            abs(float(w[half] @ p[half]) / float(w[half] @ exact) - 1),
+        )
+        found.append((deviation, solved))
+    deviation, worst = max(found, key=lambda each: each[0])
+    failed = tuple(dict.fromkeys(name for _, solved in found for name in solved.failed))
+    return replace(worst.measured(deviation, limit, "b_mm, pressure"), failed=failed)

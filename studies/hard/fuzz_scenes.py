@@ -1,0 +1,182 @@
+"""One fuzzed scene: through the command line, and held against what is exact."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import itertools
+import json
+import math
+import os
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from railhead import estimates
+from railhead.checks import ROUGH
+from railhead.scene import SceneError
+from railhead.scene_io import read_scene, to_toml
+from railhead.studies.hard import broken_scenes
+from railhead.studies.hard.case import Deviation
+from railhead.studies.hard.random_scenes import FINE, Seeded, plans, wild
+from railhead.studies.hard.scenes import PATCH, against_boundary_elements, deviations
+
+MOST = 15_000  # predicted unknowns that are solved
+
+
+@dataclass(frozen=True)
+class Fuzzed:
+    """What a scene file ended in.
+
+    kind: "valid", or what is wrong with it; command: "run", or "plan" where a run would be too
+    dear; said: the failed checks or the one line; quantity: nearest to what is allowed, or furthest
+    above, of those that have a reference; fault: what must not happen, else empty.
+    """
+
+    seed: int
+    kind: str
+    command: str
+    status: int | None
+    said: str
+    reference: str
+    quantity: str
+    deviation: float | None
+    allowed: float | None
+    fault: str
+
+
+def valid(seed: int) -> tuple[str, str]:
+    """A scene file that the plan accepts and that is cheap, and what makes it so: the size of its
+    elements, by default two thirds of the usual number, in one of five scenes any."""
+    for attempt in itertools.count():
+        source = Seeded(1_000_000 * attempt + seed)
+        try:
+            given = wild(source)
+        except SceneError:
+            continue
+        made = plans(given)
+        if made is None:
+            continue
+        share = source.choice([FINE, FINE, FINE, FINE, source.number(0.05, 1.5)])
+        made = made.at_resolution(share * made.default_resolution)
+        if made.unknowns <= MOST:
+            return to_toml(given.replace([f"mesh.patch_size={made.patch_size!r}"])), "valid"
+    raise AssertionError
+
+
+def fuzz(seed: int, broken: bool) -> Fuzzed:
+    """Make a scene, run it, judge."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "scene.toml"
+        if broken:
+            kind = broken_scenes.write(Seeded(seed), file)
+        else:
+            text, kind = valid(seed)
+            file.write_text(text, encoding="utf-8")
+        return _judged(seed, kind, file, _affordable(file) if broken else [])
+
+
+def _affordable(file: Path) -> list[str] | None:
+    """Options of a run that is cheap enough; None where there are none."""
+    try:
+        given = read_scene(file)
+        made = plans(given)
+    except Exception:
+        return []  # the command meets it again
+    if made is None:
+        return []
+    options = []
+    if given.mesh.patch_size is None:
+        made = made.at_resolution(FINE * made.default_resolution)
+        options = ["--set", f"mesh.patch_size={made.patch_size!r}"]
+    dear = made.unknowns > MOST or given.accuracy is not None or given.budget is not None
+    return None if dear else options
+
+
+def command_line(arguments: list[str]) -> tuple[int | None, str, str]:
+    """Status (None: an exception got through), standard output and error of `railhead`."""
+    from railhead.cli import main
+
+    out = io.StringIO()
+    with _standard_error() as errors, contextlib.redirect_stdout(out):
+        status, trace = None, ""
+        try:
+            main(arguments)
+        except SystemExit as ended:
+            status = int(ended.code or 0)
+        except BaseException as error:
+            trace = f"{type(error).__name__}: {error}"
+    return status, out.getvalue(), trace or errors[0]
+
+
+@contextlib.contextmanager
+def _standard_error() -> Iterator[list[str]]:
+    """What anybody writes to standard error in the block, libraries included, once it has ended."""
+    said: list[str] = []
+    kept = os.dup(2)
+    with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as file:
+        os.dup2(file.fileno(), 2)
+        try:
+            with contextlib.redirect_stderr(file):
+                yield said
+        finally:
+            file.flush()
+            os.dup2(kept, 2)
+            os.close(kept)
+            file.seek(0)
+            said.append(file.read())
+
+
+def _judged(seed: int, kind: str, file: Path, options: list[str] | None) -> Fuzzed:
+    out = file.parent / "result"
+    command = "plan" if options is None else "run"
+    options = [] if options is None else [*options, "--no-pictures", "--json", "--out", str(out)]
+    status, text, errors = command_line([command, str(file), *options])
+    lines = errors.strip().splitlines()
+    said, reference, fault = " ".join(errors.split())[:300], "", ""
+    found: dict[str, Deviation] = {}
+    if status is None:
+        fault = f"traceback: {said}"
+    elif status == 2:
+        if len(lines) != 1 or out.exists():
+            fault = f"{len(lines)} lines, {'something' if out.exists() else 'nothing'} written"
+    elif command == "plan":
+        fault = "" if status == 0 else f"status {status}"
+    elif not text:
+        named = status == 1 and len(lines) == 1 and "NOT MESHED" in lines[0]
+        fault = "" if named else f"status {status} without a result"
+    elif "NaN" in text:
+        fault = "a result with NaN"
+    else:
+        summary = json.loads(text, object_hook=_numbers)
+        failed = summary["checks"]["failed"]
+        said = " ".join(failed)
+        if (status == 0) != (not failed) or status not in (0, 1):
+            fault = f"status {status}, failed checks: {said or 'none'}"
+        reference, found = truth(summary)
+    worst = max(found.items(), key=lambda item: item[1].share, default=("", None))
+    if status == 0 and worst[1] and not worst[1].share <= 1:
+        fault = f"{worst[0]} off by {worst[1].value:.2g}, {worst[1].allowed:.2g} allowed"
+    return Fuzzed(
+        seed, kind, command, status, said, reference, worst[0],
+        worst[1].value if worst[1] else None, worst[1].allowed if worst[1] else None, fault,
+    )  # fmt: skip
+
+
+def truth(summary: dict[str, Any]) -> tuple[str, dict[str, Deviation]]:
+    """What a result is held against, and its deviations from that."""
+    if summary["result"] is None:
+        return "", {}
+    if summary["scene"]["rail"]["extent"] == "half-space":
+        exact = estimates.flat(summary["hertz"])
+        return "exact Hertz", deviations(summary, exact, PATCH, ROUGH)
+    second = summary["half_space"]
+    if second is None or "reason" in second or "reason" in second["allowance"]:
+        return "", {}
+    return "boundary elements", against_boundary_elements(summary, second, ROUGH)
+
+
+def _numbers(table: dict[str, Any]) -> dict[str, Any]:
+    return {key: math.inf if value == "inf" else value for key, value in table.items()}

@@ -1,0 +1,143 @@
+"""How time and memory grow with the unknowns, and what contact costs over linear elasticity."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from railhead import study
+from railhead.studies import tables
+
+STUDY = "time and memory per unknown, contact against one linear elastic solve"
+SIZES = (0.53, 0.4, 0.3, 0.22, 0.16, 0.142)  # mm in the patch of hertz_ellipse
+
+
+@dataclass(frozen=True)
+class Record:
+    """One mesh of hertz_ellipse in a process of its own. seconds: mesh to findings; linear:
+    set-up of the preconditioner and one linear elastic solve to 1e-8; contact: set-up and all
+    Newton steps."""
+
+    patch_size: float
+    unknowns: int
+    seconds: float
+    newton_iterations: int
+    linear_iterations: int
+    linear_seconds: float
+    contact_seconds: float
+    peak_bytes: int
+
+    @property
+    def ratio(self) -> float:
+        """Contact solve over linear elastic solve."""
+        return self.contact_seconds / self.linear_seconds
+
+
+def measure(patch_size: float) -> Record:
+    """Solve once in this process; the linear solve follows, on the same matrices."""
+    import resource
+
+    from mpi4py import MPI
+
+    from railhead import build, catalogue, level
+    from railhead import plan as planning
+    from railhead.postprocess import read
+    from railhead.postprocess.findings import Frame
+    from railhead.solver import linear
+    from railhead.solver.gather import gather
+
+    plan = planning.make(catalogue.find("hertz_ellipse").replace([f"mesh.patch_size={patch_size}"]))
+    frame = Frame(plan.contact.origin, 0.0)
+    start = time.perf_counter()
+    model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
+    built = time.perf_counter() - start
+
+    start = time.perf_counter()
+    solution = level.solve(plan, model, frame, lambda step, residual: None)
+    contact = time.perf_counter() - start
+    start = time.perf_counter()
+    fields = gather(model, solution)
+    if fields is not None:
+        read.findings(fields, frame)
+    finding = time.perf_counter() - start
+    peak = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+    # The linear problem in which the Hertz ellipse is bonded: the same bulk, the same solver.
+    start = time.perf_counter()
+    problem, e = model.problem, plan.estimate
+    x, y = model.interface.points[:, :2].T
+    active = (x / e.a) ** 2 + (y / e.b) ** 2 < 1
+    preconditioner = model.new_preconditioner(problem)
+    ksp = linear.krylov(preconditioner)
+    out = problem.force.duplicate()
+    linear.solve(ksp, preconditioner, active, problem.predictor(active), out, 1e-8)
+    elastic = time.perf_counter() - start
+
+    return Record(
+        patch_size,
+        model.unknowns,
+        built + contact + finding,
+        len(solution.newton.history),
+        sum(step.linear_iterations for step in solution.newton.history),
+        elastic,
+        contact,
+        peak,
+    )
+
+
+def main(out: Path, *, quick: bool) -> None:
+    """Write scaling.csv and page.md; quick: the two smallest."""
+    records = []
+    for size in SIZES[:2] if quick else SIZES:
+        print(f"patch size {size:g} mm", file=sys.stderr)
+        done = subprocess.run(
+            [sys.executable, "-m", "railhead.studies.scaling", str(size)],
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        records.append(Record(**json.loads(done.stdout.splitlines()[-1])))
+    tables.write_csv(out / "scaling.csv", records)
+    (out / study.PAGE).write_text(page(records), encoding="utf-8")
+
+
+def page(records: list[Record]) -> str:
+    """The table, and the growth from the first to the last mesh in words."""
+    first, last = records[0], records[-1]
+    growth = (last.seconds / last.unknowns) / (first.seconds / first.unknowns)
+    rows = [
+        [
+            f"{r.unknowns}",
+            f"{r.seconds:.1f}",
+            f"{1e6 * r.seconds / r.unknowns:.0f}",
+            f"{r.peak_bytes / r.unknowns / 1e3:.1f}",
+            f"{r.newton_iterations}",
+            f"{r.linear_iterations}",
+            f"{r.linear_seconds:.2f}",
+            f"{r.contact_seconds:.2f}",
+            f"{r.ratio:.2f}",
+        ]
+        for r in records
+    ]
+    head = (
+        "unknowns", "seconds", "us/unknown", "kB/unknown", "Newton", "Krylov", "linear, s",
+        "contact, s", "contact/linear",
+    )  # fmt: skip
+    return (
+        "# Scaling\n\n"
+        "`hertz_ellipse`, quadratic tetrahedra, Nitsche, each mesh in a process of its own "
+        "(memory includes about 150 MB of libraries). Made by `railhead study scaling`.\n\n"
+        f"From {first.unknowns} to {last.unknowns} unknowns the time per unknown grows by a factor "
+        f"{growth:.2f}; the memory is {last.peak_bytes / last.unknowns / 1e3:.1f} kB per unknown "
+        f"at the end. The whole contact solve costs {min(r.ratio for r in records):.2f} to "
+        f"{max(r.ratio for r in records):.2f} times one linear elastic solve to 1e-8 with the same "
+        "preconditioner, set-up included on both sides.\n\n" + tables.table(head, rows) + "\n"
+    )
+
+
+if __name__ == "__main__":
+    print(json.dumps(vars(measure(float(sys.argv[1])))))

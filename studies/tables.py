@@ -1,0 +1,39 @@
+"""What studies write: CSV files and markdown tables."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+
+def write_csv(
+    path: Path, records: Sequence[DataclassInstance], units: Mapping[str, str] | None = None
+) -> None:
+    """One line for each record, one column for each field, named <field>_<unit> where `units` has
+    it; None is an empty cell."""
+    rows = [asdict(record) for record in records]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow("_".join(filter(None, (key, (units or {}).get(key)))) for key in rows[0])
+        writer.writerows(row.values() for row in rows)
+
+
+def table(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    """A markdown table; the columns are padded, so that it reads well as plain text too."""
+    lines = [list(header), *([str(cell) for cell in row] for row in rows)]
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    lines.insert(1, ["-" * width for width in widths])
+    return "\n".join(
+        "| " + " | ".join(map(str.ljust, line, widths)) + " |" for line in lines
+    )  # fmt: skip
+
+
+def percent(value: float | None) -> str:
+    """A relative error with three digits; a dash where there is none."""
+    return "-" if value is None else f"{100 * value:.3g} %"

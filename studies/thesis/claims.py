@@ -1,0 +1,236 @@
+"""Statements of the thesis, checks of them, and the rule that turns checks into a verdict.
+
+A rule computes the checks of one claim; the verdict follows from their grades. Where a claim cannot
+be computed, why is typed.
+"""
+
+import csv
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum, StrEnum
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from railhead.theory.hertz import Ellipse
+from railhead.theory.thesis import ThesisContact
+
+EXACT = 1e-3  # relative difference that passes as rounding
+CLOSE = 2e-2  # relative difference of an approximation
+SOLVED = 1e-2  # more that a number may differ from finite elements: their bodies are no half-spaces
+CLOSE_CURVE = 0.1  # the same of a drawn curve, relative to the pressure
+
+
+class Verdict(StrEnum):
+    """What the checks say about a claim."""
+
+    CORRECT = "correct"
+    APPROXIMATE = "approximate"
+    PARTLY = "partly correct"
+    INCONSISTENT = "inconsistent"
+    WRONG = "wrong"
+    OPEN = "not computable"
+
+
+#: Verdict by the first word of the reference's.
+EXPECTED = {
+    "correct": Verdict.CORRECT,
+    "good": Verdict.APPROXIMATE,
+    "approximate": Verdict.APPROXIMATE,
+    "partly": Verdict.PARTLY,
+    "unsimplified": Verdict.PARTLY,
+    "inconsistent": Verdict.INCONSISTENT,
+    "wrong": Verdict.WRONG,
+    "not": Verdict.OPEN,
+    "unsupported": Verdict.OPEN,
+    "ambiguous": Verdict.OPEN,
+}
+
+
+class Grade(IntEnum):
+    """Outcome of one check; CONTRADICTS: fails against another number of the thesis itself."""
+
+    CONTRADICTS = -1
+    FAILS = 0
+    CLOSE = 1
+    HOLDS = 2
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One statement; printed: its number or formula; expected: verdict of the reference."""
+
+    id: int
+    where: str
+    claim: str
+    printed: str
+    expected: str
+
+    @property
+    def expected_verdict(self) -> Verdict:
+        """The reference's verdict as one of ours."""
+        return EXPECTED[self.expected.split()[0]]
+
+    @property
+    def chapter(self) -> str:
+        """The first chapter it appears in; "all" for the work as a whole."""
+        return next((letter for letter in self.where if letter.isdigit()), "all")
+
+
+@dataclass(frozen=True)
+class Check:
+    """The thesis's value beside the exact one and ours (finite elements or another computation)."""
+
+    what: str
+    thesis: float | str
+    exact: float | str
+    grade: Grade
+    unit: str = ""
+    ours: float | str | None = None
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Checks of a claim; a remark; why it cannot be computed; effect: largest relative effect on
+    the results, where an error is known to do little."""
+
+    checks: Sequence[Check]
+    note: str = ""
+    not_computable: str = ""
+    effect: float | None = None
+
+    @property
+    def verdict(self) -> Verdict:
+        """All checks hold: correct, or approximate where one is only close; some fail: partly
+        correct; all: wrong; inconsistent where none holds and one contradicts the thesis itself."""
+        grades = [check.grade for check in self.checks]
+        if self.not_computable or not grades:
+            return Verdict.OPEN
+        if min(grades) > Grade.FAILS:
+            return Verdict.CORRECT if min(grades) == Grade.HOLDS else Verdict.APPROXIMATE
+        if Grade.CONTRADICTS in grades and Grade.HOLDS not in grades:
+            return Verdict.INCONSISTENT
+        return Verdict.PARTLY if max(grades) > Grade.FAILS else Verdict.WRONG
+
+    @property
+    def harmless(self) -> bool:
+        """Whether the results stay within rounding in spite of the error."""
+        return self.effect is not None and self.effect < EXACT
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What the rules are given: exact Hertz and the thesis's route for its case; profiles: found on
+    the rail and wheel profiles; fe: finite-element results (empty: none were made); p0 by boundary
+    elements on the profiles."""
+
+    ellipse: Ellipse
+    poisson: float
+    route: ThesisContact
+    profiles: Mapping[str, float]
+    fe: Mapping[str, float]
+    boundary_element_p0: float
+
+
+class Rules(dict[int, Callable[[Facts], Finding]]):
+    """Rules by the number of the claim; an instance decorates them."""
+
+    def __call__(
+        self, number: int
+    ) -> Callable[[Callable[[Facts], Finding]], Callable[[Facts], Finding]]:
+        """Register a rule. ValueError: the claim has one already."""
+
+        def register(rule: Callable[[Facts], Finding]) -> Callable[[Facts], Finding]:
+            if number in self:
+                raise ValueError(f"claim {number} has a rule already")
+            self[number] = rule
+            return rule
+
+        return register
+
+
+def number(
+    what: str, thesis: float | str, exact: float, unit: str = "", ours: float | None = None
+) -> Check:
+    """A number; given as printed (a string), half a unit of its last digit passes as well. Where
+    there are finite elements (ours), both must bear it out: the worse grade counts."""
+    value = float(thesis)
+    grade = grade_number(value, exact)
+    if isinstance(thesis, str) and abs(value - exact) <= half_last_digit(thesis):
+        grade = Grade.HOLDS
+    if ours is not None:
+        grade = min(grade, grade_number(value, ours, SOLVED))
+    return Check(what, value, exact, grade, unit, ours)
+
+
+def grade_number(value: float, exact: float, more: float = 0.0) -> Grade:
+    """HOLDS within EXACT (and `more`) of the exact value, CLOSE within CLOSE (and `more`) of it."""
+    if math.isclose(value, exact, rel_tol=EXACT + more, abs_tol=1e-12):
+        return Grade.HOLDS
+    return Grade.CLOSE if math.isclose(value, exact, rel_tol=CLOSE + more) else Grade.FAILS
+
+
+def half_last_digit(printed: str) -> float:
+    """Half a unit of the last digit of a printed number, a little widened against rounding."""
+    mantissa, _, exponent = printed.lower().partition("e")
+    decimals = len(mantissa.partition(".")[2])
+    return 0.5000001 * 10.0 ** (int(exponent or 0) - decimals)
+
+
+def equation(
+    what: str, printed: ArrayLike, exact: ArrayLike, ours: ArrayLike | None = None
+) -> Check:
+    """Two sides of an equation, evaluated; shown is the largest difference of their entries."""
+    off = _apart(printed, exact)
+    grade = Grade.HOLDS if off < 1e-9 else Grade.FAILS
+    text = "equal" if grade == Grade.HOLDS else f"off by {off:.3g}"
+    agrees = None if ours is None else f"{_apart(ours, exact):.0e} from exact"
+    return Check(what, text, "-", grade, "", agrees)
+
+
+def statement(
+    what: str,
+    thesis: float | str,
+    exact: float | str,
+    holds: bool,
+    unit: str = "",
+    ours: float | str | None = None,
+) -> Check:
+    """Something that is true or not, with the numbers that show it."""
+    return Check(what, thesis, exact, Grade.HOLDS if holds else Grade.FAILS, unit, ours)
+
+
+def itself(what: str, printed: str, implied: float, unit: str = "") -> Check:
+    """A printed number against what the thesis's own numbers imply."""
+    agrees = abs(float(printed) - implied) <= half_last_digit(printed)
+    return Check(what, float(printed), implied, Grade.HOLDS if agrees else Grade.CONTRADICTS, unit)
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A claim with its finding."""
+
+    claim: Claim
+    finding: Finding
+
+    @property
+    def agrees(self) -> bool:
+        """Whether our verdict is the reference's."""
+        return self.finding.verdict == self.claim.expected_verdict
+
+
+def read_claims() -> list[Claim]:
+    """All claims in the order of their numbers."""
+    path = Path(__file__).parent / "data" / "claims.csv"
+    with path.open(newline="", encoding="utf-8") as file:
+        rows = csv.DictReader(line for line in file if not line.startswith("#"))
+        return [
+            Claim(int(row["id"]), row["where"], row["claim"], row["printed"], row["expected"])
+            for row in rows
+        ]
+
+
+def _apart(one: ArrayLike, other: ArrayLike) -> float:
+    return float(np.max(np.abs(np.asarray(one, dtype=float) - np.asarray(other, dtype=float))))

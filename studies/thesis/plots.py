@@ -1,0 +1,186 @@
+"""Figures 6.1 to 6.10 of the thesis drawn again: its formulas, exact Hertz and finite elements."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from railhead.postprocess.findings import Array, AxisPressure, DepthAxis, Findings, Surface
+from railhead.postprocess.mirror import whole
+from railhead.postprocess.plots import FE, HERTZ, THESIS, closed_ellipse, new_figure
+from railhead.postprocess.stress import nodal
+from railhead.postprocess.surface import SurfaceRecovery
+from railhead.solver.gather import Fields
+from railhead.theory.hertz import Ellipse
+from railhead.theory.subsurface import axis_stress, max_shear, principal, stress
+from railhead.theory.thesis import thesis_axis_stress
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+LABELS = (r"$\sigma_1$", r"$\sigma_2$", r"$\sigma_3$", r"$\tau_{max}$")
+MARKS: dict[str, Any] = {"color": FE, "lw": 0, "marker": "o", "ms": 4, "zorder": 3}
+ROUTES = (("finite elements", MARKS), ("exact Hertz", {"color": HERTZ}),
+          ("thesis", {"color": THESIS, "ls": "--"}))  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Case:
+    """Exact contact, Poisson's ratio, and p_max (MPa) and a (mm) as the thesis prints them."""
+
+    ellipse: Ellipse
+    poisson: float
+    p_max: float
+    a: float
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """Finite-element stresses: principal ones on the patch (a Surface for each), nodal ones (k, 6)
+    along the radius (k,) mm on the surface, those on the axis; the pressure along x."""
+
+    patch: tuple[Surface, Surface, Surface]
+    radius: Array
+    along: Array
+    axis: DepthAxis
+    pressure: AxisPressure
+
+
+def sample(fields: Fields, found: Findings) -> Sampled:
+    """Read out of a solution cut at y = 0 what the pictures need."""
+    recovery = SurfaceRecovery(fields)
+    nodes = recovery.nodes
+    stresses, points = nodal(fields)[nodes], fields.points[nodes]
+    values, local = principal(stresses), found.frame.local(points)[:, :2]
+    maps = [
+        whole(Surface(points, local, recovery.triangles, values[:, i], np.zeros(len(nodes))))
+        for i in range(3)
+    ]
+    line = np.flatnonzero((np.abs(local[:, 1]) < 1e-6) & (local[:, 0] <= 1.5 * found.patch.a))
+    line = line[np.argsort(local[line, 0])]
+    return Sampled(
+        (maps[0], maps[1], maps[2]), local[line, 0], stresses[line], found.axis, found.along
+    )
+
+
+def patch(case: Case, fe: Sampled | None, path: Path) -> None:
+    """Figures 6.1 to 6.3: principal stresses on the patch; colours: finite elements, or exact
+    where there are none; lines: exact. The thesis has one value for each, at the centre."""
+    c = case.ellipse
+    x, y = np.meshgrid(np.linspace(-1.3, 1.3, 131) * c.a, np.linspace(-1.3, 1.3, 131) * c.b)
+    points = np.column_stack((x.ravel(), y.ravel(), np.zeros(x.size)))
+    exact = principal(stress(c, case.poisson, points)).reshape(*x.shape, 3)
+    printed = thesis_axis_stress(case.p_max, case.a, case.poisson, 0.0)[0]
+    with new_figure(path, 13.5, 4.4) as figure:
+        for i, axes in enumerate(figure.subplots(1, 3, sharey=True)):
+            levels = np.arange(-800, 101, 100) if i < 2 else np.arange(-800, 1, 100)
+            if fe is None:
+                bands = axes.contourf(x, y, exact[..., i], levels, cmap="YlOrRd_r", extend="both")
+            else:
+                s = fe.patch[i]
+                bands = axes.tricontourf(
+                    *s.local.T, s.triangles, s.pressure, levels, cmap="YlOrRd_r", extend="both"
+                )
+            axes.contour(x, y, exact[..., i], levels, colors="black", linewidths=0.7,
+                         linestyles="solid")  # fmt: skip
+            axes.plot(*closed_ellipse(c).T, "--", color="black", lw=1.4)
+            axes.set(xlabel="x, along the rail, mm", aspect="equal", xlim=(-5.6, 5.6),
+                     ylim=(-4.5, 4.5))  # fmt: skip
+            axes.set_title(
+                f"6.{i + 1}: {LABELS[i]}; centre: exact {exact[65, 65, i]:.0f}, "
+                f"thesis {printed[i]:.0f} MPa", fontsize=11,
+            )  # fmt: skip
+            figure.colorbar(bands, ax=axes, label="MPa", shrink=0.8)
+        figure.axes[0].set_ylabel("y, across the rail, mm")
+
+
+def lines(case: Case, fe: Sampled | None, path: Path) -> None:
+    """Figures 6.4 to 6.7: along the major radius on the surface, and against depth."""
+    c = case.ellipse
+    t = 1.5 * c.a * np.sin(np.linspace(-1, 1, 241) * np.pi / 2)
+    zero = np.zeros_like(t)
+    surface = stress(c, case.poisson, np.column_stack((t, zero, zero)))
+    mistaken = _diagonal(thesis_axis_stress(case.p_max, case.a, case.poisson, t))
+    depth = np.linspace(0, 3 * c.b, 241)
+    with new_figure(path, 13.5, 5.6) as figure:
+        left, middle, right = figure.subplots(1, 3)
+        for values, look in ((surface[:, 2], 1), (mistaken[:, 2], 2)):
+            left.plot(t, values, **ROUTES[look][1])
+        if fe is not None:
+            left.plot(fe.pressure.coordinate, -fe.pressure.pressure, **MARKS)
+        left.set(title=r"6.4: $\sigma_3$ along the major radius", xlabel="x, mm", ylabel="MPa")
+        right_half = t >= 0
+        _four(middle, t[right_half], surface[right_half], 1)
+        _four(middle, t[right_half], mistaken[right_half], 2)
+        _four(right, depth, _diagonal(axis_stress(c, case.poisson, depth)), 1, True)
+        formula = thesis_axis_stress(case.p_max, case.a, case.poisson, depth)
+        _four(right, depth, _diagonal(formula), 2)
+        if fe is not None:
+            _four(middle, fe.radius, fe.along, 0)
+            _four(right, fe.axis.depth[::5], fe.axis.stress[::5], 0)
+        middle.set(title="6.5, 6.6: on the surface along the major radius", xlabel="x, mm")
+        right.set(title="6.7: below the centre", xlabel="depth, mm")
+        for axes in (left, middle):
+            axes.axvline(c.a, color="black", lw=0.8, ls=":")
+        _legend(figure, fe is not None)
+
+
+def loads(case: Case, fe: Sequence[Mapping[str, float]], path: Path) -> None:
+    """Figures 6.8 to 6.10. fe: load (N), a (mm) and p0 (MPa) of each finite-element run."""
+    c = case.ellipse
+    load = np.geomspace(1e3, 150e3, 61)
+    growth = np.cbrt(load / c.load)
+    with new_figure(path, 13.5, 4.8) as figure:
+        first, second, third = figure.subplots(1, 3)
+        for look, a, p0 in ((1, c.a, c.p0), (2, case.a, case.p_max)):
+            first.plot(load / 1e3, p0 * growth, **ROUTES[look][1])
+            second.plot(load / 1e3, a * growth, **ROUTES[look][1])
+            third.plot(a * growth, p0 * growth, **ROUTES[look][1])
+        fixed = np.linspace(0.75, 2, 41) * c.a
+        third.plot(fixed, c.p0 * (c.a / fixed) ** 2, ":", color=HERTZ)
+        third.annotate("25 kN, bodies of other\nradii, same shape", (1.6 * c.a, c.p0 / 2.56),
+                       xytext=(-25, 30), textcoords="offset points", fontsize=9)  # fmt: skip
+        for axes, x, y in ((first, "load", "p0"), (second, "load", "a"), (third, "a", "p0")):
+            unit = 1e-3 if x == "load" else 1.0
+            axes.plot([row[x] * unit for row in fe], [row[y] for row in fe], **MARKS)
+        for axes in (first, second):
+            for at in (25, 110.3):
+                axes.axvline(at, color="black", lw=0.8, ls=":")
+        names = ("load, kN", "largest pressure, MPa", "semi-axis a along the rail, mm")
+        first.set(title="6.8", xlabel=names[0], ylabel=names[1])
+        second.set(title="6.9", xlabel=names[0], ylabel=names[2])
+        third.set(title="6.10", xlabel=names[2], ylabel=names[1])
+        _legend(figure, bool(fe))
+
+
+def _four(axes: Axes, at: Array, stresses: Array, route: int, named: bool = False) -> None:
+    """Principal stresses and largest shear of stresses (k, 6); named: names beside the curves."""
+    curves = np.column_stack((principal(stresses), max_shear(stresses)))
+    axes.plot(at, curves, **ROUTES[route][1])
+    if not named:
+        return
+    for i, (share, x, y) in enumerate(
+        ((0.08, -12, 6), (0.2, 12, -12), (0.3, 10, -14), (0.3, 10, 12))
+    ):
+        row = int(share * len(at))
+        axes.annotate(LABELS[i], (at[row], curves[row, i]), xytext=(x, y), fontsize=13,
+                      textcoords="offset points", ha="center", va="center")  # fmt: skip
+
+
+def _diagonal(normal: Array) -> Array:
+    """(n, 3) normal stresses -> (n, 6) without shear."""
+    return np.hstack((normal, np.zeros_like(normal)))
+
+
+def _legend(figure: Any, fe: bool) -> None:
+    from matplotlib.lines import Line2D
+
+    shown = ROUTES if fe else ROUTES[1:]
+    figure.legend(
+        [Line2D([], [], **look) for _, look in shown], [name for name, _ in shown],
+        loc="outside upper center", ncols=3,
+    )  # fmt: skip

@@ -1,0 +1,29 @@
+"""Scenes by hypothesis, from the same recipe as the study's random ones."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from hypothesis import strategies as st
+
+from railhead.studies.hard import random_scenes
+
+
+class Drawn:
+    """A source of choices that hypothesis makes and shrinks."""
+
+    def __init__(self, draw: Callable[[st.SearchStrategy[Any]], Any]) -> None:
+        self._draw = draw
+
+    def number(self, low: float, high: float) -> float:
+        return self._draw(st.floats(low, high))
+
+    def choice(self, options: Sequence[Any]) -> Any:
+        return self._draw(st.sampled_from(options))
+
+
+scenes = st.composite(lambda draw: random_scenes.scene(Drawn(draw)))()
+
+keys = st.sampled_from(["load", "approach", "rail", "wheel", "wheel.profile", "mesh", "solver"])
+values = st.sampled_from(["25e3", "'25 kN'", "nan", "-inf", "1e308", "[]", "{}", "'S1002'", "true"])
+lines = st.builds("{} = {}".format, keys, values)
+broken_toml = st.binary(max_size=60) | st.lists(lines, max_size=5).map("\n".join).map(str.encode)

@@ -1,0 +1,70 @@
+"""The quick part of the battery of hard cases; `railhead study hard-cases` runs all of it."""
+
+import math
+
+import pytest
+
+from railhead import estimates
+from railhead.run import run
+from railhead.studies.hard.battery import CASES, QUICK
+from railhead.studies.hard.case import Case, Deviation, Measured
+from railhead.studies.hard.scenes import ELLIPSE, HALF_SPACE, against_hertz, deviations, resolved
+
+
+@pytest.mark.parametrize("case", QUICK, ids=lambda case: case.key)
+def test_hard_case_keeps_its_rule(case: Case) -> None:
+    found = case.solve()
+    assert case.fault(found) == "", found
+
+
+RIGHT = {"max_MPa": Deviation(0.005, 0.01), "area_mm2": Deviation(0.009, 0.01)}
+
+
+def measured(**changes) -> Measured:
+    return Measured(**{"deviations": RIGHT, "newton": 4, "krylov": 40} | changes)
+
+
+@pytest.mark.parametrize(
+    "rule, found, fault",
+    [
+        ({}, measured(), ""),
+        ({}, measured(deviations={}), "held against nothing"),
+        ({}, measured(deviations=RIGHT | {"x": Deviation(0.02, 0.01)}), "x off by 0.02"),
+        ({}, measured(deviations={"x": Deviation(math.nan, 0.01)}), "x off by nan"),
+        ({}, measured(deviations={"x": Deviation(0.1, 0.0)}), "x off by 0.1"),
+        ({}, measured(failed=("flux_rail",)), "failed: flux_rail"),
+        ({}, measured(newton=11), "11 Newton steps"),
+        ({"krylov": 9}, measured(), "10 Krylov iterations"),
+        ({"refusable": True}, measured(failed=("flux_rail",)), ""),
+        ({"refusable": True}, measured(deviations={"x": Deviation(0.2, 0.1)}), "x off by 0.2"),
+        ({"known": "flux_rail"}, measured(failed=("converged", "flux_rail")), ""),
+        ({"known": "flux_rail"}, measured(failed=("converged",)), "flux_rail should fail"),
+        ({"known": "flux_rail"}, measured(), "flux_rail should fail; status 0"),
+        ({"known": "load:"}, measured(failed=("load: 5 makes a patch",)), ""),
+    ],
+)
+def test_every_part_of_the_rule_can_fail(rule, found: Measured, fault: str) -> None:
+    said = Case("group", "name", "reason", "reference", lambda: found, **rule).fault(found)
+    assert (fault in said) if fault else not said
+
+
+def test_a_wrong_reference_fails_a_solved_row() -> None:
+    summary = run(resolved(ELLIPSE, 4.0)).summary
+    exact = estimates.flat(summary["hertz"])
+    case = CASES["shape: axis ratio 1"]
+    for name in HALF_SPACE:
+        right = Measured(deviations(summary, exact, HALF_SPACE))
+        wrong = Measured(deviations(summary, exact | {name: 1.05 * exact[name]}, HALF_SPACE))
+        assert case.fault(right) == "" and case.fault(wrong).startswith(name)
+
+
+def test_a_known_failure_that_does_not_occur_fails_a_solved_row() -> None:
+    case = Case("group", "name", "", "", against_hertz(ELLIPSE), known="pressure_noise")
+    assert case.fault(case.solve()) == "pressure_noise should fail; status 0"
+
+
+def test_every_row_has_a_rule_of_its_own() -> None:
+    """Few rows say beforehand what fails, and none of them may fail in another way as well."""
+    known = [case for case in CASES.values() if case.known]
+    assert len(known) <= 0.15 * len(CASES)
+    assert not any(case.refusable for case in known)

@@ -1,0 +1,109 @@
+"""No input makes a traceback, no wrong number is signed; `railhead study fuzz` takes 500 scenes."""
+
+import contextlib
+import io
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from strategies import broken_toml, scenes
+
+from railhead import cli
+from railhead.cli import main
+from railhead.scene import Scene
+from railhead.studies import fuzz as study
+from railhead.studies.hard import fuzz_scenes
+from railhead.studies.hard.fuzz_scenes import Fuzzed, fuzz
+from railhead.studies.hard.random_scenes import plans
+
+patient = settings(
+    max_examples=50,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
+
+
+@given(scenes)
+@patient
+def test_every_valid_scene_is_planned_or_refused_in_one_line(scene: Scene) -> None:
+    plans(scene)
+
+
+@given(broken_toml)
+@patient
+def test_broken_files_end_in_one_line(tmp_path: Path, content: bytes) -> None:
+    file = tmp_path / "scene.toml"
+    file.write_bytes(content)
+    errors = io.StringIO()
+    with (
+        contextlib.redirect_stderr(errors),
+        contextlib.redirect_stdout(io.StringIO()),
+        pytest.raises(SystemExit) as ended,
+    ):
+        main(["plan", str(file)])
+    if ended.value.code != 0:
+        assert ended.value.code == 2
+        assert len(errors.getvalue().strip().splitlines()) == 1
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_fuzzed_scene_ends_well(seed: int) -> None:
+    """Other seeds than the study's; five of eight are broken."""
+    found = fuzz(seed, broken=seed % 8 < 5)
+    assert found.fault == "", found
+
+
+SOLVED = {"rail": {"extent": "half-space"}}
+
+
+def command(status: int, said: str = "", summary: dict | None = None):
+    """A `main` that ends like this."""
+
+    def run(arguments: list[str]) -> None:
+        if summary is not None:
+            print(json.dumps(summary))
+        cli.click.echo(said, err=True)
+        raise SystemExit(status)
+
+    return run
+
+
+def solved(pressure: float, failed: list[str], bound: dict[str, float]) -> dict:
+    result = {"pressure": {"max_MPa": pressure}}
+    return {
+        "scene": SOLVED, "result": result, "hertz": {"pressure": {"max_MPa": 100.0}},
+        "half_space": None, "accuracy": {"bound": bound}, "checks": {"failed": failed},
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "ends, fault",
+    [
+        (command(0, summary=solved(104, [], {})), ""),
+        (command(0, summary=solved(106, [], {})), "max_MPa off by 0.06, 0.05 allowed"),
+        (command(0, summary=solved(104, [], {"max_MPa": 0.02})), "max_MPa off by 0.04"),
+        (command(1, summary=solved(150, ["flux_rail"], {})), ""),
+        (command(0, summary=solved(100, ["flux_rail"], {})), "status 0, failed checks: flux_rail"),
+        (command(1, summary=solved(100, [], {})), "status 1, failed checks: none"),
+        (command(0, summary=solved(float("nan"), [], {})), "a result with NaN"),
+        (command(1, "railhead: NOT MESHED: overlap"), ""),
+        (command(1, "railhead: why"), "status 1 without a result"),
+        (command(2, "railhead: load: nan"), ""),
+        (command(2, "one\ntwo"), "2 lines, nothing written"),
+        (lambda _: 1 / 0, "traceback: ZeroDivisionError"),
+    ],
+)
+def test_every_fault_is_seen(ends, fault: str, monkeypatch) -> None:
+    monkeypatch.setattr(cli, "main", ends)
+    found = fuzz(1, broken=False)
+    assert (fault in found.fault) if fault else not found.fault
+
+
+def test_the_page_lists_faults_and_counts_outcomes() -> None:
+    right = Fuzzed(1, "valid", "run", 0, "", "exact Hertz", "area_mm2", 0.01, 0.04, "")
+    lost = Fuzzed(2, "odd value", "run", None, "", "", "", None, None, "the process crashed")
+    text = study.page([right, lost], [1.0, 2.0])
+    assert "- odd value, seed 2: the process crashed" in text and "0.25" in text
+    assert fuzz_scenes.MOST <= 15_000

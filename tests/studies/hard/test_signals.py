@@ -1,0 +1,86 @@
+"""Real signals: the command ends soon, with 128 + number, silently, and leaves nothing behind."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+COMMAND = "from railhead.start import main; main()"
+STUDY = f"""
+from pathlib import Path
+from railhead import catalogue, run, study
+from railhead.progress import Progress
+
+class Long:
+    STUDY = "meshes for long"
+    def main(self, out, *, quick):
+        (out / "page.md").write_text("begun")
+        with Progress(quiet=False) as progress:
+            run.run(catalogue.find("hertz_ellipse").replace(["mesh.patch_size=0.2"]), progress)
+
+study.names = lambda: ["long"]
+study.load = lambda name: Long()
+{COMMAND}"""
+FINE = ["run", "hertz_ellipse", "--set", "mesh.patch_size=0.2", "--no-pictures", "--out"]
+
+
+def start(folder: Path, script: str, *arguments: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-c", script, *arguments, str(folder / "out")],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=folder,
+    )  # fmt: skip
+
+
+def ended(running: subprocess.Popen[str], number: signal.Signals) -> tuple[float, str]:
+    """Seconds from the signal to the end, and what was said after it."""
+    begun = time.monotonic()
+    running.send_signal(number)
+    _, errors = running.communicate(timeout=120)
+    return time.monotonic() - begun, errors
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize(
+    "script, arguments", [(COMMAND, FINE), (STUDY, ["study", "long", "--out"])],
+    ids=["run", "study"],
+)  # fmt: skip
+def test_meshing_ends_soon(script, arguments, number, tmp_path) -> None:
+    """gmsh takes some 20 s for this mesh."""
+    running = start(tmp_path, script, *arguments)
+    assert running.stderr is not None
+    while "meshing" not in running.stderr.readline():
+        assert running.poll() is None
+    time.sleep(1.0)
+    seconds, errors = ended(running, number)
+    assert seconds < 6
+    assert running.returncode == 128 + number
+    assert "Traceback" not in errors
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("seconds", [0.5, 0.8, 1.1, 1.5, 2.0, 2.6])
+def test_imports_end_silently(seconds: float, number: signal.Signals, tmp_path: Path) -> None:
+    script = f"import railhead.start; print('here', flush=True); {COMMAND}"
+    running = start(tmp_path, script, *FINE)
+    assert running.stdout is not None and running.stdout.readline() == "here\n"
+    time.sleep(seconds - 0.45)
+    took, errors = ended(running, number)
+    assert took < 6
+    assert running.returncode == 128 + number
+    assert "Traceback" not in errors and "Exception" not in errors
+    assert os.listdir(tmp_path) == []
+
+
+def test_an_ignored_interrupt_stays_ignored(tmp_path: Path) -> None:
+    """As of a job in the background of a script."""
+    script = f"import signal; signal.signal(signal.SIGINT, signal.SIG_IGN); {COMMAND}"
+    small = ["run", "hertz_ellipse", "--set", "mesh.patch_size=1.2", "--no-pictures", "--out"]
+    running = start(tmp_path, script, *small)
+    time.sleep(2.0)
+    _, errors = ended(running, signal.SIGINT)
+    assert running.returncode == 0, errors

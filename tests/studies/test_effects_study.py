@@ -1,0 +1,59 @@
+"""The study of effects on its smallest scene, and its verdict on made-up runs."""
+
+import csv
+from pathlib import Path
+
+import pytest
+
+from railhead import study
+from railhead.studies.effects import page as effects_page
+
+
+@pytest.fixture(scope="module")
+def quick(tmp_path_factory) -> tuple[Path, str]:
+    return study.run("effects", tmp_path_factory.mktemp("study") / "effects", quick=True)
+
+
+def test_study_writes_its_tables_and_its_page(quick) -> None:
+    folder, page = quick
+    assert sorted(path.name for path in folder.iterdir()) == [
+        ".railhead", "effects.csv", "effects_off.csv", "page.md",
+    ]  # fmt: skip
+    rows = list(csv.DictReader((folder / "effects.csv").open(encoding="utf-8")))
+    assert {row["effect"] for row in rows} == {
+        "", "symmetry", "symmetry_x", "symmetry_y", "deformable_wheel", "far_field",
+    }  # fmt: skip
+    assert "Unknowns and compiled forms are the same" in page
+
+
+def test_what_the_plan_leaves_out_is_below_the_accuracy_and_pays(quick) -> None:
+    rows = list(csv.DictReader((quick[0] / "effects.csv").open(encoding="utf-8")))
+    planned = float(rows[0]["seconds"])
+    for row in rows:
+        if row["effect"] in ("symmetry", "deformable_wheel"):
+            assert max(abs(float(row[f"change_{key}"])) for key in effects_page.JUDGED) < 2e-3
+            assert float(row["seconds"]) > 1.2 * planned
+    whole = next(row for row in rows if row["effect"] == "symmetry")
+    assert float(whole["seconds"]) > 2 * planned and int(whole["unknowns"]) > 30000
+
+
+def run(effect: str, on: bool, change: float) -> dict:
+    return {
+        "scene": "made_up", "effect": effect, "on": on, "called_for": True, "accuracy": 0.01,
+        "unknowns": 100, "seconds": 2.0, "p_max": 1.0, "area": 1.0, "tau_max": 1.0, "approach": 1.0,
+        "change_p_max": change, "change_area": 0.0, "change_tau_max": 0.0, "change_approach": 0.0,
+    }  # fmt: skip
+
+
+def test_verdict_names_what_was_wrongly_left_out() -> None:
+    fine = [run("", True, 0.0), run("symmetry_x", False, 0.002), run("true_profile", False, 0.05)]
+    assert effects_page.wrong(fine) == []
+    assert effects_page.verdict(fine).startswith("Yes: of 1 effects")
+    bad = [*fine, run("rail_section", True, 0.03), run("symmetry_y", False, -0.02)]
+    assert [row["effect"] for row in effects_page.wrong(bad)] == ["rail_section", "symmetry_y"]
+    assert effects_page.verdict(bad).startswith("**No.**")
+
+
+def test_an_effect_kept_without_need_is_named_too() -> None:
+    told = effects_page.verdict([run("", True, 0.0), run("far_field", False, 0.001)])
+    assert "0 change one of them" in told and "Not so `far_field`" in told

@@ -1,0 +1,113 @@
+"""Every claim of the thesis is judged; the study writes its page."""
+
+import math
+import os
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from railhead import catalogue
+from railhead import study as study_runner
+from railhead.meshing import profiles, wheelset
+from railhead.meshing.placement import Pair
+from railhead.studies import thesis as study
+from railhead.studies.thesis import geometry as thesis_geometry
+from railhead.studies.thesis import runs as thesis_runs
+from railhead.studies.thesis.claims import Facts, Verdict
+from railhead.theory.hertz import point_contact
+
+DIFFERENT: dict[int, Verdict] = {}
+"""Claims whose computed verdict is not the reference's, with ours."""
+
+
+@pytest.fixture(scope="module")
+def facts() -> Facts:
+    return study.facts(catalogue.find(study.CASE))
+
+
+def test_every_claim_is_judged_as_the_reference_does(facts) -> None:
+    judged = study.judge(facts)
+    assert len(judged) == len(study.RULES) == 89
+    differing = {item.claim.id: item.finding.verdict for item in judged if not item.agrees}
+    assert differing == DIFFERENT
+    harmless = {item.claim.id for item in judged if "harmless" in item.claim.expected}
+    assert harmless == {item.claim.id for item in judged if item.finding.harmless} == {32, 47, 49}
+
+
+def test_verdicts_follow_the_numbers(facts) -> None:
+    """Twice the load: the printed numbers of the patch are wrong; a circle: equal stresses."""
+    c = facts.ellipse
+    doubled = point_contact(c.curvature_x, c.curvature_y, c.contact_modulus, 2 * c.load)
+    circle = point_contact(c.curvature_y, c.curvature_y, c.contact_modulus, c.load)
+    for ellipse, expected in (
+        (doubled, dict.fromkeys((53, 55, 85), Verdict.WRONG) | {43: Verdict.CORRECT}),
+        (circle, {61: Verdict.CORRECT, 71: Verdict.CORRECT, 57: Verdict.WRONG, 44: Verdict.WRONG}),
+    ):
+        changed = replace(facts, ellipse=ellipse)
+        assert {i: study.RULES[i](changed).verdict for i in expected} == expected
+
+
+def test_touches_on_the_real_profiles(facts) -> None:
+    """A cone on the crown arc touches where the arc has its slope."""
+    cone, lean = math.atan(1 / 20), math.atan(1 / 40)
+    assert facts.profiles["y cone20 1:20"] == pytest.approx(0, abs=1e-6)
+    expected = -300 * math.sin(cone - lean)
+    assert facts.profiles["y cone20 1:40"] == pytest.approx(expected, abs=1e-6)
+    assert facts.profiles["y cone20 0"] == pytest.approx(-11.34, abs=5e-3)
+    assert facts.profiles["s1002_radius"] == pytest.approx(-319.89, abs=0.01)
+    assert facts.profiles["s1002_convex_from"] == pytest.approx(14.0, abs=0.1)
+
+
+def test_corrected_equations_hold_on_the_real_profiles() -> None:
+    rail, tread = profiles.rail_head("54E1"), profiles.cone(1 / 20, 60.0, "cone20")
+    side = wheelset.place(Pair(rail, tread, 420.0), wheelset.Track()).right
+    touch = side.touches[0]
+
+    def wheel(s1: float, s2: float) -> thesis_geometry.Array:
+        def radius(y: float) -> float:
+            return 420.0 + float(tread.height(y))
+
+        point = thesis_geometry.wheel_point_printed(radius, 0.0, s1, s2)
+        return point + np.array([0.0, 0.0, side.pose.origin[2]])
+
+    def crown(s1: float, s2: float) -> thesis_geometry.Array:
+        return thesis_geometry.rail_point(lambda y: float(rail.height(y)), s1, s2)
+
+    residuals = thesis_geometry.contact_residuals(crown, wheel, (0.0, touch.y), (touch.y, math.pi))
+    np.testing.assert_allclose(residuals, 0, atol=1e-8)
+
+
+def test_quick_study_writes_page_tables_and_pictures(tmp_path) -> None:
+    folder, text = study_runner.run("thesis", tmp_path / "thesis", quick=True)
+    assert sorted(os.listdir(folder)) == [
+        ".railhead", "page.md", "thesis.csv", "thesis_lines.png", "thesis_loads.png",
+        "thesis_patch.png",
+    ]  # fmt: skip
+    header, *rows = (folder / "thesis.csv").read_text().splitlines()
+    assert header.startswith("claim,where,verdict,reference,check,thesis,exact,ours")
+    assert {int(row.split(",")[0]) for row in rows} == set(range(1, 90))
+    assert "| 89 " in text and "Not run: closed forms only." in text
+    columns = [line.replace("\\|", "").count("|") for line in text.splitlines() if "|" in line[:1]]
+    assert set(columns) <= {4, 5, 6, 9}
+
+
+def test_finite_elements_agree_with_the_exact_values(facts, monkeypatch) -> None:
+    monkeypatch.setattr(thesis_runs, "LOADS", (25e3,))
+    monkeypatch.setattr(thesis_runs, "ELEMENTS", ())
+    runs, fe, sampled = thesis_runs.measure(catalogue.find(study.CASE), facts.ellipse)
+    assert len(runs) == 1 and sampled is not None
+    axle = {"p0_axle": 0.0, "mises_axle": 0.0}  # of a load that is not run here
+    checks = [
+        check
+        for item in study.judge(replace(facts, fe=fe | axle))
+        for check in item.finding.checks
+        if isinstance(check.ours, float) and isinstance(check.exact, float) and check.ours
+    ]
+    assert len(checks) > 25
+    scale = {"MPa": facts.ellipse.p0, "mm": facts.ellipse.a}
+    for check in checks:
+        error = abs(check.ours - check.exact) / scale.get(check.unit, abs(check.exact))
+        assert error < 0.015, check
+        if abs(check.exact) > 0.1 * scale.get(check.unit, 0.0):
+            assert check.ours == pytest.approx(check.exact, rel=0.02), check
