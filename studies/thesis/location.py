@@ -5,7 +5,7 @@ import math
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from railhead.studies.thesis import geometry as geometry
+from railhead.studies.thesis import geometry
 from railhead.studies.thesis.claims import Facts, Finding, Rules, equation, number, statement
 from railhead.studies.thesis.surfaces import (
     BANK,

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from scipy.integrate import quad
 
-from railhead.studies.thesis import geometry as geometry
+from railhead.studies.thesis import geometry
 from railhead.studies.thesis.claims import Check, Facts, Finding, Rules, equation, number, statement
 
 rules = Rules()

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railhead.studies.thesis import geometry as geometry
+from railhead.studies.thesis import geometry
 from railhead.studies.thesis.surfaces import CONE, HALF_AXLE, RAIL_RADIUS, cone, crown, rail, wheel
 
 angles = st.floats(-1.2, 1.2)

@@ -11,9 +11,9 @@ from railhead import catalogue
 from railhead import study as study_runner
 from railhead.meshing import profiles, wheelset
 from railhead.meshing.placement import Pair
-from railhead.studies import thesis as study
 from railhead.studies.thesis import geometry as thesis_geometry
 from railhead.studies.thesis import runs as thesis_runs
+from railhead.studies.thesis import study
 from railhead.studies.thesis.claims import Facts, Verdict
 from railhead.theory.hertz import point_contact
 

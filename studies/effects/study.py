@@ -1,0 +1,138 @@
+"""Every effect on and off: what it costs, what leaving it out changes, and that off is free."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from railhead import catalogue
+from railhead.cli import main as command
+from railhead.progress import Progress
+from railhead.studies.effects import bare_contact
+from railhead.studies.tables import write_csv
+from railhead.study import PAGE
+
+if TYPE_CHECKING:
+    from railhead.scene import Scene
+
+STUDY = "each effect on and off: seconds, unknowns and change of the answer; off costs nothing"
+SCENES = {
+    "uic54_thesis": ("uic54_thesis", []),
+    "axle near the R300-R80 joint": ("uic54_22t5_axle", ["rail.inclination=1:40"]),
+    "sphere_on_plane": ("sphere_on_plane", []),
+    "long_roller": ("long_roller", []),
+    "wheel 2000 times stiffer": ("hertz_ellipse", ["wheel.young_modulus=4.14e8"]),
+}
+REPEATS, BARE_REPEATS = 2, 7  # the fastest and the median of so many runs count
+UNITS = {"p_max": "MPa", "area": "mm2", "tau_max": "MPa", "approach": "mm"}
+
+
+@dataclass(frozen=True)
+class Run:
+    """One scene as planned (effect "") or with one effect in its other state `on`.
+
+    called_for: by the plan; seconds: of the processor. change_*: relative to the run as planned.
+    """
+
+    scene: str
+    effect: str
+    on: bool
+    called_for: bool
+    accuracy: float
+    unknowns: int
+    seconds: float
+    p_max: float
+    area: float
+    tau_max: float
+    approach: float
+    change_p_max: float = 0.0
+    change_area: float = 0.0
+    change_tau_max: float = 0.0
+    change_approach: float = 0.0
+
+
+def main(out: Path, *, quick: bool) -> None:
+    """Run all scenes (quick: the last one), and write two CSV files and the page."""
+    from railhead.studies.effects import page as effects_page
+
+    names = list(SCENES)[-1:] if quick else list(SCENES)
+    with Progress(quiet=False) as progress:
+        runs = [run for name in names for run in switch(name, progress, 1 if quick else REPEATS)]
+        progress.stage("with and without a plan")
+        bare = bare_contact.compare(1 if quick else BARE_REPEATS)
+    write_csv(out / "effects.csv", runs, UNITS)
+    write_csv(out / "effects_off.csv", bare, UNITS)
+    page = effects_page.page([vars(run) for run in runs], [vars(each) for each in bare])
+    (out / PAGE).write_text(page, encoding="utf-8")
+
+
+def switch(name: str, progress: Progress, repeats: int) -> Iterator[Run]:
+    """A scene as planned, then with each effect in its other state where that can be had."""
+    from railhead import plan as planning
+    from railhead import run as running
+    from railhead.effects.base import accuracy
+
+    case, assignments = SCENES[name]
+    scene = catalogue.find(case).replace(assignments)
+    decided = planning.make(scene).effects
+    running.run(scene)  # compiles
+    first: Run | None = None
+    both = ["symmetry"] if decided["symmetry_x"].on and decided["symmetry_y"].on else []
+    decided.pop("mean_dilatation")  # a treatment of the cells, no effect of the scene
+    for effect in ("", *decided, *both):
+        state = decided.get(effect) or decided["symmetry_x"]
+        on = state.on if not effect else not state.on
+        if effect and not _possible(scene, effect, on):
+            continue
+        progress.stage(f"{name}: {effect or 'as planned'} {'on' if on else 'off'}")
+        chosen = scene.replace([f"effects.{effect}={'on' if on else 'off'}"] if effect else [])
+        times = []
+        for _ in range(repeats):
+            start = time.process_time()
+            result = running.run(chosen).summary
+            times.append(time.process_time() - start)
+        values = _quantities(result["result"])
+        base = vars(first) if first else values
+        changes = {f"change_{key}": values[key] / base[key] - 1 for key in values}
+        unknowns = result["cost"]["dofs"]
+        made = Run(
+            name,
+            effect,
+            on,
+            state.called_for,
+            accuracy(scene),
+            unknowns,
+            min(times),
+            **values,
+            **changes,
+        )
+        first = first or made
+        yield made
+
+
+def _possible(scene: Scene, effect: str, on: bool) -> bool:
+    from railhead import plan as planning
+    from railhead.scene import SceneError
+
+    try:
+        planning.make(scene.replace([f"effects.{effect}={'on' if on else 'off'}"]))
+    except SceneError:
+        return False
+    return True
+
+
+def _quantities(result: dict[str, Any]) -> dict[str, float]:
+    return {
+        "p_max": result["pressure"]["max_MPa"],
+        "area": result["patch"]["area_mm2"],
+        "tau_max": result["stress"]["tau_max_MPa"],
+        "approach": result["approach_mm"],
+    }
+
+
+if __name__ == "__main__":
+    command(["study", "effects", *sys.argv[1:]])
