@@ -1,7 +1,7 @@
 """The thesis's radii as two half-spaces: what Hertz's formula describes exactly."""
 
 from railhead.cli import run_case
-from railhead.scene import Rail, Scene, Wheel
+from railhead.scene.scene import Rail, Scene, Wheel
 
 SCENE = Scene(
     name="hertz_ellipse",

@@ -3,7 +3,7 @@
 import math
 
 from railhead.cli import run_case
-from railhead.scene import Rail, Scene, Wheel
+from railhead.scene.scene import Rail, Scene, Wheel
 
 SCENE = Scene(
     name="sphere_on_plane",

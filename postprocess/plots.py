@@ -44,10 +44,10 @@ STYLE = {
 
 @contextmanager
 def new_figure(
-    path: Path, width: float, height: float, notes: Sequence[str] = ()
+    path: Path | None, width: float, height: float, notes: Sequence[str] = ()
 ) -> Iterator[Figure]:
-    """A figure of the given size in inches, saved at the end with the notes below it; the backend
-    is Agg by itself."""
+    """A figure of the given size in inches, saved at the end with the notes below it, if there is a
+    path; the backend is Agg by itself."""
     import matplotlib
     from matplotlib.figure import Figure
 
@@ -59,7 +59,8 @@ def new_figure(
             lines = [line for note in notes for line in textwrap.wrap(note, wide)]
             figure.set_figheight(height + 0.16 * len(lines))
             figure.supxlabel("\n".join(lines), fontsize=9, color=HERTZ)
-        figure.savefig(path, format="png")
+        if path is not None:
+            figure.savefig(path, format="png")
 
 
 def closed_ellipse(ellipse: Ellipse) -> Array:
@@ -68,7 +69,7 @@ def closed_ellipse(ellipse: Ellipse) -> Array:
     return np.column_stack((ellipse.a * np.cos(angle), ellipse.b * np.sin(angle)))
 
 
-def pressure(findings: Findings, ellipse: Hertz | None, path: Path) -> None:
+def pressure(findings: Findings, ellipse: Hertz | None, path: Path | None = None) -> Figure:
     """Pressure along both axes of the patch, MPa over mm."""
     with new_figure(path, 10, 4.8, findings.notes) as figure:
         left, right = figure.subplots(1, 2, sharey=True)
@@ -81,6 +82,7 @@ def pressure(findings: Findings, ellipse: Hertz | None, path: Path) -> None:
         left.set_ylabel("contact pressure, MPa")
         left.set_ylim(bottom=0)
         figure.legend(*left.get_legend_handles_labels(), loc="outside upper center", ncols=2)
+    return figure
 
 
 def _pressure(axes: Axes, line: AxisPressure, ellipse: Hertz | None, axis: int, name: str) -> None:
@@ -99,9 +101,9 @@ def depth(
     findings: Findings,
     ellipse: Hertz | None,
     poisson: float,
-    path: Path,
+    path: Path | None = None,
     thesis: tuple[float, float] | None = None,
-) -> None:
+) -> Figure:
     """Principal stresses and largest shear (MPa) below the contact centre, over the depth (mm).
 
     poisson: of the body shown. thesis: (p0 MPa, a mm) for the formulas of a circular patch.
@@ -133,6 +135,7 @@ def depth(
         panels[1].set_xlim(left=0)
         handles, labels = panels[1].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=3)
+    return figure
 
 
 def _diagonal(normal: Array) -> Array:

@@ -1,19 +1,42 @@
-"""Wheel-rail contact by finite elements, held against exact Hertz."""
+"""Wheel-rail contact by finite elements, held against exact Hertz.
 
-import ctypes
-import os
+The names of `__all__` are all that a script needs; they are imported when they are first used.
+"""
 
-# Small dense blocks only: more BLAS threads cost more than they bring. Set before numpy loads.
-os.environ.setdefault("OMP_NUM_THREADS", "1")
+from importlib import import_module
+from typing import TYPE_CHECKING
 
-# PETSc's signal handlers would take the place of the command's own (see cli.main).
-os.environ["PETSC_OPTIONS"] = os.environ.get("PETSC_OPTIONS", "") + " -no_signal_handler"
+if TYPE_CHECKING:
+    from railhead.api import Result, find, plan, solve
+    from railhead.meshing.mesh import MeshError
+    from railhead.scene.scene import (
+        Effects,
+        Friction,
+        Mesh,
+        Rail,
+        Scene,
+        SceneError,
+        Solver,
+        Wheel,
+        Wheelset,
+    )
 
-# Keep freed memory instead of returning it to the system for every temporary array: a fifth of the
-# time of a run otherwise goes into fresh pages (mallopt(3): M_TRIM_THRESHOLD, M_MMAP_THRESHOLD).
-_libc = ctypes.CDLL(None)
-if hasattr(_libc, "mallopt"):
-    _libc.mallopt(-1, 2**31 - 1)
-    _libc.mallopt(-3, 2**30)
+__version__ = "0.3.0"
+__all__ = [
+    "Effects", "Friction", "Mesh", "MeshError", "Rail", "Result", "Scene", "SceneError", "Solver",
+    "Wheel", "Wheelset", "find", "plan", "solve",
+]  # fmt: skip
+_HOMES = dict.fromkeys(__all__, "railhead.scene.scene") | {
+    "MeshError": "railhead.meshing.mesh",
+    **dict.fromkeys(("Result", "find", "plan", "solve"), "railhead.api"),
+}
 
-__version__ = "0.2.0"
+
+def __getattr__(name: str) -> object:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "__version__"])

@@ -17,10 +17,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead import bodies, developed, exact, twist
-from railhead.developed import Developed
+from railhead.geometry import bodies
 from railhead.meshing.tags import RAIL
-from railhead.plan import Plan
+from railhead.planning import developed, exact, twist
+from railhead.planning.developed import Developed
+from railhead.planning.plan import Plan
 from railhead.theory import finite_bodies
 from railhead.theory.boundary_element import Solution
 from railhead.theory.half_space_patch import PatchSolution

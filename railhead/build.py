@@ -8,13 +8,14 @@ from pathlib import Path
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from railhead import bodies, exact, flat
-from railhead.flat import FlatContact
+from railhead.geometry import bodies, flat
+from railhead.geometry.flat import FlatContact
 from railhead.meshing import mesh
 from railhead.meshing.bodies import Body
 from railhead.meshing.sizing import Grading
 from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, WHEEL
-from railhead.plan import Plan
+from railhead.planning import exact
+from railhead.planning.plan import Plan
 from railhead.solver.contact import ContactModel
 from railhead.solver.kinematics import SOLID
 from railhead.solver.laws import Law

@@ -7,8 +7,8 @@ import importlib
 import pkgutil
 from pathlib import Path
 
-from railhead.scene import Scene, SceneError
-from railhead.scene_io import read_scene
+from railhead.scene.io import read_scene
+from railhead.scene.scene import Scene, SceneError
 
 
 def shipped() -> dict[str, tuple[Scene, str]]:

@@ -13,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from railhead.estimates import RANGE, Estimate, flat, worst
+from railhead.estimates import Estimate, flat, worst
 from railhead.level import Level
 from railhead.meshing.tags import BODIES
-from railhead.plan import LINEAR_REFINEMENT
+from railhead.planning.laws import RANGE
+from railhead.planning.plan import LINEAR_REFINEMENT
 from railhead.postprocess.flux import through_plane
 
 ROUGH = 0.05  # relative: what a number without an asked accuracy may be off by at most

@@ -11,7 +11,8 @@ import click
 from rich.console import Console
 
 from railhead import __version__, catalogue, ending
-from railhead.scene import Scene, SceneError
+from railhead.scene.scene import Scene, SceneError
+from railhead.start import prepare
 
 SOLVED, CHECK_FAILED, WRONG_INPUT = 0, 1, 2
 
@@ -53,8 +54,9 @@ def plan(
     accuracy: str | None,
 ) -> None:
     """Say what would be simulated and what it costs; solve nothing."""
-    from railhead import machine, report
-    from railhead import plan as planning
+    from railhead import report
+    from railhead.planning import machine
+    from railhead.planning import plan as planning
 
     assignments = [*assignments, *_switches(switched_on, switched_off)]
     scene = _scene(catalogue.find(case), assignments, accuracy)
@@ -175,14 +177,13 @@ def _run(scene: Scene, out: Path | None, *, pictures: bool, quiet: bool, as_json
     folder = out if out is not None else Path("results") / scene.name
     results.check_folder(folder)
 
-    from railhead import report
-    from railhead import run as running
+    from railhead import refine, report
     from railhead.progress import Progress
 
-    comm = running.MPI.COMM_WORLD
+    comm = refine.MPI.COMM_WORLD
     rank, problem = comm.rank, None
     with Progress(quiet=quiet or rank > 0) as progress:
-        result = running.run(scene, progress)
+        result = refine.run(scene, progress)
         if rank == 0:
             progress.stage("writing files" + (" and pictures" if pictures else ""))
             try:
@@ -208,6 +209,7 @@ def _run(scene: Scene, out: Path | None, *, pictures: bool, quiet: bool, as_json
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command; exits with 0 (solved), 1 (a check failed, or the files could not be
     written), 2 (wrong input) or 128 + number (a signal)."""
+    prepare()
     with ending.prompt():
         sys.exit(_status(arguments))
 

@@ -1,9 +1,6 @@
-"""How large the error of a number is, before and after the solve.
+"""How large the error of a number is, after the solve.
 
-The error of a quantity at n elements per smaller semi-axis scatters below an envelope that falls
-with n, as the unstructured meshes of two sizes share no nodes. Envelopes are calibrated on runs of
-known answer (`railhead study calibrate` makes data/laws.json) and hold inside their family only:
-same cells, same contact law, same kind of patch. The estimate of a quantity is the sum of
+The estimate of a quantity is the sum of
 
     mesh          the envelope at n; outside all families the scatter of several meshes
     reading       what two ways of reading the same solution differ by
@@ -17,28 +14,21 @@ asks that the stress there be that near to the largest one.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
-from functools import cache
-from pathlib import Path
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from scipy.optimize import brentq
-
-from railhead.postprocess.findings import FLAT, RIVAL
+from railhead.planning.laws import STEP, Family, family, lost
+from railhead.postprocess.findings import RIVAL
 from railhead.theory.subsurface import max_shear
 
 if TYPE_CHECKING:
     from railhead.level import Level
     from railhead.postprocess.findings import Findings
 
-STEP = 1.6  # refinement from one mesh of a sequence to the next
-AIM = 0.9  # of the asked accuracy: what the mesh may take, the rest is for the other parts
 SPREAD = 2.0  # times the change between meshes a step apart: first-order convergence leaves
 # 1/(STEP - 1) = 1.67 of it
-RANGE = (3.0, 60.0)  # elements per semi-axis that are considered
 QUANTITIES = {
     "a_mm": ("patch", "a_mm"),
     "b_mm": ("patch", "b_mm"),
@@ -52,107 +42,6 @@ QUANTITIES = {
 """Reported quantities that carry an estimate, and their place under "result" in summary.json."""
 READ = {"a_mm": "a", "b_mm": "b", "area_mm2": "area", "max_MPa": "max_pressure"}
 RIDGED = ("tau_max_MPa", "von_mises_max_MPa")
-PLACES = ("tau_max_depth_mm",)
-"""Those that are places of a maximum: their scale is how flat that is."""
-LAWS = Path(__file__).with_name("data") / "laws.json"
-
-
-@dataclass(frozen=True)
-class Setting:
-    """What errors depend on besides the resolution.
-
-    shape: 'solid', 'plane strain' or 'meridian'; theta: as given, None where the law chooses;
-    poisson: the largest of the deformable bodies; ellipse: whether the patch is one; axis_ratio:
-    longer over shorter semi-axis; stiffness: E/(1 - nu^2) of the softer body over the other's.
-    """
-
-    shape: str
-    cell: str
-    order: int
-    method: str
-    theta: int | None
-    gamma_factor: float
-    poisson: float
-    ellipse: bool
-    axis_ratio: float
-    stiffness: float
-
-
-@dataclass(frozen=True)
-class Law:
-    """Relative error at most value * (6/n)^order."""
-
-    value: float
-    order: float
-
-    def __call__(self, n: float) -> float:
-        return float(self.value * (6.0 / n) ** self.order)
-
-
-@dataclass(frozen=True)
-class Family:
-    """Scenes whose errors were measured together.
-
-    where: by field of `Setting` the allowed words, or the range of a number; resolution: range of
-    n; laws: mesh error by quantity, over its scale (see `scales`); reading: how large that part
-    was in the middle, for prices only; overlap: relative error by quantity for an overlap of the
-    whole approach.
-    """
-
-    name: str
-    where: Mapping[str, Sequence[Any]]
-    resolution: tuple[float, float]
-    laws: Mapping[str, Law]
-    reading: Mapping[str, Law]
-    overlap: Mapping[str, float]
-
-    def holds(self, setting: Setting) -> bool:
-        """Whether the setting lies within what was calibrated."""
-        for name, value in asdict(setting).items():
-            allowed = self.where[name]
-            if isinstance(value, float):
-                if not allowed[0] <= value <= allowed[1]:
-                    return False
-            elif value not in allowed:
-                return False
-        return True
-
-    def mesh(self, name: str, n: float) -> float:
-        """The envelope of a quantity at n; beyond what was calibrated it falls at most as the first
-        power."""
-        law, top = self.laws[name], self.resolution[1]
-        if n <= top:
-            return law(n)
-        return law(top) * (top / n) ** min(law.order, 1.0)
-
-    def covers(self, n: float) -> bool:
-        """Whether a resolution lies within what was calibrated, or is finer by a factor STEP at
-        most."""
-        low, high = self.resolution
-        return low <= n * (1 + 1e-9) and n <= STEP * high
-
-    def expected(self, n: float) -> float:
-        """Largest relative error of all quantities at n elements per semi-axis, of a place by
-        what is lost there."""
-        return max(
-            lost(self.mesh(name, n)) if name in PLACES else self.mesh(name, n) + read(n)
-            for name, read in self.reading.items()
-        )
-
-    def reaches(self, accuracy: float) -> bool:
-        """Whether a resolution that the laws cover is expected to meet the accuracy."""
-        return self.expected(STEP * self.resolution[1]) <= AIM * accuracy
-
-    def finest(self, accuracy: float) -> float:
-        """Elements per semi-axis at which all quantities meet the accuracy, as far as the laws
-        go."""
-        low, high = self.resolution[0], STEP * self.resolution[1]
-        target = AIM * accuracy
-        if not self.reaches(accuracy):
-            return high
-        if self.expected(low) <= target:
-            return low
-        return float(brentq(lambda n: self.expected(n) - target, low, high))
 
 
 @dataclass(frozen=True)
@@ -192,32 +81,6 @@ def worst(found: Mapping[str, Estimate], result: Mapping[str, Any] | None) -> fl
     if result is None or set(found) != set(flat(result)):
         return math.inf
     return max((each.counts for each in found.values()), default=math.inf)
-
-
-def lost(beside: float) -> float:
-    """Of a maximum, relative, at a distance from it over its flatness: a parabola."""
-    return FLAT * beside**2
-
-
-@cache
-def families() -> tuple[Family, ...]:
-    """All calibrated families."""
-    return tuple(
-        Family(
-            name,
-            entry["where"],
-            tuple(entry["resolution"]),
-            {key: Law(*law) for key, law in entry["laws"].items()},
-            {key: Law(*law) for key, law in entry["reading"].items()},
-            entry["overlap"],
-        )
-        for name, entry in json.loads(LAWS.read_text(encoding="utf-8"))["families"].items()
-    )
-
-
-def family(setting: Setting) -> Family | None:
-    """The family that a setting lies in."""
-    return next((each for each in families() if each.holds(setting)), None)
 
 
 def flat(result: Mapping[str, Any]) -> dict[str, float]:

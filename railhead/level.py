@@ -12,14 +12,15 @@ import numpy as np
 from mpi4py import MPI
 from scipy.spatial import cKDTree
 
-from railhead import build, effects, exact
-from railhead.effects import After
-from railhead.estimates import Setting
-from railhead.forecast import Forecast, Nearest, Zone
+from railhead import build
 from railhead.meshing.mesh import ContactMesh
 from railhead.meshing.sizing import Grading
 from railhead.meshing.surfaces import ExactGap
-from railhead.plan import Plan
+from railhead.planning import effects, exact
+from railhead.planning.effects import After
+from railhead.planning.forecast import Forecast, Nearest, Zone
+from railhead.planning.laws import Setting
+from railhead.planning.plan import Plan
 from railhead.postprocess import compare, read
 from railhead.postprocess.findings import Findings, Frame
 from railhead.postprocess.parts import parts
@@ -39,12 +40,13 @@ REACHED = 1e-9  # ... to this relative error
 @dataclass(frozen=True)
 class Level:
     """fields, findings and result ("result" of summary.json) are None off rank 0, the last two
-    also where nothing touches. ellipse: exact Hertz under the load that was found. settled: the
-    patch that was found is the one that was meshed for."""
+    also where nothing touches. space: of the displacement. ellipse: exact Hertz under the load that
+    was found. settled: the patch that was found is the one that was meshed for."""
 
     plan: Plan
     grading: Grading
     mesh: ContactMesh
+    space: Any
     unknowns: int
     ranks: int
     solution: Solution
@@ -113,7 +115,7 @@ def solve_level(
         progress.stage(f"solving {model.unknowns} unknowns")
         solution = solve(plan, model, frame, progress.newton)
         clock.lap("solve")
-        fields, unknowns = gather(model, solution), model.unknowns
+        fields, unknowns, space = gather(model, solution), model.unknowns, model.bulk.space
         model.release()
         better = comm.bcast(None if fields is None else _regrade(plan, grading, fields, frame))
         if better is None or attempt == MAX_MESHES or not solution.newton.converged:
@@ -127,7 +129,7 @@ def solve_level(
     clock.lap("postprocess")
     ellipse = exact.estimate(plan.scene, plan.contact, solution.load or None)
     return Level(
-        plan, grading, mesh, unknowns, comm.size, solution, ellipse, fields, findings,
+        plan, grading, mesh, space, unknowns, comm.size, solution, ellipse, fields, findings,
         result, better is None, clock.seconds,
     )  # fmt: skip
 

@@ -12,11 +12,12 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from railhead import geometry, results
+from railhead import results
+from railhead.geometry import solid as geometry
 from railhead.meshing import measured, wheelset
 from railhead.meshing.placement import Pair, PlacementError, Touch
 from railhead.meshing.wheelset import Placed, Track
-from railhead.scene import Scene, SceneError
+from railhead.scene.scene import Scene, SceneError
 
 CLEARANCE = 0.05  # mm; elastic approaches of wheels are of this size
 SHIFTS = np.linspace(-10.0, 10.0, 81)  # mm

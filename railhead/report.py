@@ -8,10 +8,10 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from railhead import machine
-from railhead.effects import Effect
-from railhead.plan import Plan
-from railhead.price import price
+from railhead.planning import machine
+from railhead.planning.effects import Effect
+from railhead.planning.plan import Plan
+from railhead.planning.price import price
 
 ROWS = (
     ("semi-axis a, along the rail", "mm", ("patch", "a_mm")),

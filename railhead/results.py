@@ -16,11 +16,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from railhead import ending
-from railhead.scene import SceneError
-from railhead.scene_io import to_toml
+from railhead.scene.io import to_toml
+from railhead.scene.scene import SceneError
 
 if TYPE_CHECKING:
-    from railhead.run import Result
+    from railhead.refine import Result
 
 SUMMARY = "summary.json"
 MANIFEST = ".railhead"  # names of the files in a result folder that are replaced by the next one

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from railhead import developed
 from railhead.allowance import allowance
 from railhead.level import Level
 from railhead.meshing.tags import RAIL
+from railhead.planning import developed
 from railhead.postprocess import compare
 from railhead.postprocess import motion as bodily
 from railhead.theory.boundary_element import Solution

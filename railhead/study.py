@@ -11,7 +11,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Protocol, cast
 
-from railhead.scene import SceneError
+from railhead.scene.scene import SceneError
 
 PAGE = "page.md"
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from railhead import checks, estimates
-from railhead.flat import FlatContact
+from railhead.geometry.flat import FlatContact
 from railhead.level import Level
 from railhead.postprocess import compare
 from railhead.second_opinion import half_space

@@ -5,7 +5,6 @@ No other module asks for a version. Written against dolfinx 0.5.2 (Debian 12), w
 
 from __future__ import annotations
 
-import logging
 from pathlib import Path
 from typing import Any
 
@@ -22,9 +21,6 @@ from railhead.solver import compiling
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 _OLD = VERSION < (0, 8)
-
-# dolfinx 0.5 and setuptools print an INFO line for every form that is compiled.
-logging.disable(logging.INFO)
 
 
 def model_to_mesh(model: Any, comm: MPI.Comm, dim: int = 3) -> tuple[Any, Any, Any]:
@@ -112,6 +108,14 @@ def cell_type(mesh: Any) -> str:
 def node_points(mesh: Any) -> NDArray[np.float64]:
     """(n, d) coordinates of the local geometry nodes."""
     return np.asarray(mesh.geometry.x[:, : mesh.geometry.dim])
+
+
+def function(space: Any, values: PETSc.Vec) -> Any:
+    """The function of a space with these values of its owned dofs."""
+    made = fem.Function(space)
+    made.x.array[: values.getLocalSize()] = values.array
+    made.x.scatter_forward()
+    return made
 
 
 def dof_points(space: Any) -> NDArray[np.float64]:

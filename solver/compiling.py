@@ -8,6 +8,7 @@ knows that no other run of this program is compiling and can remove what was lef
 from __future__ import annotations
 
 import fcntl
+import logging
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -22,8 +23,12 @@ def alone(comm: MPI.Comm, folder: Path) -> Iterator[None]:
     """Be the only one to compile into a cache folder (the others wait), without stale locks.
 
     Of several ranks the first one compiles. A folder that cannot be written to is left as it is.
+    dolfinx 0.5 and setuptools log each form at INFO: not inside.
     """
+    disabled = logging.root.manager.disable
     with ExitStack() as held:
+        held.callback(logging.disable, disabled)
+        logging.disable(max(disabled, logging.INFO))
         if comm.rank == 0:
             with suppress(OSError):
                 held.enter_context(_locked(folder))

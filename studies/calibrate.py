@@ -1,4 +1,4 @@
-"""Error laws from runs: makes railhead/data/laws.json, the envelopes that estimates rest on."""
+"""Error laws from runs: makes planning/data/laws.json, the envelopes that estimates rest on."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 
 from railhead import estimates, study
-from railhead.estimates import QUANTITIES, Law
-from railhead.scene import Scene
+from railhead.estimates import QUANTITIES
+from railhead.planning.laws import Law
+from railhead.scene.scene import Scene
 from railhead.studies import families, tables
 from railhead.studies.pool import attempts
 
@@ -150,6 +151,6 @@ def page(laws: dict[str, Any]) -> str:
     return (
         "# Error laws\n\nLargest relative error seen at n elements per smaller semi-axis, and a "
         f"tenth more: envelope (6/n)^order. Seed {laws['seed']}. Made by `railhead study "
-        "calibrate`, whose laws.json is railhead/data/laws.json.\n\n"
+        "calibrate`, whose laws.json is railhead/planning/data/laws.json.\n\n"
         + tables.table(head, rows) + "\n"
     )  # fmt: skip

@@ -11,8 +11,8 @@ from pathlib import Path
 from statistics import geometric_mean
 
 from railhead import catalogue
-from railhead import plan as planning
-from railhead.plan import Plan
+from railhead.planning import plan as planning
+from railhead.planning.plan import Plan
 
 Scenes = tuple[tuple[str, tuple[str, ...]], ...]
 SOLID: Scenes = (

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from railhead import estimates, run, study
+from railhead import estimates, refine, study
 from railhead.estimates import QUANTITIES
-from railhead.scene import Scene
+from railhead.scene.scene import Scene
 from railhead.studies import families, tables
 from railhead.studies.pool import attempts
 
@@ -62,14 +62,14 @@ def asked(name: str, index: int) -> float | None:
 
 def measure(name: str, scene: Scene, accuracy: float | None) -> list[Record]:
     """Solve a scene and hold each estimate against the true error; nothing if not converged."""
-    from railhead import plan as planning
-    from railhead.price import price
+    from railhead.planning import plan as planning
+    from railhead.planning.price import price
 
     if accuracy is not None:
         scene = scene.replace([f"accuracy={accuracy!r}"])
     plan = planning.make(scene)
     predicted = plan.seconds if accuracy is None else price(plan, plan.resolution)[1]
-    result = run.run(scene)
+    result = refine.run(scene)
     summary = result.summary
     if not summary["checks"]["converged"]:
         return []

@@ -16,11 +16,12 @@ from mpi4py import MPI
 from scipy.optimize import brentq
 
 from railhead import estimates
-from railhead import plan as planning
 from railhead.level import Level, solve_level
 from railhead.meshing.mesh import MeshError
+from railhead.planning import laws
+from railhead.planning import plan as planning
 from railhead.progress import Progress
-from railhead.scene import Scene, SceneError
+from railhead.scene.scene import Scene, SceneError
 from railhead.summary import exact_quantities
 from railhead.theory.hertz import point_contact
 
@@ -34,7 +35,7 @@ FINE = 1.6  # times the finest calibrated resolution: the truth of real profiles
 
 @dataclass(frozen=True)
 class Recipe:
-    """make: random assignments on `base`; where: see `estimates.Family`, what is left out is that
+    """make: random assignments on `base`; where: see `laws.Family`, what is left out is that
     of DEFAULT; resolutions to calibrate at, ascending, none for scenes outside all laws; scenes:
     how many of them; exact: whether Hertz is the truth."""
 
@@ -223,7 +224,7 @@ def scenes(name: str, seed: int) -> Iterator[Scene]:
     """Endless random scenes of a family, those left out that make no contact of its kind."""
     recipe = RECIPES[name]
     rng = np.random.default_rng([seed, *name.encode()])
-    where = estimates.Family(name, {**DEFAULT, **recipe.where}, (0, 0), {}, {}, {})
+    where = laws.Family(name, {**DEFAULT, **recipe.where}, (0, 0), {}, {}, {})
     index = 0
     while True:
         keys = recipe.make(rng)

@@ -15,6 +15,8 @@ from multiprocessing.connection import Connection
 from threading import local
 from typing import Any, Generic, TypeVar
 
+from railhead.start import prepare
+
 T = TypeVar("T")
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
 JOBS_PER_PROCESS = 8  # memory that libraries keep is given back with the process
@@ -33,6 +35,7 @@ class Attempt(Generic[T]):
 
 
 def _serve(connection: Connection, work: Callable[..., Any]) -> None:
+    prepare()
     for _ in range(JOBS_PER_PROCESS):
         try:
             job = connection.recv()

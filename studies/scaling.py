@@ -44,7 +44,7 @@ def measure(patch_size: float) -> Record:
     from mpi4py import MPI
 
     from railhead import build, catalogue, level
-    from railhead import plan as planning
+    from railhead.planning import plan as planning
     from railhead.postprocess import read
     from railhead.postprocess.findings import Frame
     from railhead.solver import linear

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from railhead import catalogue, study
-from railhead.scene import Scene
+from railhead.scene.scene import Scene
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -11,7 +11,7 @@ from typing import Any
 from railhead import catalogue, estimates
 from railhead.cli import main as command
 from railhead.progress import Progress
-from railhead.scene import Scene
+from railhead.scene.scene import Scene
 from railhead.studies.tables import write_csv
 
 STUDY = "error against time: penalty and Nitsche, four elements, four sizes, asked accuracies"
@@ -101,20 +101,20 @@ def main(out: Path, *, quick: bool) -> None:
 
 def reference(scene: Scene) -> dict[str, float]:
     """Exact Hertz; where there is none, this program's own result on a fine mesh."""
-    from railhead import plan as planning
-    from railhead import run as running
+    from railhead import refine
+    from railhead.planning import plan as planning
 
     if scene.name not in NO_FORMULA:
-        return _flat(running.run(scene).summary["hertz"])
+        return _flat(refine.run(scene).summary["hertz"])
     ellipse = planning.make(scene).estimate
     fine = scene.replace([f"mesh.patch_size={min(ellipse.a, ellipse.b) / REFERENCE!r}"])
-    return _flat(running.run(fine).summary["result"])
+    return _flat(refine.run(fine).summary["result"])
 
 
 def fixed_meshes(case: Case, sizes: int | None, progress: Progress) -> Iterator[Run]:
     """Every element, method and size; before an element's first run, a warm-up that is not timed
     (imports, compilation of the forms)."""
-    from railhead import plan as planning
+    from railhead.planning import plan as planning
 
     for element, (cell, order, resolutions) in ELEMENTS.items():
         base = case.scene.replace([f"mesh.cell={cell}", f"mesh.order={order}"])
@@ -139,8 +139,8 @@ def cubic_meshes(case: Case, sizes: int | None, progress: Progress) -> Iterator[
     """Cubic tetrahedra with Nitsche's method, after a warm-up."""
     from mpi4py import MPI
 
-    from railhead import plan as planning
     from railhead.level import solve_level
+    from railhead.planning import plan as planning
 
     plan = replace(planning.make(case.scene), order=3)
     silent, comm = Progress(quiet=True), MPI.COMM_WORLD
@@ -177,11 +177,11 @@ def _solve(scene: Scene) -> dict[str, Any] | str:
     """The summary, or why there is none."""
     import numpy as np
 
-    from railhead import run as running
+    from railhead import refine
     from railhead.meshing.mesh import MeshError
 
     try:
-        return running.run(scene).summary
+        return refine.run(scene).summary
     except (MeshError, RuntimeError, ArithmeticError, np.linalg.LinAlgError) as error:
         return " ".join(f"{type(error).__name__}: {error}".split())
 

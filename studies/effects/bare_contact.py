@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from railhead import catalogue
 
 if TYPE_CHECKING:
-    from railhead.scene import Scene
+    from railhead.scene.scene import Scene
 
 CASE = "sphere_on_plane"
 # Nothing else is on and could be left out.
@@ -80,7 +80,7 @@ def _planned(scene: Scene) -> tuple[int, float]:
     from mpi4py import MPI
 
     from railhead import build, level
-    from railhead import plan as planning
+    from railhead.planning import plan as planning
     from railhead.postprocess.findings import Frame
 
     plan = planning.make(scene)

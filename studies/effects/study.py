@@ -17,7 +17,7 @@ from railhead.studies.tables import write_csv
 from railhead.study import PAGE
 
 if TYPE_CHECKING:
-    from railhead.scene import Scene
+    from railhead.scene.scene import Scene
 
 STUDY = "each effect on and off: seconds, unknowns and change of the answer; off costs nothing"
 SCENES = {
@@ -72,14 +72,14 @@ def main(out: Path, *, quick: bool) -> None:
 
 def switch(name: str, progress: Progress, repeats: int) -> Iterator[Run]:
     """A scene as planned, then with each effect in its other state where that can be had."""
-    from railhead import plan as planning
-    from railhead import run as running
-    from railhead.effects.base import accuracy
+    from railhead import refine
+    from railhead.planning import plan as planning
+    from railhead.planning.effects.base import accuracy
 
     case, assignments = SCENES[name]
     scene = catalogue.find(case).replace(assignments)
     decided = planning.make(scene).effects
-    running.run(scene)  # compiles
+    refine.run(scene)  # compiles
     first: Run | None = None
     both = ["symmetry"] if decided["symmetry_x"].on and decided["symmetry_y"].on else []
     decided.pop("mean_dilatation")  # a treatment of the cells, no effect of the scene
@@ -93,7 +93,7 @@ def switch(name: str, progress: Progress, repeats: int) -> Iterator[Run]:
         times = []
         for _ in range(repeats):
             start = time.process_time()
-            result = running.run(chosen).summary
+            result = refine.run(chosen).summary
             times.append(time.process_time() - start)
         values = _quantities(result["result"])
         base = vars(first) if first else values
@@ -115,8 +115,8 @@ def switch(name: str, progress: Progress, repeats: int) -> Iterator[Run]:
 
 
 def _possible(scene: Scene, effect: str, on: bool) -> bool:
-    from railhead import plan as planning
-    from railhead.scene import SceneError
+    from railhead.planning import plan as planning
+    from railhead.scene.scene import SceneError
 
     try:
         planning.make(scene.replace([f"effects.{effect}={'on' if on else 'off'}"]))

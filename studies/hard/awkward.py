@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from railhead import catalogue
-from railhead.scene import Scene
+from railhead.scene.scene import Scene
 from railhead.studies.hard import contacts
 from railhead.studies.hard.case import KRYLOV, Case
 from railhead.studies.hard.scenes import (

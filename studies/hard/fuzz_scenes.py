@@ -16,8 +16,8 @@ from typing import Any
 
 from railhead import estimates
 from railhead.checks import ROUGH
-from railhead.scene import SceneError
-from railhead.scene_io import read_scene, to_toml
+from railhead.scene.io import read_scene, to_toml
+from railhead.scene.scene import SceneError
 from railhead.studies.hard import broken_scenes
 from railhead.studies.hard.case import Deviation
 from railhead.studies.hard.random_scenes import FINE, Seeded, plans, wild

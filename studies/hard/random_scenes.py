@@ -9,8 +9,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from railhead import plan as planning
-from railhead.scene import Scene, SceneError
+from railhead.planning import plan as planning
+from railhead.scene.scene import Scene, SceneError
 
 FINE = 2 / 3  # of the default resolution: the cheapest that the checks let pass with some room
 MOST = 40_000  # predicted unknowns

@@ -13,17 +13,17 @@ from typing import Any
 
 from mpi4py import MPI
 
-from railhead import developed, estimates
-from railhead import plan as planning
-from railhead import run as running
+from railhead import estimates, refine
 from railhead.allowance import allowance
 from railhead.checks import MISS
-from railhead.geometry import Contact
+from railhead.geometry.solid import Contact
 from railhead.level import Level, solve_level
 from railhead.meshing.mesh import MeshError
+from railhead.planning import developed
+from railhead.planning import plan as planning
 from railhead.postprocess import compare
 from railhead.progress import Progress
-from railhead.scene import Scene, SceneError
+from railhead.scene.scene import Scene, SceneError
 from railhead.second_opinion import CELLS, motion
 from railhead.studies.hard.case import Deviation, Measured
 from railhead.summary import Ending, summarise
@@ -90,7 +90,7 @@ def against_boundary_elements(
     return deviations(summary, estimates.flat(other), unknown, limit, unknown)
 
 
-def measure(result: running.Result, found: Mapping[str, Deviation], remark: str = "") -> Measured:
+def measure(result: refine.Result, found: Mapping[str, Deviation], remark: str = "") -> Measured:
     """The deviations with the failed checks and the cost of a run."""
     summary, findings = result.summary, result.findings
     return Measured(
@@ -119,7 +119,7 @@ def against_hertz(scene: Scene, n: float | None = 4.0, limit: float = LIMIT) -> 
     """Half-spaces at n elements per semi-axis (None: as planned) against exact Hertz."""
 
     def solve() -> Measured:
-        result = running.run(scene if n is None else resolved(scene, n))
+        result = refine.run(scene if n is None else resolved(scene, n))
         exact = estimates.flat(result.summary["hertz"])
         return measure(result, deviations(result.summary, exact, HALF_SPACE, limit))
 
@@ -145,7 +145,7 @@ def against_half_space(scene: Scene, n: float | None = 4.0, limit: float = LIMIT
     """Real bodies at n elements per semi-axis against boundary elements."""
 
     def solve() -> Measured:
-        result = running.run(scene if n is None else resolved(scene, n))
+        result = refine.run(scene if n is None else resolved(scene, n))
         return measure(
             result,
             against_boundary_elements(result.summary, half_space(scene, result.level), limit),
@@ -165,8 +165,8 @@ def against_finer(
     signed itself unless the coarse mesh is refused."""
 
     def solve() -> Measured:
-        result = running.run(resolved(scene, n))
-        finer = running.run(resolved(scene, fine)).summary
+        result = refine.run(resolved(scene, n))
+        finer = refine.run(resolved(scene, fine)).summary
         unknown = finer["accuracy"]["bound"]
         found = deviations(result.summary, quantities(finer), names, limit, unknown)
         measured = measure(result, found)
@@ -183,7 +183,7 @@ def positioned(scene: Scene, single: float, several: float) -> Solve:
     one patch and for several."""
 
     def solve() -> Measured:
-        result = running.run(scene)
+        result = refine.run(scene)
         second = half_space(scene, result.level)
         pressure = off(quantities(result.summary)["max_MPa"], second["pressure"]["max_MPa"])
         patches = len(second["patches"])
@@ -204,11 +204,11 @@ def outgrown(
         grading = planning.make(resolved(meshed, n)).grading()
         plan = replace(planning.make(scene), patch_size=grading.size)
         level = solve_level(plan, grading, Progress(quiet=True), MPI.COMM_WORLD)
-        result = running.Result(level, summarise([level], Ending("one mesh")))
+        result = refine.Result(level, summarise([level], Ending("one mesh")))
         if not fine:
             found = against_boundary_elements(result.summary, half_space(scene, level))
             return measure(result, found)
-        finer = running.run(resolved(scene, fine)).summary
+        finer = refine.run(resolved(scene, fine)).summary
         unknown = finer["accuracy"]["bound"]
         found = deviations(result.summary, quantities(finer), PATCH, limit, unknown)
         return measure(result, found)

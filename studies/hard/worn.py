@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from railhead import run as running
+from railhead import refine
 from railhead.meshing import profiles
-from railhead.scene import Scene
+from railhead.scene.scene import Scene
 from railhead.studies.hard.case import Case, Measured
 from railhead.studies.hard.scenes import (
     Solve,
@@ -79,7 +79,7 @@ def against_true_profile(wear: Wear, noise: float) -> Solve:
         with tempfile.TemporaryDirectory() as folder:
             smooth = resolved(wear.scene(Path(folder), 0.0), ELEMENTS)
             size = f"mesh.patch_size={smooth.mesh.patch_size!r}"
-            result = running.run(wear.scene(Path(folder), noise).replace([size]))
+            result = refine.run(wear.scene(Path(folder), noise).replace([size]))
             true = half_space(smooth, result.level)
         return measure(result, against_boundary_elements(result.summary, true))
 

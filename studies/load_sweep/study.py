@@ -16,7 +16,7 @@ from railhead.studies.tables import write_csv
 
 if TYPE_CHECKING:
     from railhead.meshing.sizing import Grading
-    from railhead.plan import Plan
+    from railhead.planning.plan import Plan
     from railhead.postprocess.findings import Frame
     from railhead.solver.contact import ContactModel, Solution
     from railhead.theory.hertz import Ellipse
@@ -73,9 +73,9 @@ def main(out: Path, *, quick: bool) -> None:
 
 def around_smallest(plan: Plan, lowest: float) -> Grading:
     """Fine enough for the patch of the lowest load, growing outwards over the larger ones."""
-    from railhead import exact
-    from railhead import plan as planning
     from railhead.meshing.sizing import Grading
+    from railhead.planning import exact
+    from railhead.planning import plan as planning
 
     small = exact.estimate(plan.scene, plan.contact, lowest)
     size = min(small.a, small.b) / ELEMENTS_PER_SEMI_AXIS
@@ -89,8 +89,9 @@ def sweep(name: str, loads: Sequence[float], progress: Progress) -> list[Point]:
     """Solve a shipped case for all loads (N) with one mesh, stiffness and contact operators."""
     from mpi4py import MPI
 
-    from railhead import build, exact
-    from railhead import plan as planning
+    from railhead import build
+    from railhead.planning import exact
+    from railhead.planning import plan as planning
     from railhead.postprocess.findings import Frame
 
     start = time.perf_counter()

@@ -9,14 +9,14 @@ import numpy as np
 
 from railhead.postprocess.findings import Findings
 from railhead.progress import Progress
-from railhead.run import Result, run
+from railhead.refine import Result, run
 from railhead.studies.thesis import plots as thesis_plots
 from railhead.studies.thesis.hertz import AXLE_LOAD
 from railhead.theory import subsurface
 from railhead.theory.hertz import Ellipse
 
 if TYPE_CHECKING:
-    from railhead.scene import Scene
+    from railhead.scene.scene import Scene
 
 WHEEL = AXLE_LOAD / 2
 LOADS = (1e3, 5e3, 12.5e3, 25e3, 50e3, WHEEL, 150e3)

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railhead import catalogue, exact, geometry, study
+from railhead import catalogue, study
 from railhead.cli import main as command
+from railhead.geometry import solid as geometry
 from railhead.meshing import profiles, wheelset
 from railhead.meshing.placement import Pair
+from railhead.planning import exact
 from railhead.studies import tables
 from railhead.studies.thesis import hertz as thesis_hertz
 from railhead.studies.thesis import location as thesis_location
@@ -26,7 +28,7 @@ from railhead.studies.thesis.claims import Check, Facts, Judged, read_claims
 from railhead.theory import boundary_element, thesis
 
 if TYPE_CHECKING:
-    from railhead.scene import Scene
+    from railhead.scene.scene import Scene
 
 STUDY = "every claim of the 2012 thesis recomputed, with a verdict, and its figures drawn again"
 CASE = "uic54_thesis"

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from railhead import catalogue, checks, estimates, run
-from railhead import plan as planning
+from railhead import catalogue, checks, estimates, refine
 from railhead.level import Level, solve_level
+from railhead.planning import plan as planning
 from railhead.progress import Progress
 from railhead.summary import exact_quantities
 
@@ -119,7 +119,7 @@ def test_the_range_of_shear_over_pressure_is_that_of_hertz() -> None:
     ],
 )
 def test_coarse_meshes_are_not_signed(case, assignments, name) -> None:
-    result = run.run(catalogue.find(case).replace(assignments))
+    result = refine.run(catalogue.find(case).replace(assignments))
     assert not result.passed
     assert name in result.summary["checks"]["failed"]
     limit, source = result.summary["checks"]["limits"][name]

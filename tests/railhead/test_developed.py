@@ -7,12 +7,14 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from railhead import catalogue, developed, exact, geometry
+from railhead import catalogue
 from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
-from railhead.geometry import Contact
+from railhead.geometry import solid as geometry
+from railhead.geometry.solid import Contact
 from railhead.level import Level
+from railhead.planning import developed, exact
 from railhead.postprocess import compare
-from railhead.scene import Scene
+from railhead.scene.scene import Scene
 from railhead.second_opinion import half_space
 from railhead.theory.boundary_element import Solution
 from railhead.theory.hertz import Ellipse

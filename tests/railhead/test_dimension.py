@@ -4,9 +4,10 @@ import math
 
 import pytest
 
-from railhead import build, catalogue, dimension
-from railhead import plan as planning
-from railhead.scene import Scene, SceneError
+from railhead import build, catalogue
+from railhead.geometry import dimension
+from railhead.planning import plan as planning
+from railhead.scene.scene import Scene, SceneError
 
 INF_RAIL = ["rail.profile=arc", "rail.crown_radius=inf"]
 SPHERE = ["wheel.profile=arc", "wheel.transverse_radius=420"]

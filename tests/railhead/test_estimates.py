@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from railhead import catalogue, estimates, machine, price, results, run
-from railhead import plan as planning
-from railhead.estimates import Family, Law, Setting
-from railhead.scene import SceneError
+from railhead import catalogue, estimates, refine, results
+from railhead.planning import laws, machine, price
+from railhead.planning import plan as planning
+from railhead.planning.laws import Family, Law, Setting
+from railhead.scene.scene import SceneError
 from railhead.studies import calibrate, error_bounds, families
 
 SETTING = Setting("solid", "tetrahedron", 2, "nitsche", None, 1.0, 0.3, True, 2.0, 1.0)
@@ -31,15 +32,15 @@ def test_a_law_holds_inside_its_family_only(change) -> None:
 
 
 def test_every_calibrated_family_holds_its_own_scenes_and_no_foreign_ones() -> None:
-    for known in estimates.families():
+    for known in laws.families():
         scene = next(families.scenes(known.name, 3))
-        assert estimates.family(planning.make(scene).setting).name == known.name
+        assert laws.family(planning.make(scene).setting).name == known.name
     odd = next(families.scenes("outside", 3))
-    assert estimates.family(planning.make(odd).setting) is None
+    assert laws.family(planning.make(odd).setting) is None
 
 
 def test_the_resolution_meets_the_accuracy_or_is_out_of_reach() -> None:
-    for known in estimates.families():
+    for known in laws.families():
         for asked in (0.2, 0.05, 0.01, 0.002):
             n = known.finest(asked)
             assert known.expected(n) <= asked or not known.reaches(asked)
@@ -95,7 +96,7 @@ def test_an_envelope_lies_above_all_errors_and_follows_their_slope() -> None:
 
 
 def test_every_default_run_carries_estimates_whose_parts_add_up() -> None:
-    summary = run.run(catalogue.find("sphere_on_plane")).summary
+    summary = refine.run(catalogue.find("sphere_on_plane")).summary
     found = summary["accuracy"]
     assert found["asked"] is None and found["reached"] is None
     assert set(found["bound"]) == set(estimates.flat(summary["result"]))
@@ -107,11 +108,11 @@ def test_every_default_run_carries_estimates_whose_parts_add_up() -> None:
 
 
 def test_penalty_carries_its_overlap_in_the_estimate() -> None:
-    summary = run.run(catalogue.find("hertz_ellipse").replace(["solver.method=penalty"])).summary
+    summary = refine.run(catalogue.find("hertz_ellipse").replace(["solver.method=penalty"])).summary
     bound, error = summary["accuracy"]["bound"], estimates.flat(summary["difference"])
     assert summary["accuracy"]["parts"]["max_MPa"]["contact_law"] > 0
     assert abs(error["max_MPa"]) <= bound["max_MPa"]
-    asked = run.run(
+    asked = refine.run(
         catalogue.find("hertz_ellipse").replace(["solver.method=penalty", "accuracy=0.3%"])
     ).summary
     if asked["accuracy"]["reached"]:
@@ -136,18 +137,18 @@ def test_estimates_hold_in_random_sections() -> None:
 
 def test_a_scene_outside_all_families_has_no_estimate_by_default() -> None:
     scene = catalogue.find("hertz_ellipse").replace(["solver.gamma_factor=100"])
-    summary = run.run(scene).summary
+    summary = refine.run(scene).summary
     assert summary["accuracy"]["bound"] == {}
     assert "no calibrated family" in summary["accuracy"]["source"]
 
 
 def test_a_budget_buys_what_it_can_and_says_what_was_too_dear(monkeypatch) -> None:
     monkeypatch.setattr(machine, "speed", lambda: 1.0)
-    rich = run.run(catalogue.find("hertz_ellipse").replace(["budget=8s"])).summary
-    poor = run.run(catalogue.find("hertz_ellipse").replace(["budget=4s"])).summary
+    rich = refine.run(catalogue.find("hertz_ellipse").replace(["budget=8s"])).summary
+    poor = refine.run(catalogue.find("hertz_ellipse").replace(["budget=4s"])).summary
     assert rich["accuracy"]["asked"] is None and rich["checks"]["passed"]
     assert max(rich["accuracy"]["bound"].values()) < max(poor["accuracy"]["bound"].values())
-    dear = run.run(catalogue.find("hertz_ellipse").replace(["budget=4s", "accuracy=0.1%"]))
+    dear = refine.run(catalogue.find("hertz_ellipse").replace(["budget=4s", "accuracy=0.1%"]))
     found = dear.summary["accuracy"]
     assert not dear.passed and dear.summary["checks"]["failed"] == ["accuracy"]
     assert found["reached"] is False and "budget" in found["reason"]
@@ -157,7 +158,7 @@ def test_a_budget_buys_what_it_can_and_says_what_was_too_dear(monkeypatch) -> No
 
 def test_memory_is_guarded_before_the_next_mesh(monkeypatch) -> None:
     monkeypatch.setattr(machine, "free_memory", lambda: 500_000_000)
-    result = run.run(catalogue.find("hertz_ellipse").replace(["accuracy=0.1%"]))
+    result = refine.run(catalogue.find("hertz_ellipse").replace(["accuracy=0.1%"]))
     assert not result.passed
     assert "memory" in result.summary["accuracy"]["reason"]
 

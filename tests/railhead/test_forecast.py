@@ -5,10 +5,11 @@ import pickle
 import numpy as np
 import pytest
 
-from railhead import catalogue, developed
-from railhead import plan as planning
+from railhead import catalogue
 from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
-from railhead.plan import Plan
+from railhead.planning import developed
+from railhead.planning import plan as planning
+from railhead.planning.plan import Plan
 from railhead.theory.hertz import Ellipse
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from railhead import cli, locate
 from railhead.cases.s1002_60e1 import SCENE
-from railhead.scene import SceneError
+from railhead.scene.scene import SceneError
 
 
 def located(*assignments: str) -> dict:

@@ -7,7 +7,8 @@ import pytest
 from mpi4py import MPI
 from rich.console import Console
 
-from railhead import catalogue, level, plan, report, results, run
+from railhead import catalogue, level, refine, report, results
+from railhead.planning import plan
 from railhead.progress import Progress
 from railhead.solver import linear
 from railhead.solver.problem import ContactProblem
@@ -21,7 +22,7 @@ def solved(*changes: str) -> dict:
     def refuse(word: str) -> None:
         raise AssertionError(word)
 
-    result = run.run(catalogue.find("hertz_ellipse").replace([*COARSE, *changes]))
+    result = refine.run(catalogue.find("hertz_ellipse").replace([*COARSE, *changes]))
     return json.loads(results.as_json(result), parse_constant=refuse)
 
 

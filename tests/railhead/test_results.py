@@ -8,7 +8,7 @@ import pytest
 
 from railhead import results
 from railhead.cli import main
-from railhead.scene import SceneError
+from railhead.scene.scene import SceneError
 
 FAST = ["--set", "mesh.patch_size=1.2", "--no-pictures", "--quiet"]
 

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from railhead import catalogue
-from railhead import plan as planning
-from railhead.ridges import ridges
+from railhead.planning import plan as planning
+from railhead.planning.ridges import ridges
 
 CROSSING = "rail.inclination=1:40"  # the contact point is 2.5 mm from the R300-R80 joint
 

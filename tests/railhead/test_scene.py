@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from railhead.scene import Effects, Mesh, Rail, Scene, SceneError, Solver, Wheel, Wheelset
+from railhead.scene.scene import Effects, Mesh, Rail, Scene, SceneError, Solver, Wheel, Wheelset
 
 INF = math.inf
 HALF = {"rail.extent": "half-space"}

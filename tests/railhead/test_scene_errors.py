@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railhead.scene import Scene, SceneError, Wheel
+from railhead.scene.scene import Scene, SceneError, Wheel
 
 NAN, INF = math.nan, math.inf
 HALF = {"rail.extent": "half-space"}

@@ -7,11 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from railhead import build, catalogue, dimension, plan, unused
-from railhead.exact import estimate
-from railhead.flat import FlatContact
+from railhead import build, catalogue
+from railhead.geometry import dimension
+from railhead.geometry.flat import FlatContact
 from railhead.meshing.tags import RAIL, WHEEL
-from railhead.scene import Scene, SceneError
+from railhead.planning import plan
+from railhead.planning.exact import estimate
+from railhead.scene import unused
+from railhead.scene.scene import Scene, SceneError
 
 BALL = {"rail": {"profile": "arc", "crown_radius": math.inf},
         "wheel": {"profile": "arc", "rolling_radius": 300, "transverse_radius": 300}}  # fmt: skip

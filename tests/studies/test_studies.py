@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from railhead import study
-from railhead.scene import SceneError
+from railhead.scene.scene import SceneError
 from railhead.studies.accuracy_cost import page as accuracy_page
 from railhead.studies.load_sweep import page as sweep_page
 

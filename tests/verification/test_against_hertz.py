@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from railhead import catalogue, run
-from railhead.scene import Scene
+from railhead import catalogue, refine
+from railhead.scene.scene import Scene
 
 
-def solved(scene: Scene) -> run.Result:
-    result = run.run(scene)
+def solved(scene: Scene) -> refine.Result:
+    result = refine.run(scene)
     assert result.passed, result.summary["checks"]
     return result
 
@@ -21,7 +21,7 @@ def worst(summary: dict, *keys: str) -> float:
 
 
 @pytest.fixture(scope="module")
-def default() -> run.Result:
+def default() -> refine.Result:
     return solved(catalogue.find("hertz_ellipse"))
 
 

@@ -9,9 +9,10 @@ from dolfinx import mesh as dmesh
 from mpi4py import MPI
 from scipy.spatial import cKDTree
 
-from railhead import catalogue, level, plan, twist
+from railhead import catalogue, level
 from railhead.meshing.mesh import ContactMesh
 from railhead.meshing.tags import CONTACT, SUPPORT
+from railhead.planning import plan, twist
 from railhead.progress import Progress
 from railhead.solver import compat
 from railhead.studies.effects import bare_contact

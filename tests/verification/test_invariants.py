@@ -122,7 +122,7 @@ def test_rigid_body_is_the_limit_of_a_stiff_one(two_blocks, solve, rigid: int) -
 def test_a_solved_scene_gives_its_memory_back() -> None:
     """The third and fourth run of 27 000 unknowns take no more memory than the second."""
     from railhead import catalogue
-    from railhead.run import run
+    from railhead.refine import run
 
     def resident() -> float:
         with open("/proc/self/statm") as file:

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from railhead import catalogue, run
+from railhead import catalogue, refine
 from railhead.postprocess import stress
-from railhead.scene import Scene
+from railhead.scene.scene import Scene
 from railhead.theory import line, subsurface
 from railhead.theory.line import LineContact
 
@@ -21,8 +21,8 @@ UNLIKE = {
 }
 
 
-def solved(scene: Scene) -> run.Result:
-    result = run.run(scene)
+def solved(scene: Scene) -> refine.Result:
+    result = refine.run(scene)
     assert result.passed, result.summary["checks"]
     return result
 
@@ -93,7 +93,7 @@ def test_symmetry_and_direction_do_not_matter() -> None:
 def test_the_edge_of_a_wheel_is_left_out_and_said() -> None:
     """A tread of 3 mm on a patch of 7 mm presses its edges into the rail, without bound."""
     keys = ["wheel.width=3", "wheel.segment_length=26"]
-    result = run.run(catalogue.find("uic54_thesis").replace(keys))
+    result = refine.run(catalogue.find("uic54_thesis").replace(keys))
     assert result.summary["checks"]["failed"] == ["edge_distance"]
     found, b = result.summary["result"]["stress"], result.findings.patch.b
     left_out = {edge["quantity"]: edge for edge in found["at_edges"] if edge["body"] == "wheel"}

@@ -6,16 +6,16 @@ from dolfinx import fem
 from mpi4py import MPI
 
 from railhead import build, catalogue
-from railhead import plan as planning
 from railhead.level import found_forecast, solve_level
 from railhead.meshing import mesh
 from railhead.meshing.sizing import MAX_STRETCH
 from railhead.meshing.tags import CONTACT, WHEEL
-from railhead.plan import Plan
+from railhead.planning import plan as planning
+from railhead.planning.plan import Plan
 from railhead.postprocess import read
 from railhead.postprocess.findings import Frame
 from railhead.progress import Progress
-from railhead.run import run
+from railhead.refine import run
 from railhead.solver import compat
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from railhead import catalogue
 from railhead.cases.s1002_60e1 import SCENE
-from railhead.run import run
+from railhead.refine import run
 
 
 def test_tread_and_gauge_corner_are_two_patches_of_the_right_size() -> None:

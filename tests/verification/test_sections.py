@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from railhead import catalogue, run
+from railhead import catalogue, refine
 from railhead.meshing import mesh, plane, profiles
 from railhead.meshing.bodies import Body, Options
 from railhead.meshing.sizing import Grading
 from railhead.meshing.surfaces import ExactGap, RailSurface
 from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL
-from railhead.scene import Scene
+from railhead.scene.scene import Scene
 from railhead.solver.contact import ContactModel
 from railhead.solver.elasticity import Material
 from railhead.solver.kinematics import Kinematics
@@ -22,7 +22,7 @@ from railhead.theory.hertz import line_contact
 
 
 def solved(scene: Scene) -> dict:
-    result = run.run(scene)
+    result = refine.run(scene)
     assert result.passed, result.summary["checks"]
     return result.summary
 
@@ -94,7 +94,7 @@ def test_stresses_are_alike_around_the_axis(nu: float) -> None:
     """s_x = s_y below the centre of a circle, within 0.5 % of the largest pressure, with the mean
     dilatation on as well."""
     keys = [f"wheel.poisson_ratio={nu}", "effects.mean_dilatation=on"]
-    found = run.run(catalogue.find("sphere_on_plane").replace(keys)).findings
+    found = refine.run(catalogue.find("sphere_on_plane").replace(keys)).findings
     assert found is not None
     s_x, s_y = found.axis.stress[:, :2].T
     assert np.abs(s_x - s_y).max() < 0.005 * found.patch.max_pressure

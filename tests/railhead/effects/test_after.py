@@ -5,8 +5,9 @@ import json
 import matplotlib.image
 import pytest
 
-from railhead import catalogue, cli, effects, run
-from railhead.effects import assumptions
+from railhead import catalogue, cli, refine
+from railhead.planning import effects
+from railhead.planning.effects import assumptions
 
 
 @pytest.fixture
@@ -23,7 +24,7 @@ def railhead(tmp_path, monkeypatch, capsys):
 
 
 def after(case: str, *assignments: str) -> dict:
-    return run.run(catalogue.find(case).replace(assignments)).summary["effects_after"]
+    return refine.run(catalogue.find(case).replace(assignments)).summary["effects_after"]
 
 
 def test_needed_effects_are_named_in_table_summary_and_pictures(railhead, tmp_path) -> None:
@@ -47,11 +48,11 @@ def test_needed_effects_are_named_in_table_summary_and_pictures(railhead, tmp_pa
 
 
 @pytest.fixture(scope="module")
-def thesis() -> run.Result:
-    return run.run(catalogue.find("uic54_thesis").replace(["mesh.patch_size=1.2"]))
+def thesis() -> refine.Result:
+    return refine.run(catalogue.find("uic54_thesis").replace(["mesh.patch_size=1.2"]))
 
 
-def again(result: run.Result, *assignments: str) -> dict:
+def again(result: refine.Result, *assignments: str) -> dict:
     """The indicators of another scene on the same solution."""
     plan = result.plan
     scene = plan.scene.replace(assignments)

@@ -5,11 +5,11 @@ import math
 import pytest
 from mpi4py import MPI
 
-from railhead import build, catalogue, level, run
-from railhead import plan as planning
+from railhead import build, catalogue, level, refine
 from railhead.meshing.tags import RAIL, WHEEL
+from railhead.planning import plan as planning
 from railhead.progress import Progress
-from railhead.scene import Effects, Scene, SceneError
+from railhead.scene.scene import Effects, Scene, SceneError
 from railhead.theory import hertz
 
 
@@ -51,7 +51,7 @@ def test_what_is_left_out_is_part_of_the_bound() -> None:
     scene = catalogue.find("hertz_ellipse").replace(
         ["wheel.young_modulus=1.035e8", "accuracy=3%"]
     )  # fmt: skip
-    summary = run.run(scene).summary
+    summary = refine.run(scene).summary
     left_out = summary["accuracy"]["parts"]["max_MPa"]["left_out"]
     assert left_out == pytest.approx(1 / 501)
     assert min(summary["accuracy"]["bound"].values()) > left_out
@@ -183,7 +183,7 @@ def test_what_is_off_is_not_meshed_and_holds_no_unknowns() -> None:
 def test_a_stiff_body_left_out_changes_the_answer_by_its_share() -> None:
     scene = catalogue.find("hertz_ellipse").replace(["wheel.young_modulus=4.14e8", "load=1e4"])
     results = [
-        run.run(scene.replace(["mesh.patch_size=0.8", *choice])).summary["result"]
+        refine.run(scene.replace(["mesh.patch_size=0.8", *choice])).summary["result"]
         for choice in ([], ["effects.deformable_wheel=on"])
     ]
     assert results[0]["pressure"]["max_MPa"] == pytest.approx(

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from railhead import estimates
-from railhead.run import run
+from railhead.refine import run
 from railhead.studies.hard.battery import CASES, QUICK
 from railhead.studies.hard.case import Case, Deviation, Measured
 from railhead.studies.hard.scenes import ELLIPSE, HALF_SPACE, against_hertz, deviations, resolved

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from railhead import catalogue, plan
-from railhead.scene import Scene, SceneError
+from railhead import catalogue
+from railhead.planning import plan
+from railhead.scene.scene import Scene, SceneError
 
 COMMAND = "from railhead.start import main; main()"
 BODIES = ("length", "depth", "width"), ("width", "rim_depth", "segment_length")

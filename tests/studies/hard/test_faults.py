@@ -12,8 +12,9 @@ from pathlib import Path
 
 import pytest
 
-from railhead import machine, results
+from railhead import results
 from railhead.cli import main
+from railhead.planning import machine
 
 SCRIPT = "from railhead.cli import main; main()"
 SMALL_FILES = f"""

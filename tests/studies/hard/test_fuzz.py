@@ -11,7 +11,7 @@ from strategies import broken_toml, scenes
 
 from railhead import cli
 from railhead.cli import main
-from railhead.scene import Scene
+from railhead.scene.scene import Scene
 from railhead.studies import fuzz as study
 from railhead.studies.hard import fuzz_scenes
 from railhead.studies.hard.fuzz_scenes import Fuzzed, fuzz

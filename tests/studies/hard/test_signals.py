@@ -12,7 +12,7 @@ import pytest
 COMMAND = "from railhead.start import main; main()"
 STUDY = f"""
 from pathlib import Path
-from railhead import catalogue, run, study
+from railhead import catalogue, refine, study
 from railhead.progress import Progress
 
 class Long:
@@ -20,7 +20,7 @@ class Long:
     def main(self, out, *, quick):
         (out / "page.md").write_text("begun")
         with Progress(quiet=False) as progress:
-            run.run(catalogue.find("hertz_ellipse").replace(["mesh.patch_size=0.2"]), progress)
+            refine.run(catalogue.find("hertz_ellipse").replace(["mesh.patch_size=0.2"]), progress)
 
 study.names = lambda: ["long"]
 study.load = lambda name: Long()

@@ -1,0 +1,1 @@
+"""Where and how the bodies of a scene touch: solids, half-spaces and sections."""

@@ -1,0 +1,67 @@
+"""What every model here assumes, held against the solution."""
+
+from __future__ import annotations
+
+import math
+
+from railhead.geometry import bodies
+from railhead.geometry.solid import Contact
+from railhead.meshing.profiles import STANDARD_RAILS
+from railhead.meshing.tags import BODIES
+from railhead.planning import exact
+from railhead.planning.effects.base import After, accuracy, touching
+from railhead.postprocess.findings import Findings
+from railhead.scene.scene import Scene
+from railhead.theory import finite_bodies
+
+SMALL = 0.1  # semi-axis over relative radius
+EDGE = 1.1  # times the semi-axis across that must lie within both profiles
+
+
+def small_patch(scene: Scene, contact: Contact, found: Findings) -> After:
+    """Hertz's parabolas and half-spaces need semi-axes far below the radii (Johnson, Contact
+    Mechanics, 4.1)."""
+    touch, patch = contact.touch, found.patch
+    a, b = patch.a * touch.curvature_x, patch.b * touch.curvature_y
+    side, ratio = ("a", a) if a > b else ("b", b)
+    large = bool(ratio > SMALL)
+    text = f"{side}/R = {ratio:.2g}, {'above' if large else 'below'} {SMALL}"
+    return After(large, f"{text}: the comparison with Hertz is doubtful" if large else text)
+
+
+def inside_the_bodies(scene: Scene, contact: Contact, found: Findings) -> After | None:
+    """A patch at the edge of a tread or of a head has a stress peak there that no profile shows."""
+    if contact.half_space or contact.lengthwise:
+        return None
+    cosine, patch = math.cos(found.frame.angle), found.patch
+    middle, reach = found.frame.origin[1] + patch.centre[1] * cosine, EDGE * patch.b * cosine
+    width = scene.wheel.width or math.inf
+    ends = [end + shift for _, profile, shift in touching(contact) for end in profile.domain]
+    ends += [contact.touch.y - width / 2, contact.touch.y + width / 2]
+    room = min(abs(end - middle) for end in ends)
+    near = bool(room < reach)
+    text = f"{room:.1f} mm from the middle of the patch to the nearest edge, b = {patch.b:.2f} mm"
+    return After(near, f"{text}: the edge carries load" if near else text)
+
+
+def thick_bodies(scene: Scene, contact: Contact, found: Findings) -> After | None:
+    """A body held just below the patch is stiffer than a half-space (see theory.finite_bodies); of
+    a standard rail the effect rail_section tells."""
+    if contact.half_space or contact.lengthwise:
+        return None
+    modulus, patch, limit = exact.contact_modulus(scene), found.patch, accuracy(scene)
+    changes = {}
+    for tag, body in BODIES.items():
+        if body == "rail" and scene.rail.profile in STANDARD_RAILS:
+            continue
+        part = scene.rail if body == "rail" else scene.wheel
+        weight = modulus / exact.plane_strain_modulus(scene, tag)
+        deep = bodies.depth(scene, tag)
+        curvature = weight * finite_bodies.held_below(deep, part.poisson_ratio)
+        changes[body, deep] = finite_bodies.change(curvature, patch.a, patch.b)
+    (body, deep), change = max(changes.items(), key=lambda each: each[1])
+    thin = bool(change > limit)
+    side = "above" if thin else "below"
+    rise = f"pressure rises by {change:.2g}, {side} {limit:g}"
+    text = f"the {body} is held {deep:.3g} mm deep: {rise}"
+    return After(thin, f"{text}: the comparison with Hertz is doubtful" if thin else text)

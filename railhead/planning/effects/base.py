@@ -1,0 +1,72 @@
+"""What all effects share: the decision before the solve and the finding after it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from railhead.geometry.solid import Contact
+from railhead.meshing.profiles import Profile
+from railhead.scene.scene import Scene, SceneError
+from railhead.theory.hertz import Ellipse
+from railhead.theory.line import LineContact
+
+DEFAULT_ACCURACY = 0.01  # that a scene without an asked accuracy is held to
+Hertz = Ellipse | LineContact
+NOT_SIMULATED = "it is recognised but not simulated"
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A physical effect or a simplification: called for by the scene, on, and why.
+
+    override: a person chose the state. refused: by state ("on", "off"), why it cannot be chosen.
+    error: relative error that the state adds to the answer, as far as it is known.
+    """
+
+    called_for: bool
+    on: bool
+    why: str
+    refused: Mapping[str, str] = field(default_factory=dict)
+    error: float = 0.0
+    override: bool = False
+
+    def forced(self, name: str, state: str) -> Effect:
+        """The effect in the state that a person chose; SceneError where it cannot be had."""
+        if state == "auto":
+            return self
+        if state in self.refused:
+            other = "off" if state == "on" else "on"
+            raise SceneError(
+                f"effects.{name}",
+                f"{state!r} is not allowed: {self.refused[state]}; give auto or {other}",
+            )
+        on = state == "on"
+        error = self.error if on == self.on else 0.0
+        return replace(
+            self, on=on, override=True, error=error, why=f"{self.why}; {state} by effects.{name}"
+        )
+
+    def summary(self) -> dict[str, Any]:
+        """As in summary.json."""
+        keys = ("called_for", "on", "override", "why")
+        return {key: getattr(self, key) for key in keys}
+
+
+@dataclass(frozen=True)
+class After:
+    """The same indicator on the solution: whether the effect is needed but was left out."""
+
+    needed: bool
+    why: str
+
+
+def touching(contact: Contact) -> list[tuple[str, Profile, float]]:
+    """Body, profile and its offset across the track (mm); empty for half-spaces."""
+    return [(body, *profile) for body, profile in contact.profiles.items()]
+
+
+def accuracy(scene: Scene) -> float:
+    """The accuracy that indicators are weighed against."""
+    return scene.accuracy if scene.accuracy is not None else DEFAULT_ACCURACY

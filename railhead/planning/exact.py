@@ -1,0 +1,106 @@
+"""Exact Hertz for the pair of a scene."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from railhead.geometry.flat import FlatContact
+from railhead.geometry.solid import Contact
+from railhead.meshing.tags import RAIL
+from railhead.scene.scene import NOMINAL_RADIUS, Scene, SceneError
+from railhead.theory import hertz
+from railhead.theory.hertz import Ellipse
+from railhead.theory.line import LineContact
+
+CONTINUUM = 1e-6  # mm: a nanometre, some atoms
+LARGEST = 1e6  # mm: a kilometre; no body is longer
+ROUNDING = 1e3  # gap of the patch over the rounding of coordinates, at least
+
+
+def plane_strain_modulus(scene: Scene, body: int) -> float:
+    """E / (1 - nu^2), MPa."""
+    part = scene.rail if body == RAIL else scene.wheel
+    return part.young_modulus / (1 - part.poisson_ratio**2)
+
+
+def contact_modulus(scene: Scene) -> float:
+    """E*, MPa."""
+    rail, wheel = scene.rail, scene.wheel
+    return hertz.contact_modulus(
+        rail.young_modulus, rail.poisson_ratio, wheel.young_modulus, wheel.poisson_ratio
+    )
+
+
+def estimate(scene: Scene, contact: Contact, load: float | None = None) -> Ellipse | LineContact:
+    """Exact Hertz for the pair under a load (N), by default that or the approach of the scene."""
+    load = load if load is not None else scene.load
+    if isinstance(contact, FlatContact) and contact.dimension.line:
+        return contact.estimate(load)
+    return ellipse(scene, contact, load)
+
+
+def ellipse(scene: Scene, contact: Contact, load: float | None = None) -> Ellipse:
+    """A point contact; the normal force of a vertical load is load / cos(angle)."""
+    touch, modulus = contact.touch, contact_modulus(scene)
+    load = load if load is not None else scene.load
+    cosine = math.cos(touch.angle)
+    if load is not None:
+        return hertz.point_contact(touch.curvature_x, touch.curvature_y, modulus, load / cosine)
+    return hertz.point_contact_from_approach(
+        touch.curvature_x, touch.curvature_y, modulus, float(scene.approach or 0.0) * cosine
+    )
+
+
+def finite(scene: Scene, contact: Contact) -> Ellipse | LineContact:
+    """The estimate; SceneError for a load or approach whose patch is larger than the wheel, or too
+    small for continuum mechanics or for the coordinates of the bodies."""
+    key, value = ("load", scene.load) if scene.load is not None else ("approach", scene.approach)
+    try:
+        with np.errstate(all="ignore"):
+            found = estimate(scene, contact)
+    except (ArithmeticError, ValueError):  # beyond the numbers there are
+        text = f"{value:g} makes no patch with these radii and moduli; give values of real bodies"
+        raise SceneError(key, text) from None
+    major, minor = _half_lengths(found)
+    least, most = _smallest(scene, contact, found), min(scene.wheel.rolling_radius, LARGEST)
+    if found.p0 > 0 and math.isfinite(found.load) and least <= minor and major < most:
+        return found
+    size = f"{value:g} makes a patch of {found.a:.3g} x {found.b:.3g} mm"
+    if major < most:
+        why = f"half lengths below {least:.3g} mm are lost in atoms or in rounding"
+        raise SceneError(key, f"{size}; give a larger one, {why}")
+    raise SceneError(
+        key, f"{size}; give a smaller one, whose patch is smaller than wheel.rolling_radius"
+    )
+
+
+def _half_lengths(found: Ellipse | LineContact) -> tuple[float, float]:
+    """Largest and smallest half length of the patch, mm; of a line its half width."""
+    if isinstance(found, LineContact):
+        return found.half_width, found.half_width
+    return max(found.a, found.b), min(found.a, found.b)
+
+
+def _smallest(scene: Scene, contact: Contact, found: Ellipse | LineContact) -> float:
+    """Smallest half length (mm) that means something: CONTINUUM, and for real bodies that whose
+    gap, minor^2 times the curvature, is ROUNDING times the rounding of the largest radius."""
+    if contact.half_space:
+        return CONTINUUM
+    rail, wheel = scene.rail, scene.wheel
+    radii = [
+        abs(radius)
+        for radius in (
+            wheel.rolling_radius,
+            rail.crown_radius or NOMINAL_RADIUS.get(rail.profile, 0.0),
+            wheel.transverse_radius or 0.0,
+        )
+        if math.isfinite(radius)
+    ]
+    if isinstance(found, LineContact):
+        curvature = found.strip.curvature
+    else:
+        curvature = max(found.curvature_x, found.curvature_y)
+    rounding = ROUNDING * np.finfo(float).eps * max(radii, default=0.0)
+    return max(CONTINUUM, math.sqrt(rounding / curvature))

@@ -1,0 +1,162 @@
+"""The patch before anything is meshed: what the mesh is refined around and Newton starts from.
+
+Where the gap over Hertz's ellipse is Hertz's parabola and nothing else comes close, the forecast is
+that ellipse. Elsewhere boundary elements solve for the patch or the patches, on the exact gap over
+the developed surface of the rail.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from railhead.geometry.flat import FlatContact
+from railhead.geometry.solid import Contact
+from railhead.planning import developed
+from railhead.planning.developed import Developed
+from railhead.postprocess.findings import Frame
+from railhead.theory.half_space_patch import PatchSolution
+from railhead.theory.hertz import Ellipse
+from railhead.theory.line import LineContact
+
+Array = NDArray[np.float64]
+PARABOLIC = 0.02  # largest deviation from Hertz's gap over his approach
+CELLS = 64
+MINOR = 0.02  # of the load: smaller patches are not refined for
+
+
+@dataclass(frozen=True)
+class Zone:
+    """A patch: centre (3,), half lengths a along the rail and b across it (mm), contact angle."""
+
+    centre: tuple[float, float, float]
+    a: float
+    b: float
+    angle: float
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """Whether the nearest of known points (n, 3) touches and lies within reach (mm)."""
+
+    tree: cKDTree
+    touches: NDArray[np.bool_]
+    reach: float
+
+    def __call__(self, points: Array) -> NDArray[np.bool_]:
+        distance, index = self.tree.query(points)
+        return np.asarray(self.touches[index] & (distance < self.reach))
+
+
+@dataclass(frozen=True)
+class InEllipse:
+    """Whether points lie in Hertz's ellipse, turned by an angle in the tangent plane (rad)."""
+
+    frame: Frame
+    a: float
+    b: float
+    turn: float
+
+    def __call__(self, points: Array) -> NDArray[np.bool_]:
+        x, s, height = self.frame.local(points).T
+        c, t = math.cos(self.turn), math.sin(self.turn)
+        inside = ((c * x + t * s) / self.a) ** 2 + ((c * s - t * x) / self.b) ** 2 < 1.0
+        return np.asarray(inside & (np.abs(height) < max(self.a, self.b)))
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """zones: patches, most loaded first; moments: centre (x, s) and semi-axes of all of the
+    pressure by its moments, in the frame of the first contact, mm; touching: points (n, 3) ->
+    (n,) whether they touch; hertzian: whether exact Hertz is the forecast; reason: why it is,
+    although the gap is not his."""
+
+    zones: tuple[Zone, ...]
+    moments: tuple[float, float, float, float]
+    touching: Callable[[Array], NDArray[np.bool_]]
+    hertzian: bool
+    reason: str = ""
+
+    @property
+    def minor(self) -> float:
+        """Smaller half length of the most loaded patch, mm."""
+        return min(self.zones[0].a, self.zones[0].b)
+
+
+def forecast(contact: Contact, ellipse: Ellipse | LineContact, load: float | None) -> Forecast:
+    """load: vertical, N; None where ellipse.approach is given."""
+    if isinstance(ellipse, LineContact) or isinstance(contact, FlatContact):
+        return _hertz(contact, ellipse)
+    if contact.half_space or _parabolic(contact, ellipse):
+        return _hertz(contact, ellipse)
+    try:
+        found = developed.solve(contact, ellipse, load, CELLS)
+    except ValueError as error:  # the finite elements will tell
+        return replace(_hertz(contact, ellipse), reason=f"boundary elements: {error}")
+    surface, points, forces = developed.develop(contact), [], []
+    for window in found.windows:
+        places = (each.ravel() for each in np.meshgrid(window.x, window.s, indexing="ij"))
+        points.append(surface.points(*places))
+        forces.append(window.cell * window.pressure.ravel())
+    everything, force = np.concatenate(points), np.concatenate(forces)
+    known = np.isfinite(everything).all(axis=1)  # cells beyond the profile carry nothing
+    everything, force = everything[known], force[known]
+    kept = tuple(
+        _zone(patch, surface) for patch in found.patches if patch.force > MINOR * found.force
+    )
+    return Forecast(
+        kept,
+        _moments(Frame(contact.origin, contact.touch.angle).local(everything), force),
+        Nearest(cKDTree(everything), force > 0, max(zone.b for zone in kept)),
+        False,
+    )
+
+
+def _parabolic(contact: Contact, ellipse: Ellipse) -> bool:
+    """Whether the exact gap over the ellipse and a little beyond is Hertz's, and nothing else is
+    within reach of the approach."""
+    touch = contact.touch
+    if len(contact.touches(ellipse.approach / math.cos(touch.angle))) > 1:
+        return False
+    turn, radius = np.meshgrid(np.linspace(0, 2 * np.pi, 25), [0.5, 1.0])
+    u, v = (ellipse.a * radius * np.cos(turn)).ravel(), (ellipse.b * radius * np.sin(turn)).ravel()
+    c, t = math.cos(touch.orientation), math.sin(touch.orientation)
+    gap = contact.half_space_gap(touch)(c * u - t * v, t * u + c * v)
+    expected = (ellipse.curvature_x * u**2 + ellipse.curvature_y * v**2) / 2
+    return bool(np.abs(gap - expected).max() < PARABOLIC * ellipse.approach)
+
+
+def _hertz(contact: Contact, ellipse: Ellipse | LineContact) -> Forecast:
+    """Of a line contact the zone is as wide as long: its section does not know the length."""
+    touch, frame = contact.touch, Frame(contact.origin, contact.touch.angle)
+    touching = InEllipse(frame, ellipse.a, ellipse.b, touch.orientation)
+    a, b = ellipse.a, ellipse.b
+    if isinstance(ellipse, LineContact):
+        a = b = ellipse.half_width
+    zone = Zone(contact.origin, a, b, touch.angle)
+    return Forecast((zone,), (0.0, 0.0, a, b), touching, True)
+
+
+def _zone(patch: PatchSolution, surface: Developed) -> Zone:
+    """Where a patch lies and how far it reaches, by whole cells."""
+    ends = [(axis[index.min()], axis[index.max()], axis[1] - axis[0])
+            for axis, index in zip((patch.x, patch.s), np.nonzero(patch.pressure), strict=True)
+            ]  # fmt: skip
+    (x, a), (s, b) = (((low + high) / 2, (high - low + step) / 2) for low, high, step in ends)
+    (middle,) = surface.points(np.array([x]), np.array([s]))
+    centre = (float(middle[0]), float(middle[1]), float(middle[2]))
+    return Zone(centre, float(a), float(b), patch.plane)
+
+
+def _moments(local: Array, force: Array) -> tuple[float, float, float, float]:
+    x, s = (float(np.average(local[:, axis], weights=force)) for axis in (0, 1))
+    a, b = (
+        math.sqrt(5 * float(np.average((local[:, axis] - middle) ** 2, weights=force)))
+        for axis, middle in ((0, x), (1, s))
+    )
+    return x, s, a, b

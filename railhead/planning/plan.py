@@ -1,0 +1,306 @@
+"""What will be simulated, how finely, and why: decided before anything is built."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from railhead.geometry import bodies, dimension, flat
+from railhead.geometry import solid as geometry
+from railhead.geometry.flat import FlatContact
+from railhead.geometry.solid import Contact
+from railhead.meshing.bodies import Options
+from railhead.meshing.profiles import data
+from railhead.meshing.sizing import Grading, suited_stretch
+from railhead.meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y
+from railhead.planning import effects, exact, laws, machine
+from railhead.planning.effects import Effect
+from railhead.planning.effects.true_profile import one_radius
+from railhead.planning.forecast import Forecast, Zone, forecast
+from railhead.planning.laws import Family, Setting
+from railhead.planning.ridges import ridges
+from railhead.scene.scene import Scene
+from railhead.scene.sections import Rail, Wheel
+from railhead.solver.elasticity import Material
+from railhead.theory.hertz import Ellipse
+from railhead.theory.line import LineContact
+
+ELEMENTS_PER_SEMI_AXIS = 6.0  # default patch resolution for quadratic cells
+LINEAR_REFINEMENT = 2.0  # linear cells are made so much smaller
+SECTION_REFINEMENT = 2.0  # so are those of a section, where they cost nearly nothing
+GROWTH = 0.3  # of the element size with distance, at most; finer patches grow more slowly
+FULL_GROWTH = 7 / 6  # times the default resolution, up to which the growth is the largest
+FINEST_SHARE = 0.5  # elements in a further patch over those in the most loaded one, at least
+RIDGE_SHARE = 0.5  # elements on a ridge of the pressure over those of its patch ...
+RIDGE_WIDTH = 0.5  # ... and half the width that has them, over the latter
+STRETCHES = 9  # tried where patches share a mesh
+COARSEST = 0.25  # largest element over the half length of the bodies
+HALF_SPACE_REACH = 8.0  # edge of the blocks over the major semi-axis: the far field is exact
+BODY_REACH = 12.0  # half length of real bodies over the major semi-axis, at least
+MIN_BODY_REACH = 80.0  # mm
+SECTION_CELLS = 30  # for each mm of web and foot, whose fillets set their size (measured)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Decisions for one scene; `estimate` is exact Hertz with the curvatures at first contact,
+    `forecast` the patch that is expected."""
+
+    scene: Scene
+    contact: Contact
+    estimate: Ellipse | LineContact
+    effects: dict[str, Effect]
+    order: int
+    patch_size: float
+    reach: float
+    forecast: Forecast
+
+    @property
+    def solid_resolution(self) -> float:
+        """Elements per smaller semi-axis of a solid at default settings."""
+        return ELEMENTS_PER_SEMI_AXIS * (LINEAR_REFINEMENT if self.order == 1 else 1.0)
+
+    @property
+    def default_resolution(self) -> float:
+        """Elements per smaller semi-axis without an asked accuracy."""
+        return self.solid_resolution * (SECTION_REFINEMENT if self.section else 1.0)
+
+    @property
+    def resolution(self) -> float:
+        """Elements per smaller semi-axis of the predicted patch."""
+        return self.forecast.minor / self.patch_size
+
+    @property
+    def setting(self) -> Setting:
+        """What the errors of this plan depend on besides the element size."""
+        scene, zone = self.scene, self.zone
+        moduli = [exact.plane_strain_modulus(scene, tag) for tag in BODIES]
+        shape = "solid"
+        if isinstance(self.contact, FlatContact):
+            shape = "meridian" if self.contact.revolved else "plane strain"
+        return Setting(
+            shape=shape,
+            cell=scene.mesh.cell,
+            order=self.order,
+            method=scene.solver.method,
+            theta=scene.solver.theta,
+            gamma_factor=scene.solver.gamma_factor,
+            poisson=max(self.material(tag).poisson_ratio for tag in self.deformable),
+            ellipse=self.forecast.hertzian,
+            axis_ratio=max(zone) / min(zone),
+            stiffness=0.0 if math.isinf(max(moduli)) else min(moduli) / max(moduli),
+        )
+
+    @property
+    def family(self) -> Family | None:
+        """Whose error laws hold for this plan."""
+        return laws.family(self.setting)
+
+    @property
+    def section(self) -> bool:
+        """Whether two dimensions are enough."""
+        return isinstance(self.contact, FlatContact)
+
+    @property
+    def zone(self) -> tuple[float, float]:
+        """Half lengths of the most loaded patch along and across, mm; of a line its half width."""
+        return self.forecast.zones[0].a, self.forecast.zones[0].b
+
+    def at_resolution(self, n: float) -> Plan:
+        """The same plan with n elements per smaller semi-axis."""
+        return replace(self, patch_size=self.forecast.minor / n)
+
+    def flipped(self, name: str) -> Plan:
+        """The same plan with one effect in its other state."""
+        effect = self.effects[name]
+        if self.section and ("off" if effect.on else "on") in effect.refused:
+            return self
+        if name == "axisymmetry" and effect.called_for:
+            return make(self.scene.replace([f"effects.{name}={'off' if effect.on else 'on'}"]))
+        return replace(self, effects={**self.effects, name: replace(effect, on=not effect.on)})
+
+    def price(self, name: str) -> tuple[int, float]:
+        """Unknowns and seconds that an effect's state is predicted to cost; negative: it saves."""
+        other = self.flipped(name)
+        return self.unknowns - other.unknowns, self.seconds - other.seconds
+
+    @property
+    def left_out(self) -> float:
+        """Relative error that effects left out by the plan add to every quantity."""
+        return sum(effect.error for effect in self.effects.values())
+
+    @property
+    def deformable(self) -> tuple[int, ...]:
+        """Tags of the bodies that are meshed."""
+        return tuple(tag for tag in BODIES if self.effects[f"deformable_{BODIES[tag]}"].on)
+
+    @property
+    def shown(self) -> Rail | Wheel:
+        """The body whose stresses are reported: the rail, unless it is rigid."""
+        return self.scene.rail if RAIL in self.deformable else self.scene.wheel
+
+    @property
+    def poisson_ratios(self) -> dict[str, float]:
+        """Of the bodies that are meshed, by name, the one shown first."""
+        return {BODIES[tag]: self.material(tag).poisson_ratio for tag in self.deformable}
+
+    def material(self, body: int) -> Material:
+        """Elastic constants of RAIL or WHEEL as simulated."""
+        part = self.scene.rail if body == RAIL else self.scene.wheel
+        young = part.young_modulus if body in self.deformable else math.inf
+        return Material(young, part.poisson_ratio)
+
+    @property
+    def surfaces(self) -> Contact:
+        """The contact whose profiles make the gap."""
+        if self.contact.lengthwise or self.effects["true_profile"].on:
+            return self.contact
+        return one_radius(self.contact)
+
+    @property
+    def far_field(self) -> bool:
+        """Supports follow the displacement of half-spaces."""
+        return self.effects["far_field"].on
+
+    @property
+    def half_x(self) -> bool:
+        """Only x >= 0 is modelled."""
+        return self.effects["symmetry_x"].on
+
+    @property
+    def half_y(self) -> bool:
+        """Only y >= 0 is modelled."""
+        return self.effects["symmetry_y"].on
+
+    @property
+    def planes(self) -> tuple[tuple[int, tuple[float, float, float]], ...]:
+        """Facet tag and normal of the symmetry planes in use."""
+        planes = []
+        if self.half_x or (isinstance(self.contact, FlatContact) and self.contact.revolved):
+            planes.append((SYMMETRY_X, (1.0, 0.0, 0.0)))
+        if self.half_y:
+            planes.append((SYMMETRY_Y, (0.0, 1.0, 0.0)))
+        return tuple(planes)
+
+    @property
+    def slave(self) -> int:
+        """The softer body carries the contact quadrature and the stress of Nitsche's method."""
+        return min(self.deformable, key=lambda tag: exact.plane_strain_modulus(self.scene, tag))
+
+    @property
+    def options(self) -> Options:
+        """Cells, degree of the geometry, and whether one half is left out."""
+        curved = self.order > 1 and not self.contact.half_space
+        plane = self.contact.plane if isinstance(self.contact, FlatContact) else ""
+        return Options(self.scene.mesh.cell, 2 if curved else 1, self.half_x, plane)
+
+    @property
+    def growth(self) -> float:
+        """Of the element size with the distance from the patch."""
+        return min(GROWTH, GROWTH * FULL_GROWTH * self.solid_resolution / self.resolution)
+
+    def grading(self) -> Grading:
+        """Sizes around the patches of the forecast; smaller patches get smaller elements. Elements
+        are stretched along the rail as far as it saves cells."""
+        if self.section:
+            return self._stretched(1.0)
+        most = max(suited_stretch(zone.a, zone.b) for zone in self.forecast.zones)
+        if len(self.forecast.zones) == 1:
+            return self._stretched(most)
+        tried = (self._stretched(float(k)) for k in np.linspace(1.0, most, STRETCHES))
+        hexahedra = self.scene.mesh.cell == "hexahedron"
+        return min(tried, key=lambda g: g.predicted_cells(self.reach, hexahedra=hexahedra))
+
+    def _stretched(self, stretch: float) -> Grading:
+        """Patches that want less than this stretch get smaller elements instead."""
+
+        def around(zone: Zone) -> Grading:
+            share = min(zone.a, zone.b) / self.forecast.minor
+            size = self.patch_size * min(1.0, max(share, FINEST_SHARE))
+            size *= min(1.0, suited_stretch(zone.a, zone.b) / stretch)
+            return Grading(
+                zone.centre, zone.a, zone.b, zone.angle, size, self.growth,
+                coarsest=COARSEST * self.reach, stretch=stretch,
+            )  # fmt: skip
+
+        first, *others = (around(zone) for zone in self.forecast.zones)
+        if self.scene.mesh.cell == "tetrahedron":  # rows of hexahedra would run across everything
+            for zone, patch in zip(self.forecast.zones, (first, *others), strict=True):
+                width, size = RIDGE_WIDTH * patch.size, RIDGE_SHARE * patch.size
+                others += [
+                    replace(patch, centre=line.centre, a=line.a, b=width, size=size)
+                    for line in ridges(self.surfaces, zone)
+                ]
+        return replace(first, also=tuple(others))
+
+    @property
+    def unknowns(self) -> int:
+        """Predicted from the element density."""
+        cell = self.scene.mesh.cell
+        share = 0.5 ** (self.half_x + self.half_y)
+        if isinstance(self.contact, FlatContact):
+            share *= len(self.deformable) * (0.5 if self.contact.revolved else 1.0)
+            triangles = self.grading().predicted_triangles(self.reach)
+            return int(share * triangles * unknowns_per_cell("section", cell, self.order))
+        cells = self.grading().predicted_cells(self.reach, hexahedra=cell == "hexahedron")
+        cells *= len(self.deformable)
+        section = self.effects["rail_section"]
+        if section.on and not section.refused and RAIL in self.deformable:
+            half = bodies.rail_reach(self.contact, self.reach, whole_section=True)
+            cells += SECTION_CELLS * 2 * half
+        return int(share * cells * unknowns_per_cell("solid", cell, self.order))
+
+    @property
+    def seconds(self) -> float:
+        """Predicted for the whole process without pictures."""
+        return machine.START + machine.seconds(self.unknowns)
+
+    def summary(self) -> dict[str, Any]:
+        """As in summary.json."""
+        return {
+            "effects": {name: self._effect(name) for name in self.effects},
+            "unknowns": self.unknowns,
+            "predicted_seconds": self.seconds,
+            "patch_size_mm": self.patch_size,
+            "slave": BODIES[self.slave],
+            "contact_angle_rad": self.contact.touch.angle,
+            "forecast": {"hertzian": self.forecast.hertzian, "reason": self.forecast.reason},
+        }
+
+    def _effect(self, name: str) -> dict[str, Any]:
+        unknowns, seconds = self.price(name)
+        cost = {"unknowns": unknowns, "seconds": seconds}
+        return {**self.effects[name].summary(), "predicted_cost": cost}
+
+
+def unknowns_per_cell(kind: str, cell: str, order: int) -> float:
+    """Of a predicted cell in a 'solid' or 'section': measured by `studies.cells`."""
+    return float(data("cells.json")[kind][cell][str(order)])
+
+
+def make(scene: Scene) -> Plan:
+    """Decide. Raises SceneError for a pair that cannot be solved as a point contact."""
+    kind = dimension.choose(scene)
+    contact = geometry.locate(scene) if kind.kind == "solid" else flat.locate(scene, kind)
+    predicted = exact.finite(scene, contact)
+    decided = effects.decide(scene, contact, predicted)
+    expected = forecast(contact, predicted, scene.load)
+    order = scene.mesh.order or (2 if scene.mesh.cell == "tetrahedron" else 1)
+    major = max(max(zone.a, zone.b) for zone in expected.zones)
+    if isinstance(predicted, Ellipse):
+        major = max(major, predicted.a, predicted.b)
+    if contact.half_space:
+        reach = HALF_SPACE_REACH * major
+    else:
+        reach = max(MIN_BODY_REACH, BODY_REACH * major)
+    size = scene.mesh.patch_size or expected.minor
+    plan = Plan(scene, contact, predicted, decided, order, size, reach, expected)
+    if scene.mesh.patch_size:
+        return plan
+    plan = plan.at_resolution(plan.default_resolution)
+    if scene.accuracy is None or plan.family is None:
+        return plan
+    return plan.at_resolution(plan.family.finest(scene.accuracy - plan.left_out))

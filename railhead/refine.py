@@ -1,0 +1,116 @@
+"""From a scene to its result: one mesh at default settings, a sequence for an asked accuracy."""
+
+from __future__ import annotations
+
+import math
+
+from mpi4py import MPI
+
+from railhead import estimates
+from railhead.level import Level, solve_level
+from railhead.planning import laws, machine
+from railhead.planning import plan as planning
+from railhead.planning.plan import Plan
+from railhead.planning.price import affordable
+from railhead.progress import Progress
+from railhead.result import Result
+from railhead.scene.scene import Scene, SceneError
+from railhead.summary import Ending, summarise
+
+MAX_LEVELS = 5
+MEMORY_SHARE = 0.8  # of the free memory that a run may take
+
+
+def run(
+    scene: Scene, progress: Progress | None = None, comm: MPI.Intracomm = MPI.COMM_WORLD
+) -> Result:
+    """Solve a scene. Raises SceneError for a scene that makes no contact problem, MeshError."""
+    progress = progress or Progress(quiet=True)
+    plan = planning.make(scene)
+    if scene.accuracy is None and scene.budget is None:
+        _check_memory(plan, comm.bcast(machine.free_memory()))
+        levels, ending = [solve_level(plan, plan.grading(), progress, comm)], Ending("one mesh")
+    else:
+        levels, ending = _refine(plan, progress, comm)
+    level = levels[-1]
+    if level.fields is None:
+        return Result(level)
+    return Result(level, summarise(levels, ending))
+
+
+def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[Level], Ending]:
+    """Solve on a coarse and a fine mesh, and on finer ones until the estimates meet the accuracy.
+
+    Outside the calibrated families a third mesh, coarser still, comes first.
+    """
+    scene = plan.scene
+    wanted = plan.resolution
+    if scene.budget is not None:
+        wanted = affordable(plan, wanted)
+    low = laws.RANGE[0] * (planning.LINEAR_REFINEMENT if plan.order == 1 else 1.0)
+    steps = 1 if plan.family else 2
+    first = plan.at_resolution(max(wanted / laws.STEP**steps, low))
+    levels = [solve_level(first, None, progress, comm)]
+    spent = sum(levels[0].seconds.values())
+    while True:
+        done = levels[-1]
+        worst = comm.bcast(_worst(levels))
+        if not done.solution.newton.converged:
+            return levels, Ending("Newton's method did not converge")
+        if len(levels) > 1 and scene.accuracy is not None and worst <= scene.accuracy:
+            return levels, Ending("asked accuracy reached")
+        if len(levels) > 1 and scene.accuracy is None and math.isfinite(worst):
+            return levels, Ending("budget spent")
+        n, covered = comm.bcast(_next(levels, worst, wanted))
+        finer, grading = done.finer(n)
+        cost = finer.unknowns, machine.seconds(finer.unknowns)
+        # The second mesh was priced beforehand.
+        stop = comm.bcast(_obstacle(scene, cost, spent if len(levels) > 1 else 0.0))
+        if not covered:
+            stop = stop or "the error laws end at coarser meshes"
+        if stop or len(levels) == MAX_LEVELS:
+            return levels, Ending(stop or "too many meshes", cost)
+        level = solve_level(finer, grading, progress, comm)
+        levels.append(level)
+        spent += sum(level.seconds.values())
+
+
+def _worst(levels: list[Level]) -> float:
+    """What counts of the estimates of the last mesh."""
+    return estimates.worst(estimates.estimate(levels)[0], levels[-1].result)
+
+
+def _next(levels: list[Level], worst: float, wanted: float) -> tuple[float, bool]:
+    """Elements per semi-axis of the next mesh, and whether an estimate can be had there."""
+    level = levels[-1]
+    n, asked = level.resolution, level.plan.scene.accuracy
+    known = laws.family(level.setting)
+    if known is None or (len(levels) > 1 and not math.isfinite(worst)):
+        return laws.STEP * n, True
+    if len(levels) > 1:
+        wanted = estimates.next_resolution(n, worst, asked or worst)
+    else:
+        if asked is not None and level.plan.scene.budget is None:
+            wanted = known.finest(asked - level.plan.left_out)
+        wanted = max(wanted, 1.25 * n)
+    return wanted, known.covers(wanted)
+
+
+def _check_memory(plan: Plan, free: int) -> None:
+    """Refuse a first mesh that would not fit into the free memory (bytes)."""
+    need = machine.memory(plan.unknowns)
+    if need > MEMORY_SHARE * free:
+        raise SceneError(
+            "mesh.patch_size",
+            f"{plan.patch_size:.3g} mm makes about {plan.unknowns:.2g} unknowns, which need "
+            f"{need / 1e9:.3g} GB of {free / 1e9:.3g} GB free; give a larger one",
+        )
+
+
+def _obstacle(scene: Scene, cost: tuple[int, float], spent: float) -> str:
+    """Why a mesh of that cost (unknowns, seconds) is not solved; empty if it is."""
+    if machine.memory(cost[0]) > MEMORY_SHARE * machine.free_memory():
+        return f"memory: the next mesh needs about {machine.memory(cost[0]) / 1e9:.1f} GB"
+    if scene.budget is not None and spent and machine.START + spent + cost[1] > scene.budget:
+        return f"budget: the next mesh needs about {cost[1]:.0f} s"
+    return ""

@@ -1,0 +1,1 @@
+"""What a person may say about a wheel on a rail."""

@@ -1,0 +1,223 @@
+"""The scene: everything a person may say about a wheel on a rail, checked once, then frozen.
+
+A `Scene` is built in Python, from a mapping, or from a TOML file (`railhead.scene_io`). Lengths are
+in mm, forces in N, stresses in MPa; wherever a number is expected, a string with a unit is read as
+well. Every way of building one raises `SceneError`, whose text is one line.
+"""
+
+import math
+import re
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Annotated, Any, Self
+
+from pydantic import BeforeValidator, model_validator
+
+from railhead.scene import units, unused
+from railhead.scene.sections import (
+    Effects,
+    Friction,
+    Mesh,
+    Rail,
+    SceneError,
+    Section,
+    Solver,
+    Wheel,
+    Wheelset,
+)
+from railhead.scene.units import show
+
+__all__ = [
+    "Effects", "Friction", "Mesh", "Rail", "Scene", "SceneError", "Solver", "Wheel", "Wheelset",
+]  # fmt: skip
+
+#: Transverse radius in mm of what touches: the crowns of EN 13674-1, straight wheel treads.
+NOMINAL_RADIUS = {"54E1": 300.0, "60E1": 300.0} | dict.fromkeys(
+    ("cylinder", "cone20", "cone40"), math.inf
+)
+#: Keys whose values are words, even where they look like numbers: TOML reads 54E1 as 540.0.
+_WORDS = ("name", "rail.profile", "wheel.profile")
+#: Setting the key on the left drops the one on the right, but for one value.
+_DROPS = {
+    "load": ("approach", None),
+    "approach": ("load", None),
+    "rail.profile": ("rail.crown_radius", "arc"),
+    "wheel.profile": ("wheel.transverse_radius", "arc"),
+    "solver.method": ("solver.theta", "nitsche"),
+}
+
+
+def _name(value: object) -> str:
+    if isinstance(value, str) and re.fullmatch(r"(?!\.+$)[A-Za-z0-9_.-]{1,100}", value):
+        return value
+    raise ValueError(f"{show(value)} is not allowed; give 1 to 100 letters, digits, _, - or .")
+
+
+def _assignment(text: str) -> tuple[str, object]:
+    """Split ``key=value``; the value is a TOML scalar if it reads as one, else a plain string."""
+    key, equals, value = (part.strip() for part in text.partition("="))
+    if not (key and equals):
+        raise SceneError("assignment", f"{show(text)} is not key=value; write e.g. load=110kN")
+    scalars = (str,) if key in _WORDS else (str, int, float, bool)
+    try:
+        parsed = tomllib.loads(f"value = {value}")
+    except (ValueError, RecursionError):
+        return key, value
+    if len(parsed) == 1 and isinstance(parsed["value"], scalars):
+        return key, parsed["value"]
+    return key, value
+
+
+def _dotted(values: Mapping[str, object]) -> Iterator[tuple[str, object]]:
+    """Dotted keys and values of nested tables or sections."""
+    for key, value in values.items():
+        if isinstance(value, Section):
+            value = value.model_dump()
+        if isinstance(value, Mapping):
+            yield from ((f"{key}.{leaf}", inner) for leaf, inner in value.items())
+        else:
+            yield key, value
+
+
+class Scene(Section):
+    """A wheel on a rail, pressed by a load (N) or by an approach (mm): exactly one of the two.
+
+    ``Scene(load="25 kN", rail=Rail(profile="60E1"))`` builds one; a wrong key or value raises
+    SceneError, a later assignment pydantic's ValidationError, as a scene is frozen.
+    """
+
+    name: Annotated[str, BeforeValidator(_name)] = "scene"
+    load: units.Force | None = None
+    approach: units.Approach | None = None
+    accuracy: units.Accuracy | None = None
+    budget: units.Duration | None = None
+    rail: Rail = Rail()
+    wheel: Wheel = Wheel()
+    wheelset: Wheelset = Wheelset()
+    friction: Friction = Friction()
+    solver: Solver = Solver()
+    mesh: Mesh = Mesh()
+    effects: Effects = Effects()
+
+    @model_validator(mode="after")
+    def _load_or_approach(self) -> Self:
+        if self.load is None and self.approach is None:
+            raise SceneError("load, approach", "neither is given; give exactly one of them")
+        if self.load is not None and self.approach is not None:
+            both = f"({self.load:.12g}, {self.approach:.12g})"
+            raise SceneError("load, approach", f"both are given {both}; give exactly one of them")
+        return self
+
+    @model_validator(mode="after")
+    def _size_or_accuracy(self) -> Self:
+        if self.mesh.patch_size is not None and (self.accuracy or self.budget):
+            other = "accuracy" if self.accuracy else "budget"
+            raise SceneError(
+                f"mesh.patch_size, {other}",
+                f"both are given; {other} chooses the patch size, give one of them",
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _friction_can_hold(self) -> Self:
+        tangential, normal = abs(self.friction.tangential_load), self.load
+        if normal is not None and tangential > self.friction.coefficient * normal:
+            raise SceneError(
+                "friction.tangential_load",
+                f"{tangential:g} N would slide; give at most friction.coefficient * load = "
+                f"{self.friction.coefficient * normal:g} N",
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _one_body_deforms(self) -> Self:
+        if math.isinf(self.rail.young_modulus) and math.isinf(self.wheel.young_modulus):
+            keys = "rail.young_modulus, wheel.young_modulus"
+            raise SceneError(keys, "both are inf (rigid); make at least one of them finite")
+        return self
+
+    @model_validator(mode="after")
+    def _half_space_is_a_point_or_line_contact(self) -> Self:
+        if self.rail.extent == "half-space":
+            along, across = self.relative_curvatures()
+            if across < 0 or not along + across > 0:
+                raise SceneError(
+                    "rail.crown_radius, wheel.transverse_radius",
+                    f"a relative curvature of {across:.6g} 1/mm is neither a point nor a line "
+                    "contact; a half-space needs 1/crown_radius + 1/transverse_radius > 0, or 0 "
+                    "with a finite wheel.rolling_radius",
+                )
+            unused.refuse(self, self._half_space)
+        return self
+
+    @property
+    def _half_space(self) -> str:
+        """Which kind of half-spaces, in `unused`."""
+        along, across = self.relative_curvatures()
+        if along and across:
+            return "half_space"
+        return "half_space_along" if along else "half_space_across"
+
+    def relative_curvatures(self) -> tuple[float, float]:
+        """Return the relative curvatures (along, across) the rail in 1/mm of two half-spaces.
+
+        Along: 1/rolling_radius, the rail being straight; across: 1/crown_radius +
+        1/transverse_radius (K. L. Johnson, Contact Mechanics, 1985, section 4.1). Standard rails
+        count with the radius of their crown, cylinders and cones as straight across.
+        Raises SceneError for a profile without a single radius (S1002, a .csv file).
+        """
+        across = 0.0
+        for key, profile, radius in (
+            ("rail", self.rail.profile, self.rail.crown_radius),
+            ("wheel", self.wheel.profile, self.wheel.transverse_radius),
+        ):
+            radius = radius or NOMINAL_RADIUS.get(profile)
+            if radius is None:
+                text = f"{show(profile)} has no single radius; a half-space needs one, e.g. arc"
+                raise SceneError(f"{key}.profile", text)
+            across += 1 / radius
+        return 1 / self.wheel.rolling_radius, across
+
+    @classmethod
+    def from_mapping(cls, data: Mapping[str, object]) -> Self:
+        """Return the scene that nested tables describe; raise SceneError for the first problem."""
+        if not isinstance(data, Mapping):
+            raise SceneError(
+                "scene", f"{show(data)} is not a table; give one, e.g. {{'load': 25000}}"
+            )
+        tables: dict[str, Any] = {str(key): value for key, value in data.items()}
+        for key, value in tables.items():
+            if isinstance(value, Mapping):
+                tables[key] = {str(inner): deeper for inner, deeper in value.items()}
+        return cls(**tables)
+
+    def replace(self, assignments: Iterable[str] = (), /, **values: object) -> Self:
+        """Return a scene with some keys set anew, each written ``key=value`` with a dotted key, or
+        given as a value: ``replace(load="110 kN", rail={"profile": "60E1"})``.
+
+        A written value that is a TOML scalar is read as one, anything else as a plain string.
+        Setting the load drops the approach and the reverse; a profile other than ``arc`` drops its
+        radius, the penalty method drops theta, and half-spaces drop what they cannot use. Raises
+        SceneError.
+        """
+        given = dict(_assignment(text) for text in assignments) | dict(_dotted(values))
+        drops = [
+            _DROPS[key][0]
+            for key, value in given.items()
+            if key in _DROPS and value != _DROPS[key][1]
+        ]
+        data: dict[str, object] = self.model_dump()
+        for key, value in (dict.fromkeys(drops) | given).items():
+            section, dot, leaf = key.partition(".")
+            table = data.get(section)
+            if dot:
+                data[section] = {**(table if isinstance(table, dict) else {}), leaf: value}
+            elif isinstance(table, dict):
+                keys = ", ".join(table)
+                raise SceneError(key, f"{show(value)} is not allowed; set one of its keys: {keys}")
+            else:
+                data[key] = value
+        if given.get("rail.extent") == "half-space":
+            bare = self.from_mapping(unused.without(data, unused.HALF_SPACE - given.keys()))
+            data = unused.without(data, unused.UNUSED[bare._half_space][1] - given.keys())
+        return self.from_mapping(data)

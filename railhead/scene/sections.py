@@ -1,0 +1,224 @@
+"""The tables of a scene: frozen, without unknown keys, and one line of text when wrong.
+
+Lengths are in mm, stresses in MPa, and wherever a number is expected a string with its unit is read
+as well. A key that may be None leaves the choice to the plan.
+"""
+
+import os
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_validator
+
+from railhead.scene import units
+from railhead.scene.units import show
+
+ALIASES = {"UIC54": "54E1", "UIC60": "60E1"}
+
+
+class SceneError(ValueError):
+    """The input is wrong: ``key`` says where, ``text`` what it was and what is allowed there."""
+
+    def __init__(self, key: str, text: str) -> None:
+        super().__init__(key, text)
+        self.key, self.text = key, text
+
+    def __str__(self) -> str:
+        key = self.key if self.key and self.key.isprintable() else show(self.key)
+        return f"{key}: {self.text}"
+
+
+class Section(BaseModel):
+    """A frozen table of keys; a wrong key or value raises `SceneError`."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    def __init__(self, /, **data: Any) -> None:
+        try:
+            super().__init__(**data)
+        except ValidationError as error:
+            raise self._first_problem(error) from None
+
+    @classmethod
+    def _first_problem(cls, error: ValidationError) -> SceneError:
+        """Put the first of pydantic's findings into one line."""
+        first = error.errors(include_url=False)[0]
+        key = ".".join(str(part) for part in first["loc"])
+        value = show(first["input"])
+        match first["type"]:
+            case "value_error":
+                cause = first["ctx"]["error"]
+                if isinstance(cause, SceneError):  # from within a section, or from a cross check
+                    return SceneError(f"{key}.{cause.key}" if key else cause.key, cause.text)
+                return SceneError(key, str(cause))
+            case "extra_forbidden":
+                close = get_close_matches(key, cls.model_fields, n=1)
+                hint = f"did you mean {close[0]}? " if close else ""
+                allowed = ", ".join(cls.model_fields)
+                return SceneError(key, f"unknown key; {hint}allowed here: {allowed}")
+            case "literal_error":
+                choices = first["ctx"]["expected"].replace("'", "")
+                return SceneError(key, f"{value} is not allowed; give {choices}")
+            case "model_type":
+                return SceneError(key, f"{value} is not a table; give [{key}] and its keys")
+            case _:  # string_unicode: half of a surrogate pair, in a key or in a value
+                return SceneError(key, f"{value} is not Unicode text; give whole characters")
+
+
+def _readable(path: str) -> bool:
+    """Return whether `path` is a file that can be read, with a name that TOML can hold."""
+    is_text = path.encode(errors="ignore").decode() == path
+    return is_text and os.path.isfile(path) and os.access(path, os.R_OK)
+
+
+def _profile(*names: str) -> BeforeValidator:
+    """Return a validator of a profile: one of `names`, an alias, or a .csv file (kept absolute)."""
+
+    def validate(value: object) -> str:
+        text = str(value) if isinstance(value, str | Path) else ""
+        text = ALIASES.get(text, text)
+        if text in names:
+            return text
+        if not text.lower().endswith(".csv"):
+            allowed = ", ".join(names)
+            raise ValueError(f"{show(value)} is not allowed; give {allowed} or a .csv file")
+        path = os.path.abspath(text)
+        if not _readable(path):
+            raise ValueError(f"{show(value)} is not a readable file; give a .csv file that exists")
+        return path
+
+    return BeforeValidator(validate)
+
+
+def _check_arc(profile: str, key: str, radius: float | None) -> None:
+    """Require `radius` of the profile ``arc``, and of no other."""
+    if profile == "arc" and radius is None:
+        raise SceneError(key, 'not given; profile arc needs it, e.g. 80 or "80 mm"')
+    if profile != "arc" and radius is not None:
+        raise SceneError(key, f"{radius:g} is not allowed; only profile arc takes it")
+
+
+class Rail(Section):
+    """The rail: straight, its crown radius in mm, its inclination the tangent of an angle.
+
+    ``depth`` (below the crown) and ``width`` are those of a block under an arc.
+    ``gauge`` is the distance of the two rails, 14 mm below their tops, in mm; without it the
+    wheel's tape circle (70 mm from the flange back) stands over the crown centre.
+    """
+
+    profile: Annotated[str, _profile("54E1", "60E1", "arc")] = "54E1"
+    crown_radius: units.Radius | None = None
+    inclination: units.Slope = 0.0
+    gauge: units.Gauge | None = None
+    extent: Literal["head", "section", "half-space"] = "head"
+    length: units.BodyLength | None = None
+    depth: units.BodyLength | None = None
+    width: units.BodyLength | None = None
+    young_modulus: units.Modulus = 207000.0
+    poisson_ratio: units.PoissonRatio = 0.3
+    yield_stress: units.Stress | None = None
+
+    @model_validator(mode="after")
+    def _radius_of_an_arc(self) -> Self:
+        _check_arc(self.profile, "crown_radius", self.crown_radius)
+        for key, value in (("depth", self.depth), ("width", self.width)):
+            if value is not None and self.profile != "arc":
+                raise SceneError(key, f"{value:g} is not allowed; only profile arc takes it")
+        return self
+
+
+class Wheel(Section):
+    """The wheel; ``segment_length`` is the arc length that is kept along the rail, in mm.
+
+    A rolling radius of inf is a straight bar with the tread's section.
+    """
+
+    profile: Annotated[str, _profile("cylinder", "cone20", "cone40", "arc", "S1002")] = "cylinder"
+    rolling_radius: units.Radius = 420.0
+    transverse_radius: units.SignedRadius | None = None
+    width: units.BodyLength | None = None
+    rim_depth: units.BodyLength | None = None
+    segment_length: units.BodyLength | None = None
+    young_modulus: units.Modulus = 207000.0
+    poisson_ratio: units.PoissonRatio = 0.3
+    yield_stress: units.Stress | None = None
+
+    @model_validator(mode="after")
+    def _radius_of_an_arc(self) -> Self:
+        _check_arc(self.profile, "transverse_radius", self.transverse_radius)
+        return self
+
+
+class Wheelset(Section):
+    """Where the wheel stands: ``shift`` brings its flange to the rail, in mm; ``yaw`` turns the
+    axle about the vertical, in rad; the roll follows, as both wheels touch both rails.
+    ``back_to_back`` is the distance of the flange backs, in mm.
+    """
+
+    shift: units.Shift = 0.0
+    yaw: units.Yaw = 0.0
+    back_to_back: units.Gauge = 1360.0
+
+
+class Solver(Section):
+    """How the contact is enforced; ``gamma_factor`` multiplies the default stabilisation.
+
+    Without ``theta`` Nitsche's method is symmetric (1) down to factor 1 and skew (-1) below it.
+    """
+
+    method: Literal["nitsche", "penalty"] = "nitsche"
+    theta: units.Theta | None = None
+    gamma_factor: units.Factor = 1.0
+    linear: Literal["auto", "direct", "multigrid"] = "auto"
+    max_newton: units.Iterations = 30
+
+    @model_validator(mode="after")
+    def _theta_of_nitsche(self) -> Self:
+        if self.method == "penalty" and self.theta is not None:
+            raise SceneError("theta", f"{self.theta} is not allowed; only method nitsche takes it")
+        return self
+
+
+class Mesh(Section):
+    """The cells; without ``order`` tetrahedra are quadratic and hexahedra linear."""
+
+    cell: Literal["tetrahedron", "hexahedron"] = "tetrahedron"
+    order: units.Order | None = None
+    patch_size: units.ElementSize | None = None
+
+
+class Friction(Section):
+    """Dry friction; ``tangential_load`` acts on the wheel along the rail, in N."""
+
+    coefficient: units.FrictionCoefficient = 0.0
+    tangential_load: units.SignedForce = 0.0
+
+
+Switch = Literal["auto", "on", "off"]
+
+
+class Effects(Section):
+    """Effects that a person may force; ``auto`` leaves them to the plan.
+
+    ``symmetry`` is short for both planes.
+    """
+
+    symmetry: Switch = "auto"
+    plane_strain: Switch = "auto"
+    axisymmetry: Switch = "auto"
+    symmetry_x: Switch = "auto"
+    symmetry_y: Switch = "auto"
+    deformable_rail: Switch = "auto"
+    deformable_wheel: Switch = "auto"
+    rail_section: Switch = "auto"
+    far_field: Switch = "auto"
+    true_profile: Switch = "auto"
+    mean_dilatation: Switch = "auto"
+    plasticity: Switch = "auto"
+    friction: Switch = "auto"
+
+    def state(self, name: str) -> Switch:
+        """The choice for one effect."""
+        choice: Switch = getattr(self, name)
+        return self.symmetry if choice == "auto" and name.startswith("symmetry") else choice
