@@ -1,7 +1,7 @@
 """Coned tread 1:20 on an upright UIC54: the contact lies off the crown, at the R300-R80 joint."""
 
+from railhead import Rail, Scene, Wheel
 from railhead.cli import run_case
-from railhead.scene.scene import Rail, Scene, Wheel
 
 SCENE = Scene(
     name="cone20_uninclined_uic54",

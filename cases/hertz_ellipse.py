@@ -1,7 +1,7 @@
 """The thesis's radii as two half-spaces: what Hertz's formula describes exactly."""
 
+from railhead import Rail, Scene, Wheel
 from railhead.cli import run_case
-from railhead.scene.scene import Rail, Scene, Wheel
 
 SCENE = Scene(
     name="hertz_ellipse",

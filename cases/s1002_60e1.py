@@ -1,7 +1,7 @@
 """S1002 on 60E1 inclined 1:40, gauge 1435: the Manchester benchmark, 10 kN, wheelset central."""
 
+from railhead import Rail, Scene, Wheel
 from railhead.cli import run_case
-from railhead.scene.scene import Rail, Scene, Wheel
 
 YOUNG = 2 * 82000 * (1 + 0.28)
 

@@ -2,8 +2,8 @@
 
 import math
 
+from railhead import Rail, Scene, Wheel
 from railhead.cli import run_case
-from railhead.scene.scene import Rail, Scene, Wheel
 
 SCENE = Scene(
     name="two_cylinders",

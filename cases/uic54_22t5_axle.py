@@ -1,7 +1,7 @@
 """Half a 22.5 t axle: 110.3 kN, coned tread 1:20 on UIC54 inclined 1:20."""
 
+from railhead import Rail, Scene, Wheel
 from railhead.cli import run_case
-from railhead.scene.scene import Rail, Scene, Wheel
 
 SCENE = Scene(
     name="uic54_22t5_axle",

@@ -1,7 +1,7 @@
 """The thesis's case: wheel R 420, cylindrical tread, on the UIC54 head, 25 kN."""
 
+from railhead import Rail, Scene, Wheel
 from railhead.cli import run_case
-from railhead.scene.scene import Rail, Scene, Wheel
 
 SCENE = Scene(
     name="uic54_thesis",
