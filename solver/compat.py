@@ -110,6 +110,16 @@ def node_points(mesh: Any) -> NDArray[np.float64]:
     return np.asarray(mesh.geometry.x[:, : mesh.geometry.dim])
 
 
+def interpolation(coarse: Any, fine: Any) -> PETSc.Mat:
+    """The matrix that interpolates functions of one space into another on the same mesh."""
+    if VERSION < (0, 9):
+        matrix = dolfinx.cpp.fem.petsc.interpolation_matrix(coarse._cpp_object, fine._cpp_object)
+    else:
+        matrix = fem.petsc.interpolation_matrix(coarse, fine)
+    matrix.assemble()
+    return matrix
+
+
 def function(space: Any, values: PETSc.Vec) -> Any:
     """The function of a space with these values of its owned dofs."""
     made = fem.Function(space)

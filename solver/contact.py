@@ -264,7 +264,7 @@ class ContactModel:
             return linear.Algebraic(problem, modes)
         coarse = compat.vector_space(self.bulk.space.mesh, 1)
         reduction = constraints.reduce(self.supports(coarse), self.comm, padded=True)
-        full = transfer.interpolation(coarse, self.bulk.space, self.setup.degree)
+        full = compat.interpolation(coarse, self.bulk.space)
         prolongation = transfer.reduced_prolongation(full, self.reduction, reduction)
         modes = transfer.rigid_modes(compat.dof_points(coarse), reduction, kinematics)
         return PMultigrid(problem, Hierarchy(prolongation, modes))

@@ -2,50 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import basix
 import numpy as np
-import scipy.sparse as sp
 from petsc4py import PETSc
 
-from railhead.solver import compat
-from railhead.solver.constraints import Reduction, petsc_matrix
-from railhead.solver.facets import Array, tabulate
+from railhead.solver.constraints import Reduction
+from railhead.solver.facets import Array
 from railhead.solver.kinematics import SOLID, Kinematics
-
-
-def interpolation(coarse: Any, fine: Any, degree: int) -> PETSc.Mat:
-    """P1 -> P`degree` interpolation of vector fields, distributed; exact as the spaces nest."""
-    cell = compat.cell_type(fine.mesh)
-    element = basix.create_element(
-        basix.ElementFamily.P,
-        getattr(basix.CellType, cell),
-        degree,
-        basix.LagrangeVariant.gll_warped,
-    )
-    phi = tabulate(cell, 1, np.asarray(element.points))[0]
-    fine_dofs, coarse_dofs = compat.cell_dofs(fine), compat.cell_dofs(coarse)
-    fine_map, coarse_map = fine.dofmap.index_map, coarse.dofmap.index_map
-    # Each fine dof takes its row from one cell that holds it; all cells agree.
-    count = fine_map.size_local
-    owner = np.full(count + fine_map.num_ghosts, -1, dtype=np.int64)
-    place = np.zeros_like(owner)
-    owner[fine_dofs] = np.arange(len(fine_dofs))[:, None]
-    place[fine_dofs] = np.arange(fine_dofs.shape[1])
-    owner, place = owner[:count], place[:count]
-    ghosted = np.arange(coarse_map.size_local + coarse_map.num_ghosts, dtype=np.int32)
-    to_global = np.asarray(coarse_map.local_to_global(ghosted))
-    rows = np.repeat(np.arange(count), phi.shape[1])
-    columns = to_global[coarse_dofs[owner]].ravel()
-    values = phi[place].ravel()
-    keep = np.abs(values) > 1e-12
-    table = sp.csr_matrix(
-        (values[keep], (rows[keep], columns[keep])), shape=(count, coarse_map.size_global)
-    )
-    dim = fine.mesh.geometry.dim
-    blocks = sp.kron(table, sp.identity(dim), format="csr")
-    return petsc_matrix(blocks, dim * coarse_map.size_local, fine.mesh.comm)
 
 
 def reduced_prolongation(full: PETSc.Mat, fine: Reduction, coarse: Reduction) -> PETSc.Mat:

@@ -176,7 +176,7 @@ def test_prolongation_carries_rigid_motion_and_the_approach(models) -> None:
     model = models()
     coarse = compat.vector_space(model.bulk.space.mesh, 1)
     reduction = constraints.reduce(model.supports(coarse), model.comm)
-    full = transfer.interpolation(coarse, model.bulk.space, 2)
+    full = compat.interpolation(coarse, model.bulk.space)
     q = transfer.reduced_prolongation(full, model.reduction, reduction)
     y = q.createVecRight()
     y.setRandom()
