@@ -25,5 +25,5 @@ docs: setup
 lint: setup
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
-	rm -rf .mypy_built && .venv/bin/python -m pip install -q --no-deps --target .mypy_built .
+	rm -rf .mypy_built build && .venv/bin/python -m pip install -q --no-deps --target .mypy_built . && rm -rf build
 	MYPYPATH=.mypy_built .venv/bin/mypy -p railhead

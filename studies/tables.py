@@ -8,6 +8,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tabulate import tabulate
+
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
@@ -25,13 +27,9 @@ def write_csv(
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """A markdown table; the columns are padded, so that it reads well as plain text too."""
-    lines = [list(header), *([str(cell) for cell in row] for row in rows)]
-    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    lines.insert(1, ["-" * width for width in widths])
-    return "\n".join(
-        "| " + " | ".join(map(str.ljust, line, widths)) + " |" for line in lines
-    )  # fmt: skip
+    """A markdown table that reads well as plain text too."""
+    written = [[str(cell) for cell in row] for row in rows]
+    return tabulate(written, list(header), tablefmt="github", disable_numparse=True)
 
 
 def percent(value: float | None) -> str:

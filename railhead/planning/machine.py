@@ -7,6 +7,8 @@ import os
 import platform
 from pathlib import Path
 
+import psutil
+
 REFERENCE = 55e-6  # seconds an unknown on two shared cores of 2026: mesh to findings ...
 REFERENCE_SIZE = 27_000  # ... of so many; of more of them each takes longer
 START = 1.3  # seconds to import everything there
@@ -68,9 +70,4 @@ def memory(unknowns: int) -> int:
 
 def free_memory() -> int:
     """Bytes that can still be taken."""
-    try:
-        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
-        table = {line.split(":")[0]: int(line.split()[1]) for line in lines}
-        return 1024 * table["MemAvailable"]
-    except (OSError, ValueError, KeyError, IndexError):
-        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    return int(psutil.virtual_memory().available)
