@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 from railhead.postprocess.findings import Array, DepthAxis, Frame, Largest, Peak
-from railhead.theory import line, subsurface, thesis
+from railhead.theory import contacts, thesis
 from railhead.theory.hertz import Ellipse
 from railhead.theory.line import LineContact
-from railhead.theory.subsurface import AxisExtrema
 
 NAMES = {"tau": "tau_max", "von_mises": "von_mises_max"}
 
@@ -66,16 +65,12 @@ def exact(
     """
     bodies = {body: _exact(contact, body, nu, frame) for body, nu in poisson.items()}
     shown, nu = next(iter(poisson.items()))
-    normal = (line if isinstance(contact, LineContact) else subsurface).axis_stress
-    return quantities(bodies, _below(shown, bodies[shown]), normal(contact, nu, 0.0)[0])
+    surface = contacts.axis_stress(contact, nu, 0.0)[0]
+    return quantities(bodies, _below(shown, bodies[shown]), surface)
 
 
 def _exact(contact: Ellipse | LineContact, body: str, poisson: float, frame: Frame) -> Largest:
-    found: AxisExtrema
-    if isinstance(contact, LineContact):
-        found = line.axis_extrema(contact, poisson)
-    else:
-        found = subsurface.axis_extrema(contact, poisson)
+    found = contacts.axis_extrema(contact, poisson)
     tau, mises = (
         Peak(value, depth, frame.below(0.0, 0.0, body, depth))
         for value, depth in (

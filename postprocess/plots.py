@@ -16,7 +16,7 @@ import numpy as np
 
 from railhead.postprocess.findings import Array, AxisPressure, DepthAxis, Findings
 from railhead.postprocess.mirror import whole
-from railhead.theory import line, subsurface
+from railhead.theory import contacts
 from railhead.theory.hertz import Ellipse
 from railhead.theory.line import LineContact
 from railhead.theory.subsurface import max_shear, principal
@@ -115,14 +115,9 @@ def depth(
         peak = axis.peak(max_shear(axis.stress))
         _stresses(panels, axis.depth, axis.stress, "o", FE, f"finite elements, {axis.body}", peak)
         if ellipse is not None:
-            if isinstance(ellipse, LineContact):
-                name = "exact Hertz, line"
-                normal = line.axis_stress(ellipse, poisson, fine)
-                exact = line.axis_extrema(ellipse, poisson)
-            else:
-                name = "exact Hertz, elliptic"
-                normal = subsurface.axis_stress(ellipse, poisson, fine)
-                exact = subsurface.axis_extrema(ellipse, poisson)
+            name = f"exact Hertz, {'elliptic' if isinstance(ellipse, Ellipse) else 'line'}"
+            normal = contacts.axis_stress(ellipse, poisson, fine)
+            exact = contacts.axis_extrema(ellipse, poisson)
             peak = exact.tau_max_depth, exact.tau_max
             _stresses(panels, fine, _diagonal(normal), "-", HERTZ, name, peak)
         if thesis is not None:

@@ -9,7 +9,6 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from railhead.geometry import bodies, flat
-from railhead.geometry.flat import FlatContact
 from railhead.meshing import mesh
 from railhead.meshing.bodies import Body
 from railhead.meshing.sizing import Grading
@@ -17,11 +16,9 @@ from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, WHEEL
 from railhead.planning import exact
 from railhead.planning.plan import Plan
 from railhead.solver.contact import ContactModel
-from railhead.solver.kinematics import SOLID
 from railhead.solver.laws import Law
 from railhead.solver.setup import Setup, Side
-from railhead.theory import halfspace, line
-from railhead.theory.line import LineContact
+from railhead.theory import contacts
 
 
 @dataclass(frozen=True)
@@ -39,19 +36,14 @@ class HertzFarField:
         lower = points * mirror
         lower[:, 2] = lower[:, 2].clip(max=0.0)
         constants = part.young_modulus, part.poisson_ratio
-        if isinstance(hertz, LineContact):
-            return line.hertz_displacement(hertz, lower, *constants) * mirror
-        return halfspace.hertz_displacement(hertz, lower, *constants) * mirror
+        return contacts.displacement(hertz, lower, *constants) * mirror
 
 
 def parts(plan: Plan) -> list[Body]:
     """Sections and sweeps of the deformable bodies of a plan."""
     contact = plan.contact
-    if isinstance(contact, FlatContact):
-        half = contact.revolved or (plan.half_y if contact.plane == "yz" else plan.half_x)
-    else:
-        half = plan.half_y
-    make = flat.bodies if isinstance(contact, FlatContact) else bodies.bodies
+    half = contact.revolved or (plan.half_x if contact.plane == "xz" else plan.half_y)
+    make = flat.bodies if contact.plane else bodies.bodies
     whole = plan.effects["rail_section"].on
     return make(contact, plan.reach, plan.deformable, whole_section=whole, half=half)
 
@@ -82,7 +74,7 @@ def model(plan: Plan, made: mesh.ContactMesh) -> ContactModel:
         load_control=scene.load is not None or plan.far_field,
         linear=scene.solver.linear,
         kinematics=replace(
-            plan.contact.kinematics if isinstance(plan.contact, FlatContact) else SOLID,
+            plan.contact.kinematics,
             mean_dilatation=plan.effects["mean_dilatation"].on,
         ),
     )

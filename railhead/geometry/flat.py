@@ -51,6 +51,11 @@ class FlatContact(Contact):
         return self.dimension.kind == "axisymmetric"
 
     @property
+    def line(self) -> bool:
+        """Whether the contact is one along a line."""
+        return self.dimension.line
+
+    @property
     def kinematics(self) -> Kinematics:
         """What the section's coordinates stand for."""
         first = [0.0, 1.0, 0.0] if self.plane == "yz" else [1.0, 0.0, 0.0]

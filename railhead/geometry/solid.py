@@ -18,6 +18,7 @@ from railhead.meshing.surfaces import ExactGap, ParabolicGap, RailSurface, Wheel
 from railhead.meshing.tags import RAIL
 from railhead.meshing.wheelset import Placed, Track
 from railhead.scene.scene import Scene, SceneError
+from railhead.solver.kinematics import SOLID, Kinematics
 
 Array = NDArray[np.float64]
 RAIL_HALF_WIDTH = 35.0  # mm, of a head given by a single radius
@@ -78,6 +79,26 @@ class Contact:
             return {}
         shift = self.touch.y - self.touch.tread
         return {"rail": (self.pair.rail, 0.0), "wheel": (self.pair.wheel, shift)}
+
+    @property
+    def plane(self) -> str:
+        """Of a section: 'xz' or 'yz'; '' of solids."""
+        return ""
+
+    @property
+    def revolved(self) -> bool:
+        """Whether it is a meridian section."""
+        return False
+
+    @property
+    def line(self) -> bool:
+        """Whether the contact is one along a line."""
+        return False
+
+    @property
+    def kinematics(self) -> Kinematics:
+        """What the coordinates of the mesh stand for."""
+        return SOLID
 
     @property
     def lengthwise(self) -> bool:

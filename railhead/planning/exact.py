@@ -10,7 +10,7 @@ from railhead.geometry.flat import FlatContact
 from railhead.geometry.solid import Contact
 from railhead.meshing.tags import RAIL
 from railhead.scene.scene import NOMINAL_RADIUS, Scene, SceneError
-from railhead.theory import hertz
+from railhead.theory import contacts, hertz
 from railhead.theory.hertz import Ellipse
 from railhead.theory.line import LineContact
 
@@ -36,7 +36,7 @@ def contact_modulus(scene: Scene) -> float:
 def estimate(scene: Scene, contact: Contact, load: float | None = None) -> Ellipse | LineContact:
     """Exact Hertz for the pair under a load (N), by default that or the approach of the scene."""
     load = load if load is not None else scene.load
-    if isinstance(contact, FlatContact) and contact.dimension.line:
+    if isinstance(contact, FlatContact) and contact.line:
         return contact.estimate(load)
     return ellipse(scene, contact, load)
 
@@ -63,7 +63,7 @@ def finite(scene: Scene, contact: Contact) -> Ellipse | LineContact:
     except (ArithmeticError, ValueError):  # beyond the numbers there are
         text = f"{value:g} makes no patch with these radii and moduli; give values of real bodies"
         raise SceneError(key, text) from None
-    major, minor = _half_lengths(found)
+    major, minor = max(contacts.half_lengths(found)), min(contacts.half_lengths(found))
     least, most = _smallest(scene, contact, found), min(scene.wheel.rolling_radius, LARGEST)
     if found.p0 > 0 and math.isfinite(found.load) and least <= minor and major < most:
         return found
@@ -74,13 +74,6 @@ def finite(scene: Scene, contact: Contact) -> Ellipse | LineContact:
     raise SceneError(
         key, f"{size}; give a smaller one, whose patch is smaller than wheel.rolling_radius"
     )
-
-
-def _half_lengths(found: Ellipse | LineContact) -> tuple[float, float]:
-    """Largest and smallest half length of the patch, mm; of a line its half width."""
-    if isinstance(found, LineContact):
-        return found.half_width, found.half_width
-    return max(found.a, found.b), min(found.a, found.b)
 
 
 def _smallest(scene: Scene, contact: Contact, found: Ellipse | LineContact) -> float:
@@ -98,9 +91,5 @@ def _smallest(scene: Scene, contact: Contact, found: Ellipse | LineContact) -> f
         )
         if math.isfinite(radius)
     ]
-    if isinstance(found, LineContact):
-        curvature = found.strip.curvature
-    else:
-        curvature = max(found.curvature_x, found.curvature_y)
     rounding = ROUNDING * np.finfo(float).eps * max(radii, default=0.0)
-    return max(CONTINUUM, math.sqrt(rounding / curvature))
+    return max(CONTINUUM, math.sqrt(rounding / contacts.curvature(found)))

@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from railhead.geometry.flat import FlatContact
 from railhead.geometry.solid import Contact
 from railhead.planning import developed
 from railhead.planning.developed import Developed
 from railhead.postprocess.findings import Frame
+from railhead.theory import contacts
 from railhead.theory.half_space_patch import PatchSolution
 from railhead.theory.hertz import Ellipse
 from railhead.theory.line import LineContact
@@ -90,7 +90,7 @@ class Forecast:
 
 def forecast(contact: Contact, ellipse: Ellipse | LineContact, load: float | None) -> Forecast:
     """load: vertical, N; None where ellipse.approach is given."""
-    if isinstance(ellipse, LineContact) or isinstance(contact, FlatContact):
+    if contact.plane or isinstance(ellipse, LineContact):
         return _hertz(contact, ellipse)
     if contact.half_space or _parabolic(contact, ellipse):
         return _hertz(contact, ellipse)
@@ -135,9 +135,7 @@ def _hertz(contact: Contact, ellipse: Ellipse | LineContact) -> Forecast:
     """Of a line contact the zone is as wide as long: its section does not know the length."""
     touch, frame = contact.touch, Frame(contact.origin, contact.touch.angle)
     touching = InEllipse(frame, ellipse.a, ellipse.b, touch.orientation)
-    a, b = ellipse.a, ellipse.b
-    if isinstance(ellipse, LineContact):
-        a = b = ellipse.half_width
+    a, b = contacts.half_lengths(ellipse)
     zone = Zone(contact.origin, a, b, touch.angle)
     return Forecast((zone,), (0.0, 0.0, a, b), touching, True)
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from railhead.geometry import bodies, dimension, flat
 from railhead.geometry import solid as geometry
-from railhead.geometry.flat import FlatContact
 from railhead.geometry.solid import Contact
 from railhead.meshing.bodies import Options
 from railhead.meshing.profiles import data
@@ -25,6 +24,7 @@ from railhead.planning.ridges import ridges
 from railhead.scene.scene import Scene
 from railhead.scene.sections import Rail, Wheel
 from railhead.solver.elasticity import Material
+from railhead.theory import contacts
 from railhead.theory.hertz import Ellipse
 from railhead.theory.line import LineContact
 
@@ -79,7 +79,7 @@ class Plan:
         scene, zone = self.scene, self.zone
         moduli = [exact.plane_strain_modulus(scene, tag) for tag in BODIES]
         shape = "solid"
-        if isinstance(self.contact, FlatContact):
+        if self.section:
             shape = "meridian" if self.contact.revolved else "plane strain"
         return Setting(
             shape=shape,
@@ -102,7 +102,7 @@ class Plan:
     @property
     def section(self) -> bool:
         """Whether two dimensions are enough."""
-        return isinstance(self.contact, FlatContact)
+        return bool(self.contact.plane)
 
     @property
     def zone(self) -> tuple[float, float]:
@@ -179,7 +179,7 @@ class Plan:
     def planes(self) -> tuple[tuple[int, tuple[float, float, float]], ...]:
         """Facet tag and normal of the symmetry planes in use."""
         planes = []
-        if self.half_x or (isinstance(self.contact, FlatContact) and self.contact.revolved):
+        if self.half_x or self.contact.revolved:
             planes.append((SYMMETRY_X, (1.0, 0.0, 0.0)))
         if self.half_y:
             planes.append((SYMMETRY_Y, (0.0, 1.0, 0.0)))
@@ -194,8 +194,8 @@ class Plan:
     def options(self) -> Options:
         """Cells, degree of the geometry, and whether one half is left out."""
         curved = self.order > 1 and not self.contact.half_space
-        plane = self.contact.plane if isinstance(self.contact, FlatContact) else ""
-        return Options(self.scene.mesh.cell, 2 if curved else 1, self.half_x, plane)
+        cell = self.scene.mesh.cell
+        return Options(cell, 2 if curved else 1, self.half_x, self.contact.plane)
 
     @property
     def growth(self) -> float:
@@ -241,7 +241,7 @@ class Plan:
         """Predicted from the element density."""
         cell = self.scene.mesh.cell
         share = 0.5 ** (self.half_x + self.half_y)
-        if isinstance(self.contact, FlatContact):
+        if self.section:
             share *= len(self.deformable) * (0.5 if self.contact.revolved else 1.0)
             triangles = self.grading().predicted_triangles(self.reach)
             return int(share * triangles * unknowns_per_cell("section", cell, self.order))
@@ -290,8 +290,7 @@ def make(scene: Scene) -> Plan:
     expected = forecast(contact, predicted, scene.load)
     order = scene.mesh.order or (2 if scene.mesh.cell == "tetrahedron" else 1)
     major = max(max(zone.a, zone.b) for zone in expected.zones)
-    if isinstance(predicted, Ellipse):
-        major = max(major, predicted.a, predicted.b)
+    major = max(major, *contacts.half_lengths(predicted))
     if contact.half_space:
         reach = HALF_SPACE_REACH * major
     else:

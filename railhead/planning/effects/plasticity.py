@@ -6,14 +6,13 @@ from railhead.geometry.solid import Contact
 from railhead.planning.effects.base import NOT_SIMULATED, After, Effect, Hertz
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import Scene
-from railhead.theory import line, subsurface
-from railhead.theory.line import LineContact
+from railhead.theory import contacts
 
 
 def decide(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
     """Called for where the largest von Mises stress of exact Hertz passes a yield stress."""
     stresses = {
-        name: _extrema(ellipse, poisson).von_mises_max
+        name: contacts.axis_extrema(ellipse, poisson).von_mises_max
         for name, (_, poisson) in _yielding(scene).items()
     }
     yields, why = _compare(scene, stresses)
@@ -31,12 +30,6 @@ def check(scene: Scene, contact: Contact, effect: Effect, found: Findings) -> Af
         return None
     yields, why = _compare(scene, stresses)
     return After(yields, f"{why}: the elastic answer overstates the pressure" if yields else why)
-
-
-def _extrema(hertz: Hertz, poisson: float) -> subsurface.AxisExtrema:
-    if isinstance(hertz, LineContact):
-        return line.axis_extrema(hertz, poisson)
-    return subsurface.axis_extrema(hertz, poisson)
 
 
 def _yielding(scene: Scene) -> dict[str, tuple[float, float]]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from railhead.geometry.flat import FlatContact
 from railhead.geometry.solid import Contact
 from railhead.meshing.outlines import head_depth
 from railhead.meshing.profiles import STANDARD_RAILS
@@ -56,8 +55,7 @@ def _felt(scene: Scene, contact: Contact, a: float, b: float) -> tuple[bool, str
     below a line load over p0 = 2F'/(pi b) (Johnson, Contact Mechanics, 3.19, 4.26, 2.19 and 4.43),
     H the depth of the cut."""
     depth, limit = head_depth(scene.rail.profile), accuracy(scene) / CHANGE
-    line = isinstance(contact, FlatContact) and contact.dimension.line
-    ratio, name = (b / depth, "b/H") if line else (a * b / depth**2, "ab/H^2")
+    ratio, name = (b / depth, "b/H") if contact.line else (a * b / depth**2, "ab/H^2")
     side = "above" if ratio > limit else "below"
     text = f"stress at the cut {depth:.1f} mm deep over p0: {name} = {ratio:.2g}"
     return bool(ratio > limit), f"{text}, {side} {limit:.2g}"
@@ -66,7 +64,7 @@ def _felt(scene: Scene, contact: Contact, a: float, b: float) -> tuple[bool, str
 def _twists(scene: Scene, contact: Contact, ellipse: Hertz) -> tuple[bool, str]:
     """Whether pressure or area change by more than the accuracy as the load twists the rail, or
     may do so."""
-    if isinstance(contact, FlatContact) or isinstance(ellipse, LineContact):
+    if contact.plane or isinstance(ellipse, LineContact):
         return False, "nothing twists in a section"
     if not math.isfinite(scene.rail.young_modulus):
         return False, "a rigid rail does not twist"
