@@ -25,5 +25,6 @@ docs: setup
 lint: setup
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
-	rm -rf .mypy_built build && .venv/bin/python -m pip install -q --no-deps --target .mypy_built . && rm -rf build
-	MYPYPATH=.mypy_built .venv/bin/mypy -p railhead
+	rm -rf .built build && .venv/bin/python -m pip install -q --no-deps --target .built . && rm -rf build
+	MYPYPATH=.built .venv/bin/mypy -p railhead
+	cd .built && ../.venv/bin/lint-imports --config ../pyproject.toml --no-cache && cd ..

@@ -10,9 +10,8 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from railhead import __version__, catalogue, ending
+from railhead import __version__, catalogue, process
 from railhead.scene.scene import Scene, SceneError
-from railhead.start import prepare
 
 SOLVED, CHECK_FAILED, WRONG_INPUT = 0, 1, 2
 
@@ -62,8 +61,10 @@ def plan(
     scene = _scene(catalogue.find(case), assignments, accuracy)
     decided = planning.make(scene)
     if not machine.known():
+        from railhead import refine
+
         click.echo("measuring this machine's speed, once", err=True)
-        machine.measure()
+        refine.measure_speed()
     report.show_plan(decided, _console())
 
 
@@ -209,8 +210,8 @@ def _run(scene: Scene, out: Path | None, *, pictures: bool, quiet: bool, as_json
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command; exits with 0 (solved), 1 (a check failed, or the files could not be
     written), 2 (wrong input) or 128 + number (a signal)."""
-    prepare()
-    with ending.prompt():
+    process.prepare()
+    with process.prompt():
         sys.exit(_status(arguments))
 
 

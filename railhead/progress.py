@@ -9,7 +9,7 @@ from typing import Self
 
 from rich.console import Console
 
-from railhead import ending
+from railhead import process
 
 
 class Progress:
@@ -25,7 +25,7 @@ class Progress:
     def __enter__(self) -> Self:
         if self._live:
             self._status.start()
-        self._running.enter_context(ending.undoing(self._status.stop))
+        self._running.enter_context(process.undoing(self._status.stop))
         return self
 
     def __exit__(

@@ -6,7 +6,7 @@ import math
 
 from mpi4py import MPI
 
-from railhead import estimates
+from railhead import catalogue, estimates
 from railhead.level import Level, solve_level
 from railhead.planning import laws, machine
 from railhead.planning import plan as planning
@@ -36,6 +36,17 @@ def run(
     if level.fields is None:
         return Result(level)
     return Result(level, summarise(levels, ending))
+
+
+def measure_speed() -> float:
+    """Solve a small case twice (the first time compiles) and keep the time of the second, over that
+    of the reference machine."""
+    case = catalogue.find("hertz_ellipse")
+    run(case)
+    cost = run(case).summary["cost"]
+    factor = float(cost["seconds"]["total"] / cost["dofs"] / machine.REFERENCE)
+    machine.keep(factor)
+    return factor
 
 
 def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[Level], Ending]:

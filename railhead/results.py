@@ -15,7 +15,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railhead import ending
+from railhead import process
 from railhead.scene.io import to_toml
 from railhead.scene.scene import SceneError
 
@@ -101,7 +101,7 @@ def replacing(folder: Path) -> Iterator[Path]:
     def remove() -> None:
         shutil.rmtree(work, ignore_errors=True)
 
-    with ending.undoing(remove):
+    with process.undoing(remove):
         try:
             yield work
             names = "".join(f"{name}\n" for name in sorted(os.listdir(work)))
@@ -127,7 +127,7 @@ def _undisturbed() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = {number: signal.signal(number, signal.SIG_IGN) for number in ending.SIGNALS}
+    before = {number: signal.signal(number, signal.SIG_IGN) for number in process.SIGNALS}
     try:
         yield
     finally:

@@ -14,7 +14,7 @@ from typing import Any, Generic, TypeVar
 
 from pebble import ProcessExpired, ProcessFuture, ProcessPool
 
-from railhead.start import prepare
+from railhead.process import prepare
 
 T = TypeVar("T")
 JOBS_PER_PROCESS = 8  # memory that libraries keep is given back with the process

@@ -23,7 +23,7 @@ def cache_file() -> Path:
 
 
 def speed() -> float:
-    """Time of this machine over the reference's; 1.0 until `measure` has run."""
+    """Time of this machine over the reference's; 1.0 until it was measured."""
     try:
         kept = json.loads(cache_file().read_text(encoding="utf-8"))
         factor = float(kept[platform.node()])
@@ -40,21 +40,14 @@ def known() -> bool:
         return False
 
 
-def measure() -> float:
-    """Solve a small case twice (the first time compiles) and keep the time of the second."""
-    from railhead import catalogue, refine
-
-    case = catalogue.find("hertz_ellipse")
-    refine.run(case)
-    cost = refine.run(case).summary["cost"]
-    factor = float(cost["seconds"]["total"] / cost["dofs"] / REFERENCE)
+def keep(factor: float) -> None:
+    """Remember the time of this machine over the reference's, where there is a place for it."""
     try:
         file = cache_file()
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(json.dumps({platform.node(): factor}), encoding="utf-8")
     except OSError:
         pass  # without a cache the speed is measured again next time
-    return factor
 
 
 def seconds(unknowns: int) -> float:
