@@ -145,14 +145,20 @@ class ContactModel:
         active: NDArray[np.bool_],
         max_steps: int = 30,
         progress: Callable[[int, float], None] = lambda step, residual: None,
+        force: PETSc.Vec | None = None,
     ) -> Solution:
-        """Solve for one load (N, whole model) or approach (mm), starting from an active set."""
+        """Solve for one load (N, whole model) or approach (mm), starting from an active set.
+
+        force: on the owned dofs of `bulk.space`, N, e.g. an assembled body force.
+        """
         start = time.perf_counter()
         prescribed = self.prescribed(load, approach)
         problem = self.problem
         share = load / self.setup.parts if self.setup.load_control else 0.0
         rigid_motion = 0.0 if self.setup.load_control or not self.setup.moving.rigid else approach
-        problem.set_load(self.interface, self.reduction, self.held, prescribed, share, rigid_motion)
+        problem.set_load(
+            self.interface, self.reduction, self.held, prescribed, share, rigid_motion, force
+        )
         if not self.comm.allreduce(int(active.sum())):
             active = self._nearest()
         result = self._newton(active, max_steps, progress)
@@ -167,7 +173,7 @@ class ContactModel:
             result.pressure,
             approach,
             self._carried(result.pressure),
-            self._reaction(displacement, result.pressure),
+            self._reaction(displacement, result.pressure, force),
             self._penetration(displacement, approach),
             result,
         )
@@ -209,7 +215,7 @@ class ContactModel:
         local = sign * float(np.sum(self.interface.weights * pressure * along))
         return float(self.setup.parts * self.comm.allreduce(local))
 
-    def _reaction(self, displacement: PETSc.Vec, pressure: Array) -> float:
+    def _reaction(self, displacement: PETSc.Vec, pressure: Array, outer: PETSc.Vec | None) -> float:
         """What the support carries: R(u) of the unreduced problem, summed over the held nodes."""
         law, problem, interface = self.law, self.problem, self.interface
         supports = self.supports(self.bulk.space)
@@ -222,6 +228,8 @@ class ContactModel:
             push.array[:] = -law.theta * problem.weight * (pressure + stress)
             interface.stress.multTransposeAdd(push, force, force)
         force.array[self.held.rows] += self.held.reactions(displacement)
+        if outer is not None:
+            force.axpy(-1.0, outer)
         nodal = force.array.reshape(-1, self.setup.kinematics.dim)
         local = sign * float(np.sum(nodal[mask] @ supports.direction))
         return float(self.setup.parts * self.comm.allreduce(local))

@@ -57,10 +57,15 @@ class ContactProblem:
         prescribed: PETSc.Vec,
         load: float,
         rigid_approach: float,
+        force: PETSc.Vec | None = None,
     ) -> None:
-        """Load (N) on the approach and prescribed displacement u0 (mm): sets f, g0 and s0."""
-        reduction.matrix.multTranspose(held.forces(prescribed), self.force)
-        self.force.scale(-1.0)
+        """Load (N) on the approach, prescribed displacement u0 (mm) and further forces on all dofs
+        (N): sets f, g0 and s0."""
+        given = held.forces(prescribed)
+        given.scale(-1.0)
+        if force is not None:
+            given.axpy(1.0, force)
+        reduction.matrix.multTranspose(given, self.force)
         if reduction.approach >= 0:
             self.force.array[reduction.approach] += load
         self.start_stress = (interface.stress * prescribed).array.copy()

@@ -8,21 +8,44 @@ from pathlib import Path
 import pytest
 
 import railhead
+from railhead.theory.hertz import point_contact
 
-PAGE = Path(__file__).parents[2] / "docs" / "api.md"
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = DOCS / "api.md"
+
+
+def blocks(page: Path) -> list[str]:
+    """Its Python examples."""
+    return re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+
+
+def run_blocks(page: Path) -> dict[str, object]:
+    """The names that a page's Python blocks leave behind, run one after the other."""
+    names: dict[str, object] = {}
+    for block in blocks(page):
+        exec(compile(block, str(page), "exec"), names)
+    return names
 
 
 def test_the_examples_of_the_page_run(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    names: dict[str, object] = {}
-    blocks = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
-    assert len(blocks) > 5
-    for block in blocks:
-        exec(compile(block, str(PAGE), "exec"), names)
-    result = names["result"]
+    result = run_blocks(PAGE)["result"]
     assert result.pressure.max == pytest.approx(result.hertz.pressure.max, rel=0.005)
     assert (tmp_path / "out" / "summary.json").exists()
     assert float(abs(result.displacement.x.array).max()) > 0.3 * result.approach
+
+
+def test_the_solver_is_of_use_on_its_own() -> None:
+    """Hertz's sphere within the coarse mesh and the small blocks; the weight is carried too."""
+    page = DOCS / "solver.md"
+    assert max(len(block.splitlines()) for block in blocks(page)) <= 40
+    found = run_blocks(page)
+    one, heavy = found["solution"], found["heavy"]
+    exact = point_contact(1 / 500, 1 / 500, 207000 / 2 / (1 - 0.09), 5000.0)
+    assert one.newton.converged and one.pressure.max() == pytest.approx(exact.p0, rel=0.1)
+    assert one.reaction == pytest.approx(5000)
+    assert heavy.load == pytest.approx(5000 + 0.0769 * 500)
+    assert heavy.reaction == pytest.approx(5000 + 0.0769 * 1000)
 
 
 def test_every_public_name_has_an_example() -> None:
