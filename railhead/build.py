@@ -2,41 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mpi4py import MPI
-from numpy.typing import NDArray
 
 from railhead.geometry import bodies, flat
 from railhead.meshing import mesh
 from railhead.meshing.bodies import Body
 from railhead.meshing.sizing import Grading
 from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, WHEEL
-from railhead.planning import exact
+from railhead.planning.effects import EFFECTS
 from railhead.planning.plan import Plan
 from railhead.solver.contact import ContactModel
 from railhead.solver.laws import Law
 from railhead.solver.setup import Setup, Side
-from railhead.theory import contacts
-
-
-@dataclass(frozen=True)
-class HertzFarField:
-    """Displacement of both half-spaces under the Hertz pressure of a load (see `theory`)."""
-
-    plan: Plan
-
-    def __call__(self, load: float, body: int, points: NDArray) -> NDArray:
-        """(load N, RAIL or WHEEL, points (n, 3) mm) -> (n, 3) mm; the wheel is the mirror image."""
-        scene, contact = self.plan.scene, self.plan.contact
-        hertz = exact.estimate(scene, contact, load)
-        part = self.plan.material(body)
-        mirror = [1.0, 1.0, 1.0 if body == RAIL else -1.0]
-        lower = points * mirror
-        lower[:, 2] = lower[:, 2].clip(max=0.0)
-        constants = part.young_modulus, part.poisson_ratio
-        return contacts.displacement(hertz, lower, *constants) * mirror
 
 
 def parts(plan: Plan) -> list[Body]:
@@ -70,12 +49,11 @@ def model(plan: Plan, made: mesh.ContactMesh) -> ContactModel:
         degree=plan.order,
         law=Law(scene.solver.method, scene.solver.theta, scene.solver.gamma_factor),
         planes=plan.planes,
-        far_field=HertzFarField(plan) if plan.far_field else None,
-        load_control=scene.load is not None or plan.far_field,
+        load_control=scene.load is not None,
         linear=scene.solver.linear,
-        kinematics=replace(
-            plan.contact.kinematics,
-            mean_dilatation=plan.effects["mean_dilatation"].on,
-        ),
+        kinematics=plan.contact.kinematics,
     )
+    for name, effect in plan.effects.items():
+        if effect.on:
+            setup = EFFECTS[name].apply(setup, plan)
     return ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)

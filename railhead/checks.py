@@ -152,7 +152,7 @@ def _physics(level: Level) -> list[Check]:
     if plan.order == 1:
         allowed *= LINEAR_REFINEMENT  # stresses are constant in linear cells
     depth = math.inf  # half way through a body: errors near a large free surface add up
-    if plan.far_field:  # sides of half-spaces carry load too
+    if plan.effects["far_field"].on:  # sides of half-spaces carry load too
         depth = level.grading.a if plan.section else min(found.patch.a, found.patch.b)
     fluxes = [
         Check(

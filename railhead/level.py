@@ -69,7 +69,7 @@ class Level:
         if self.findings is None:
             return {}
         plan = self.plan
-        return effects.check(plan.scene, plan.contact, plan.effects, self.findings)
+        return effects.check(plan.context, plan.effects, self.findings)
 
     @property
     def resolution(self) -> float:

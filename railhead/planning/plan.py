@@ -16,7 +16,7 @@ from railhead.meshing.profiles import data
 from railhead.meshing.sizing import Grading, suited_stretch
 from railhead.meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y
 from railhead.planning import effects, exact, laws, machine
-from railhead.planning.effects import Effect
+from railhead.planning.effects import Context, Effect
 from railhead.planning.effects.true_profile import one_radius
 from railhead.planning.forecast import Forecast, Zone, forecast
 from railhead.planning.laws import Family, Setting
@@ -46,17 +46,29 @@ SECTION_CELLS = 30  # for each mm of web and foot, whose fillets set their size 
 
 @dataclass(frozen=True)
 class Plan:
-    """Decisions for one scene; `estimate` is exact Hertz with the curvatures at first contact,
-    `forecast` the patch that is expected."""
+    """Decisions for one scene; `forecast` is the patch that is expected."""
 
-    scene: Scene
-    contact: Contact
-    estimate: Ellipse | LineContact
+    context: Context
     effects: dict[str, Effect]
     order: int
     patch_size: float
     reach: float
     forecast: Forecast
+
+    @property
+    def scene(self) -> Scene:
+        """What was asked for."""
+        return self.context.scene
+
+    @property
+    def contact(self) -> Contact:
+        """First contact of the undeformed bodies."""
+        return self.context.contact
+
+    @property
+    def estimate(self) -> Ellipse | LineContact:
+        """Exact Hertz with the curvatures at first contact."""
+        return self.context.hertz
 
     @property
     def solid_resolution(self) -> float:
@@ -159,11 +171,6 @@ class Plan:
         if self.contact.lengthwise or self.effects["true_profile"].on:
             return self.contact
         return one_radius(self.contact)
-
-    @property
-    def far_field(self) -> bool:
-        """Supports follow the displacement of half-spaces."""
-        return self.effects["far_field"].on
 
     @property
     def half_x(self) -> bool:
@@ -286,7 +293,7 @@ def make(scene: Scene) -> Plan:
     kind = dimension.choose(scene)
     contact = geometry.locate(scene) if kind.kind == "solid" else flat.locate(scene, kind)
     predicted = exact.finite(scene, contact)
-    decided = effects.decide(scene, contact, predicted)
+    context, decided = effects.decide(scene, kind, contact, predicted)
     expected = forecast(contact, predicted, scene.load)
     order = scene.mesh.order or (2 if scene.mesh.cell == "tetrahedron" else 1)
     major = max(max(zone.a, zone.b) for zone in expected.zones)
@@ -296,7 +303,7 @@ def make(scene: Scene) -> Plan:
     else:
         reach = max(MIN_BODY_REACH, BODY_REACH * major)
     size = scene.mesh.patch_size or expected.minor
-    plan = Plan(scene, contact, predicted, decided, order, size, reach, expected)
+    plan = Plan(context, decided, order, size, reach, expected)
     if scene.mesh.patch_size:
         return plan
     plan = plan.at_resolution(plan.default_resolution)

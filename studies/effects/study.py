@@ -74,11 +74,11 @@ def switch(name: str, progress: Progress, repeats: int) -> Iterator[Run]:
     """A scene as planned, then with each effect in its other state where that can be had."""
     from railhead import refine
     from railhead.planning import plan as planning
-    from railhead.planning.effects.base import accuracy
 
     case, assignments = SCENES[name]
     scene = catalogue.find(case).replace(assignments)
-    decided = planning.make(scene).effects
+    plan = planning.make(scene)
+    decided = dict(plan.effects)
     refine.run(scene)  # compiles
     first: Run | None = None
     both = ["symmetry"] if decided["symmetry_x"].on and decided["symmetry_y"].on else []
@@ -104,7 +104,7 @@ def switch(name: str, progress: Progress, repeats: int) -> Iterator[Run]:
             effect,
             on,
             state.called_for,
-            accuracy(scene),
+            plan.context.accuracy,
             unknowns,
             min(times),
             **values,

@@ -1,11 +1,13 @@
 """Which effects a scene calls for, which are simulated, and whether the solution bears it out.
 
-Each effect has a function (scene, contact, ellipse) -> Effect, and where it applies one that
-weighs the same indicator on the solution, (scene, contact, effect, findings) -> After | None.
+An effect is a `Feature` of this list, and may ask what was decided before it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from railhead.geometry.dimension import Dimension
 from railhead.geometry.solid import Contact
 from railhead.planning.effects import (
     assumptions,
@@ -18,32 +20,26 @@ from railhead.planning.effects import (
     sections,
     symmetry,
     true_profile,
-)
-from railhead.planning.effects.base import After, Effect, Hertz
+)  # fmt: skip
+from railhead.planning.effects.base import After, Context, Effect, Feature, Hertz
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import Scene, SceneError
 
-__all__ = ["After", "Effect", "check", "decide"]
+__all__ = ["EFFECTS", "After", "Context", "Effect", "check", "decide"]
 
-DECISIONS = {
-    "plane_strain": sections.plane_strain,
-    "axisymmetry": sections.axisymmetry,
-    "symmetry_x": symmetry.along,
-    "symmetry_y": symmetry.across,
-    "deformable_rail": deformable.rail,
-    "deformable_wheel": deformable.wheel,
-    "rail_section": rail_section.decide,
-    "far_field": far_field.decide,
-    "true_profile": true_profile.decide,
-    "mean_dilatation": mean_dilatation.decide,
-    "plasticity": plasticity.decide,
-    "friction": friction.decide,
-}
-CHECKS = {
-    "rail_section": rail_section.check,
-    "true_profile": true_profile.check,
-    "plasticity": plasticity.check,
-    "friction": friction.check,
+EFFECTS = {
+    "plane_strain": Feature(sections.plane_strain),
+    "axisymmetry": Feature(sections.axisymmetry),
+    "symmetry_x": Feature(symmetry.along),
+    "symmetry_y": Feature(symmetry.across),
+    "deformable_rail": Feature(deformable.rail),
+    "deformable_wheel": Feature(deformable.wheel),
+    "true_profile": Feature(true_profile.decide, true_profile.check),
+    "rail_section": Feature(rail_section.decide, rail_section.check),
+    "far_field": Feature(far_field.decide, apply=far_field.apply),
+    "mean_dilatation": Feature(mean_dilatation.decide, apply=mean_dilatation.apply),
+    "plasticity": Feature(plasticity.decide, plasticity.check),
+    "friction": Feature(friction.decide, friction.check),
 }
 ASSUMPTIONS = {
     "small_patch": assumptions.small_patch,
@@ -52,25 +48,26 @@ ASSUMPTIONS = {
 }
 
 
-def decide(scene: Scene, contact: Contact, ellipse: Hertz) -> dict[str, Effect]:
-    """All effects by name; SceneError for a choice that cannot be had."""
-    found = {
-        name: decision(scene, contact, ellipse).forced(name, scene.effects.state(name))
-        for name, decision in DECISIONS.items()
-    }
+def decide(
+    scene: Scene, dimension: Dimension, contact: Contact, hertz: Hertz
+) -> tuple[Context, dict[str, Effect]]:
+    """All effects by name, and what they were decided by; SceneError for a choice that cannot be
+    had."""
+    found: dict[str, Effect] = {}
+    context = Context(scene, dimension, contact, hertz, found)
+    for name, effect in EFFECTS.items():
+        found[name] = effect.decide(context).forced(name, scene.effects.state(name))
     bodies = ("deformable_rail", "deformable_wheel")
     if not any(found[name].on for name in bodies):
         chosen = next(name for name in bodies if found[name].override)
         raise SceneError(
             f"effects.{chosen}", "'off' is not allowed: the other body is rigid; give auto or on"
         )
-    return found
+    return context, found
 
 
-def check(
-    scene: Scene, contact: Contact, effects: dict[str, Effect], found: Findings
-) -> dict[str, After]:
+def check(made: Context, effects: Mapping[str, Effect], found: Findings) -> dict[str, After]:
     """The indicators on the solution, by effect or assumption."""
-    after = {name: weigh(scene, contact, effects[name], found) for name, weigh in CHECKS.items()}
-    after |= {name: weigh(scene, contact, found) for name, weigh in ASSUMPTIONS.items()}
+    after = {name: each.check(made, effects[name], found) for name, each in EFFECTS.items()}
+    after |= {name: weigh(made, found) for name, weigh in ASSUMPTIONS.items()}
     return {name: each for name, each in after.items() if each is not None}

@@ -5,23 +5,21 @@ from __future__ import annotations
 import math
 
 from railhead.geometry import bodies
-from railhead.geometry.solid import Contact
 from railhead.meshing.profiles import STANDARD_RAILS
 from railhead.meshing.tags import BODIES
 from railhead.planning import exact
-from railhead.planning.effects.base import After, accuracy, touching
+from railhead.planning.effects.base import After, Context, touching
 from railhead.postprocess.findings import Findings
-from railhead.scene.scene import Scene
 from railhead.theory import finite_bodies
 
 SMALL = 0.1  # semi-axis over relative radius
 EDGE = 1.1  # times the semi-axis across that must lie within both profiles
 
 
-def small_patch(scene: Scene, contact: Contact, found: Findings) -> After:
+def small_patch(context: Context, found: Findings) -> After:
     """Hertz's parabolas and half-spaces need semi-axes far below the radii (Johnson, Contact
     Mechanics, 4.1)."""
-    touch, patch = contact.touch, found.patch
+    touch, patch = context.contact.touch, found.patch
     a, b = patch.a * touch.curvature_x, patch.b * touch.curvature_y
     side, ratio = ("a", a) if a > b else ("b", b)
     large = bool(ratio > SMALL)
@@ -29,8 +27,9 @@ def small_patch(scene: Scene, contact: Contact, found: Findings) -> After:
     return After(large, f"{text}: the comparison with Hertz is doubtful" if large else text)
 
 
-def inside_the_bodies(scene: Scene, contact: Contact, found: Findings) -> After | None:
+def inside_the_bodies(context: Context, found: Findings) -> After | None:
     """A patch at the edge of a tread or of a head has a stress peak there that no profile shows."""
+    scene, contact = context.scene, context.contact
     if contact.half_space or contact.lengthwise:
         return None
     cosine, patch = math.cos(found.frame.angle), found.patch
@@ -44,12 +43,13 @@ def inside_the_bodies(scene: Scene, contact: Contact, found: Findings) -> After 
     return After(near, f"{text}: the edge carries load" if near else text)
 
 
-def thick_bodies(scene: Scene, contact: Contact, found: Findings) -> After | None:
+def thick_bodies(context: Context, found: Findings) -> After | None:
     """A body held just below the patch is stiffer than a half-space (see theory.finite_bodies); of
     a standard rail the effect rail_section tells."""
+    scene, contact = context.scene, context.contact
     if contact.half_space or contact.lengthwise:
         return None
-    modulus, patch, limit = exact.contact_modulus(scene), found.patch, accuracy(scene)
+    modulus, patch, limit = exact.contact_modulus(scene), found.patch, context.accuracy
     changes = {}
     for tag, body in BODIES.items():
         if body == "rail" and scene.rail.profile in STANDARD_RAILS:

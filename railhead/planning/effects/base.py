@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from railhead.geometry.dimension import Dimension
 from railhead.geometry.solid import Contact
 from railhead.meshing.profiles import Profile
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.hertz import Ellipse
 from railhead.theory.line import LineContact
+
+if TYPE_CHECKING:
+    from railhead.planning.plan import Plan
+    from railhead.postprocess.findings import Findings
+    from railhead.solver.setup import Setup
 
 DEFAULT_ACCURACY = 0.01  # that a scene without an asked accuracy is held to
 Hertz = Ellipse | LineContact
@@ -55,6 +61,34 @@ class Effect:
 
 
 @dataclass(frozen=True)
+class Context:
+    """What effects are decided by: the scene, its dimension, first contact and exact Hertz;
+    decided: the effects before it in the list."""
+
+    scene: Scene
+    dimension: Dimension
+    contact: Contact
+    hertz: Hertz
+    decided: Mapping[str, Effect]
+
+    @property
+    def accuracy(self) -> float:
+        """What indicators are weighed against."""
+        asked = self.scene.accuracy
+        return asked if asked is not None else DEFAULT_ACCURACY
+
+
+@dataclass(frozen=True)
+class Feature:
+    """An effect: how it is decided, how the same indicator is weighed on the solution (None where
+    it does not apply), and what it changes in what is solved where it is on."""
+
+    decide: Callable[[Context], Effect]
+    check: Callable[[Context, Effect, Findings], After | None] = lambda *_: None
+    apply: Callable[[Setup, Plan], Setup] = lambda setup, _: setup
+
+
+@dataclass(frozen=True)
 class After:
     """The same indicator on the solution: whether the effect is needed but was left out."""
 
@@ -65,8 +99,3 @@ class After:
 def touching(contact: Contact) -> list[tuple[str, Profile, float]]:
     """Body, profile and its offset across the track (mm); empty for half-spaces."""
     return [(body, *profile) for body, profile in contact.profiles.items()]
-
-
-def accuracy(scene: Scene) -> float:
-    """The accuracy that indicators are weighed against."""
-    return scene.accuracy if scene.accuracy is not None else DEFAULT_ACCURACY

@@ -4,31 +4,31 @@ from __future__ import annotations
 
 import math
 
-from railhead.geometry.solid import Contact
-from railhead.planning.effects.base import Effect, Hertz, accuracy
-from railhead.scene.scene import Scene
+from railhead.planning.effects.base import Context, Effect
+from railhead.scene.sections import Rail, Wheel
 
 SHARE = 0.1  # of the asked accuracy: compliance that may be left out
 
 
-def rail(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
+def rail(context: Context) -> Effect:
     """Whether the rail deforms."""
-    return _decide(scene, ellipse, scene.rail.young_modulus, scene.rail.poisson_ratio)
+    return _decide(context, context.scene.rail)
 
 
-def wheel(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
+def wheel(context: Context) -> Effect:
     """Whether the wheel deforms."""
-    return _decide(scene, ellipse, scene.wheel.young_modulus, scene.wheel.poisson_ratio)
+    return _decide(context, context.scene.wheel)
 
 
-def _decide(scene: Scene, ellipse: Hertz, young: float, poisson: float) -> Effect:
+def _decide(context: Context, part: Rail | Wheel) -> Effect:
     """By its share of 1/E* = sum (1 - nu^2)/E: without a share s the approach and the pressure are
     off by 2/3 s and the semi-axes by s/3 (Johnson, Contact Mechanics, 4.22 to 4.24)."""
-    if math.isinf(young):
+    if math.isinf(part.young_modulus):
         why = "E is infinite: only its surface takes part"
         return Effect(False, False, why, {"on": "E is infinite"})
-    share = (1 - poisson**2) / young * ellipse.contact_modulus
-    limit = SHARE * accuracy(scene)
+    compliance = (1 - part.poisson_ratio**2) / part.young_modulus
+    share = compliance * context.hertz.contact_modulus
+    limit = SHARE * context.accuracy
     called = share >= limit
     text = f"it holds {share:.3g} of the compliance (1 - nu^2)/E"
     why = f"{text}, above {limit:.1g}" if called else f"{text}, below {limit:.1g}: rigid"

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from railhead.geometry.solid import Contact
-from railhead.planning.effects.base import NOT_SIMULATED, After, Effect, Hertz
+from railhead.planning.effects.base import NOT_SIMULATED, After, Context, Effect
 from railhead.postprocess.findings import Findings
-from railhead.scene.scene import Scene
 from railhead.theory import hertz
 
 NO_MISMATCH = 1e-9  # |beta| that is rounding
 
 
-def decide(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
+def decide(context: Context) -> Effect:
     """Called for by a tangential load, or by friction between bodies whose surfaces slip when
     they are pressed together: Dundurs' beta != 0 (Johnson, Contact Mechanics, 5.1 and 5.4)."""
+    scene = context.scene
     rail, wheel, asked = scene.rail, scene.wheel, scene.friction
     beta = hertz.dundurs_beta(
         rail.young_modulus, rail.poisson_ratio, wheel.young_modulus, wheel.poisson_ratio
@@ -30,6 +29,6 @@ def decide(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
     return Effect(called, False, why, {"on": NOT_SIMULATED})
 
 
-def check(scene: Scene, contact: Contact, effect: Effect, found: Findings) -> After | None:
+def check(context: Context, effect: Effect, found: Findings) -> After | None:
     """It does not depend on the solution."""
     return After(True, f"{effect.why}: the answer is frictionless") if effect.called_for else None

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from railhead.geometry import dimension
-from railhead.geometry.solid import Contact
-from railhead.planning.effects.base import Effect, Hertz
-from railhead.scene.scene import Scene
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from railhead.planning.effects.base import Context, Effect
+from railhead.solver.setup import Setup
+
+if TYPE_CHECKING:
+    from railhead.planning.plan import Plan
 
 LARGEST_RATIO = 0.45  # Poisson's ratio above which ordinary cells begin to lock
 #: The same in a meridian section: there the largest of the rms errors of pressure, area and shear
@@ -14,18 +18,23 @@ LARGEST_RATIO = 0.45  # Poisson's ratio above which ordinary cells begin to lock
 LARGEST_REVOLVED = 0.49
 
 
-def decide(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
+def decide(context: Context) -> Effect:
     """Called for above nu = 0.45 (0.49 in a meridian section); linear and hexahedral cells cannot
     have it."""
+    scene = context.scene
     name, ratio = max(
         (("rail", scene.rail.poisson_ratio), ("wheel", scene.wheel.poisson_ratio)),
         key=lambda each: each[1],
     )
-    revolved = dimension.choose(scene).kind == "axisymmetric"
-    limit = LARGEST_REVOLVED if revolved else LARGEST_RATIO
+    limit = LARGEST_REVOLVED if context.contact.revolved else LARGEST_RATIO
     above = ratio > limit
     why = f"Poisson's ratio {ratio:g} of the {name}, {'above' if above else 'below'} {limit}"
     if scene.mesh.cell != "tetrahedron" or scene.mesh.order == 1:
         locks = "; these cells lock, take quadratic tetrahedra" if above else ""
         return Effect(above, False, why + locks, {"on": "it needs quadratic tetrahedra"})
     return Effect(above, above, why)
+
+
+def apply(setup: Setup, plan: Plan) -> Setup:
+    """Average the dilatation."""
+    return replace(setup, kinematics=replace(setup.kinematics, mean_dilatation=True))

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from railhead.geometry.solid import Contact
-from railhead.planning.effects.base import NOT_SIMULATED, After, Effect, Hertz
+from railhead.planning.effects.base import NOT_SIMULATED, After, Context, Effect
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import Scene
 from railhead.theory import contacts
 
 
-def decide(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
+def decide(context: Context) -> Effect:
     """Called for where the largest von Mises stress of exact Hertz passes a yield stress."""
     stresses = {
-        name: contacts.axis_extrema(ellipse, poisson).von_mises_max
-        for name, (_, poisson) in _yielding(scene).items()
+        name: contacts.axis_extrema(context.hertz, poisson).von_mises_max
+        for name, (_, poisson) in _yielding(context.scene).items()
     }
-    yields, why = _compare(scene, stresses)
+    yields, why = _compare(context.scene, stresses)
     return Effect(yields, False, why, {"on": NOT_SIMULATED})
 
 
-def check(scene: Scene, contact: Contact, effect: Effect, found: Findings) -> After | None:
+def check(context: Context, effect: Effect, found: Findings) -> After | None:
     """The same with the largest stresses that were found in each body."""
+    scene = context.scene
     stresses = {
         name: found.largest[name].von_mises.value
         for name in _yielding(scene)

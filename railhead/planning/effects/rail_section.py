@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 
-from railhead.geometry.solid import Contact
 from railhead.meshing.outlines import head_depth
 from railhead.meshing.profiles import STANDARD_RAILS
 from railhead.planning import exact, twist
-from railhead.planning.effects import true_profile
-from railhead.planning.effects.base import After, Effect, Hertz, accuracy
+from railhead.planning.effects.base import After, Context, Effect, Hertz
 from railhead.postprocess.findings import Findings
-from railhead.scene.scene import Scene, SceneError
+from railhead.scene.scene import SceneError
 from railhead.theory.line import LineContact
 
 CHANGE = (
@@ -19,11 +17,12 @@ CHANGE = (
 )
 
 
-def decide(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
+def decide(context: Context) -> Effect:
     """Called for where it is asked, where the cut is near enough to be felt, or where the twist of
     the rail brings another part of the profiles into contact."""
-    extent, name = scene.rail.extent, scene.rail.profile
-    if contact.half_space:
+    rail, hertz = context.scene.rail, context.hertz
+    extent, name = rail.extent, rail.profile
+    if context.contact.half_space:
         why = "a half-space has neither web nor foot"
         return Effect(False, False, why, {"on": why})
     if name not in STANDARD_RAILS:
@@ -33,44 +32,45 @@ def decide(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
         return Effect(False, False, why, {"on": why})
     if extent == "section":
         return Effect(True, True, "rail.extent = section")
-    felt, why = _felt(scene, contact, ellipse.a, ellipse.b)
-    twists, because = _twists(scene, contact, ellipse)
+    felt, why = _felt(context, hertz.a, hertz.b)
+    twists, because = _twists(context, hertz)
     called = felt or twists
     return Effect(called, called, f"{why}; {because}")
 
 
-def check(scene: Scene, contact: Contact, effect: Effect, found: Findings) -> After | None:
+def check(context: Context, effect: Effect, found: Findings) -> After | None:
     """The same with the patch that was found."""
     if "on" in effect.refused:
         return None
-    felt, why = _felt(scene, contact, found.patch.a, found.patch.b)
+    felt, why = _felt(context, found.patch.a, found.patch.b)
     if effect.on or felt or not effect.called_for:
         return After(felt and not effect.on, why)
-    twists, because = _twists(scene, contact, exact.estimate(scene, contact))
+    twists, because = _twists(context, exact.estimate(context.scene, context.contact))
     return After(twists, because if twists else why)
 
 
-def _felt(scene: Scene, contact: Contact, a: float, b: float) -> tuple[bool, str]:
+def _felt(context: Context, a: float, b: float) -> tuple[bool, str]:
     """Boussinesq's 3F/(2 pi H^2) below a point load over p0 = 3F/(2 pi a b), Flamant's 2F'/(pi H)
     below a line load over p0 = 2F'/(pi b) (Johnson, Contact Mechanics, 3.19, 4.26, 2.19 and 4.43),
     H the depth of the cut."""
-    depth, limit = head_depth(scene.rail.profile), accuracy(scene) / CHANGE
-    ratio, name = (b / depth, "b/H") if contact.line else (a * b / depth**2, "ab/H^2")
+    depth, limit = head_depth(context.scene.rail.profile), context.accuracy / CHANGE
+    ratio, name = (b / depth, "b/H") if context.contact.line else (a * b / depth**2, "ab/H^2")
     side = "above" if ratio > limit else "below"
     text = f"stress at the cut {depth:.1f} mm deep over p0: {name} = {ratio:.2g}"
     return bool(ratio > limit), f"{text}, {side} {limit:.2g}"
 
 
-def _twists(scene: Scene, contact: Contact, ellipse: Hertz) -> tuple[bool, str]:
+def _twists(context: Context, ellipse: Hertz) -> tuple[bool, str]:
     """Whether pressure or area change by more than the accuracy as the load twists the rail, or
     may do so."""
+    contact = context.contact
     if contact.plane or isinstance(ellipse, LineContact):
         return False, "nothing twists in a section"
-    if not math.isfinite(scene.rail.young_modulus):
+    if not math.isfinite(context.scene.rail.young_modulus):
         return False, "a rigid rail does not twist"
-    if not true_profile.decide(scene, contact, ellipse).called_for:
+    if not context.decided["true_profile"].called_for:
         return False, "a twist changes nothing where both bodies have one radius"
-    angle, limit = twist.twist(contact, ellipse), accuracy(scene)
+    angle, limit = twist.twist(contact, ellipse), context.accuracy
     text = f"the load twists it by {1e3 * angle:.2g} mrad"
     try:
         change = twist.change(contact, ellipse, angle, twist.CENTRE * angle)

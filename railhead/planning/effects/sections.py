@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from railhead.geometry import dimension
-from railhead.geometry.solid import Contact
-from railhead.planning.effects.base import Effect, Hertz
-from railhead.scene.scene import Scene
+from railhead.planning.effects.base import Context, Effect
 
 
-def plane_strain(scene: Scene, contact: Contact, hertz: Hertz) -> Effect:
+def plane_strain(context: Context) -> Effect:
     """Called for where the contact is a line (`dimension.choose`)."""
-    kind = dimension.choose(scene)
+    kind = context.dimension
     refused = {} if kind.line else {"on": kind.plane_strain}
     return Effect(kind.line, kind.line, kind.plane_strain, refused)
 
 
-def axisymmetry(scene: Scene, contact: Contact, hertz: Hertz) -> Effect:
+def axisymmetry(context: Context) -> Effect:
     """Called for where both bodies are of revolution about the contact's normal."""
-    called, why = dimension.circular(scene)
-    return Effect(called, dimension.choose(scene).kind == "axisymmetric", why)
+    called, why = dimension.circular(context.scene)
+    return Effect(called, context.contact.revolved, why)

@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from railhead.geometry.solid import Contact
-from railhead.planning.effects.base import Effect, Hertz
-from railhead.scene.scene import Scene
+from railhead.planning.effects.base import Context, Effect
 
 
-def along(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
+def along(context: Context) -> Effect:
     """x = 0 mirrors the bodies and a vertical load."""
-    why = contact.mirror_along
+    why = context.contact.mirror_along
     if why is None:
         straight = "the wheel stands straight: x = 0 mirrors bodies, materials and load"
         return Effect(True, True, straight)
     return Effect(False, False, why, {"on": why})
 
 
-def across(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
+def across(context: Context) -> Effect:
     """y = 0 mirrors them where both profiles do and the wheel stands in the middle."""
-    why = contact.mirror_across
+    why = context.contact.mirror_across
     if why is None:
         return Effect(True, True, "profiles, materials and load mirror at y = 0")
     return Effect(False, False, why, {"on": why})

@@ -10,27 +10,27 @@ import numpy as np
 from railhead.geometry.solid import Contact
 from railhead.meshing.osculating import osculating
 from railhead.meshing.profiles import Arc, Polynomial
-from railhead.planning.effects.base import After, Effect, Hertz, touching
+from railhead.planning.effects.base import After, Context, Effect, touching
 from railhead.postprocess.findings import Findings
-from railhead.scene.scene import Scene
 
 MARGIN = 1.1  # times the patch that must lie within one arc
 
 
-def decide(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
+def decide(context: Context) -> Effect:
     """Called for where the predicted patch comes near a joint of two arcs, or there is no arc."""
+    contact = context.contact
     if contact.lengthwise:
         why = "the section runs along the rail"
         return Effect(False, False, why, {"on": why})
     if contact.half_space:
         why = "half-spaces have one radius each"
         return Effect(False, False, why, {"on": why})
-    reach = MARGIN * ellipse.b * math.cos(contact.touch.angle)
+    reach = MARGIN * context.hertz.b * math.cos(contact.touch.angle)
     called, why = _leaves(contact, contact.touch.y - reach, contact.touch.y + reach)
     return Effect(called, called, f"{MARGIN} of the predicted patch, {why}")
 
 
-def check(scene: Scene, contact: Contact, effect: Effect, found: Findings) -> After | None:
+def check(context: Context, effect: Effect, found: Findings) -> After | None:
     """The same with the extent of the patch that was found."""
     if "on" in effect.refused:
         return None
@@ -41,7 +41,7 @@ def check(scene: Scene, contact: Contact, effect: Effect, found: Findings) -> Af
     else:
         low, high = centre - reach, centre + reach
     cosine, y = math.cos(found.frame.angle), found.frame.origin[1]
-    leaves, why = _leaves(contact, y + low * cosine, y + high * cosine)
+    leaves, why = _leaves(context.contact, y + low * cosine, y + high * cosine)
     return After(leaves and not effect.on, f"the patch, {why}")
 
 

@@ -1,6 +1,7 @@
 """After the solve the same indicators are evaluated on what was found."""
 
 import json
+from dataclasses import replace
 
 import matplotlib.image
 import pytest
@@ -56,7 +57,7 @@ def again(result: refine.Result, *assignments: str) -> dict:
     """The indicators of another scene on the same solution."""
     plan = result.plan
     scene = plan.scene.replace(assignments)
-    return effects.check(scene, plan.contact, plan.effects, result.findings)
+    return effects.check(replace(plan.context, scene=scene), plan.effects, result.findings)
 
 
 def test_yield_is_judged_by_the_stress_that_was_found(thesis) -> None:
@@ -82,11 +83,9 @@ def test_a_rim_or_a_block_that_is_thin_is_named(thesis) -> None:
 
     def judged(*assignments: str) -> effects.After:
         scene = plan.scene.replace(["rail.profile=arc", "rail.crown_radius=300", *assignments])
-        return assumptions.thick_bodies(scene, plan.contact, thesis.findings)
+        return assumptions.thick_bodies(replace(plan.context, scene=scene), thesis.findings)
 
-    assert not effects.check(plan.scene, plan.contact, plan.effects, thesis.findings)[
-        "thick_bodies"
-    ].needed
+    assert not effects.check(plan.context, plan.effects, thesis.findings)["thick_bodies"].needed
     for thin, body in (("wheel.rim_depth=3", "wheel"), ("rail.depth=3", "rail")):
         found = judged(thin)
         assert found.needed and found.why.startswith(f"the {body} is held 3 mm deep")
