@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-import sys
 import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
@@ -117,12 +116,3 @@ def attempts(
                 os.environ.pop(key, None)
             else:
                 os.environ[key] = value
-
-
-def spread(work: Callable[..., T], jobs: Sequence[tuple[Any, ...]]) -> Iterator[T]:
-    """work(*job) for each job, in their order; a job that gives nothing ends the study."""
-    for number, (job, attempt) in enumerate(zip(jobs, attempts(work, jobs), strict=True), 1):
-        if attempt.fault:
-            raise RuntimeError(f"{job}: {attempt.fault}\n{attempt.trace}")
-        print(f"{number} of {len(jobs)}", file=sys.stderr)
-        yield attempt.found  # type: ignore[misc]

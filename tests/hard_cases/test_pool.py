@@ -3,9 +3,7 @@
 import os
 import time
 
-import pytest
-
-from cases.pool import attempts, spread
+from cases.pool import attempts
 
 
 def job(what: str) -> str:
@@ -26,9 +24,3 @@ def test_lost_jobs_have_a_reason_and_the_others_their_result() -> None:
     assert found[1].fault == "ValueError: two lines" and "Traceback" in found[1].trace
     assert found[2].fault == "the process crashed"
     assert found[4].fault == "not back after 2 s" and found[4].seconds < 10
-
-
-def test_spread_ends_with_the_first_lost_job() -> None:
-    assert list(spread(job, [("a",), ("b",)])) == ["a1", "b1"]
-    with pytest.raises(RuntimeError, match="two lines"):
-        list(spread(job, [("a",), ("raise",)]))
