@@ -147,10 +147,4 @@ def page(laws: dict[str, Any]) -> str:
         for name, entry in laws["families"].items()
         for key, (value, order) in entry["laws"].items()
     ]
-    head = ("family", "scenes", "quantity", "envelope at n = 6", "order")
-    return (
-        "# Error laws\n\nLargest relative error seen at n elements per smaller semi-axis, and a "
-        f"tenth more: envelope (6/n)^order. Seed {laws['seed']}. Made by `railhead study "
-        "calibrate`, whose laws.json is railhead/planning/data/laws.json.\n\n"
-        + tables.table(head, rows) + "\n"
-    )  # fmt: skip
+    return tables.render("calibrate", seed=laws["seed"], rows=rows)

@@ -129,21 +129,15 @@ def page(records: Sequence[Record], lost: Sequence[str]) -> str:
             f"{v['passed']:.0%}",
         ]  # fmt: skip
 
-    head = ("scenes converged", "p, area, tau estimated", "estimates hold", "error/estimate, max",
-            "effectivity, median", "status 0")  # fmt: skip
     names = dict.fromkeys(r.family for r in records)
-    by_family = [row(name, [r for r in records if r.family == name]) for name in names]
-    by_quantity = [row(key, [r for r in records if r.quantity == key]) for key in QUANTITIES]
-    off = np.array([r.price for r in records if r.quantity == "max_MPa"])
-    return (
-        "# Error estimates\n\nRandom scenes of every family (`cases/families.py`), half of them at "
-        "default settings, half with an asked accuracy; seed "
-        f"{SEED}, laws from another one. The truth is exact Hertz; of real profiles the same scene "
-        f"on a mesh {families.FINE:g} times finer than the finest calibrated one. Made by "
-        "`railhead study error-bounds`.\n\n"
-        + tables.table(("family", *head), by_family) + "\n\n"
-        + tables.table(("quantity", *head), by_quantity) + "\n\n"
-        f"Time over predicted time: {off.min():.2f} to {off.max():.2f}, median "
-        f"{np.median(off):.2f}.\n"
-        + "".join(f"\nGave nothing: {line}\n" for line in lost)
-    )  # fmt: skip
+    price = [r.price for r in records if r.quantity == "max_MPa"]
+    return tables.render(
+        "error_bounds",
+        seed=SEED,
+        fine=families.FINE,
+        by_family=[row(name, [r for r in records if r.family == name]) for name in names],
+        by_quantity=[row(key, [r for r in records if r.quantity == key]) for key in QUANTITIES],
+        price=price,
+        median=np.median(price),
+        lost=lost,
+    )

@@ -14,7 +14,7 @@ from railhead.studies.pool import attempts
 
 STUDY = "500 fuzzed scenes: no traceback, no abort, no wrong number with status 0"
 SCENES, SEED, SECONDS = 500, 2024, 180.0
-OUTCOMES = {0: "status 0", 1: "status 1", 2: "status 2", None: "none"}
+OUTCOMES = (0, 1, 2, None)  # status
 
 
 def main(out: Path, *, quick: bool) -> None:
@@ -50,29 +50,11 @@ def page(found: Sequence[Fuzzed], seconds: Sequence[float]) -> str:
             sum(each.command == "plan" for each in own), len(solved),
             f"{max(shares):.2f}" if shares else "-", sum(bool(each.fault) for each in own),
         ])  # fmt: skip
-    head = ("scenes", "", *OUTCOMES.values(), "only planned", "signed and held against the truth",
-            "deviation over allowed, max", "faults")  # fmt: skip
     failed = Counter(name for each in found if each.status == 1 for name in each.said.split()[:1])
-    faults = [each for each in found if each.fault]
-    parts = [
-        "# Fuzzed scenes",
-        f"{len(found)} scenes of seed {SEED}, every other one valid (any profiles, materials, "
-        f"laws, cells, positions and sizes, below {MOST} predicted unknowns), the others with "
-        "unknown keys, odd values, extremes of size, damaged bytes or profiles that are none; what "
-        "would be dearer is planned only. Each goes through the command line, which must end with "
-        "status 0, with 1 and a named check, or with 2 and one line; where exact Hertz or "
-        "boundary elements are the truth, status 0 must not go with a pressure, area or stress "
-        "off by more than 1.5 times its estimate (5 % where it has none) and what the truth does "
-        "not know. Made by `railhead study fuzz`.",
-        tables.table(head, rows),
-        f"{sum(seconds) / 60:.0f} minutes of one process, {max(seconds):.0f} s at most.",
-        "## What must not happen",
-        "\n".join(f"- {each.kind}, seed {each.seed}: {each.fault}" for each in faults)
-        or "Nothing.",
-        "## First check that failed",
-        tables.table(("check", "scenes"), failed.most_common()),
-    ]
-    return "\n\n".join(parts) + "\n"
+    return tables.render(
+        "fuzz", found=found, seed=SEED, most=MOST, rows=rows, seconds=seconds,
+        failed=failed.most_common(),
+    )  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -110,33 +110,13 @@ def page(records: list[Record]) -> str:
     first, last = records[0], records[-1]
     growth = (last.seconds / last.unknowns) / (first.seconds / first.unknowns)
     rows = [
-        [
-            f"{r.unknowns}",
-            f"{r.seconds:.1f}",
-            f"{1e6 * r.seconds / r.unknowns:.0f}",
-            f"{r.peak_bytes / r.unknowns / 1e3:.1f}",
-            f"{r.newton_iterations}",
-            f"{r.linear_iterations}",
-            f"{r.linear_seconds:.2f}",
-            f"{r.contact_seconds:.2f}",
-            f"{r.ratio:.2f}",
-        ]
+        (r.unknowns, f"{r.seconds:.1f}", f"{1e6 * r.seconds / r.unknowns:.0f}",
+         f"{r.peak_bytes / r.unknowns / 1e3:.1f}", r.newton_iterations, r.linear_iterations,
+         f"{r.linear_seconds:.2f}", f"{r.contact_seconds:.2f}", f"{r.ratio:.2f}")
         for r in records
-    ]
-    head = (
-        "unknowns", "seconds", "us/unknown", "kB/unknown", "Newton", "Krylov", "linear, s",
-        "contact, s", "contact/linear",
-    )  # fmt: skip
-    return (
-        "# Scaling\n\n"
-        "`hertz_ellipse`, quadratic tetrahedra, Nitsche, each mesh in a process of its own "
-        "(memory includes about 150 MB of libraries). Made by `railhead study scaling`.\n\n"
-        f"From {first.unknowns} to {last.unknowns} unknowns the time per unknown grows by a factor "
-        f"{growth:.2f}; the memory is {last.peak_bytes / last.unknowns / 1e3:.1f} kB per unknown "
-        f"at the end. The whole contact solve costs {min(r.ratio for r in records):.2f} to "
-        f"{max(r.ratio for r in records):.2f} times one linear elastic solve to 1e-8 with the same "
-        "preconditioner, set-up included on both sides.\n\n" + tables.table(head, rows) + "\n"
-    )
+    ]  # fmt: skip
+    ratios = [r.ratio for r in records]
+    return tables.render("scaling", first=first, last=last, growth=growth, ratios=ratios, rows=rows)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What studies write: CSV files and markdown tables."""
+"""What studies write: CSV files, and pages of markdown from templates."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from jinja2 import Environment, PackageLoader, StrictUndefined
 from tabulate import tabulate
 
 if TYPE_CHECKING:
@@ -35,3 +36,16 @@ def table(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
 def percent(value: float | None) -> str:
     """A relative error with three digits; a dash where there is none."""
     return "-" if value is None else f"{100 * value:.3g} %"
+
+
+def render(name: str, /, **values: Any) -> str:
+    """The text of templates/<name>.md.j2 with the values in their places, all of them given."""
+    pages = Environment(
+        loader=PackageLoader("railhead.studies"),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    pages.filters |= {"table": table, "percent": percent}
+    return pages.get_template(f"{name}.md.j2").render(values)

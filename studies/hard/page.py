@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from railhead.studies.hard.case import Outcome
 from railhead.studies.hard.failure_map import Cell, Map
 from railhead.studies.hard.maps import FACTOR_MAP, FACTORS, LAWS, MATERIAL_MAP, POISSON, STIFFNESS
-from railhead.studies.tables import percent, table
+from railhead.studies.tables import percent, render
 
 
 def _cell(outcome: Outcome | None) -> Cell:
@@ -46,53 +46,21 @@ def maps(outcomes: Sequence[Outcome]) -> list[Map]:
 def _row(outcome: Outcome) -> list[str]:
     case, found = outcome.case, outcome.measured
     worst = found.worst if found else None
-    return [
-        case.name,
-        case.reason + (f" ({found.remark})" if found and found.remark else ""),
-        case.reference,
-        worst[0] if worst else "-",
-        f"{worst[1].value:.1e}" if worst else "-",
-        f"{worst[1].allowed:.1e}" if worst else "-",
-        str(found.newton) if found else "-",
-        str(found.krylov) if found else "-",
-        percent(found.noise) if found and found.noise is not None else "-",
-        f"{outcome.seconds:.1f}",
-        outcome.result,
-    ]
-
-
-HEAD = (
-    "case", "what is hard", "reference", "quantity", "deviation", "allowed", "Newton", "Krylov",
-    "noise", "seconds", "result",
-)  # fmt: skip
+    none = ("-",) * 3
+    nearest = (worst[0], f"{worst[1].value:.1e}", f"{worst[1].allowed:.1e}") if worst else none
+    steps = (str(found.newton), str(found.krylov), percent(found.noise)) if found else none
+    reason = case.reason + (f" ({found.remark})" if found and found.remark else "")
+    seconds = f"{outcome.seconds:.1f}"
+    return [case.name, reason, case.reference, *nearest, *steps, seconds, outcome.result]
 
 
 def page(outcomes: Sequence[Outcome]) -> str:
     """The whole page."""
+    groups: dict[str, list[list[str]]] = {}
+    for outcome in outcomes:
+        groups.setdefault(outcome.case.group, []).append(_row(outcome))
     failing = [outcome for outcome in outcomes if outcome.fault]
     refused = sum(outcome.refused for outcome in outcomes)
-    parts = [
-        "# Hard cases",
-        f"{len(outcomes)} cases: {len(outcomes) - len(failing) - refused} are right, {refused} are "
-        f"refused by a check as they may be, {len(failing)} fail. A case is right if it ends with "
-        "status 0, if each judged quantity (largest pressure, area, largest shear stress; between "
-        "half-spaces the approach) deviates from its reference by at most 1.5 times its own "
-        "estimate, or by the limit of the case where it has none (1 %, 2 % against a finer mesh), "
-        "and by what the reference does not know; and if it takes at most 10 Newton steps (15 "
-        "from adverse starts and on flanges, 30 with other laws and any materials). Some cases "
-        "declare the check that fails: it must. Others may be refused by any check, but not signed "
-        "wrong: noisy profiles, and contact laws far from the defaults, where 5 % are allowed. The "
-        "quantity of a row is the one nearest to what is allowed. Noise: L2 distance of the raw "
-        "pressure from its recovered field. Every case runs in a process of its own with a time "
-        "limit. Made by `railhead study hard-cases`.",
-        "![Failure maps](hard_cases.png)",
-        "Colour: error of the quantity of the row against exact Hertz. Grey: refused, with the "
-        "first check that failed.",
-    ]
-    if failing:
-        parts.append("## What fails")
-        parts += [f"- **{outcome.case.key}**: {outcome.fault}" for outcome in failing]
-    for group in dict.fromkeys(outcome.case.group for outcome in outcomes):
-        own = [outcome for outcome in outcomes if outcome.case.group == group]
-        parts += [f"## {group}", table(HEAD, map(_row, own))]
-    return "\n\n".join(parts).replace("\n\n- **", "\n- **") + "\n"
+    return render(
+        "hard_cases", count=len(outcomes), failing=failing, refused=refused, groups=groups
+    )
