@@ -170,6 +170,15 @@ class DepthAxis:
             ends.append(end)
         return (ends[1] - ends[0]) / 2
 
+    def rivals(self, doubt: float) -> list[float]:
+        """Depths at which the largest shear stress may be as well, mm: tops of the half differences
+        of two normal stresses that are within `doubt` (relative) of the highest of them."""
+        normal = self.stress[:, :3].T
+        pairs = ((0, 1), (0, 2), (1, 2))
+        tops = [self.peak(np.abs(normal[i] - normal[j]) / 2) for i, j in pairs]
+        highest = max(value for _, value in tops)
+        return [depth for depth, value in tops if value > (1 - doubt) * highest]
+
     @property
     def largest(self) -> Largest:
         """On this axis."""

@@ -114,14 +114,18 @@ def scales(found: Findings, result: Mapping[str, Any]) -> dict[str, float]:
     }
 
 
-def reading(found: Findings) -> dict[str, float]:
+def reading(found: Findings, doubt: float = RIVAL) -> dict[str, float]:
     """What two ways of reading the same solution differ by, relative, by quantity; of the depth of
-    the largest shear stress, how far other hills are that may be the highest."""
-    peaks = [each.tau for each in found.largest.values()]
-    top = max(peaks, key=lambda peak: peak.value)
-    high = [peak for peak in peaks if peak.value > (1 - RIVAL) * top.value]
-    depths = [depth for peak in high for depth in (peak.depth, *peak.rivals)]
+    the largest shear stress, how far other hills are that may be the highest, as they are lower by
+    less than `doubt`."""
+    peaks = {body: each.tau for body, each in found.largest.items()}
+    top = max(peaks.values(), key=lambda peak: peak.value)
+    high = {body: each for body, each in peaks.items() if each.value > (1 - doubt) * top.value}
+    depths = [depth for peak in high.values() for depth in (peak.depth, *peak.rivals)]
     apart = max(abs(depth - top.depth) for depth in depths)
+    for body in high.keys() & found.depth.keys():
+        rivals = found.depth[body].rivals(doubt)
+        apart = max(apart, max(rivals) - min(rivals))
     scatter = {name: found.patch.scatter[key] for name, key in READ.items()}
     if not found.hertzian:  # the stress below a ridge is as uncertain as the ridge
         scatter |= dict.fromkeys(RIDGED, found.patch.scatter["max_pressure"])
@@ -213,7 +217,8 @@ def estimate(levels: Sequence[Level]) -> tuple[dict[str, Estimate], str]:
     overlap = 0.0
     if level.plan.scene.solver.method == "penalty":
         overlap = abs(level.solution.penetration / level.solution.approach)
-    scatter = solved[-1][2]
+    doubt = 2 * (parts.get("tau_max_MPa", 0.0) + solved[-1][2].get("tau_max_MPa", 0.0))
+    scatter = reading(level.findings, max(RIVAL, doubt))
     found = {
         name: Estimate(
             mesh,

@@ -166,7 +166,9 @@ RECIPES = {
         scenes=32,
     ),
     "theta": Recipe(
-        law("nitsche", [None, 0, -1]), {"theta": [None, 0, -1], "gamma_factor": [0.1, 10.0]}
+        law("nitsche", [None, 0, -1]),
+        {"theta": [None, 0, -1], "gamma_factor": [0.1, 10.0]},
+        scenes=32,
     ),
     "incompressible": Recipe(
         lambda rng: ellipse(rng) + materials(rng, *INCOMPRESSIBLE), {"poisson": INCOMPRESSIBLE}

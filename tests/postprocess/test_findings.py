@@ -20,3 +20,15 @@ def test_contact_frame_is_orthonormal_and_right_handed() -> None:
     assert np.linalg.det(frame.axes) == pytest.approx(1.0)
     along = np.array([[3.0, 7.0 + 2 * np.cos(0.05), -0.2 + 2 * np.sin(0.05)]])
     np.testing.assert_allclose(frame.local(along), [[3.0, 2.0, 0.0]], atol=1e-14)
+
+
+def test_two_hills_of_nearly_the_same_shear_are_rivals() -> None:
+    """(s_z - s_x)/2 peaks at 2 mm, (s_z - s_y)/2 0.4 % lower at 4 mm."""
+    depth = np.linspace(0, 8, 201)
+    stress = np.zeros((201, 6))
+    stress[:, 0] = 200 * np.exp(-((depth - 2) ** 2))
+    stress[:, 1] = 199.2 * np.exp(-((depth - 4) ** 2))
+    axis = DepthAxis("rail", depth, stress)
+    near, far = axis.rivals(0.001), axis.rivals(0.01)
+    assert (min(near), max(near)) == pytest.approx((2, 2), abs=0.02)
+    assert (min(far), max(far)) == pytest.approx((2, 4), abs=0.02)
