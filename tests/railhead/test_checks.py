@@ -61,7 +61,9 @@ def test_an_unsettled_mesh_fails(level) -> None:
 
 def test_a_missed_approach_fails(level) -> None:
     scene = level.plan.scene.replace([f"approach={1.01 * level.solution.approach!r}"])
-    missed = replace(level, plan=replace(level.plan, scene=scene))
+    missed = replace(
+        level, plan=replace(level.plan, context=replace(level.plan.context, scene=scene))
+    )
     assert "approach_reached" in failed(missed)
 
 
@@ -93,7 +95,9 @@ def test_another_second_opinion_fails(level, quantity) -> None:
 
 def test_a_missed_accuracy_fails(level) -> None:
     asked = level.plan.scene.replace(["accuracy=5%"])
-    level = replace(level, plan=replace(level.plan, scene=asked))
+    level = replace(
+        level, plan=replace(level.plan, context=replace(level.plan.context, scene=asked))
+    )
     assert failed(level, reached=True) == []
     assert failed(level, reached=False) == ["accuracy"]
 

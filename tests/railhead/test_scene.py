@@ -160,8 +160,6 @@ def test_replace_keeps_a_date_or_a_second_line_as_plain_text() -> None:
 
 
 def test_numbers_do_not_load_pint() -> None:
-    code = (
-        "import sys; from railhead.scene import Scene; Scene(load=1); print('pint' in sys.modules)"
-    )
+    code = "import sys; from railhead import Scene; Scene(load=1); print('pint' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
