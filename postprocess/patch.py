@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -183,7 +184,7 @@ def _reading(part: Part, frame: Frame, facets: Array) -> _Reading:
     fields, found = part.fields, moments(part.fields, frame)
     given = samples(fields, frame, facets)
     share = freedom(found.shape_error)
-    square, scatter = _free(given) if share > 0 else (nothing(given), dict.fromkeys(READ, 0.0))
+    square, scatter = free(given) if share > 0 else (nothing(given), dict.fromkeys(READ, 0.0))
     if share < 1:
         peak = largest_pressure(fields, frame, found)
         ellipse = ellipsoid(square, found.centre, (found.a, found.b), peak)
@@ -193,15 +194,17 @@ def _reading(part: Part, frame: Frame, facets: Array) -> _Reading:
     return _Reading(frame, square, trace(square), scatter)
 
 
-def _free(given: Samples) -> tuple[Square, dict[str, float]]:
-    """Any shape, and how far it differs with other roughnesses: beyond any bound where one of them
-    did not come to a minimum."""
+def free(
+    given: Samples, measure: Callable[[Square], Shape] = trace
+) -> tuple[Square, dict[str, float]]:
+    """Any shape, and how far it differs, as `measure` reads it, with other roughnesses: beyond any
+    bound where one of them did not come to a minimum."""
     stiff = reconstruct(given, VARIATION * ROUGHNESS)
-    free = reconstruct(given, start=stiff)
-    soft = reconstruct(given, ROUGHNESS / VARIATION, free)
-    if not (stiff.settled and free.settled and soft.settled):
-        return free, dict.fromkeys(READ, np.inf)
-    return free, spread(trace(free), [trace(stiff), trace(soft)])
+    square = reconstruct(given, start=stiff)
+    soft = reconstruct(given, ROUGHNESS / VARIATION, square)
+    if not (stiff.settled and square.settled and soft.settled):
+        return square, dict.fromkeys(READ, np.inf)
+    return square, spread(measure(square), [measure(stiff), measure(soft)])
 
 
 def freedom(shape_error: float) -> float:

@@ -5,15 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from railhead.postprocess.findings import Array, AxisPressure, Frame, Patch, Surface
-from railhead.postprocess.patch import PEAK_RADIUS, READ, VARIATION, Moments, freedom, spread
+from railhead.postprocess.patch import PEAK_RADIUS, READ, Moments, free, freedom
 from railhead.postprocess.reconstruct import (
-    ROUGHNESS,
     Samples,
     Square,
     ellipsoid,
     mean,
     nothing,
-    reconstruct,
 )
 from railhead.postprocess.shape import Shape
 from railhead.postprocess.surface import SurfaceRecovery
@@ -77,12 +75,7 @@ def read(fields: Fields, frame: Frame) -> tuple[Patch, Surface, Moments, Array]:
     share = freedom(found.shape_error)
     square, scatter = nothing(given), dict.fromkeys(READ, 0.0)
     if share > 0:
-        stiff = reconstruct(given, VARIATION * ROUGHNESS)
-        square = reconstruct(given, start=stiff)
-        soft = reconstruct(given, ROUGHNESS / VARIATION, square)
-        scatter = dict.fromkeys(READ, np.inf)
-        if stiff.settled and square.settled and soft.settled:
-            scatter = spread(_shape(square, fields), [_shape(stiff, fields), _shape(soft, fields)])
+        square, scatter = free(given, lambda each: _shape(each, fields))
     if share < 1:
         t = frame.local(contact.points)[:, axis] - found.centre[axis]
         even = bool(fields.mirrors)

@@ -123,7 +123,10 @@ class Contact:
         scene = self.scene
         if scene.rail.gauge is not None:
             return f"a track of gauge {scene.rail.gauge:g} mm"
-        if scene.rail.profile not in ("54E1", "60E1", "arc") or scene.wheel.profile not in (
+        if scene.rail.profile not in (
+            *profiles.STANDARD_RAILS,
+            "arc",
+        ) or scene.wheel.profile not in (
             "cylinder",
             "arc",
         ):
