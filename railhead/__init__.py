@@ -20,15 +20,17 @@ if TYPE_CHECKING:
         Wheel,
         Wheelset,
     )
+    from railhead.sweeping import Sweep, sweep
 
 __version__ = "0.3.0"
 __all__ = [
     "Effects", "Friction", "Mesh", "MeshError", "Rail", "Result", "Scene", "SceneError", "Solver",
-    "Wheel", "Wheelset", "find", "plan", "solve",
+    "Sweep", "Wheel", "Wheelset", "find", "plan", "solve", "sweep",
 ]  # fmt: skip
 _HOMES = dict.fromkeys(__all__, "railhead.scene.scene") | {
     "MeshError": "railhead.meshing.mesh",
     **dict.fromkeys(("Result", "find", "plan", "solve"), "railhead.api"),
+    **dict.fromkeys(("Sweep", "sweep"), "railhead.sweeping"),
 }
 
 

@@ -1,5 +1,6 @@
 """What a script sees: the public names, their examples, and a host that is left alone."""
 
+import csv
 import re
 import subprocess
 import sys
@@ -29,10 +30,23 @@ def run_blocks(page: Path) -> dict[str, object]:
 
 def test_the_examples_of_the_page_run(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    result = run_blocks(PAGE)["result"]
+    found = run_blocks(PAGE)
+    result = found["result"]
     assert result.pressure.max == pytest.approx(result.hertz.pressure.max, rel=0.005)
     assert (tmp_path / "out" / "summary.json").exists()
     assert float(abs(result.displacement.x.array).max()) > 0.3 * result.approach
+    check_sweep(found["table"], tmp_path / "sweep.csv")
+
+
+def check_sweep(table: railhead.Sweep, file: Path) -> None:
+    """Every combination, the last key fastest, with its own numbers in the file."""
+    with file.open(encoding="utf-8") as lines:
+        rows = list(csv.DictReader(lines))
+    changed = [(float(row["wheel.rolling_radius"]), float(row["load"])) for row in rows]
+    assert changed == [(420, 2000), (420, 4000), (460, 2000), (460, 4000)]
+    assert [float(row["max_MPa"]) for row in rows] == [each.pressure.max for each in table]
+    assert table[1].pressure.max / table[0].pressure.max == pytest.approx(2 ** (1 / 3), rel=1e-3)
+    assert table[2].pressure.max < table[0].pressure.max
 
 
 def test_the_solver_is_of_use_on_its_own() -> None:
@@ -52,7 +66,7 @@ def test_every_public_name_has_an_example() -> None:
     page = PAGE.read_text(encoding="utf-8")
     assert dir(railhead) == sorted([*railhead.__all__, "__version__"])
     for name in railhead.__all__:
-        assert f"rh.{name}" in page or name == "Result"
+        assert f"rh.{name}" in page or name in ("Result", "Sweep")
         assert getattr(railhead, name)
 
 
