@@ -19,7 +19,7 @@ from scipy.spatial import cKDTree
 from railhead.postprocess.findings import RIVAL, Array, Peak
 from railhead.postprocess.recovery import Polynomial, Recovery
 from railhead.postprocess.solid import Solid
-from railhead.solver.facets import tabulate
+from railhead.solver.cells import tabulate
 from railhead.solver.gather import Fields
 
 Invariant = Callable[[Array], Array]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.postprocess.findings import Array
-from railhead.solver.facets import Index
+from railhead.solver.cells import Index
 from railhead.solver.gather import Fields
 
 SHARP = np.radians(75.0)  # between neighbouring facets; a fillet has six elements a turn at least

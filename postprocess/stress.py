@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.postprocess.findings import Array
+from railhead.solver.cells import middle, tabulate
 from railhead.solver.elasticity import quadrature_degree
-from railhead.solver.facets import middle, tabulate
 from railhead.solver.gather import Fields
 
 OUT = np.diag([0.0, 1.0, 0.0])  # the hoop direction of a meridian section

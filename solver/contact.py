@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from railhead.solver import compat, constraints, interface, linear, newton, transfer
+from railhead.solver.cells import Array
 from railhead.solver.elasticity import Bulk, assemble
-from railhead.solver.facets import Array, FacetSet
+from railhead.solver.facets import FacetSet
 from railhead.solver.held import HeldRows
 from railhead.solver.interface import Interface
 from railhead.solver.linear import Preconditioner
@@ -36,10 +37,12 @@ class Solution:
 
     load: what the pressure carries against the direction of the approach, of the whole model, N;
     reaction: the same at the support, N; approach: mm; penetration: largest overlap, mm.
+    indicator (n,) MPa: the pressure before its negative part is cut off.
     """
 
     displacement: PETSc.Vec
     pressure: Array
+    indicator: Array
     approach: float
     load: float
     reaction: float
@@ -64,7 +67,7 @@ class ContactModel:
         by_tag = {s.tag: s for s in sides}
         slave = by_tag.pop(setup.slave)
         surfaces = [
-            FacetSet.of(self.bulk, facet_tags.find(s.contact)) for s in (slave, *by_tag.values())
+            FacetSet.on(self.bulk, facet_tags.find(s.contact)) for s in (slave, *by_tag.values())
         ]
         self.interface: Interface = interface.build(
             surfaces[0],
@@ -122,7 +125,7 @@ class ContactModel:
         supports = self.supports(self.bulk.space)
         kinematics = self.setup.kinematics
         values = np.zeros((self.owned, kinematics.dim))
-        if self.setup.far_field is not None:
+        if self.setup.far_field is not None and load:
             points = kinematics.lift(compat.dof_points(self.bulk.space))
             for side, mask in (
                 (self.setup.fixed, supports.fixed),
@@ -152,25 +155,44 @@ class ContactModel:
         force: on the owned dofs of `bulk.space`, N, e.g. an assembled body force.
         """
         start = time.perf_counter()
+        prescribed = self.load(self.problem, load, approach, force)
+        if not self.comm.allreduce(int(active.sum())):
+            active = self._nearest()
+        result = self._newton(active, max_steps, progress)
+        solution = self.found(self.problem, result, prescribed, approach, force)
+        self.seconds["solve"] += time.perf_counter() - start
+        return solution
+
+    def load(
+        self, problem: ContactProblem, load: float, approach: float, force: PETSc.Vec | None
+    ) -> PETSc.Vec:
+        """Give a problem its load (N, whole model), approach (mm) and further forces; u0."""
         prescribed = self.prescribed(load, approach)
-        problem = self.problem
         share = load / self.setup.parts if self.setup.load_control else 0.0
         rigid_motion = 0.0 if self.setup.load_control or not self.setup.moving.rigid else approach
         problem.set_load(
             self.interface, self.reduction, self.held, prescribed, share, rigid_motion, force
         )
-        if not self.comm.allreduce(int(active.sum())):
-            active = self._nearest()
-        result = self._newton(active, max_steps, progress)
+        return prescribed
+
+    def found(
+        self,
+        problem: ContactProblem,
+        result: newton.NewtonResult,
+        prescribed: PETSc.Vec,
+        approach: float,
+        force: PETSc.Vec | None,
+    ) -> Solution:
+        """What a problem's y stands for."""
         displacement = prescribed.copy()
         self.reduction.matrix.multAdd(result.y, prescribed, displacement)
         if self.setup.load_control:
             local = result.y.array[self.reduction.approach] if self.reduction.approach >= 0 else 0.0
             approach = float(self.comm.allreduce(local))
-        self.seconds["solve"] += time.perf_counter() - start
         return Solution(
             displacement,
             result.pressure,
+            problem.indicator(result.y),
             approach,
             self._carried(result.pressure),
             self._reaction(displacement, result.pressure, force),

@@ -13,15 +13,18 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from railhead.solver import compat
+from railhead.solver.hardening import Hardening
 from railhead.solver.kinematics import SOLID, Kinematics
 
 
 @dataclass(frozen=True)
 class Material:
-    """Isotropic linear elastic solid. E in MPa (math.inf: rigid), nu in [0, 0.5)."""
+    """Isotropic solid. E in MPa (math.inf: rigid), nu in [0, 0.5); hardening: how it yields, None
+    where it stays elastic."""
 
     young_modulus: float
     poisson_ratio: float
+    hardening: Hardening | None = None
 
     @property
     def lame(self) -> tuple[float, float]:

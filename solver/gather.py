@@ -10,8 +10,9 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from railhead.solver import compat
+from railhead.solver.cells import Array
 from railhead.solver.contact import ContactModel, Solution
-from railhead.solver.facets import Array, FacetSet, facet_closure
+from railhead.solver.facets import FacetSet, facet_closure
 from railhead.solver.kinematics import SOLID, Kinematics
 
 
@@ -86,7 +87,7 @@ def gather(model: ContactModel, solution: Solution) -> Fields | None:
             kinematics.lift(interface.points),
             interface.weights,
             solution.pressure,
-            model.problem.indicator(solution.newton.y),
+            solution.indicator,
             gap,
             kinematics.in_space(interface.normals),
             interface.facet + offset,

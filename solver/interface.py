@@ -14,13 +14,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from railhead.solver.constraints import petsc_matrix
+from railhead.solver.cells import Array, Index
 from railhead.solver.elasticity import quadrature_degree
-from railhead.solver.facets import Array, FacetSet, Index
+from railhead.solver.facets import FacetSet
+from railhead.solver.operators import rows
 from railhead.solver.pairing import pair
 
 SECTION_RULE = 15  # degree of the contact quadrature in a section, where points cost nothing: it
@@ -97,8 +97,8 @@ def build(
     total = comm.allreduce(local_dofs)
     return Interface(
         slave, points, weights, initial_gap, normals, bound, facet, xi,
-        _rows(blocks, len(facet), local_dofs, total, comm),
-        _rows([(dofs, traction)], len(facet), local_dofs, total, comm),
+        rows(blocks, len(facet), local_dofs, total, comm),
+        rows([(dofs, traction)], len(facet), local_dofs, total, comm),
     )  # fmt: skip
 
 
@@ -173,17 +173,3 @@ def normal_stress(slave: FacetSet, facet: Index, reference: Array, normals: Arra
     lam, mu = slave.lame[facet].T[..., None, None]
     along = np.einsum("ndc,nc->nd", gradient, normals)
     return np.asarray(lam * trace + 2 * mu * along[:, :, None] * normals[:, None, :])
-
-
-def _rows(
-    blocks: list[tuple[Index, Array]], count: int, local: int, total: int, comm: MPI.Intracomm
-) -> PETSc.Mat:
-    rows = [np.repeat(np.arange(count), d[0].size if count else 0) for d, _ in blocks]
-    table = sp.csr_matrix(
-        (
-            np.concatenate([v.ravel() for _, v in blocks]),
-            (np.concatenate(rows), np.concatenate([d.ravel() for d, _ in blocks])),
-        ),
-        shape=(count, total),
-    )
-    return petsc_matrix(table, local, comm)

@@ -100,10 +100,9 @@ def near_nullspace(matrix: PETSc.Mat, rigid_modes: list[PETSc.Vec]) -> None:
     matrix.setNearNullSpace(PETSc.NullSpace().create(vectors=rigid_modes, comm=matrix.comm))
 
 
-def krylov(preconditioner: Preconditioner) -> PETSc.KSP:
+def krylov(problem: ContactProblem, preconditioner: Preconditioner) -> PETSc.KSP:
     """CG (or GMRES), flexible where the preconditioner holds a Krylov method."""
-    problem = preconditioner.problem
-    symmetric = problem.law.symmetric
+    symmetric = problem.symmetric
     ksp = PETSc.KSP().create(problem.stiffness.comm)
     ksp.setType(("f" if preconditioner.flexible else "") + ("cg" if symmetric else "gmres"))
     if not symmetric:
@@ -113,7 +112,7 @@ def krylov(preconditioner: Preconditioner) -> PETSc.KSP:
 
 
 def solve(
-    ksp: PETSc.KSP,
+    problem: ContactProblem,
     preconditioner: Preconditioner,
     active: Mask,
     rhs: PETSc.Vec,
@@ -125,7 +124,8 @@ def solve(
     Raises StalledError where even a preconditioner for exactly these points does not get there.
     """
     fresh = preconditioner.suit(active)
-    operator = preconditioner.problem.tangent(active)
+    operator = problem.tangent(active)
+    ksp = krylov(problem, preconditioner)
     iterations = 0
     ksp.setTolerances(rtol=rtol, atol=0.0, max_it=KRYLOV_LIMIT)
     while True:

@@ -12,7 +12,7 @@ from petsc4py import PETSc
 from scipy.optimize import brentq
 
 from railhead.solver import linear
-from railhead.solver.facets import Array
+from railhead.solver.cells import Array
 from railhead.solver.linear import Preconditioner, StalledError
 from railhead.solver.problem import ContactProblem, Mask
 
@@ -91,7 +91,6 @@ def solve(
     others halve their steps when an active set comes back.
     """
     comm = problem.stiffness.comm.tompi4py()
-    ksp = linear.krylov(preconditioner)
     result = NewtonResult(problem.force.duplicate(), np.zeros(len(active)), "too many Newton steps")
     y = result.y
     y.set(0.0)
@@ -103,7 +102,7 @@ def solve(
             start.copy(y)
         else:
             iterations = linear.solve(
-                ksp, preconditioner, active, problem.predictor(active), y, FIRST
+                problem, preconditioner, active, problem.predictor(active), y, FIRST
             )
         for step in range(1, max_steps + 1):
             result.pressure = pressure = problem.pressure(y)
@@ -135,9 +134,11 @@ def solve(
                 return result
             tolerance = max(0.3 * rtol / norm, LOOSE if norm > FAR else 0.0)
             increment = problem.force.duplicate()
-            iterations = linear.solve(ksp, preconditioner, active, residual, increment, tolerance)
+            iterations = linear.solve(
+                problem, preconditioner, active, residual, increment, tolerance
+            )
             increment.scale(-1.0)
-            if problem.law.symmetric:
+            if problem.symmetric:
                 length = line_search(problem, y, increment)
             else:
                 returns = seen.count(active)

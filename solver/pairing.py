@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from railhead.solver.facets import Array, FacetSet, Index
+from railhead.solver.cells import Array, Index
+from railhead.solver.facets import FacetSet
 
 CANDIDATES = (8, 64)
 OUTSIDE = 0.05  # a point this far outside its facet, in reference units, has no partner

@@ -19,8 +19,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from railhead.solver.cells import Array
 from railhead.solver.constraints import Reduction, petsc_matrix
-from railhead.solver.facets import Array
 from railhead.solver.held import HeldRows
 from railhead.solver.interface import Interface
 from railhead.solver.laws import Law
@@ -81,6 +81,11 @@ class ContactProblem:
     def weight(self) -> Array:
         """w (n,) mm3/N."""
         return self.area / self.tau
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether the tangent is."""
+        return self.law.symmetric
 
     @property
     def offset(self) -> Array:
@@ -168,11 +173,14 @@ class ContactProblem:
 
     def tangent(self, active: Mask) -> PETSc.Mat:
         """The tangent as an operator (nothing is assembled)."""
-        shell = PETSc.Mat().createPython(
-            self.stiffness.getSizes(), _Tangent(self, active), comm=self.stiffness.comm
-        )
-        shell.setUp()
-        return shell
+        return self.shell(Tangent(self, active))
+
+    def shell(self, context: Tangent) -> PETSc.Mat:
+        """A matrix that only knows its products."""
+        sizes, comm = self.stiffness.getSizes(), self.stiffness.comm
+        matrix = PETSc.Mat().createPython(sizes, context, comm=comm)
+        matrix.setUp()
+        return matrix
 
     def diagonal(self, active: Mask, out: PETSc.Vec) -> None:
         """The tangent's diagonal."""
@@ -217,7 +225,7 @@ class ContactProblem:
         return rhs
 
 
-class _Tangent:
+class Tangent:
     """PETSc shell context of y -> K y - theta S^T w S y + Bt^T w A B y.
 
     It does not own the problem: PETSc loses what is dropped while it frees a shell.

@@ -6,9 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
+from railhead.solver.cells import Array
 from railhead.solver.elasticity import Material
-from railhead.solver.facets import Array
 from railhead.solver.interface import Gap
 from railhead.solver.kinematics import SOLID, Kinematics
 from railhead.solver.laws import Law
@@ -33,6 +34,16 @@ class Side:
 
 
 @dataclass(frozen=True)
+class LoadPath:
+    """How bodies that yield are loaded. steps: from the first yield to the load; unload: take it
+    away again; near: points in space (n, 3) mm -> mask of those where yield is followed."""
+
+    steps: int
+    unload: bool
+    near: Callable[[Array], NDArray[np.bool_]]
+
+
+@dataclass(frozen=True)
 class Setup:
     """What is solved.
 
@@ -41,6 +52,7 @@ class Setup:
     far_field: prescribed displacement of both supports on top of the rigid motion.
     load_control: the load is given and the approach an unknown, or the reverse. kinematics: what
     the mesh's coordinates stand for; directions, normals, gap and far field are those of space.
+    path: where a body yields.
     """
 
     fixed: Side
@@ -55,6 +67,7 @@ class Setup:
     load_control: bool = True
     linear: str = "auto"
     kinematics: Kinematics = SOLID
+    path: LoadPath | None = None
 
     @property
     def parts(self) -> int:

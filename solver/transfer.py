@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from petsc4py import PETSc
 
+from railhead.solver.cells import Array
 from railhead.solver.constraints import Reduction
-from railhead.solver.facets import Array
 from railhead.solver.kinematics import SOLID, Kinematics
 
 

@@ -6,8 +6,9 @@ import pytest
 from railhead.meshing.surfaces import ParabolicGap
 from railhead.meshing.tags import CONTACT, RAIL, WHEEL
 from railhead.solver import interface
+from railhead.solver.cells import tabulate
 from railhead.solver.contact import ContactModel
-from railhead.solver.facets import FacetSet, facet_closure, reference_facets, tabulate
+from railhead.solver.facets import FacetSet, facet_closure, reference_facets
 from railhead.solver.pairing import pair
 
 
@@ -18,7 +19,7 @@ def model(request, two_blocks) -> ContactModel:
 
 
 def surface(model: ContactModel, tag: int) -> FacetSet:
-    return FacetSet.of(model.bulk, model.facet_tags.find(CONTACT + tag))
+    return FacetSet.on(model.bulk, model.facet_tags.find(CONTACT + tag))
 
 
 def test_quadrature_covers_the_face(model) -> None:
