@@ -138,7 +138,7 @@ def solve(
                 problem, preconditioner, active, residual, increment, tolerance
             )
             increment.scale(-1.0)
-            if problem.symmetric:
+            if problem.law.symmetric:
                 length = line_search(problem, y, increment)
             else:
                 returns = seen.count(active)

@@ -126,6 +126,11 @@ class PlasticProblem(ContactProblem):
         """The consistent tangent of the last state as an operator."""
         return self.shell(_PlasticTangent(self, active))
 
+    def stretched(self, prescribed: PETSc.Vec) -> None:
+        """Set the strains of u0."""
+        self.bulk.stretched(prescribed)
+        self.surface.stretched(prescribed)
+
     def commit(self) -> None:
         """Make the last state the history of the next step."""
         self.bulk.history, self.surface.history = self._bulk[0], self._surface[0]

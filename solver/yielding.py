@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from railhead.solver import newton
@@ -16,10 +15,11 @@ from railhead.solver.contact import NEWTON_TOLERANCE, ContactModel, Solution
 from railhead.solver.hardening import ROOT, History, deviator
 from railhead.solver.newton import NewtonResult
 from railhead.solver.plasticity import PlasticProblem, bulk_points, surface_points
-from railhead.solver.problem import ContactProblem
+from railhead.solver.problem import ContactProblem, Mask
+from railhead.solver.setup import Setup
 
 UNLOADING = (0.6, 0.3, 0.1, 0.02)  # of the load, before the bodies part
-APART = 1.0  # mm, by which the surfaces are moved apart in the end
+HALVES = 32  # into which a load step may be cut
 
 
 @dataclass(frozen=True)
@@ -67,23 +67,20 @@ class Released(PlasticProblem):
 class YieldingModel(ContactModel):
     """A contact model whose bodies yield."""
 
-    def __init__(self, mesh: object, cell_tags: object, facet_tags: object, setup: object) -> None:
+    def __init__(self, mesh: object, cell_tags: object, facet_tags: object, setup: Setup) -> None:
         super().__init__(mesh, cell_tags, facet_tags, setup)
-        setup = self.setup
         assert setup.path is not None
         sides = [side for side in (setup.fixed, setup.moving) if not side.rigid]
         materials = {side.tag: side.material for side in sides}
         slave = materials[setup.slave].hardening
-        normals = self.interface.normals
         shared = {each.name: getattr(self.problem, each.name) for each in fields(ContactProblem)}
         shared["force"] = self.problem.force.duplicate()
+        near, reduction, comm = setup.path.near, self.reduction, self.comm
         self.plastic = PlasticProblem(
             **shared,
-            bulk=bulk_points(
-                self.bulk, cell_tags, materials, setup.path.near, self.reduction, self.comm
-            ),
-            surface=surface_points(self.interface, slave, self.bulk, self.reduction, self.comm),
-            across=dyads(normals),
+            bulk=bulk_points(self.bulk, cell_tags, materials, near, reduction, comm),
+            surface=surface_points(self.interface, slave, self.bulk, reduction, comm),
+            across=dyads(self.interface.normals),
         )
 
     def solve(
@@ -91,7 +88,7 @@ class YieldingModel(ContactModel):
         *,
         load: float = 0.0,
         approach: float = 0.0,
-        active: NDArray[np.bool_],
+        active: Mask,
         max_steps: int = 30,
         progress: Callable[[int, float], None] = lambda step, residual: None,
         force: PETSc.Vec | None = None,
@@ -101,99 +98,56 @@ class YieldingModel(ContactModel):
             load=load, approach=approach, active=active, max_steps=max_steps, progress=progress,
             force=force,
         )  # fmt: skip
-        path, problem = self.setup.path, self.plastic
         over = self.over_first_yield(elastic, load, approach)
-        if not elastic.newton.converged or over <= 1 or path is None:
+        if not elastic.newton.converged or over <= 1:
             return elastic
         start = time.perf_counter()
-        steps: list[NewtonResult] = []
-        y: PETSc.Vec | None = None
-        shares = np.linspace(1 / over, 1.0, path.steps + 1)[1:]
-        touching = self._within(elastic.pressure, shares[0])
-        for share in shares:
-            prescribed = self._strain(problem, share * load, share * approach, force)
-            result = newton.solve(
-                problem, self.preconditioner, touching, y,
-                rtol=NEWTON_TOLERANCE, max_steps=max_steps, progress=progress,
-            )  # fmt: skip
-            steps.append(result)
-            found = self.found(problem, result, prescribed, share * approach, force)
-            if not result.converged:
-                break
-            problem.commit()
-            y, touching = result.y, result.pressure > 0
-        points = problem.bulk
-        given = {each.name: getattr(found, each.name) for each in fields(Solution)}
-        solution = Yielded(
-            **given, elastic=elastic, over=over, points=points.points, weights=points.weights,
-            history=points.history, steps=steps,
-        )  # fmt: skip
-        if path.unload and result.converged:
-            solution = replace(
-                solution, unloaded=self._unload(load, approach, y, found, max_steps, progress)
-            )
+        assert self.setup.path is not None
+        loading = _Loading(self, load, approach, force, max_steps, progress)
+        loading.begin(1 / over, self._within(elastic.pressure, 1 / over))
+        loading.march(np.linspace(1 / over, 1.0, self.setup.path.steps + 1)[1:])
+        found, points = loading.found, self.plastic.bulk
+        history = points.history
+        unloaded = None
+        if self.setup.path.unload and found.newton.converged:
+            unloaded = self._unload(loading)
         self.seconds["solve"] += time.perf_counter() - start
-        return solution
+        return Yielded(
+            **{each.name: getattr(found, each.name) for each in fields(Solution)},
+            elastic=elastic, over=over, points=points.points, weights=points.weights,
+            history=history, steps=loading.steps, unloaded=unloaded,
+        )  # fmt: skip
 
-    def _strain(
-        self, problem: PlasticProblem, load: float, approach: float, force: PETSc.Vec | None
-    ) -> PETSc.Vec:
-        prescribed = self.load(problem, load, approach, force)
-        problem.bulk.stretched(prescribed)
-        problem.surface.stretched(prescribed)
-        return prescribed
-
-    def _within(self, pressure: Array, share: float) -> NDArray[np.bool_]:
+    def _within(self, pressure: Array, share: float) -> Mask:
         """Points that touch under a share of the load, if the pressure is Hertz's."""
         highest = max(self.comm.allgather(float(np.max(pressure, initial=0.0))))
-        return np.asarray(pressure > highest * np.sqrt(1 - min(share, 1.0) ** (2 / 3)))
+        return np.asarray(pressure > highest * np.sqrt(1 - share ** (2 / 3)))
 
     def over_first_yield(self, elastic: Solution, load: float, approach: float) -> float:
         """The load over that of first yield, by the largest elastic von Mises stress (Hertz: the
         cube of the stress, of a line contact the square)."""
-        self._strain(self.plastic, load, approach, None)
+        self.plastic.stretched(self.load(self.plastic, load, approach, None))
         worst = 0.0
         for points in (self.plastic.bulk, self.plastic.surface):
-            stress = 2 * points.mu[:, None] * deviator(
-                points.strains(elastic.newton.y) + points.start
-            )
+            strain = points.strains(elastic.newton.y) + points.start
+            stress = 2 * points.mu[:, None] * deviator(strain)
             size = np.sqrt(np.einsum("nm,nm->n", stress, stress))
             for members, hardening in points.groups:
                 worst = max(worst, float(np.max(size[members], initial=0.0)) / hardening.first)
         line = self.setup.kinematics.dim == 2 and not self.setup.kinematics.revolved
         return float(max(self.comm.allgather(worst / ROOT))) ** (2 if line else 3)
 
-    def _unload(
-        self,
-        load: float,
-        approach: float,
-        y: PETSc.Vec,
-        found: Solution,
-        max_steps: int,
-        progress: Callable[[int, float], None],
-    ) -> Unloaded:
-        problem = self.plastic
-        reference = problem.contact_force(found.pressure)
-        for share in UNLOADING:
-            self._strain(problem, share * load, share * approach, None)
-            result = newton.solve(
-                problem, self.preconditioner, found.pressure > 0, y,
-                rtol=NEWTON_TOLERANCE, max_steps=max_steps, progress=progress,
-            )  # fmt: skip
-            if not result.converged:
-                return Unloaded(found.displacement, problem.bulk.history, result)
-            problem.commit()
-            y = result.y
-        released = self._released(reference)
-        prescribed = self._strain(released, 0.0, 0.0, None)
-        result = newton.solve(
-            released, self.new_preconditioner(released), np.zeros(len(found.pressure), dtype=bool),
-            y, rtol=NEWTON_TOLERANCE, max_steps=max_steps, progress=progress,
-        )  # fmt: skip
-        released.commit()
-        displacement = prescribed.copy()
-        self.reduction.matrix.multAdd(result.y, prescribed, displacement)
-        return Unloaded(displacement, released.bulk.history, result)
+    def _unload(self, loading: _Loading) -> Unloaded:
+        """Step by step, at last without contact."""
+        reference = self.plastic.contact_force(loading.found.pressure)
+        result = loading.march(UNLOADING)
+        if result.converged:
+            released = self._released(reference)
+            nowhere = np.zeros(len(released.area), dtype=bool)
+            loading.problem, loading.touching = released, nowhere
+            loading.preconditioner = self.new_preconditioner(released)
+            result = loading.march([0.0])
+        return Unloaded(loading.found.displacement, loading.problem.bulk.history, result)
 
     def _released(self, reference: float) -> Released:
         given = {
@@ -201,18 +155,68 @@ class YieldingModel(ContactModel):
             for each in fields(PlasticProblem)
             if each.init
         }
-        stiffness = self.plastic.stiffness.copy()
+        given["force"] = self.plastic.force.duplicate()
+        given["stiffness"] = stiffness = self.plastic.stiffness.copy()
         if self.setup.load_control:
             diagonal = stiffness.getDiagonal()
             typical = diagonal.sum() / diagonal.getSize()
-            extra = diagonal.duplicate()
-            extra.set(0.0)
             if self.reduction.approach >= 0:
-                extra.array[self.reduction.approach] = typical
-            stiffness.setDiagonal(diagonal + extra)
-        given["stiffness"] = stiffness
-        given["force"] = self.plastic.force.duplicate()
+                diagonal.array[self.reduction.approach] += typical
+            stiffness.setDiagonal(diagonal)
         return Released(**given, reference=reference)
+
+
+class _Loading:
+    """The way of a load: shares of it, one after the other, each from the state of the last."""
+
+    def __init__(
+        self,
+        model: YieldingModel,
+        load: float,
+        approach: float,
+        force: PETSc.Vec | None,
+        max_steps: int,
+        progress: Callable[[int, float], None],
+    ) -> None:
+        self.model, self.problem = model, model.plastic
+        self.preconditioner = model.preconditioner
+        self.load, self.approach, self.force = load, approach, force
+        self.max_steps, self.progress = max_steps, progress
+        self.steps: list[NewtonResult] = []
+        self.share, self.y = 0.0, None
+
+    def begin(self, share: float, touching: Mask) -> None:
+        """Where nothing has yielded yet, with points that may touch there."""
+        self.touching = touching
+        self._step(share)
+
+    def march(self, shares: Iterable[float]) -> NewtonResult:
+        """Go to shares of the load, by halves where a step does not converge."""
+        for share in shares:
+            least = abs(share - self.share) / HALVES
+            while self.share != share:
+                aim = share
+                while not (result := self._step(aim)).converged:
+                    if abs(aim - self.share) <= least:
+                        return result
+                    aim = (aim + self.share) / 2
+        return self.found.newton
+
+    def _step(self, share: float) -> NewtonResult:
+        model, problem = self.model, self.problem
+        approach = share * self.approach
+        prescribed = model.load(problem, share * self.load, approach, self.force)
+        problem.stretched(prescribed)
+        result = newton.solve(
+            problem, self.preconditioner, self.touching, self.y,
+            rtol=NEWTON_TOLERANCE, max_steps=self.max_steps, progress=self.progress,
+        )  # fmt: skip
+        self.steps.append(result)
+        self.found = model.found(problem, result, prescribed, approach, self.force)
+        if result.converged:
+            problem.commit()
+            self.share, self.y, self.touching = share, result.y, result.pressure > 0
+        return result
 
 
 def dyads(normals: Array) -> Array:
