@@ -21,6 +21,16 @@ def wheel(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
     return _decide(scene, ellipse, scene.wheel.young_modulus, scene.wheel.poisson_ratio)
 
 
+def ratios(scene: Scene, contact: Contact, ellipse: Hertz) -> dict[str, float]:
+    """Poisson's ratio by body, of those that deform."""
+    found = {}
+    for name, part, decision in (("rail", scene.rail, rail), ("wheel", scene.wheel, wheel)):
+        effect = f"deformable_{name}"
+        if decision(scene, contact, ellipse).forced(effect, scene.effects.state(effect)).on:
+            found[name] = part.poisson_ratio
+    return found
+
+
 def _decide(scene: Scene, ellipse: Hertz, young: float, poisson: float) -> Effect:
     """By its share of 1/E* = sum (1 - nu^2)/E: without a share s the approach and the pressure are
     off by 2/3 s and the semi-axes by s/3 (Johnson, Contact Mechanics, 4.22 to 4.24)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from railhead import dimension
+from railhead.effects import deformable
 from railhead.effects.base import Effect, Hertz
 from railhead.geometry import Contact
 from railhead.scene import Scene
@@ -15,12 +16,10 @@ LARGEST_REVOLVED = 0.49
 
 
 def decide(scene: Scene, contact: Contact, ellipse: Hertz) -> Effect:
-    """Called for above nu = 0.45 (0.49 in a meridian section); linear and hexahedral cells cannot
-    have it."""
-    name, ratio = max(
-        (("rail", scene.rail.poisson_ratio), ("wheel", scene.wheel.poisson_ratio)),
-        key=lambda each: each[1],
-    )
+    """Called for above nu = 0.45 (0.49 in a meridian section) of a body that deforms; linear and
+    hexahedral cells cannot have it."""
+    ratios = deformable.ratios(scene, contact, ellipse)
+    name, ratio = max(ratios.items(), key=lambda each: each[1], default=("no body", 0.0))
     revolved = dimension.choose(scene).kind == "axisymmetric"
     limit = LARGEST_REVOLVED if revolved else LARGEST_RATIO
     above = ratio > limit
