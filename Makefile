@@ -1,4 +1,4 @@
-.PHONY: run test setup lint docs
+.PHONY: run test test-all setup lint docs
 STUDIES = accuracy-cost error-bounds load-sweep scaling thesis effects hard-cases fuzz
 
 run: setup
@@ -6,6 +6,9 @@ run: setup
 
 test: setup lint
 	OMP_NUM_THREADS=1 .venv/bin/python -m pytest -n 2 --dist loadfile
+
+test-all: setup lint
+	OMP_NUM_THREADS=1 .venv/bin/python -m pytest -n 2 --dist loadfile -m ""
 
 setup:
 	@./setup.sh

@@ -55,15 +55,17 @@ class WheelSurface:
 def along(surface: Surface, points: Array, directions: Array) -> Array:
     """Distance t (n,) with points + t directions on the surface, by Newton's method from t = 0.
 
-    points, directions: (n, 3), mm. Infinite where the line misses the surface or its profile ends.
+    points, directions: (n, 3), mm. Infinite where the line misses the surface or its profile ends,
+    and where a point is not finite.
     """
     t, step = np.zeros(len(points)), np.zeros(len(points))
-    for _ in range(NEWTON_STEPS):
-        value, gradient = surface.implicit(points + t[:, None] * directions)
-        step = value / np.einsum("nd,nd->n", gradient, directions)
-        t = t - step
-        if not np.any(np.abs(step) > 1e-14):
-            break
+    with np.errstate(invalid="ignore"):
+        for _ in range(NEWTON_STEPS):
+            value, gradient = surface.implicit(points + t[:, None] * directions)
+            step = value / np.einsum("nd,nd->n", gradient, directions)
+            t = t - step
+            if not np.any(np.abs(step) > 1e-14):
+                break
     return np.where(np.abs(step) < CONVERGED, t, np.inf)
 
 
@@ -92,7 +94,7 @@ class ExactGap:
         direction = _unit(self.slave.implicit(points)[1])
         with np.errstate(invalid="ignore"):
             nearest = points + along(self.slave, points, direction)[:, None] * direction
-        return nearest, _unit(self.slave.implicit(nearest)[1])
+            return nearest, _unit(self.slave.implicit(nearest)[1])
 
 
 def _unit(vectors: Array) -> Array:

@@ -18,6 +18,7 @@ from railhead.scene.scene import Scene, SceneError
 from railhead.summary import Ending, summarise
 
 MAX_LEVELS = 5
+ALONE = 0.9  # of the asked accuracy: what is aimed at where one mesh may do
 MEMORY_SHARE = 0.8  # of the free memory that a run may take
 
 
@@ -52,23 +53,26 @@ def measure_speed() -> float:
 def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[Level], Ending]:
     """Solve on a coarse and a fine mesh, and on finer ones until the estimates meet the accuracy.
 
-    Outside the calibrated families a third mesh, coarser still, comes first.
+    Outside the calibrated families a third mesh, coarser still, comes first. Where the laws do not
+    reach the coarse mesh, it could confirm nothing and is left out.
     """
-    scene = plan.scene
+    scene, known = plan.scene, plan.family
     wanted = plan.resolution
     if scene.budget is not None:
         wanted = affordable(plan, wanted)
     low = laws.RANGE[0] * (planning.LINEAR_REFINEMENT if plan.order == 1 else 1.0)
-    steps = 1 if plan.family else 2
-    first = plan.at_resolution(max(wanted / laws.STEP**steps, low))
-    levels = [solve_level(first, None, progress, comm)]
+    coarse = max(wanted / laws.STEP ** (1 if known else 2), low)
+    least = 2
+    if known is not None and scene.budget is None and not known.covers(coarse):
+        least, coarse = 1, known.finest(ALONE * _asked(plan))
+    levels = [solve_level(plan.at_resolution(coarse), None, progress, comm)]
     spent = sum(levels[0].seconds.values())
     while True:
         done = levels[-1]
         worst = comm.bcast(_worst(levels))
         if not done.solution.newton.converged:
             return levels, Ending("Newton's method did not converge")
-        if len(levels) > 1 and scene.accuracy is not None and worst <= scene.accuracy:
+        if len(levels) >= least and scene.accuracy is not None and worst <= scene.accuracy:
             return levels, Ending("asked accuracy reached")
         if len(levels) > 1 and scene.accuracy is None and math.isfinite(worst):
             return levels, Ending("budget spent")
@@ -84,6 +88,11 @@ def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[L
         level = solve_level(finer, grading, progress, comm)
         levels.append(level)
         spent += sum(level.seconds.values())
+
+
+def _asked(plan: Plan) -> float:
+    """What of the asked accuracy the plan leaves to the mesh."""
+    return (plan.scene.accuracy or 0.0) - plan.left_out
 
 
 def _worst(levels: list[Level]) -> float:
@@ -102,7 +111,7 @@ def _next(levels: list[Level], worst: float, wanted: float) -> tuple[float, bool
         wanted = estimates.next_resolution(n, worst, asked or worst)
     else:
         if asked is not None and level.plan.scene.budget is None:
-            wanted = known.finest(asked - level.plan.left_out)
+            wanted = known.finest(_asked(level.plan))
         wanted = max(wanted, 1.25 * n)
     return wanted, known.covers(wanted)
 

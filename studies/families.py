@@ -218,7 +218,7 @@ RECIPES = {
         },
         (),
     ),
-    "profiles": Recipe(profiles, {"ellipse": [False]}, (3.0, 4.5, 7.0), exact=False),
+    "profiles": Recipe(profiles, {"ellipse": [False]}, (4.5, 7.0), exact=False),
 }
 
 

@@ -17,6 +17,7 @@ from railhead.meshing.sizing import Grading, suited_stretch
 from railhead.meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y
 from railhead.planning import effects, exact, laws, machine
 from railhead.planning.effects import Context, Effect
+from railhead.planning.effects.base import touching
 from railhead.planning.effects.true_profile import one_radius
 from railhead.planning.forecast import Forecast, Zone, forecast
 from railhead.planning.laws import Family, Setting
@@ -34,10 +35,11 @@ SECTION_REFINEMENT = 2.0  # so are those of a section, where they cost nearly no
 GROWTH = 0.3  # of the element size with distance, at most; finer patches grow more slowly
 FULL_GROWTH = 7 / 6  # times the default resolution, up to which the growth is the largest
 FINEST_SHARE = 0.5  # elements in a further patch over those in the most loaded one, at least
-RIDGE_SHARE = 0.5  # elements on a ridge of the pressure over those of its patch ...
-RIDGE_WIDTH = 0.5  # ... and half the width that has them, over the latter
+RIDGE_SHARE = 0.25  # elements on a ridge of the pressure over those of its patch ...
+RIDGE_WIDTH = 0.125  # ... and half the width that has them, over the latter
 STRETCHES = 9  # tried where patches share a mesh
-COARSEST = 0.25  # largest element over the half length of the bodies
+COARSEST = 0.25  # largest element over the half length of the bodies ...
+COARSEST_ACROSS = 1 / 3  # ... and over the width of a profile: coarser ones cut through fillets
 HALF_SPACE_REACH = 8.0  # edge of the blocks over the major semi-axis: the far field is exact
 BODY_REACH = 12.0  # half length of real bodies over the major semi-axis, at least
 MIN_BODY_REACH = 80.0  # mm
@@ -209,6 +211,12 @@ class Plan:
         """Of the element size with the distance from the patch."""
         return min(GROWTH, GROWTH * FULL_GROWTH * self.solid_resolution / self.resolution)
 
+    @property
+    def coarsest(self) -> float:
+        """The largest element size (mm)."""
+        widths = [np.ptp(profile.domain) for _, profile, _ in touching(self.contact)]
+        return min(COARSEST * self.reach, *(COARSEST_ACROSS * width for width in widths), math.inf)
+
     def grading(self) -> Grading:
         """Sizes around the patches of the forecast; smaller patches get smaller elements. Elements
         are stretched along the rail as far as it saves cells."""
@@ -230,7 +238,7 @@ class Plan:
             size *= min(1.0, suited_stretch(zone.a, zone.b) / stretch)
             return Grading(
                 zone.centre, zone.a, zone.b, zone.angle, size, self.growth,
-                coarsest=COARSEST * self.reach, stretch=stretch,
+                coarsest=self.coarsest, stretch=stretch,
             )  # fmt: skip
 
         first, *others = (around(zone) for zone in self.forecast.zones)

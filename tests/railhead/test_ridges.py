@@ -25,6 +25,15 @@ def test_the_joint_in_the_patch_is_a_ridge_as_long_as_the_patch_there() -> None:
     assert (line.a / zone.a) ** 2 + across**2 == pytest.approx(1)
 
 
+def test_the_width_of_the_profiles_bounds_the_elements_of_long_bodies() -> None:
+    """A soft wheel's patch is 90 mm long and its bodies a metre: elements as large as a quarter of
+    that cut through the fillets of the head, and meshing did not end."""
+    plan = planned("wheel.young_modulus=300", "load=75e3")
+    assert plan.reach > 500
+    assert plan.coarsest < 25
+    assert planned().coarsest == planning.COARSEST * planned().reach
+
+
 def test_the_mesh_is_finer_along_it_and_nowhere_else() -> None:
     plan = planned(CROSSING)
     grading = plan.grading()

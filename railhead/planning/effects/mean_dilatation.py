@@ -19,13 +19,15 @@ LARGEST_REVOLVED = 0.49
 
 
 def decide(context: Context) -> Effect:
-    """Called for above nu = 0.45 (0.49 in a meridian section); linear and hexahedral cells cannot
-    have it."""
+    """Called for above nu = 0.45 (0.49 in a meridian section) of a body that deforms; linear and
+    hexahedral cells cannot have it."""
     scene = context.scene
-    name, ratio = max(
-        (("rail", scene.rail.poisson_ratio), ("wheel", scene.wheel.poisson_ratio)),
-        key=lambda each: each[1],
-    )
+    ratios = {
+        name: part.poisson_ratio
+        for name, part in (("rail", scene.rail), ("wheel", scene.wheel))
+        if context.decided[f"deformable_{name}"].on
+    }
+    name, ratio = max(ratios.items(), key=lambda each: each[1], default=("no body", 0.0))
     limit = LARGEST_REVOLVED if context.contact.revolved else LARGEST_RATIO
     above = ratio > limit
     why = f"Poisson's ratio {ratio:g} of the {name}, {'above' if above else 'below'} {limit}"

@@ -47,6 +47,14 @@ def test_a_body_below_a_thousandth_of_the_compliance_is_rigid(ratio: int, deform
     assert asked.on  # a tenth of the asked accuracy is the limit
 
 
+def test_a_rigid_body_cannot_lock() -> None:
+    """Its Poisson's ratio would only cost the other body accuracy."""
+    soft = "rail.poisson_ratio=0.49"
+    assert effect("mean_dilatation", "hertz_ellipse", soft).on
+    assert not effect("mean_dilatation", "hertz_ellipse", soft, "rail.young_modulus=2e9").on
+    assert not effect("mean_dilatation", "hertz_ellipse", soft, "effects.deformable_rail=off").on
+
+
 def test_what_is_left_out_is_part_of_the_bound() -> None:
     scene = catalogue.find("hertz_ellipse").replace(
         ["wheel.young_modulus=1.035e8", "accuracy=3%"]

@@ -11,6 +11,7 @@ from railhead.studies.hard.case import Case, Deviation, Measured
 from railhead.studies.hard.scenes import ELLIPSE, HALF_SPACE, against_hertz, deviations, resolved
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", QUICK, ids=lambda case: case.key)
 def test_hard_case_keeps_its_rule(case: Case) -> None:
     found = case.solve()

@@ -48,7 +48,10 @@ def test_broken_files_end_in_one_line(tmp_path: Path, content: bytes) -> None:
         assert len(errors.getvalue().strip().splitlines()) == 1
 
 
-@pytest.mark.parametrize("seed", range(40))
+SEEDS = [*range(16), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(16, 40))]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
 def test_a_fuzzed_scene_ends_well(seed: int) -> None:
     """Other seeds than the study's; five of eight are broken."""
     found = fuzz(seed, broken=seed % 8 < 5)
