@@ -32,12 +32,21 @@ STAGE_TOLERANCE = 0.1  # the same for the softer laws on the way to a stiff one
 
 
 @dataclass(frozen=True)
+class Plastic:
+    """Plastic strain tensors (m, g, 3, 3) in space and equivalent plastic strain (m, g) at the g
+    Gauss points of this rank's m cells."""
+
+    strain: Array
+    equivalent: Array
+
+
+@dataclass(frozen=True)
 class Solution:
     """One load case. displacement: owned dofs, mm. pressure (n,) MPa at the interface's points.
 
     load: what the pressure carries against the direction of the approach, of the whole model, N;
     reaction: the same at the support, N; approach: mm; penetration: largest overlap, mm.
-    indicator (n,) MPa: the pressure before its negative part is cut off.
+    indicator (n,) MPa: the pressure before its negative part is cut off. plastic: what has yielded.
     """
 
     displacement: PETSc.Vec
@@ -48,6 +57,7 @@ class Solution:
     reaction: float
     penetration: float
     newton: newton.NewtonResult
+    plastic: Plastic | None = None
 
 
 class ContactModel:

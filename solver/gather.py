@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from railhead.solver import compat
 from railhead.solver.cells import Array
-from railhead.solver.contact import ContactModel, Solution
+from railhead.solver.contact import ContactModel, Plastic, Solution
 from railhead.solver.facets import FacetSet, facet_closure
 from railhead.solver.kinematics import SOLID, Kinematics
 
@@ -44,7 +44,8 @@ class Fields:
     points (n, 3), displacement (n, 3) mm; cells (m, k) nodes in basix order; body (m,) cell tag;
     lame (m, 2) MPa; cell: see `compat.cell_type`; degree of the displacement; slave: tag of the
     body the contact facets belong to; mirrors: normals of the symmetry planes through x = 0 or
-    y = 0 at which the model was cut; kinematics: what a section stands for.
+    y = 0 at which the model was cut; kinematics: what a section stands for; plastic: of the cells,
+    None where nothing yields.
     """
 
     points: Array
@@ -58,6 +59,7 @@ class Fields:
     mirrors: tuple[tuple[float, float, float], ...]
     contact: ContactFields
     kinematics: Kinematics = SOLID
+    plastic: Plastic | None = None
 
 
 def gather(model: ContactModel, solution: Solution) -> Fields | None:
@@ -95,6 +97,10 @@ def gather(model: ContactModel, solution: Solution) -> Fields | None:
             _facet_nodes(interface.slave),
         )
     ]
+    plastic = solution.plastic
+    if plastic is not None:
+        strain, equivalent = (_to_root(comm, a) for a in (plastic.strain, plastic.equivalent))
+        plastic = Plastic(strain, equivalent)
     if comm.rank:
         return None
     points, displacement, cells, body, lame = gathered[:5]
@@ -110,6 +116,7 @@ def gather(model: ContactModel, solution: Solution) -> Fields | None:
         tuple(normal for _, normal in model.setup.planes),
         ContactFields(*gathered[5:]),
         kinematics,
+        plastic,
     )
 
 

@@ -54,6 +54,17 @@ class Kinematics:
         """Components along the mesh's coordinates (..., d) -> vectors in space (..., 3)."""
         return vectors if self.dim == 3 else vectors @ self.axes
 
+    def tensors(self, mandel: Array) -> Array:
+        """Symmetric tensors (..., m) in Mandel's notation (see `CellSet.strains`) -> (..., 3, 3) in
+        space."""
+        own = np.zeros((*mandel.shape[:-1], 3, 3))
+        own[..., [0, 1, 2], [0, 1, 2]] = mandel[..., :3]
+        shears = [(1, 2), (0, 2), (0, 1)] if self.dim == 3 else [(0, 1)]
+        for column, (i, j) in enumerate(shears, 3):
+            own[..., i, j] = own[..., j, i] = mandel[..., column] / np.sqrt(2)
+        axes = self.axes if self.dim == 3 else np.vstack([self.axes, np.cross(*self.axes)])
+        return np.asarray(axes.T @ own @ axes)
+
     def measure(self, points: Array) -> Array:
         """(n,) what an element of volume or area in the mesh at (n, d) counts: thickness mm, or
         2 pi r mm; 1 for a solid."""

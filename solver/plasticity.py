@@ -4,8 +4,8 @@
 
 with the strains E y + e0 at the Gauss points of K and at the contact points, their plastic parts
 eps_p by a radial return from the history (`solver.hardening`), and t = 2 mu n . eps_p . n, by which
-the normal stress of Nitsche's method is lower: s = S u - t. Test functions stay elastic. The history is
-an array; nothing is assembled anew.
+the normal stress of Nitsche's method is lower: s = S u - t. Test functions stay elastic. The
+history is an array; nothing is assembled anew.
 """
 
 from __future__ import annotations
@@ -32,11 +32,13 @@ class YieldPoints:
 
     strain: E (n m rows) on the free unknowns; full: the same on all dofs; weights (n,) mm3 (mm2 at
     contact points); mu (n,) MPa; groups: points and curve of each body; start (n, m): strain of u0;
-    points (n, 3) mm in space; history: at the end of the last load step.
+    points (n, 3) mm in space, cells (k,) of this rank that they are in, cell by cell; history: at
+    the end of the last load step.
     """
 
     strain: PETSc.Mat
     full: PETSc.Mat
+    cells: Index
     points: Array
     weights: Array
     mu: Array
@@ -194,7 +196,8 @@ def bulk_points(
         cells = cells[near(kinematics.lift(nodes))] if len(cells) else cells
         chosen.append(cells)
         curves.append(material.hardening)
-    cells = CellSet.of(bulk, np.concatenate(chosen))
+    every = np.concatenate(chosen)
+    cells = CellSet.of(bulk, every)
     (index, reference), x, weights = cells.quadrature_points(
         quadrature_degree(cells.cell, cells.degree, kinematics)
     )
@@ -204,7 +207,7 @@ def bulk_points(
         (np.arange(start, end), curve)
         for start, end, curve in zip(ends, ends[1:], curves, strict=False)
     ]
-    return _points(cells, index, reference, x, weights, groups, bulk, reduction, comm)
+    return _points(cells, every, index, reference, x, weights, groups, bulk, reduction, comm)
 
 
 def surface_points(
@@ -219,12 +222,14 @@ def surface_points(
     reference = slave.reference(index, interface.xi)
     groups = [] if hardening is None else [(np.arange(len(index)), hardening)]
     return _points(
-        slave, index, reference, interface.points, interface.weights, groups, bulk, reduction, comm
-    )
+        slave, np.zeros(0, dtype=np.int64), index, reference, interface.points, interface.weights,
+        groups, bulk, reduction, comm,
+    )  # fmt: skip
 
 
 def _points(
     cells: CellSet,
+    numbers: Index,
     index: Index,
     reference: Array,
     x: Array,
@@ -237,7 +242,7 @@ def _points(
     owned = bulk.space.dofmap.index_map.size_local * cells.kinematics.dim
     full, size = strains(cells, index, reference, owned, comm)
     return YieldPoints(
-        full.matMult(reduction.matrix), full, cells.kinematics.lift(x), weights,
+        full.matMult(reduction.matrix), full, numbers, cells.kinematics.lift(x), weights,
         cells.lame[index, 1], groups, History.virgin(len(index), size),
         np.zeros((len(index), size)),
     )  # fmt: skip

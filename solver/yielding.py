@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from petsc4py import PETSc
 
 from railhead.solver import newton
 from railhead.solver.cells import Array
-from railhead.solver.contact import NEWTON_TOLERANCE, ContactModel, Solution
+from railhead.solver.contact import NEWTON_TOLERANCE, ContactModel, Plastic, Solution
 from railhead.solver.hardening import ROOT, History, deviator
 from railhead.solver.newton import NewtonResult
 from railhead.solver.plasticity import PlasticProblem, bulk_points, surface_points
@@ -24,27 +24,15 @@ HALVES = 32  # into which a load step may be cut
 
 @dataclass(frozen=True)
 class Yielded(Solution):
-    """A load case with yield. elastic: the same without; over: load over that of first yield (1 or
-    less: nothing yields, and the rest is None); points (n, 3) mm and weights (n,) mm3 of the local
-    Gauss points that were followed, and their history under the load; steps: Newton's histories of
-    all load steps; unloaded: the residual state (None if it was not asked for)."""
+    """A load case with yield. elastic: the same without; over: load over that of first yield;
+    steps: Newton's histories of all load steps, of the unloading too; unloaded: the residual state,
+    the bodies apart (None if it was not asked for). newton: of the last step, or of the one that
+    failed."""
 
-    elastic: Solution
-    over: float
-    points: Array
-    weights: Array
-    history: History
-    steps: list[NewtonResult]
-    unloaded: Unloaded | None = None
-
-
-@dataclass(frozen=True)
-class Unloaded:
-    """displacement: owned dofs, mm, the bodies apart; history of the points of `Yielded`."""
-
-    displacement: PETSc.Vec
-    history: History
-    newton: NewtonResult
+    elastic: Solution | None = None
+    over: float = 0.0
+    steps: tuple[NewtonResult, ...] = ()
+    unloaded: Solution | None = None
 
 
 @dataclass
@@ -106,17 +94,13 @@ class YieldingModel(ContactModel):
         loading = _Loading(self, load, approach, force, max_steps, progress)
         loading.begin(1 / over, self._within(elastic.pressure, 1 / over))
         loading.march(np.linspace(1 / over, 1.0, self.setup.path.steps + 1)[1:])
-        found, points = loading.found, self.plastic.bulk
-        history = points.history
-        unloaded = None
+        found, unloaded = loading.found, None
         if self.setup.path.unload and found.newton.converged:
             unloaded = self._unload(loading)
         self.seconds["solve"] += time.perf_counter() - start
-        return Yielded(
-            **{each.name: getattr(found, each.name) for each in fields(Solution)},
-            elastic=elastic, over=over, points=points.points, weights=points.weights,
-            history=history, steps=loading.steps, unloaded=unloaded,
-        )  # fmt: skip
+        given = {each.name: getattr(found, each.name) for each in fields(Solution)}
+        steps = tuple(loading.steps)
+        return Yielded(**given, elastic=elastic, over=over, steps=steps, unloaded=unloaded)
 
     def _within(self, pressure: Array, share: float) -> Mask:
         """Points that touch under a share of the load, if the pressure is Hertz's."""
@@ -137,17 +121,28 @@ class YieldingModel(ContactModel):
         line = self.setup.kinematics.dim == 2 and not self.setup.kinematics.revolved
         return float(max(self.comm.allgather(worst / ROOT))) ** (2 if line else 3)
 
-    def _unload(self, loading: _Loading) -> Unloaded:
+    def _unload(self, loading: _Loading) -> Solution:
         """Step by step, at last without contact."""
         reference = self.plastic.contact_force(loading.found.pressure)
-        result = loading.march(UNLOADING)
-        if result.converged:
+        if loading.march(UNLOADING).converged:
             released = self._released(reference)
-            nowhere = np.zeros(len(released.area), dtype=bool)
-            loading.problem, loading.touching = released, nowhere
+            loading.problem, loading.touching = released, np.zeros(len(released.area), dtype=bool)
             loading.preconditioner = self.new_preconditioner(released)
-            result = loading.march([0.0])
-        return Unloaded(loading.found.displacement, loading.problem.bulk.history, result)
+            loading.march([0.0])
+        return loading.found
+
+    def plastic_strain(self, history: History) -> Plastic:
+        """A history on all cells of this rank."""
+        topology = self.bulk.space.mesh.topology
+        count = topology.index_map(topology.dim).size_local
+        cells = self.plastic.bulk.cells
+        each = len(history.equivalent) // max(len(cells), 1) or 1
+        each = max(self.comm.allgather(each))
+        strain, equivalent = np.zeros((count, each, 3, 3)), np.zeros((count, each))
+        own = self.setup.kinematics.tensors(history.plastic)
+        strain[cells] = own.reshape(len(cells), each, 3, 3)
+        equivalent[cells] = history.equivalent.reshape(len(cells), each)
+        return Plastic(strain, equivalent)
 
     def _released(self, reference: float) -> Released:
         given = {
@@ -212,9 +207,11 @@ class _Loading:
             rtol=NEWTON_TOLERANCE, max_steps=self.max_steps, progress=self.progress,
         )  # fmt: skip
         self.steps.append(result)
-        self.found = model.found(problem, result, prescribed, approach, self.force)
+        found = model.found(problem, result, prescribed, approach, self.force)
         if result.converged:
             problem.commit()
+        self.found = replace(found, plastic=model.plastic_strain(problem.bulk.history))
+        if result.converged:
             self.share, self.y, self.touching = share, result.y, result.pressure > 0
         return result
 
