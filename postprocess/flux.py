@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -78,10 +76,7 @@ def _zz(fields: Fields, crossing: NDArray[np.bool_]) -> Array:
     """sigma_zz at the nodes of these cells, averaged over all cells around each node."""
     wanted = np.zeros(len(fields.points), dtype=bool)
     wanted[fields.cells[crossing]] = True
-    around = wanted[fields.cells].any(axis=1)
-    some = replace(
-        fields, cells=fields.cells[around], body=fields.body[around], lame=fields.lame[around]
-    )
+    some = fields.among(wanted[fields.cells].any(axis=1))
     with np.errstate(invalid="ignore"):  # nodes of no cell
         return nodal(some)[:, 2]
 

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from itertools import combinations_with_replacement
 
-import basix
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from railhead.postprocess.findings import Array
-from railhead.postprocess.stress import COLUMN, ROW, at_reference
-from railhead.solver.elasticity import quadrature_degree
+from railhead.postprocess.stress import COLUMN, ROW, at_gauss
 from railhead.solver.gather import Fields
 
 NEIGHBOURS = 1200  # samples of one local fit: about three element sizes around
@@ -31,12 +29,7 @@ class Recovery:
 
     def __init__(self, fields: Fields, cells: NDArray[np.int64]) -> None:
         """cells (m,): all those of the body."""
-        found = [at_reference(fields, cells, point)[:2] for point in gauss(fields)]
-        self.points = np.stack([x for x, _ in found], axis=1)
-        self.stress = np.stack([s for _, s in found], axis=1)
-        if fields.plastic is not None:
-            mu = fields.lame[cells, 1][:, None, None]
-            self.stress -= 2 * mu * fields.plastic.strain[cells][:, :, ROW, COLUMN]
+        self.points, self.stress = at_gauss(fields, cells)
         self._axes = fields.kinematics.axes  # a section has no more coordinates than these
         points, stress = self.points.reshape(-1, 3), self.stress.reshape(-1, 6)
         for normal in fields.mirrors:
@@ -81,15 +74,6 @@ class Polynomial:
         """Stress (n, 6) at points (n, 3), MPa."""
         offset = (points @ self._axes.T - self._centre) / self.radius
         return np.asarray(monomials(offset[None])[0].T @ self._coefficients)
-
-
-def gauss(fields: Fields) -> Array:
-    """Reference points (g, d) at which stresses are best, or plastic strains are known."""
-    if fields.plastic is not None:
-        degree = quadrature_degree(fields.cell, fields.degree, fields.kinematics)
-        return np.asarray(basix.make_quadrature(getattr(basix.CellType, fields.cell), degree)[0])
-    rule = 1 if fields.degree == 1 and fields.cell in ("tetrahedron", "triangle") else 2
-    return np.asarray(basix.make_quadrature(getattr(basix.CellType, fields.cell), rule)[0])
 
 
 def monomials(x: Array) -> Array:

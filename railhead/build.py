@@ -16,6 +16,7 @@ from railhead.planning.plan import Plan
 from railhead.solver.contact import ContactModel
 from railhead.solver.laws import Law
 from railhead.solver.setup import Setup, Side
+from railhead.solver.yielding import YieldingModel
 
 
 def parts(plan: Plan) -> list[Body]:
@@ -56,4 +57,5 @@ def model(plan: Plan, made: mesh.ContactMesh) -> ContactModel:
     for name, effect in plan.effects.items():
         if effect.on:
             setup = EFFECTS[name].apply(setup, plan)
-    return ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+    kind = YieldingModel if setup.path is not None else ContactModel
+    return kind(made.mesh, made.cell_tags, made.facet_tags, setup)

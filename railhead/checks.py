@@ -74,7 +74,7 @@ def run(
     if level.result is not None and level.findings is not None:
         checks += _mesh(level)
         checks += _physics(level)
-        checks += _opinion(level, estimates, second)
+        checks += _opinion(level.elastic or level, estimates, second)
     if reached is not None:
         off = worst(estimates, level.result) if reached else math.inf
         asked = float(level.plan.scene.accuracy or 0.0)
@@ -162,7 +162,8 @@ def _physics(level: Level) -> list[Check]:
         )
         for body in plan.deformable
     ]  # fmt: skip
-    shear = result["stress"]["tau_max_MPa"] / result["pressure"]["max_MPa"]
+    elastic = (level.elastic or level).result or result  # yield cuts both
+    shear = elastic["stress"]["tau_max_MPa"] / elastic["pressure"]["max_MPa"]
     why = "0.266 to 0.488 in Hertz's ellipses, and a quarter more room"
     checks = [
         *fluxes,

@@ -19,7 +19,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from railhead.planning.laws import STEP, Family, family, lost
+from railhead.planning.laws import STEP, Family, lost
 from railhead.postprocess.findings import RIVAL
 from railhead.theory.subsurface import max_shear
 
@@ -219,7 +219,7 @@ def estimate(levels: Sequence[Level]) -> tuple[dict[str, Estimate], str]:
         for each in levels
         if each.findings is not None
     ]
-    known = family(level.setting)
+    known = level.family
     flatness = scales(level.findings, level.result)
     parts, source = mesh_parts(solved, known, flatness)
     overlap = 0.0

@@ -16,18 +16,20 @@ from railhead import build
 from railhead.meshing.mesh import ContactMesh
 from railhead.meshing.sizing import Grading
 from railhead.meshing.surfaces import ExactGap
-from railhead.planning import effects, exact
+from railhead.planning import effects, exact, laws
 from railhead.planning.effects import After
 from railhead.planning.forecast import Forecast, Nearest, Zone
-from railhead.planning.laws import Setting
+from railhead.planning.laws import Family, Setting
 from railhead.planning.plan import Plan
-from railhead.postprocess import compare, read
+from railhead.postprocess import compare, plastic, read
 from railhead.postprocess.findings import Findings, Frame
 from railhead.postprocess.parts import parts
 from railhead.postprocess.patch import Moments
+from railhead.postprocess.plastic import Left
 from railhead.progress import Progress
 from railhead.solver.contact import ContactModel, Solution
 from railhead.solver.gather import Fields, gather
+from railhead.solver.yielding import Yielded
 from railhead.theory.hertz import Ellipse
 from railhead.theory.line import LineContact
 
@@ -41,7 +43,8 @@ REACHED = 1e-9  # ... to this relative error
 class Level:
     """fields, findings and result ("result" of summary.json) are None off rank 0, the last two
     also where nothing touches. space: of the displacement. ellipse: exact Hertz under the load that
-    was found. settled: the patch that was found is the one that was meshed for."""
+    was found. settled: the patch that was found is the one that was meshed for. Where bodies yield,
+    elastic: the same without, and left: what the load leaves (rank 0)."""
 
     plan: Plan
     grading: Grading
@@ -56,6 +59,8 @@ class Level:
     result: dict[str, Any] | None
     settled: bool
     seconds: dict[str, float]
+    elastic: Level | None = None
+    left: Left | None = None
 
     @property
     def approach_error(self) -> float:
@@ -81,6 +86,11 @@ class Level:
         """What the errors of this mesh depend on, now that the patch is known (rank 0)."""
         plan, found = self.plan, self.findings
         return plan.setting if found is None else replace(plan.setting, ellipse=found.hertzian)
+
+    @property
+    def family(self) -> Family | None:
+        """Whose error laws hold for it (rank 0): none were measured where bodies yield."""
+        return None if self.plan.effects["plasticity"].on else laws.family(self.setting)
 
     @property
     def off_surface(self) -> float:
@@ -116,22 +126,43 @@ def solve_level(
         solution = solve(plan, model, frame, progress.newton)
         clock.lap("solve")
         fields, unknowns, space = gather(model, solution), model.unknowns, model.bulk.space
+        yielded = _yielded(model, solution, frame)
         model.release()
         better = comm.bcast(None if fields is None else _regrade(plan, grading, fields, frame))
         if better is None or attempt == MAX_MESHES or not solution.newton.converged:
             break
         plan, grading = better
     progress.stage("reading the result")
-    findings = result = None
-    if fields is not None and np.any(fields.contact.pressure > 0):
-        findings = read.findings(fields, frame)
-        result = compare.from_findings(findings, solution.load, solution.approach)
+
+    def level(fields: Fields | None, solution: Solution) -> Level:
+        findings = result = None
+        if fields is not None and np.any(fields.contact.pressure > 0):
+            findings = read.findings(fields, frame)
+            result = compare.from_findings(findings, solution.load, solution.approach)
+        ellipse = exact.estimate(plan.scene, plan.contact, solution.load or None)
+        return Level(
+            plan, grading, mesh, space, unknowns, comm.size, solution, ellipse, fields, findings,
+            result, better is None, clock.seconds,
+        )  # fmt: skip
+
+    found = level(fields, solution)
+    if yielded is not None:
+        elastic, elastic_fields, left = yielded
+        found = replace(found, elastic=level(elastic_fields, elastic), left=left)
     clock.lap("postprocess")
-    ellipse = exact.estimate(plan.scene, plan.contact, solution.load or None)
-    return Level(
-        plan, grading, mesh, space, unknowns, comm.size, solution, ellipse, fields, findings,
-        result, better is None, clock.seconds,
-    )  # fmt: skip
+    return found
+
+
+def _yielded(
+    model: ContactModel, solution: Solution, frame: Frame
+) -> tuple[Solution, Fields | None, Left | None] | None:
+    """The elastic solution with its fields, and what the load leaves; None where nothing yields."""
+    if not isinstance(solution, Yielded):
+        return None
+    fields, elastic = gather(model, solution), gather(model, solution.elastic)
+    residual = None if solution.unloaded is None else gather(model, solution.unloaded)
+    left = None if fields is None else plastic.left(solution, fields, residual, frame)
+    return solution.elastic, elastic, left
 
 
 def solve(

@@ -104,7 +104,7 @@ def _next(levels: list[Level], worst: float, wanted: float) -> tuple[float, bool
     """Elements per semi-axis of the next mesh, and whether an estimate can be had there."""
     level = levels[-1]
     n, asked = level.resolution, level.plan.scene.accuracy
-    known = laws.family(level.setting)
+    known = level.family
     if known is None or (len(levels) > 1 and not math.isfinite(worst)):
         return laws.STEP * n, True
     if len(levels) > 1:

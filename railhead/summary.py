@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import resource
 from dataclasses import dataclass
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 from railhead import checks, estimates
 from railhead.geometry.flat import FlatContact
 from railhead.level import Level
+from railhead.planning.effects import plasticity
 from railhead.postprocess import compare
 from railhead.second_opinion import half_space
 from railhead.theory.hertz import Ellipse
@@ -31,7 +33,7 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
     hertz, thesis = exact_quantities(level), None
     if isinstance(ellipse, Ellipse):
         thesis = compare.from_thesis(ellipse, plan.poisson_ratios)
-    newton, cost = solution.newton, ending.would_cost
+    newton, cost, elastic = solution.newton, ending.would_cost, level.elastic
     known, source = estimates.estimate(levels)
     bound = {name: each.total for name, each in known.items()}
     reached = None
@@ -46,7 +48,10 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
         "case": scene.name,
         "scene": scene.model_dump(exclude_none=True),
         "plan": plan.summary(),
-        "result": level.result,
+        "result": level.result
+        if level.left is None
+        else level.result and {**level.result, "plastic": _plastic(level)},
+        **({} if elastic is None else {"elastic": elastic.result}),
         "hertz": hertz,
         "thesis": thesis,
         "half_space": profiles,
@@ -81,6 +86,14 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
             "seconds": _seconds(levels),
         },
     }
+
+
+def _plastic(level: Level) -> dict[str, Any]:
+    scene, left, elastic = level.plan.scene, level.left, level.elastic
+    assert left is not None and elastic is not None and elastic.result is not None
+    part = scene.rail if left.zone.body == "rail" else scene.wheel
+    shear = plasticity.hardening(part).first / math.sqrt(3)
+    return left.summary(elastic.result["pressure"]["max_MPa"], shear)
 
 
 def exact_quantities(level: Level) -> dict[str, Any]:

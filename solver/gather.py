@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -60,6 +60,16 @@ class Fields:
     contact: ContactFields
     kinematics: Kinematics = SOLID
     plastic: Plastic | None = None
+
+    def among(self, chosen: NDArray[np.bool_]) -> Fields:
+        """The same with some of the cells (m,) alone."""
+        plastic = self.plastic
+        if plastic is not None:
+            plastic = Plastic(plastic.strain[chosen], plastic.equivalent[chosen])
+        return replace(
+            self, cells=self.cells[chosen], body=self.body[chosen], lame=self.lame[chosen],
+            plastic=plastic,
+        )  # fmt: skip
 
 
 def gather(model: ContactModel, solution: Solution) -> Fields | None:

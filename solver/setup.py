@@ -35,10 +35,12 @@ class Side:
 
 @dataclass(frozen=True)
 class LoadPath:
-    """How bodies that yield are loaded. steps: from the first yield to the load; unload: take it
-    away again; near: points in space (n, 3) mm -> mask of those where yield is followed."""
+    """How bodies that yield are loaded. steps: from the first yield to the load; cycles: how often;
+    unload: take it away in the end; near: points in space (n, 3) mm -> mask of those where yield is
+    followed."""
 
     steps: int
+    cycles: int
     unload: bool
     near: Callable[[Array], NDArray[np.bool_]]
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from petsc4py import PETSc
 
-from railhead.solver import newton
+from railhead.solver import linear, newton
 from railhead.solver.cells import Array
 from railhead.solver.contact import NEWTON_TOLERANCE, ContactModel, Plastic, Solution
 from railhead.solver.hardening import ROOT, History, deviator
@@ -19,20 +19,22 @@ from railhead.solver.problem import ContactProblem, Mask
 from railhead.solver.setup import Setup
 
 UNLOADING = (0.6, 0.3, 0.1, 0.02)  # of the load, before the bodies part
+START = 1e-3  # tolerance of the linear solve that a smaller load starts from
 HALVES = 32  # into which a load step may be cut
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Yielded(Solution):
     """A load case with yield. elastic: the same without; over: load over that of first yield;
     steps: Newton's histories of all load steps, of the unloading too; unloaded: the residual state,
-    the bodies apart (None if it was not asked for). newton: of the last step, or of the one that
-    failed."""
+    the bodies apart (None if it was not asked for); indentation: by tag of a body, how far its
+    surface stays pushed in at most, mm. newton: of the last step, or of the one that failed."""
 
-    elastic: Solution | None = None
-    over: float = 0.0
-    steps: tuple[NewtonResult, ...] = ()
-    unloaded: Solution | None = None
+    elastic: Solution
+    over: float
+    steps: tuple[NewtonResult, ...]
+    unloaded: Solution | None
+    indentation: Mapping[int, float]
 
 
 @dataclass
@@ -92,20 +94,49 @@ class YieldingModel(ContactModel):
         start = time.perf_counter()
         assert self.setup.path is not None
         loading = _Loading(self, load, approach, force, max_steps, progress)
-        loading.begin(1 / over, self._within(elastic.pressure, 1 / over))
-        loading.march(np.linspace(1 / over, 1.0, self.setup.path.steps + 1)[1:])
+        loading.begin(1 / over, self.within(elastic.indicator, 1 / over))
+        up = np.linspace(1 / over, 1.0, self.setup.path.steps + 1)[1:]
+        result = loading.march(up)
+        for _ in range(self.setup.path.cycles - 1):
+            if result.converged and loading.march(UNLOADING).converged:
+                result = loading.march(up)
         found, unloaded = loading.found, None
         if self.setup.path.unload and found.newton.converged:
             unloaded = self._unload(loading)
         self.seconds["solve"] += time.perf_counter() - start
-        given = {each.name: getattr(found, each.name) for each in fields(Solution)}
-        steps = tuple(loading.steps)
-        return Yielded(**given, elastic=elastic, over=over, steps=steps, unloaded=unloaded)
+        return Yielded(
+            **{each.name: getattr(found, each.name) for each in fields(Solution)},
+            elastic=elastic, over=over, steps=tuple(loading.steps), unloaded=unloaded,
+            indentation={} if unloaded is None else self._indentation(unloaded, found.pressure),
+        )  # fmt: skip
 
-    def _within(self, pressure: Array, share: float) -> Mask:
-        """Points that touch under a share of the load, if the pressure is Hertz's."""
-        highest = max(self.comm.allgather(float(np.max(pressure, initial=0.0))))
-        return np.asarray(pressure > highest * np.sqrt(1 - share ** (2 / 3)))
+    def _indentation(self, unloaded: Solution, pressure: Array) -> dict[int, float]:
+        """Against the mean normal of the patch that was pressed."""
+        interface, dim = self.interface, self.setup.kinematics.dim
+        normal = self.comm.allreduce((interface.weights * pressure) @ interface.normals)
+        normal = normal / np.linalg.norm(normal)
+        moved = unloaded.displacement.array.reshape(-1, dim) @ normal
+        found = {}
+        for side in (self.setup.fixed, self.setup.moving):
+            if not side.rigid:
+                inwards = -moved if side.tag == self.setup.slave else moved
+                own = inwards[self._members(self.bulk.space, side.contact)]
+                found[side.tag] = float(max(self.comm.allgather(np.max(own, initial=0.0))))
+        return found
+
+    def within(self, indicator: Array, share: float) -> Mask:
+        """Points that touch under a multiple of the load: those with the highest indicator, on an
+        area that grows as Hertz's."""
+        every = np.concatenate(self.comm.allgather(indicator))
+        order = np.argsort(-every)
+        area = np.cumsum(np.concatenate(self.comm.allgather(self.interface.weights))[order])
+        touching = area[np.count_nonzero(every > 0) - 1]
+        last = np.searchsorted(area, touching * share ** (1 / 2 if self._line else 2 / 3))
+        return np.asarray(indicator >= every[order[min(int(last), len(order) - 1)]])
+
+    @property
+    def _line(self) -> bool:
+        return self.setup.kinematics.dim == 2 and not self.setup.kinematics.revolved
 
     def over_first_yield(self, elastic: Solution, load: float, approach: float) -> float:
         """The load over that of first yield, by the largest elastic von Mises stress (Hertz: the
@@ -118,8 +149,7 @@ class YieldingModel(ContactModel):
             size = np.sqrt(np.einsum("nm,nm->n", stress, stress))
             for members, hardening in points.groups:
                 worst = max(worst, float(np.max(size[members], initial=0.0)) / hardening.first)
-        line = self.setup.kinematics.dim == 2 and not self.setup.kinematics.revolved
-        return float(max(self.comm.allgather(worst / ROOT))) ** (2 if line else 3)
+        return float(max(self.comm.allgather(worst / ROOT))) ** (2 if self._line else 3)
 
     def _unload(self, loading: _Loading) -> Solution:
         """Step by step, at last without contact."""
@@ -202,8 +232,11 @@ class _Loading:
         approach = share * self.approach
         prescribed = model.load(problem, share * self.load, approach, self.force)
         problem.stretched(prescribed)
+        y = self.y
+        if y is not None and share:
+            y = self._nearer(y, share / self.share)
         result = newton.solve(
-            problem, self.preconditioner, self.touching, self.y,
+            problem, self.preconditioner, self.touching, y,
             rtol=NEWTON_TOLERANCE, max_steps=self.max_steps, progress=self.progress,
         )  # fmt: skip
         self.steps.append(result)
@@ -214,6 +247,16 @@ class _Loading:
         if result.converged:
             self.share, self.y, self.touching = share, result.y, result.pressure > 0
         return result
+
+    def _nearer(self, y: PETSc.Vec, share: float) -> PETSc.Vec:
+        """The solution of the linear problem in which the patch changes with the load as Hertz's
+        would."""
+        problem = self.problem
+        indicator = problem.indicator(y)
+        touching = self.model.within(indicator, share)
+        residual, step = problem.residual(y, np.where(touching, indicator, 0.0)), y.duplicate()
+        linear.solve(problem, self.preconditioner, touching, residual, step, START)
+        return y - step
 
 
 def dyads(normals: Array) -> Array:

@@ -14,7 +14,7 @@ from railhead.geometry.solid import Contact
 from railhead.meshing.bodies import Options
 from railhead.meshing.profiles import data
 from railhead.meshing.sizing import Grading, suited_stretch
-from railhead.meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y
+from railhead.meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y, WHEEL
 from railhead.planning import effects, exact, laws, machine
 from railhead.planning.effects import Context, Effect
 from railhead.planning.effects.base import touching
@@ -110,8 +110,8 @@ class Plan:
 
     @property
     def family(self) -> Family | None:
-        """Whose error laws hold for this plan."""
-        return laws.family(self.setting)
+        """Whose error laws hold for this plan: none were measured where bodies yield."""
+        return None if self.effects["plasticity"].on else laws.family(self.setting)
 
     @property
     def section(self) -> bool:
@@ -196,7 +196,12 @@ class Plan:
 
     @property
     def slave(self) -> int:
-        """The softer body carries the contact quadrature and the stress of Nitsche's method."""
+        """The body that carries the contact quadrature and the stress of Nitsche's method: the
+        softer one, or the one that stays elastic where the other yields."""
+        yields = {RAIL: self.scene.rail.yields, WHEEL: self.scene.wheel.yields}
+        elastic = [tag for tag in self.deformable if not yields[tag]]
+        if self.effects["plasticity"].on and len(elastic) == 1 and len(self.deformable) == 2:
+            return elastic[0]
         return min(self.deformable, key=lambda tag: exact.plane_strain_modulus(self.scene, tag))
 
     @property

@@ -91,6 +91,8 @@ class Scene(Section):
     approach: units.Approach | None = None
     accuracy: units.Accuracy | None = None
     budget: units.Duration | None = None
+    unload: bool = True
+    cycles: units.Cycles = 1
     rail: Rail = Rail()
     wheel: Wheel = Wheel()
     wheelset: Wheelset = Wheelset()

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_validator
 
-from railhead.scene import units
+from railhead.scene import curves, units
 from railhead.scene.units import show
 
 ALIASES = {"UIC54": "54E1", "UIC60": "60E1"}
@@ -91,6 +91,19 @@ def _profile(*names: str) -> BeforeValidator:
     return BeforeValidator(validate)
 
 
+def _curve() -> BeforeValidator:
+    """Return a validator of a .csv file with a stress-strain curve (kept absolute)."""
+
+    def validate(value: object) -> str:
+        path = os.path.abspath(str(value))
+        if not path.lower().endswith(".csv") or not _readable(path):
+            raise ValueError(f"{show(value)} is not a readable .csv file; give one that exists")
+        curves.read(path)
+        return path
+
+    return BeforeValidator(validate)
+
+
 def _check_arc(profile: str, key: str, radius: float | None) -> None:
     """Require `radius` of the profile ``arc``, and of no other."""
     if profile == "arc" and radius is None:
@@ -99,7 +112,37 @@ def _check_arc(profile: str, key: str, radius: float | None) -> None:
         raise SceneError(key, f"{radius:g} is not allowed; only profile arc takes it")
 
 
-class Rail(Section):
+class Part(Section):
+    """What a body is made of: elastic constants, and how it yields: at `yield_stress`, with a
+    constant `hardening_modulus`, or along `stress_strain`, a .csv file of plastic strain and true
+    stress (MPa). `kinematic_fraction` of the hardening moves the yield surface, the rest widens
+    it. A body without either stays elastic.
+    """
+
+    young_modulus: units.Modulus = 207000.0
+    poisson_ratio: units.PoissonRatio = 0.3
+    yield_stress: units.Stress | None = None
+    hardening_modulus: units.Hardening | None = None
+    kinematic_fraction: units.Share | None = None
+    stress_strain: Annotated[str, _curve()] | None = None
+
+    @model_validator(mode="after")
+    def _one_way_to_yield(self) -> Self:
+        for key in ("yield_stress", "hardening_modulus"):
+            if self.stress_strain is not None and getattr(self, key) is not None:
+                raise SceneError(key, "is not allowed beside stress_strain; give one of them")
+        for key in ("hardening_modulus", "kinematic_fraction"):
+            if getattr(self, key) is not None and not self.yields:
+                raise SceneError(key, "is not allowed without yield_stress or stress_strain")
+        return self
+
+    @property
+    def yields(self) -> bool:
+        """Whether it can."""
+        return self.yield_stress is not None or self.stress_strain is not None
+
+
+class Rail(Part):
     """The rail: straight, its crown radius in mm, its inclination the tangent of an angle.
 
     ``depth`` (below the crown) and ``width`` are those of a block under an arc.
@@ -115,9 +158,6 @@ class Rail(Section):
     length: units.BodyLength | None = None
     depth: units.BodyLength | None = None
     width: units.BodyLength | None = None
-    young_modulus: units.Modulus = 207000.0
-    poisson_ratio: units.PoissonRatio = 0.3
-    yield_stress: units.Stress | None = None
 
     @model_validator(mode="after")
     def _radius_of_an_arc(self) -> Self:
@@ -128,7 +168,7 @@ class Rail(Section):
         return self
 
 
-class Wheel(Section):
+class Wheel(Part):
     """The wheel; ``segment_length`` is the arc length that is kept along the rail, in mm.
 
     A rolling radius of inf is a straight bar with the tread's section.
@@ -140,9 +180,6 @@ class Wheel(Section):
     width: units.BodyLength | None = None
     rim_depth: units.BodyLength | None = None
     segment_length: units.BodyLength | None = None
-    young_modulus: units.Modulus = 207000.0
-    poisson_ratio: units.PoissonRatio = 0.3
-    yield_stress: units.Stress | None = None
 
     @model_validator(mode="after")
     def _radius_of_an_arc(self) -> Self:

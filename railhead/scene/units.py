@@ -193,6 +193,10 @@ ElementSize = Annotated[
 ]
 Duration = Annotated[float, quantity(DURATION, _positive, "a positive, finite time")]
 Stress = Annotated[float, quantity(STRESS, _positive, "a positive, finite stress")]
+Hardening = Annotated[
+    float, quantity(STRESS, lambda v: 0 <= v < math.inf, "a finite stress that is not negative")
+]
+Share = Annotated[float, quantity(FRACTION, lambda v: 0 <= v <= 1, "a fraction from 0 to 1")]
 Factor = Annotated[float, quantity(NUMBER, _positive, "a positive, finite number")]
 Slope = Annotated[
     float, quantity(SLOPE, lambda v: abs(v) <= 0.2, 'a slope from -0.2 to 0.2, e.g. "1:20"')
@@ -217,6 +221,10 @@ Gauge = Annotated[
     float, quantity(LENGTH, lambda v: 500 <= v <= 2000, "a length from 500 to 2000 mm, e.g. 1435")
 ]
 Theta = Annotated[int, quantity(NUMBER, lambda v: v in (1, 0, -1), "1, 0 or -1")]
+Cycles = Annotated[
+    int,
+    quantity(NUMBER, lambda v: 1 <= v <= 100 and v.is_integer(), "a whole number from 1 to 100"),
+]
 Order = Annotated[int, quantity(NUMBER, lambda v: v in (1, 2), "1 or 2")]
 Iterations = Annotated[
     int,
