@@ -1,0 +1,147 @@
+"""Bodies that yield: an independent program's spheres, first yield, and what unloading leaves."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import railhead as rh
+from railhead import build, level
+from railhead.meshing.tags import RAIL
+from railhead.planning import plan as planning
+from railhead.postprocess.findings import Frame
+from railhead.solver.yielding import Yielded, YieldingModel
+
+REFERENCE = json.loads(
+    (Path(__file__).parents[1] / "theory" / "data" / "plasticity.json").read_text()
+)["calculix_axisymmetric"]
+E, NU, Y, R = 207e3, 0.3, 480.0, 100.0
+MODULUS = E / (1 - NU**2)
+FIRST = math.pi**3 * R**2 * (1.6128 * Y) ** 3 / (6 * MODULUS**2)  # N; Johnson 1985, (6.5)
+RADIUS = math.pi * 1.6128 * Y * R / (2 * MODULUS)  # of the patch at first yield, mm
+CLOSER = RADIUS**2 / R  # approach there, mm
+
+
+def pressed(multiple: float, hardening: float = 0.0, **changes: object) -> rh.Scene:
+    """A rigid paraboloid on a half-space that yields, at a multiple of its first-yield load."""
+    rail = rh.Rail(
+        profile="arc", crown_radius=R, extent="half-space", yield_stress=Y,
+        hardening_modulus=hardening,
+    )  # fmt: skip
+    wheel = rh.Wheel(rolling_radius=R, young_modulus=math.inf)
+    return rh.Scene(load=multiple * FIRST, rail=rail, wheel=wheel).replace(**changes)
+
+
+@pytest.fixture(scope="module")
+def five() -> rh.Result:
+    return rh.solve(pressed(5.0), quiet=True)
+
+
+@pytest.mark.parametrize(
+    "multiple, hardening, key",
+    [(5, 0.0, "d_L5_H0_n20_i10_nounload"), (20, 1e4, "d_L20_H10000_n20_i10_nounload")],
+)
+def test_spheres_of_an_independent_program(multiple, hardening, key) -> None:
+    """Its own errors, up to 4 %, are part of the limits."""
+    found, other = rh.solve(pressed(multiple, hardening), quiet=True), REFERENCE[key]
+    plastic = found.as_dict()["result"]["plastic"]
+    assert found.passed, found.failed
+    assert found.approach / CLOSER == pytest.approx(other["approach_over_omega_y"], rel=0.012)
+    area = math.pi * (other["contact_radius_over_a_y"] * RADIUS) ** 2
+    assert found.patch.area == pytest.approx(area, rel=0.03)
+    centre = other["largest_pressure_over_yield_element_row_mean"]
+    assert found.pressure.max / Y == pytest.approx(centre, rel=0.04)
+    assert plastic["strain_max"] == pytest.approx(other["max_equivalent_plastic_strain"], rel=0.08)
+    depth = other["residual_depth_over_omega_y"]
+    assert plastic["residual_depth_rail_mm"] / CLOSER == pytest.approx(depth, rel=0.06)
+
+
+@pytest.mark.parametrize("share, yields", [(0.97, False), (1.03, True)])
+def test_it_yields_from_the_exact_load_on(share: float, yields: bool) -> None:
+    scene = pressed(share)
+    assert planning.make(scene).effects["plasticity"].on == yields
+    summary = rh.solve(scene.replace(effects={"plasticity": "on"}), quiet=True).as_dict()
+    assert ("plastic" in summary["result"]) == yields
+
+
+def test_below_first_yield_the_elastic_numbers_are_the_same_bits() -> None:
+    elastic = rh.solve(pressed(0.9).replace(effects={"plasticity": "off"}), quiet=True).as_dict()
+    followed = rh.solve(pressed(0.9).replace(effects={"plasticity": "on"}), quiet=True).as_dict()
+    assert followed["result"] == elastic["result"]
+    assert followed["newton"] == elastic["newton"]
+
+
+def test_perfect_plasticity_bounds_the_stress(five: rh.Result) -> None:
+    from railhead.postprocess.plastic import largest_von_mises
+
+    assert largest_von_mises(five.fields) == pytest.approx(Y, rel=1e-6)
+
+
+def test_elastic_and_hertz_stand_beside_it(five: rh.Result) -> None:
+    summary = five.as_dict()
+    elastic = summary["elastic"]["pressure"]["max_MPa"]
+    assert elastic == pytest.approx(summary["hertz"]["pressure"]["max_MPa"], rel=0.005)
+    assert summary["result"]["pressure"]["max_MPa"] < 0.8 * elastic
+    plastic = summary["result"]["plastic"]
+    assert plastic["load_over_first_yield"] == pytest.approx(5, rel=0.02)
+    assert plastic["elastic_p0_over_k"] == pytest.approx(elastic * math.sqrt(3) / Y)
+    assert plastic["body"] == "rail"
+
+
+def test_what_is_left_carries_no_force(five: rh.Result) -> None:
+    """The residual stresses are in balance on every plane, and not zero."""
+    from railhead.postprocess.flux import through_plane
+
+    left = five.level.left
+    assert left is not None and left.residual is not None
+    assert left.von_mises > 0.2 * Y
+    residual = replace(left.residual, contact=five.fields.contact)  # where planes are counted from
+    for depth in (0.3 * RADIUS, RADIUS, 3 * RADIUS):
+        assert abs(through_plane(residual, RAIL, depth)) < 0.02 * five.load
+
+
+@pytest.fixture(scope="module")
+def solid() -> tuple[planning.Plan, YieldingModel, Yielded]:
+    """The coarse solid of the same scene."""
+    scene = pressed(4.0, 2e3, effects={"axisymmetry": "off"})
+    plan = planning.make(scene).at_resolution(3.5)
+    from mpi4py import MPI
+
+    model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
+    frame = Frame(plan.contact.origin, plan.contact.touch.angle)
+    solution = level.solve(plan, model, frame, lambda step, residual: None)
+    assert isinstance(model, YieldingModel) and isinstance(solution, Yielded)
+    return plan, model, solution
+
+
+def test_the_tangent_is_the_derivative_of_the_residual(solid) -> None:
+    """Both of the bulk and of the contact, at a state where neither set changes."""
+    _, model, solution = solid
+    problem = model.plastic
+    model.load(problem, 1.1 * solution.load, 0.0, None)
+    y = solution.newton.y.copy()
+    y.scale(1.02)
+    active = problem.pressure(y) > 0
+    step, product = y.copy(), y.duplicate()
+    step.array[:] *= np.random.default_rng(0).normal(size=len(step.array))
+    step.scale(1e-8)
+    problem.residual(y, problem.pressure(y))
+    assert problem.yielding > 100
+    problem.tangent(active).mult(step, product)
+    ends = []
+    for sign in (1.0, -1.0):
+        at = y.copy()
+        at.axpy(sign, step)
+        ends.append(problem.residual(at, problem.pressure(at)))
+    change = 0.5 * (ends[0] - ends[1])
+    assert (change - product).norm() < 1e-6 * change.norm()
+
+
+def test_newton_takes_few_steps(solid) -> None:
+    _, _, solution = solid
+    for result in solution.steps:
+        assert result.converged and len(result.history) <= 9  # the first one is the start
+        assert max(step.linear_iterations for step in result.history) <= 35
