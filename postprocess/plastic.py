@@ -69,7 +69,7 @@ class Left:
 def left(solution: Yielded, fields: Fields, residual: Fields | None, frame: Frame) -> Left:
     """Of a load, from its fields and those after it."""
     return Left(
-        zone(fields, frame), solution.over, len(solution.steps), residual,
+        zone(fields, frame), solution.over, solution.loading, residual,
         None if residual is None else largest_von_mises(residual),
         {BODIES[tag]: depth for tag, depth in solution.indentation.items()},
     )  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 from rich.console import Console
@@ -110,9 +111,13 @@ def show_result(summary: dict[str, Any], console: Console) -> None:
         table = Table(
             title=f"{summary['case']}: {summary['result']['load_N']:.6g} N", title_justify="left"
         )
-        bound = summary["accuracy"]["bound"]
+        bound, elastic = summary["accuracy"]["bound"], summary.get("elastic")
+        if elastic is not None:
+            table.title = f"{table.title}, with yield"
         for column in COLUMNS:
             table.add_column(column, justify="left" if column in ("quantity", "unit") else "right")
+        if elastic is not None:
+            table.add_column("elastic FE", justify="right")
         for label, unit, path in ROWS:
             fe, exact, thesis, half = (
                 _get(summary[key], path) for key in ("result", "hertz", "thesis", "half_space")
@@ -121,8 +126,11 @@ def show_result(summary: dict[str, Any], console: Console) -> None:
                 label, unit, _number(fe), _bound(bound.get(path[-1])), _number(half),
                 _number(exact), _percent(fe, exact),
                 _number(thesis), _percent(thesis, exact),
+                *([] if elastic is None else [_number(_get(elastic, path))]),
             )  # fmt: skip
         console.print(table)
+        if plastic := summary["result"].get("plastic"):
+            _show_plastic(plastic, console)
         if reason := (summary["half_space"] or {}).get("reason"):
             console.print(f"No half-space column: {reason}.", markup=False, highlight=False)
         if summary["checks"]["passed"] and not summary["checks"]["hertzian"]:
@@ -148,6 +156,33 @@ def show_result(summary: dict[str, Any], console: Console) -> None:
         f"force balance {checks['force_balance']:.1e}",
         highlight=False,
     )
+
+
+def _show_plastic(plastic: Mapping[str, Any], console: Console) -> None:
+    place = ", ".join(f"{v:.4g}" for v in plastic["place_mm"])
+    lines = [
+        f"Yields from {1 / plastic['load_over_first_yield']:.3g} of the load on: plastic strain up "
+        f"to {plastic['strain_max']:.3g} in the {plastic['body']} at ({place}) mm, in "
+        f"{plastic['volume_mm3']:.4g} mm3 between {plastic['top_mm']:.3g} and "
+        f"{plastic['depth_mm']:.3g} mm deep."
+    ]
+    if plastic["residual_von_mises_max_MPa"] is not None:
+        depths = ", ".join(
+            f"the {body} {plastic[key] * 1e3:.3g} um"
+            for body in ("rail", "wheel")
+            if (key := f"residual_depth_{body}_mm") in plastic
+        )
+        lines.append(
+            f"Unloaded: {depths} deep, von Mises stress up to "
+            f"{plastic['residual_von_mises_max_MPa']:.4g} MPa."
+        )
+    ratio = plastic["elastic_p0_over_k"]
+    lines.append(
+        f"Elastic p0/k is {ratio:.3g}; rolling without traction shakes down to elastic below 4 "
+        "(line) to 4.68 (circle), with traction below less. One spot pressed is not rolling."
+    )
+    for line in lines:
+        console.print(line, markup=False, highlight=False)
 
 
 def show_failure(summary: dict[str, Any], console: Console) -> None:

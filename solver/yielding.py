@@ -26,13 +26,15 @@ HALVES = 32  # into which a load step may be cut
 @dataclass(frozen=True, kw_only=True)
 class Yielded(Solution):
     """A load case with yield. elastic: the same without; over: load over that of first yield;
-    steps: Newton's histories of all load steps, of the unloading too; unloaded: the residual state,
+    steps: Newton's histories of all load steps, of the unloading too; loading: how many of them
+    were taken up to the load for the first time; unloaded: the residual state,
     the bodies apart (None if it was not asked for); indentation: by tag of a body, how far its
     surface stays pushed in at most, mm. newton: of the last step, or of the one that failed."""
 
     elastic: Solution
     over: float
     steps: tuple[NewtonResult, ...]
+    loading: int
     unloaded: Solution | None
     indentation: Mapping[int, float]
 
@@ -97,6 +99,7 @@ class YieldingModel(ContactModel):
         loading.begin(1 / over, self.within(elastic.indicator, 1 / over))
         up = np.linspace(1 / over, 1.0, self.setup.path.steps + 1)[1:]
         result = loading.march(up)
+        first = len(loading.steps) - 1
         for _ in range(self.setup.path.cycles - 1):
             if result.converged and loading.march(UNLOADING).converged:
                 result = loading.march(up)
@@ -106,7 +109,7 @@ class YieldingModel(ContactModel):
         self.seconds["solve"] += time.perf_counter() - start
         return Yielded(
             **{each.name: getattr(found, each.name) for each in fields(Solution)},
-            elastic=elastic, over=over, steps=tuple(loading.steps), unloaded=unloaded,
+            elastic=elastic, over=over, steps=tuple(loading.steps), loading=first, unloaded=unloaded,
             indentation={} if unloaded is None else self._indentation(unloaded, found.pressure),
         )  # fmt: skip
 
