@@ -28,15 +28,29 @@ def run(
     """Solve a scene. Raises SceneError for a scene that makes no contact problem, MeshError."""
     progress = progress or Progress(quiet=True)
     plan = planning.make(scene)
-    if scene.accuracy is None and scene.budget is None:
-        _check_memory(plan, comm.bcast(machine.free_memory()))
-        levels, ending = [solve_level(plan, plan.grading(), progress, comm)], Ending("one mesh")
-    else:
-        levels, ending = _refine(plan, progress, comm)
+    levels, ending = _solve(plan, progress, comm)
+    if why := comm.bcast(_unforeseen(levels[-1])):
+        levels, ending = _solve(plan.turned_on("plasticity", why), progress, comm)
     level = levels[-1]
     if level.fields is None:
         return Result(level)
     return Result(level, summarise(levels, ending))
+
+
+def _solve(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[Level], Ending]:
+    if plan.scene.accuracy is None and plan.scene.budget is None:
+        _check_memory(plan, comm.bcast(machine.free_memory()))
+        return [solve_level(plan, plan.grading(), progress, comm)], Ending("one mesh")
+    return _refine(plan, progress, comm)
+
+
+def _unforeseen(level: Level) -> str:
+    """Why bodies yield that the plan took for elastic (rank 0); empty where they do not, or where a
+    person wants them elastic."""
+    effect, after = level.plan.effects["plasticity"], level.after.get("plasticity")
+    if after is None or not after.needed or effect.on or effect.override:
+        return ""
+    return after.why
 
 
 def measure_speed() -> float:

@@ -109,7 +109,8 @@ class YieldingModel(ContactModel):
         self.seconds["solve"] += time.perf_counter() - start
         return Yielded(
             **{each.name: getattr(found, each.name) for each in fields(Solution)},
-            elastic=elastic, over=over, steps=tuple(loading.steps), loading=first, unloaded=unloaded,
+            elastic=elastic, over=over, steps=tuple(loading.steps), loading=first,
+            unloaded=unloaded,
             indentation={} if unloaded is None else self._indentation(unloaded, found.pressure),
         )  # fmt: skip
 

@@ -136,6 +136,11 @@ class Plan:
             return make(self.scene.replace([f"effects.{name}={'off' if effect.on else 'on'}"]))
         return replace(self, effects={**self.effects, name: replace(effect, on=not effect.on)})
 
+    def turned_on(self, name: str, why: str) -> Plan:
+        """The same plan with an effect that the solution calls for."""
+        effect = replace(self.effects[name], called_for=True, on=True, why=why)
+        return replace(self, effects={**self.effects, name: effect})
+
     def price(self, name: str) -> tuple[int, float]:
         """Unknowns and seconds that an effect's state is predicted to cost; negative: it saves."""
         other = self.flipped(name)

@@ -12,6 +12,8 @@ import railhead as rh
 from railhead import build, level
 from railhead.meshing.tags import RAIL
 from railhead.planning import plan as planning
+from railhead.planning.effects import EFFECTS
+from railhead.planning.effects.base import Effect
 from railhead.postprocess.findings import Frame
 from railhead.solver.yielding import Yielded, YieldingModel
 
@@ -65,6 +67,17 @@ def test_it_yields_from_the_exact_load_on(share: float, yields: bool) -> None:
     assert planning.make(scene).effects["plasticity"].on == yields
     summary = rh.solve(scene.replace(effects={"plasticity": "on"}), quiet=True).as_dict()
     assert ("plastic" in summary["result"]) == yields
+
+
+def test_yield_that_was_not_foreseen_is_simulated_all_the_same(monkeypatch) -> None:
+    """Unless a person wants the elastic answer."""
+    blind = replace(EFFECTS["plasticity"], decide=lambda _: Effect(False, False, "none is seen"))
+    monkeypatch.setitem(EFFECTS, "plasticity", blind)
+    assert not planning.make(pressed(2.0)).effects["plasticity"].on
+    summary = rh.solve(pressed(2.0), quiet=True).as_dict()
+    assert "plastic" in summary["result"] and summary["plan"]["effects"]["plasticity"]["on"]
+    elastic = rh.solve(pressed(2.0, effects={"plasticity": "off"}), quiet=True).as_dict()
+    assert "plastic" not in elastic["result"] and elastic["effects_after"]["plasticity"]["needed"]
 
 
 def test_below_first_yield_the_elastic_numbers_are_the_same_bits() -> None:
