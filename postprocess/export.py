@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from xml.etree import ElementTree
 
 import meshio
 import numpy as np
@@ -35,8 +36,9 @@ def volume_grid(fields: Fields, stress: Array) -> meshio.Mesh:
     stress: (n, 6) MPa at the nodes, global axes, order xx, yy, zz, xy, xz, yz. Point data:
     displacement (n, 3) mm; stress (n, 9) MPa, the full tensor row by row, which ParaView labels
     XX, XY, ... ZZ; principal_stresses (n, 3), descending; von_mises and max_shear (n,). Cell data:
-    body, 1 the rail, 2 the wheel. ValueError: the stress has another shape or is not finite, or the
-    cells are of a kind or degree VTK has no counterpart for here.
+    body, 1 the rail, 2 the wheel; where something yields equivalent_plastic_strain (m,) and the
+    tensor plastic_strain (m, 9), averages of each cell. ValueError: the stress has another shape or
+    is not finite, or the cells are of a kind or degree VTK has no counterpart for here.
     """
     if stress.shape != (len(fields.points), 6):
         raise ValueError(f"stress must be ({len(fields.points)}, 6), got {stress.shape}")
@@ -55,8 +57,27 @@ def volume_grid(fields: Fields, stress: Array) -> meshio.Mesh:
             "von_mises": von_mises(stress),
             "max_shear": max_shear(stress),
         },
-        cell_data={"body": [fields.body.astype(np.int32)]},
+        cell_data={"body": [fields.body.astype(np.int32)], **_plastic(fields)},
     )
+
+
+def _plastic(fields: Fields) -> dict[str, list[Array]]:
+    if fields.plastic is None:
+        return {}
+    strain = fields.plastic.strain.mean(axis=1).reshape(-1, 9)
+    return {
+        "equivalent_plastic_strain": [fields.plastic.equivalent.mean(axis=1)],
+        "plastic_strain": [strain],
+    }
+
+
+def series(files: list[str], path: Path) -> None:
+    """A .pvd file that lets ParaView step through .vtu files beside it. OSError."""
+    root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
+    collection = ElementTree.SubElement(root, "Collection")
+    for step, file in enumerate(files):
+        ElementTree.SubElement(collection, "DataSet", timestep=str(step), part="0", file=file)
+    ElementTree.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)
 
 
 def contact_grid(fields: Fields, surface: Surface) -> meshio.Mesh:

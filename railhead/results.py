@@ -149,7 +149,8 @@ def _exchange(one: Path, other: Path) -> None:
 
 def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
     """Write summary, scene, VTU files and pictures; returns the file names."""
-    from railhead.postprocess import gallery
+    from railhead.postprocess import export, gallery
+    from railhead.postprocess.stress import nodal
 
     with replacing(folder) as work:
         if result.fields is not None and result.findings is not None:
@@ -163,6 +164,11 @@ def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
                 work,
                 pictures=pictures,
             )
+        left = result.level.left
+        if left is not None and left.residual is not None:
+            grid = export.volume_grid(left.residual, nodal(left.residual))
+            export.write(grid, work / "residual.vtu")
+            export.series(["solution.vtu", "residual.vtu"], work / "solution.pvd")
         (work / "scene.toml").write_text(to_toml(result.plan.scene), encoding="utf-8")
         (work / SUMMARY).write_text(as_json(result), encoding="utf-8")
         return sorted(path.name for path in work.iterdir())

@@ -5,6 +5,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import meshio
 import numpy as np
 import pytest
 
@@ -114,6 +115,21 @@ def test_what_is_left_carries_no_force(five: rh.Result) -> None:
     residual = replace(left.residual, contact=five.fields.contact)  # where planes are counted from
     for depth in (0.3 * RADIUS, RADIUS, 3 * RADIUS):
         assert abs(through_plane(residual, RAIL, depth)) < 0.02 * five.load
+
+
+def test_the_files_show_the_load_and_what_it_leaves(five: rh.Result, tmp_path) -> None:
+    five.save(tmp_path / "out", pictures=False)
+    loaded, left = (
+        meshio.read(tmp_path / "out" / f"{name}.vtu") for name in ("solution", "residual")
+    )
+    assert "residual.vtu" in (tmp_path / "out" / "solution.pvd").read_text(encoding="utf-8")
+    most = five.as_dict()["result"]["plastic"]["strain_max"]
+    for grid in (loaded, left):
+        strain = grid.cell_data["equivalent_plastic_strain"][0]
+        assert 0.7 * most < strain.max() <= most
+        tensor = grid.cell_data["plastic_strain"][0].reshape(-1, 3, 3)
+        assert np.abs(np.trace(tensor, axis1=1, axis2=2)).max() < 1e-12
+    assert left.point_data["von_mises"].max() < 0.5 * loaded.point_data["von_mises"].max()
 
 
 @pytest.fixture(scope="module")
