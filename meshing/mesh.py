@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -66,12 +67,16 @@ def generate(
         finer = replace(grading, size=share * grading.size)
         with TemporaryDirectory() as folder:
             file = str(Path(folder) / "bodies.msh")
-            try:
-                found = apart.run(_write, bodies, finer, options, file, save, seconds=seconds)
-            except apart.ApartError as error:
-                problem = MeshError(f"gmsh: {error}")
-                continue
-            with blocks.opened(file) as model:
+            with ExitStack() as stack:
+                try:
+                    found = apart.run(_write, bodies, finer, options, file, save, seconds=seconds)
+                    model = stack.enter_context(blocks.opened(file))
+                except apart.ApartError as error:
+                    problem = MeshError(f"gmsh: {error}")
+                    continue
+                except Exception as error:  # gmsh raises bare Exception
+                    problem = MeshError(f"gmsh's temporary file cannot be read: {error}")
+                    continue
                 _raise_together(comm, None)
                 quality, count = comm.bcast(found)
                 return ContactMesh(*compat.model_to_mesh(model, comm, options.dim), quality, count)
