@@ -158,7 +158,9 @@ def profiles(rng: np.random.Generator) -> list[str]:
 
 
 RECIPES = {
-    "ellipse": Recipe(lambda rng: ellipse(rng) + materials(rng), {}, (3.0, 5.0, 8.0)),
+    "ellipse": Recipe(
+        lambda rng: ellipse(rng) + materials(rng), {}, (3.0, 5.0, 8.0), scenes=48
+    ),
     "penalty": Recipe(
         law("penalty", [None]),
         {"method": ["penalty"], "theta": [None], "gamma_factor": [0.1, 10.0]},
@@ -167,7 +169,7 @@ RECIPES = {
     "theta": Recipe(
         law("nitsche", [None, 0, -1]),
         {"theta": [None, 0, -1], "gamma_factor": [0.1, 10.0]},
-        scenes=32,
+        scenes=48,
     ),
     "incompressible": Recipe(
         lambda rng: ellipse(rng) + materials(rng, *INCOMPRESSIBLE), {"poisson": INCOMPRESSIBLE}
@@ -176,6 +178,7 @@ RECIPES = {
         cells("mesh.cell=hexahedron", 4.0),
         {"cell": ["hexahedron"], "order": [1], "poisson": [0.0, 0.4], "axis_ratio": [1.0, 4.0]},
         (4.5, 6.0, 8.0),
+        32,
     ),
     "linear": Recipe(
         cells("mesh.order=1", 8.0),
