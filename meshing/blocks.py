@@ -52,6 +52,18 @@ def model(bodies: list[Body], grading: Grading, options: Options) -> Iterator[An
         gmsh.finalize()
 
 
+@contextmanager
+def opened(file: str) -> Iterator[Any]:
+    """The gmsh model in a file."""
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.open(file)
+        yield gmsh.model
+    finally:
+        gmsh.finalize()
+
+
 def _name(tag: int, *, volume: bool) -> str:
     if volume:
         return BODIES[tag]

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import gmsh
 import numpy as np
 from mpi4py import MPI
 
-from railhead.meshing import blocks
+from railhead.meshing import apart, blocks
 from railhead.meshing.bodies import Body, Options
 from railhead.meshing.sizing import Grading
 
 MIN_QUALITY = 0.01
 RETRIES = (1.0, 0.95, 0.9)  # of the element size, where gmsh leaves a flat element or gives up
+
+
+PATIENCE, PACE = 60.0, 1e-3  # s, and s a cell, which usually takes a seventh: gmsh hangs
 
 
 class MeshError(RuntimeError):
@@ -53,25 +58,47 @@ def generate(
         _raise_together(comm, None)
         quality, count = comm.bcast(None)
         return ContactMesh(*compat.model_to_mesh(None, comm, options.dim), quality, count)
+    seconds = PATIENCE
+    if not options.plane:
+        hexahedra = options.cell == "hexahedron"
+        reach = max(body.reach for body in bodies)
+        seconds += PACE * grading.predicted_cells(reach, hexahedra=hexahedra)
     for share in RETRIES:
         finer = replace(grading, size=share * grading.size)
-        try:
-            with blocks.model(bodies, finer, options) as model:
-                shapes = blocks.qualities(options.dim)
-                _check(shapes)
-                blocks.unfold(bodies, finer)
-                if save is not None:
-                    gmsh.option.setNumber("Mesh.MshFileVersion", 2.2)  # meshio reads its groups
-                    gmsh.write(str(save))
+        with TemporaryDirectory() as folder:
+            file = str(Path(folder) / "bodies.msh")
+            with ExitStack() as stack:
+                try:
+                    found = apart.run(_write, bodies, finer, options, file, save, seconds=seconds)
+                    model = stack.enter_context(blocks.opened(file))
+                except apart.ApartError as error:
+                    problem = MeshError(f"gmsh: {error}")
+                    continue
+                except Exception as error:  # gmsh raises bare Exception
+                    problem = MeshError(f"gmsh's temporary file cannot be read: {error}")
+                    continue
                 _raise_together(comm, None)
-                quality, count = comm.bcast((float(shapes.min()), len(shapes)))
+                quality, count = comm.bcast(found)
                 return ContactMesh(*compat.model_to_mesh(model, comm, options.dim), quality, count)
-        except MeshError as error:
-            problem = error
-        except Exception as error:  # gmsh raises bare Exception
-            problem = MeshError(f"gmsh: {error}")
     _raise_together(comm, str(problem))
     raise problem
+
+
+def _write(
+    bodies: list[Body], grading: Grading, options: Options, file: str, save: Path | None
+) -> tuple[float, int]:
+    """Mesh into a file; quality of the worst cell and the number of cells."""
+    with blocks.model(bodies, grading, options):
+        shapes = blocks.qualities(options.dim)
+        _check(shapes)
+        blocks.unfold(bodies, grading)
+        gmsh.option.setNumber("Mesh.Binary", 1)
+        gmsh.write(file)
+        if save is not None:
+            gmsh.option.setNumber("Mesh.Binary", 0)
+            gmsh.option.setNumber("Mesh.MshFileVersion", 2.2)  # meshio reads its groups
+            gmsh.write(str(save))
+        return float(shapes.min()), len(shapes)
 
 
 def _check(shapes: np.ndarray) -> None:

@@ -37,8 +37,9 @@ class Setting:
     """What errors depend on besides the resolution.
 
     shape: 'solid', 'plane strain' or 'meridian'; theta: as given, None where the law chooses;
-    poisson: the largest of the deformable bodies; ellipse: whether the patch is one; axis_ratio:
-    longer over shorter semi-axis; stiffness: E/(1 - nu^2) of the softer body over the other's.
+    poisson, least_poisson: the largest and least of the deformable bodies; ellipse: whether the
+    patch is one; axis_ratio: longer over shorter semi-axis; stiffness: E/(1 - nu^2) of the softer
+    body over the other's.
     """
 
     shape: str
@@ -48,6 +49,7 @@ class Setting:
     theta: int | None
     gamma_factor: float
     poisson: float
+    least_poisson: float
     ellipse: bool
     axis_ratio: float
     stiffness: float

@@ -1,5 +1,8 @@
 """gmsh blocks: tags, volumes, sizes, quality, and meshio."""
 
+import os
+import signal
+
 import gmsh
 import meshio
 import numpy as np
@@ -137,3 +140,10 @@ def test_layers_grow_away_from_the_patch() -> None:
     assert ends[-1] == pytest.approx(80.0)
     assert steps[0] == pytest.approx(1.2, rel=0.1)
     assert np.all(np.diff(steps) > -1e-6)
+
+
+def test_a_crash_of_gmsh_is_a_mesh_error(monkeypatch) -> None:
+    monkeypatch.setattr(blocks, "qualities", lambda _: os.kill(os.getpid(), signal.SIGKILL))
+    options = Options("tetrahedron", 1, True)
+    with pytest.raises(mesh.MeshError, match=r"gmsh: it crashed \(signal 9\)"):
+        mesh.generate(bodies("head", half=True), GRADING, options, MPI.COMM_WORLD)

@@ -1,0 +1,49 @@
+"""gmsh in a process of its own, as it may crash or hang where surfaces cut themselves."""
+
+from __future__ import annotations
+
+import ctypes
+import multiprocessing
+import signal
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from typing import Any
+
+PR_SET_PDEATHSIG = 1  # Linux: a signal for when the parent is gone
+_context = multiprocessing.get_context("fork")
+
+
+class ApartError(RuntimeError):
+    """The process gave nothing; the text says why, in one line."""
+
+
+def run(work: Callable[..., Any], *arguments: Any, seconds: float) -> Any:
+    """What `work` gives in a child of this process. ApartError where it raises, crashes, or takes
+    more than so many seconds."""
+    mine, its = _context.Pipe()
+    process = _context.Process(target=_serve, args=(its, work, arguments), daemon=True)
+    process.start()
+    its.close()
+    try:
+        if not mine.poll(seconds):
+            raise ApartError(f"not done after {seconds:.0f} s")
+        found, problem = mine.recv()
+    except EOFError:
+        process.join()
+        raise ApartError(f"it crashed (signal {-(process.exitcode or 0)})") from None
+    finally:
+        process.kill()
+        process.join()
+    if problem:
+        raise ApartError(problem)
+    return found
+
+
+def _serve(connection: Connection, work: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, signal.SIG_DFL)
+    try:
+        connection.send((work(*arguments), ""))
+    except Exception as error:  # gmsh raises bare Exception
+        connection.send((None, " ".join(str(error).split()) or type(error).__name__))

@@ -1,0 +1,39 @@
+"""A crash or a hang of gmsh is an error in one line, not the end of the process."""
+
+import os
+import signal
+import time
+
+import pytest
+
+from railhead.meshing import apart
+from railhead.meshing.apart import ApartError
+
+
+def double(value: int) -> int:
+    return 2 * value
+
+
+def crash() -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def refuse() -> None:
+    raise ValueError("two\nlines")
+
+
+def test_what_the_work_gives_comes_back() -> None:
+    assert apart.run(double, 21, seconds=60) == 42
+
+
+@pytest.mark.parametrize(
+    "work, arguments, seconds, why",
+    [
+        (crash, (), 60, r"it crashed \(signal 9\)"),
+        (refuse, (), 60, "^two lines$"),
+        (time.sleep, (60,), 0.1, "not done after 0 s"),
+    ],
+)
+def test_what_goes_wrong_is_one_line(work, arguments, seconds: float, why: str) -> None:
+    with pytest.raises(ApartError, match=why):
+        apart.run(work, *arguments, seconds=seconds)
