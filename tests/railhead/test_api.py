@@ -4,6 +4,7 @@ import csv
 import re
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -68,6 +69,10 @@ def test_every_public_name_has_an_example() -> None:
     for name in railhead.__all__:
         assert f"rh.{name}" in page or name in ("Result", "Sweep")
         assert getattr(railhead, name)
+
+
+def test_the_package_says_its_own_version() -> None:
+    assert metadata.version("railhead") == railhead.__version__
 
 
 def test_importing_changes_nothing() -> None:
