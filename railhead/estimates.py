@@ -19,6 +19,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from railhead.planning.effects.plasticity import STEPS
 from railhead.planning.laws import STEP, Family, lost
 from railhead.postprocess.findings import RIVAL
 from railhead.theory.subsurface import max_shear
@@ -57,6 +58,7 @@ class Estimate:
     contact_law: float
     left_out: float
     geometry: float
+    load_steps: float = 0.0
     flatness: float | None = None
 
     @property
@@ -234,6 +236,7 @@ def estimate(levels: Sequence[Level]) -> tuple[dict[str, Estimate], str]:
             overlap * (known.overlap[name] if known is not None else 1.0),
             level.plan.left_out,
             level.off_surface / min(level.plan.zone),
+            levels[0].stepping.get(name, 0.0) * STEPS / level.plan.load_steps,
             flatness.get(name),
         )
         for name, mesh in parts.items()

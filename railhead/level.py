@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -44,7 +44,8 @@ class Level:
     """fields, findings and result ("result" of summary.json) are None off rank 0, the last two
     also where nothing touches. space: of the displacement. ellipse: exact Hertz under the load that
     was found. settled: the patch that was found is the one that was meshed for. Where bodies yield,
-    elastic: the same without, and left: what the load leaves (rank 0)."""
+    elastic: the same without, and left: what the load leaves (rank 0); stepping: relative error by
+    quantity of taking the load in `plasticity.STEPS` steps, where that was looked at."""
 
     plan: Plan
     grading: Grading
@@ -61,6 +62,7 @@ class Level:
     seconds: dict[str, float]
     elastic: Level | None = None
     left: Left | None = None
+    stepping: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def approach_error(self) -> float:

@@ -16,7 +16,7 @@ from railhead.meshing.profiles import data
 from railhead.meshing.sizing import Grading, suited_stretch
 from railhead.meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y, WHEEL
 from railhead.planning import effects, exact, laws, machine
-from railhead.planning.effects import Context, Effect
+from railhead.planning.effects import Context, Effect, plasticity
 from railhead.planning.effects.base import touching
 from railhead.planning.effects.true_profile import one_radius
 from railhead.planning.forecast import Forecast, Zone, forecast
@@ -48,7 +48,8 @@ SECTION_CELLS = 30  # for each mm of web and foot, whose fillets set their size 
 
 @dataclass(frozen=True)
 class Plan:
-    """Decisions for one scene; `forecast` is the patch that is expected."""
+    """Decisions for one scene; `forecast` is the patch that is expected; load_steps: of bodies that
+    yield, from first yield to the load."""
 
     context: Context
     effects: dict[str, Effect]
@@ -56,6 +57,7 @@ class Plan:
     patch_size: float
     reach: float
     forecast: Forecast
+    load_steps: int = plasticity.STEPS
 
     @property
     def scene(self) -> Scene:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import railhead as rh
-from railhead import build, level
+from railhead import build, estimates, level
 from railhead.meshing.tags import RAIL
 from railhead.planning import plan as planning
 from railhead.planning.effects import EFFECTS
@@ -115,6 +115,26 @@ def test_what_is_left_carries_no_force(five: rh.Result) -> None:
     residual = replace(left.residual, contact=five.fields.contact)  # where planes are counted from
     for depth in (0.3 * RADIUS, RADIUS, 3 * RADIUS):
         assert abs(through_plane(residual, RAIL, depth)) < 0.02 * five.load
+
+
+def test_an_accuracy_covers_mesh_and_load_steps() -> None:
+    """Sixteen times as many load steps on a finer mesh stay within the estimate."""
+    from mpi4py import MPI
+
+    from railhead.level import solve_level
+    from railhead.progress import Progress
+
+    scene = pressed(5.0)
+    found = rh.solve(scene, accuracy="4%", quiet=True)
+    accuracy = found.as_dict()["accuracy"]
+    assert accuracy["reached"] and found.passed
+    assert 0.005 < accuracy["parts"]["max_MPa"]["load_steps"] < 0.03
+    plan = replace(planning.make(scene).at_resolution(18.0), load_steps=64)
+    fine = solve_level(plan, None, Progress(quiet=True), MPI.COMM_WORLD).result
+    for name, value in estimates.flat(found.as_dict()["result"]).items():
+        if name != "tau_max_depth_mm":
+            error = abs(value / estimates.flat(fine)[name] - 1)
+            assert error < accuracy["bound"][name], name
 
 
 def test_the_files_show_the_load_and_what_it_leaves(five: rh.Result, tmp_path) -> None:

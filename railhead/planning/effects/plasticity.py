@@ -48,7 +48,7 @@ def apply(setup: Setup, plan: Plan) -> Setup:
             return side
         return replace(side, material=replace(side.material, hardening=hardening(part)))
 
-    path = LoadPath(STEPS, scene.cycles, scene.unload, Near(plan.forecast.zones))
+    path = LoadPath(plan.load_steps, scene.cycles, scene.unload, Near(plan.forecast.zones))
     return replace(setup, fixed=yielding(setup.fixed), moving=yielding(setup.moving), path=path)
 
 
