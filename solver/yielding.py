@@ -185,14 +185,23 @@ class YieldingModel(ContactModel):
             if each.init
         }
         given["force"] = self.plastic.force.duplicate()
-        given["stiffness"] = stiffness = self.plastic.stiffness.copy()
+        given["stiffness"] = self.plastic.stiffness.copy()
         if self.setup.load_control:
-            diagonal = stiffness.getDiagonal()
-            typical = diagonal.sum() / diagonal.getSize()
-            if self.reduction.approach >= 0:
-                diagonal.array[self.reduction.approach] += typical
-            stiffness.setDiagonal(diagonal)
+            given["stiffness"].axpy(1.0, self._pin(), PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
         return Released(**given, reference=reference)
+
+    def _pin(self) -> PETSc.Mat:
+        """A spring on the approach, which nothing else holds, as stiff as the bodies."""
+        diagonal = self.plastic.stiffness.getDiagonal()
+        typical = diagonal.sum() / diagonal.getSize()
+        diagonal.set(0.0)
+        if self.reduction.approach >= 0:
+            diagonal.array[self.reduction.approach] = typical
+        sizes, comm = self.plastic.stiffness.getSizes(), self.plastic.stiffness.comm
+        pin = PETSc.Mat().createAIJ(sizes, nnz=1, comm=comm)
+        pin.setDiagonal(diagonal)
+        pin.assemble()
+        return pin
 
 
 class _Loading:
