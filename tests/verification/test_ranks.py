@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 
 
-def solved(ranks: int, folder: Path, *assignments: str) -> dict:
+def solved(ranks: int, folder: Path, *assignments: str, case: str = "uic54_thesis") -> dict:
     own = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_"))}
     root = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
     command = [
         *(["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []),
         sys.executable, "-c", "from railhead.cli import main; main()",
-        "run", "uic54_thesis", "--quiet", "--no-pictures", "--out", f"ranks{ranks}",
+        "run", case, "--quiet", "--no-pictures", "--out", f"ranks{ranks}",
         *(part for text in assignments for part in ("--set", text)),
     ]  # fmt: skip
     done = subprocess.run(
@@ -44,3 +44,13 @@ def test_same_numbers_on_several_ranks(ranks: int, tmp_path) -> None:
     assert other["surface_centre_MPa"] == pytest.approx(surface, rel=1e-6)
     assert more["result"]["approach_mm"] == pytest.approx(one["result"]["approach_mm"], rel=1e-6)
     assert more["checks"]["force_balance"] < 1e-8
+
+
+def test_yield_is_the_same_on_two_ranks(tmp_path) -> None:
+    """A sphere at eight times its first-yield load, and what it leaves."""
+    keys = ("wheel.yield_stress=27.4",)
+    one, two = (solved(n, tmp_path, *keys, case="sphere_on_plane") for n in (1, 2))
+    for part in ("patch", "pressure", "plastic"):
+        for key, value in one["result"][part].items():
+            if isinstance(value, float):
+                assert two["result"][part][key] == pytest.approx(value, rel=1e-6), key
