@@ -19,7 +19,8 @@ class ApartError(RuntimeError):
 
 def run(work: Callable[..., Any], *arguments: Any, seconds: float) -> Any:
     """What `work` gives in a child of this process. ApartError where it raises, crashes, or takes
-    more than so many seconds."""
+    more than so many seconds. (Not by pebble, whose thread tells of a child that a signal ends
+    together with its parent by a traceback.)"""
     mine, its = _context.Pipe()
     process = _context.Process(target=_serve, args=(its, work, arguments), daemon=True)
     process.start()

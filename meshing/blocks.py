@@ -29,11 +29,7 @@ EDGES = {  # of simplices, in gmsh's order of the middle nodes
 @contextmanager
 def model(bodies: list[Body], grading: Grading, options: Options) -> Iterator[Any]:
     """The meshed gmsh model with physical groups for the bodies and their faces."""
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.option.setNumber("General.NumThreads", 1)
-        gmsh.model.add("railhead")
+    with _session() as gmsh_model:
         if options.plane == "xz":
             grading = grading.turned()
         groups: dict[tuple[int, int], list[int]] = {}
@@ -42,26 +38,54 @@ def model(bodies: list[Body], grading: Grading, options: Options) -> Iterator[An
                 plane.surface(body, options, groups)
             else:
                 _sweep(body, grading, options, groups)
-        gmsh.model.occ.synchronize()
+        gmsh_model.occ.synchronize()
         for (dim, tag), entities in sorted(groups.items()):
             name = _name(tag, volume=dim == options.dim)
-            gmsh.model.addPhysicalGroup(dim, entities, tag, name)
+            gmsh_model.addPhysicalGroup(dim, entities, tag, name)
         _mesh(grading, options)
-        yield gmsh.model
-    finally:
-        gmsh.finalize()
+        yield gmsh_model
 
 
 @contextmanager
-def opened(file: str) -> Iterator[Any]:
-    """The gmsh model in a file."""
+def _session() -> Iterator[Any]:
+    """gmsh with an empty model."""
     gmsh.initialize(interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.open(file)
+        gmsh.option.setNumber("General.NumThreads", 1)
+        gmsh.model.add("railhead")
         yield gmsh.model
     finally:
         gmsh.finalize()
+
+
+Contents = tuple[list[tuple[Any, ...]], list[tuple[int, int, str, Array]]]
+"""Mesh of each entity, and the physical groups."""
+
+
+def contents() -> Contents:
+    """The current model's mesh as arrays."""
+    model, mesh = gmsh.model, gmsh.model.mesh
+    entities = [(at, mesh.getNodes(*at)[:2], mesh.getElements(*at)) for at in model.getEntities()]
+    groups = [
+        (*at, model.getPhysicalName(*at), model.getEntitiesForPhysicalGroup(*at))
+        for at in model.getPhysicalGroups()
+    ]
+    return entities, groups
+
+
+@contextmanager
+def rebuilt(found: Contents) -> Iterator[Any]:
+    """A gmsh model with these contents."""
+    entities, groups = found
+    with _session() as gmsh_model:
+        for at, nodes, elements in entities:
+            gmsh_model.addDiscreteEntity(*at)
+            gmsh_model.mesh.addNodes(*at, *nodes)
+            gmsh_model.mesh.addElements(*at, *elements)
+        for dim, tag, name, members in groups:
+            gmsh_model.addPhysicalGroup(dim, members, tag, name)
+        yield gmsh_model
 
 
 def _name(tag: int, *, volume: bool) -> str:

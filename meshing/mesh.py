@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import gmsh
@@ -18,8 +16,6 @@ from railhead.meshing.sizing import Grading
 
 MIN_QUALITY = 0.01
 RETRIES = (1.0, 0.95, 0.9)  # of the element size, where gmsh leaves a flat element or gives up
-
-
 PATIENCE, PACE = 60.0, 1e-3  # s, and s a cell, which usually takes a seventh: gmsh hangs
 
 
@@ -65,40 +61,33 @@ def generate(
         seconds += PACE * grading.predicted_cells(reach, hexahedra=hexahedra)
     for share in RETRIES:
         finer = replace(grading, size=share * grading.size)
-        with TemporaryDirectory() as folder:
-            file = str(Path(folder) / "bodies.msh")
-            with ExitStack() as stack:
-                try:
-                    found = apart.run(_write, bodies, finer, options, file, save, seconds=seconds)
-                    model = stack.enter_context(blocks.opened(file))
-                except apart.ApartError as error:
-                    problem = MeshError(f"gmsh: {error}")
-                    continue
-                except Exception as error:  # gmsh raises bare Exception
-                    problem = MeshError(f"gmsh's temporary file cannot be read: {error}")
-                    continue
+        try:
+            found, shapes = apart.run(_meshed, bodies, finer, options, save, seconds=seconds)
+            _check(shapes)
+        except apart.ApartError as error:
+            problem = MeshError(f"gmsh: {error}")
+        except MeshError as error:
+            problem = error
+        else:
+            with blocks.rebuilt(found) as model:
                 _raise_together(comm, None)
-                quality, count = comm.bcast(found)
+                quality, count = comm.bcast((float(shapes.min()), len(shapes)))
                 return ContactMesh(*compat.model_to_mesh(model, comm, options.dim), quality, count)
     _raise_together(comm, str(problem))
     raise problem
 
 
-def _write(
-    bodies: list[Body], grading: Grading, options: Options, file: str, save: Path | None
-) -> tuple[float, int]:
-    """Mesh into a file; quality of the worst cell and the number of cells."""
+def _meshed(
+    bodies: list[Body], grading: Grading, options: Options, save: Path | None
+) -> tuple[blocks.Contents, np.ndarray]:
+    """The mesh and the quality of its cells."""
     with blocks.model(bodies, grading, options):
         shapes = blocks.qualities(options.dim)
-        _check(shapes)
         blocks.unfold(bodies, grading)
-        gmsh.option.setNumber("Mesh.Binary", 1)
-        gmsh.write(file)
         if save is not None:
-            gmsh.option.setNumber("Mesh.Binary", 0)
             gmsh.option.setNumber("Mesh.MshFileVersion", 2.2)  # meshio reads its groups
             gmsh.write(str(save))
-        return float(shapes.min()), len(shapes)
+        return blocks.contents(), shapes
 
 
 def _check(shapes: np.ndarray) -> None:

@@ -74,7 +74,7 @@ class Search:
         if self._edges is None:
             return np.ones(len(points), dtype=bool)
         least = np.maximum(2 * ELEMENTS * sizes, OF_PATCH * self._size)
-        return self._edges.query(points, distance_upper_bound=least.max())[0] > least
+        return self._edges.query(points, distance_upper_bound=least.max(initial=0.0))[0] > least
 
     def _element(self, place: Array) -> float:
         """Of the largest cell around a place (3,), mm."""

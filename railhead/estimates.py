@@ -42,9 +42,10 @@ QUANTITIES = {
 }
 """Reported quantities that carry an estimate, and their place under "result" in summary.json."""
 READ = {"a_mm": "a", "b_mm": "b", "area_mm2": "area", "max_MPa": "max_pressure"}
-RIDGED = dict.fromkeys(("tau_max_MPa", "von_mises_max_MPa"), 2.0)
-"""How many times as uncertain as the pressure of a ridge the largest stress below it is: chosen on
-the scenes of seed 1, of which one alone makes three quarters of the law if it is 1."""
+RIDGED = ("tau_max_MPa", "von_mises_max_MPa")
+BELOW = 2.0
+"""How many times as uncertain as the pressure of a ridge the largest stresses below it are: chosen
+on the scenes of seed 1, of which one alone makes three quarters of the law if it is 1."""
 SPIKE = 0.02  # of an element: a narrower top of the shear stress is the mesh's own
 
 
@@ -137,8 +138,7 @@ def reading(found: Findings, doubt: float = RIVAL) -> dict[str, float]:
         apart = max(apart, max(rivals) - min(rivals))
     scatter = {name: found.patch.scatter[key] for name, key in READ.items()}
     if not found.hertzian:  # the stress below a ridge is as uncertain as the ridge
-        ridge = found.patch.scatter["max_pressure"]
-        scatter |= {name: times * ridge for name, times in RIDGED.items()}
+        scatter |= dict.fromkeys(RIDGED, BELOW * found.patch.scatter["max_pressure"])
     return {**scatter, "tau_max_depth_mm": apart / top.depth if top.depth else math.inf}
 
 

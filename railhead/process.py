@@ -2,7 +2,7 @@
 
 SIGTERM and SIGINT end it cleanly where Python runs, and soon where it does not.
 
-Python's handlers wait until a call into a library returns, which takes gmsh up to half a minute.
+Python's handlers wait until a call into a library returns, which can be long.
 A thread is told of every signal at once, and ends the process where that takes too long.
 """
 

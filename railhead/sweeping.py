@@ -6,6 +6,7 @@ import csv
 from collections.abc import Iterable, Mapping, Sequence
 from functools import reduce
 from itertools import product
+from operator import getitem
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,7 +32,7 @@ class Sweep(list[Result]):
 
     def _row(self, result: Result) -> dict[str, Any]:
         summary = result.as_dict()
-        scene = {key: reduce(_within, key.split("."), summary["scene"]) for key in self.keys}
+        scene = {key: reduce(getitem, key.split("."), summary["scene"]) for key in self.keys}
         found = estimates.flat(summary["result"] or {})
         told = {"passed": result.passed, "unknowns": summary["cost"]["dofs"]}
         values = {name: found.get(name) for name in estimates.QUANTITIES}
@@ -51,10 +52,6 @@ class Sweep(list[Result]):
         import pandas as pd  # type: ignore[import-untyped]
 
         return pd.DataFrame(self.rows())
-
-
-def _within(table: Mapping[str, Any], key: str) -> Any:
-    return table[key]
 
 
 def sweep(

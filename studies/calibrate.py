@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -14,6 +14,7 @@ import numpy as np
 
 from railhead import estimates, study
 from railhead.estimates import QUANTITIES
+from railhead.planning import plan as planning
 from railhead.planning.laws import Law
 from railhead.scene.scene import Scene
 from railhead.studies import families, tables
@@ -48,6 +49,10 @@ class Record:
 def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Record]:
     """Errors of a scene on some meshes; none where a mesh or its solution fails."""
     records: list[Record] = []
+    setting = planning.make(scene).setting
+    part = next(
+        k for k, where in families.parts(name).items() if families.bounds(where).holds(setting)
+    )
     exact: dict[str, float] = {}
     for n in resolutions:
         level = families.solved(scene, n)
@@ -60,7 +65,7 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Recor
         overlap = abs(level.solution.penetration / level.solution.approach) if penalty else 0.0
         records += [
             Record(
-                name, scene.name, level.resolution, level.unknowns, key,
+                part, scene.name, level.resolution, level.unknowns, key,
                 max(abs(found[key] / value - 1) - level.plan.left_out, 0.0),
                 scatter.get(key, 0.0), overlap, scale.get(key, 1.0),
             )
@@ -85,7 +90,9 @@ def middle(n: np.ndarray, values: np.ndarray) -> Law:
     return Law(max(float(np.median(values * (n / 6.0) ** order)), LEAST), order)
 
 
-def fit(name: str, records: Sequence[Record]) -> dict[str, Any]:
+def fit(
+    records: Sequence[Record], where: Mapping[str, Any], resolutions: Sequence[float]
+) -> dict[str, Any]:
     """The entry of a family in laws.json."""
     laws, reading, overlap = {}, {}, {}
     for key in QUANTITIES:
@@ -102,10 +109,9 @@ def fit(name: str, records: Sequence[Record]) -> dict[str, Any]:
         least = np.array([CHANCE * usual(each) for each in n])
         laws[key] = envelope(n, np.maximum((rest - read) / scale, least))
         reading[key] = middle(n, read)
-    recipe = families.RECIPES[name]
     return {
-        "where": {**families.DEFAULT, **recipe.where},
-        "resolution": [recipe.resolutions[0], recipe.resolutions[-1]],
+        "where": where,
+        "resolution": [resolutions[0], resolutions[-1]],
         "scenes": len({record.scene for record in records}),
         "laws": {key: [law.value, law.order] for key, law in laws.items()},
         "reading": {key: [law.value, law.order] for key, law in reading.items()},
@@ -133,7 +139,9 @@ def main(out: Path, *, quick: bool) -> None:
     for name in names:
         found = measured(name, 3 if quick else families.RECIPES[name].scenes)
         records += found
-        laws["families"][name] = fit(name, found)
+        for part, where in families.parts(name).items():
+            own = [record for record in found if record.family == part]
+            laws["families"][part] = fit(own, where, families.RECIPES[name].resolutions)
         tables.write_csv(out / "calibrate.csv", records)
         (out / "laws.json").write_text(json.dumps(laws, indent=1) + "\n", encoding="utf-8")
         (out / study.PAGE).write_text(page(laws), encoding="utf-8")

@@ -134,12 +134,13 @@ def page(records: Sequence[Record], lost: Sequence[str]) -> str:
         return [*row(name, mine), f"{v['estimated']:.0%}", f"{v['passed']:.0%}"]
 
     price = [r.price for r in records if r.quantity == "max_MPa"]
+    quantities = {key: [r for r in records if r.quantity == key] for key in QUANTITIES}
     return tables.render(
         "error_bounds",
         seed=SEED,
         fine=families.FINE,
         by_family=[family(name) for name in dict.fromkeys(r.family for r in records)],
-        by_quantity=[row(key, [r for r in records if r.quantity == key]) for key in QUANTITIES],
+        by_quantity=[row(key, mine) for key, mine in quantities.items() if mine],
         price=price,
         median=np.median(price),
         lost=lost,

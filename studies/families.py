@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -31,6 +31,8 @@ INCOMPRESSIBLE = (0.4, 0.4999)  # Poisson's ratios of a family of its own; those
 SHALLOW = 0.12  # Poisson's ratio below which the largest stresses of long ellipses lie so near to
 # the surface that they are read less well
 LOCKING = (0.43, 0.4999)  # ... sections: where the safe parameter is cut and theta becomes -1
+NEARLY = 0.48  # Poisson's ratio up to which circles lock little
+SOFT, HARD = (0.1, 1.0), (1.0, 10.0)  # contact law's factor: an overlap below, noise above
 LINES = (3.0, 4.0, 5.0, 6.5, 8.0, 10.0, 13.0, 18.0, 24.0)  # resolutions of sections
 FINE = 1.6  # times the finest calibrated resolution: the truth of real profiles
 
@@ -39,13 +41,15 @@ FINE = 1.6  # times the finest calibrated resolution: the truth of real profiles
 class Recipe:
     """make: random assignments on `base`; where: see `laws.Family`, what is left out is that
     of DEFAULT; resolutions to calibrate at, ascending, none for scenes outside all laws; scenes:
-    how many of them; exact: whether Hertz is the truth."""
+    how many of them; exact: whether Hertz is the truth; split: families with laws of their own, by
+    what narrows `where`, where the whole would be too unlike: all its scenes lie in one."""
 
     make: Make
     where: Mapping[str, Sequence[Any]]
     resolutions: tuple[float, ...] = (3.0, 5.0, 8.0)
     scenes: int = 16
     exact: bool = True
+    split: Mapping[str, Mapping[str, Sequence[Any]]] = field(default_factory=dict)
 
     @property
     def base(self) -> Scene:
@@ -184,11 +188,13 @@ RECIPES = {
         law("penalty", [None]),
         {"method": ["penalty"], "theta": [None], "gamma_factor": [0.1, 10.0]},
         scenes=32,
+        split={"soft penalty": {"gamma_factor": SOFT}, "hard penalty": {"gamma_factor": HARD}},
     ),
     "theta": Recipe(
         law("nitsche", [None, 0, -1]),
         {"theta": [None, 0, -1], "gamma_factor": [0.1, 10.0]},
         scenes=48,
+        split={"soft theta": {"gamma_factor": SOFT}, "hard theta": {"gamma_factor": HARD}},
     ),
     "incompressible": Recipe(
         lambda rng: ellipse(rng) + materials(rng, *INCOMPRESSIBLE), {"poisson": INCOMPRESSIBLE}
@@ -209,6 +215,10 @@ RECIPES = {
         {"shape": ["plane strain"], "axis_ratio": [1.0, 1.0], "poisson": [0.0, LOCKING[0]]},
         LINES,
         40,
+        split={
+            "plane strain": {"least_poisson": [SHALLOW, LOCKING[0]]},
+            "shallow plane strain": {"least_poisson": [0.0, SHALLOW]},
+        },
     ),
     "meridian": Recipe(
         lambda rng: ball(rng) + materials(rng, 0.0, LOCKING[0]),
@@ -227,6 +237,10 @@ RECIPES = {
         {"shape": ["meridian"], "axis_ratio": [1.0, 1.0], "poisson": LOCKING},
         LINES,
         40,
+        split={
+            "nearly incompressible circles": {"poisson": [LOCKING[0], NEARLY]},
+            "incompressible circles": {"poisson": [NEARLY, LOCKING[1]]},
+        },
     ),
     "outside": Recipe(
         outside,
@@ -243,11 +257,23 @@ RECIPES = {
 }
 
 
+def bounds(where: Mapping[str, Sequence[Any]]) -> laws.Family:
+    """A family without laws."""
+    return laws.Family("", where, (0, 0), {}, {}, {})
+
+
+def parts(name: str) -> dict[str, dict[str, Sequence[Any]]]:
+    """What a recipe has laws for: by family, its `where`."""
+    recipe = RECIPES[name]
+    whole = {**DEFAULT, **recipe.where}
+    return {part: {**whole, **narrow} for part, narrow in (recipe.split or {name: {}}).items()}
+
+
 def scenes(name: str, seed: int) -> Iterator[Scene]:
     """Endless random scenes of a family, those left out that make no contact of its kind."""
     recipe = RECIPES[name]
     rng = np.random.default_rng([seed, *name.encode()])
-    where = laws.Family(name, {**DEFAULT, **recipe.where}, (0, 0), {}, {}, {})
+    where = bounds({**DEFAULT, **recipe.where})
     index = 0
     while True:
         keys = recipe.make(rng)

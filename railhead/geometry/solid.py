@@ -123,13 +123,8 @@ class Contact:
         scene = self.scene
         if scene.rail.gauge is not None:
             return f"a track of gauge {scene.rail.gauge:g} mm"
-        if scene.rail.profile not in (
-            *profiles.STANDARD_RAILS,
-            "arc",
-        ) or scene.wheel.profile not in (
-            "cylinder",
-            "arc",
-        ):
+        rails, wheels = (*profiles.STANDARD_RAILS, "arc"), ("cylinder", "arc")
+        if scene.rail.profile not in rails or scene.wheel.profile not in wheels:
             return f"wheel {Path(scene.wheel.profile).stem} on rail {Path(scene.rail.profile).stem}"
         if scene.rail.inclination:
             return f"rail inclined {scene.rail.inclination:g}"

@@ -228,7 +228,7 @@ class Plan:
     def coarsest(self) -> float:
         """The largest element size (mm)."""
         widths = [np.ptp(profile.domain) for _, profile, _ in touching(self.contact)]
-        return min(COARSEST * self.reach, *(COARSEST_ACROSS * width for width in widths), math.inf)
+        return min([COARSEST * self.reach, *(COARSEST_ACROSS * width for width in widths)])
 
     def grading(self) -> Grading:
         """Sizes around the patches of the forecast; smaller patches get smaller elements. Elements

@@ -201,9 +201,9 @@ def outgrown(
     elements are the reference, or the scene itself at `fine` elements per semi-axis."""
 
     def solve() -> Measured:
-        grading = planning.make(resolved(meshed, n)).grading()
-        plan = replace(planning.make(scene), patch_size=grading.size)
-        level = solve_level(plan, grading, Progress(quiet=True), MPI.COMM_WORLD)
+        wrong = planning.make(resolved(meshed, n))
+        plan = replace(planning.make(scene), forecast=wrong.forecast, patch_size=wrong.patch_size)
+        level = solve_level(plan, None, Progress(quiet=True), MPI.COMM_WORLD)
         result = refine.Result(level, summarise([level], Ending("one mesh")))
         if not fine:
             found = against_boundary_elements(result.summary, half_space(scene, level))

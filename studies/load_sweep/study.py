@@ -75,11 +75,10 @@ def around_smallest(plan: Plan, lowest: float) -> Grading:
     """Fine enough for the patch of the lowest load, growing outwards over the larger ones."""
     from railhead.meshing.sizing import Grading
     from railhead.planning import exact
-    from railhead.planning import plan as planning
 
     small = exact.estimate(plan.scene, plan.contact, lowest)
     size = min(small.a, small.b) / ELEMENTS_PER_SEMI_AXIS
-    angle, coarsest = plan.contact.touch.angle, planning.COARSEST * plan.reach
+    angle, coarsest = plan.contact.touch.angle, plan.coarsest
     return Grading(
         plan.contact.origin, small.a, small.b, angle, size, GROWTH, coarsest=coarsest
     )  # fmt: skip

@@ -1,8 +1,12 @@
-"""Power laws, Pareto fronts, and the page of accuracy_cost on made-up runs."""
+"""Power laws, Pareto fronts, error laws, and the pages of studies on made-up runs."""
 
+import numpy as np
 import pytest
 
+from railhead.studies import calibrate, error_bounds, scaling
 from railhead.studies.accuracy_cost import page as accuracy_page
+from railhead.studies.hard import page as hard_page
+from railhead.studies.hard.case import Case, Deviation, Measured, Outcome
 from railhead.studies.tables import table
 from railhead.studies.trends import pareto, power_law
 
@@ -65,3 +69,75 @@ def test_failed_runs_are_named_and_kept_out_of_the_fits() -> None:
 def test_table_is_padded_markdown() -> None:
     lines = ["| a   | long   |", "|-----|--------|", "| x   | 1      |"]
     assert table(("a", "long"), [("x", 1)]).splitlines() == lines
+
+
+def test_an_envelope_lies_above_all_errors_and_falls_as_they_do() -> None:
+    n = np.repeat([3.0, 6.0, 12.0], 4)
+    errors = np.tile([0.2, 0.5, 1.0, 0.7], 3) * 1e-2 * (6 / n) ** 2
+    law = calibrate.envelope(n, errors)
+    assert law.order == pytest.approx(2, abs=0.05)
+    assert law.value == pytest.approx(calibrate.HEADROOM * 1e-2, rel=0.05)
+    assert all(law(each) >= error for each, error in zip(n, errors, strict=True))
+
+
+def test_a_law_leaves_out_what_the_overlap_and_the_reading_explain() -> None:
+    def record(n: float, scene: str, over: float) -> calibrate.Record:
+        reading, rest = 1e-3 * (6 / n), 2e-3 * (6 / n) ** 2
+        return calibrate.Record(
+            "penalty", scene, n, 1, "max_MPa", 5 * over + reading + rest, reading, over, 1.0
+        )
+
+    overs = {"a": 0.0, "b": 0.3}
+    records = [record(n, k, v) for n in (3, 6) for k, v in overs.items()]
+    entry = calibrate.fit(records, {}, (3.0, 6.0))
+    assert entry["scenes"] == 2
+    assert entry["overlap"]["max_MPa"] == pytest.approx(5, rel=0.05)
+    value, order = entry["laws"]["max_MPa"]
+    least, whole = calibrate.HEADROOM * 2e-3, calibrate.HEADROOM * calibrate.CHANCE * 3e-3
+    assert least <= value <= whole and order > 1
+
+
+def bound(scene: str, estimate: float | None, error: float, **changes) -> error_bounds.Record:
+    fields = {
+        "family": "ellipse", "scene": scene, "asked": None, "passed": True, "failed": "",
+        "reached": None, "unknowns": 1, "meshes": 1, "seconds": 2.0, "price": 1.1,
+        "quantity": "max_MPa", "estimate": estimate, "error": error,
+    }  # fmt: skip
+    return error_bounds.Record(**{**fields, **changes})
+
+
+def test_verdict_on_estimates_counts_what_holds_and_what_is_missing() -> None:
+    records = [
+        bound("a", 0.01, 0.005), bound("b", 0.01, 0.02), bound("c", None, 0.5),
+        bound("d", 0.01, 1e-9, passed=False),
+    ]  # fmt: skip
+    verdict = error_bounds.verdict(records)
+    assert verdict == {
+        "holds": 0.5, "worst": 2.0, "effectivity": 1.25, "estimated": 0.75, "passed": 0.75,
+    }  # fmt: skip
+    text = error_bounds.page(records, ["profiles_3: not back after 600 s"])
+    assert "| ellipse" in text and "| 50.0%" in text
+    assert "Gave nothing: profiles_3: not back after 600 s" in text
+
+
+def test_scaling_page_says_how_time_grows() -> None:
+    small = scaling.Record(0.5, 1000, 1.0, 3, 20, 0.5, 1.0, 400_000_000)
+    large = scaling.Record(0.2, 10_000, 15.0, 3, 24, 5.0, 8.0, 500_000_000)
+    text = scaling.page([small, large])
+    assert "From 1000 to 10000 unknowns the time per unknown grows by a factor 1.50" in text
+    assert "costs 1.60 to 2.00 times one linear elastic solve" in text
+
+
+def test_hard_cases_page_names_what_fails_and_what_is_refused() -> None:
+    def outcome(name: str, found: Measured | None, fault: str = "") -> Outcome:
+        case = Case("load", name, "made up", "exact Hertz", Measured, refusable=True)
+        return Outcome(case, found, fault or (found and case.fault(found)) or "", 1.0)
+
+    off = Measured({"area_mm2": Deviation(0.03, 0.02)})
+    fine = Measured({"area_mm2": Deviation(0.01, 0.02)})
+    done = [outcome("off", off), outcome("lost", None, "the process crashed"),
+            outcome("fine", fine), outcome("refused", Measured(failed=("newton",)))]  # fmt: skip
+    text = hard_page.page(done)
+    assert "4 cases: 1 are right, 1 are refused by a check as they may be, 2 fail." in text
+    assert "- **load: off**: area_mm2 off by 0.03, 0.02 allowed" in text
+    assert "- **load: lost**: the process crashed" in text

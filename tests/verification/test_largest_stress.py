@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from railhead import catalogue, refine
-from railhead.postprocess import stress
+from railhead.postprocess import peaks, stress
 from railhead.scene.scene import Scene
 from railhead.theory import line, subsurface
 from railhead.theory.line import LineContact
@@ -102,3 +102,12 @@ def test_the_edge_of_a_wheel_is_left_out_and_said() -> None:
         assert edge["value_MPa"] > found[f"{name}_MPa"]
         assert np.abs(np.abs(edge["place_mm"]) - [0.0, 1.5, 0.0])[1:].max() < 0.2 * b
         assert np.hypot(*(np.abs(found[f"{name}_place_mm"][1:]) - [1.5, 0.0])) > 0.3 * b
+
+
+def test_a_peak_without_neighbours_is_read_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where no point to climb to is near, as in elements that are coarse for their body."""
+    scene = catalogue.find("uic54_thesis").replace(THIN)
+    usual = solved(scene).findings.largest["rail"].tau.value
+    monkeypatch.setattr(peaks, "REACH", 1e-9)
+    found = solved(scene).findings.largest["rail"].tau.value
+    assert found == pytest.approx(usual, rel=0.05)
