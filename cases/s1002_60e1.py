@@ -14,8 +14,15 @@ SCENE = Scene(
         gauge=1435,
         young_modulus=YOUNG,
         poisson_ratio=0.28,
+        steel="R260",
     ),
-    wheel=Wheel(profile="S1002", rolling_radius=460, young_modulus=YOUNG, poisson_ratio=0.28),
+    wheel=Wheel(
+        profile="S1002",
+        rolling_radius=460,
+        young_modulus=YOUNG,
+        poisson_ratio=0.28,
+        steel="ER7",
+    ),
 )
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_validator
 
-from railhead.scene import curves, units
+from railhead.scene import curves, steels, units
 from railhead.scene.units import show
 
 ALIASES = {"UIC54": "54E1", "UIC60": "60E1"}
@@ -113,14 +113,15 @@ def _check_arc(profile: str, key: str, radius: float | None) -> None:
 
 
 class Part(Section):
-    """What a body is made of: elastic constants, and how it yields: at `yield_stress`, with a
-    constant `hardening_modulus`, or along `stress_strain`, a .csv file of plastic strain and true
-    stress (MPa). `kinematic_fraction` of the hardening moves the yield surface, the rest widens
-    it. A body without either stays elastic.
+    """What a body is made of: elastic constants, and how it yields: as a `steel` does, at
+    `yield_stress`, with a constant `hardening_modulus`, or along `stress_strain`, a .csv file of
+    plastic strain and true stress (MPa). `kinematic_fraction` of the hardening moves the yield
+    surface, the rest widens it. A body without any stays elastic.
     """
 
     young_modulus: units.Modulus = 207000.0
     poisson_ratio: units.PoissonRatio = 0.3
+    steel: Annotated[str, steels.name()] | None = None
     yield_stress: units.Stress | None = None
     hardening_modulus: units.Hardening | None = None
     kinematic_fraction: units.Share | None = None
@@ -128,18 +129,33 @@ class Part(Section):
 
     @model_validator(mode="after")
     def _one_way_to_yield(self) -> Self:
-        for key in ("yield_stress", "hardening_modulus"):
-            if self.stress_strain is not None and getattr(self, key) is not None:
-                raise SceneError(key, "is not allowed beside stress_strain; give one of them")
-        for key in ("hardening_modulus", "kinematic_fraction"):
-            if getattr(self, key) is not None and not self.yields:
-                raise SceneError(key, "is not allowed without yield_stress or stress_strain")
+        given = [key for key in ("steel", "stress_strain", "yield_stress") if getattr(self, key)]
+        if len(given) > 1:
+            raise SceneError(given[1], f"is not allowed beside {given[0]}; give one of them")
+        if self.hardening_modulus is not None and given != ["yield_stress"]:
+            raise SceneError("hardening_modulus", "is not allowed without yield_stress")
+        if self.kinematic_fraction is not None and not given:
+            raise SceneError(
+                "kinematic_fraction", "is not allowed without steel, yield_stress or stress_strain"
+            )
         return self
 
     @property
     def yields(self) -> bool:
         """Whether it can."""
-        return self.yield_stress is not None or self.stress_strain is not None
+        return bool(self.steel or self.stress_strain or self.yield_stress)
+
+    @property
+    def curve(self) -> tuple[tuple[float, float], ...]:
+        """Plastic strain and true stress (MPa), a point each; that of a constant modulus goes on
+        behind its second point. Empty where it does not yield."""
+        if self.steel is not None:
+            return steels.known()[self.steel].curve
+        if self.stress_strain is not None:
+            return tuple(curves.read(self.stress_strain))
+        if self.yield_stress is None:
+            return ()
+        return (0.0, self.yield_stress), (1.0, self.yield_stress + (self.hardening_modulus or 0.0))
 
 
 class Rail(Part):

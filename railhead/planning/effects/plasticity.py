@@ -10,7 +10,7 @@ import numpy as np
 from railhead.meshing.tags import BODIES
 from railhead.planning.effects.base import After, Context, Effect
 from railhead.postprocess.findings import Array, Findings
-from railhead.scene import curves
+from railhead.scene import steels
 from railhead.scene.scene import Scene
 from railhead.scene.sections import Rail, Wheel
 from railhead.solver.hardening import Hardening
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 STEPS = 4  # from first yield to the load: the centre pressure is within 1.5 % of many steps, ...
 REACH = 3.0  # half lengths of the patch around it in which yield is followed
+USUAL = "R260"  # rail steel that a scene without one is held against
 SURE = 0.8  # of the yield: below it no Hertzian patch yields where the plan looks
 
 
@@ -33,7 +34,7 @@ def decide(context: Context) -> Effect:
         name: contacts.axis_extrema(context.hertz, part.poisson_ratio).von_mises_max
         for name, part in _yielding(context).items()
     }
-    yields, why = _compare(scene, stresses)
+    yields, why = _compare(scene, stresses) if stresses else (False, _would_yield(context))
     refused = {} if stresses else {"on": "no body that deforms has a yield stress"}
     return Effect(yields, yields, why, refused)
 
@@ -69,11 +70,8 @@ def check(context: Context, effect: Effect, found: Findings) -> After | None:
 
 def hardening(part: Rail | Wheel) -> Hardening:
     """How a body that yields does."""
-    share = part.kinematic_fraction or 0.0
-    if part.stress_strain is not None:
-        strain, stress = zip(*curves.read(part.stress_strain), strict=True)
-        return Hardening(strain, stress, share)
-    return Hardening.linear(float(part.yield_stress or 0.0), part.hardening_modulus or 0.0, share)
+    strain, stress = zip(*part.curve, strict=True)
+    return Hardening(strain, stress, part.kinematic_fraction or 0.0)
 
 
 @dataclass(frozen=True)
@@ -105,9 +103,17 @@ def _yielding(context: Context) -> dict[str, Rail | Wheel]:
     }
 
 
+def _would_yield(context: Context) -> str:
+    """Why a scene without a yield stress stays elastic, and whether a usual rail would yield."""
+    if not context.decided["deformable_rail"].on:
+        return "no yield stress is given"
+    stress = contacts.axis_extrema(context.hertz, context.scene.rail.poisson_ratio).von_mises_max
+    limit = steels.known()[USUAL].curve[0][1]
+    verb = "would yield here" if stress > limit else "would not yield"
+    return f"no steel is given; {USUAL} {verb}: von Mises {stress:.4g} MPa, its yield {limit:g}"
+
+
 def _compare(scene: Scene, stresses: dict[str, float]) -> tuple[bool, str]:
-    if not stresses:
-        return False, "no yield stress is given"
     parts = {"rail": scene.rail, "wheel": scene.wheel}
     limits = {name: hardening(parts[name]).first for name in stresses}
     worst = max(stresses, key=lambda name: stresses[name] / limits[name])
