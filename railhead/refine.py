@@ -75,7 +75,7 @@ def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[L
         if len(levels) >= least and scene.accuracy is not None and worst <= scene.accuracy:
             return levels, Ending("asked accuracy reached")
         if len(levels) > 1 and scene.accuracy is None and math.isfinite(worst):
-            return levels, Ending("budget spent")
+            return levels, Ending(_spent(scene.budget or 0.0, spent))
         n, covered = comm.bcast(_next(levels, worst, wanted))
         finer, grading = done.finer(n)
         cost = finer.unknowns, machine.seconds(finer.unknowns)
@@ -88,6 +88,13 @@ def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[L
         level = solve_level(finer, grading, progress, comm)
         levels.append(level)
         spent += sum(level.seconds.values())
+
+
+def _spent(budget: float, seconds: float) -> str:
+    """What became of a budget: an estimate takes two meshes, however little it is."""
+    if seconds <= budget:
+        return "budget spent"
+    return f"the least that gives an estimate took {seconds:.1f} s, over the budget"
 
 
 def _asked(plan: Plan) -> float:

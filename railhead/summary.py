@@ -9,6 +9,7 @@ from typing import Any
 from railhead import checks, estimates
 from railhead.geometry.flat import FlatContact
 from railhead.level import Level
+from railhead.planning import effects
 from railhead.postprocess import compare
 from railhead.second_opinion import half_space
 from railhead.theory.hertz import Ellipse
@@ -39,8 +40,9 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
         reached = bool(estimates.worst(known, level.result) <= scene.accuracy)
     profiles = half_space(level)
     second = {**hertz, "allowance": {}} if plan.contact.half_space else profiles
-    if any(effect.override and effect.called_for != effect.on for effect in plan.effects.values()):
-        second = None  # a person chose to solve another problem
+    if other := effects.chosen(plan.effects):
+        second = None  # it is about the scene
+        source = f"{source}; of the problem that was chosen ({', '.join(other)})"
     judged = checks.run(level, known, second, reached=reached)
     return {
         "case": scene.name,
