@@ -104,7 +104,7 @@ def _asked(plan: Plan) -> float:
 
 def _worst(levels: list[Level]) -> float:
     """What counts of the estimates of the last mesh."""
-    return estimates.worst(estimates.estimate(levels)[0], levels[-1].result)
+    return estimates.worst(estimates.estimate(levels)[0], levels[-1])
 
 
 def _next(levels: list[Level], worst: float, wanted: float) -> tuple[float, bool]:

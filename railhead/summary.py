@@ -37,7 +37,7 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
     bound = {name: each.total for name, each in known.items()}
     reached = None
     if scene.accuracy is not None and level.result is not None:
-        reached = bool(estimates.worst(known, level.result) <= scene.accuracy)
+        reached = bool(estimates.worst(known, level) <= scene.accuracy)
     profiles = half_space(level)
     second = {**hertz, "allowance": {}} if plan.contact.half_space else profiles
     if other := effects.chosen(plan.effects):
