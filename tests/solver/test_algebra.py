@@ -210,7 +210,7 @@ def test_bodies_that_never_touch_are_named_not_solved(models) -> None:
 
 
 class Upside(linear.Direct):
-    """The inverse with the wrong sign, which conjugate gradients refuse."""
+    """The inverse with half of its rows negative, which conjugate gradients refuse."""
 
     def set_up(self, active) -> None:
         super().set_up(active)
@@ -219,7 +219,7 @@ class Upside(linear.Direct):
         class Shell:
             def apply(self, _: PETSc.PC, x: PETSc.Vec, y: PETSc.Vec) -> None:
                 inverse.apply(x, y)
-                y.scale(-1.0)
+                y.array[::2] *= -1.0
 
         self.pc.setType("python")
         self.pc.setPythonContext(Shell())
@@ -232,7 +232,7 @@ def test_a_preconditioner_that_is_not_definite_is_no_reason_to_stall(models) -> 
     preconditioner = Upside(problem)
     ksp = linear.krylov(preconditioner)
     rhs, out = problem.predictor(active), problem.force.duplicate()
-    assert linear.solve(ksp, preconditioner, active, rhs, out, 1e-8) <= 3
+    assert linear.solve(ksp, preconditioner, active, rhs, out, 1e-8) <= 9
     product = rhs.duplicate()
     problem.tangent(active).mult(out, product)
     assert (product - rhs).norm() < 1e-7 * rhs.norm()
