@@ -209,9 +209,10 @@ class Findings:
 
     hertzian: whether the pressure is close enough to a semi-ellipsoid for the moments to give the
     semi-axes; shape_error: relative L2 distance of the pressure from that semi-ellipsoid; notes:
-    what every picture has to say below it. The last four are those of `postprocess.quality`: noise,
+    what every picture has to say below it. The next four are those of `postprocess.quality`: noise,
     relative; elements_across: along and across the most loaded patch; edge_distance of the patch
     over its smaller half length; reported_force: what the recovered pressure carries along z, N.
+    misfit: of the smooth stresses around the largest ones from those of the elements, relative.
     """
 
     frame: Frame
@@ -229,6 +230,7 @@ class Findings:
     elements_across: tuple[float, float] = (math.nan, math.nan)
     edge_distance: float = math.nan
     reported_force: float = math.nan
+    misfit: float = math.nan
 
     @property
     def axis(self) -> DepthAxis:

@@ -16,7 +16,7 @@ from railhead.theory.subsurface import max_shear, von_mises
 
 SAMPLES = 121
 REACH = 3.0  # over the smaller semi-axis
-Found = tuple[dict[str, DepthAxis], tuple[DepthAxis, ...], dict[str, Largest], Array]
+Found = tuple[dict[str, DepthAxis], tuple[DepthAxis, ...], dict[str, Largest], Array, float]
 
 
 def read(
@@ -24,7 +24,8 @@ def read(
 ) -> Found:
     """By meshed body the stresses below (x, s) = centre and the largest ones; between them, in the
     body that is shown, those below the centres of the other patches; points (n, 3) on the sharp
-    edges of all bodies.
+    edges of all bodies; and how far the smooth stresses around the largest ones are from those of
+    the elements (`Recovery.misfit`).
 
     size: smaller semi-axis of the (most loaded) patch, mm.
     """
@@ -44,7 +45,14 @@ def read(
         name: _largest(Search(fields, *body, edges, size), axes[name])
         for name, body in bodies.items()
     }
-    return axes, also, largest, edges
+    places = [
+        (name, peak.place)
+        for name, each in largest.items()
+        for peak in (each.tau, each.von_mises)
+        if peak.place
+    ]
+    misfit = max((bodies[name][1].misfit(np.array(at)) for name, at in places), default=0.0)
+    return axes, also, largest, edges, misfit
 
 
 def _below(

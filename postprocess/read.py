@@ -28,7 +28,8 @@ def findings(fields: Fields, frame: Frame) -> Findings:
     else:
         found, surface, moments, recovered, lines = patch.read(fields, separate, frame)
     size = moments.a if flat else min(found.a, found.b)
-    axes, others, largest, edges = inside.read(fields, frame, found.centre, size, separate[1:])
+    inner = inside.read(fields, frame, found.centre, size, separate[1:])
+    axes, others, largest, edges, misfit = inner
     return Findings(
         frame,
         found,
@@ -43,4 +44,5 @@ def findings(fields: Fields, frame: Frame) -> Findings:
         elements_across=quality.elements_across(fields, frame, found),
         edge_distance=quality.edge_distance(fields, found, edges),
         reported_force=quality.reported_force(fields, recovered),
+        misfit=misfit,
     )

@@ -14,6 +14,7 @@ from railhead.solver.gather import Fields
 
 NEIGHBOURS = 1200  # samples of one local fit: about three element sizes around
 FLAT_NEIGHBOURS = {"triangle": 120, "quadrilateral": 60}  # the same in a section
+MEAN = 4  # one in so many of them, the nearest ones, is asked whether the fit keeps their mean
 DEGREE = 3
 BLOCK = 16  # fits at a time, so that they stay in the cache
 RIDGE = 1e-13  # of the trace: lets too few samples have a solution, and changes no other
@@ -42,6 +43,15 @@ class Recovery:
         """Stress (n, 6) at points (n, 3) of the body, MPa."""
         blocks = range(0, len(points), BLOCK)
         return np.concatenate([self._fit(points[i : i + BLOCK])[0][:, 0] for i in blocks])
+
+    def misfit(self, point: Array) -> float:
+        """How far the mean of the elements' own stresses nearest to a point (3,) is from that of
+        the polynomial there, relative."""
+        fitted = self.around(point)
+        nearest = self._tree.query(point @ self._axes.T, k=max(self._count // MEAN, 1))[1]
+        own = self._values[np.atleast_1d(nearest)].mean(axis=0)
+        smooth = fitted.at_samples(self._samples[np.atleast_1d(nearest)]).mean(axis=0)
+        return float(np.linalg.norm(smooth - own) / np.linalg.norm(own))
 
     def around(self, point: Array) -> Polynomial:
         """The polynomial fitted around a point (3,)."""
@@ -72,7 +82,11 @@ class Polynomial:
 
     def __call__(self, points: Array) -> Array:
         """Stress (n, 6) at points (n, 3), MPa."""
-        offset = (points @ self._axes.T - self._centre) / self.radius
+        return self.at_samples(points @ self._axes.T)
+
+    def at_samples(self, points: Array) -> Array:
+        """The same at points (n, d) in the axes of the section or of space."""
+        offset = (points - self._centre) / self.radius
         return np.asarray(monomials(offset[None])[0].T @ self._coefficients)
 
 

@@ -143,6 +143,8 @@ def study(name: str | None, out: Path | None, quick: bool) -> None:
     from railhead import study as studying
 
     if name is None:
+        if out is not None or quick:
+            raise SceneError("study", "--out and --quick need the name of a study; give one")
         for known in studying.names():
             click.echo(f"{known:22s} {studying.load(known).STUDY}")
         return

@@ -81,10 +81,10 @@ class Estimate:
         return lost((self.total - self.reading) / self.flatness)
 
 
-def worst(found: Mapping[str, Estimate], result: Mapping[str, Any] | None) -> float:
-    """The largest of what counts against an asked accuracy; infinite where a quantity of the
-    "result" has no estimate."""
-    if result is None or set(found) != set(flat(result)):
+def worst(found: Mapping[str, Estimate], level: Level) -> float:
+    """The largest of what counts against an asked accuracy; infinite where a quantity that the mesh
+    can tell has no estimate."""
+    if level.result is None or set(found) != set(resolved(level)):
         return math.inf
     return max((each.counts for each in found.values()), default=math.inf)
 

@@ -96,7 +96,7 @@ def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[L
         if len(levels) >= least and scene.accuracy is not None and worst <= scene.accuracy:
             return levels, Ending("asked accuracy reached")
         if len(levels) > 1 and scene.accuracy is None and math.isfinite(worst):
-            return levels, Ending("budget spent")
+            return levels, Ending(_spent(scene.budget or 0.0, spent))
         n, covered = comm.bcast(_next(levels, worst, wanted))
         finer, grading = done.finer(n)
         cost = finer.unknowns, machine.seconds(finer.unknowns)
@@ -131,6 +131,13 @@ def _stepped(level: Level, progress: Progress, comm: MPI.Intracomm) -> Level:
     return replace(level, plan=replace(plan, load_steps=steps), stepping=error)
 
 
+def _spent(budget: float, seconds: float) -> str:
+    """What became of a budget: an estimate takes two meshes, however little it is."""
+    if seconds <= budget:
+        return "budget spent"
+    return f"the least that gives an estimate took {seconds:.1f} s, over the budget"
+
+
 def _asked(plan: Plan) -> float:
     """What of the asked accuracy the plan leaves to the mesh."""
     return (plan.scene.accuracy or 0.0) - plan.left_out
@@ -138,7 +145,7 @@ def _asked(plan: Plan) -> float:
 
 def _worst(levels: list[Level]) -> float:
     """What counts of the estimates of the last mesh."""
-    return estimates.worst(estimates.estimate(levels)[0], levels[-1].result)
+    return estimates.worst(estimates.estimate(levels)[0], levels[-1])
 
 
 def _next(levels: list[Level], worst: float, wanted: float) -> tuple[float, bool]:

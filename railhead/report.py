@@ -146,6 +146,13 @@ def show_result(summary: dict[str, Any], console: Console) -> None:
                 f"({place}) mm, at a sharp edge or held face, where it depends on the mesh.",
                 highlight=False,
             )
+    if other := summary["plan"]["chosen"]:
+        console.print(
+            f"Another problem was chosen ({', '.join(other)}): estimates are about that one, and "
+            "no second opinion checks it.", markup=False, highlight=False,
+        )  # fmt: skip
+    if summary["scene"].get("budget"):
+        console.print(f"Budget: {summary['accuracy']['reason']}.", highlight=False)
     for name, after in summary["effects_after"].items():
         if after["needed"]:
             console.print(f"{name}: {after['why']}", markup=False, highlight=False)

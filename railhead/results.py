@@ -24,29 +24,13 @@ if TYPE_CHECKING:
 
 SUMMARY = "summary.json"
 MANIFEST = ".railhead"  # names of the files in a result folder that are replaced by the next one
-#: Files of versions that wrote no manifest.
-OLDER = frozenset(
-    [f"{name}.png" for name in (
-        "accuracy_cost", "depth", "hard_cases", "load_sweep", "patch", "patch_on_rail", "positions",
-        "pressure", "profiles", "rolling_radius", "stress_cut", "thesis_patch", "thesis_lines",
-        "thesis_loads", "wheel_rail",
-    )]
-    + [f"{name}.csv" for name in (
-        "accuracy_cost", "effects", "effects_off", "error_bounds", "hard_cases", "load_sweep",
-        "scaling", "thesis", "thesis_runs",
-    )]
-    + ["summary.json", "scene.toml", "solution.vtu", "contact.vtu", "page.md"]
-)  # fmt: skip
 
 
 def foreign(folder: Path) -> list[str]:
     """Names in a folder that no result put there."""
-    names = set(os.listdir(folder))
+    names, own = set(os.listdir(folder)), {MANIFEST}
     if MANIFEST in names:
-        own = {MANIFEST, *(folder / MANIFEST).read_text(encoding="utf-8").splitlines()}
-    else:
-        result = names & {SUMMARY, "page.md"} and len(names & OLDER) > 1
-        own = set(OLDER) if result else set()
+        own |= set((folder / MANIFEST).read_text(encoding="utf-8").splitlines())
     return sorted(names - own)
 
 
@@ -101,7 +85,7 @@ def replacing(folder: Path) -> Iterator[Path]:
     def remove() -> None:
         shutil.rmtree(work, ignore_errors=True)
 
-    with process.undoing(remove):
+    with process.undoing(remove), process.unfinished(work):
         try:
             yield work
             names = "".join(f"{name}\n" for name in sorted(os.listdir(work)))

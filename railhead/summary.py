@@ -10,6 +10,7 @@ from typing import Any
 from railhead import checks, estimates
 from railhead.geometry.flat import FlatContact
 from railhead.level import Level
+from railhead.planning import effects
 from railhead.planning.effects import plasticity
 from railhead.postprocess import compare
 from railhead.second_opinion import half_space
@@ -38,11 +39,12 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
     bound = {name: each.total for name, each in known.items()}
     reached = None
     if scene.accuracy is not None and level.result is not None:
-        reached = bool(estimates.worst(known, level.result) <= scene.accuracy)
+        reached = bool(estimates.worst(known, level) <= scene.accuracy)
     profiles = half_space(level)
     second = {**hertz, "allowance": {}} if plan.contact.half_space else profiles
-    if any(effect.override and effect.called_for != effect.on for effect in plan.effects.values()):
-        second = None  # a person chose to solve another problem
+    if other := effects.chosen(plan.effects):
+        second = None  # it is about the scene
+        source = f"{source}; of the problem that was chosen ({', '.join(other)})"
     judged = checks.run(level, known, second, reached=reached)
     return {
         "case": scene.name,

@@ -111,6 +111,12 @@ def krylov(problem: ContactProblem, preconditioner: Preconditioner) -> PETSc.KSP
     return ksp
 
 
+def general(ksp: PETSc.KSP) -> None:
+    """From conjugate gradients to GMRES, which needs no definite preconditioner."""
+    ksp.setType("fgmres")
+    ksp.setPCSide(PETSc.PC.Side.RIGHT)
+
+
 def solve(
     problem: ContactProblem,
     preconditioner: Preconditioner,
@@ -138,6 +144,9 @@ def solve(
             raise StalledError(iterations, "the tangent is not positive definite")
         if reason > 0:
             break
+        if reason == PETSc.KSP.ConvergedReason.DIVERGED_INDEFINITE_PC:
+            general(ksp)  # a smoother whose largest eigenvalue was underestimated
+            continue
         if fresh:
             raise StalledError(iterations, "the linear solver stalls")
         preconditioner.renew(active)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -84,8 +85,8 @@ class PlasticProblem(ContactProblem):
     across: Array = field(kw_only=True)
 
     def __post_init__(self) -> None:
-        self._bulk = self.bulk.history, []
-        self._surface = self.surface.history, []
+        self._bulk: tuple[History, list[Loss]] = self.bulk.history, []
+        self._surface: tuple[History, list[Loss]] = self.surface.history, []
 
     @property
     def symmetric(self) -> bool:
@@ -174,7 +175,7 @@ class _PlasticTangent(Tangent):
 
 def bulk_points(
     bulk: Bulk,
-    cell_tags: object,
+    cell_tags: Any,
     materials: Mapping[int, Material],
     near: Callable[[Array], Mask],
     reduction: Reduction,

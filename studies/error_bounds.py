@@ -47,6 +47,12 @@ class Record:
     error: float
 
     @property
+    def signed(self) -> bool:
+        """Whether the number is one that the program stands for: no check failed but that of the
+        asked accuracy, where numbers and estimates stand and the accuracy is said to be missed."""
+        return self.failed in ("", "accuracy")
+
+    @property
     def ratio(self) -> float:
         """True error over estimate; at most 1 where it holds."""
         return self.error / self.estimate if self.estimate else math.nan
@@ -104,9 +110,9 @@ def main(out: Path, *, quick: bool) -> None:
 
 
 def verdict(records: Sequence[Record]) -> dict[str, float]:
-    """Share of the estimates that hold, worst ratio, median effectivity, share of the main
+    """Share of the signed estimates that hold, worst ratio, median effectivity, share of the main
     quantities that have an estimate, share of runs with status 0."""
-    known = [r for r in records if r.estimate is not None and r.error > ROUNDING]
+    known = [r for r in records if r.signed and r.estimate is not None and r.error > ROUNDING]
     ratios = np.array([r.ratio for r in known]) if known else np.array([math.nan])
     wanted = [r for r in records if r.quantity in MAIN]
     return {
@@ -133,6 +139,7 @@ def page(records: Sequence[Record], lost: Sequence[str]) -> str:
         v = verdict(mine)
         return [*row(name, mine), f"{v['estimated']:.0%}", f"{v['passed']:.0%}"]
 
+    refused = {r.scene: r for r in records if not r.signed}
     price = [r.price for r in records if r.quantity == "max_MPa"]
     quantities = {key: [r for r in records if r.quantity == key] for key in QUANTITIES}
     return tables.render(
@@ -144,4 +151,5 @@ def page(records: Sequence[Record], lost: Sequence[str]) -> str:
         price=price,
         median=np.median(price),
         lost=lost,
+        refused=refused.values(),
     )

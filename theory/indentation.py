@@ -6,6 +6,7 @@ Loads, approaches and radii are over those of first yield, pressures over the yi
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from scipy.optimize import brentq
@@ -71,6 +72,6 @@ def residual_depth(approach: float) -> float:
     return approach * (1 - approach**-0.28) * (1 - approach**-0.69)
 
 
-def _solve(force, load: float) -> float:
+def _solve(force: Callable[[float], float], load: float) -> float:
     """Approach at a load, both over first yield."""
     return float(brentq(lambda w: force(w) - load, 0.0, 10.0 + 2.0 * load))

@@ -292,6 +292,7 @@ class Plan:
             "effects": {name: self._effect(name) for name in self.effects},
             "unknowns": self.unknowns,
             "predicted_seconds": self.seconds,
+            "chosen": effects.chosen(self.effects),
             "patch_size_mm": self.patch_size,
             "slave": BODIES[self.slave],
             "contact_angle_rad": self.contact.touch.angle,

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from mpi4py import MPI
+from petsc4py import PETSc
 
 from railhead.solver import constraints, linear, multigrid, newton
 from railhead.solver.contact import ContactModel
@@ -114,11 +115,10 @@ def test_an_updated_preconditioner_is_as_good_as_a_new_one(models) -> None:
     counts = []
     for fresh in (False, True):
         preconditioner = model.new_preconditioner(problem)
-        ksp = linear.krylov(preconditioner)
         for limit in (3.0,) if fresh else (1.0, 3.0):
             active = radius < limit
             rhs, out = problem.predictor(active), problem.force.duplicate()
-            count = linear.solve(ksp, preconditioner, active, rhs, out, 1e-8)
+            count = linear.solve(problem, preconditioner, active, rhs, out, 1e-8)
         counts.append(count)
     assert counts[0] <= counts[1] + 1 < 40
 
@@ -206,3 +206,31 @@ def test_bodies_that_never_touch_are_named_not_solved(models) -> None:
     solution = model.solve(approach=-1.0, active=np.zeros(len(model.interface.points), bool))
     assert solution.load == 0.0
     assert not np.any(solution.pressure)
+
+
+class Upside(linear.Direct):
+    """The inverse with half of its rows negative, which conjugate gradients refuse."""
+
+    def set_up(self, active) -> None:
+        super().set_up(active)
+        inverse, self.pc = self.pc, PETSc.PC().create(self.operator.comm)
+
+        class Shell:
+            def apply(self, _: PETSc.PC, x: PETSc.Vec, y: PETSc.Vec) -> None:
+                inverse.apply(x, y)
+                y.array[::2] *= -1.0
+
+        self.pc.setType("python")
+        self.pc.setPythonContext(Shell())
+        self.pc.setOperators(self.operator)
+
+
+def test_a_preconditioner_that_is_not_definite_is_no_reason_to_stall(models) -> None:
+    problem, _ = loaded(model := models(linear="direct"))
+    active = np.linalg.norm(model.interface.points, axis=1) < 3.0
+    preconditioner = Upside(problem)
+    rhs, out = problem.predictor(active), problem.force.duplicate()
+    assert linear.solve(problem, preconditioner, active, rhs, out, 1e-8) <= 9
+    product = rhs.duplicate()
+    problem.tangent(active).mult(out, product)
+    assert (product - rhs).norm() < 1e-7 * rhs.norm()

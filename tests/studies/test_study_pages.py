@@ -109,14 +109,16 @@ def bound(scene: str, estimate: float | None, error: float, **changes) -> error_
 def test_verdict_on_estimates_counts_what_holds_and_what_is_missing() -> None:
     records = [
         bound("a", 0.01, 0.005), bound("b", 0.01, 0.02), bound("c", None, 0.5),
-        bound("d", 0.01, 1e-9, passed=False),
+        bound("d", 0.01, 1e-9, passed=False, failed="accuracy"),
+        bound("e", 0.01, 1.0, passed=False, failed="flux_rail"),
     ]  # fmt: skip
     verdict = error_bounds.verdict(records)
     assert verdict == {
-        "holds": 0.5, "worst": 2.0, "effectivity": 1.25, "estimated": 0.75, "passed": 0.75,
+        "holds": 0.5, "worst": 2.0, "effectivity": 1.25, "estimated": 0.8, "passed": 0.6,
     }  # fmt: skip
     text = error_bounds.page(records, ["profiles_3: not back after 600 s"])
     assert "| ellipse" in text and "| 50.0%" in text
+    assert "Refused, and not judged: e (flux_rail)" in text
     assert "Gave nothing: profiles_3: not back after 600 s" in text
 
 

@@ -25,19 +25,19 @@ from railhead.planning.effects.base import After, Context, Effect, Feature, Hert
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import Scene, SceneError
 
-__all__ = ["EFFECTS", "After", "Context", "Effect", "check", "decide"]
+__all__ = ["EFFECTS", "After", "Context", "Effect", "check", "chosen", "decide"]
 
 EFFECTS = {
     "plane_strain": Feature(sections.plane_strain),
-    "axisymmetry": Feature(sections.axisymmetry),
-    "symmetry_x": Feature(symmetry.along),
-    "symmetry_y": Feature(symmetry.across),
+    "axisymmetry": Feature(sections.axisymmetry, alike=True),
+    "symmetry_x": Feature(symmetry.along, alike=True),
+    "symmetry_y": Feature(symmetry.across, alike=True),
     "deformable_rail": Feature(deformable.rail),
     "deformable_wheel": Feature(deformable.wheel),
     "true_profile": Feature(true_profile.decide, true_profile.check),
     "rail_section": Feature(rail_section.decide, rail_section.check),
     "far_field": Feature(far_field.decide, apply=far_field.apply),
-    "mean_dilatation": Feature(mean_dilatation.decide, apply=mean_dilatation.apply),
+    "mean_dilatation": Feature(mean_dilatation.decide, apply=mean_dilatation.apply, alike=True),
     "plasticity": Feature(plasticity.decide, plasticity.check, plasticity.apply),
     "friction": Feature(friction.decide, friction.check),
 }
@@ -64,6 +64,15 @@ def decide(
             f"effects.{chosen}", "'off' is not allowed: the other body is rigid; give auto or on"
         )
     return context, found
+
+
+def chosen(effects: Mapping[str, Effect]) -> list[str]:
+    """Names of those by which a person chose another problem than the scene calls for."""
+    return [
+        name
+        for name, each in effects.items()
+        if each.override and each.called_for != each.on and not EFFECTS[name].alike
+    ]
 
 
 def check(made: Context, effects: Mapping[str, Effect], found: Findings) -> dict[str, After]:

@@ -6,13 +6,14 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from railhead.meshing.tags import BODIES
 from railhead.planning.effects.base import After, Context, Effect
 from railhead.postprocess.findings import Array, Findings
 from railhead.scene import steels
 from railhead.scene.scene import Scene
-from railhead.scene.sections import Rail, Wheel
+from railhead.scene.sections import Part
 from railhead.solver.hardening import Hardening
 from railhead.solver.setup import LoadPath, Setup, Side
 from railhead.theory import contacts
@@ -68,7 +69,7 @@ def check(context: Context, effect: Effect, found: Findings) -> After | None:
     return After(yields, f"{why}: the elastic answer overstates the pressure" if yields else why)
 
 
-def hardening(part: Rail | Wheel) -> Hardening:
+def hardening(part: Part) -> Hardening:
     """How a body that yields does."""
     strain, stress = zip(*part.curve, strict=True)
     return Hardening(strain, stress, part.kinematic_fraction or 0.0)
@@ -80,7 +81,7 @@ class Near:
 
     zones: tuple[Zone, ...]
 
-    def __call__(self, points: Array) -> Array:
+    def __call__(self, points: Array) -> NDArray[np.bool_]:
         """Points in space (n, 3) mm -> mask (n,)."""
         near = np.zeros(len(points), dtype=bool)
         for zone in self.zones:
@@ -93,7 +94,7 @@ class Near:
         return near
 
 
-def _yielding(context: Context) -> dict[str, Rail | Wheel]:
+def _yielding(context: Context) -> dict[str, Part]:
     """The bodies that deform and have a yield stress."""
     scene = context.scene
     return {

@@ -25,6 +25,22 @@ class Long:
 study.names = lambda: ["long"]
 study.load = lambda name: Long()
 {COMMAND}"""
+DEAF = f"""
+import sys
+from collections import deque
+from itertools import repeat
+from railhead import study
+
+class Long:
+    STUDY = "keeps the interpreter's lock, as PETSc does"
+    def main(self, out, *, quick):
+        (out / "page.md").write_text("begun")
+        print("begun", file=sys.stderr, flush=True)
+        deque(repeat(0, 10**11), maxlen=0)  # minutes in one call
+
+study.names = lambda: ["long"]
+study.load = lambda name: Long()
+{COMMAND}"""
 FINE = ["run", "hertz_ellipse", "--set", "mesh.patch_size=0.2", "--no-pictures", "--out"]
 
 
@@ -59,6 +75,19 @@ def test_meshing_ends_soon(script, arguments, number, tmp_path) -> None:
     assert seconds < 6
     assert running.returncode == 128 + number
     assert "Traceback" not in errors
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGKILL])
+def test_a_library_that_keeps_the_lock_is_killed_and_leaves_nothing(number, tmp_path) -> None:
+    """Killed from outside, too, nothing is left."""
+    running = start(tmp_path, DEAF, "study", "long", "--out")
+    assert running.stderr is not None and running.stderr.readline() == "begun\n"
+    assert os.listdir(tmp_path) != []
+    seconds, errors = ended(running, number)
+    assert seconds < 6 and errors == ""
+    assert running.returncode == -signal.SIGKILL
+    time.sleep(0.5)
     assert os.listdir(tmp_path) == []
 
 
