@@ -56,7 +56,7 @@ class CellSet:
     @classmethod
     def of(cls, bulk: Bulk, cells: Index) -> CellSet:
         """The given local cells of this rank."""
-        return cls(*described(bulk, cells))
+        return cls(**described(bulk, cells))
 
     def __len__(self) -> int:
         return len(self.nodes)
@@ -145,18 +145,18 @@ class CellSet:
         return np.array(gradients), np.array(traces), np.array(volumes)
 
 
-def described(bulk: Bulk, cells: Index) -> tuple[Any, ...]:
+def described(bulk: Bulk, cells: Index) -> dict[str, Any]:
     """What a CellSet holds of local cells."""
     mesh = bulk.space.mesh
     block_dofs = compat.cell_dofs(bulk.space)[cells]
     to_global = bulk.space.dofmap.index_map.local_to_global
     dofs = to_global(block_dofs.reshape(-1).astype(np.int32)).reshape(block_dofs.shape)
-    return (
-        compat.cell_type(mesh),
-        compat.geometry_degree(mesh),
-        bulk.degree,
-        compat.node_points(mesh)[compat.cell_nodes(mesh)[cells]],
-        dofs.astype(np.int64),
-        bulk.lame[cells],
-        bulk.kinematics,
-    )
+    return {
+        "cell": compat.cell_type(mesh),
+        "geometry_degree": compat.geometry_degree(mesh),
+        "degree": bulk.degree,
+        "nodes": compat.node_points(mesh)[compat.cell_nodes(mesh)[cells]],
+        "dofs": dofs.astype(np.int64),
+        "lame": bulk.lame[cells],
+        "kinematics": bulk.kinematics,
+    }

@@ -65,7 +65,7 @@ class FacetSet(CellSet):
             int(np.flatnonzero(cell_facets.links(c) == f)[0])
             for f, c in zip(facets, cells, strict=True)
         ]
-        return cls(*described(bulk, cells), local_facet=np.array(local, dtype=np.int64))
+        return cls(**described(bulk, cells), local_facet=np.array(local, dtype=np.int64))
 
     def gathered(self, comm: MPI.Intracomm) -> FacetSet:
         """The union over all ranks, on every rank (a contact surface is small)."""
