@@ -65,7 +65,10 @@ class Estimate:
     @property
     def parts(self) -> dict[str, float]:
         """By name."""
-        return {name: value for name, value in vars(self).items() if name != "flatness"}
+        values = {name: value for name, value in vars(self).items() if name != "flatness"}
+        if not self.load_steps:  # only bodies that yield have any
+            del values["load_steps"]
+        return values
 
     @property
     def total(self) -> float:

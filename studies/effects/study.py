@@ -22,7 +22,10 @@ if TYPE_CHECKING:
 STUDY = "each effect on and off: seconds, unknowns and change of the answer; off costs nothing"
 SCENES = {
     "uic54_thesis": ("uic54_thesis", []),
-    "axle near the R300-R80 joint": ("uic54_22t5_axle", ["rail.inclination=1:40"]),
+    "axle near the R300-R80 joint": (
+        "uic54_22t5_axle",
+        ["rail.inclination=1:40", "effects.plasticity=off"],
+    ),
     "sphere_on_plane": ("sphere_on_plane", []),
     "long_roller": ("long_roller", []),
     "wheel 2000 times stiffer": ("hertz_ellipse", ["wheel.young_modulus=4.14e8"]),

@@ -133,7 +133,8 @@ def test_every_case_script_runs_and_meets_theory(case: str, tmp_path) -> None:
     hertzian = summary["checks"]["hertzian"] or summary["half_space"] is None
     reference = summary["hertz" if hertzian else "half_space"]["pressure"]["max_MPa"]
     within = NO_HALF_SPACE.get(case, 0.005) if hertzian else 0.02
-    assert summary["result"]["pressure"]["max_MPa"] == pytest.approx(reference, rel=within)
+    found = summary.get("elastic", summary["result"])  # of a rail that yields
+    assert found["pressure"]["max_MPa"] == pytest.approx(reference, rel=within)
     assert catalogue.find(case).name == case
 
 
