@@ -34,9 +34,7 @@ def run(
     else:
         levels, ending = _refine(plan, progress, comm)
     level = levels[-1]
-    if level.fields is None:
-        return Result(level)
-    return Result(level, summarise(levels, ending))
+    return Result(level, comm.bcast(None if level.fields is None else summarise(levels, ending)))
 
 
 def measure_speed() -> float:

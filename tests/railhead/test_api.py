@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import railhead
+import railhead as rh
 from railhead.theory.hertz import point_contact
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -92,3 +93,16 @@ def test_importing_is_light() -> None:
     code = "import railhead, sys; print({'numpy', 'pydantic', 'dolfinx'} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "set()\n"
+
+
+@pytest.mark.parametrize("scene", ["hertz_ellipse", None, {"load": 1e4}])
+def test_what_is_no_scene_is_one_line(scene: object) -> None:
+    for call in (rh.plan, rh.solve, lambda each: rh.sweep(each, load=["1 kN"])):
+        with pytest.raises(rh.SceneError, match="scene: .* is no Scene; give one"):
+            call(scene)
+
+
+@pytest.mark.parametrize("values", ["3 kN", 3000])
+def test_a_sweep_over_one_value_is_one_line(values: object) -> None:
+    with pytest.raises(rh.SceneError, match="load: .* is not a list of values"):
+        rh.sweep(rh.find("sphere_on_plane"), load=values)
