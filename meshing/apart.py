@@ -40,8 +40,13 @@ def run(work: Callable[..., Any], *arguments: Any, seconds: float) -> Any:
     return found
 
 
-def _serve(connection: Connection, work: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+def die_with_parent() -> None:
+    """Let the system kill this process when the thread that started it is gone."""
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
+def _serve(connection: Connection, work: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+    die_with_parent()
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, signal.SIG_DFL)
     try:

@@ -13,7 +13,7 @@ from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
 from railhead.progress import Progress
 from railhead.result import Result
-from railhead.scene.scene import Scene
+from railhead.scene.scene import Scene, checked
 
 __all__ = ["Planned", "Result", "find", "plan", "solve"]
 WIDTH = 120  # characters of a printed plan
@@ -43,12 +43,13 @@ class Planned:
 
 def plan(scene: Scene) -> Planned:
     """What would be simulated and what it costs; solves nothing. Raises SceneError."""
-    return Planned(planning.make(scene))
+    return Planned(planning.make(checked(scene)))
 
 
 def solve(scene: Scene, *, accuracy: str | float | None = None, quiet: bool = False) -> Result:
     """Solve a scene; accuracy: asked relative error, e.g. "1%". What it does goes to standard error
     unless quiet. Raises SceneError for a scene that makes no contact problem, MeshError."""
+    scene = checked(scene)
     if accuracy is not None:
         scene = scene.replace(accuracy=accuracy)
     with Progress(quiet=quiet) as progress:

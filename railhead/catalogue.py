@@ -2,31 +2,31 @@
 
 from __future__ import annotations
 
+import ast
 import difflib
 import importlib
-import pkgutil
 from pathlib import Path
 
 from railhead.scene.io import read_scene
 from railhead.scene.scene import Scene, SceneError
 
 
-def shipped() -> dict[str, tuple[Scene, str]]:
-    """Scene and one line of description, by name."""
+def shipped() -> dict[str, str]:
+    """One line of description by name; no scene is built for it."""
     found = {}
-    cases = importlib.import_module("railhead.cases")
-    for module_info in pkgutil.iter_modules(cases.__path__):
-        module = importlib.import_module(f"railhead.cases.{module_info.name}")
-        if hasattr(module, "SCENE"):
-            found[module_info.name] = (module.SCENE, (module.__doc__ or "").strip().split("\n")[0])
+    for path in importlib.import_module("railhead.cases").__path__:
+        for file in sorted(Path(path).glob("[!_]*.py")):
+            text = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
+            found[file.stem] = text.split("\n")[0]
     return found
 
 
-def find(name: str) -> Scene:
+def find(name: str | Path) -> Scene:
     """The scene of a shipped case, or of a TOML file; SceneError if there is neither."""
-    known = shipped()
+    known, name = shipped(), str(name)
     if name in known:
-        return known[name][0]
+        scene: Scene = importlib.import_module(f"railhead.cases.{name}").SCENE
+        return scene
     if name.endswith(".toml") or Path(name).exists():
         return read_scene(name)
     close = difflib.get_close_matches(name, known, n=1)

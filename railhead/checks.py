@@ -1,9 +1,7 @@
 """What a result must meet before it is signed: each check with its value, limit and reason.
 
-The limits follow from physics or from the asked accuracy. Three were set anew after right results
-had been refused: that of the noise, that of the flux with linear cells, and the depth of the flux
-between half-spaces (two of 20 long ellipses had lost 5 % of it at one smaller semi-axis, where the
-elements outside the patch are half as large as that; twice as deep 3 %).
+The limits follow from physics or from the asked accuracy. Two were set anew after right results had
+been refused: that of the noise, and that of the flux with linear cells.
 """
 
 from __future__ import annotations
@@ -20,7 +18,7 @@ from railhead.level import Level
 from railhead.meshing.tags import BODIES
 from railhead.planning.laws import RANGE
 from railhead.planning.plan import LINEAR_REFINEMENT
-from railhead.postprocess.flux import through_plane
+from railhead.postprocess.flux import through_slab
 
 ROUGH = 0.05  # relative: what a number without an asked accuracy may be off by at most
 BALANCE = 1e-6  # relative: what equations solved to 1e-8 leave
@@ -161,14 +159,15 @@ def _physics(level: Level) -> list[Check]:
     allowed = max(ROUGH, plan.scene.accuracy or 0.0)
     if plan.order == 1:
         allowed *= LINEAR_REFINEMENT  # stresses are constant in linear cells
-    depth = math.inf  # half way through a body: errors near a large free surface add up
+    depth, thickness = math.inf, 1.0  # half way through a body, where stresses are smooth
     if plan.effects["far_field"].on:  # sides of half-spaces carry load too
+        thickness = 2.0
         depth = level.grading.a if plan.section else 2 * min(found.patch.a, found.patch.b)
     fluxes = [
         Check(
             f"flux_{BODIES[body]}",
-            _off(through_plane(level.fields, body, depth), solution.load), allowed,
-            "the load; nodal stresses are integrated over a plane near the patch", FINER,
+            _off(through_slab(level.fields, body, depth, thickness), solution.load), allowed,
+            "the load; the elements' stresses are integrated over a slab below the patch", FINER,
         )
         for body in plan.deformable
     ]  # fmt: skip

@@ -35,7 +35,7 @@ def railhead() -> None:
 @railhead.command("list")
 def list_cases() -> None:
     """List the cases that ship."""
-    for name, (_, text) in catalogue.shipped().items():
+    for name, text in catalogue.shipped().items():
         click.echo(f"{name:22s} {text}")
 
 

@@ -232,13 +232,14 @@ def estimate(levels: Sequence[Level]) -> tuple[dict[str, Estimate], str]:
         overlap = abs(level.solution.penetration / level.solution.approach)
     doubt = 2 * (parts.get("tau_max_MPa", 0.0) + solved[-1][2].get("tau_max_MPa", 0.0))
     scatter = reading(level.findings, max(RIVAL, doubt))
+    geometry = level.off_surface / min(level.plan.zone)
     found = {
         name: Estimate(
             mesh,
             scatter.get(name, 0.0),
             overlap * (known.overlap[name] if known is not None else 1.0),
             level.plan.left_out,
-            level.off_surface / min(level.plan.zone),
+            geometry,
             levels[0].stepping.get(name, 0.0) * STEPS / level.plan.load_steps,
             flatness.get(name),
         )

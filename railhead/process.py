@@ -33,10 +33,6 @@ def prepare() -> None:
     """Set up a process that does nothing else than what the command does."""
     # Small dense blocks only: more BLAS threads cost more than they bring. Before numpy loads.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
-    # PETSc's signal handlers would take the place of the command's own (see cli.main).
-    options = os.environ.get("PETSC_OPTIONS", "")
-    if "-no_signal_handler" not in options:
-        os.environ["PETSC_OPTIONS"] = f"{options} -no_signal_handler"
     # Keep freed memory instead of returning it to the system for every temporary array: a fifth of
     # the time of a run otherwise goes into fresh pages (mallopt(3): M_TRIM_THRESHOLD,
     # M_MMAP_THRESHOLD).

@@ -37,9 +37,7 @@ def run(
     if why := comm.bcast(_unforeseen(levels[-1])):
         levels, ending = _solve(plan.turned_on("plasticity", why), progress, comm)
     level = levels[-1]
-    if level.fields is None:
-        return Result(level)
-    return Result(level, summarise(levels, ending))
+    return Result(level, comm.bcast(None if level.fields is None else summarise(levels, ending)))
 
 
 def _solve(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[Level], Ending]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -24,9 +24,10 @@ UNITS = ("_mm2", "_mm", "_MPa", "_N")
 BOUNDS = {"area_mm2": "area", "max_MPa": "pressure_max"}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Result:
-    """What `solve` gives. Under MPI the numbers are there on rank 0 only.
+    """What `solve` gives. Under MPI the numbers are the same on all ranks; fields and findings are
+    there on rank 0 only, which alone writes.
 
     `patch` (a, b along and across the rail, mm, and area, mm2), `pressure` (max, mean, MPa),
     `stress` (tau_max, von_mises_max, MPa, each with _depth mm, _body and _place mm),
@@ -36,7 +37,16 @@ class Result:
     """
 
     level: Level
-    summary: dict[str, Any] = field(default_factory=dict)
+    summary: dict[str, Any]
+
+    def __repr__(self) -> str:
+        if self.summary["result"] is None:
+            return f"<Result {self.summary['case']}: nothing touches>"
+        verdict = "passed" if self.passed else f"failed {', '.join(self.failed)}"
+        return (
+            f"<Result {self.summary['case']}: {self.load:.6g} N, {self.pressure.max:.5g} MPa on "
+            f"{self.patch.area:.4g} mm2, {verdict}>"
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """The content of summary.json."""
@@ -45,7 +55,7 @@ class Result:
     @property
     def passed(self) -> bool:
         """Whether all checks hold."""
-        return bool(self.summary and self.summary["checks"]["passed"])
+        return bool(self.summary["checks"]["passed"])
 
     @property
     def failed(self) -> list[str]:
@@ -90,9 +100,9 @@ class Result:
 
     @property
     def _numbers(self) -> dict[str, Any]:
-        numbers = self.summary["result"] if self.summary else None
+        numbers = self.summary["result"]
         if numbers is None:
-            raise ValueError("there is no result: nothing touches, or this is not rank 0")
+            raise ValueError("there is no result: nothing touches")
         return dict(numbers)
 
     @property
@@ -109,8 +119,9 @@ class Result:
         """Write what `railhead run` writes. Raises SceneError for a folder with other files."""
         from railhead import results
 
-        results.check_folder(Path(folder))
-        results.write(self, Path(folder), pictures=pictures)
+        if self.fields is not None:
+            results.check_folder(Path(folder))
+            results.write(self, Path(folder), pictures=pictures)
 
     @property
     def plot(self) -> Plots:

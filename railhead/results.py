@@ -20,7 +20,7 @@ from railhead.scene.io import to_toml
 from railhead.scene.scene import SceneError
 
 if TYPE_CHECKING:
-    from railhead.refine import Result
+    from railhead.result import Result
 
 SUMMARY = "summary.json"
 MANIFEST = ".railhead"  # names of the files in a result folder that are replaced by the next one

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from railhead import estimates, refine
 from railhead.progress import Progress
 from railhead.result import Result
+from railhead.scene.scene import SceneError, checked
 
 if TYPE_CHECKING:
     from railhead.scene.scene import Scene
@@ -66,8 +67,11 @@ def sweep(
     with a dot as a mapping: ``{"wheelset.shift": [0, 2]}``. Every scene is checked before the first
     is solved. Raises SceneError, MeshError."""
     lists = {**(over or {}), **values}
+    for key, chosen in lists.items():
+        if isinstance(chosen, str) or not isinstance(chosen, Iterable):
+            raise SceneError(key, f"{chosen!r} is not a list of values; give one")
     scenes = [
-        scene.replace(**dict(zip(lists, chosen, strict=True)))
+        checked(scene).replace(**dict(zip(lists, chosen, strict=True)))
         for chosen in product(*lists.values())
     ]
     results = Sweep([], list(lists))

@@ -1,1 +1,15 @@
-"""Frictionless linear-elastic contact on dolfinx: knows nothing of scenes, files or pictures."""
+"""Frictionless linear-elastic contact on dolfinx: knows nothing of scenes, files or pictures.
+
+PETSc's signal handlers and the log handler that ffcx gives to the root logger belong to a program,
+not to a library: neither is left behind.
+"""
+
+import logging
+
+import petsc4py
+
+petsc4py.init(["railhead", "-no_signal_handler"])  # without effect where PETSc runs already
+_handlers = logging.root.handlers[:]
+import ffcx  # type: ignore[import-untyped]  # noqa: E402, F401
+
+logging.root.handlers[:] = _handlers

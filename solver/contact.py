@@ -61,7 +61,8 @@ class Solution:
 
 
 class ContactModel:
-    """Stiffness, interface, reduction and preconditioner of a Setup on a mesh."""
+    """Stiffness, interface, reduction and preconditioner of a Setup on a mesh (dolfinx, with
+    MeshTags of its cells and facets). ValueError for a tag that nothing carries."""
 
     def __init__(self, mesh: Any, cell_tags: Any, facet_tags: Any, setup: Setup) -> None:
         start = time.perf_counter()
@@ -69,6 +70,11 @@ class ContactModel:
         self.setup = setup
         self.cell_tags, self.facet_tags = cell_tags, facet_tags
         sides = [s for s in (setup.fixed, setup.moving) if not s.rigid]
+        for side in sides:
+            self._must_exist("cell", cell_tags, side.tag)
+            self._must_exist("contact facet", facet_tags, side.contact)
+            if side is setup.moving or not setup.planes:  # planes may hold the other one
+                self._must_exist("support facet", facet_tags, side.support)
         self.bulk: Bulk
         self.bulk, stiffness = assemble(
             mesh, cell_tags, {s.tag: s.material for s in sides}, setup.degree, setup.kinematics
@@ -98,6 +104,10 @@ class ContactModel:
         del stiffness
         compat.collect(self.comm)
         self.seconds = {"assemble": time.perf_counter() - start, "solve": 0.0}
+
+    def _must_exist(self, what: str, tags: Any, tag: int) -> None:
+        if not self.comm.allreduce(len(tags.find(tag))):
+            raise ValueError(f"no {what} carries the tag {tag}")
 
     def release(self) -> None:
         """Free all matrices; the model is of no use afterwards (collective)."""
@@ -162,8 +172,13 @@ class ContactModel:
     ) -> Solution:
         """Solve for one load (N, whole model) or approach (mm), starting from an active set.
 
-        force: on the owned dofs of `bulk.space`, N, e.g. an assembled body force.
+        force: on the owned dofs of `bulk.space`, N, e.g. an assembled body force. ValueError for
+        the one of load and approach that the setup does not control.
         """
+        if approach and self.setup.load_control:
+            raise ValueError("approach is unknown under load control; give a load")
+        if load and not self.setup.load_control and self.setup.far_field is None:
+            raise ValueError("load is unknown under approach control; give an approach")
         start = time.perf_counter()
         prescribed = self.load(self.problem, load, approach, force)
         if not self.comm.allreduce(int(active.sum())):

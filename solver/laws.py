@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+METHODS = ("nitsche", "penalty")
 PENALTY_FACTOR = 10.0  # penalty over the Nitsche parameter: bias against conditioning
 STIFFEST = 3.0  # parameter over E times its constant; nearly incompressible bodies are cut to it
 STAGE = 10.0  # growth of the parameter from one stage of a stiff law to the next
@@ -19,11 +20,19 @@ STAGE = 10.0  # growth of the parameter from one stage of a stiff law to the nex
 @dataclass(frozen=True)
 class Law:
     """method 'nitsche' or 'penalty'; theta 1, 0, -1 (Nitsche; None: see `suited`); factor on the
-    safe parameter."""
+    safe parameter. ValueError for others."""
 
     method: str = "nitsche"
     theta: int | None = None
     gamma_factor: float = 1.0
+
+    def __post_init__(self) -> None:
+        if self.method not in METHODS:
+            raise ValueError(f"method {self.method!r} is unknown; give one of {METHODS}")
+        if self.theta not in (None, 1, 0, -1):
+            raise ValueError(f"theta {self.theta!r} is not allowed; give 1, 0, -1 or None")
+        if not 0 < self.gamma_factor < math.inf:
+            raise ValueError(f"gamma_factor {self.gamma_factor!r} is not allowed; give more than 0")
 
     @property
     def sigma(self) -> int:

@@ -14,6 +14,7 @@ from railhead.solver.interface import Gap
 from railhead.solver.kinematics import SOLID, Kinematics
 from railhead.solver.laws import Law
 
+LINEAR = ("auto", "direct", "multigrid")  # how linear systems are solved
 FarField = Callable[[float, int, Array], Array]
 """(load N, body tag, points in space (n, 3)) -> displacement (n, 3) of the supported faces, mm."""
 
@@ -55,6 +56,7 @@ class Setup:
     load_control: the load is given and the approach an unknown, or the reverse. kinematics: what
     the mesh's coordinates stand for; directions, normals, gap and far field are those of space.
     path: where a body yields.
+    ValueError for a slave that is not one of the bodies, or rigid, and for an unknown `linear`.
     """
 
     fixed: Side
@@ -70,6 +72,13 @@ class Setup:
     linear: str = "auto"
     kinematics: Kinematics = SOLID
     path: LoadPath | None = None
+
+    def __post_init__(self) -> None:
+        bodies = {side.tag: side for side in (self.fixed, self.moving)}
+        if self.slave not in bodies or bodies[self.slave].rigid:
+            raise ValueError(f"slave {self.slave} is no body that deforms; there are {[*bodies]}")
+        if self.linear not in LINEAR:
+            raise ValueError(f"linear {self.linear!r} is unknown; give one of {LINEAR}")
 
     @property
     def parts(self) -> int:

@@ -18,7 +18,9 @@ from railhead.planning import plan as planning
 from railhead.planning.laws import Law
 from railhead.scene.scene import Scene
 from railhead.studies import families, tables
+from railhead.studies.cells import measure_cells
 from railhead.studies.pool import attempts
+from railhead.studies.twist import measure_twist
 
 STUDY = "error laws by family, from random scenes of known answer"
 SEED = 1
@@ -131,10 +133,14 @@ def measured(name: str, count: int) -> list[Record]:
 
 
 def main(out: Path, *, quick: bool) -> None:
-    """Write calibrate.csv, laws.json and page.md, anew after each family; quick: three scenes of
-    the cheap ones."""
+    """Write cells.json and twist.json, then calibrate.csv, laws.json and page.md, anew after each
+    family; quick: three scenes of the cheap ones alone."""
     names = CHEAP if quick else [n for n, each in families.RECIPES.items() if each.resolutions]
     records: list[Record] = []
+    if not quick:
+        for file, constants in (("cells", measure_cells()), ("twist", measure_twist())):
+            text = json.dumps(constants, indent=2) + "\n"
+            (out / f"{file}.json").write_text(text, encoding="utf-8")
     laws: dict[str, Any] = {"seed": SEED, "families": {}}
     for name in names:
         found = measured(name, 3 if quick else families.RECIPES[name].scenes)

@@ -6,8 +6,6 @@ holds gmsh's habits and the sharing of nodes. The constant is the geometric mean
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 from statistics import geometric_mean
 
 from railhead import catalogue
@@ -27,8 +25,8 @@ FLAT: Scenes = (("long_roller", ()), ("roller_on_block", ()), ("sphere_on_plane"
 KINDS = [(cell, order) for cell in ("tetrahedron", "hexahedron") for order in (1, 2)]
 
 
-def measure_cells(file: Path | None = None) -> dict[str, dict[str, dict[str, float]]]:
-    """{"solid" or "section": {cell: {order: unknowns per predicted cell}}}; written to `file`."""
+def measure_cells() -> dict[str, dict[str, dict[str, float]]]:
+    """{"solid" or "section": {cell: {order: unknowns per predicted cell}}}."""
     found: dict[str, dict[str, dict[str, float]]] = {"solid": {}, "section": {}}
     for kind, scenes in (("solid", SOLID), ("section", FLAT)):
         for cell, order in KINDS:
@@ -36,8 +34,6 @@ def measure_cells(file: Path | None = None) -> dict[str, dict[str, dict[str, flo
             shares = [share(planned(name, *changes, *typed)) for name, changes in scenes]
             constant = geometric_mean(shares) * planning.unknowns_per_cell(kind, cell, order)
             found[kind].setdefault(cell, {})[str(order)] = round(constant, 3)
-    if file is not None:
-        file.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
     return found
 
 

@@ -14,6 +14,7 @@ from typing import Any, Generic, TypeVar
 
 from pebble import ProcessExpired, ProcessFuture, ProcessPool
 
+from railhead.meshing.apart import die_with_parent
 from railhead.process import prepare
 
 T = TypeVar("T")
@@ -60,7 +61,8 @@ def attempts(
 
 
 def _single() -> None:
-    """One thread in this process; numpy is not loaded yet."""
+    """One thread in this process, which ends with its parent; numpy is not loaded yet."""
+    die_with_parent()
     os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
     prepare()
 

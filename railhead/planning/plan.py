@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -175,7 +176,7 @@ class Plan:
         young = part.young_modulus if body in self.deformable else math.inf
         return Material(young, part.poisson_ratio)
 
-    @property
+    @cached_property
     def surfaces(self) -> Contact:
         """The contact whose profiles make the gap."""
         if self.contact.lengthwise or self.effects["true_profile"].on:
@@ -224,7 +225,7 @@ class Plan:
         """Of the element size with the distance from the patch."""
         return min(GROWTH, GROWTH * FULL_GROWTH * self.solid_resolution / self.resolution)
 
-    @property
+    @cached_property
     def coarsest(self) -> float:
         """The largest element size (mm)."""
         widths = [np.ptp(profile.domain) for _, profile, _ in touching(self.contact)]
@@ -264,7 +265,7 @@ class Plan:
                 ]
         return replace(first, also=tuple(others))
 
-    @property
+    @cached_property
     def unknowns(self) -> int:
         """Predicted from the element density."""
         cell = self.scene.mesh.cell

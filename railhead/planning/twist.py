@@ -2,13 +2,16 @@
 
 A wheel that only moves down presses along the contact normal. The moment of that force about the
 centre of twist turns the head; where the radii of both bodies change, another place is another
-patch. The compliance was measured with finite elements: 54E1 and 60E1, a metre long, foot held.
+patch. The compliance was measured with finite elements: 54E1 and 60E1, a metre long, foot held
+(`railhead study calibrate`).
 """
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
+from pathlib import Path
 
 from railhead.geometry.solid import Contact
 from railhead.meshing import profiles
@@ -16,9 +19,10 @@ from railhead.meshing.placement import PlacementError
 from railhead.planning import developed, exact
 from railhead.theory.hertz import Ellipse
 
-COMPLIANCE = {"54E1": 2.9e-4, "60E1": 2.6e-4}  # twist times E over the moment, 1/mm3
+MEASURED = json.loads((Path(__file__).parent / "data" / "twist.json").read_text(encoding="utf-8"))
+COMPLIANCE: dict[str, float] = MEASURED["compliance"]  # twist times E over the moment, 1/mm3
+CENTRE: float = MEASURED["centre_mm"]  # below the crown, that the head turns about (67 to 76)
 CELLS = 64
-CENTRE = 70.0  # mm below the crown the head turns about (67 to 76 measured)
 
 
 def lever(contact: Contact) -> float:

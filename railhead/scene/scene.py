@@ -1,6 +1,6 @@
 """The scene: everything a person may say about a wheel on a rail, checked once, then frozen.
 
-A `Scene` is built in Python, from a mapping, or from a TOML file (`railhead.scene_io`). Lengths are
+A `Scene` is built in Python, from a mapping, or from a TOML file (`railhead.scene.io`). Lengths are
 in mm, forces in N, stresses in MPa; wherever a number is expected, a string with a unit is read as
 well. Every way of building one raises `SceneError`, whose text is one line.
 """
@@ -223,3 +223,10 @@ class Scene(Section):
             bare = self.from_mapping(unused.without(data, unused.HALF_SPACE - given.keys()))
             data = unused.without(data, unused.UNUSED[bare._half_space][1] - given.keys())
         return self.from_mapping(data)
+
+
+def checked(scene: object) -> Scene:
+    """The scene; SceneError for anything else."""
+    if not isinstance(scene, Scene):
+        raise SceneError("scene", f"{show(scene)} is no Scene; give one, e.g. railhead.find(name)")
+    return scene

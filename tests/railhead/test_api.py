@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import railhead
+import railhead as rh
 from railhead.theory.hertz import point_contact
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -75,13 +76,21 @@ def test_the_package_says_its_own_version() -> None:
     assert metadata.version("railhead") == railhead.__version__
 
 
-def test_importing_changes_nothing() -> None:
+def test_importing_and_planning_change_nothing() -> None:
+    """Neither do the libraries below: PETSc catches signals, and ffcx logs, if they may. (MPI does
+    catch crashes.)"""
     code = """
-import logging, os, signal, sys
-before = dict(os.environ), logging.root.manager.disable, signal.getsignal(signal.SIGTERM)
+import logging, os, pathlib, signal, sys
+def host():
+    status = pathlib.Path("/proc/self/status").read_text().splitlines()
+    masks = [int(line.split()[1], 16) for line in status if line.startswith(("SigCgt", "SigIgn"))]
+    ends = signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGPIPE, signal.SIGTERM
+    caught = [mask >> (number - 1) & 1 for mask in masks for number in ends]
+    return dict(os.environ), logging.root.manager.disable, logging.root.handlers[:], caught
+before = host()
 import railhead
-railhead.Scene, railhead.solve
-after = dict(os.environ), logging.root.manager.disable, signal.getsignal(signal.SIGTERM)
+railhead.plan(railhead.find("s1002_60e1"))
+after = host()
 print(before == after)
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -92,3 +101,16 @@ def test_importing_is_light() -> None:
     code = "import railhead, sys; print({'numpy', 'pydantic', 'dolfinx'} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "set()\n"
+
+
+@pytest.mark.parametrize("scene", ["hertz_ellipse", None, {"load": 1e4}])
+def test_what_is_no_scene_is_one_line(scene: object) -> None:
+    for call in (rh.plan, rh.solve, lambda each: rh.sweep(each, load=["1 kN"])):
+        with pytest.raises(rh.SceneError, match="scene: .* is no Scene; give one"):
+            call(scene)
+
+
+@pytest.mark.parametrize("values", ["3 kN", 3000])
+def test_a_sweep_over_one_value_is_one_line(values: object) -> None:
+    with pytest.raises(rh.SceneError, match="load: .* is not a list of values"):
+        rh.sweep(rh.find("sphere_on_plane"), load=values)

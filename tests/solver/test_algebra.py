@@ -1,5 +1,7 @@
 """Constraints, transfer, tangent, energy, preconditioners: the algebra of the contact problem."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -18,8 +20,6 @@ def models(two_blocks):
     made, setup = two_blocks()
 
     def build(law: Law = LAWS[0], **changes: object) -> ContactModel:
-        from dataclasses import replace
-
         return ContactModel(
             made.mesh, made.cell_tags, made.facet_tags, replace(setup, law=law, **changes)
         )
@@ -234,3 +234,28 @@ def test_a_preconditioner_that_is_not_definite_is_no_reason_to_stall(models) -> 
     product = rhs.duplicate()
     problem.tangent(active).mult(out, product)
     assert (product - rhs).norm() < 1e-7 * rhs.norm()
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda setup: {"law": Law("nitche")}, "method 'nitche' is unknown"),
+        (lambda setup: {"law": Law(theta=2)}, "theta 2 is not allowed"),
+        (lambda setup: {"law": Law(gamma_factor=0.0)}, "gamma_factor 0.0 is not allowed"),
+        (lambda setup: {"linear": "foo"}, "linear 'foo' is unknown"),
+        (lambda setup: {"slave": 7}, "slave 7 is no body that deforms"),
+        (lambda setup: {"moving": replace(setup.moving, support=97)}, "no support facet carries"),
+        (lambda setup: {"moving": replace(setup.moving, contact=98)}, "no contact facet carries"),
+        (lambda setup: {"fixed": replace(setup.fixed, tag=9), "slave": 9}, "no cell carries"),
+    ],
+)
+def test_a_setup_that_does_not_fit_its_mesh_is_refused(two_blocks, make, said) -> None:
+    made, setup = two_blocks()
+    with pytest.raises(ValueError, match=said):
+        ContactModel(made.mesh, made.cell_tags, made.facet_tags, replace(setup, **make(setup)))
+
+
+def test_what_is_not_controlled_cannot_be_given(models) -> None:
+    with pytest.raises(ValueError, match="approach is unknown under load control"):
+        model = models()
+        model.solve(approach=0.01, active=np.zeros(len(model.interface.points), dtype=bool))

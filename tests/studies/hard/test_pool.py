@@ -1,7 +1,10 @@
 """Jobs in processes: lost ones end alone."""
 
 import os
+import subprocess
+import sys
 import time
+from pathlib import Path
 
 from railhead.studies.pool import attempts
 
@@ -24,3 +27,27 @@ def test_lost_jobs_have_a_reason_and_the_others_their_result() -> None:
     assert found[1].fault == "ValueError: two lines" and "Traceback" in found[1].trace
     assert found[2].fault == "the process crashed"
     assert found[4].fault == "not back after 2 s" and found[4].seconds < 10
+
+
+def mark(file: str) -> None:
+    """Say who works, and go on for long."""
+    Path(file).write_text(str(os.getpid()))
+    time.sleep(60)
+
+
+def test_jobs_end_with_the_process_that_asked_for_them(tmp_path: Path) -> None:
+    file = tmp_path / "pid"
+    script = "import sys; sys.path.insert(0, sys.argv[1])\nimport test_pool\n"
+    script += "from railhead.studies.pool import attempts\n"
+    script += "if __name__ == '__main__': list(attempts(test_pool.mark, [(sys.argv[2],)]))"
+    (tmp_path / "ask.py").write_text(script)
+    here = str(Path(__file__).parent)
+    asking = subprocess.Popen([sys.executable, str(tmp_path / "ask.py"), here, str(file)])
+    while not (file.exists() and file.read_text()):
+        assert asking.poll() is None
+        time.sleep(0.1)
+    asking.kill()
+    asking.wait()
+    time.sleep(1.0)
+    state = Path("/proc") / file.read_text() / "stat"
+    assert not state.exists() or state.read_text().split()[2] == "Z"

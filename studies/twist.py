@@ -1,0 +1,76 @@
+"""How far a load beside the web twists a rail: what `planning/data/twist.json` holds.
+
+The head of a metre of rail on a held foot is solved under a wheel at some inclinations. The
+rotation of its flanks at the wheel is C M / E, M the moment of the contact force about the centre
+that they turn about (see `railhead.planning.twist`).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from railhead import catalogue
+from railhead.level import Level
+from railhead.planning import plan as planning
+
+PROFILES = ("54E1", "60E1")
+SLOPES = ("0", "1:40", "1:10")  # off the tread's 1:20, where the force goes through the web
+FLANK: dict[str, Any] = {
+    "x": 25.0,
+    "y": 20.0,
+    "z": (-35.0, -15.0),
+}  # mm: nodes of the head beside the wheel
+
+
+def measure_twist() -> dict[str, Any]:
+    """{"centre_mm": below the crown, "compliance": {profile: C, 1/mm3}}, two digits each."""
+    levels = {profile: [solved(profile, slope) for slope in SLOPES] for profile in PROFILES}
+    turns = {profile: [turn(level) for level in each] for profile, each in levels.items()}
+    centre = two_digits(float(np.mean([depth for each in turns.values() for _, depth in each])))
+    compliance = {}
+    for profile, each in levels.items():
+        found = []
+        for level, (angle, _) in zip(each, turns[profile], strict=True):
+            touch, rail = level.plan.contact.touch, level.plan.scene.rail
+            arm = touch.y + (touch.z + centre) * touch.slope - centre * rail.inclination
+            found.append(-angle * rail.young_modulus / (level.solution.load * arm))
+        compliance[profile] = two_digits(float(np.mean(found)))
+    return {"centre_mm": centre, "compliance": compliance}
+
+
+def solved(profile: str, inclination: str) -> Level:
+    """A whole rail under half an axle."""
+    from mpi4py import MPI
+
+    from railhead.level import solve_level
+    from railhead.progress import Progress
+
+    scene = catalogue.find("uic54_22t5_axle").replace(
+        [f"rail.profile={profile}", f"rail.inclination={inclination}", "mesh.patch_size=5",
+         "effects.rail_section=on"]
+    )  # fmt: skip
+    return solve_level(planning.make(scene), None, Progress(quiet=True), MPI.COMM_WORLD)
+
+
+def turn(level: Level) -> tuple[float, float]:
+    """Rotation of the head at the wheel, rad, and depth of the point below the crown that it turns
+    about, mm: u_y = c - angle z and u_z = d + angle y, fitted to its flanks."""
+    assert level.fields is not None
+    points, moved = level.fields.points, level.fields.displacement
+    x, y, z = points.T
+    low, high = FLANK["z"]
+    flank = (np.abs(x) < FLANK["x"]) & (np.abs(y) > FLANK["y"]) & (z > low) & (z < high)
+    y, z, (_, across, up) = y[flank], z[flank], moved[flank].T
+    one, none = np.ones_like(y), np.zeros_like(y)
+    table = np.block([[one[:, None], none[:, None], -z[:, None]],
+                      [none[:, None], one[:, None], y[:, None]]])  # fmt: skip
+    aside, _, angle = np.linalg.lstsq(table, np.concatenate([across, up]), rcond=None)[0]
+    return float(angle), float(-aside / angle)
+
+
+def two_digits(value: float) -> float:
+    """Rounded to what the fit is worth."""
+    return round(value, 1 - math.floor(math.log10(abs(value))))
