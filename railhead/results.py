@@ -133,7 +133,7 @@ def _exchange(one: Path, other: Path) -> None:
 
 def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
     """Write summary, scene, VTU files and pictures; returns the file names."""
-    from railhead.postprocess import export, gallery
+    from railhead.postprocess import export, gallery, plastic_plots
     from railhead.postprocess.stress import nodal
 
     with replacing(folder) as work:
@@ -153,6 +153,13 @@ def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
             grid = export.volume_grid(left.residual, nodal(left.residual))
             export.write(grid, work / "residual.vtu")
             export.series(["solution.vtu", "residual.vtu"], work / "solution.pvd")
+            elastic = result.level.elastic
+            if pictures and result.findings and elastic is not None and elastic.findings:
+                exact = result.ellipse if len(result.findings.patch.each) < 2 else None
+                plastic_plots.draw(
+                    result.level.fields, left.residual, result.findings, elastic.findings, exact,
+                    work / "plastic.png",
+                )  # fmt: skip
         (work / "scene.toml").write_text(to_toml(result.plan.scene), encoding="utf-8")
         (work / SUMMARY).write_text(as_json(result), encoding="utf-8")
         return sorted(path.name for path in work.iterdir())

@@ -152,6 +152,14 @@ def test_the_files_show_the_load_and_what_it_leaves(five: rh.Result, tmp_path) -
     assert left.point_data["von_mises"].max() < 0.5 * loaded.point_data["von_mises"].max()
 
 
+def test_the_picture_of_yield_is_drawn_beside_the_others(five: rh.Result, tmp_path) -> None:
+    import matplotlib.image
+
+    five.save(tmp_path / "out")
+    picture = matplotlib.image.imread(tmp_path / "out" / "plastic.png")
+    assert picture.shape[0] > 1000 and picture[..., :3].std() > 0.05
+
+
 @pytest.fixture(scope="module")
 def solid() -> tuple[planning.Plan, YieldingModel, Yielded]:
     """The coarse solid of the same scene."""
