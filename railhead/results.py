@@ -153,13 +153,12 @@ def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
             grid = export.volume_grid(left.residual, nodal(left.residual))
             export.write(grid, work / "residual.vtu")
             export.series(["solution.vtu", "residual.vtu"], work / "solution.pvd")
-            elastic = result.level.elastic
-            if pictures and result.findings and elastic is not None and elastic.findings:
-                exact = result.ellipse if len(result.findings.patch.each) < 2 else None
+            elastic, fields, found = result.level.elastic, result.fields, result.findings
+            if pictures and fields and found and elastic is not None and elastic.findings:
+                exact = result.ellipse if len(found.patch.each) < 2 else None
                 plastic_plots.draw(
-                    result.level.fields, left.residual, result.findings, elastic.findings, exact,
-                    work / "plastic.png",
-                )  # fmt: skip
+                    fields, left.residual, found, elastic.findings, exact, work / "plastic.png"
+                )
         (work / "scene.toml").write_text(to_toml(result.plan.scene), encoding="utf-8")
         (work / SUMMARY).write_text(as_json(result), encoding="utf-8")
         return sorted(path.name for path in work.iterdir())
