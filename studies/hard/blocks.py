@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -89,15 +89,15 @@ def two_blocks(
     ]
     made = mesh.generate(bodies, grading, Options(cell, 1, True), MPI.COMM_WORLD)
     planes = ((SYMMETRY_X, (1.0, 0.0, 0.0)), (SYMMETRY_Y, (0.0, 1.0, 0.0)))
-    setup = Setup(
-        fixed=side(RAIL, materials[0]),
-        moving=side(WHEEL, materials[1]),
-        slave=RAIL,
-        gap=GAP,
-        degree=2,
-        planes=planes if half else planes[:1],
-    )
-    return made, replace(setup, **changes)
+    usual = {
+        "fixed": side(RAIL, materials[0]),
+        "moving": side(WHEEL, materials[1]),
+        "slave": RAIL,
+        "gap": GAP,
+        "degree": 2,
+        "planes": planes if half else planes[:1],
+    }
+    return made, Setup(**{**usual, **changes})
 
 
 def squash(made: mesh.ContactMesh, body: Side, quality: float, count: int) -> int:
