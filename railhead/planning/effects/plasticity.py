@@ -36,6 +36,8 @@ def decide(context: Context) -> Effect:
         for name, part in _yielding(context).items()
     }
     yields, why = _compare(scene, stresses) if stresses else (False, _would_yield(context))
+    if yields:
+        why += f", {_over(context, stresses):.3g} times the load of first yield"
     refused = {} if stresses else {"on": "no body that deforms has a yield stress"}
     return Effect(yields, yields, why, refused)
 
@@ -102,6 +104,14 @@ def _yielding(context: Context) -> dict[str, Part]:
         for name, part in (("rail", scene.rail), ("wheel", scene.wheel))
         if part.yields and context.decided[f"deformable_{name}"].on
     }
+
+
+def _over(context: Context, stresses: dict[str, float]) -> float:
+    """Load over that of first yield: Hertz's stresses grow as its cube root, of a line contact as
+    its square root."""
+    parts = {"rail": context.scene.rail, "wheel": context.scene.wheel}
+    worst = max(stresses[name] / hardening(parts[name]).first for name in stresses)
+    return float(worst ** (2 if context.contact.plane else 3))
 
 
 def _would_yield(context: Context) -> str:
