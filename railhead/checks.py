@@ -214,7 +214,7 @@ def _shape(level: Level, estimates: Mapping[str, Estimate]) -> list[Check]:
     mean = normal / result["patch"]["area_mm2"]
     peak = (4 / math.pi if line else 1.5) * mean
     names = ("max_MPa", "area_mm2")
-    room = sum(MISS * estimates[name].total if name in estimates else ROUGH for name in names)
+    room = sum(_room(estimates, name) for name in names)
     return [
         Check(
             "pressure_over_mean", _off(result["pressure"]["max_MPa"], peak),
@@ -238,7 +238,7 @@ def _opinion(
             continue
         if second["allowance"] and name not in second["allowance"]:
             continue  # it leaves out what nobody has computed
-        mine = MISS * estimates[name].total if name in estimates else ROUGH
+        mine = _room(estimates, name)
         allowance = second["allowance"].get(name, {}).get("total", 0.0)
         allowance += second.get("grid_error", {}).get(name, 0.0)
         checks.append(
@@ -252,6 +252,11 @@ def _opinion(
             )  # fmt: skip
         )
     return checks
+
+
+def _room(estimates: Mapping[str, Estimate], name: str) -> float:
+    """What a signed number may be off by, relative."""
+    return MISS * estimates[name].total if name in estimates else ROUGH
 
 
 def _off(value: float, target: float) -> float:

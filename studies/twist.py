@@ -15,6 +15,7 @@ import numpy as np
 from railhead import catalogue
 from railhead.level import Level
 from railhead.planning import plan as planning
+from railhead.planning.twist import lever
 
 PROFILES = ("54E1", "60E1")
 SLOPES = ("0", "1:40", "1:10")  # off the tread's 1:20, where the force goes through the web
@@ -34,9 +35,8 @@ def measure_twist() -> dict[str, Any]:
     for profile, each in levels.items():
         found = []
         for level, (angle, _) in zip(each, turns[profile], strict=True):
-            touch, rail = level.plan.contact.touch, level.plan.scene.rail
-            arm = touch.y + (touch.z + centre) * touch.slope - centre * rail.inclination
-            found.append(-angle * rail.young_modulus / (level.solution.load * arm))
+            moment = -level.solution.load * lever(level.plan.contact, centre)
+            found.append(angle * level.plan.scene.rail.young_modulus / moment)
         compliance[profile] = two_digits(float(np.mean(found)))
     return {"centre_mm": centre, "compliance": compliance}
 
@@ -50,7 +50,7 @@ def solved(profile: str, inclination: str) -> Level:
 
     scene = catalogue.find("uic54_22t5_axle").replace(
         [f"rail.profile={profile}", f"rail.inclination={inclination}", "mesh.patch_size=5",
-         "effects.rail_section=on"]
+         "effects.rail_section=on", "effects.plasticity=off"]
     )  # fmt: skip
     return solve_level(planning.make(scene), None, Progress(quiet=True), MPI.COMM_WORLD)
 

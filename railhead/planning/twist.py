@@ -25,10 +25,11 @@ CENTRE: float = MEASURED["centre_mm"]  # below the crown, that the head turns ab
 CELLS = 64
 
 
-def lever(contact: Contact) -> float:
-    """Distance of the contact normal from the centre of twist, mm; positive on the field side."""
+def lever(contact: Contact, centre: float = CENTRE) -> float:
+    """Distance of the contact normal from the centre of twist (mm below the crown), mm; positive on
+    the field side."""
     touch, inclination = contact.touch, contact.scene.rail.inclination
-    return touch.y + (touch.z + CENTRE) * touch.slope - CENTRE * inclination
+    return touch.y + (touch.z + centre) * touch.slope - centre * inclination
 
 
 def twist(contact: Contact, ellipse: Ellipse) -> float:

@@ -9,12 +9,12 @@ from dolfinx import mesh as dmesh
 from mpi4py import MPI
 from scipy.spatial import cKDTree
 
-from railhead import catalogue, level
+from railhead import catalogue
 from railhead.meshing.mesh import ContactMesh
 from railhead.meshing.tags import CONTACT, SUPPORT
 from railhead.planning import plan, twist
-from railhead.progress import Progress
 from railhead.solver import compat
+from railhead.studies import twist as measured
 from railhead.studies.effects import bare_contact
 
 
@@ -85,19 +85,8 @@ def test_effects_that_are_only_recognised_change_nothing(case: str) -> None:
 
 @pytest.mark.parametrize("profile, inclination", [("54E1", "0"), ("60E1", "1:40")])
 def test_a_whole_rail_twists_as_the_plan_expects(profile: str, inclination: str) -> None:
-    """Head at the wheel: u_y = c - angle z and u_z = d + angle y, fitted to its flanks."""
-    scene = catalogue.find("uic54_22t5_axle").replace(
-        [f"rail.profile={profile}", f"rail.inclination={inclination}", "mesh.patch_size=5",
-         "effects.rail_section=on", "effects.plasticity=off"]
-    )  # fmt: skip
-    planned = plan.make(scene)
-    solved = level.solve_level(planned, None, Progress(quiet=True), MPI.COMM_WORLD)
-    points, moved = solved.fields.points, solved.fields.displacement
-    x, y, z = points.T
-    flank = (np.abs(x) < 25) & (np.abs(y) > 20) & (z < -15) & (z > -35)
-    y, z, (_, across, up) = y[flank], z[flank], moved[flank].T
-    one, none = np.ones_like(y), np.zeros_like(y)
-    table = np.block([[one[:, None], none[:, None], -z[:, None]],
-                      [none[:, None], one[:, None], y[:, None]]])  # fmt: skip
-    angle = np.linalg.lstsq(table, np.concatenate([across, up]), rcond=None)[0][2]
+    """Head at the wheel, of a mesh as `railhead study calibrate` measures it on."""
+    solved = measured.solved(profile, inclination)
+    angle, _ = measured.turn(solved)
+    planned = solved.plan
     assert twist.twist(planned.contact, planned.estimate) == pytest.approx(angle, rel=0.1)

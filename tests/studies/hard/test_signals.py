@@ -85,6 +85,7 @@ def test_a_library_that_keeps_the_lock_is_killed_and_leaves_nothing(number, tmp_
     running = start(tmp_path, DEAF, "study", "long", "--out")
     assert running.stderr is not None and running.stderr.readline() == "begun\n"
     assert os.listdir(tmp_path) != []
+    time.sleep(0.5)  # until it is in the call
     seconds, errors = ended(running, number)
     assert seconds < 6 and errors == ""
     assert running.returncode == -signal.SIGKILL
