@@ -192,7 +192,6 @@ def test_speed_is_measured_once_and_kept(tmp_path, monkeypatch) -> None:
     assert not machine.known() and machine.speed() == 1.0
     factor = refine.measure_speed()
     assert machine.known() and machine.speed() == factor
-    assert 0.05 < factor < 20
     machine.cache_file().write_text("broken")
     assert machine.speed() == 1.0
 
