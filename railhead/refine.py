@@ -123,7 +123,7 @@ def _next(levels: list[Level], worst: float, wanted: float) -> tuple[float, bool
         if asked is not None and level.plan.scene.budget is None:
             wanted = known.finest(_asked(level.plan))
         wanted = max(wanted, 1.25 * n)
-    return wanted, known.covers(wanted)
+    return wanted, known.covers(wanted, [each.resolution for each in levels])
 
 
 def _check_memory(plan: Plan, free: int) -> None:
