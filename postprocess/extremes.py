@@ -9,8 +9,7 @@ import numpy as np
 
 from railhead.postprocess.findings import Array, DepthAxis, Frame, Largest, Peak
 from railhead.theory import contacts, thesis
-from railhead.theory.hertz import Ellipse
-from railhead.theory.line import LineContact
+from railhead.theory.contacts import Hertz
 
 NAMES = {"tau": "tau_max", "von_mises": "von_mises_max"}
 
@@ -55,9 +54,7 @@ def at_edges(bodies: Mapping[str, Largest]) -> list[dict[str, Any]]:
     ]
 
 
-def exact(
-    contact: Ellipse | LineContact, poisson: Mapping[str, float], frame: Frame
-) -> dict[str, Any]:
+def exact(contact: Hertz, poisson: Mapping[str, float], frame: Frame) -> dict[str, Any]:
     """Below a Hertz contact; poisson: by body, the one whose axis is shown first.
 
     The largest stresses of a body lie on its axis: for no axis ratio from 1 to 1/30 or of a strip,
@@ -69,7 +66,7 @@ def exact(
     return quantities(bodies, _below(shown, bodies[shown]), surface)
 
 
-def _exact(contact: Ellipse | LineContact, body: str, poisson: float, frame: Frame) -> Largest:
+def _exact(contact: Hertz, body: str, poisson: float, frame: Frame) -> Largest:
     found = contacts.axis_extrema(contact, poisson)
     tau, mises = (
         Peak(value, depth, frame.below(0.0, 0.0, body, depth))

@@ -8,6 +8,7 @@ from railhead.postprocess import export, plots, render, section_plots, stress
 from railhead.postprocess.findings import Findings
 from railhead.solver.gather import Fields
 from railhead.theory import thesis
+from railhead.theory.contacts import Hertz
 from railhead.theory.hertz import Ellipse
 from railhead.theory.line import LineContact
 
@@ -15,7 +16,7 @@ from railhead.theory.line import LineContact
 def draw(
     fields: Fields,
     found: Findings,
-    ellipse: Ellipse | LineContact,
+    ellipse: Hertz,
     poisson: float,
     folder: Path,
     *,

@@ -17,8 +17,8 @@ import numpy as np
 from railhead.postprocess.findings import Array, AxisPressure, DepthAxis, Findings
 from railhead.postprocess.mirror import whole
 from railhead.theory import contacts
+from railhead.theory.contacts import Hertz
 from railhead.theory.hertz import Ellipse
-from railhead.theory.line import LineContact
 from railhead.theory.subsurface import max_shear, principal
 from railhead.theory.thesis import thesis_axis_stress
 
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 FE, HERTZ, THESIS = "#1f4e79", "#c8502d", "#7a7a7a"
 BANDS = 10
 OFF_CUT = 0.2  # of its depth: from there on a point is said to lie off the cut
-Hertz = Ellipse | LineContact
 STYLE = {
     "font.size": 11,
     "axes.grid": True,

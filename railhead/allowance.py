@@ -25,7 +25,6 @@ from railhead.planning.plan import Plan
 from railhead.theory import finite_bodies
 from railhead.theory.boundary_element import Solution
 from railhead.theory.half_space_patch import PatchSolution
-from railhead.theory.hertz import Ellipse
 
 Array = NDArray[np.float64]
 LEAST = 0.002  # of the force: smaller patches are left out
@@ -136,7 +135,6 @@ def _shares(patches: list[PatchSolution], around: list[_Body]) -> Array:
 
 
 def _twist(plan: Plan, angle: float, aside: float) -> float:
-    contact, ellipse = plan.contact, plan.estimate
-    if contact.mirror_across is None or not isinstance(ellipse, Ellipse):
+    if plan.contact.mirror_across is None:
         return 0.0
-    return twist.change(contact, ellipse, angle, aside)
+    return twist.change(plan.contact, plan.context.boundary_elements, angle, aside)

@@ -1,14 +1,15 @@
-"""What a script calls: find a shipped scene, plan it, solve it."""
+"""What a script calls, and the command too: find a shipped scene, plan it, solve it."""
 
 from __future__ import annotations
 
-import io
 from dataclasses import dataclass
+from typing import Any
 
 from rich.console import Console
 
-from railhead import refine
+from railhead import refine, screen
 from railhead.catalogue import find
+from railhead.planning import machine
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
 from railhead.progress import Progress
@@ -16,7 +17,6 @@ from railhead.result import Result
 from railhead.scene.scene import Scene, checked
 
 __all__ = ["Planned", "Result", "find", "plan", "solve"]
-WIDTH = 120  # characters of a printed plan
 
 
 @dataclass(frozen=True)
@@ -26,31 +26,58 @@ class Planned:
     plan: Plan
 
     def __str__(self) -> str:
-        console = Console(file=io.StringIO(), width=WIDTH, record=True)
-        self._show(console)
-        return console.export_text()
+        return screen.text(self.show)
 
     def _repr_html_(self) -> str:
-        console = Console(file=io.StringIO(), width=WIDTH, record=True)
-        self._show(console)
-        return console.export_html(inline_styles=True)
+        return screen.html(self.show)
 
-    def _show(self, console: Console) -> None:
+    def as_dict(self) -> dict[str, Any]:
+        """ "plan" of summary.json."""
+        return self.plan.summary()
+
+    def show(self, console: Console) -> None:
+        """Print the table."""
         from railhead import report
 
         report.show_plan(self.plan, console)
 
 
-def plan(scene: Scene) -> Planned:
-    """What would be simulated and what it costs; solves nothing. Raises SceneError."""
-    return Planned(planning.make(checked(scene)))
+def plan(
+    scene: Scene,
+    *,
+    accuracy: str | float | None = None,
+    budget: str | float | None = None,
+    quiet: bool = False,
+) -> Planned:
+    """What would be simulated and what it costs; solves nothing of it.
+
+    accuracy, budget: as for `solve`. The first plan on a machine solves a small case, to measure
+    its speed, and says so on standard error unless quiet. Raises SceneError.
+    """
+    decided = planning.make(_asked(scene, accuracy, budget))
+    if not machine.known():
+        with Progress(quiet=quiet or refine.MPI.COMM_WORLD.rank > 0) as progress:
+            progress.stage("measuring this machine's speed, once")
+            refine.measure_speed()
+    return Planned(decided)
 
 
-def solve(scene: Scene, *, accuracy: str | float | None = None, quiet: bool = False) -> Result:
-    """Solve a scene; accuracy: asked relative error, e.g. "1%". What it does goes to standard error
-    unless quiet. Raises SceneError for a scene that makes no contact problem, MeshError."""
-    scene = checked(scene)
-    if accuracy is not None:
-        scene = scene.replace(accuracy=accuracy)
-    with Progress(quiet=quiet) as progress:
+def solve(
+    scene: Scene,
+    *,
+    accuracy: str | float | None = None,
+    budget: str | float | None = None,
+    quiet: bool = False,
+) -> Result:
+    """Solve a scene. accuracy: asked relative error, e.g. "1%"; budget: best accuracy for that
+    time, e.g. "30 s". What it does goes to standard error (of rank 0) unless quiet. Raises
+    SceneError for a scene that makes no contact problem, MeshError."""
+    scene = _asked(scene, accuracy, budget)
+    with Progress(quiet=quiet or refine.MPI.COMM_WORLD.rank > 0) as progress:
         return refine.run(scene, progress)
+
+
+def _asked(scene: Scene, accuracy: str | float | None, budget: str | float | None) -> Scene:
+    asked = {"accuracy": accuracy, "budget": budget}
+    given = {key: value for key, value in asked.items() if value is not None}
+    return checked(scene).replace(**given) if given else checked(scene)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import sys
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -53,19 +54,10 @@ def plan(
     accuracy: str | None,
 ) -> None:
     """Say what would be simulated and what it costs; solve nothing."""
-    from railhead import report
-    from railhead.planning import machine
-    from railhead.planning import plan as planning
+    from railhead import api, screen
 
-    assignments = [*assignments, *_switches(switched_on, switched_off)]
-    scene = _scene(catalogue.find(case), assignments, accuracy)
-    decided = planning.make(scene)
-    if not machine.known():
-        from railhead import refine
-
-        click.echo("measuring this machine's speed, once", err=True)
-        refine.measure_speed()
-    report.show_plan(decided, _console())
+    scene = _scene(case, assignments, switched_on, switched_off)
+    api.plan(scene, accuracy=accuracy).show(screen.standard())
 
 
 @railhead.command()
@@ -92,9 +84,38 @@ def run(
     as_json: bool,
 ) -> int:
     """Solve a case (its name, or a TOML file) and compare it with exact Hertz."""
-    assignments = [*assignments, *_switches(switched_on, switched_off)]
-    scene = _scene(catalogue.find(case), assignments, accuracy, budget)
-    return _run(scene, out, pictures=not no_pictures, quiet=quiet or as_json, as_json=as_json)
+    from railhead import results
+
+    scene = _scene(case, assignments, switched_on, switched_off)
+    folder = out if out is not None else Path("results") / scene.name
+    results.check_folder(folder)
+
+    from railhead import api, report, screen
+    from railhead.progress import Progress
+
+    quiet = quiet or as_json
+    start = time.perf_counter()
+    result = api.solve(scene, accuracy=accuracy, budget=budget, quiet=quiet)
+    first, problem = result.mesh.comm.rank == 0, None
+    with Progress(quiet=quiet or not first, since=start) as progress:
+        progress.stage("writing files" + ("" if no_pictures else " and pictures"))
+        try:
+            result.save(folder, pictures=not no_pictures)
+            signal.signal(signal.SIGTERM, signal.SIG_IGN)  # too late: the result is there
+        except OSError as error:
+            problem = error
+    if first:
+        if not result.passed:
+            report.show_failure(result.summary, Console(stderr=True))
+        if as_json:
+            click.echo(results.as_json(result), nl=False)
+        elif not quiet:
+            result.show(screen.standard())
+        if problem is not None:
+            _not_written(problem)
+        elif not quiet:
+            click.echo(f"written to {folder}/")
+    return SOLVED if result.passed and problem is None else CHECK_FAILED
 
 
 @railhead.command()
@@ -116,7 +137,7 @@ def locate(
 ) -> None:
     """Find where both wheels of a wheelset touch their rails; solve nothing."""
     from railhead import locate as locating
-    from railhead import results
+    from railhead import results, screen
 
     options = {"wheelset.shift": shift, "wheelset.yaw": yaw}
     asked = [f"{key}={value}" for key, value in options.items() if value is not None]
@@ -129,7 +150,7 @@ def locate(
     if as_json:
         click.echo(locating.as_json(location), nl=False)
         return
-    locating.show(location, _console())
+    locating.show(location, screen.standard())
     if not no_pictures:
         click.echo(f"written to {folder}/")
 
@@ -153,60 +174,12 @@ def study(name: str | None, out: Path | None, quick: bool) -> None:
     click.echo(f"written to {folder}/")
 
 
-def _console() -> Console:
-    """Standard output; tables keep their width where there is no terminal."""
-    console = Console()
-    return console if console.is_terminal else Console(width=120)
-
-
-def _switches(on: Sequence[str], off: Sequence[str]) -> list[str]:
-    """Assignments for the effects named by --with and --without."""
+def _scene(case: str, assignments: Sequence[str], on: Sequence[str], off: Sequence[str]) -> Scene:
+    """A case with what --set, --with and --without say."""
     for name in set(on) & set(off):
         raise SceneError(f"effects.{name}", "given with --with and --without; give one of them")
-    return [f"effects.{name}=on" for name in on] + [f"effects.{name}=off" for name in off]
-
-
-def _scene(
-    scene: Scene, assignments: Sequence[str], accuracy: str | None, budget: str | None = None
-) -> Scene:
-    options = {"accuracy": accuracy, "budget": budget}
-    asked = [f"{key}={value}" for key, value in options.items() if value is not None]
-    return scene.replace([*assignments, *asked])
-
-
-def _run(scene: Scene, out: Path | None, *, pictures: bool, quiet: bool, as_json: bool) -> int:
-    from railhead import results
-
-    folder = out if out is not None else Path("results") / scene.name
-    results.check_folder(folder)
-
-    from railhead import refine, report
-    from railhead.progress import Progress
-
-    comm = refine.MPI.COMM_WORLD
-    rank, problem = comm.rank, None
-    with Progress(quiet=quiet or rank > 0) as progress:
-        result = refine.run(scene, progress)
-        if rank == 0:
-            progress.stage("writing files" + (" and pictures" if pictures else ""))
-            try:
-                results.write(result, folder, pictures=pictures)
-                signal.signal(signal.SIGTERM, signal.SIG_IGN)  # too late: the result is there
-            except OSError as error:
-                problem = error
-    passed, problem = comm.bcast((result.passed, problem))
-    if rank == 0:
-        if not passed:
-            report.show_failure(result.summary, Console(stderr=True))
-        if as_json:
-            click.echo(results.as_json(result), nl=False)
-        elif not quiet:
-            report.show_result(result.summary, _console())
-        if problem is not None:
-            _not_written(problem)
-        elif not (quiet or as_json):
-            click.echo(f"written to {folder}/")
-    return SOLVED if passed and problem is None else CHECK_FAILED
+    switches = [f"effects.{name}=on" for name in on] + [f"effects.{name}=off" for name in off]
+    return catalogue.find(case).replace([*assignments, *switches])
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

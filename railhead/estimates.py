@@ -154,14 +154,16 @@ def mesh_parts(
     """Mesh part by quantity and its source, from (n, values, their readings' parts) of each mesh,
     the finest last; scale: see `scales`.
 
-    Two meshes confirm a law where they differ by no more than both estimates allow. Where they
+    Two meshes confirm a law where they differ by no more than both estimates allow; what is
+    confirmed may be used on a mesh that is finer by STEP than both. Where they
     do not, or no law covers the run, SPREAD times the larger change between the last three meshes
     is taken, the earlier change counted as one step older; with fewer there is no estimate.
     """
     (n, fine, own), *before = reversed(levels)
     parts: dict[str, float] = {}
     denied = 0
-    if known is not None and known.covers(n):
+    coarser = [m for m, *_ in before]
+    if known is not None and known.covers(n, coarser):
         for name in known.laws:
             if name not in fine:
                 continue
@@ -172,7 +174,7 @@ def mesh_parts(
                 + read
                 + readings.get(name, 0.0)
                 for m, values, readings in before
-                if known.covers(m) and m < n and name in values
+                if known.covers(m, coarser) and m < n and name in values
             ):
                 parts[name] = factor * known.mesh(name, n)
             else:

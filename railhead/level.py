@@ -30,8 +30,7 @@ from railhead.progress import Progress
 from railhead.solver.contact import ContactModel, Solution
 from railhead.solver.gather import Fields, gather
 from railhead.solver.yielding import Yielded
-from railhead.theory.hertz import Ellipse
-from railhead.theory.line import LineContact
+from railhead.theory.contacts import Hertz
 
 OUTGROWN = 1.25  # patch over the finely meshed ellipse, either way, that calls for a new mesh
 MAX_MESHES = 3
@@ -54,7 +53,7 @@ class Level:
     unknowns: int
     ranks: int
     solution: Solution
-    ellipse: Ellipse | LineContact
+    ellipse: Hertz
     fields: Fields | None
     findings: Findings | None
     result: dict[str, Any] | None

@@ -13,13 +13,15 @@ from railhead import process
 
 
 class Progress:
-    """Stage and Newton step on standard error. Use as a context manager."""
+    """Stage and Newton step on standard error. Use as a context manager. since: when what it tells
+    of began (time.perf_counter), now unless given."""
 
-    def __init__(self, *, quiet: bool) -> None:
+    def __init__(self, *, quiet: bool, since: float | None = None) -> None:
         self._console = Console(stderr=True, quiet=quiet, highlight=False)
         self._live = self._console.is_terminal and not quiet
         self._status = self._console.status("")
-        self._stage, self._start = "", time.perf_counter()
+        self._stage = ""
+        self._start = time.perf_counter() if since is None else since
         self._running = ExitStack()
 
     def __enter__(self) -> Self:

@@ -8,17 +8,19 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
+from railhead import screen
 from railhead.level import Level
+from railhead.scene.scene import SceneError
 from railhead.solver import compat
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from rich.console import Console
 
     from railhead.planning.plan import Plan
     from railhead.postprocess.findings import Findings
     from railhead.solver.gather import Fields
-    from railhead.theory.hertz import Ellipse
-    from railhead.theory.line import LineContact
+    from railhead.theory.contacts import Hertz
 
 UNITS = ("_mm2", "_mm", "_MPa", "_N")
 BOUNDS = {"area_mm2": "area", "max_MPa": "pressure_max"}
@@ -27,7 +29,7 @@ BOUNDS = {"area_mm2": "area", "max_MPa": "pressure_max"}
 @dataclass(frozen=True, repr=False)
 class Result:
     """What `solve` gives. Under MPI the numbers are the same on all ranks; fields and findings are
-    there on rank 0 only, which alone writes.
+    there on rank 0 only.
 
     `patch` (a, b along and across the rail, mm, and area, mm2), `pressure` (max, mean, MPa),
     `stress` (tau_max, von_mises_max, MPa, each with _depth mm, _body and _place mm),
@@ -47,6 +49,15 @@ class Result:
             f"<Result {self.summary['case']}: {self.load:.6g} N, {self.pressure.max:.5g} MPa on "
             f"{self.patch.area:.4g} mm2, {verdict}>"
         )
+
+    def _repr_html_(self) -> str:
+        return screen.html(self.show)
+
+    def show(self, console: Console) -> None:
+        """Print the table of `railhead run`."""
+        from railhead import report
+
+        report.show_result(self.summary, console)
 
     def as_dict(self) -> dict[str, Any]:
         """The content of summary.json."""
@@ -116,12 +127,20 @@ class Result:
         return compat.function(self.level.space, self.level.solution.displacement)
 
     def save(self, folder: str | Path, *, pictures: bool = True) -> None:
-        """Write what `railhead run` writes. Raises SceneError for a folder with other files."""
+        """Write what `railhead run` writes; under MPI to be called on all ranks. Raises SceneError
+        for a folder with other files, OSError where it cannot be written."""
         from railhead import results
 
-        if self.fields is not None:
-            results.check_folder(Path(folder))
-            results.write(self, Path(folder), pictures=pictures)
+        problem: SceneError | OSError | None = None
+        comm = self.mesh.comm
+        if comm.rank == 0:
+            try:
+                results.check_folder(Path(folder))
+                results.write(self, Path(folder), pictures=pictures)
+            except (SceneError, OSError) as error:
+                problem = error
+        if (problem := comm.bcast(problem)) is not None:
+            raise problem
 
     @property
     def plot(self) -> Plots:
@@ -134,7 +153,7 @@ class Result:
         return self.level.plan
 
     @property
-    def ellipse(self) -> Ellipse | LineContact:
+    def ellipse(self) -> Hertz:
         """Exact Hertz under the same load."""
         return self.level.ellipse
 
@@ -175,7 +194,7 @@ class Plots:
         return self.result.findings
 
     @property
-    def _hertz(self) -> Ellipse | LineContact | None:
+    def _hertz(self) -> Hertz | None:
         # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
         return self.result.ellipse if len(self._findings.patch.each) < 2 else None
 

@@ -11,7 +11,6 @@ from railhead.planning import developed
 from railhead.postprocess import compare
 from railhead.postprocess import motion as bodily
 from railhead.theory.boundary_element import Solution
-from railhead.theory.hertz import Ellipse
 
 CELLS = 128
 
@@ -21,7 +20,7 @@ def half_space(level: Level) -> dict[str, Any] | None:
     was found, or the reason why that is not known. None where exact Hertz is the answer of
     half-spaces (these, and line contacts) or nothing touches."""
     contact, ellipse, found = level.plan.contact, level.ellipse, level.findings
-    if contact.half_space or found is None or not isinstance(ellipse, Ellipse):
+    if contact.half_space or contact.line or found is None:
         return None
     try:
         solution = developed.solve(contact, ellipse, level.solution.load, CELLS)

@@ -19,7 +19,7 @@ from railhead.geometry.solid import Contact
 from railhead.meshing.surfaces import along
 from railhead.theory import boundary_element
 from railhead.theory.boundary_element import Solution, Window
-from railhead.theory.hertz import Ellipse
+from railhead.theory.contacts import Hertz
 
 Array = NDArray[np.float64]
 SAMPLES = 4001  # of either profile
@@ -27,6 +27,7 @@ START = 1.2  # times Hertz's approach: how far down patches are looked for at fi
 TOUCHING = 1e-3  # of the approach: what lies deeper in the other body was missed
 LOOKS = 5
 TOLERANCE = 1e-5
+CELLS = 64  # each way in a patch
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,7 @@ def develop(contact: Contact) -> Developed:
     return Developed(contact, s - s[np.searchsorted(y, contact.touch.y)], y)
 
 
-def solve(contact: Contact, ellipse: Ellipse, load: float | None, cells: int) -> Solution:
+def solve(contact: Contact, ellipse: Hertz, load: float | None, cells: int = CELLS) -> Solution:
     """All patches of a contact under a vertical load (N), or at the ellipse's approach.
 
     Where the solution leaves a point of the wheel's contact locus inside the rail, a patch was

@@ -11,8 +11,8 @@ from railhead.geometry.solid import Contact
 from railhead.meshing.tags import RAIL
 from railhead.scene.scene import NOMINAL_RADIUS, Scene, SceneError
 from railhead.theory import contacts, hertz
+from railhead.theory.contacts import Hertz
 from railhead.theory.hertz import Ellipse
-from railhead.theory.line import LineContact
 
 CONTINUUM = 1e-6  # mm: a nanometre, some atoms
 LARGEST = 1e6  # mm: a kilometre; no body is longer
@@ -33,7 +33,7 @@ def contact_modulus(scene: Scene) -> float:
     )
 
 
-def estimate(scene: Scene, contact: Contact, load: float | None = None) -> Ellipse | LineContact:
+def estimate(scene: Scene, contact: Contact, load: float | None = None) -> Hertz:
     """Exact Hertz for the pair under a load (N), by default that or the approach of the scene."""
     load = load if load is not None else scene.load
     if isinstance(contact, FlatContact) and contact.line:
@@ -53,7 +53,7 @@ def ellipse(scene: Scene, contact: Contact, load: float | None = None) -> Ellips
     )
 
 
-def finite(scene: Scene, contact: Contact) -> Ellipse | LineContact:
+def finite(scene: Scene, contact: Contact) -> Hertz:
     """The estimate; SceneError for a load or approach whose patch is larger than the wheel, or too
     small for continuum mechanics or for the coordinates of the bodies."""
     key, value = ("load", scene.load) if scene.load is not None else ("approach", scene.approach)
@@ -76,7 +76,7 @@ def finite(scene: Scene, contact: Contact) -> Ellipse | LineContact:
     )
 
 
-def _smallest(scene: Scene, contact: Contact, found: Ellipse | LineContact) -> float:
+def _smallest(scene: Scene, contact: Contact, found: Hertz) -> float:
     """Smallest half length (mm) that means something: CONTINUUM, and for real bodies that whose
     gap, minor^2 times the curvature, is ROUNDING times the rounding of the largest radius."""
     if contact.half_space:

@@ -18,15 +18,14 @@ from scipy.spatial import cKDTree
 from railhead.geometry.solid import Contact
 from railhead.planning import developed
 from railhead.planning.developed import Developed
+from railhead.planning.effects.base import Context
 from railhead.postprocess.findings import Frame
 from railhead.theory import contacts
+from railhead.theory.contacts import Hertz
 from railhead.theory.half_space_patch import PatchSolution
-from railhead.theory.hertz import Ellipse
-from railhead.theory.line import LineContact
 
 Array = NDArray[np.float64]
 PARABOLIC = 0.02  # largest deviation from Hertz's gap over his approach
-CELLS = 64
 MINOR = 0.02  # of the load: smaller patches are not refined for
 
 
@@ -88,14 +87,13 @@ class Forecast:
         return min(self.zones[0].a, self.zones[0].b)
 
 
-def forecast(contact: Contact, ellipse: Ellipse | LineContact, load: float | None) -> Forecast:
-    """load: vertical, N; None where ellipse.approach is given."""
-    if contact.plane or isinstance(ellipse, LineContact):
-        return _hertz(contact, ellipse)
-    if contact.half_space or _parabolic(contact, ellipse):
+def forecast(context: Context) -> Forecast:
+    """Of the patches of a scene."""
+    contact, ellipse = context.contact, context.hertz
+    if contact.plane or contact.half_space or _parabolic(contact, ellipse):
         return _hertz(contact, ellipse)
     try:
-        found = developed.solve(contact, ellipse, load, CELLS)
+        found = context.boundary_elements
     except ValueError as error:  # the finite elements will tell
         return replace(_hertz(contact, ellipse), reason=f"boundary elements: {error}")
     surface, points, forces = developed.develop(contact), [], []
@@ -117,7 +115,7 @@ def forecast(contact: Contact, ellipse: Ellipse | LineContact, load: float | Non
     )
 
 
-def _parabolic(contact: Contact, ellipse: Ellipse) -> bool:
+def _parabolic(contact: Contact, ellipse: Hertz) -> bool:
     """Whether the exact gap over the ellipse and a little beyond is Hertz's, and nothing else is
     within reach of the approach."""
     touch = contact.touch
@@ -127,11 +125,11 @@ def _parabolic(contact: Contact, ellipse: Ellipse) -> bool:
     u, v = (ellipse.a * radius * np.cos(turn)).ravel(), (ellipse.b * radius * np.sin(turn)).ravel()
     c, t = math.cos(touch.orientation), math.sin(touch.orientation)
     gap = contact.half_space_gap(touch)(c * u - t * v, t * u + c * v)
-    expected = (ellipse.curvature_x * u**2 + ellipse.curvature_y * v**2) / 2
+    expected = (touch.curvature_x * u**2 + touch.curvature_y * v**2) / 2
     return bool(np.abs(gap - expected).max() < PARABOLIC * ellipse.approach)
 
 
-def _hertz(contact: Contact, ellipse: Ellipse | LineContact) -> Forecast:
+def _hertz(contact: Contact, ellipse: Hertz) -> Forecast:
     """Of a line contact the zone is as wide as long: its section does not know the length."""
     touch, frame = contact.touch, Frame(contact.origin, contact.touch.angle)
     touching = InEllipse(frame, ellipse.a, ellipse.b, touch.orientation)

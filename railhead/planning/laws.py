@@ -102,10 +102,12 @@ class Family:
             return law(n)
         return law(top) * (top / n) ** min(law.order, 1.0)
 
-    def covers(self, n: float) -> bool:
+    def covers(self, n: float, solved: Sequence[float] = ()) -> bool:
         """Whether a resolution lies within what was calibrated, or is finer by a factor STEP at
-        most."""
+        most than that, or than a mesh it covers that was solved and can deny it."""
         low, high = self.resolution
+        for m in sorted(solved):
+            high = max(high, m) if m <= STEP * high else high
         return low <= n * (1 + 1e-9) and n <= STEP * high
 
     def expected(self, n: float) -> float:

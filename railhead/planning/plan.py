@@ -27,8 +27,7 @@ from railhead.scene.scene import Scene
 from railhead.scene.sections import Rail, Wheel
 from railhead.solver.elasticity import Material
 from railhead.theory import contacts
-from railhead.theory.hertz import Ellipse
-from railhead.theory.line import LineContact
+from railhead.theory.contacts import Hertz
 
 ELEMENTS_PER_SEMI_AXIS = 6.0  # default patch resolution for quadratic cells
 LINEAR_REFINEMENT = 2.0  # linear cells are made so much smaller
@@ -71,7 +70,7 @@ class Plan:
         return self.context.contact
 
     @property
-    def estimate(self) -> Ellipse | LineContact:
+    def estimate(self) -> Hertz:
         """Exact Hertz with the curvatures at first contact."""
         return self.context.hertz
 
@@ -317,7 +316,7 @@ def make(scene: Scene) -> Plan:
     contact = geometry.locate(scene) if kind.kind == "solid" else flat.locate(scene, kind)
     predicted = exact.finite(scene, contact)
     context, decided = effects.decide(scene, kind, contact, predicted)
-    expected = forecast(contact, predicted, scene.load)
+    expected = forecast(context)
     order = scene.mesh.order or (2 if scene.mesh.cell == "tetrahedron" else 1)
     major = max(max(zone.a, zone.b) for zone in expected.zones)
     major = max(major, *contacts.half_lengths(predicted))

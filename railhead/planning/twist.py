@@ -17,12 +17,12 @@ from railhead.geometry.solid import Contact
 from railhead.meshing import profiles
 from railhead.meshing.placement import PlacementError
 from railhead.planning import developed, exact
-from railhead.theory.hertz import Ellipse
+from railhead.theory.boundary_element import Solution
+from railhead.theory.contacts import Hertz
 
 MEASURED = json.loads((Path(__file__).parent / "data" / "twist.json").read_text(encoding="utf-8"))
 COMPLIANCE: dict[str, float] = MEASURED["compliance"]  # twist times E over the moment, 1/mm3
 CENTRE: float = MEASURED["centre_mm"]  # below the crown, that the head turns about (67 to 76)
-CELLS = 64
 
 
 def lever(contact: Contact, centre: float = CENTRE) -> float:
@@ -32,7 +32,7 @@ def lever(contact: Contact, centre: float = CENTRE) -> float:
     return touch.y + (touch.z + centre) * touch.slope - centre * inclination
 
 
-def twist(contact: Contact, ellipse: Ellipse) -> float:
+def twist(contact: Contact, ellipse: Hertz) -> float:
     """Rotation of the head towards the middle of the track, rad."""
     moment = -ellipse.load * math.cos(contact.touch.angle) * lever(contact)
     rail = contact.scene.rail
@@ -59,18 +59,15 @@ def twisted(contact: Contact, angle: float, aside: float) -> Contact:
     return replace(contact, touch=pair.touches(pose)[0], pair=pair, pose=pose)
 
 
-def change(contact: Contact, ellipse: Ellipse, angle: float, aside: float) -> float:
+def change(contact: Contact, before: Solution, angle: float, aside: float) -> float:
     """Relative change of the largest pressure or of the area where the rail is `twisted`, the
-    larger one, by boundary elements under the same load.
+    larger one, by boundary elements under the same load as `before`.
 
     Raises ValueError where the wheel misses the twisted rail or they find no closed patch.
     """
-    load = ellipse.load * math.cos(contact.touch.angle)
     other = twisted(contact, angle, aside)
-    after = exact.ellipse(contact.scene, other, load)
-    before, behind = (
-        developed.solve(where, hertz, load, CELLS)
-        for where, hertz in ((contact, ellipse), (other, after))
-    )
-    pressure, area = behind.max_pressure / before.max_pressure, behind.area / before.area
+    load = contact.scene.load or before.load
+    hertz = exact.ellipse(contact.scene, other, load)
+    after = developed.solve(other, hertz, load)
+    pressure, area = after.max_pressure / before.max_pressure, after.area / before.area
     return max(abs(pressure - 1), abs(area - 1))

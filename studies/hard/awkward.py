@@ -124,7 +124,7 @@ def places() -> Iterator[Case]:
 
 def positions() -> Iterator[Case]:
     """The Manchester benchmark's pair across the tread, at default settings."""
-    scene = catalogue.find("s1002_60e1")
+    scene = catalogue.find("s1002_60e1").replace(["effects.plasticity=off"])
     for half in range(21):
         yield Case(
             "S1002 on 60E1", f"shift {half / 2:g} mm", "one patch or two, tread to flange",

@@ -57,4 +57,4 @@ def draw(maps: Sequence[Map], path: Path) -> None:
             axes.set(xlabel=each.label, title=each.title)
             axes.grid(visible=False)
         bar = figure.colorbar(image, ax=list(panels), shrink=0.6, extend="both")
-        bar.set_label("worst error of a, b, largest pressure and approach")
+        bar.set_label("error of the quantity of the row")

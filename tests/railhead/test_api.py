@@ -37,7 +37,24 @@ def test_the_examples_of_the_page_run(tmp_path, monkeypatch) -> None:
     assert result.pressure.max == pytest.approx(result.hertz.pressure.max, rel=0.005)
     assert (tmp_path / "out" / "summary.json").exists()
     assert float(abs(result.displacement.x.array).max()) > 0.3 * result.approach
+    assert "largest pressure" in re.sub(r"\s+", " ", result._repr_html_()).replace("│", "")
     check_sweep(found["table"], tmp_path / "sweep.csv")
+
+
+def test_a_budget_and_an_accuracy_are_keys_of_the_scene() -> None:
+    planned = rh.plan(rh.find("hertz_ellipse"), accuracy="0.1%", quiet=True)
+    assert planned.plan.scene.accuracy == 0.001
+    assert planned.as_dict()["unknowns"] > 1.5 * rh.plan(rh.find("hertz_ellipse")).plan.unknowns
+    with pytest.raises(rh.SceneError, match="budget"):
+        rh.solve(rh.find("hertz_ellipse"), budget="soon", quiet=True)
+
+
+def test_what_cannot_be_written_is_said(tmp_path) -> None:
+    result = rh.solve(rh.find("sphere_on_plane"), quiet=True)
+    (tmp_path / "mine.txt").write_text("kept")
+    with pytest.raises(rh.SceneError, match="mine.txt"):
+        result.save(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
 
 
 def check_sweep(table: railhead.Sweep, file: Path) -> None:

@@ -73,6 +73,14 @@ def test_a_law_does_not_reach_beyond_its_resolutions() -> None:
         assert estimates.mesh_parts([(n, {"max_MPa": 100.0}, {})], KNOWN, {})[0] == {}
 
 
+@pytest.mark.parametrize("coarse, holds", [(99.9, True), (97.0, False)])
+def test_a_law_reaches_a_step_beyond_a_mesh_that_could_deny_it(coarse: float, holds: bool) -> None:
+    """12.8 is a step beyond what was calibrated, 20 one beyond that, and 21 too far."""
+    before, finest = (12.8, {"max_MPa": coarse}, {}), {"max_MPa": 100.0}
+    assert bool(estimates.mesh_parts([before, (20.0, finest, {})], KNOWN, {})[0]) is holds
+    assert estimates.mesh_parts([before, (21.0, finest, {})], KNOWN, {})[0] == {}
+
+
 def test_without_a_family_three_meshes_a_step_apart_are_needed() -> None:
     one, two, three = (
         (n, {"max_MPa": v}, {}) for n, v in ((4.0, 97.0), (6.4, 99.0), (10.24, 99.6))
@@ -192,7 +200,6 @@ def test_speed_is_measured_once_and_kept(tmp_path, monkeypatch) -> None:
     assert not machine.known() and machine.speed() == 1.0
     factor = refine.measure_speed()
     assert machine.known() and machine.speed() == factor
-    assert 0.05 < factor < 20
     machine.cache_file().write_text("broken")
     assert machine.speed() == 1.0
 

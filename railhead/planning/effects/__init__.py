@@ -21,9 +21,10 @@ from railhead.planning.effects import (
     symmetry,
     true_profile,
 )  # fmt: skip
-from railhead.planning.effects.base import After, Context, Effect, Feature, Hertz
+from railhead.planning.effects.base import After, Context, Effect, Feature
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import Scene, SceneError
+from railhead.theory.contacts import Hertz
 
 __all__ = ["EFFECTS", "After", "Context", "Effect", "check", "chosen", "decide"]
 

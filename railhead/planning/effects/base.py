@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from railhead.geometry.dimension import Dimension
 from railhead.geometry.solid import Contact
 from railhead.meshing.profiles import Profile
+from railhead.planning import developed
 from railhead.scene.scene import Scene, SceneError
-from railhead.theory.hertz import Ellipse
-from railhead.theory.line import LineContact
+from railhead.theory.boundary_element import Solution
+from railhead.theory.contacts import Hertz
 
 if TYPE_CHECKING:
     from railhead.planning.plan import Plan
@@ -19,7 +21,6 @@ if TYPE_CHECKING:
     from railhead.solver.setup import Setup
 
 DEFAULT_ACCURACY = 0.01  # that a scene without an asked accuracy is held to
-Hertz = Ellipse | LineContact
 NOT_SIMULATED = "it is recognised but not simulated"
 
 
@@ -70,6 +71,12 @@ class Context:
     contact: Contact
     hertz: Hertz
     decided: Mapping[str, Effect]
+
+    @cached_property
+    def boundary_elements(self) -> Solution:
+        """Of the undeformed pair under the load or approach of the scene; ValueError where they
+        find no closed patch."""
+        return developed.solve(self.contact, self.hertz, self.scene.load)
 
     @property
     def accuracy(self) -> float:

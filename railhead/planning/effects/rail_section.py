@@ -6,11 +6,10 @@ import math
 
 from railhead.meshing.outlines import head_depth
 from railhead.meshing.profiles import STANDARD_RAILS
-from railhead.planning import exact, twist
-from railhead.planning.effects.base import After, Context, Effect, Hertz
+from railhead.planning import twist
+from railhead.planning.effects.base import After, Context, Effect
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import SceneError
-from railhead.theory.line import LineContact
 
 CHANGE = (
     0.25  # of the stress at the cut over p0: what the largest shear stress changes by (measured)
@@ -33,7 +32,7 @@ def decide(context: Context) -> Effect:
     if extent == "section":
         return Effect(True, True, "rail.extent = section")
     felt, why = _felt(context, hertz.a, hertz.b)
-    twists, because = _twists(context, hertz)
+    twists, because = _twists(context)
     called = felt or twists
     return Effect(called, called, f"{why}; {because}")
 
@@ -45,7 +44,7 @@ def check(context: Context, effect: Effect, found: Findings) -> After | None:
     felt, why = _felt(context, found.patch.a, found.patch.b)
     if effect.on or felt or not effect.called_for:
         return After(felt and not effect.on, why)
-    twists, because = _twists(context, exact.estimate(context.scene, context.contact))
+    twists, because = _twists(context)
     return After(twists, because if twists else why)
 
 
@@ -60,20 +59,20 @@ def _felt(context: Context, a: float, b: float) -> tuple[bool, str]:
     return bool(ratio > limit), f"{text}, {side} {limit:.2g}"
 
 
-def _twists(context: Context, ellipse: Hertz) -> tuple[bool, str]:
+def _twists(context: Context) -> tuple[bool, str]:
     """Whether pressure or area change by more than the accuracy as the load twists the rail, or
     may do so."""
     contact = context.contact
-    if contact.plane or isinstance(ellipse, LineContact):
+    if contact.plane:
         return False, "nothing twists in a section"
     if not math.isfinite(context.scene.rail.young_modulus):
         return False, "a rigid rail does not twist"
     if not context.decided["true_profile"].called_for:
         return False, "a twist changes nothing where both bodies have one radius"
-    angle, limit = twist.twist(contact, ellipse), context.accuracy
+    angle, limit = twist.twist(contact, context.hertz), context.accuracy
     text = f"the load twists it by {1e3 * angle:.2g} mrad"
     try:
-        change = twist.change(contact, ellipse, angle, twist.CENTRE * angle)
+        change = twist.change(contact, context.boundary_elements, angle, twist.CENTRE * angle)
     except ValueError as error:
         return True, f"{text}: what that changes cannot be judged ({error})"
     side = "above" if change > limit else "below"
