@@ -23,6 +23,7 @@ from railhead.postprocess.flux import through_slab
 ROUGH = 0.05  # relative: what a number without an asked accuracy may be off by at most
 BALANCE = 1e-6  # relative: what equations solved to 1e-8 leave
 NOISE = 0.5  # relative L2: where half of the pressure is noise, none of it is an answer
+FAR_BEYOND = 110.0  # times the load of first yield
 SHEAR = (
     0.2,
     0.6,
@@ -188,6 +189,16 @@ def _physics(level: Level) -> list[Check]:
         Check("mises_over_shear_least", mises, math.sqrt(3.0) * (1 - READ), bounds, FINER,
               least=True),
     ]  # fmt: skip
+    if level.left is not None:
+        checks.append(
+            Check(
+                "load_over_first_yield",
+                level.left.over,
+                FAR_BEYOND,
+                "as far as spheres of others go; strains are no longer small beyond",
+                "give a smaller load",
+            )  # fmt: skip
+        )
     across = max(found.elements_across) if plan.section else min(found.elements_across)
     checks.append(
         Check(

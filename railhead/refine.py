@@ -102,7 +102,7 @@ def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[L
             return levels, Ending(_spent(scene.budget or 0.0, spent))
         n, covered = comm.bcast(_next(levels, worst, wanted))
         finer, grading = done.finer(n)
-        cost = finer.unknowns, machine.seconds(finer.unknowns)
+        cost = finer.unknowns, finer.solving
         # The second mesh was priced beforehand.
         stop = comm.bcast(_obstacle(scene, cost, spent if len(levels) > 1 else 0.0))
         if not covered:

@@ -41,6 +41,7 @@ COLUMNS = (
     "thesis",
     "thesis - Hertz",
 )
+PAIRED = 30.0  # times first yield beyond which the pairing of the surfaces is felt
 PRICES = (0.05, 0.01, 0.002)
 
 
@@ -77,9 +78,10 @@ def _state(effect: Effect) -> str:
 
 
 def _cost(unknowns: int, seconds: float) -> str:
-    if not unknowns:
+    if not unknowns and not seconds:
         return "no unknowns"
-    return f"{'costs' if unknowns > 0 else 'saves'} {abs(unknowns)} unknowns, {abs(seconds):.1f} s"
+    what = f"{abs(unknowns)} unknowns, " if unknowns else ""
+    return f"{'costs' if seconds > 0 else 'saves'} {what}{abs(seconds):.1f} s"
 
 
 def _show_prices(plan: Plan, console: Console) -> None:
@@ -182,6 +184,11 @@ def _show_plastic(plastic: Mapping[str, Any], console: Console) -> None:
         lines.append(
             f"Unloaded: {depths} deep, von Mises stress up to "
             f"{plastic['residual_von_mises_max_MPa']:.4g} MPa."
+        )
+    if plastic["load_over_first_yield"] > PAIRED:
+        lines.append(
+            "Surfaces stay paired as they were before the load: the approach is 0.5 % (20 times "
+            "first yield) to 3 % (100 times) too large."
         )
     ratio = plastic["elastic_p0_over_k"]
     lines.append(

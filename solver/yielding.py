@@ -18,8 +18,10 @@ from railhead.solver.plasticity import PlasticProblem, bulk_points, surface_poin
 from railhead.solver.problem import ContactProblem, Mask
 from railhead.solver.setup import Setup
 
-UNLOADING = (0.6, 0.3, 0.1, 0.02)  # of the load, before the bodies part
+UNLOADING = (0.4, 0.05)  # of the load, before the bodies part
 START = 1e-3  # tolerance of the linear solve that a smaller load starts from
+ENDS = (1.0, 0.0)  # shares of the load that are reported; ...
+BETWEEN = 1e-4  # ... tolerance of those on the way: moves what is reported by less than 1e-6
 HALVES = 32  # into which a load step may be cut
 
 
@@ -96,10 +98,10 @@ class YieldingModel(ContactModel):
         start = time.perf_counter()
         assert self.setup.path is not None
         loading = _Loading(self, load, approach, force, max_steps, progress)
-        loading.begin(1 / over, self.within(elastic.indicator, 1 / over))
         up = np.linspace(1 / over, 1.0, self.setup.path.steps + 1)[1:]
+        loading.touching = self.within(elastic.indicator, up[0])
         result = loading.march(up)
-        first = len(loading.steps) - 1
+        first = len(loading.steps)
         for _ in range(self.setup.path.cycles - 1):
             if result.converged and loading.march(UNLOADING).converged:
                 result = loading.march(up)
@@ -223,11 +225,6 @@ class _Loading:
         self.steps: list[NewtonResult] = []
         self.share, self.y = 0.0, None
 
-    def begin(self, share: float, touching: Mask) -> None:
-        """Where nothing has yielded yet, with points that may touch there."""
-        self.touching = touching
-        self._step(share)
-
     def march(self, shares: Iterable[float]) -> NewtonResult:
         """Go to shares of the load, by halves where a step does not converge."""
         for share in shares:
@@ -250,7 +247,8 @@ class _Loading:
             y = self._nearer(y, share / self.share)
         result = newton.solve(
             problem, self.preconditioner, self.touching, y,
-            rtol=NEWTON_TOLERANCE, max_steps=self.max_steps, progress=self.progress,
+            rtol=NEWTON_TOLERANCE if share in ENDS else BETWEEN, max_steps=self.max_steps,
+            progress=self.progress,
         )  # fmt: skip
         self.steps.append(result)
         found = model.found(problem, result, prescribed, approach, self.force)

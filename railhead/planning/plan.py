@@ -284,7 +284,13 @@ class Plan:
     @property
     def seconds(self) -> float:
         """Predicted for the whole process without pictures."""
-        return machine.START + machine.seconds(self.unknowns)
+        return machine.START + self.solving
+
+    @property
+    def solving(self) -> float:
+        """Predicted for one mesh without the start of the process, s."""
+        steps = self.load_steps if self.effects["plasticity"].on else 0
+        return machine.seconds(self.unknowns) * (1 + plasticity.WORK * steps)
 
     def summary(self) -> dict[str, Any]:
         """As in summary.json."""

@@ -11,8 +11,7 @@ BUDGET_SHARE = 0.85  # of the budget that the prediction may fill
 def price(plan: Plan, n: float) -> tuple[int, float]:
     """Predicted unknowns of the fine mesh and seconds of the whole process at resolution n."""
     fine, coarse = plan.at_resolution(n), plan.at_resolution(n / laws.STEP)
-    work = machine.seconds(fine.unknowns) + machine.seconds(coarse.unknowns)
-    return fine.unknowns, machine.START + work
+    return fine.unknowns, machine.START + fine.solving + coarse.solving
 
 
 def affordable(plan: Plan, wanted: float) -> float:

@@ -70,6 +70,28 @@ def test_it_yields_from_the_exact_load_on(share: float, yields: bool) -> None:
     assert ("plastic" in summary["result"]) == yields
 
 
+@pytest.mark.parametrize("multiple, wider", [(5.0, "5%"), (100.0, "40%")])
+def test_the_plan_says_how_far_beyond_first_yield_it_is(multiple: float, wider: str) -> None:
+    """And how much wider the patch gets than Hertz's: 1.791 and 6.487 radii of first yield by
+    Jackson and Green, over the cube root of the load."""
+    why = planning.make(pressed(multiple)).effects["plasticity"].why
+    assert f"{multiple:g} times the load of first yield: a patch about {wider} wider" in why
+
+
+def test_a_line_yields_with_the_square_of_its_pressure() -> None:
+    scene = rh.find("long_roller").replace(rail={"yield_stress": 100.0})
+    one, two = (
+        float(
+            planning.make(scene.replace(load=load))
+            .effects["plasticity"]
+            .why.split(",")[1]
+            .split()[0]
+        )
+        for load in (scene.load, 2 * scene.load)
+    )
+    assert two == pytest.approx(2 * one, rel=0.01)
+
+
 def test_yield_that_was_not_foreseen_is_simulated_all_the_same(monkeypatch) -> None:
     """Unless a person wants the elastic answer."""
     blind = replace(EFFECTS["plasticity"], decide=lambda _: Effect(False, False, "none is seen"))
@@ -92,6 +114,13 @@ def test_perfect_plasticity_bounds_the_stress(five: rh.Result) -> None:
     from railhead.postprocess.plastic import largest_von_mises
 
     assert largest_von_mises(five.fields) == pytest.approx(Y, rel=1e-6)
+
+
+def test_far_beyond_first_yield_it_is_not_signed() -> None:
+    """Strains are no longer small there, and nobody has compared it."""
+    found = rh.solve(pressed(200.0), quiet=True)
+    assert found.failed == ["load_over_first_yield"]
+    assert found.as_dict()["newton"]["reason"] == "residual below tolerance"
 
 
 def test_elastic_and_hertz_stand_beside_it(five: rh.Result) -> None:

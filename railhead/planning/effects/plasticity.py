@@ -16,13 +16,15 @@ from railhead.scene.scene import Scene
 from railhead.scene.sections import Part
 from railhead.solver.hardening import Hardening
 from railhead.solver.setup import LoadPath, Setup, Side
-from railhead.theory import contacts
+from railhead.theory import contacts, indentation
 
 if TYPE_CHECKING:
     from railhead.planning.forecast import Zone
     from railhead.planning.plan import Plan
 
 STEPS = 4  # from first yield to the load: the centre pressure is within 1.5 % of many steps, ...
+WORK = 1.1  # times an elastic run that a load step costs, its share of unloading included: 0.8 to
+# 1.3 on a solid of 10 000 to 48 000 unknowns and a section
 REACH = 3.0  # half lengths of the patch around it in which yield is followed
 USUAL = "R260"  # rail steel that a scene without one is held against
 SURE = 0.8  # of the yield: below it no Hertzian patch yields where the plan looks
@@ -37,7 +39,7 @@ def decide(context: Context) -> Effect:
     }
     yields, why = _compare(scene, stresses) if stresses else (False, _would_yield(context))
     if yields:
-        why += f", {_over(context, stresses):.3g} times the load of first yield"
+        why += _expected(context, _over(context, stresses))
     refused = {} if stresses else {"on": "no body that deforms has a yield stress"}
     return Effect(yields, yields, why, refused)
 
@@ -111,7 +113,20 @@ def _over(context: Context, stresses: dict[str, float]) -> float:
     its square root."""
     parts = {"rail": context.scene.rail, "wheel": context.scene.wheel}
     worst = max(stresses[name] / hardening(parts[name]).first for name in stresses)
-    return float(worst ** (2 if context.contact.plane else 3))
+    return float(worst ** (2 if context.contact.line else 3))
+
+
+def _expected(context: Context, over: float) -> str:
+    """What the plan can say of yield: of a patch that is an ellipse Jackson and Green's sphere of
+    the weaker body tells how it grows, against Hertz's radius (load^(1/3))."""
+    text = f", {over:.3g} times the load of first yield"
+    if not context.contact.line:
+        parts = _yielding(context).values()
+        weakest = min(parts, key=lambda part: hardening(part).first)
+        strain = hardening(weakest).first / context.hertz.contact_modulus
+        sphere = indentation.jackson_green(over, weakest.poisson_ratio, strain)
+        text += f": a patch about {sphere.radius / over ** (1 / 3) - 1:.0%} wider"
+    return f"{text}; {STEPS} load steps"
 
 
 def _would_yield(context: Context) -> str:
