@@ -13,12 +13,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from scipy.optimize import brentq
 
 from railhead.postprocess.findings import FLAT
 
+T = TypeVar("T")
 STEP = 1.6  # refinement from one mesh of a sequence to the next
 AIM = 0.9  # of the asked accuracy: what the mesh may take, the rest is for the other parts
 RANGE = (3.0, 60.0)  # elements per semi-axis that are considered
@@ -101,11 +102,12 @@ class Family:
     @property
     def across(self) -> Family:
         """Of line contacts whose width runs across the rail: laws are kept as of those along it."""
-        parts = {
-            name: {TURNED.get(key, key): value for key, value in getattr(self, name).items()}
-            for name in ("laws", "reading", "overlap")
-        }
-        return replace(self, **parts)
+        return replace(
+            self,
+            laws=_turned(self.laws),
+            reading=_turned(self.reading),
+            overlap=_turned(self.overlap),
+        )
 
     def mesh(self, name: str, n: float) -> float:
         """The envelope of a quantity at n; beyond what was calibrated it falls at most as the first
@@ -145,6 +147,10 @@ class Family:
         if self.expected(low) <= target:
             return low
         return float(brentq(lambda n: self.expected(n) - target, low, high))
+
+
+def _turned(values: Mapping[str, T]) -> dict[str, T]:
+    return {TURNED.get(name, name): value for name, value in values.items()}
 
 
 @cache
