@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from railhead.estimates import Estimate, flat, worst
+from railhead.estimates import Estimate, flat, resolved, worst
 from railhead.level import Level
 from railhead.meshing.tags import BODIES
 from railhead.planning.laws import RANGE
@@ -30,7 +30,15 @@ SHEAR = (
 )  # over the largest pressure: 0.266 to 0.488 in Hertz's ellipses of any axis ratio
 # and Poisson's ratio (theory.subsurface), a quarter more room
 MISS = 1.5  # times an estimate: what a signed number may be off by
-OPINIONS = ("max_MPa", "area_mm2", "tau_max_MPa", "von_mises_max_MPa", "approach_mm")
+OPINIONS = (
+    "a_mm",
+    "b_mm",
+    "max_MPa",
+    "area_mm2",
+    "tau_max_MPa",
+    "von_mises_max_MPa",
+    "approach_mm",
+)
 """Quantities held against a second opinion, as far as it has them and knows what it leaves out."""
 READ = 0.01  # relative: what reading two largest values apart from each other may cost
 
@@ -172,6 +180,14 @@ def _physics(level: Level) -> list[Check]:
         )
         for body in plan.deformable
     ]  # fmt: skip
+    centre = float(np.interp(found.patch.centre[1], found.across.coordinate, found.across.pressure))
+    skins = [
+        Check(
+            f"surface_stress_{body}", _off(-float(axis.stress[0, 2]), centre), allowed,
+            "the pressure there; the smooth normal stress below the middle of the patch", FINER,
+        )
+        for body, axis in found.depth.items()
+    ]  # fmt: skip
     elastic = (level.elastic or level).result or result  # yield cuts both
     shear = elastic["stress"]["tau_max_MPa"] / elastic["pressure"]["max_MPa"]
     why = "0.266 to 0.488 in Hertz's ellipses, and a quarter more room"
@@ -179,6 +195,7 @@ def _physics(level: Level) -> list[Check]:
     bounds = "von Mises stress over shear stress, sqrt(3) to 2 in any state, and what reading costs"
     checks = [
         *fluxes,
+        *skins,
         Check(
             "stress_misfit", found.misfit, allowed,
             "the elements' own stresses around the largest smooth ones, on the average", FINER,
@@ -226,7 +243,14 @@ def _shape(level: Level, estimates: Mapping[str, Estimate]) -> list[Check]:
     peak = (4 / math.pi if line else 1.5) * mean
     names = ("max_MPa", "area_mm2")
     room = sum(_room(estimates, name) for name in names)
+    a, b = result["patch"]["a_mm"], result["patch"]["b_mm"]
+    axes = 4 * a * b if line else math.pi * a * b
+    both = sum(_room(estimates, name) for name in ("a_mm", "b_mm", "area_mm2") if name in estimates)
     return [
+        Check(
+            "area_over_axes", _off(result["patch"]["area_mm2"], axes), both or ROUGH,
+            f"{'4' if line else 'pi'} a b; the estimates of all three ({both:.2g})", FINER,
+        ),
         Check(
             "pressure_over_mean", _off(result["pressure"]["max_MPa"], peak),
             room + found.shape_error,
@@ -243,7 +267,7 @@ def _opinion(
     if second is None or "reason" in second or "reason" in second["allowance"]:
         return []  # what is not known is said beside the table
     checks = []
-    own, other = flat(level.result or {}), flat(second)
+    own, other = resolved(level), flat(second)
     for name in OPINIONS:
         if name not in own or name not in other:
             continue

@@ -106,8 +106,10 @@ def flat(result: Mapping[str, Any]) -> dict[str, float]:
 
 def resolved(level: Level) -> dict[str, float]:
     """The quantities of a mesh that it can tell: a largest shear stress within one element of the
-    surface, or on a spike much narrower than one, has no depth."""
+    surface, or on a spike much narrower than one, has no depth; the length of a line is given."""
     values = flat(level.result or {})
+    if level.plan.contact.line:
+        values.pop("b_mm" if level.plan.contact.lengthwise else "a_mm", None)
     depth = values.get("tau_max_depth_mm")
     if depth is None or level.findings is None or level.result is None:
         return values

@@ -31,6 +31,9 @@ _tell: int | None = None  # the end of the pipe to the process beside this one
 
 def prepare() -> None:
     """Set up a process that does nothing else than what the command does."""
+    for name in ("stdout", "stderr"):  # closed by who started it: libraries write to them
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
     # Small dense blocks only: more BLAS threads cost more than they bring. Before numpy loads.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     # Keep freed memory instead of returning it to the system for every temporary array: a fifth of

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from railhead import screen
 from railhead.level import Level
-from railhead.scene.scene import SceneError
 from railhead.solver import compat
 
 if TYPE_CHECKING:
@@ -131,13 +130,13 @@ class Result:
         for a folder with other files, OSError where it cannot be written."""
         from railhead import results
 
-        problem: SceneError | OSError | None = None
+        problem: Exception | None = None
         comm = self.mesh.comm
         if comm.rank == 0:
             try:
                 results.check_folder(Path(folder))
                 results.write(self, Path(folder), pictures=pictures)
-            except (SceneError, OSError) as error:
+            except Exception as error:  # whatever it is, the other ranks wait for it
                 problem = error
         if (problem := comm.bcast(problem)) is not None:
             raise problem

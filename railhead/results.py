@@ -30,7 +30,8 @@ def foreign(folder: Path) -> list[str]:
     """Names in a folder that no result put there."""
     names, own = set(os.listdir(folder)), {MANIFEST}
     if MANIFEST in names:
-        own |= set((folder / MANIFEST).read_text(encoding="utf-8").splitlines())
+        text = (folder / MANIFEST).read_text(encoding="utf-8", errors="replace")
+        own |= set(text.splitlines())
     return sorted(names - own)
 
 
@@ -44,6 +45,8 @@ def check_folder(folder: Path) -> None:
         problem = _obstacle(folder)
     except OSError as error:
         problem = f"{str(folder)!r}: {error.strerror}"
+    except ValueError as error:  # a null character
+        problem = f"{str(folder)!r}: {error}"
     if problem:
         raise SceneError("--out", f"{problem}; give another folder")
 

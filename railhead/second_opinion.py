@@ -52,4 +52,6 @@ def _allowance(level: Level, solution: Solution) -> dict[str, Any]:
         allowed = allowance(level.plan, solution, motion(level))
     except ValueError as error:
         return {"reason": f"twist: {error}"}
+    if level.findings is not None and level.findings.hertzian:  # half lengths are those of ellipses
+        allowed |= dict.fromkeys(("a_mm", "b_mm"), allowed["area_mm2"])
     return {key: {**vars(value), "total": value.total} for key, value in allowed.items()}

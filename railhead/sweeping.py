@@ -33,7 +33,8 @@ class Sweep(list[Result]):
 
     def _row(self, result: Result) -> dict[str, Any]:
         summary = result.as_dict()
-        scene = {key: reduce(getitem, key.split("."), summary["scene"]) for key in self.keys}
+        given = result.plan.scene.model_dump()
+        scene = {key: reduce(getitem, key.split("."), given) for key in self.keys}
         found = estimates.flat(summary["result"] or {})
         told = {"passed": result.passed, "unknowns": summary["cost"]["dofs"]}
         values = {name: found.get(name) for name in estimates.QUANTITIES}
@@ -66,8 +67,14 @@ def sweep(
     """Solve a scene for every combination of values, by key: ``load=["25 kN", "50 kN"]``, those
     with a dot as a mapping: ``{"wheelset.shift": [0, 2]}``. Every scene is checked before the first
     is solved. Raises SceneError, MeshError."""
+    if not isinstance(over or {}, Mapping):
+        raise SceneError("over", f"{over!r} is not a mapping of keys to lists of values; give one")
+    for key in (over or {}).keys() & values.keys():
+        raise SceneError(key, "is given twice; give one list of values")
     lists = {**(over or {}), **values}
     for key, chosen in lists.items():
+        if not isinstance(key, str):
+            raise SceneError("over", f"{key!r} is no key; give a word")
         if isinstance(chosen, str) or not isinstance(chosen, Iterable):
             raise SceneError(key, f"{chosen!r} is not a list of values; give one")
     scenes = [

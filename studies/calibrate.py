@@ -15,7 +15,7 @@ import numpy as np
 from railhead import estimates, study
 from railhead.estimates import QUANTITIES
 from railhead.planning import plan as planning
-from railhead.planning.laws import Law
+from railhead.planning.laws import TURNED, Law
 from railhead.scene.scene import Scene
 from railhead.studies import families, tables
 from railhead.studies.cells import measure_cells
@@ -61,13 +61,14 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Recor
         if level is None or level.findings is None or not level.solution.newton.converged:
             continue
         exact = exact or families.truth(name, scene, level)
+        turn = TURNED if setting.turned else {}
         found, scatter = estimates.resolved(level), estimates.reading(level.findings)
         scale = estimates.scales(level.findings, level.result or {})
         penalty = scene.solver.method == "penalty"
         overlap = abs(level.solution.penetration / level.solution.approach) if penalty else 0.0
         records += [
             Record(
-                part, scene.name, level.resolution, level.unknowns, key,
+                part, scene.name, level.resolution, level.unknowns, turn.get(key, key),
                 max(abs(found[key] / value - 1) - level.plan.left_out, 0.0),
                 scatter.get(key, 0.0), overlap, scale.get(key, 1.0),
             )

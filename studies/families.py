@@ -58,7 +58,8 @@ class Recipe:
 
 
 DEFAULT: dict[str, Sequence[Any]] = {
-    "shape": ["solid"],
+    "shape": ["half-spaces", "bodies"],
+    "turned": [False],
     "cell": ["tetrahedron"],
     "order": [2],
     "method": ["nitsche"],
@@ -143,12 +144,42 @@ def outside(rng: np.random.Generator) -> list[str]:
 
 
 def roller(rng: np.random.Generator) -> list[str]:
-    """A line contact between half-spaces."""
-    radius = 10 ** rng.uniform(1.5, 3)
+    """A line contact between half-spaces, in one scene of two across the rail."""
+    radius, length = 10 ** rng.uniform(1.5, 3), rng.uniform(20, 80)
+    load = f"load={radius * 10 ** rng.uniform(1, 2.5)!r}"
+    if rng.random() < 0.5:
+        share = rng.uniform(0.1, 0.9)
+        return [
+            "wheel.rolling_radius=inf", "wheel.profile=arc", f"rail.length={length!r}", load,
+            f"rail.crown_radius={radius / share!r}",
+            f"wheel.transverse_radius={radius / (1 - share)!r}",
+        ]  # fmt: skip
     return [
-        "rail.crown_radius=inf", f"wheel.rolling_radius={radius!r}",
-        f"rail.width={rng.uniform(20, 80)!r}", f"load={radius * 10 ** rng.uniform(1, 2.5)!r}",
+        "rail.crown_radius=inf", f"wheel.rolling_radius={radius!r}", f"rail.width={length!r}", load
     ]  # fmt: skip
+
+
+def lines(rng: np.random.Generator) -> list[str]:
+    """Materials of line contacts: one body in four has no Poisson's ratio at all."""
+    keys = materials(rng, 0.0, LOCKING[0])
+    return keys + (["rail.poisson_ratio=0.0"] if rng.random() < 0.25 else [])
+
+
+def bodies(rng: np.random.Generator) -> list[str]:
+    """Real heads and wheels, arcs among them, anywhere across the tread."""
+
+    def one(*values: str) -> str:
+        return values[rng.integers(len(values))]
+
+    keys = [
+        f"rail.profile={one('54E1', '60E1', 'arc')}", f"wheel.profile={one('cylinder', 'cone20')}",
+        f"rail.inclination={one('0', '1:20', '1:40')}", f"load={10 ** rng.uniform(3.0, 5.1)!r}",
+        f"wheel.rolling_radius={rng.uniform(150, 500)!r}",
+        f"wheelset.shift={one('0', repr(rng.uniform(-6, 6)))}",
+    ]  # fmt: skip
+    if "rail.profile=arc" in keys:
+        keys.append(f"rail.crown_radius={10 ** rng.uniform(1.7, 2.8)!r}")
+    return keys + (materials(rng) if rng.random() < 0.3 else [])
 
 
 def ball(rng: np.random.Generator) -> list[str]:
@@ -177,7 +208,7 @@ def profiles(rng: np.random.Generator) -> list[str]:
 RECIPES = {
     "ellipse": Recipe(
         lambda rng: ellipse(rng) + materials(rng),
-        {"least_poisson": [SHALLOW, 0.4]},
+        {"shape": ["half-spaces"], "least_poisson": [SHALLOW, 0.4]},
         (3.0, 5.0, 8.0),
         scenes=31,
     ),
@@ -211,8 +242,13 @@ RECIPES = {
         (6.0, 9.0, 14.0),
     ),
     "plane strain": Recipe(
-        lambda rng: roller(rng) + materials(rng, 0.0, LOCKING[0]),
-        {"shape": ["plane strain"], "axis_ratio": [1.0, 1.0], "poisson": [0.0, LOCKING[0]]},
+        lambda rng: roller(rng) + lines(rng),
+        {
+            "shape": ["plane strain"],
+            "turned": [False, True],
+            "axis_ratio": [1.0, 1.0],
+            "poisson": [0.0, LOCKING[0]],
+        },
         LINES,
         40,
         split={
@@ -228,7 +264,12 @@ RECIPES = {
     ),
     "incompressible lines": Recipe(
         lambda rng: roller(rng) + materials(rng, *LOCKING),
-        {"shape": ["plane strain"], "axis_ratio": [1.0, 1.0], "poisson": LOCKING},
+        {
+            "shape": ["plane strain"],
+            "turned": [False, True],
+            "axis_ratio": [1.0, 1.0],
+            "poisson": LOCKING,
+        },
         LINES,
         40,
     ),
@@ -253,7 +294,16 @@ RECIPES = {
         },
         (),
     ),
-    "profiles": Recipe(profiles, {"ellipse": [False]}, (4.5, 7.0), exact=False),
+    "bodies": Recipe(
+        bodies,
+        {"shape": ["bodies"], "least_poisson": [SHALLOW, 0.4]},
+        (3.0, 4.5, 7.0),
+        scenes=24,
+        exact=False,
+    ),
+    "profiles": Recipe(
+        profiles, {"shape": ["bodies"], "ellipse": [False]}, (4.5, 7.0), exact=False
+    ),
 }
 
 

@@ -10,20 +10,23 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from scipy.optimize import brentq
 
 from railhead.postprocess.findings import FLAT
 
+T = TypeVar("T")
 STEP = 1.6  # refinement from one mesh of a sequence to the next
 AIM = 0.9  # of the asked accuracy: what the mesh may take, the rest is for the other parts
 RANGE = (3.0, 60.0)  # elements per semi-axis that are considered
 PLACES = ("tau_max_depth_mm",)
 """Quantities that are places of a maximum: their scale is how flat that is."""
+TURNED = {"a_mm": "b_mm", "b_mm": "a_mm"}
+"""Half lengths along and across the rail change places in line contacts across it."""
 LAWS = Path(__file__).with_name("data") / "laws.json"
 
 
@@ -36,13 +39,15 @@ def lost(beside: float) -> float:
 class Setting:
     """What errors depend on besides the resolution.
 
-    shape: 'solid', 'plane strain' or 'meridian'; theta: as given, None where the law chooses;
+    shape: 'half-spaces', 'bodies' (solids that end), 'plane strain' or 'meridian'; turned: whether
+    the width of a line contact runs across the rail; theta: as given, None where the law chooses;
     poisson, least_poisson: the largest and least of the deformable bodies; ellipse: whether the
     patch is one; axis_ratio: longer over shorter semi-axis; stiffness: E/(1 - nu^2) of the softer
     body over the other's.
     """
 
     shape: str
+    turned: bool
     cell: str
     order: int
     method: str
@@ -94,6 +99,16 @@ class Family:
                 return False
         return True
 
+    @property
+    def across(self) -> Family:
+        """Of line contacts whose width runs across the rail: laws are kept as of those along it."""
+        return replace(
+            self,
+            laws=_turned(self.laws),
+            reading=_turned(self.reading),
+            overlap=_turned(self.overlap),
+        )
+
     def mesh(self, name: str, n: float) -> float:
         """The envelope of a quantity at n; beyond what was calibrated it falls at most as the first
         power."""
@@ -134,6 +149,10 @@ class Family:
         return float(brentq(lambda n: self.expected(n) - target, low, high))
 
 
+def _turned(values: Mapping[str, T]) -> dict[str, T]:
+    return {TURNED.get(name, name): value for name, value in values.items()}
+
+
 @cache
 def families() -> tuple[Family, ...]:
     """All calibrated families."""
@@ -152,4 +171,5 @@ def families() -> tuple[Family, ...]:
 
 def family(setting: Setting) -> Family | None:
     """The family that a setting lies in."""
-    return next((each for each in families() if each.holds(setting)), None)
+    found = next((each for each in families() if each.holds(setting)), None)
+    return found.across if found and setting.turned else found

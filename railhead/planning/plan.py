@@ -94,11 +94,13 @@ class Plan:
         """What the errors of this plan depend on besides the element size."""
         scene, zone = self.scene, self.zone
         moduli = [exact.plane_strain_modulus(scene, tag) for tag in BODIES]
-        shape = "solid"
+        contact = self.contact
+        shape = "half-spaces" if contact.half_space else "bodies"
         if self.section:
-            shape = "meridian" if self.contact.revolved else "plane strain"
+            shape = "meridian" if contact.revolved else "plane strain"
         return Setting(
             shape=shape,
+            turned=contact.line and not contact.lengthwise,
             cell=scene.mesh.cell,
             order=self.order,
             method=scene.solver.method,

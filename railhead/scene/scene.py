@@ -55,6 +55,8 @@ def _name(value: object) -> str:
 
 def _assignment(text: str) -> tuple[str, object]:
     """Split ``key=value``; the value is a TOML scalar if it reads as one, else a plain string."""
+    if not isinstance(text, str):
+        raise SceneError("assignment", f"{show(text)} is not text; write e.g. load=110kN")
     key, equals, value = (part.strip() for part in text.partition("="))
     if not (key and equals):
         raise SceneError("assignment", f"{show(text)} is not key=value; write e.g. load=110kN")

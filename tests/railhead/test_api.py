@@ -49,6 +49,30 @@ def test_a_budget_and_an_accuracy_are_keys_of_the_scene() -> None:
         rh.solve(rh.find("hertz_ellipse"), budget="soon", quiet=True)
 
 
+def test_keys_that_are_left_to_the_program_have_rows_too(tmp_path) -> None:
+    table = rh.sweep(rh.find("sphere_on_plane"), {"solver.theta": [None, 1]}, quiet=True)
+    assert [row["solver.theta"] for row in table.rows()] == [None, 1]
+
+
+@pytest.mark.parametrize(
+    "over, values, said",
+    [("load", {}, "no mapping|not a mapping"), ({5: [1]}, {}, "no key"),
+     ({"load": ["1 N"]}, {"load": ["2 N"]}, "given twice")],
+)  # fmt: skip
+def test_a_wrong_sweep_is_one_line(over, values, said) -> None:
+    with pytest.raises(rh.SceneError, match=said):
+        rh.sweep(rh.find("sphere_on_plane"), over, **values, quiet=True)
+
+
+def test_a_manifest_of_somebody_else_is_no_traceback(tmp_path) -> None:
+    (tmp_path / ".railhead").write_bytes(b"\xff\xfe")
+    (tmp_path / "mine.txt").write_text("kept")
+    with pytest.raises(rh.SceneError, match="mine.txt"):
+        rh.solve(rh.find("sphere_on_plane"), quiet=True).save(tmp_path)
+    with pytest.raises(rh.SceneError, match="null"):
+        rh.solve(rh.find("sphere_on_plane"), quiet=True).save("a\0b")
+
+
 def test_what_cannot_be_written_is_said(tmp_path) -> None:
     result = rh.solve(rh.find("sphere_on_plane"), quiet=True)
     (tmp_path / "mine.txt").write_text("kept")

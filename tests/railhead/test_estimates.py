@@ -7,6 +7,7 @@ from itertools import islice
 import numpy as np
 import pytest
 
+import railhead as rh
 from railhead import catalogue, estimates, refine, results
 from railhead.planning import laws, machine, price
 from railhead.planning import plan as planning
@@ -14,7 +15,9 @@ from railhead.planning.laws import Family, Law, Setting
 from railhead.scene.scene import SceneError
 from railhead.studies import calibrate, error_bounds, families
 
-SETTING = Setting("solid", "tetrahedron", 2, "nitsche", None, 1.0, 0.3, 0.3, True, 2.0, 1.0)
+SETTING = Setting(
+    "half-spaces", False, "tetrahedron", 2, "nitsche", None, 1.0, 0.3, 0.3, True, 2.0, 1.0
+)
 KNOWN = Family(
     "known", families.DEFAULT, (3.0, 8.0), {"max_MPa": Law(0.01, 2.0)},
     {"max_MPa": Law(0.0, 1.0)}, {"max_MPa": 0.5},
@@ -79,6 +82,28 @@ def test_a_law_reaches_a_step_beyond_a_mesh_that_could_deny_it(coarse: float, ho
     before, finest = (12.8, {"max_MPa": coarse}, {}), {"max_MPa": 100.0}
     assert bool(estimates.mesh_parts([before, (20.0, finest, {})], KNOWN, {})[0]) is holds
     assert estimates.mesh_parts([before, (21.0, finest, {})], KNOWN, {})[0] == {}
+
+
+def test_an_extrapolated_law_falls_at_most_as_the_first_power() -> None:
+    """0.01 (6/8)^2 at the end of what was calibrated, and half of it at twice that resolution."""
+    assert KNOWN.mesh("max_MPa", 16.0) == pytest.approx(0.01 * (6 / 8) ** 2 / 2)
+
+
+def test_a_mesh_too_fine_to_be_covered_carries_no_law_further() -> None:
+    assert KNOWN.covers(20.0, [12.8]) and not KNOWN.covers(20.0, [13.0])
+
+
+def test_the_width_of_a_line_across_the_rail_is_b() -> None:
+    """Which of the half lengths is given changes with the direction; it carries no estimate."""
+    along = rh.find("long_roller")
+    rail = rh.Rail(profile="arc", crown_radius=100, extent="half-space", length=20)
+    wheel = rh.Wheel(profile="arc", transverse_radius=100, rolling_radius=math.inf)
+    across = rh.Scene(load=10_000, rail=rail, wheel=wheel)
+    bounds = [
+        rh.solve(scene, quiet=True).as_dict()["accuracy"]["bound"] for scene in (along, across)
+    ]
+    assert "b_mm" not in bounds[0] and "a_mm" not in bounds[1]
+    assert bounds[0]["a_mm"] > 1e-4 and bounds[1]["b_mm"] > 1e-4
 
 
 def test_without_a_family_three_meshes_a_step_apart_are_needed() -> None:
