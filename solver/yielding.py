@@ -224,6 +224,7 @@ class _Loading:
         self.max_steps, self.progress = max_steps, progress
         self.steps: list[NewtonResult] = []
         self.share, self.y = 0.0, None
+        self.touching: Mask = np.zeros(len(self.problem.area), dtype=bool)
 
     def march(self, shares: Iterable[float]) -> NewtonResult:
         """Go to shares of the load, by halves where a step does not converge."""

@@ -119,7 +119,7 @@ def test_perfect_plasticity_bounds_the_stress(five: rh.Result) -> None:
 def test_far_beyond_first_yield_it_is_not_signed() -> None:
     """Strains are no longer small there, and nobody has compared it."""
     found = rh.solve(pressed(200.0), quiet=True)
-    assert found.failed == ["load_over_first_yield"]
+    assert "load_over_first_yield" in found.failed
     assert found.as_dict()["newton"]["reason"] == "residual below tolerance"
 
 
