@@ -212,6 +212,13 @@ RECIPES = {
         (3.0, 5.0, 8.0),
         scenes=31,
     ),
+    "bodies": Recipe(
+        bodies,
+        {"shape": ["bodies"], "least_poisson": [SHALLOW, 0.4]},
+        (3.0, 4.5, 7.0),
+        scenes=24,
+        exact=False,
+    ),
     "shallow": Recipe(
         lambda rng: ellipse(rng) + shallow(rng), {"least_poisson": [0.0, SHALLOW]}, scenes=32
     ),
@@ -293,13 +300,6 @@ RECIPES = {
             "theta": [None],
         },
         (),
-    ),
-    "bodies": Recipe(
-        bodies,
-        {"shape": ["bodies"], "least_poisson": [SHALLOW, 0.4]},
-        (3.0, 4.5, 7.0),
-        scenes=24,
-        exact=False,
     ),
     "profiles": Recipe(
         profiles, {"shape": ["bodies"], "ellipse": [False]}, (4.5, 7.0), exact=False
