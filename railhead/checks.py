@@ -180,14 +180,6 @@ def _physics(level: Level) -> list[Check]:
         )
         for body in plan.deformable
     ]  # fmt: skip
-    centre = float(np.interp(found.patch.centre[1], found.across.coordinate, found.across.pressure))
-    skins = [
-        Check(
-            f"surface_stress_{body}", _off(-float(axis.stress[0, 2]), centre), allowed,
-            "the pressure there; the smooth normal stress below the middle of the patch", FINER,
-        )
-        for body, axis in found.depth.items()
-    ]  # fmt: skip
     elastic = (level.elastic or level).result or result  # yield cuts both
     shear = elastic["stress"]["tau_max_MPa"] / elastic["pressure"]["max_MPa"]
     why = "0.266 to 0.488 in Hertz's ellipses, and a quarter more room"
@@ -195,7 +187,6 @@ def _physics(level: Level) -> list[Check]:
     bounds = "von Mises stress over shear stress, sqrt(3) to 2 in any state, and what reading costs"
     checks = [
         *fluxes,
-        *skins,
         Check(
             "stress_misfit", found.misfit, allowed,
             "the elements' own stresses around the largest smooth ones, on the average", FINER,
