@@ -81,7 +81,7 @@ WRONG: list[tuple[str, object, str]] = [
     (
         "rail.crown_radus",
         80,
-        "unknown key; did you mean crown_radius? allowed here: young_modulus,",
+        "unknown key; did you mean crown_radius? allowed here: young",
     ),
     ("rail.zzz", 80, "unknown key; allowed here: young_modulus, poisson_ratio, steel,"),
     ("rail.inclination", "1:4", "'1:4' is not allowed; give a slope from -0.2 to 0.2"),
