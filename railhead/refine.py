@@ -20,12 +20,6 @@ from railhead.summary import Ending, summarise
 MAX_LEVELS = 5
 ALONE = 0.9  # of the asked accuracy: what is aimed at where one mesh may do
 MEMORY_SHARE = 0.8  # of the free memory that a run may take
-SPEED = Scene(  # what a machine's speed is measured with
-    name="speed",
-    load=25e3,
-    rail=Rail(profile="arc", crown_radius=300, extent="half-space"),
-    wheel=Wheel(profile="cylinder", rolling_radius=420),
-)
 
 
 def run(
@@ -43,11 +37,22 @@ def run(
     return Result(level, comm.bcast(None if level.fields is None else summarise(levels, ending)))
 
 
+def telling(*, quiet: bool, since: float | None = None) -> Progress:
+    """What a run says: under MPI on the first rank alone."""
+    return Progress(quiet=quiet or MPI.COMM_WORLD.rank > 0, since=since)
+
+
 def measure_speed() -> float:
     """Solve a small case twice (the first time compiles) and keep the time of the second, over that
     of the reference machine."""
-    run(SPEED)
-    cost = run(SPEED).summary["cost"]
+    case = Scene(
+        name="speed",
+        load=25e3,
+        rail=Rail(profile="arc", crown_radius=300, extent="half-space"),
+        wheel=Wheel(profile="cylinder", rolling_radius=420),
+    )
+    run(case)
+    cost = run(case).summary["cost"]
     factor = float(cost["seconds"]["total"] / cost["dofs"] / machine.REFERENCE)
     machine.keep(factor)
     return factor
