@@ -12,7 +12,6 @@ from railhead.catalogue import find
 from railhead.planning import machine
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
-from railhead.progress import Progress
 from railhead.result import Result
 from railhead.scene.scene import Scene, checked
 
@@ -56,7 +55,7 @@ def plan(
     """
     decided = planning.make(_asked(scene, accuracy, budget))
     if not machine.known():
-        with Progress(quiet=quiet or refine.MPI.COMM_WORLD.rank > 0) as progress:
+        with refine.telling(quiet=quiet) as progress:
             progress.stage("measuring this machine's speed, once")
             refine.measure_speed()
     return Planned(decided)
@@ -73,11 +72,12 @@ def solve(
     time, e.g. "30 s". What it does goes to standard error (of rank 0) unless quiet. Raises
     SceneError for a scene that makes no contact problem, MeshError."""
     scene = _asked(scene, accuracy, budget)
-    with Progress(quiet=quiet or refine.MPI.COMM_WORLD.rank > 0) as progress:
+    with refine.telling(quiet=quiet) as progress:
         return refine.run(scene, progress)
 
 
 def _asked(scene: Scene, accuracy: str | float | None, budget: str | float | None) -> Scene:
     asked = {"accuracy": accuracy, "budget": budget}
     given = {key: value for key, value in asked.items() if value is not None}
-    return checked(scene).replace(**given) if given else checked(scene)
+    scene = checked(scene)
+    return scene.replace(**given) if given else scene

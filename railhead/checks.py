@@ -236,11 +236,12 @@ def _shape(level: Level, estimates: Mapping[str, Estimate]) -> list[Check]:
     room = sum(_room(estimates, name) for name in names)
     a, b = result["patch"]["a_mm"], result["patch"]["b_mm"]
     axes = 4 * a * b if line else math.pi * a * b
-    both = sum(_room(estimates, name) for name in ("a_mm", "b_mm", "area_mm2") if name in estimates)
+    known = [estimates[name].total for name in ("a_mm", "b_mm", "area_mm2") if name in estimates]
+    fits = MISS * sum(known) or ROUGH  # of a line one half length is given
     return [
         Check(
-            "area_over_axes", _off(result["patch"]["area_mm2"], axes), both or ROUGH,
-            f"{'4' if line else 'pi'} a b; the estimates of all three ({both:.2g})", FINER,
+            "area_over_axes", _off(result["patch"]["area_mm2"], axes), fits,
+            f"{'4' if line else 'pi'} a b; the estimates of all three ({fits:.2g})", FINER,
         ),
         Check(
             "pressure_over_mean", _off(result["pressure"]["max_MPa"], peak),

@@ -90,14 +90,13 @@ def run(
     folder = out if out is not None else Path("results") / scene.name
     results.check_folder(folder)
 
-    from railhead import api, report, screen
-    from railhead.progress import Progress
+    from railhead import api, refine, report, screen
 
     quiet = quiet or as_json
     start = time.perf_counter()
     result = api.solve(scene, accuracy=accuracy, budget=budget, quiet=quiet)
     first, problem = result.mesh.comm.rank == 0, None
-    with Progress(quiet=quiet or not first, since=start) as progress:
+    with refine.telling(quiet=quiet, since=start) as progress:
         progress.stage("writing files" + ("" if no_pictures else " and pictures"))
         try:
             result.save(folder, pictures=not no_pictures)

@@ -25,12 +25,6 @@ STEP_ERROR = 2.5  # times the change with twice the load steps: at order 0.86, w
 STEPPING = 0.4  # of the asked accuracy: what load steps may take
 MOST_STEPS = 16  # times the usual number
 MEMORY_SHARE = 0.8  # of the free memory that a run may take
-SPEED = Scene(  # what a machine's speed is measured with
-    name="speed",
-    load=25e3,
-    rail=Rail(profile="arc", crown_radius=300, extent="half-space"),
-    wheel=Wheel(profile="cylinder", rolling_radius=420),
-)
 
 
 def run(
@@ -62,11 +56,22 @@ def _unforeseen(level: Level) -> str:
     return after.why
 
 
+def telling(*, quiet: bool, since: float | None = None) -> Progress:
+    """What a run says: under MPI on the first rank alone."""
+    return Progress(quiet=quiet or MPI.COMM_WORLD.rank > 0, since=since)
+
+
 def measure_speed() -> float:
     """Solve a small case twice (the first time compiles) and keep the time of the second, over that
     of the reference machine."""
-    run(SPEED)
-    cost = run(SPEED).summary["cost"]
+    case = Scene(
+        name="speed",
+        load=25e3,
+        rail=Rail(profile="arc", crown_radius=300, extent="half-space"),
+        wheel=Wheel(profile="cylinder", rolling_radius=420),
+    )
+    run(case)
+    cost = run(case).summary["cost"]
     factor = float(cost["seconds"]["total"] / cost["dofs"] / machine.REFERENCE)
     machine.keep(factor)
     return factor

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from railhead import estimates, refine
-from railhead.progress import Progress
 from railhead.result import Result
 from railhead.scene.scene import SceneError, checked
 
@@ -82,7 +81,7 @@ def sweep(
         for chosen in product(*lists.values())
     ]
     results = Sweep([], list(lists))
-    with Progress(quiet=quiet) as progress:
+    with refine.telling(quiet=quiet) as progress:
         for number, each in enumerate(scenes, 1):
             progress.stage(f"{number} of {len(scenes)}")
             results.append(refine.run(each, progress))

@@ -165,17 +165,21 @@ def lines(rng: np.random.Generator) -> list[str]:
     return keys + (["rail.poisson_ratio=0.0"] if rng.random() < 0.25 else [])
 
 
+def one(rng: np.random.Generator, *values: str) -> str:
+    """One of the values."""
+    return values[rng.integers(len(values))]
+
+
 def bodies(rng: np.random.Generator) -> list[str]:
     """Real heads and wheels, arcs among them, anywhere across the tread."""
 
-    def one(*values: str) -> str:
-        return values[rng.integers(len(values))]
-
     keys = [
-        f"rail.profile={one('54E1', '60E1', 'arc')}", f"wheel.profile={one('cylinder', 'cone20')}",
-        f"rail.inclination={one('0', '1:20', '1:40')}", f"load={10 ** rng.uniform(3.0, 5.1)!r}",
+        f"rail.profile={one(rng, '54E1', '60E1', 'arc')}",
+        f"wheel.profile={one(rng, 'cylinder', 'cone20')}",
+        f"rail.inclination={one(rng, '0', '1:20', '1:40')}",
+        f"load={10 ** rng.uniform(3.0, 5.1)!r}",
         f"wheel.rolling_radius={rng.uniform(150, 500)!r}",
-        f"wheelset.shift={one('0', repr(rng.uniform(-6, 6)))}",
+        f"wheelset.shift={one(rng, '0', repr(rng.uniform(-6, 6)))}",
     ]  # fmt: skip
     if "rail.profile=arc" in keys:
         keys.append(f"rail.crown_radius={10 ** rng.uniform(1.7, 2.8)!r}")
@@ -192,12 +196,10 @@ def ball(rng: np.random.Generator) -> list[str]:
 def profiles(rng: np.random.Generator) -> list[str]:
     """Standard rails under standard wheels anywhere across the tread."""
 
-    def one(*values: str) -> str:
-        return values[rng.integers(len(values))]
-
     keys = [
-        f"rail.profile={one('54E1', '60E1')}", f"rail.inclination={one('0', '1:20', '1:40')}",
-        f"wheel.profile={one('S1002', 'S1002', 'cone20', 'cone40', 'cylinder')}",
+        f"rail.profile={one(rng, '54E1', '60E1')}",
+        f"rail.inclination={one(rng, '0', '1:20', '1:40')}",
+        f"wheel.profile={one(rng, 'S1002', 'S1002', 'cone20', 'cone40', 'cylinder')}",
         f"load={10 ** rng.uniform(3.7, 5.1)!r}", f"wheelset.shift={rng.uniform(-6, 9)!r}",
         f"wheel.rolling_radius={rng.uniform(330, 500)!r}",
     ]  # fmt: skip
@@ -205,6 +207,11 @@ def profiles(rng: np.random.Generator) -> list[str]:
     return keys + (materials(rng) if rng.random() < 0.3 else [])
 
 
+LINE: dict[str, Sequence[Any]] = {
+    "shape": ["plane strain"],
+    "turned": [False, True],
+    "axis_ratio": [1.0, 1.0],
+}
 RECIPES = {
     "ellipse": Recipe(
         lambda rng: ellipse(rng) + materials(rng),
@@ -250,12 +257,7 @@ RECIPES = {
     ),
     "plane strain": Recipe(
         lambda rng: roller(rng) + lines(rng),
-        {
-            "shape": ["plane strain"],
-            "turned": [False, True],
-            "axis_ratio": [1.0, 1.0],
-            "poisson": [0.0, LOCKING[0]],
-        },
+        {**LINE, "poisson": [0.0, LOCKING[0]]},
         LINES,
         40,
         split={
@@ -271,12 +273,7 @@ RECIPES = {
     ),
     "incompressible lines": Recipe(
         lambda rng: roller(rng) + materials(rng, *LOCKING),
-        {
-            "shape": ["plane strain"],
-            "turned": [False, True],
-            "axis_ratio": [1.0, 1.0],
-            "poisson": LOCKING,
-        },
+        {**LINE, "poisson": LOCKING},
         LINES,
         40,
     ),
