@@ -56,7 +56,12 @@ class EllipsoidPotential:
             -self.strength * z_I_z,
         )
 
-    @cached_property
+    @property
+    def psi_z(self) -> Array:
+        """psi_z in MPa."""
+        return self.gradient[2]
+
+    @property
     def depth_times_hessian(self) -> tuple[Array, Array, Array, Array, Array, Array]:
         """z times psi_xx, psi_yy, psi_zz, psi_xy, psi_xz, psi_yz in MPa (bounded at the edge)."""
         I_a, I_b, _ = self._confocal_integrals

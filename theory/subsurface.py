@@ -5,6 +5,7 @@ Stresses are in MPa, tension positive, in columns xx, yy, zz, xy, xz, yz; points
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +15,25 @@ from railhead.theory.hertz import Ellipse, Strip
 from railhead.theory.potential import EllipsoidPotential
 
 Array = NDArray[np.float64]
+
+
+class Potential(Protocol):
+    """Derivatives of the potentials psi and psi1 of a pressure (see `potential`), arrays (n,)."""
+
+    @property
+    def psi_z(self) -> Array:
+        """psi_z, MPa."""
+        ...
+
+    @property
+    def depth_times_hessian(self) -> tuple[Array, Array, Array, Array, Array, Array]:
+        """z times psi_xx, psi_yy, psi_zz, psi_xy, psi_xz, psi_yz, MPa."""
+        ...
+
+    @property
+    def log_hessian(self) -> tuple[Array, Array, Array]:
+        """psi1_xx, psi1_yy, psi1_xy, MPa."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -29,21 +49,26 @@ class AxisExtrema:
 def stress(contact: Ellipse, poisson: float, points: ArrayLike) -> Array:
     """Stress (n, 6) at points (n, 3) with z <= 0, below, beside or on the patch.
 
+    The potentials are closed forms; the relative error is that of rounding. ValueError: a point
+    above the surface, or another shape.
+    """
+    return love(contact_potential(contact, points), poisson)
+
+
+def love(potential: Potential, poisson: float) -> Array:
+    """Stress (n, 6) from the potentials of a pressure.
+
     Love's formulas (Johnson, Contact Mechanics, 3.2), in depth z and up to the factor 2 pi:
     s_x = 2 nu psi_z - z psi_xx - (1 - 2 nu) psi1_xx, s_y alike, s_z = psi_z - z psi_zz,
-    s_xy = -z psi_xy - (1 - 2 nu) psi1_xy, s_xz = -z psi_xz, s_yz = -z psi_yz. The potentials are
-    closed forms; the relative error is that of rounding. ValueError: a point above the surface, or
-    another shape.
+    s_xy = -z psi_xy - (1 - 2 nu) psi1_xy, s_xz = -z psi_xz, s_yz = -z psi_yz.
     """
-    potential = contact_potential(contact, points)
     z_xx, z_yy, z_zz, z_xy, z_xz, z_yz = potential.depth_times_hessian
     log_xx, log_yy, log_xy = potential.log_hessian
-    psi_z = potential.gradient[2]
     free = 1 - 2 * poisson
     columns = (
-        2 * poisson * psi_z - z_xx - free * log_xx,
-        2 * poisson * psi_z - z_yy - free * log_yy,
-        psi_z - z_zz,
+        2 * poisson * potential.psi_z - z_xx - free * log_xx,
+        2 * poisson * potential.psi_z - z_yy - free * log_yy,
+        potential.psi_z - z_zz,
         -z_xy - free * log_xy,
         z_xz,  # the shears on horizontal planes change sign from depth to height
         z_yz,

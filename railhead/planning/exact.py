@@ -16,6 +16,7 @@ from railhead.theory.hertz import Ellipse
 
 CONTINUUM = 1e-6  # mm: a nanometre, some atoms
 LARGEST = 1e6  # mm: a kilometre; no body is longer
+PARABOLIC = 0.02  # largest deviation from Hertz's gap over his approach
 ROUNDING = 1e3  # gap of the patch over the rounding of coordinates, at least
 
 
@@ -74,6 +75,20 @@ def finite(scene: Scene, contact: Contact) -> Hertz:
     raise SceneError(
         key, f"{size}; give a smaller one, whose patch is smaller than wheel.rolling_radius"
     )
+
+
+def parabolic(contact: Contact, ellipse: Ellipse) -> bool:
+    """Whether the exact gap over the ellipse and a little beyond is Hertz's, and nothing else is
+    within reach of the approach."""
+    touch = contact.touch
+    if len(contact.touches(ellipse.approach / math.cos(touch.angle))) > 1:
+        return False
+    turn, radius = np.meshgrid(np.linspace(0, 2 * np.pi, 25), [0.5, 1.0])
+    u, v = (ellipse.a * radius * np.cos(turn)).ravel(), (ellipse.b * radius * np.sin(turn)).ravel()
+    c, t = math.cos(touch.orientation), math.sin(touch.orientation)
+    gap = contact.half_space_gap(touch)(c * u - t * v, t * u + c * v)
+    expected = (touch.curvature_x * u**2 + touch.curvature_y * v**2) / 2
+    return bool(np.abs(gap - expected).max() < PARABOLIC * ellipse.approach)
 
 
 def _smallest(scene: Scene, contact: Contact, found: Hertz) -> float:

@@ -25,7 +25,6 @@ from railhead.theory.contacts import Hertz
 from railhead.theory.half_space_patch import PatchSolution
 
 Array = NDArray[np.float64]
-PARABOLIC = 0.02  # largest deviation from Hertz's gap over his approach
 MINOR = 0.02  # of the load: smaller patches are not refined for
 
 
@@ -90,7 +89,7 @@ class Forecast:
 def forecast(context: Context) -> Forecast:
     """Of the patches of a scene."""
     contact, ellipse = context.contact, context.hertz
-    if contact.plane or contact.half_space or _parabolic(contact, ellipse):
+    if context.hertzian:
         return _hertz(contact, ellipse)
     try:
         found = context.boundary_elements
@@ -113,20 +112,6 @@ def forecast(context: Context) -> Forecast:
         Nearest(cKDTree(everything), force > 0, max(zone.b for zone in kept)),
         False,
     )
-
-
-def _parabolic(contact: Contact, ellipse: Hertz) -> bool:
-    """Whether the exact gap over the ellipse and a little beyond is Hertz's, and nothing else is
-    within reach of the approach."""
-    touch = contact.touch
-    if len(contact.touches(ellipse.approach / math.cos(touch.angle))) > 1:
-        return False
-    turn, radius = np.meshgrid(np.linspace(0, 2 * np.pi, 25), [0.5, 1.0])
-    u, v = (ellipse.a * radius * np.cos(turn)).ravel(), (ellipse.b * radius * np.sin(turn)).ravel()
-    c, t = math.cos(touch.orientation), math.sin(touch.orientation)
-    gap = contact.half_space_gap(touch)(c * u - t * v, t * u + c * v)
-    expected = (touch.curvature_x * u**2 + touch.curvature_y * v**2) / 2
-    return bool(np.abs(gap - expected).max() < PARABOLIC * ellipse.approach)
 
 
 def _hertz(contact: Contact, ellipse: Hertz) -> Forecast:

@@ -24,6 +24,7 @@ from railhead.studies.hard.scenes import (
     outgrown,
 )
 from railhead.studies.hard.worn import worn
+from railhead.studies.hard.yielding import yielding
 
 BOUNDARY, HERTZ, FINER, SAME = "boundary elements", "exact Hertz", "own finer mesh", "invariance"
 
@@ -160,7 +161,8 @@ def invariances() -> Iterator[Case]:
 
 
 PARTS = (
-    loads, starts, shapes, stiffness, meshes, stalled, thin, places, positions, worn, invariances,
+    loads, starts, shapes, stiffness, yielding, meshes, stalled, thin, places, positions, worn,
+    invariances,
     iterations, factor_cases, material_cases, plan_cases, run_cases,
 )  # fmt: skip
 CASES: dict[str, Case] = {case.key: case for part in PARTS for case in part()}

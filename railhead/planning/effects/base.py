@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -10,10 +11,12 @@ from typing import TYPE_CHECKING, Any
 from railhead.geometry.dimension import Dimension
 from railhead.geometry.solid import Contact
 from railhead.meshing.profiles import Profile
-from railhead.planning import developed
+from railhead.planning import developed, exact
 from railhead.scene.scene import Scene, SceneError
+from railhead.theory import contacts, grid_stress
 from railhead.theory.boundary_element import Solution
 from railhead.theory.contacts import Hertz
+from railhead.theory.line import LineContact
 
 if TYPE_CHECKING:
     from railhead.planning.plan import Plan
@@ -77,6 +80,24 @@ class Context:
         """Of the undeformed pair under the load or approach of the scene; ValueError where they
         find no closed patch."""
         return developed.solve(self.contact, self.hertz, self.scene.load)
+
+    @cached_property
+    def hertzian(self) -> bool:
+        """Whether exact Hertz tells the patch: between half-spaces and in sections by definition,
+        else where the exact gap over the patch is his."""
+        contact, hertz = self.contact, self.hertz
+        if contact.plane or contact.half_space or isinstance(hertz, LineContact):
+            return True
+        return exact.parabolic(contact, hertz)
+
+    def von_mises(self, poisson: float) -> float:
+        """The largest elastic one (MPa) below the contact: exact, or from the pressure of the
+        boundary elements where the patch is not Hertz's and they find one."""
+        if not self.hertzian:
+            with suppress(ValueError):
+                patches = self.boundary_elements.patches
+                return max(grid_stress.largest_von_mises(patch, poisson) for patch in patches)
+        return contacts.axis_extrema(self.hertz, poisson).von_mises_max
 
     @property
     def accuracy(self) -> float:

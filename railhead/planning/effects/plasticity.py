@@ -16,7 +16,7 @@ from railhead.scene.scene import Scene
 from railhead.scene.sections import Part
 from railhead.solver.hardening import Hardening
 from railhead.solver.setup import LoadPath, Setup, Side
-from railhead.theory import contacts, indentation
+from railhead.theory import indentation
 
 if TYPE_CHECKING:
     from railhead.planning.forecast import Zone
@@ -27,15 +27,13 @@ WORK = 1.1  # times an elastic run that a load step costs, its share of unloadin
 # 1.3 on a solid of 10 000 to 48 000 unknowns and a section
 REACH = 3.0  # half lengths of the patch around it in which yield is followed
 USUAL = "R260"  # rail steel that a scene without one is held against
-SURE = 0.8  # of the yield: below it no Hertzian patch yields where the plan looks
 
 
 def decide(context: Context) -> Effect:
-    """Called for where the largest von Mises stress of exact Hertz passes a yield stress."""
+    """Called for where the largest elastic von Mises stress passes a yield stress."""
     scene = context.scene
     stresses = {
-        name: contacts.axis_extrema(context.hertz, part.poisson_ratio).von_mises_max
-        for name, part in _yielding(context).items()
+        name: context.von_mises(part.poisson_ratio) for name, part in _yielding(context).items()
     }
     yields, why = _compare(scene, stresses) if stresses else (False, _would_yield(context))
     if yields:
@@ -133,7 +131,7 @@ def _would_yield(context: Context) -> str:
     """Why a scene without a yield stress stays elastic, and whether a usual rail would yield."""
     if not context.decided["deformable_rail"].on:
         return "no yield stress is given"
-    stress = contacts.axis_extrema(context.hertz, context.scene.rail.poisson_ratio).von_mises_max
+    stress = context.von_mises(context.scene.rail.poisson_ratio)
     limit = steels.known()[USUAL].curve[0][1]
     verb = "would yield here" if stress > limit else "would not yield"
     return f"no steel is given; {USUAL} {verb}: von Mises {stress:.4g} MPa, its yield {limit:g}"

@@ -1,0 +1,62 @@
+"""Stresses below a grid's pressure, against the closed forms of Hertz's ellipse."""
+
+import numpy as np
+import pytest
+
+from railhead.theory import boundary_element, grid_stress, subsurface
+from railhead.theory.half_space_patch import PatchSolution
+from railhead.theory.hertz import Ellipse, point_contact
+
+MODULUS, LOAD = 1.1e5, 4e4
+
+
+def pair(ratio: float) -> tuple[Ellipse, PatchSolution]:
+    """Exact Hertz, and his contact by boundary elements on 64 cells an axis."""
+    exact = point_contact(ratio * 1e-3, 1e-3, MODULUS, LOAD)
+    found = boundary_element.solve(
+        lambda x, s: (ratio * x**2 + s**2) * 1e-3 / 2,
+        MODULUS,
+        load=LOAD,
+        half_size=(2 * exact.a, 2 * exact.b),
+        cells=64,
+        tolerance=1e-5,
+    )
+    return exact, found
+
+
+@pytest.mark.parametrize("ratio", [1.0, 0.1, 5.0])
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
+def test_stress_below_a_hertzian_patch(ratio: float, poisson: float) -> None:
+    exact, found = pair(ratio)
+    box = np.random.default_rng(3).uniform((-2, -2, -2), (2, 2, -0.2), (30, 3))
+    points = box * (exact.a, exact.b, min(exact.a, exact.b))
+    error = grid_stress.stress(found, poisson, points) - subsurface.stress(exact, poisson, points)
+    assert np.abs(error).max() < 0.01 * exact.p0
+
+
+@pytest.mark.parametrize("ratio", [1.0, 0.02, 5.0])
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
+def test_largest_von_mises_stress(ratio: float, poisson: float) -> None:
+    """Slender patches of a small Poisson's ratio have it at the surface."""
+    exact, found = pair(ratio)
+    expected = subsurface.axis_extrema(exact, poisson).von_mises_max
+    assert grid_stress.largest_von_mises(found, poisson) == pytest.approx(expected, rel=0.01)
+
+
+def test_stress_is_in_equilibrium_and_free_beside_the_patch() -> None:
+    """Of one cell with pressure: tractions of the surface, and forces on a plane below."""
+    _, found = pair(1.0)
+    pressure = np.zeros_like(found.pressure)
+    pressure[20, 30] = 700.0
+    cell = PatchSolution(found.x, found.s, found.angle, pressure, found.gap, found.approach)
+    x, s = found.x[20], found.s[30]
+    step = found.x[1] - found.x[0]
+    below, beside = grid_stress.stress(
+        cell, 0.3, np.array([[x, s, -1e-6], [x + 3 * step, s, -1e-6]])
+    )
+    assert below[2] == pytest.approx(-700, rel=1e-4)
+    assert np.abs(beside[[2, 4, 5]]).max() < 0.1
+    u = np.linspace(-150, 150, 301) * step
+    plane = np.array([[x + a, s + b, -4 * step] for a in u for b in u])
+    force = -grid_stress.stress(cell, 0.3, plane)[:, 2].sum() * step**2
+    assert force == pytest.approx(cell.force, rel=0.01)
