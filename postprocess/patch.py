@@ -250,7 +250,10 @@ def samples(fields: Fields, frame: Frame, facets: Array) -> Samples:
     local, values = mirrored(local, values, fields)
     even = any(abs(normal[0]) > 0.5 for normal in fields.mirrors)
     force, pressure, size = values.T
-    return Samples(local[:, 0], local[:, 1], force, pressure, size, even, ((x0, x1), (s0, s1)))
+    return Samples(
+        local[:, 0], local[:, 1], force, pressure, size, even, ((x0, x1), (s0, s1)),
+        yields=fields.plastic is not None,
+    )  # fmt: skip
 
 
 def _pressure(readings: list[_Reading], points: Array) -> Array:
