@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from importlib import resources
 from typing import Any, Protocol
 
@@ -69,9 +69,13 @@ class Polynomial:
     end: float
     coefficients: tuple[float, ...]
 
-    def derivative(self, y: Array, order: int) -> Array:
+    @cached_property
+    def _derivatives(self) -> tuple[np.polynomial.Polynomial, ...]:
         poly = np.polynomial.Polynomial(self.coefficients)
-        return np.asarray(poly.deriv(order)(y) if order else poly(y), dtype=float)
+        return poly, poly.deriv(1), poly.deriv(2)
+
+    def derivative(self, y: Array, order: int) -> Array:
+        return np.asarray(self._derivatives[order](y), dtype=float)
 
 
 @dataclass(frozen=True)
@@ -108,7 +112,8 @@ class Profile:
         out = np.full(y.shape, np.nan)
         for piece in self.pieces:
             inside = (y >= piece.start) & (y <= piece.end)
-            out[inside] = piece.derivative(y[inside], order)
+            if inside.any():
+                out[inside] = piece.derivative(y[inside], order)
         return out
 
     def height(self, y: ArrayLike) -> Array:

@@ -89,6 +89,7 @@ def test_a_motion_counts_where_it_changes_the_patch(monkeypatch: pytest.MonkeyPa
     assert np.isfinite(thesis()["max_MPa"].total)
 
 
+@pytest.mark.slow
 def test_a_head_on_its_own_turns_and_changes_the_pressure_as_foreseen() -> None:
     """The 22.5 t axle beside the web of a head without one: half-spaces are 1.7 % too high."""
     choice = ["rail.inclination=1:40", "effects.rail_section=off", "effects.plasticity=off"]

@@ -123,7 +123,13 @@ def test_vtu_files_open_in_pyvista(result) -> None:
 NO_HALF_SPACE = {"two_cylinders": 0.01}  # patch over radius 0.12
 
 
-@pytest.mark.parametrize("case", list(catalogue.shipped()))
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(case, marks=[pytest.mark.slow] if case.startswith("cone20") else [])
+        for case in catalogue.shipped()
+    ],
+)
 def test_every_case_script_runs_and_meets_theory(case: str, tmp_path) -> None:
     """Exact Hertz, or boundary elements on the same profiles where the patch is no ellipse."""
     script = str(ROOT / "cases" / f"{case}.py")

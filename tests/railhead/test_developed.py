@@ -120,7 +120,11 @@ def test_a_patch_that_was_not_looked_for_is_found(monkeypatch: pytest.MonkeyPatc
 
 @pytest.mark.parametrize(
     "assignments",
-    [("wheelset.shift=5",), ("wheelset.shift=5", "load=100kN"), ("wheelset.shift=8",)],
+    [
+        pytest.param(("wheelset.shift=5",), marks=pytest.mark.slow),
+        ("wheelset.shift=5", "load=100kN"),
+        ("wheelset.shift=8",),
+    ],
 )
 def test_second_opinion_does_not_hang_on_its_grid(assignments: tuple[str, ...]) -> None:
     """Tread, gauge corner and flange: 128 cells against four times finer ones, within 1 %."""

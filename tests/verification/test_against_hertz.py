@@ -99,7 +99,16 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize("assignments", SCENES.values(), ids=SCENES)
+LONG = ("axis ratio 10", "1 MN", "theta 0")
+
+
+@pytest.mark.parametrize(
+    "assignments",
+    [
+        pytest.param(keys, id=name, marks=[pytest.mark.slow] if name in LONG else [])
+        for name, keys in SCENES.items()
+    ],
+)
 def test_other_hertz_scenes_are_as_accurate(assignments: list[str]) -> None:
     summary = solved(catalogue.find("hertz_ellipse").replace(assignments)).summary
     assert worst(summary, "a_mm", "b_mm", "approach_mm") < 0.003

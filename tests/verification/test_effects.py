@@ -83,7 +83,9 @@ def test_effects_that_are_only_recognised_change_nothing(case: str) -> None:
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("profile, inclination", [("54E1", "0"), ("60E1", "1:40")])
+@pytest.mark.parametrize(
+    "profile, inclination", [("54E1", "0"), pytest.param("60E1", "1:40", marks=pytest.mark.slow)]
+)
 def test_a_whole_rail_twists_as_the_plan_expects(profile: str, inclination: str) -> None:
     """Head at the wheel, of a mesh as `railhead study calibrate` measures it on."""
     solved = measured.solved(profile, inclination)

@@ -25,7 +25,7 @@ def solved(ranks: int, folder: Path, *assignments: str, case: str = "uic54_thesi
     return json.loads((folder / f"ranks{ranks}" / "summary.json").read_text())
 
 
-@pytest.mark.parametrize("ranks", [2, 3])
+@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_same_numbers_on_several_ranks(ranks: int, tmp_path) -> None:
     one, more = (solved(n, tmp_path, "mesh.patch_size=1.0") for n in (1, ranks))
     assert more["cost"]["ranks"] == ranks
