@@ -30,7 +30,6 @@ STEEL = {"yield_stress": YIELD}
 LIMITS = {"approach_mm": 0.012, "area_mm2": 0.03, "max_MPa": 0.04, "strain_max": 0.08}
 AGAIN = dict.fromkeys(LIMITS, 0.01)  # the same scene said otherwise, or pressed again
 FINE = 1.6  # times the elements per semi-axis, and twice the load steps
-NEWTON = 400  # in all: some dozens of load steps of at most eight each
 
 
 def pressed(multiple: float, rail: Mapping[str, Any] = STEEL, **changes: Any) -> Scene:
@@ -101,14 +100,14 @@ def yielding() -> Iterator[Case]:
                                              "kinematic_fraction": 1.0}), "reverse yield", False),
     ):  # fmt: skip
         yield Case("yield", name, why, "own finer mesh", _against(scene, partial(_finer, scene),
-                   LIMITS), newton=NEWTON, seconds=300, quick=quick)  # fmt: skip
+                   LIMITS), seconds=300, quick=quick)  # fmt: skip
     for cycles in (2, 5):
         scene = pressed(10)
         yield Case(
             "yield", f"pressed {cycles} times", "what is left must carry the load again",
             "invariance",
             _against(scene.replace(cycles=cycles), partial(_same, scene), AGAIN),
-            newton=NEWTON, seconds=300, quick=cycles == 2,
+            seconds=300, quick=cycles == 2,
         )  # fmt: skip
     small = pressed(5)
     scaled = small.replace(
@@ -118,12 +117,12 @@ def yielding() -> Iterator[Case]:
     )
     yield Case(
         "yield", "a sphere of 10 um", "tiny loads and lengths", "invariance",
-        _against(scaled, partial(_same, small, 1e4), AGAIN), newton=NEWTON, seconds=300,
+        _against(scaled, partial(_same, small, 1e4), AGAIN), seconds=300,
     )  # fmt: skip
     yield Case(
         "yield", "200 times first yield", "strains are no longer small", "own finer mesh",
         _against(pressed(200), partial(_finer, pressed(200)), LIMITS),
-        newton=NEWTON, seconds=300, known="load_over_first_yield",
+        seconds=300, known="load_over_first_yield",
     )  # fmt: skip
     bodies = Scene(load=60e3, rail=Rail(profile="arc", crown_radius=300, extent="half-space"))
     for body in ("rail", "wheel"):
@@ -131,5 +130,5 @@ def yielding() -> Iterator[Case]:
         yield Case(
             "yield", f"the {body} alone", "the elastic body carries the contact stress",
             "own finer mesh", _against(scene, partial(_finer, scene), LIMITS),
-            newton=NEWTON, seconds=300,
+            seconds=300,
         )  # fmt: skip
