@@ -9,7 +9,8 @@ plastic strain q, and backward Euler over a load step (Simo and Hughes, Computat
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,11 +84,16 @@ class Loss:
         """The same with points numbered among all, of which these `members` were looked at."""
         return replace(self, points=members[self.points])
 
+    @classmethod
+    def joined(cls, losses: Sequence[Loss]) -> Loss:
+        """Of several sets of points."""
+        parts = {each.name: [getattr(loss, each.name) for loss in losses] for each in fields(cls)}
+        return cls(**{name: np.concatenate(values) for name, values in parts.items()})
+
     def of(self, strain: Array) -> Array:
-        """(C - C_ep) : strain (k, m), MPa, of strains (n, m) of all points."""
-        mine = strain[self.points]
-        along = np.einsum("km,km->k", self.normal, mine) * self.along
-        sheared = self.shear[:, None] * deviator(mine)
+        """(C - C_ep) : strain (k, m), MPa, of strains (k, m) at these points."""
+        along = np.einsum("km,km->k", self.normal, strain) * self.along
+        sheared = self.shear[:, None] * deviator(strain)
         return 2 * self.mu[:, None] * (sheared + along[:, None] * self.normal)
 
 

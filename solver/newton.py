@@ -86,7 +86,8 @@ def solve(
     """Solve R(y) = 0 from a state, or from the linear problem in which exactly `active` touches.
 
     rtol: residual over the contact force. Only the linear system of the last step is solved to
-    full accuracy: what the others leave is small against the change of the active set. The
+    full accuracy: what the others leave is small against the change of the active set, and against
+    the square of the step where the tangent changes between two sets. The
     symmetric methods have a convex energy, along which an exact line search stops overshoots; the
     others halve their steps when an active set comes back.
     """
@@ -132,7 +133,8 @@ def solve(
                 return result
             if step == max_steps:
                 return result
-            tolerance = max(0.3 * rtol / norm, LOOSE if norm > FAR else 0.0)
+            near = norm if problem.curved else 0.0
+            tolerance = max(0.3 * rtol / norm, LOOSE if norm > FAR else near)
             increment = problem.force.duplicate()
             iterations = linear.solve(
                 problem, preconditioner, active, residual, increment, tolerance

@@ -55,8 +55,9 @@ class YieldPoints:
         """Set the strain of u0."""
         self.start = np.array((self.full * prescribed).array).reshape(self.start.shape)
 
-    def returned(self, y: PETSc.Vec) -> tuple[History, list[Loss]]:
-        """State after a step from the history to the strains of y."""
+    def returned(self, y: PETSc.Vec) -> tuple[History, Loss | None]:
+        """State after a step from the history to the strains of y, and what the tangent loses; None
+        where there are no points."""
         strain = self.strains(y) + self.start
         state = History(*(getattr(self.history, each.name).copy() for each in fields(History)))
         losses = []
@@ -66,13 +67,21 @@ class YieldPoints:
             for each in fields(History):
                 getattr(state, each.name)[members] = getattr(after, each.name)
             losses.append(loss.among(members))
-        return state, losses
+        return state, Loss.joined(losses) if losses else None
+
+    def rows(self, points: Index) -> PETSc.Mat:
+        """Those of E that belong to some of the points (k,): k m of this rank."""
+        size = self.start.shape[1]
+        first, comm = self.strain.getOwnershipRange()[0], self.strain.comm
+        rows = first + (points[:, None] * size + np.arange(size)).ravel()
+        own, end = self.strain.getOwnershipRangeColumn()
+        columns = PETSc.IS().createStride(end - own, own, 1, comm=comm)
+        chosen = PETSc.IS().createGeneral(rows.astype(PETSc.IntType), comm=comm)
+        return self.strain.createSubMatrix(chosen, columns)
 
     def add_forces(self, stress: Array, out: PETSc.Vec) -> None:
         """out += E^T w stress, stresses (n, m) in MPa."""
-        work = self.strain.createVecLeft()
-        work.array[:] = (self.weights[:, None] * stress).ravel()
-        self.strain.multTransposeAdd(work, out, out)
+        add_transposed(self.strain, self.weights[:, None] * stress, out)
 
 
 @dataclass
@@ -85,19 +94,27 @@ class PlasticProblem(ContactProblem):
     across: Array = field(kw_only=True)
 
     def __post_init__(self) -> None:
-        self._bulk: tuple[History, list[Loss]] = self.bulk.history, []
-        self._surface: tuple[History, list[Loss]] = self.surface.history, []
+        self._bulk: tuple[History, Loss | None] = self.bulk.history, None
+        self._surface: tuple[History, Loss | None] = self.surface.history, None
+        self._soft: tuple[PETSc.Mat, PETSc.Mat] | None = None
+
+    @property
+    def curved(self) -> bool:
+        """Yield does that."""
+        return True
 
     @property
     def symmetric(self) -> bool:
         """Whether the tangent is: not where contact points of Nitsche's method yield."""
-        soft = sum(len(loss.points) for loss in self._surface[1]) if self.law.sigma else 0
+        loss = self._surface[1]
+        soft = len(loss.points) if loss is not None and self.law.sigma else 0
         total = self.stiffness.comm.tompi4py().allreduce(soft)
         return self.law.symmetric and not total
 
     def indicator(self, y: PETSc.Vec) -> Array:
         """-(B y + c - t) (n,), MPa. Sets the state that `residual` and `tangent` are of."""
         self._bulk, self._surface = self.bulk.returned(y), self.surface.returned(y)
+        self._soft = None
         return super().indicator(y) + self.law.sigma * self.missing(self._surface[0].plastic)
 
     def missing(self, plastic: Array) -> Array:
@@ -134,28 +151,51 @@ class PlasticProblem(ContactProblem):
         self.bulk.stretched(prescribed)
         self.surface.stretched(prescribed)
 
-    def commit(self) -> None:
-        """Make the last state the history of the next step."""
-        self.bulk.history, self.surface.history = self._bulk[0], self._surface[0]
+    @property
+    def state(self) -> tuple[History, History]:
+        """The last one, at the Gauss and at the contact points."""
+        return self._bulk[0], self._surface[0]
+
+    def commit(self, state: tuple[History, History]) -> None:
+        """Make a state the history of the next step."""
+        self.bulk.history, self.surface.history = state
 
     @property
     def yielding(self) -> int:
         """Gauss points that yield in the last state, of all ranks."""
-        local = sum(len(loss.points) for loss in self._bulk[1])
+        local = 0 if self._bulk[1] is None else len(self._bulk[1].points)
         return int(self.stiffness.comm.tompi4py().allreduce(local))
+
+    @property
+    def soft(self) -> tuple[PETSc.Mat, PETSc.Mat]:
+        """Rows of E at the Gauss and at the contact points that yield in the last state."""
+        if self._soft is None:
+            self._soft = tuple(
+                at.rows(np.zeros(0, dtype=np.int64) if loss is None else loss.points)
+                for at, loss in ((self.bulk, self._bulk[1]), (self.surface, self._surface[1]))
+            )
+        return self._soft
 
     def lost(self, x: PETSc.Vec, out: PETSc.Vec) -> Array:
         """out -= E^T w (C - C_ep) E x; returns what the normal stress loses at contact points."""
-        strain = self.bulk.strains(x)
-        stress = np.zeros_like(strain)
-        for loss in self._bulk[1]:
-            stress[loss.points] -= loss.of(strain)
-        self.bulk.add_forces(stress, out)
-        normal = np.zeros(len(self.area))
-        strain = self.surface.strains(x)
-        for loss in self._surface[1]:
-            normal[loss.points] = np.einsum("nm,nm->n", self.across[loss.points], loss.of(strain))
+        (bulk, surface), normal = self.soft, np.zeros(len(self.area))
+        strain, loss = (bulk * x).array, self._bulk[1]
+        if loss is not None:
+            stress = loss.of(strain.reshape(loss.normal.shape))
+            strain = -self.bulk.weights[loss.points, None] * stress
+        add_transposed(bulk, strain, out)
+        strain, loss = (surface * x).array, self._surface[1]
+        if loss is not None:
+            stress = loss.of(strain.reshape(loss.normal.shape))
+            normal[loss.points] = np.einsum("nm,nm->n", self.across[loss.points], stress)
         return normal
+
+
+def add_transposed(matrix: PETSc.Mat, values: Array, out: PETSc.Vec) -> None:
+    """out += matrix^T values, of this rank's rows."""
+    work = matrix.createVecLeft()
+    work.array[:] = values.ravel()
+    matrix.multTransposeAdd(work, out, out)
 
 
 class _PlasticTangent(Tangent):

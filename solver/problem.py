@@ -83,6 +83,11 @@ class ContactProblem:
         return self.area / self.tau
 
     @property
+    def curved(self) -> bool:
+        """Whether the tangent changes while the active set does not."""
+        return False
+
+    @property
     def symmetric(self) -> bool:
         """Whether the tangent is."""
         return self.law.symmetric

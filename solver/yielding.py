@@ -19,7 +19,7 @@ from railhead.solver.problem import ContactProblem, Mask
 from railhead.solver.setup import Setup
 
 UNLOADING = (0.4, 0.05)  # of the load, before the bodies part
-START = 1e-3  # tolerance of the linear solve that a smaller load starts from
+START = 1e-2  # tolerance of the linear solve that a smaller load starts from
 ENDS = (1.0, 0.0)  # shares of the load that are reported; ...
 BETWEEN = 1e-4  # ... tolerance of those on the way: moves what is reported by less than 1e-6
 HALVES = 32  # into which a load step may be cut
@@ -224,6 +224,7 @@ class _Loading:
         self.max_steps, self.progress = max_steps, progress
         self.steps: list[NewtonResult] = []
         self.share, self.y = 0.0, None
+        self.state = self.problem.bulk.history, self.problem.surface.history
         self.touching: Mask = np.zeros(len(self.problem.area), dtype=bool)
 
     def march(self, shares: Iterable[float]) -> NewtonResult:
@@ -244,8 +245,11 @@ class _Loading:
         prescribed = model.load(problem, share * self.load, approach, self.force)
         problem.stretched(prescribed)
         y = self.y
+        if share < self.share:
+            problem.commit(self.state)
         if y is not None and share:
             y = self._nearer(y, share / self.share)
+        problem.commit(self.state)
         result = newton.solve(
             problem, self.preconditioner, self.touching, y,
             rtol=NEWTON_TOLERANCE if share in ENDS else BETWEEN, max_steps=self.max_steps,
@@ -254,15 +258,16 @@ class _Loading:
         self.steps.append(result)
         found = model.found(problem, result, prescribed, approach, self.force)
         if result.converged:
-            problem.commit()
-        self.found = replace(found, plastic=model.plastic_strain(problem.bulk.history))
+            self.state = problem.state
+        self.found = replace(found, plastic=model.plastic_strain(self.state[0]))
         if result.converged:
             self.share, self.y, self.touching = share, result.y, result.pressure > 0
         return result
 
     def _nearer(self, y: PETSc.Vec, share: float) -> PETSc.Vec:
         """The solution of the linear problem in which the patch changes with the load as Hertz's
-        would."""
+        would. Before the last state is the history, that is with the tangent of yield that goes
+        on, behind it with that of unloading."""
         problem = self.problem
         indicator = problem.indicator(y)
         touching = self.model.within(indicator, share)

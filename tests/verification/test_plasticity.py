@@ -62,6 +62,16 @@ def test_spheres_of_an_independent_program(multiple, hardening, key) -> None:
     assert plastic["residual_depth_rail_mm"] / CLOSER == pytest.approx(depth, rel=0.06)
 
 
+def test_a_solid_reads_the_plateau_of_its_pressure_as_a_section_does(five: rh.Result) -> None:
+    """Within what an independent program's spheres are met by."""
+    solid = rh.solve(pressed(5.0, effects={"axisymmetry": "off"}), quiet=True)
+    assert solid.passed, solid.failed
+    assert solid.patch.area == pytest.approx(five.patch.area, rel=0.03)
+    assert [solid.patch.a, solid.patch.b] == pytest.approx([five.patch.a] * 2, rel=0.015)
+    assert solid.pressure.max == pytest.approx(five.pressure.max, rel=0.03)
+    assert solid.approach == pytest.approx(five.approach, rel=0.005)
+
+
 @pytest.mark.parametrize("share, yields", [(0.97, False), (1.03, True)])
 def test_it_yields_from_the_exact_load_on(share: float, yields: bool) -> None:
     scene = pressed(share)
