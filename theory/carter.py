@@ -32,10 +32,8 @@ class Carter:
     @property
     def creepage(self) -> float:
         """mu w/R (1 - c/w), with the force's sign; at the limit mu w/R, the least of full slip."""
-        slipping = 1 - self.stick_half_width / self.strip.b
-        return math.copysign(self.friction * self.strip.b * self.strip.curvature, self.share) * (
-            slipping
-        )
+        full = self.friction * self.strip.b * self.strip.curvature
+        return math.copysign(full * self.stick_centre / self.strip.b, self.share)
 
     @property
     def stick_half_width(self) -> float:

@@ -37,12 +37,14 @@ class Tractions:
     def field(self, values: Array) -> Array:
         """(2, n) in the cells -> (2, nx, ny), 0 elsewhere."""
         whole = np.zeros((2, *self._shape))
-        whole[:, *self.cells] = values
+        i, j = self.cells
+        whole[:, i, j] = values
         return whole
 
     def held(self, traction: Array) -> Array:
         """C q (2, n) of tractions (2, n)."""
-        return np.asarray(self._influence(self.field(traction))[:, *self.cells])
+        i, j = self.cells
+        return np.asarray(self._influence(self.field(traction))[:, i, j])
 
     def solve(self, slip: Array, tolerance: float, guess: Array | None = None) -> Array:
         """q (2, n) for w (2, n), by a semismooth Newton method on q = P(z), z = q + r (w - C q),

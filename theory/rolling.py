@@ -13,7 +13,7 @@ one); the moment acts about x = y = 0. Lengths in mm, forces in N, stresses in M
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass, replace
+from dataclasses import astuple, dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,7 +70,8 @@ class Sheared:
 
     @property
     def t_gamma(self) -> float:
-        """Energy dissipated per rolled length, N: forces times creepages. Of power over speed."""
+        """Rolling: energy dissipated per rolled length, or power over speed, N: forces times
+        creepages."""
         return float(np.dot(self.forces, astuple(self.creepage)))
 
 

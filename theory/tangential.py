@@ -7,6 +7,7 @@ on the rail: a traction leaves the wheel behind. Lengths in mm, tractions and mo
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,8 +18,9 @@ from railhead.theory.hertz import contact_modulus
 from railhead.theory.influence import logarithms
 
 Array = NDArray[np.float64]
-SHIFT = ((0.0, 1.0),)  # (distance upstream in cells, weight): the displacement itself
-ROLLING = ((0.0, 3.0), (0.5, -4.0), (1.0, 1.0))  # minus its derivative along x, times a cell
+Upstream = tuple[tuple[float, float], ...]
+SHIFT: Upstream = ((0.0, 1.0),)  # (distance upstream in cells, weight): the displacement itself
+ROLLING: Upstream = ((0.0, 3.0), (0.5, -4.0), (1.0, 1.0))  # minus its derivative along x, times a cell
 
 
 @dataclass(frozen=True)
@@ -32,9 +34,7 @@ class Pair:
     mismatch: float = 0.0
 
 
-def pair(
-    young_wheel: float, poisson_wheel: float, young_rail: float, poisson_rail: float
-) -> Pair:
+def pair(young_wheel: float, poisson_wheel: float, young_rail: float, poisson_rail: float) -> Pair:
     """The pair of E (MPa, math.inf is rigid) and nu of both. Errors of `contact_modulus`."""
     contact_modulus(young_wheel, poisson_wheel, young_rail, poisson_rail)
     ratios = poisson_wheel, poisson_rail
@@ -58,21 +58,11 @@ class TractionInfluence:
 
     def __init__(self, x: Array, y: Array, pair: Pair, *, rolling: bool) -> None:
         """x (nx,), y (ny,): cell centres, evenly spaced and at least two an axis, mm."""
-        self._size = x.size, y.size
+        self._size, self._pair = (x.size, y.size), pair
         self._padded = tuple(next_fast_len(2 * n, real=True) for n in self._size)
         self._steps = float(x[1] - x[0]), float(y[1] - y[0])
-        upstream, self._scale = (ROLLING, 1 / self._steps[0]) if rolling else (SHIFT, 1.0)
-        nu, kernels, drawn = pair.poisson, np.zeros((3, *self._padded)), 0.0
-        for cells, weight in upstream:
-            X, Y = self._corners(cells)
-            yy, xx = logarithms(X, Y)
-            parts = np.array([xx + (1 - nu) * yy, -nu * np.hypot(X, Y), yy + (1 - nu) * xx])
-            kernels += weight * _over_cells(parts)
-            log = np.log(np.hypot(X, Y))
-            angles = X * np.arctan(Y / np.where(X == 0, np.inf, X)), Y * np.arctan(X / Y)
-            drawn += weight * _over_cells(np.array([Y * log + angles[0], X * log + angles[1]]))
-        kernels *= self._scale / (math.pi * pair.shear_modulus)
-        self._drawn = drawn * (self._scale * pair.mismatch / (math.pi * pair.shear_modulus))
+        self._upstream, self._scale = (ROLLING, 1 / self._steps[0]) if rolling else (SHIFT, 1.0)
+        kernels = self._kernels(self._cerruti)
         self._spectra = rfft2(kernels)
         self.line = kernels[::2, :, 0]  # (2, padded): of a cell on those of its own line along x
 
@@ -83,21 +73,36 @@ class TractionInfluence:
         return self._within(moved)
 
     def of_pressure(self, pressure: Array) -> Array:
-        """The same of a pressure (nx, ny): both surfaces are drawn inwards, the softer one further:
-        a force P leaves the wheel behind by K P/(pi G) x/r^2 (Johnson, 3.18b)."""
-        return self._within(rfft2(self._drawn) * rfft2(pressure, self._padded))
+        """The same of a pressure (nx, ny): both surfaces are drawn inwards, the softer one further;
+        a force P holds the wheel back by K P/(pi G) x/r^2 (Johnson, 3.18b)."""
+        spectra = rfft2(self._kernels(self._boussinesq))
+        return self._within(spectra * rfft2(pressure, self._padded))
 
-    def _corners(self, cells: float) -> tuple[Array, Array]:
-        """Of all cells, (nx + 1, 1) and (1, ny + 1), from a place that many cells upstream."""
-        counts = zip(self._padded, self._steps, (cells, 0.0), strict=True)
-        X, Y = ((np.arange(n + 1) - n // 2 - 0.5 + shift) * step for n, step, shift in counts)
-        return X[:, None], Y[None]
+    def _kernels(self, corners: Callable[[Array, Array], Array]) -> Array:
+        """(m, padded) of a cell on all others, the cell itself first."""
+        total = []
+        for cells, weight in self._upstream:
+            X, Y = (
+                (np.arange(n + 1) - n // 2 - 0.5 + shift) * step
+                for n, step, shift in zip(self._padded, self._steps, (cells, 0.0), strict=True)
+            )
+            total.append(weight * np.diff(np.diff(corners(X[:, None], Y[None]), axis=1), axis=2))
+        scale = self._scale / (math.pi * self._pair.shear_modulus)
+        return np.asarray(scale * np.fft.ifftshift(np.sum(total, axis=0), axes=(1, 2)))
+
+    def _cerruti(self, X: Array, Y: Array) -> Array:
+        """Integrals along x, across, along y of what is above, at corners X and Y of a cell."""
+        nu = self._pair.poisson
+        yy, xx = logarithms(X, Y)
+        return np.array([xx + (1 - nu) * yy, -nu * np.hypot(X, Y), yy + (1 - nu) * xx])
+
+    def _boussinesq(self, X: Array, Y: Array) -> Array:
+        """Those of K x/r^2 and K y/r^2."""
+        log, angle = np.log(np.hypot(X, Y)), np.arctan(X / Y)
+        quarter = math.pi / 2 * np.abs(X) * np.sign(Y)
+        parts = Y * log + quarter - X * angle, X * log + Y * angle
+        return self._pair.mismatch * np.array(parts)
 
     def _within(self, spectrum: NDArray[np.complex128]) -> Array:
         nx, ny = self._size
         return np.asarray(irfft2(spectrum, self._padded)[:, :nx, :ny])
-
-
-def _over_cells(corners: Array) -> Array:
-    """Differences over the corners of every cell, the place itself first."""
-    return np.fft.ifftshift(np.diff(np.diff(corners, axis=1), axis=2), axes=(1, 2))
