@@ -30,7 +30,8 @@ def fastsim(
 
     Each strip is followed from its leading edge: a step adds the rigid slip over L to the traction,
     which is scaled back to its bound where it passes it. L_1 = 8 a/(3 G C11), L_2 = 8 a/(3 G C22),
-    L_3 = pi a sqrt(a/b)/(4 G C23).
+    L_3 = pi a sqrt(a/b)/(4 G C23). As in the paper the steps are of first order (80 strips are 1 %
+    of mu N from many), and full slip leans from the rigid slip where the flexibilities differ.
     """
     L1, L2 = (8 * a / (3 * shear_modulus * c) for c in (linear.c11, linear.c22))
     L3 = math.pi * a * math.sqrt(a / b) / (4 * shear_modulus * linear.c23)

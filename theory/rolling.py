@@ -22,7 +22,7 @@ from railhead.theory.coulomb import Tractions
 from railhead.theory.tangential import Pair, TractionInfluence
 
 Array = NDArray[np.float64]
-TOLERANCE = 1e-8  # of the tractions, over those of full slip
+TOLERANCE = 1e-8  # of the tractions
 FORCE_STEPS, FORCE_TOLERANCE = 40, 1e-6  # to given forces; over mu N
 
 
@@ -90,15 +90,16 @@ class HalfSpaceFriction:
             raise ValueError("pressure must be (nx, ny), two cells an axis at least, and >= 0")
         if not 0 < friction < np.inf:
             raise ValueError(f"friction must be positive and finite, got {friction}")
-        influence = TractionInfluence(x, y, pair, rolling=rolling)
         self._x, self._y, self._bound = x, y, friction * pressure
-        self._tractions = Tractions(influence, self._bound)
-        i, j = self._tractions.cells
-        still = np.zeros(i.size)
-        self._modes = np.array([[still + 1, still], [still, still + 1], [-y[j], x[i]]])
-        self._drawn = np.zeros((2, i.size))
+        self._influence = TractionInfluence(x, y, pair, rolling=rolling)
+        self._tractions = Tractions(self._influence, self._bound)
+        inside = np.where(pressure > 0, 1.0, 0.0)
+        still = np.zeros_like(inside)
+        turned = [-y * inside, x[:, None] * inside]
+        self._modes = np.array([[inside, still], [still, inside], turned])
+        self._drawn = np.zeros((2, *pressure.shape))
         if pair.mismatch:
-            self._drawn = influence.of_pressure(pressure)[:, i, j]
+            self._drawn = inside * self._influence.of_pressure(pressure)
 
     def at(self, creepage: Creepage, start: Sheared | None = None) -> Sheared:
         """The tractions at a creepage (rolling) or under a shift from rest; `start`: a solution of
@@ -107,8 +108,7 @@ class HalfSpaceFriction:
 
     def after(self, before: Sheared, creepage: Creepage) -> Sheared:
         """The tractions under a shift that was preceded by another one."""
-        i, j = self._tractions.cells
-        settled = self._slip(before.creepage) - self._tractions.held(before.traction[:, i, j])
+        settled = self._slip(before.creepage) - self._influence(before.traction)
         return self._found(creepage, self._slip(creepage) - settled, before)
 
     def under(
@@ -146,21 +146,17 @@ class HalfSpaceFriction:
 
     def _stiffness(self, found: Sheared) -> Array:
         """(2, 2) derivatives of the forces by the creepages along and across, N."""
-        i, j = self._tractions.cells
-        traction = found.traction[:, i, j]
         slip = self._slip(found.creepage)
-        changes = self._tractions.changes(traction, slip, self._modes[:2])
+        changes = self._tractions.changes(found.traction, slip, self._modes[:2])
         cell = (self._x[1] - self._x[0]) * (self._y[1] - self._y[0])
-        return np.asarray(changes.sum(axis=2).T * cell)
+        return np.asarray(changes.sum(axis=(2, 3)).T * cell)
 
     def _slip(self, creepage: Creepage) -> Array:
-        """Without tractions, (2, n)."""
+        """Without tractions, (2, nx, ny)."""
         return np.asarray(np.tensordot(astuple(creepage), self._modes, axes=1) - self._drawn)
 
     def _found(self, creepage: Creepage, slip: Array, start: Sheared | None) -> Sheared:
-        i, j = self._tractions.cells
-        guess = None if start is None else start.traction[:, i, j]
+        guess = None if start is None else start.traction
         traction = self._tractions.solve(slip, TOLERANCE, guess)
-        left = self._tractions.field(slip - self._tractions.held(traction))
-        whole = self._tractions.field(traction)
-        return Sheared(self._x, self._y, self._bound, creepage, whole, left)
+        left = np.where(self._bound > 0, slip - self._influence(traction), 0)
+        return Sheared(self._x, self._y, self._bound, creepage, traction, left)

@@ -20,7 +20,11 @@ from railhead.theory.influence import logarithms
 Array = NDArray[np.float64]
 Upstream = tuple[tuple[float, float], ...]
 SHIFT: Upstream = ((0.0, 1.0),)  # (distance upstream in cells, weight): the displacement itself
-ROLLING: Upstream = ((0.0, 3.0), (0.5, -4.0), (1.0, 1.0))  # minus its derivative along x, times a cell
+ROLLING: Upstream = (
+    (0.0, 3.0),
+    (0.5, -4.0),
+    (1.0, 1.0),
+)  # minus its derivative along x, times a cell
 
 
 @dataclass(frozen=True)
