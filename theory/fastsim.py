@@ -8,6 +8,7 @@ is the parabola 2 mu N/(pi a b) (1 - x^2/a^2 - y^2/b^2). Conventions of `theory.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +16,15 @@ from railhead.theory.kalker import Coefficients
 from railhead.theory.rolling import Creepage
 
 STRIPS = 80  # across the patch, and steps along each of them
+
+
+class Forecast(NamedTuple):
+    """Forces in N, the moment in N mm and the share of the patch's area that sticks."""
+
+    along: float
+    across: float
+    moment: float
+    stick_share: float
 
 
 def fastsim(
@@ -25,8 +35,8 @@ def fastsim(
     linear: Coefficients,
     creepage: Creepage,
     strips: int = STRIPS,
-) -> tuple[float, float, float]:
-    """F_x, F_y in N and M_z in N mm; a along and b across in mm, limit mu N in N, G in MPa.
+) -> Forecast:
+    """What a creepage does to an ellipse: a along and b across in mm, limit mu N in N, G in MPa.
 
     Each strip is followed from its leading edge: a step adds the rigid slip over L to the traction,
     which is scaled back to its bound where it passes it. L_1 = 8 a/(3 G C11), L_2 = 8 a/(3 G C22),
@@ -38,15 +48,18 @@ def fastsim(
     y = b * ((2 * np.arange(strips) + 1) / strips - 1)
     half = a * np.sqrt(1 - (y / b) ** 2)
     step = 2 * half / strips
-    traction, forces = np.zeros((2, strips)), np.zeros(3)
+    traction, forces, stuck = np.zeros((2, strips)), np.zeros(3), 0.0
     for k in range(strips):
         x = half - (k + 0.5) * step
         slip_x = creepage.along / L1 - creepage.spin * y / L3
         slip_y = creepage.across / L2 + creepage.spin * x / L3
         bound = 2 * limit / (math.pi * a * b) * (1 - (x / a) ** 2 - (y / b) ** 2)
         traction = traction + step * np.array([slip_x, slip_y])
-        traction *= np.minimum(1, bound / np.maximum(np.hypot(*traction), 1e-300))
+        scale = np.minimum(1, bound / np.maximum(np.hypot(*traction), 1e-300))
+        traction *= scale
         cell = step * 2 * b / strips
         along, across = traction
         forces += [along @ cell, across @ cell, (x * across - y * along) @ cell]
-    return float(forces[0]), float(forces[1]), float(forces[2])
+        stuck += float(cell[scale == 1].sum())
+    area = float(2 * half.sum() * 2 * b / strips)
+    return Forecast(float(forces[0]), float(forces[1]), float(forces[2]), stuck / area)

@@ -52,7 +52,7 @@ def test_coefficients_out_of_range() -> None:
 def of(entry: dict[str, Any], linear: Coefficients, creepage: Creepage) -> np.ndarray:
     limit = entry["mu"] * entry["load_N"]
     G = entry["E_MPa"] / 2 / (1 + entry["nu"])
-    return np.array(fastsim(entry["a_mm"], entry["b_mm"], limit, G, linear, creepage)) / limit
+    return np.array(fastsim(entry["a_mm"], entry["b_mm"], limit, G, linear, creepage)[:3]) / limit
 
 
 @pytest.fixture(scope="module")
@@ -87,3 +87,17 @@ def test_fastsim_ends_at_the_limit(thesis_linear: Coefficients) -> None:
     forces = fastsim(4.336, 3.465, 7500.0, 79615.0, thesis_linear, Creepage(0.3, -0.4, 0.0))
     way = np.array([0.3 * thesis_linear.c11, -0.4 * thesis_linear.c22])
     np.testing.assert_allclose(forces[:2], 7500.0 * way / np.linalg.norm(way), rtol=1e-3)
+    assert forces.stick_share == 0
+
+
+def test_fastsim_slips_from_the_trailing_edge_on(thesis_linear: Coefficients) -> None:
+    """A traction that grows linearly passes the bound's parabola one length from the trailing edge,
+    the same on all strips; to the size of a step, 2 %."""
+    xi, limit, a, b, G = 5e-4, 7500.0, 4.336, 3.465, 79615.0
+    slope = xi * 3 * G * thesis_linear.c11 / (8 * a)  # of the traction along a strip
+    behind = slope * math.pi * a**3 * b / (2 * limit)  # x + half = slope / (bound's curvature)
+    y = b * (np.arange(4000) + 0.5) / 4000
+    half = a * np.sqrt(1 - (y / b) ** 2)
+    exact = np.sum(np.maximum(2 * half - behind, 0)) / np.sum(2 * half)
+    found = fastsim(a, b, limit, G, thesis_linear, Creepage(along=xi))
+    assert found.stick_share == pytest.approx(exact, abs=0.02)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from friction_data import ENTRIES, named
 
+from railhead.theory.boundary_element import solve
 from railhead.theory.carter import Carter
 from railhead.theory.cattaneo import ellipse
 from railhead.theory.hertz import Ellipse, contact_modulus, line_contact, point_contact
@@ -86,7 +87,7 @@ def test_the_curve_of_polach(entry: dict[str, Any]) -> None:
     assert -OWN - share * force <= rolled.forces[0] / rolled.limit - force <= OWN
 
 
-@pytest.mark.parametrize("ratio", [0.5, 4.336 / 3.465, 3.0])
+@pytest.mark.parametrize("ratio", [4.336 / 3.465, 3.0, pytest.param(0.5, marks=SLOW)])
 def test_vanishing_creepage_gives_the_linear_coefficients(ratio: float) -> None:
     """From two grids to 1 %; the error is of first order as the traction is infinite at the edge.
     The moment is made at the ragged edge: 4 %."""
@@ -156,6 +157,21 @@ def test_the_energy_of_a_cycle_is_mindlins() -> None:
     assert abs(energy) == pytest.approx(entry["dissipated_energy_per_cycle_Nmm"], rel=0.05)
     assert force[-1] == pytest.approx(force[0], rel=1e-3)
     assert force[12] == pytest.approx(-force[0], rel=1e-3)
+
+
+def test_a_patch_of_boundary_elements_rolls_as_the_ellipse_it_is() -> None:
+    modulus = contact_modulus(207000, 0.3, 207000, 0.3)
+    exact = point_contact(1 / 420, 1 / 300, modulus, 25000)
+    found = solve(lambda x, s: x**2 / 840 + s**2 / 600, modulus, load=25000, cells=64)
+    creepage = Creepage(5e-4, -5e-4, 3e-4)
+    body = HalfSpaceFriction(found.x, found.s, found.pressure, 0.3, STEEL, rolling=True)
+    rolled, expected = (
+        each.at(creepage) for each in (body, patch(exact.a, exact.b, exact.p0, 0.3))
+    )
+    scale = np.array([1, 1, exact.a]) * 7500
+    np.testing.assert_allclose(
+        np.array(rolled.forces) / scale, np.array(expected.forces) / scale, rtol=0, atol=OWN
+    )
 
 
 @pytest.fixture(scope="module")
