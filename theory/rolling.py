@@ -70,8 +70,9 @@ class Sheared:
 
     @property
     def t_gamma(self) -> float:
-        """Rolling: energy dissipated per rolled length, or power over speed, N: forces times
-        creepages."""
+        """Rolling, of like bodies: energy dissipated per rolled length, or power over speed, N:
+        forces times creepages. (Creepage counts from undeformed radii, which unlike bodies leave
+        without it.)"""
         return float(np.dot(self.forces, astuple(self.creepage)))
 
 
@@ -83,8 +84,8 @@ class HalfSpaceFriction:
     ) -> None:
         """x (nx,), y (ny,): cell centres, evenly spaced, mm; pressure (nx, ny), MPa, 0 outside.
 
-        The pressure stays what it is (the tractions of unlike materials would change it), and what
-        it does to unlike surfaces counts as slip. ValueError: a shape or value out of range.
+        The pressure stays what it is (see `theory.unlike`), and what it does to unlike surfaces
+        counts as slip. ValueError: a shape or value out of range.
         """
         if pressure.shape != (x.size, y.size) or min(pressure.shape) < 2 or not pressure.min() >= 0:
             raise ValueError("pressure must be (nx, ny), two cells an axis at least, and >= 0")

@@ -82,6 +82,14 @@ class TractionInfluence:
         spectra = rfft2(self._kernels(self._boussinesq))
         return self._within(spectra * rfft2(pressure, self._padded))
 
+    def opening(self, traction: Array) -> Array:
+        """What tractions add to the gap (nx, ny), mm (not of `rolling`): by reciprocity, what a
+        pressure does to the surfaces with x and y turned round."""
+        spectra = rfft2(self._kernels(self._boussinesq))
+        return -self._within((spectra * rfft2(traction, self._padded)).sum(axis=0, keepdims=True))[
+            0
+        ]
+
     def _kernels(self, corners: Callable[[Array, Array], Array]) -> Array:
         """(m, padded) of a cell on all others, the cell itself first."""
         total = []

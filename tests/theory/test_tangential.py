@@ -65,6 +65,16 @@ def test_like_and_incompressible_bodies_are_not_drawn_apart() -> None:
     assert pair(3000, 0.3, 207000, 0.3).mismatch > 0 > pair(207000, 0.3, 3000, 0.3).mismatch
 
 
+def test_tractions_open_the_gap_as_pressure_draws_the_surfaces() -> None:
+    """Reciprocity: the work of one on the displacement by the other is the same either way."""
+    influence = TractionInfluence(X, Y, pair(3000, 0.3, 207000, 0.3), rolling=False)
+    random = np.random.default_rng(4)
+    traction, pressure = random.uniform(-1, 1, (2, 12, 9)), random.uniform(0, 1, (12, 9))
+    work = np.sum(pressure * influence.opening(traction))
+    assert work == pytest.approx(np.sum(traction * influence.of_pressure(pressure)), rel=1e-10)
+    assert abs(work) > 0
+
+
 @pytest.mark.parametrize("axes", [(4.336, 3.465), (2.0, 6.0)])
 def test_bodies_that_stick_shift_as_mindlin_says(axes: tuple[float, float]) -> None:
     """With a coefficient that forbids slip, along and across; the traction's edge is singular, so
