@@ -79,6 +79,14 @@ def point_force(places: Array, sources: Array, contact_modulus: float) -> Array:
     return np.asarray(1 / (math.pi * contact_modulus * distance))
 
 
+def logarithms(X: Array, S: Array) -> tuple[Array, Array]:
+    """X arsinh(S/|X|) and S arsinh(X/|S|), 0 at X = 0, of the corners X, S != 0 of a rectangle as
+    seen from a place: differences over the corners are the integrals of s^2/r^3 and of x^2/r^3,
+    and the sum of both is that of 1/r."""
+    across = X * np.arcsinh(S / np.maximum(np.abs(X), 1e-100))
+    return across, S * np.arcsinh(X / np.abs(S))
+
+
 def _hats(axis: Array) -> tuple[Array, Array]:
     """Nodes (m,) over an axis of cells (n,), and their hat functions at the cells (n, m)."""
     nodes = np.linspace(axis[0], axis[-1], min(NODES, axis.size))
@@ -96,7 +104,7 @@ def _love(grid: Grid, contact_modulus: float) -> tuple[float, Callable[[Array], 
     nx, ns = padded = [next_fast_len(2 * axis.size, real=True) for axis in (x, s)]
     X = ((np.arange(nx + 1) - nx // 2 - 0.5) * (x[1] - x[0]))[:, None]
     S = (np.arange(ns + 1) - ns // 2 - 0.5) * (s[1] - s[0])
-    corners = X * np.arcsinh(S / np.abs(X)) + S * np.arcsinh(X / np.abs(S))
+    corners = sum(logarithms(X, S))
     influence = np.diff(np.diff(corners, axis=0), axis=1) / (math.pi * contact_modulus)
     spectrum = rfft2(np.fft.ifftshift(influence)).real  # it is even in x and in s
 

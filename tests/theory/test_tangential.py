@@ -1,0 +1,94 @@
+"""Influence of tractions and pressure on the tangential displacement, against point forces."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from railhead.theory.cattaneo import initial_compliance
+from railhead.theory.halfspace import boussinesq_displacement
+from railhead.theory.rolling import Creepage, HalfSpaceFriction
+from railhead.theory.tangential import Pair, TractionInfluence, pair
+
+Array = NDArray[np.float64]
+X, Y = 0.3 * np.arange(12), 0.2 * np.arange(9)
+STEEL = Pair(79615.0, 0.3)
+
+
+def over_a_cell(kernel: Callable[[Array, Array], Array], x: float, y: float) -> float:
+    """Integral over a cell around the origin, of what it does at (x, y)."""
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    xi, eta = np.meshgrid(0.15 * nodes, 0.1 * nodes, indexing="ij")
+    return float(np.sum(np.outer(weights, weights) * kernel(x - xi, y - eta)) * 0.15 * 0.1)
+
+
+@pytest.mark.parametrize("place", [(1, 0), (0, 1), (2, 3), (7, 5)])
+def test_a_cell_under_a_traction(place: tuple[int, int]) -> None:
+    """Cerruti's point force, integrated by Gauss."""
+    influence = TractionInfluence(X, Y, STEEL, rolling=False)
+    x, y = X[place[0]], Y[place[1]]
+    for component in (0, 1):
+        traction = np.zeros((2, 12, 9))
+        traction[component, 0, 0] = 1.0
+        moved = influence(traction)[:, place[0], place[1]]
+        for k in (0, 1):
+
+            def kernel(dx: Array, dy: Array, k: int = k, component: int = component) -> Array:
+                r = np.hypot(dx, dy)
+                along = (dx, dy)[k] * (dx, dy)[component]
+                return (0.7 * (k == component) / r + 0.3 * along / r**3) / (math.pi * 79615.0)
+
+            assert moved[k] == pytest.approx(over_a_cell(kernel, x, y), rel=1e-6, abs=1e-16)
+
+
+@pytest.mark.parametrize("place", [(1, 0), (0, 1), (2, 3), (7, 5)])
+def test_a_cell_under_pressure_draws_an_elastic_wheel_to_itself(place: tuple[int, int]) -> None:
+    influence = TractionInfluence(X, Y, pair(207000, 0.3, math.inf, 0.3), rolling=False)
+    pressure = np.zeros((12, 9))
+    pressure[0, 0] = 1.0
+    held = influence.of_pressure(pressure)[:, place[0], place[1]]
+    for k in (0, 1):
+
+        def kernel(dx: Array, dy: Array, k: int = k) -> Array:
+            points = np.column_stack([dx.ravel(), dy.ravel(), 0 * dx.ravel()])
+            return boussinesq_displacement(points, 1.0, 207000, 0.3)[:, k].reshape(dx.shape)
+
+        expected = -over_a_cell(kernel, X[place[0]], Y[place[1]])
+        assert held[k] == pytest.approx(expected, rel=1e-6, abs=1e-16)
+
+
+def test_like_and_incompressible_bodies_are_not_drawn_apart() -> None:
+    assert pair(207000, 0.3, 207000, 0.3) == Pair(pytest.approx(207000 / 2.6), 0.3, 0.0)
+    assert pair(207000, 0.5, 3000, 0.5).mismatch == 0.0
+    assert pair(3000, 0.3, 207000, 0.3).mismatch > 0 > pair(207000, 0.3, 3000, 0.3).mismatch
+
+
+def test_tractions_open_the_gap_as_pressure_draws_the_surfaces() -> None:
+    """Reciprocity: the work of one on the displacement by the other is the same either way."""
+    influence = TractionInfluence(X, Y, pair(3000, 0.3, 207000, 0.3), rolling=False)
+    random = np.random.default_rng(4)
+    traction, pressure = random.uniform(-1, 1, (2, 12, 9)), random.uniform(0, 1, (12, 9))
+    work = np.sum(pressure * influence.opening(traction))
+    assert work == pytest.approx(np.sum(traction * influence.of_pressure(pressure)), rel=1e-10)
+    assert abs(work) > 0
+
+
+@pytest.mark.parametrize("axes", [(4.336, 3.465), (2.0, 6.0)])
+def test_bodies_that_stick_shift_as_mindlin_says(axes: tuple[float, float]) -> None:
+    """With a coefficient that forbids slip, along and across; the traction's edge is singular, so
+    that the error is of first order: from two grids to 0.5 %."""
+    a, b = axes
+    exact = initial_compliance(a, b, STEEL.shear_modulus, STEEL.poisson)
+    found = []
+    for n in (24, 48):
+        ticks = (2 * np.arange(n) + 1) / n - 1
+        p = np.sqrt(np.maximum(1 - ticks[:, None] ** 2 - ticks**2, 0))
+        shifted = HalfSpaceFriction(a * ticks, b * ticks, p, 1e6, STEEL, rolling=False)
+        found.append([
+            1e-3 / shifted.at(Creepage(along=1e-3)).forces[0],
+            1e-3 / shifted.at(Creepage(across=1e-3)).forces[1],
+        ])  # fmt: skip
+    extrapolated = 2 * np.array(found[1]) - found[0]
+    np.testing.assert_allclose(extrapolated, exact, rtol=5e-3)

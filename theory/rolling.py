@@ -1,0 +1,163 @@
+"""Friction between two half-spaces under a given pressure: rolling at a creepage, or one shift.
+
+Kalker's exact theory (1990) in boundary elements. Conventions, of everything that rolls or slides
+here: x points to where the wheel rolls, so that the leading edge of the patch is at its largest x,
+y across, and the normal out of the rail. Creepage is the velocity of the wheel's surface relative
+to the rail's over the rolling speed; spin turns about that normal:
+
+    rigid slip = (along - spin y, across + spin x)
+
+Forces are those of the wheel on the rail and have the creepage's sign (Kalker's have the other
+one); the moment acts about x = y = 0. Lengths in mm, forces in N, stresses in MPa, spin in 1/mm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import astuple, dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.theory.coulomb import Tractions
+from railhead.theory.tangential import Pair, TractionInfluence
+
+Array = NDArray[np.float64]
+TOLERANCE = 1e-8  # of the tractions
+FORCE_STEPS, FORCE_TOLERANCE = 40, 1e-6  # to given forces; over mu N
+
+
+@dataclass(frozen=True)
+class Creepage:
+    """along and across of 1, spin in 1/mm; of a shift mm, mm and rad."""
+
+    along: float = 0.0
+    across: float = 0.0
+    spin: float = 0.0
+
+
+@dataclass(frozen=True)
+class Sheared:
+    """Tractions and slip (2, nx, ny) in MPa and, rolling, of 1 (of a shift, mm) under a creepage.
+
+    bound: mu p (nx, ny), MPa; x (nx,), y (ny,): cell centres, mm.
+    """
+
+    x: Array
+    y: Array
+    bound: Array
+    creepage: Creepage
+    traction: Array
+    slip: Array
+
+    @property
+    def forces(self) -> tuple[float, float, float]:
+        """Along and across, N, and the moment, N mm."""
+        along, across = self.traction * (self.x[1] - self.x[0]) * (self.y[1] - self.y[0])
+        moment = np.sum(self.x[:, None] * across - self.y * along)
+        return float(along.sum()), float(across.sum()), float(moment)
+
+    @property
+    def limit(self) -> float:
+        """mu N, N."""
+        return float(self.bound.sum() * (self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
+
+    @property
+    def stick_share(self) -> float:
+        """Of the patch's area."""
+        inside = self.bound > 0
+        sticks = np.linalg.norm(self.traction, axis=0) < (1 - 1e-6) * self.bound
+        return float(sticks[inside].mean())
+
+    @property
+    def t_gamma(self) -> float:
+        """Rolling, of like bodies: energy dissipated per rolled length, or power over speed, N:
+        forces times creepages. (Creepage counts from undeformed radii, which unlike bodies leave
+        without it.)"""
+        return float(np.dot(self.forces, astuple(self.creepage)))
+
+
+class HalfSpaceFriction:
+    """A patch with given pressure and coefficient of friction, to be rolled or shifted."""
+
+    def __init__(
+        self, x: Array, y: Array, pressure: Array, friction: float, pair: Pair, *, rolling: bool
+    ) -> None:
+        """x (nx,), y (ny,): cell centres, evenly spaced, mm; pressure (nx, ny), MPa, 0 outside.
+
+        The pressure stays what it is (see `theory.unlike`), and what it does to unlike surfaces
+        counts as slip. ValueError: a shape or value out of range.
+        """
+        if pressure.shape != (x.size, y.size) or min(pressure.shape) < 2 or not pressure.min() >= 0:
+            raise ValueError("pressure must be (nx, ny), two cells an axis at least, and >= 0")
+        if not 0 < friction < np.inf:
+            raise ValueError(f"friction must be positive and finite, got {friction}")
+        self._x, self._y, self._bound = x, y, friction * pressure
+        self._influence = TractionInfluence(x, y, pair, rolling=rolling)
+        self._tractions = Tractions(self._influence, self._bound)
+        inside = np.where(pressure > 0, 1.0, 0.0)
+        still = np.zeros_like(inside)
+        turned = [-y * inside, x[:, None] * inside]
+        self._modes = np.array([[inside, still], [still, inside], turned])
+        self._drawn = np.zeros((2, *pressure.shape))
+        if pair.mismatch:
+            self._drawn = inside * self._influence.of_pressure(pressure)
+
+    def at(self, creepage: Creepage, start: Sheared | None = None) -> Sheared:
+        """The tractions at a creepage (rolling) or under a shift from rest; `start`: a solution of
+        this patch to start from, which saves time in a curve."""
+        return self._found(creepage, self._slip(creepage), start)
+
+    def after(self, before: Sheared, creepage: Creepage) -> Sheared:
+        """The tractions under a shift that was preceded by another one."""
+        settled = self._slip(before.creepage) - self._influence(before.traction)
+        return self._found(creepage, self._slip(creepage) - settled, before)
+
+    def under(
+        self, creepage: Creepage, *, along: float | None = None, across: float | None = None
+    ) -> Sheared:
+        """The tractions that make up forces, N; each given one is met to 1e-6 mu N by its creepage
+        in place of that of `creepage`.
+
+        Newton's method from where all sticks; the force is concave in its creepage, and the steps
+        are halved where they do not come nearer. ValueError: forces of mu N or more.
+        """
+        goals = {k: force for k, force in enumerate((along, across)) if force is not None}
+        free, target = list(goals), np.array(list(goals.values()))
+        values = np.array(astuple(creepage))
+        values[free] = 0.0
+        now = self.at(Creepage(*values))
+        if not np.linalg.norm(target) < now.limit:
+            raise ValueError(f"the force must be below mu N = {now.limit} N, got {target}")
+        missing = target - np.array(now.forces)[free]
+        for _ in range(FORCE_STEPS):
+            if np.linalg.norm(missing) <= FORCE_TOLERANCE * now.limit:
+                return now
+            step = np.linalg.lstsq(self._stiffness(now)[np.ix_(free, free)], missing, rcond=None)[0]
+            share = 1.0
+            while True:
+                trial = values.copy()
+                trial[free] += share * step
+                then = self.at(Creepage(*trial), now)
+                left = target - np.array(then.forces)[free]
+                if np.linalg.norm(left) < np.linalg.norm(missing) or share < 1e-6:
+                    break
+                share /= 2
+            values, now, missing = trial, then, left
+        raise ValueError(f"no creepage found under the forces {target} N")
+
+    def _stiffness(self, found: Sheared) -> Array:
+        """(2, 2) derivatives of the forces by the creepages along and across, N."""
+        slip = self._slip(found.creepage)
+        changes = self._tractions.changes(found.traction, slip, self._modes[:2])
+        cell = (self._x[1] - self._x[0]) * (self._y[1] - self._y[0])
+        return np.asarray(changes.sum(axis=(2, 3)).T * cell)
+
+    def _slip(self, creepage: Creepage) -> Array:
+        """Without tractions, (2, nx, ny)."""
+        return np.asarray(np.tensordot(astuple(creepage), self._modes, axes=1) - self._drawn)
+
+    def _found(self, creepage: Creepage, slip: Array, start: Sheared | None) -> Sheared:
+        guess = None if start is None else start.traction
+        traction = self._tractions.solve(slip, TOLERANCE, guess)
+        left = np.where(self._bound > 0, slip - self._influence(traction), 0)
+        return Sheared(self._x, self._y, self._bound, creepage, traction, left)
