@@ -1,0 +1,250 @@
+"""A pressed contact, condensed: how points of its interface answer to tangential tractions.
+
+The jump is J u = t . (u_wheel - u_rail) along k tangents t at each of n contact points. With A the
+tangent of the pressed contact, whose active set stays, tractions c at the nodes of the slave's
+facets, of the wheel on the rail, move everything by -A^-1 J^T W F c, F being the traces of the
+nodes' shape functions. What is asked of that movement is linear in c:
+
+    q = q0 + D c        q = +-S_t u + tau G u,   S_t u = t . sigma(u_slave) . n
+    g = g0 + D_g c      G u: the jump, or, rolling, -d times its derivative along x
+    p = p0 + D_p c
+
++ where the slave is the rail. Rolling along +x takes upstream differences of second order,
+G u = 1.5 J u - 2 J u(x + d) + 0.5 J u(x + 2 d): symmetric ones would not dissipate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from railhead.solver.cells import Array, Index
+from railhead.solver.contact import ContactModel, Solution
+from railhead.solver.facets import FacetSet
+from railhead.solver.linear import factorise
+from railhead.solver.operators import rows
+from railhead.solver.pairing import pair
+
+UPSTREAM = ((0.0, 1.5), (1.0, -2.0), (2.0, 0.5))  # distance in steps d, and weight
+STEP = 0.5  # d over the length of the elements' edges
+BLOCK = 256  # right-hand sides that are solved at a time
+DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
+
+
+@dataclass(frozen=True)
+class Condensed:
+    """The n points on facets that touch, of all ranks, on every rank.
+
+    points (n, 3) mm in space, weights (n,) mm2, pressure (n,) MPa without traction, tangents
+    (n, k, 3), tau (n,) MPa/mm; step d, mm (1 of a shift); traces F (n k, m); start q0 and moved g0
+    (n, k); answer D, movement D_g (n k, m) and closing D_p (n, m); parts: of the whole model.
+    local: which of the points are this rank's contact points, and their numbers there.
+    """
+
+    points: Array
+    weights: Array
+    pressure: Array
+    tangents: Array
+    tau: Array
+    step: float
+    traces: sp.csr_matrix
+    start: Array
+    moved: Array
+    answer: Array
+    movement: Array
+    closing: Array
+    parts: int
+    local: tuple[slice, Index]
+
+
+class Condenser:
+    """Factorises the tangent of a pressed contact and condenses it."""
+
+    def __init__(self, model: ContactModel, solution: Solution) -> None:
+        self.model, self.solution, self.comm = model, solution, model.comm
+        self.active = solution.pressure > 0
+        interface, setup = model.interface, model.setup
+        touched = np.zeros(len(interface.slave), dtype=bool)
+        touched[interface.facet[self.active]] = True
+        self.own = np.flatnonzero(touched[interface.facet])
+        self.slave = interface.slave.gathered(self.comm)
+        others = (side for side in (setup.fixed, setup.moving) if side.tag != setup.slave)
+        master = next((side for side in others if not side.rigid), None)
+        self.master = None
+        if master is not None:
+            facets = model.facet_tags.find(master.contact)
+            self.master = FacetSet.on(model.bulk, facets).gathered(self.comm)
+        self.sign = -1.0 if setup.slave == setup.moving.tag else 1.0  # of the rail's stress
+        self.normals, self.x = interface.normals[self.own], interface.points[self.own]
+        self.tangents = tangents(self.sign * self.normals)
+        corners = interface.slave.vertices[touched]
+        edges = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2)
+        total, count = (self.comm.allreduce(value) for value in (edges.sum(), edges.size))
+        self.element = float(total / count)
+        self.tangent = model.problem.assembled_tangent(self.active)
+        self.pc = PETSc.PC().create(self.comm)
+        self.pc.setOperators(self.tangent)
+        factorise(self.pc, model.problem.law.symmetric)
+        self.pc.setUp()
+
+    def condense(self, *, rolling: bool) -> Condensed:
+        """ValueError: a surface ends upstream of the patch."""
+        model, problem = self.model, self.model.problem
+        interface, reduce = model.interface, model.reduction.matrix
+        step = STEP * self.element if rolling else 1.0
+        jump = self._jump(0.0)
+        change = jump.copy()
+        if rolling:
+            change.scale(UPSTREAM[0][1])
+            for share, weight in UPSTREAM[1:]:
+                change.axpy(weight, self._jump(share * step), DIFFERENT)
+        size = self.tangents.shape[1]
+        answer = change.copy()
+        answer.diagonalScale(L=_vector(change, np.repeat(problem.tau[self.own], size)))
+        if problem.law.sigma:
+            answer.axpy(self.sign, self._shear(), DIFFERENT)
+        pressure = _chosen(problem.trace, self.own)
+        pressure.scale(-1.0)
+        weights = interface.weights[self.own]
+        traces, own = self._traces()
+        u = self.solution.displacement
+        start, moved = ((matrix * u).array.reshape(-1, size) for matrix in (answer, change))
+        reduced = [matrix.matMult(reduce) for matrix in (answer, change)] + [pressure]
+        push = jump.matMult(reduce)
+        weighted = sp.diags(np.repeat(weights, size)) @ traces[own]
+        answers: list[list[Array]] = [[], [], []]
+        for first in range(0, traces.shape[1], BLOCK):
+            block = -weighted[:, first : first + BLOCK].toarray()
+            x = self.solve(self._dense(push, block))
+            for found, matrix in zip(answers, reduced, strict=True):
+                found.append(matrix.matMult(x).getDenseArray().copy())
+        gathered = [self._all(np.hstack(found)) for found in answers]
+        values = (self.x, weights, self.solution.pressure[self.own], self.tangents,
+                  problem.tau[self.own])  # fmt: skip
+        points, weights, pressed, along, tau = (self._all(each) for each in values)
+        lift = model.setup.kinematics.lift
+        before = self.comm.exscan(len(self.own)) or 0
+        return Condensed(
+            lift(points), weights, pressed, lift(along.reshape(-1, along.shape[2])).reshape(
+                len(points), size, 3), tau, step, traces, self._all(start), self._all(moved),
+            gathered[0], gathered[1], gathered[2] * (pressed > 0)[:, None], model.setup.parts,
+            (slice(before, before + len(self.own)), self.own),
+        )  # fmt: skip
+
+    def solve(self, rhs: PETSc.Mat) -> PETSc.Mat:
+        """A^-1 of dense columns."""
+        out = rhs.duplicate()
+        self.pc.getFactorMatrix().matSolve(rhs, out)
+        return out
+
+    def displaced(self, nodal: Array, traces: sp.csr_matrix) -> PETSc.Vec:
+        """u - u_pressed on all dofs, mm, under tractions (m,) at the nodes."""
+        before = self.comm.exscan(len(self.own)) or 0
+        size = self.tangents.shape[1]
+        own = slice(before * size, (before + len(self.own)) * size)
+        values = np.repeat(self.model.interface.weights[self.own], size) * (traces[own] @ nodal)
+        push = self._jump(0.0).matMult(self.model.reduction.matrix)
+        force, y = push.createVecRight(), push.createVecRight()
+        push.multTranspose(_vector(push, -values), force)
+        self.pc.apply(force, y)
+        return self.model.reduction.matrix * y
+
+    def _jump(self, shift: float) -> PETSc.Mat:
+        """J at the points moved by `shift` mm along x, on all dofs."""
+        at = self.x + shift * self.tangents[:, 0]
+        blocks = []
+        for surface, sign in ((self.slave, -self.sign), (self.master, self.sign)):
+            if surface is None:
+                continue
+            facet, xi = pair(at, self.normals, surface)
+            if np.any(facet < 0):
+                raise ValueError("a surface ends upstream of the patch")
+            phi, _ = surface.basis(facet, surface.reference(facet, xi))
+            dim = self.tangents.shape[2]
+            dofs = dim * surface.dofs[facet][:, :, None] + np.arange(dim)
+            values = sign * phi[:, None, :, None] * self.tangents[:, :, None, :]
+            blocks.append((np.repeat(dofs, self.tangents.shape[1], axis=0), _flat(values)))
+        return self._rows(blocks)
+
+    def _shear(self) -> PETSc.Mat:
+        """S_t on all dofs."""
+        interface = self.model.interface
+        facet, xi = interface.facet[self.own], interface.xi[self.own]
+        slave, t, n = interface.slave, self.tangents, self.normals
+        _, gradient = slave.basis(facet, slave.reference(facet, xi))
+        along = np.einsum("pdc,pkc->pkd", gradient, t)[..., None] * n[:, None, None, :]
+        normal = np.einsum("pdc,pc->pd", gradient, n)[:, None, :, None] * t[:, :, None, :]
+        values = slave.lame[facet, 1][:, None, None, None] * (along + normal)
+        dim = t.shape[2]
+        dofs = dim * slave.dofs[facet][:, :, None] + np.arange(dim)
+        return self._rows([(np.repeat(dofs, t.shape[1], axis=0), _flat(values))])
+
+    def _rows(self, blocks: list[tuple[Index, Array]]) -> PETSc.Mat:
+        model = self.model
+        count = len(self.own) * self.tangents.shape[1]
+        owned = model.setup.kinematics.dim * model.owned
+        total = model.reduction.matrix.getSize()[0]
+        return rows(blocks, count, owned, total, self.comm)
+
+    def _traces(self) -> tuple[sp.csr_matrix, slice]:
+        """F for all ranks' points and tangents, and which rows are this rank's."""
+        interface = self.model.interface
+        facet, xi = interface.facet[self.own], interface.xi[self.own]
+        slave = interface.slave
+        phi, _ = slave.basis(facet, slave.reference(facet, xi))
+        values, dofs = self._all(phi), self._all(slave.dofs[facet])
+        on = np.abs(values) > 1e-9  # the others belong to nodes off the facet
+        used, column = np.unique(dofs[on], return_inverse=True)
+        table = sp.csr_matrix(
+            (values[on], (np.nonzero(on)[0], column)), shape=(len(values), len(used))
+        )
+        size, before = self.tangents.shape[1], self.comm.exscan(len(self.own)) or 0
+        own = slice(before * size, (before + len(self.own)) * size)
+        return sp.kron(table, sp.eye(size), format="csr"), own
+
+    def _dense(self, push: PETSc.Mat, block: Array) -> PETSc.Mat:
+        """J^T W F c for the columns of a block of this rank's rows."""
+        columns = block.shape[1]
+        dense = PETSc.Mat().createDense(
+            ((block.shape[0], None), (None, columns)), array=np.asfortranarray(block),
+            comm=self.comm,
+        )  # fmt: skip
+        return push.transposeMatMult(dense)
+
+    def _all(self, values: Array) -> Array:
+        return np.concatenate(self.comm.allgather(values))
+
+
+def tangents(normals: Array) -> Array:
+    """(n, k, c): along x in the surface and across it, from the normals out of the rail (n, c)."""
+    along = np.zeros_like(normals)
+    along[:, 0] = 1.0
+    along -= normals[:, :1] * normals
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    if normals.shape[1] == 2:
+        return along[:, None]
+    return np.stack([along, np.cross(normals, along)], axis=1)
+
+
+def _flat(values: Array) -> Array:
+    """(n, k, ...) -> (n k, ...)."""
+    return values.reshape(-1, *values.shape[2:])
+
+
+def _vector(matrix: PETSc.Mat, values: Array) -> PETSc.Vec:
+    vector = matrix.createVecLeft()
+    vector.array[:] = values
+    return vector
+
+
+def _chosen(matrix: PETSc.Mat, points: Index) -> PETSc.Mat:
+    """Rows of this rank."""
+    first, comm = matrix.getOwnershipRange()[0], matrix.comm
+    own, end = matrix.getOwnershipRangeColumn()
+    columns = PETSc.IS().createStride(end - own, own, 1, comm=comm)
+    rows = PETSc.IS().createGeneral((first + points).astype(PETSc.IntType), comm=comm)
+    return matrix.createSubMatrix(rows, columns)
