@@ -15,6 +15,7 @@ from railhead.planning.effects import EFFECTS
 from railhead.planning.plan import Plan
 from railhead.solver.contact import ContactModel
 from railhead.solver.laws import Law
+from railhead.solver.rubbing import RubbingModel
 from railhead.solver.setup import Setup, Side
 from railhead.solver.yielding import YieldingModel
 
@@ -57,5 +58,9 @@ def model(plan: Plan, made: mesh.ContactMesh) -> ContactModel:
     for name, effect in plan.effects.items():
         if effect.on:
             setup = EFFECTS[name].apply(setup, plan)
-    kind = YieldingModel if setup.path is not None else ContactModel
+    kind = ContactModel
+    if setup.path is not None:
+        kind = YieldingModel
+    elif setup.rub is not None:
+        kind = RubbingModel
     return kind(made.mesh, made.cell_tags, made.facet_tags, setup)

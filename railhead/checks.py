@@ -85,8 +85,8 @@ def run(
     if level.result is not None and level.findings is not None:
         checks += _mesh(level)
         checks += _physics(level)
-        checks += _shape(level.elastic or level, estimates)
-        checks += _opinion(level.elastic or level, estimates, second)
+        checks += _shape(level.plain or level, estimates)
+        checks += _opinion(level.plain or level, estimates, second)
     if reached is not None:
         off = worst(estimates, level) if reached else math.inf
         asked = float(level.plan.scene.accuracy or 0.0)
@@ -180,7 +180,7 @@ def _physics(level: Level) -> list[Check]:
         )
         for body in plan.deformable
     ]  # fmt: skip
-    elastic = (level.elastic or level).result or result  # yield cuts both
+    elastic = (level.plain or level).result or result  # yield cuts both
     shear = elastic["stress"]["tau_max_MPa"] / elastic["pressure"]["max_MPa"]
     why = "0.266 to 0.488 in Hertz's ellipses, and a quarter more room"
     mises = result["stress"]["von_mises_max_MPa"] / result["stress"]["tau_max_MPa"]

@@ -21,7 +21,7 @@ from railhead.planning.effects import After
 from railhead.planning.forecast import Forecast, Nearest, Zone
 from railhead.planning.laws import Family, Setting
 from railhead.planning.plan import Plan
-from railhead.postprocess import compare, plastic, read
+from railhead.postprocess import compare, plastic, read, traction
 from railhead.postprocess.findings import Findings, Frame
 from railhead.postprocess.parts import parts
 from railhead.postprocess.patch import Moments
@@ -29,6 +29,7 @@ from railhead.postprocess.plastic import Left
 from railhead.progress import Progress
 from railhead.solver.contact import ContactModel, Solution
 from railhead.solver.gather import Fields, gather
+from railhead.solver.rubbing import Rubbed
 from railhead.solver.yielding import Yielded
 from railhead.theory.contacts import Hertz
 
@@ -42,9 +43,10 @@ REACHED = 1e-9  # ... to this relative error
 class Level:
     """fields, findings and result ("result" of summary.json) are None off rank 0, the last two
     also where nothing touches. space: of the displacement. ellipse: exact Hertz under the load that
-    was found. settled: the patch that was found is the one that was meshed for. Where bodies yield,
-    elastic: the same without, and left: what the load leaves (rank 0); stepping: relative error by
-    quantity of taking the load in `plasticity.STEPS` steps, where that was looked at."""
+    was found. settled: the patch that was found is the one that was meshed for. plain: the same
+    without yield or friction, where there is one. Where bodies yield, left: what the load leaves
+    (rank 0); stepping: relative error by quantity of taking the load in `plasticity.STEPS` steps,
+    where that was looked at."""
 
     plan: Plan
     grading: Grading
@@ -59,7 +61,7 @@ class Level:
     result: dict[str, Any] | None
     settled: bool
     seconds: dict[str, float]
-    elastic: Level | None = None
+    plain: Level | None = None
     left: Left | None = None
     stepping: Mapping[str, float] = field(default_factory=dict)
 
@@ -90,8 +92,8 @@ class Level:
 
     @property
     def family(self) -> Family | None:
-        """Whose error laws hold for it (rank 0): none were measured where bodies yield."""
-        return None if self.plan.effects["plasticity"].on else laws.family(self.setting)
+        """Whose error laws hold for it (rank 0): none were measured with yield or friction."""
+        return laws.family(self.setting) if self.plan.plain else None
 
     @property
     def off_surface(self) -> float:
@@ -128,6 +130,9 @@ def solve_level(
         clock.lap("solve")
         fields, unknowns, space = gather(model, solution), model.unknowns, model.bulk.space
         yielded = _yielded(model, solution, frame)
+        frictionless = (
+            gather(model, solution.frictionless) if isinstance(solution, Rubbed) else None
+        )
         model.release()
         better = comm.bcast(None if fields is None else _regrade(plan, grading, fields, frame))
         if better is None or attempt == MAX_MESHES or not solution.newton.converged:
@@ -140,6 +145,11 @@ def solve_level(
         if fields is not None and np.any(fields.contact.pressure > 0):
             findings = read.findings(fields, frame)
             result = compare.from_findings(findings, solution.load, solution.approach)
+            if isinstance(solution, Rubbed):
+                rolling = plan.scene.rolling
+                result["friction"] = traction.quantities(
+                    solution.rubbing, rolling=rolling.given, speed=rolling.speed
+                )
         ellipse = exact.estimate(plan.scene, plan.contact, solution.load or None)
         return Level(
             plan, grading, mesh, space, unknowns, comm.size, solution, ellipse, fields, findings,
@@ -149,7 +159,9 @@ def solve_level(
     found = level(fields, solution)
     if yielded is not None:
         elastic, elastic_fields, left = yielded
-        found = replace(found, elastic=level(elastic_fields, elastic), left=left)
+        found = replace(found, plain=level(elastic_fields, elastic), left=left)
+    if isinstance(solution, Rubbed):
+        found = replace(found, plain=level(frictionless, solution.frictionless))
     clock.lap("postprocess")
     return found
 

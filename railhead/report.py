@@ -30,6 +30,20 @@ ROWS = (
 )
 
 
+FRICTION = (
+    ("force along the rail", "N", "force_along_N"),
+    ("force across", "N", "force_across_N"),
+    ("moment about the normal", "N mm", "moment_Nmm"),
+    ("creepage along", "", "creepage_along"),
+    ("creepage across", "", "creepage_across"),
+    ("spin", "1/mm", "spin_per_mm"),
+    ("shift along", "mm", "shift_along_mm"),
+    ("shift across", "mm", "shift_across_mm"),
+    ("share of the patch that sticks", "", "stick_share"),
+    ("largest traction", "MPa", "traction_max_MPa"),
+    ("T-gamma: energy per rolled length", "N", "t_gamma_N"),
+    ("power", "W", "power_W"),
+)
 COLUMNS = (
     "quantity",
     "unit",
@@ -113,13 +127,16 @@ def show_result(summary: dict[str, Any], console: Console) -> None:
         table = Table(
             title=f"{summary['case']}: {summary['result']['load_N']:.6g} N", title_justify="left"
         )
-        bound, elastic = summary["accuracy"]["bound"], summary.get("elastic")
-        if elastic is not None:
-            table.title = f"{table.title}, with yield"
+        bound = summary["accuracy"]["bound"]
+        kind = next((each for each in ("elastic", "frictionless") if each in summary), "")
+        elastic = summary.get(kind)
+        if kind:
+            effect = {"elastic": "yield", "frictionless": "friction"}[kind]
+            table.title = f"{table.title}, with {effect}"
         for column in COLUMNS:
             table.add_column(column, justify="left" if column in ("quantity", "unit") else "right")
         if elastic is not None:
-            table.add_column("elastic FE", justify="right")
+            table.add_column(f"{kind} FE", justify="right")
         for label, unit, path in ROWS:
             fe, exact, thesis, half = (
                 _get(summary[key], path) for key in ("result", "hertz", "thesis", "half_space")
@@ -133,6 +150,8 @@ def show_result(summary: dict[str, Any], console: Console) -> None:
         console.print(table)
         if plastic := summary["result"].get("plastic"):
             _show_plastic(plastic, console)
+        if friction := summary["result"].get("friction"):
+            _show_friction(friction, summary.get("half_space_friction"), console)
         if reason := (summary["half_space"] or {}).get("reason"):
             console.print(f"No half-space column: {reason}.", markup=False, highlight=False)
         if summary["checks"]["passed"] and not summary["checks"]["hertzian"]:
@@ -197,6 +216,25 @@ def _show_plastic(plastic: Mapping[str, Any], console: Console) -> None:
     )
     for line in lines:
         console.print(line, markup=False, highlight=False)
+
+
+def _show_friction(
+    friction: Mapping[str, Any], second: Mapping[str, Any] | None, console: Console
+) -> None:
+    """Forces of the wheel on the rail, its motion, stick and wear, beside other methods."""
+    limit = friction["limit_N"]
+    table = Table(title="friction", title_justify="left")
+    columns = {"FE": friction, **(second or {})}
+    for name in ("quantity", "unit", *columns):
+        table.add_column(name, justify="left" if name in ("quantity", "unit") else "right")
+    for label, unit, key in FRICTION:
+        if key in friction:
+            cells = [_number(_get(values, (key,))) for values in columns.values()]
+            table.add_row(label, unit, *cells)
+    console.print(table)
+    console.print(
+        f"Forces are those of the wheel on the rail; mu N = {limit:.5g} N.", highlight=False
+    )
 
 
 def show_failure(summary: dict[str, Any], console: Console) -> None:

@@ -156,7 +156,7 @@ def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
             grid = export.volume_grid(left.residual, nodal(left.residual))
             export.write(grid, work / "residual.vtu")
             export.series(["solution.vtu", "residual.vtu"], work / "solution.pvd")
-            elastic, fields, found = result.level.elastic, result.fields, result.findings
+            elastic, fields, found = result.level.plain, result.fields, result.findings
             if pictures and fields and found and elastic is not None and elastic.findings:
                 exact = result.ellipse if len(found.patch.each) < 2 else None
                 plastic_plots.draw(

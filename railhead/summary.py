@@ -34,7 +34,7 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
     hertz, thesis = exact_quantities(level), None
     if isinstance(ellipse, Ellipse):
         thesis = compare.from_thesis(ellipse, plan.poisson_ratios)
-    newton, cost, elastic = solution.newton, ending.would_cost, level.elastic
+    newton, cost, plain = solution.newton, ending.would_cost, level.plain
     known, source = estimates.estimate(levels)
     bound = {name: each.total for name, each in known.items()}
     reached = None
@@ -53,7 +53,7 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
         "result": level.result
         if level.left is None
         else level.result and {**level.result, "plastic": _plastic(level)},
-        **({} if elastic is None else {"elastic": elastic.result}),
+        **({} if plain is None else {_kind(level): plain.result}),
         "hertz": hertz,
         "thesis": thesis,
         "half_space": profiles,
@@ -90,8 +90,12 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
     }
 
 
+def _kind(level: Level) -> str:
+    return "frictionless" if level.plan.effects["friction"].on else "elastic"
+
+
 def _plastic(level: Level) -> dict[str, Any]:
-    scene, left, elastic = level.plan.scene, level.left, level.elastic
+    scene, left, elastic = level.plan.scene, level.left, level.plain
     assert left is not None and elastic is not None and elastic.result is not None
     part = scene.rail if left.zone.body == "rail" else scene.wheel
     shear = plasticity.hardening(part).first / math.sqrt(3)

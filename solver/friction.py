@@ -118,7 +118,9 @@ class Friction:
             change = np.where(now, bound / size, 0.0)[:, None, None] * across
             change[sticks] = np.eye(k)
             pushed = np.einsum("nij,njm->nim", change, answer)
-            pushed += np.where(now[:, None], self.coefficient * unit, 0)[..., None] * closing[:, None]
+            pushed += (
+                np.where(now[:, None], self.coefficient * unit, 0)[..., None] * closing[:, None]
+            )
             pulled = np.einsum("nij,anj->nia", change, pull.reshape(len(free), n, k))
             tangent = np.block([
                 [self._mass - self._onto @ pushed.reshape(n * k, m),

@@ -47,6 +47,20 @@ class LoadPath:
 
 
 @dataclass(frozen=True)
+class Rub:
+    """The wheel over the rail. axes (3, 3): unit vectors along, across and out of the rail at the
+    origin (3,), mm; known: creepage along and across and spin (1/mm) where it rolls; free: index
+    (0 along, 1 across) of motions that follow from a force of the wheel on the rail, N."""
+
+    coefficient: float
+    rolling: bool
+    axes: Array
+    origin: tuple[float, float, float]
+    known: tuple[float, float, float]
+    free: tuple[tuple[int, float], ...]
+
+
+@dataclass(frozen=True)
 class Setup:
     """What is solved.
 
@@ -55,7 +69,7 @@ class Setup:
     far_field: prescribed displacement of both supports on top of the rigid motion.
     load_control: the load is given and the approach an unknown, or the reverse. kinematics: what
     the mesh's coordinates stand for; directions, normals, gap and far field are those of space.
-    path: where a body yields.
+    path: where a body yields. rub: where surfaces do.
     ValueError for a slave that is not one of the bodies, or rigid, and for an unknown `linear`.
     """
 
@@ -72,6 +86,7 @@ class Setup:
     linear: str = "auto"
     kinematics: Kinematics = SOLID
     path: LoadPath | None = None
+    rub: Rub | None = None
 
     def __post_init__(self) -> None:
         bodies = {side.tag: side for side in (self.fixed, self.moving)}

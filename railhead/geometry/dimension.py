@@ -42,6 +42,8 @@ def choose(scene: Scene) -> Dimension:
     """Decide. Raises SceneError where effects.plane_strain or effects.axisymmetry cannot be as
     given, a line contact has no length or is not level, or its section cannot use a given key."""
     ring = circular(scene)
+    if ring[0] and any(scene.sheared):
+        ring = False, "a tangential force or creepage turns with no axis"
     forced = scene.effects.axisymmetry
     if forced == "on" and not ring[0]:
         raise SceneError("effects.axisymmetry", f"'on' is not allowed: {ring[1]}; give auto or off")

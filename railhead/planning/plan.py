@@ -115,8 +115,13 @@ class Plan:
 
     @property
     def family(self) -> Family | None:
-        """Whose error laws hold for this plan: none were measured where bodies yield."""
-        return None if self.effects["plasticity"].on else laws.family(self.setting)
+        """Whose error laws hold for this plan: none were measured with yield or friction."""
+        return laws.family(self.setting) if self.plain else None
+
+    @property
+    def plain(self) -> bool:
+        """Whether it is elastic and frictionless."""
+        return not (self.effects["plasticity"].on or self.effects["friction"].on)
 
     @property
     def section(self) -> bool:

@@ -19,6 +19,7 @@ from railhead.scene.sections import (
     Friction,
     Mesh,
     Rail,
+    Rolling,
     SceneError,
     Section,
     Solver,
@@ -28,7 +29,7 @@ from railhead.scene.sections import (
 from railhead.scene.units import show
 
 __all__ = [
-    "Effects", "Friction", "Mesh", "Rail", "Scene", "SceneError", "Solver", "Wheel", "Wheelset",
+    "Effects", "Friction", "Mesh", "Rail", "Rolling", "Scene", "SceneError", "Solver", "Wheel", "Wheelset",
 ]  # fmt: skip
 
 #: Transverse radius in mm of what touches: the crowns of EN 13674-1, straight wheel treads.
@@ -45,6 +46,7 @@ _DROPS = {
     "wheel.profile": ("wheel.transverse_radius", "arc"),
     "solver.method": ("solver.theta", "nitsche"),
 }
+_OTHER_NAMES = {"friction.tangential_load": "friction.force_along"}
 
 
 def _name(value: object) -> str:
@@ -99,6 +101,7 @@ class Scene(Section):
     wheel: Wheel = Wheel()
     wheelset: Wheelset = Wheelset()
     friction: Friction = Friction()
+    rolling: Rolling = Rolling()
     solver: Solver = Solver()
     mesh: Mesh = Mesh()
     effects: Effects = Effects()
@@ -123,15 +126,29 @@ class Scene(Section):
         return self
 
     @model_validator(mode="after")
-    def _friction_can_hold(self) -> Self:
-        tangential, normal = abs(self.friction.tangential_load), self.load
-        if normal is not None and tangential > self.friction.coefficient * normal:
-            raise SceneError(
-                "friction.tangential_load",
-                f"{tangential:g} N would slide; give at most friction.coefficient * load = "
-                f"{self.friction.coefficient * normal:g} N",
-            )
+    def _shifted_or_rolling(self) -> Self:
+        friction, rolling = self.friction, self.rolling
+        if rolling.given and (friction.force_along or friction.force_across):
+            raise SceneError("rolling", "is not allowed beside a force of [friction]; give one")
         return self
+
+    @property
+    def tangential(self) -> tuple[str, float, float]:
+        """Table and components of the given tangential forces, N."""
+        if self.rolling.given:
+            return "rolling", self.rolling.force_along or 0.0, self.rolling.force_across or 0.0
+        return "friction", self.friction.force_along, self.friction.force_across
+
+    @property
+    def sheared(self) -> tuple[bool, bool]:
+        """Whether friction breaks the symmetry along (x = 0) and across (y = 0)."""
+        friction, rolling = self.friction, self.rolling
+        if not friction.coefficient or self.effects.friction == "off":
+            return False, False
+        if rolling.given:
+            sideways = rolling.creepage_across or rolling.force_across or rolling.spin
+            return True, bool(sideways)
+        return bool(friction.force_along), bool(friction.force_across)
 
     @model_validator(mode="after")
     def _one_body_deforms(self) -> Self:
@@ -205,6 +222,7 @@ class Scene(Section):
         SceneError.
         """
         given = dict(_assignment(text) for text in assignments) | dict(_dotted(values))
+        given = {_OTHER_NAMES.get(key, key): value for key, value in given.items()}
         drops = [
             _DROPS[key][0]
             for key, value in given.items()

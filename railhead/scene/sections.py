@@ -242,10 +242,57 @@ class Mesh(Section):
 
 
 class Friction(Section):
-    """Dry friction; ``tangential_load`` acts on the wheel along the rail, in N."""
+    """Dry friction. ``force_along`` and ``force_across`` (N) of the wheel on the rail shift it from
+    rest; ``tangential_load`` is another name of the first.
+    """
 
     coefficient: units.FrictionCoefficient = 0.0
-    tangential_load: units.SignedForce = 0.0
+    force_along: units.SignedForce = 0.0
+    force_across: units.SignedForce = 0.0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _other_name(cls, data: Any) -> Any:
+        if isinstance(data, dict) and "tangential_load" in data:
+            data = dict(data)
+            force = data.pop("tangential_load")
+            if data.get("force_along"):
+                raise SceneError("tangential_load", "is not allowed beside force_along; give one")
+            data["force_along"] = force
+        return data
+
+
+class Rolling(Section):
+    """Steady rolling towards positive x. Of either direction a creepage (velocity of the wheel's
+    surface relative to the rail's over the rolling speed) or a force of the wheel on the rail (N)
+    to be met; ``spin`` in 1/mm about the normal out of the rail; ``speed`` in m/s is for the power
+    alone.
+    """
+
+    creepage_along: units.Creepage | None = None
+    creepage_across: units.Creepage | None = None
+    force_along: units.SignedForce | None = None
+    force_across: units.SignedForce | None = None
+    spin: units.Spin = 0.0
+    speed: units.Speed | None = None
+
+    @model_validator(mode="after")
+    def _one_of_each(self) -> Self:
+        for way in ("along", "across"):
+            if (
+                getattr(self, f"creepage_{way}") is not None
+                and getattr(self, f"force_{way}") is not None
+            ):
+                raise SceneError(f"force_{way}", f"is not allowed beside creepage_{way}; give one")
+        if self.speed is not None and not self.given:
+            raise SceneError("speed", "is not allowed without a creepage, spin or force; give one")
+        return self
+
+    @property
+    def given(self) -> bool:
+        """Whether the wheel rolls with friction."""
+        chosen = (self.creepage_along, self.creepage_across, self.force_along, self.force_across)
+        return any(value is not None for value in chosen) or self.spin != 0
 
 
 Switch = Literal["auto", "on", "off"]

@@ -82,6 +82,11 @@ def _angle(number: str, unit: str) -> float:
     raise ValueError(unit)
 
 
+def _speed(number: str, unit: str) -> float:
+    """Convert to m/s; per hour as railways write it."""
+    return _physical(number, unit.replace("km/h", "kilometer/hour"), base="m/s")
+
+
 @dataclass(frozen=True)
 class Dimension:
     """What a kind of quantity is called, how to write it, and how to convert (number, unit)."""
@@ -113,6 +118,12 @@ DURATION = Dimension(
 )
 NUMBER = Dimension("a number", "a plain number, e.g. 1", _per_cent)
 FRACTION = Dimension("a fraction", 'a number or per cent, e.g. 0.01 or "1%"', _per_cent)
+CURVATURE = Dimension(
+    "a curvature",
+    'a number in 1/mm or with its unit, e.g. 0.0002 or "0.2 1/m"',
+    partial(_physical, base="1/mm"),
+)
+SPEED = Dimension("a speed", 'm/s or a speed with its unit, e.g. 20 or "72 km/h"', _speed)
 ANGLE = Dimension("an angle", 'radians or an angle with its unit, e.g. 0.002 or "2 mrad"', _angle)
 SLOPE = Dimension("a slope", 'a slope or an angle, e.g. 0.05, "1:20" or "2.86 deg"', _slope)
 
@@ -210,6 +221,14 @@ Accuracy = Annotated[
     quantity(FRACTION, lambda v: 0.0005 <= v <= 0.2, 'a fraction from 0.0005 to 0.2, e.g. "1%"'),
 ]
 SignedForce = Annotated[float, quantity(FORCE, math.isfinite, "a finite force")]
+Creepage = Annotated[
+    float,
+    quantity(FRACTION, lambda v: abs(v) <= 1, 'a creepage from -1 to 1, e.g. 0.001 or "0.1%"'),
+]
+Spin = Annotated[float, quantity(CURVATURE, lambda v: abs(v) <= 1, "a spin from -1 to 1 1/mm")]
+Speed = Annotated[
+    float, quantity(SPEED, lambda v: 0 < v <= 1000, 'a speed up to 1000 m/s, e.g. "80 km/h"')
+]
 FrictionCoefficient = Annotated[
     float, quantity(NUMBER, lambda v: 0 <= v <= 2, "a number from 0 to 2")
 ]

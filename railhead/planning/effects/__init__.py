@@ -39,8 +39,8 @@ EFFECTS = {
     "rail_section": Feature(rail_section.decide, rail_section.check),
     "far_field": Feature(far_field.decide, apply=far_field.apply),
     "mean_dilatation": Feature(mean_dilatation.decide, apply=mean_dilatation.apply, alike=True),
+    "friction": Feature(friction.decide, friction.check, friction.apply),
     "plasticity": Feature(plasticity.decide, plasticity.check, plasticity.apply),
-    "friction": Feature(friction.decide, friction.check),
 }
 ASSUMPTIONS = {
     "small_patch": assumptions.small_patch,

@@ -1,34 +1,136 @@
-"""Tangential traction: recognised, not simulated."""
+"""Tangential traction: a shift from rest, or steady rolling."""
 
 from __future__ import annotations
 
-from railhead.planning.effects.base import NOT_SIMULATED, After, Context, Effect
-from railhead.postprocess.findings import Findings
-from railhead.theory import hertz
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from railhead.planning.effects.base import After, Context, Effect
+from railhead.postprocess.findings import Findings, Frame
+from railhead.scene.scene import Scene, SceneError
+from railhead.solver.setup import Rub, Setup
+from railhead.theory import hertz, kalker, tangential
+from railhead.theory.hertz import Ellipse
+from railhead.theory.rolling import Creepage
+
+if TYPE_CHECKING:
+    from railhead.planning.plan import Plan
 
 NO_MISMATCH = 1e-9  # |beta| that is rounding
 
 
 def decide(context: Context) -> Effect:
-    """Called for by a tangential load, or by friction between bodies whose surfaces slip when
-    they are pressed together: Dundurs' beta != 0 (Johnson, Contact Mechanics, 5.1 and 5.4)."""
+    """Called for by a tangential force, by creepage or spin, or by friction between bodies whose
+    surfaces slip when they are pressed together: Dundurs' beta != 0 (Johnson, Contact Mechanics,
+    5.1 and 5.4)."""
     scene = context.scene
     rail, wheel, asked = scene.rail, scene.wheel, scene.friction
+    limit = asked.coefficient * context.hertz.load
+    table, along, across = scene.tangential
+    force = math.hypot(along, across)
+    if force and force >= limit:
+        raise SceneError(
+            f"{table}.force_{'along' if along else 'across'}",
+            f"{force:g} N would slide; give less than friction.coefficient times the normal force, "
+            f"{limit:g} N",
+        )
+    _fits_the_section(context)
     beta = hertz.dundurs_beta(
         rail.young_modulus, rail.poisson_ratio, wheel.young_modulus, wheel.poisson_ratio
     )
-    untouched = "no tangential load"
-    if asked.tangential_load:
-        called, why = True, f"a tangential load of {asked.tangential_load:g} N"
+    untouched = "no tangential force and no creepage"
+    if not asked.coefficient:
+        called, why = False, "friction.coefficient = 0"
+    elif scene.rolling.given:
+        called, why = True, f"the wheel rolls{_expected(context, limit)}"
+    elif force:
+        stick = (1 - force / limit) ** (1 / 2 if context.contact.line else 1 / 3)
+        why = (
+            f"a tangential force of {force:g} N, {force / limit:.3g} of mu N: Cattaneo and Mindlin"
+        )
+        called, why = (
+            True,
+            f"{why}'s stick patch is {stick:.3g} times as long and wide as the patch",
+        )
     elif abs(beta) < NO_MISMATCH:
         called, why = False, f"{untouched}, and Dundurs' beta = 0 leaves the surfaces unsheared"
-    elif not asked.coefficient:
-        called, why = False, f"{untouched}, and friction.coefficient = 0"
     else:
         called, why = True, f"it resists the slip of unlike materials, Dundurs' beta = {beta:.3g}"
-    return Effect(called, False, why, {"on": NOT_SIMULATED})
+    refused = {} if asked.coefficient else {"on": "friction.coefficient is 0"}
+    return Effect(called, called, why, refused)
+
+
+def apply(setup: Setup, plan: Plan) -> Setup:
+    """The coefficient and the wheel's motion."""
+    scene, contact = plan.scene, plan.contact
+    frame = Frame(contact.origin, contact.touch.angle)
+    rolling, friction = scene.rolling, scene.friction
+    given = rolling if rolling.given else friction
+    known = np.zeros(3)
+    free = []
+    for index, way in enumerate(("along", "across")):
+        if rolling.given and getattr(rolling, f"force_{way}") is None:
+            known[index] = getattr(rolling, f"creepage_{way}") or 0.0
+        elif way == "along" or contact.plane != "xz":
+            free.append((index, float(getattr(given, f"force_{way}") or 0.0)))
+    known[2] = rolling.spin
+    if not rolling.given and not any(force for _, force in free):
+        free = []  # pressed alone
+    return replace(
+        setup,
+        rub=Rub(
+            friction.coefficient, rolling.given, frame.axes, frame.origin, tuple(known), tuple(free)
+        ),
+    )
 
 
 def check(context: Context, effect: Effect, found: Findings) -> After | None:
-    """It does not depend on the solution."""
-    return After(True, f"{effect.why}: the answer is frictionless") if effect.called_for else None
+    """Whether it was left out."""
+    if not effect.called_for:
+        return None
+    return After(
+        not effect.on, "simulated" if effect.on else f"{effect.why}: the answer is frictionless"
+    )
+
+
+def creepage(scene: Scene) -> Creepage:
+    """What is given; 0 where a force is to be met."""
+    rolling = scene.rolling
+    return Creepage(rolling.creepage_along or 0.0, rolling.creepage_across or 0.0, rolling.spin)
+
+
+def _expected(context: Context, limit: float) -> str:
+    """Kalker's linear theory, of an ellipse."""
+    scene, ellipse = context.scene, context.hertz
+    if not isinstance(ellipse, Ellipse) or scene.rolling.force_along or scene.rolling.force_across:
+        return ""
+    rail, wheel = scene.rail, scene.wheel
+    if not 0.05 <= ellipse.a / ellipse.b <= 20:
+        return ""
+    pair = tangential.pair(
+        wheel.young_modulus, wheel.poisson_ratio, rail.young_modulus, rail.poisson_ratio
+    )
+    linear = kalker.coefficients(ellipse.a / ellipse.b, pair.poisson)
+    forces = linear.forces(ellipse.a, ellipse.b, pair.shear_modulus, creepage(scene))
+    share = math.hypot(*forces[:2]) / limit
+    return f": Kalker's linear force is {share:.3g} mu N" + (
+        ", most of the patch slips" if share > 1 else ""
+    )
+
+
+def _fits_the_section(context: Context) -> None:
+    """SceneError for a tangential motion that a section does not have."""
+    scene, plane = context.scene, context.contact.plane
+    along, across = scene.sheared
+    table = "rolling" if scene.rolling.given else "friction"
+    if plane == "yz" and along:
+        raise SceneError(
+            f"{table}", "along the rail is not allowed: the scene is a section across it"
+        )
+    if plane == "xz" and across:
+        raise SceneError(
+            f"{table}", "across the rail is not allowed: the scene is a section along it"
+        )

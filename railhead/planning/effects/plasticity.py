@@ -39,7 +39,9 @@ def decide(context: Context) -> Effect:
     if yields:
         why += _expected(context, _over(context, stresses))
     refused = {} if stresses else {"on": "no body that deforms has a yield stress"}
-    return Effect(yields, yields, why, refused)
+    if stresses and context.decided["friction"].on:
+        refused = {"on": "friction is solved elastically (effects.friction=off leaves it out)"}
+    return Effect(yields, yields and not refused, why, refused)
 
 
 def apply(setup: Setup, plan: Plan) -> Setup:

@@ -8,6 +8,8 @@ from railhead.planning.effects.base import Context, Effect
 def along(context: Context) -> Effect:
     """x = 0 mirrors the bodies and a vertical load."""
     why = context.contact.mirror_along
+    if why is None and context.scene.sheared[0]:
+        why = "friction along the rail"
     if why is None:
         straight = "the wheel stands straight: x = 0 mirrors bodies, materials and load"
         return Effect(True, True, straight)
@@ -17,6 +19,8 @@ def along(context: Context) -> Effect:
 def across(context: Context) -> Effect:
     """y = 0 mirrors them where both profiles do and the wheel stands in the middle."""
     why = context.contact.mirror_across
+    if why is None and context.scene.sheared[1]:
+        why = "friction across the rail"
     if why is None:
         return Effect(True, True, "profiles, materials and load mirror at y = 0")
     return Effect(False, False, why, {"on": why})

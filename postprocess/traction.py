@@ -1,0 +1,38 @@
+"""What friction does: forces, creepages or shifts, where the patch sticks, what is dissipated."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from railhead.solver.rubbing import Rubbing
+
+MOTION = {True: ("creepage_along", "creepage_across", "spin_per_mm"),
+          False: ("shift_along_mm", "shift_across_mm", "turn_rad")}  # fmt: skip
+
+
+def quantities(found: Rubbing, *, rolling: bool, speed: float | None) -> dict[str, Any]:
+    """As "friction" in summary.json: forces and moment of the wheel on the rail, N and N mm, with
+    mu N; the wheel's motion over the rail; the share of the patch's area that sticks; the largest
+    traction, MPa. Rolling, T-gamma: the energy dissipated per rolled length, N, as forces times
+    creepages (of like bodies: unlike ones creep without a force), and, with a speed in m/s, the
+    power in W."""
+    touches = found.pressure > 0
+    share = found.weights[found.sticks].sum() / found.weights[touches].sum()
+    out: dict[str, Any] = {
+        "force_along_N": found.force[0],
+        "force_across_N": found.force[1],
+        "moment_Nmm": found.moment,
+        "limit_N": found.limit,
+        **dict(zip(MOTION[rolling], found.motion, strict=True)),
+        "stick_share": float(share),
+        "traction_max_MPa": float(np.linalg.norm(found.traction, axis=1).max()),
+        "newton_steps": len(found.history),
+    }
+    if rolling:
+        wear = float(np.dot((*found.force, found.moment), found.motion))
+        out["t_gamma_N"] = wear
+        if speed is not None:
+            out["power_W"] = wear * speed
+    return out

@@ -1,0 +1,140 @@
+"""A contact model with friction: pressed first, then shifted or rolled."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+from petsc4py import PETSc
+
+from railhead.solver.cells import Array
+from railhead.solver.condensed import Condensed, Condenser
+from railhead.solver.contact import ContactModel, Solution
+from railhead.solver.friction import Friction, Sheared
+from railhead.solver.problem import Mask
+from railhead.solver.setup import Rub
+
+UNSETTLED = "friction: the tractions do not settle"
+
+
+@dataclass(frozen=True)
+class Rubbing:
+    """n contact points, of all ranks: points (n, 3) mm, weights (n,) mm2 of the whole model,
+    pressure (n,) MPa; traction (n, 3) MPa of the wheel on the rail; slip (n, 3) of the wheel over
+    the rail, mm, or, rolling, of 1; sticks (n,) of those with pressure; motion: creepage, or shift
+    in mm, along and across, and spin (1/mm); force along and across, N; moment N mm about the
+    normal at the origin; limit mu N, N; history: see `Sheared`."""
+
+    points: Array
+    weights: Array
+    pressure: Array
+    traction: Array
+    slip: Array
+    sticks: Mask
+    motion: tuple[float, float, float]
+    force: tuple[float, float]
+    moment: float
+    limit: float
+    history: tuple[float, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rubbed(Solution):
+    """A load case with friction. frictionless: the same without."""
+
+    frictionless: Solution
+    rubbing: Rubbing
+
+
+class RubbingModel(ContactModel):
+    """A contact model whose surfaces rub."""
+
+    def solve(
+        self,
+        *,
+        load: float = 0.0,
+        approach: float = 0.0,
+        active: Mask,
+        max_steps: int = 30,
+        progress: Callable[[int, float], None] = lambda step, residual: None,
+        force: PETSc.Vec | None = None,
+    ) -> Solution:
+        """Without friction, then with it on the patch that was found."""
+        pressed = super().solve(
+            load=load, approach=approach, active=active, max_steps=max_steps, progress=progress,
+            force=force,
+        )  # fmt: skip
+        rub = self.setup.rub
+        assert rub is not None
+        if not pressed.newton.converged:
+            return pressed
+        start = time.perf_counter()
+        condenser = Condenser(self, pressed)
+        contact = condenser.condense(rolling=rub.rolling)
+        problem, rigid = Friction(contact, rub.coefficient), slips(rub, contact)
+        known = np.tensordot(rub.known, rigid, axes=1)
+        modes = [index for index, _ in rub.free]
+        forces = [
+            [*row, value]
+            for row, (_, value) in zip(self._rows(contact, rub), rub.free, strict=True)
+        ]
+        sheared = problem.solve(
+            known, rigid[modes] if modes else None, np.array(forces) if modes else None
+        )
+        motion = np.array(rub.known)
+        motion[modes] = sheared.motion
+        moved = condenser.displaced(sheared.nodal, contact.traces)
+        moved.axpy(1.0, pressed.displacement)
+        every, own = contact.local
+        pressure, indicator = pressed.pressure.copy(), pressed.indicator.copy()
+        pressure[own] = sheared.pressure[every]
+        change = sheared.pressure[every] - contact.pressure[every]
+        indicator[own] += np.where(contact.pressure[every] > 0, change, 0.0)
+        newton = pressed.newton
+        if not sheared.converged:
+            newton = replace(newton, reason=UNSETTLED)
+        rubbing = _rubbing(rub, contact, sheared, motion, problem.limit)
+        total = rubbing.weights @ rubbing.traction
+        self.seconds["solve"] += time.perf_counter() - start
+        base = {each.name: getattr(pressed, each.name) for each in fields(Solution)}
+        base |= {
+            "displacement": moved, "pressure": pressure, "indicator": indicator, "newton": newton,
+            "load": self._carried(pressure) + float(total @ np.array(self.setup.direction)),
+        }  # fmt: skip
+        return Rubbed(**base, frictionless=pressed, rubbing=rubbing)
+
+    @staticmethod
+    def _rows(contact: Condensed, rub: Rub) -> list[Array]:
+        """Shares of the forces along the tangents in those of the given motions: the tangents of a
+        patch hardly turn."""
+        mean = contact.weights @ (
+            contact.pressure[:, None] * contact.tangents.reshape(len(contact.points), -1)
+        )
+        mean = mean.reshape(contact.tangents.shape[1:]) / (contact.weights @ contact.pressure)
+        return [mean @ rub.axes[index] for index, _ in rub.free]
+
+
+def slips(rub: Rub, contact: Condensed) -> Array:
+    """Rigid slip (3, n, k) of motions of 1: along, across, and of a spin of 1/mm."""
+    spun = np.cross(rub.axes[2], contact.points - np.array(rub.origin))
+    motions = [np.broadcast_to(axis, spun.shape) for axis in rub.axes[:2]]
+    return np.stack([
+        np.einsum("nc,nkc->nk", motion, contact.tangents) for motion in (*motions, spun)
+    ])  # fmt: skip
+
+
+def _rubbing(rub: Rub, contact: Condensed, found: Sheared, motion: Array, limit: float) -> Rubbing:
+    traction, slip = (
+        np.einsum("nk,nkc->nc", values, contact.tangents) for values in (found.traction, found.slip)
+    )
+    weights = contact.parts * contact.weights
+    total = weights @ traction
+    moment = weights @ np.cross(contact.points - np.array(rub.origin), traction) @ rub.axes[2]
+    return Rubbing(
+        contact.points, weights, found.pressure, traction, slip, found.sticks,
+        (float(motion[0]), float(motion[1]), float(motion[2])),
+        (float(total @ rub.axes[0]), float(total @ rub.axes[1])), float(moment), limit,
+        found.history,
+    )  # fmt: skip
