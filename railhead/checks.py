@@ -19,6 +19,7 @@ from railhead.meshing.tags import BODIES
 from railhead.planning.laws import RANGE
 from railhead.planning.plan import LINEAR_REFINEMENT
 from railhead.postprocess.flux import through_slab
+from railhead.solver.rubbing import Rubbed
 
 ROUGH = 0.05  # relative: what a number without an asked accuracy may be off by at most
 BALANCE = 1e-6  # relative: what equations solved to 1e-8 leave
@@ -93,6 +94,44 @@ def run(
         advice = "ask for less, or give a larger budget; see accuracy.would_cost"
         checks.append(Check("accuracy", off, asked, "asked", advice))
     return checks
+
+
+def friction(level: Level, second: Mapping[str, Mapping[str, Any]] | None) -> list[Check]:
+    """Of the tractions: no point above the law, given forces met, and half-spaces beside them."""
+    if not isinstance(level.solution, Rubbed) or level.result is None:
+        return []
+    found, scene = level.solution.rubbing, level.plan.scene
+    size = np.linalg.norm(found.traction, axis=1)
+    above = np.max(size - scene.friction.coefficient * found.pressure, initial=0.0)
+    _, *given = scene.tangential
+    missed = [abs(force - asked) for force, asked in zip(found.force, given, strict=True) if asked]
+    out = [
+        Check(
+            "law_of_friction", float(above / size.max()) if size.max() else 0.0, BALANCE,
+            "no traction above mu p", "report it: this is a defect",
+        ),
+        Check(
+            "forces_met", max(missed, default=0.0) / found.limit, BALANCE,
+            "the given tangential forces, over mu N", "give a smaller force, or a creepage",
+        ),
+    ]  # fmt: skip
+    other = (second or {}).get("boundary elements") or (second or {}).get("Carter") or {}
+    off = [
+        abs(force - other[name]) / found.limit
+        for name, force in zip(("force_along_N", "force_across_N"), found.force, strict=True)
+        if name in other
+    ]
+    if off:
+        out.append(
+            Check(
+                "second_opinion_friction",
+                max(off),
+                ROUGH,
+                "half-spaces with friction, over mu N",
+                FINER,
+            )
+        )
+    return out
 
 
 def _equations(level: Level) -> list[Check]:

@@ -7,7 +7,7 @@ import resource
 from dataclasses import dataclass
 from typing import Any
 
-from railhead import checks, estimates
+from railhead import checks, estimates, friction_opinion
 from railhead.geometry.flat import FlatContact
 from railhead.level import Level
 from railhead.planning import effects
@@ -40,12 +40,13 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
     reached = None
     if scene.accuracy is not None and level.result is not None:
         reached = bool(estimates.worst(known, level) <= scene.accuracy)
-    profiles = half_space(level)
+    profiles, rubbed = half_space(level), friction_opinion.opinions(level)
     second = {**hertz, "allowance": {}} if plan.contact.half_space else profiles
     if other := effects.chosen(plan.effects):
         second = None  # it is about the scene
         source = f"{source}; of the problem that was chosen ({', '.join(other)})"
     judged = checks.run(level, known, second, reached=reached)
+    judged += checks.friction(level, rubbed)
     return {
         "case": scene.name,
         "scene": scene.model_dump(exclude_none=True),
@@ -57,6 +58,7 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
         "hertz": hertz,
         "thesis": thesis,
         "half_space": profiles,
+        **({} if rubbed is None else {"half_space_friction": rubbed}),
         "difference": None if level.result is None else compare.difference(level.result, hertz),
         "effects_after": {name: vars(each) for name, each in level.after.items()},
         "accuracy": {

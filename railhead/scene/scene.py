@@ -29,7 +29,8 @@ from railhead.scene.sections import (
 from railhead.scene.units import show
 
 __all__ = [
-    "Effects", "Friction", "Mesh", "Rail", "Rolling", "Scene", "SceneError", "Solver", "Wheel", "Wheelset",
+    "Effects", "Friction", "Mesh", "Rail", "Rolling", "Scene", "SceneError", "Solver", "Wheel",
+    "Wheelset",
 ]  # fmt: skip
 
 #: Transverse radius in mm of what touches: the crowns of EN 13674-1, straight wheel treads.
