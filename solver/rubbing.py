@@ -95,8 +95,7 @@ class RubbingModel(ContactModel):
         newton = pressed.newton
         if not sheared.converged:
             newton = replace(newton, reason=UNSETTLED)
-        rubbing = _rubbing(rub, contact, sheared, motion, problem.limit)
-        total = rubbing.weights @ rubbing.traction
+        rubbing, total = self._rubbing(contact, sheared, motion, problem.limit)
         self.seconds["solve"] += time.perf_counter() - start
         base = {each.name: getattr(pressed, each.name) for each in fields(Solution)}
         base |= {
@@ -104,6 +103,30 @@ class RubbingModel(ContactModel):
             "load": self._carried(pressure) + float(total @ np.array(self.setup.direction)),
         }  # fmt: skip
         return Rubbed(**base, frictionless=pressed, rubbing=rubbing)
+
+    def _rubbing(
+        self, contact: Condensed, found: Sheared, motion: Array, limit: float
+    ) -> tuple[Rubbing, Array]:
+        """With the force in space (3,), N; mirror images cancel what a plane of symmetry turns."""
+        rub = self.setup.rub
+        assert rub is not None
+        traction, slip = (
+            np.einsum("nk,nkc->nc", values, contact.tangents)
+            for values in (found.traction, found.slip)
+        )
+        total = contact.weights @ traction
+        arm = contact.points - np.array(rub.origin)
+        moment = float(contact.weights @ np.cross(arm, traction) @ rub.axes[2])
+        for _, normal in self.setup.planes:
+            total = 2 * (total - np.array(normal) * (total @ np.array(normal)))
+            moment = 0.0
+        rubbing = Rubbing(
+            contact.points, contact.parts * contact.weights, found.pressure, traction, slip,
+            found.sticks, (float(motion[0]), float(motion[1]), float(motion[2])),
+            (float(total @ rub.axes[0]), float(total @ rub.axes[1])), moment, limit,
+            found.history,
+        )  # fmt: skip
+        return rubbing, total
 
     @staticmethod
     def _rows(contact: Condensed, rub: Rub) -> list[Array]:
@@ -123,18 +146,3 @@ def slips(rub: Rub, contact: Condensed) -> Array:
     return np.stack([
         np.einsum("nc,nkc->nk", motion, contact.tangents) for motion in (*motions, spun)
     ])  # fmt: skip
-
-
-def _rubbing(rub: Rub, contact: Condensed, found: Sheared, motion: Array, limit: float) -> Rubbing:
-    traction, slip = (
-        np.einsum("nk,nkc->nc", values, contact.tangents) for values in (found.traction, found.slip)
-    )
-    weights = contact.parts * contact.weights
-    total = weights @ traction
-    moment = weights @ np.cross(contact.points - np.array(rub.origin), traction) @ rub.axes[2]
-    return Rubbing(
-        contact.points, weights, found.pressure, traction, slip, found.sticks,
-        (float(motion[0]), float(motion[1]), float(motion[2])),
-        (float(total @ rub.axes[0]), float(total @ rub.axes[1])), float(moment), limit,
-        found.history,
-    )  # fmt: skip
