@@ -16,17 +16,22 @@ G u = 1.5 J u - 2 J u(x + d) + 0.5 J u(x + 2 d): symmetric ones would not dissip
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
 
 from railhead.solver.cells import Array, Index
-from railhead.solver.contact import ContactModel, Solution
+from railhead.solver.contact import Solution
 from railhead.solver.facets import FacetSet
 from railhead.solver.linear import factorise
 from railhead.solver.operators import rows
 from railhead.solver.pairing import pair
+
+if TYPE_CHECKING:
+    from railhead.solver.rubbing import RubbingModel
 
 UPSTREAM = ((0.0, 1.5), (1.0, -2.0), (2.0, 0.5))  # distance in steps d, and weight
 STEP = 0.5  # d over the length of the elements' edges
@@ -59,11 +64,18 @@ class Condensed:
     parts: int
     local: tuple[slice, Index]
 
+    @property
+    def force(self) -> Array:
+        """(k, m) along the tangents, N of the whole model, of tractions at the nodes."""
+        k = self.tangents.shape[1]
+        each = np.kron(self.weights[:, None], np.eye(k))
+        return np.asarray(self.parts * (self.traces.T @ each).T)
+
 
 class Condenser:
     """Factorises the tangent of a pressed contact and condenses it."""
 
-    def __init__(self, model: ContactModel, solution: Solution) -> None:
+    def __init__(self, model: RubbingModel, solution: Solution) -> None:
         self.model, self.solution, self.comm = model, solution, model.comm
         self.active = solution.pressure > 0
         interface, setup = model.interface, model.setup
@@ -127,12 +139,33 @@ class Condenser:
         points, weights, pressed, along, tau = (self._all(each) for each in values)
         lift = model.setup.kinematics.lift
         before = self.comm.exscan(len(self.own)) or 0
-        return Condensed(
+        condensed = Condensed(
             lift(points), weights, pressed, lift(along.reshape(-1, along.shape[2])).reshape(
                 len(points), size, 3), tau, step, traces, self._all(start), self._all(moved),
             gathered[0], gathered[1], gathered[2] * (pressed > 0)[:, None], model.setup.parts,
             (slice(before, before + len(self.own)), self.own),
         )  # fmt: skip
+        for row, (u, y) in zip(condensed.force, self.far, strict=False):
+            for known, moved in ((condensed.answer, answer * u), (condensed.movement, change * u),
+                                 (condensed.closing, pressure * y)):  # fmt: skip
+                known += np.outer(self._all(moved.array), row)
+        condensed.closing[pressed <= 0] = 0.0
+        return condensed
+
+    @cached_property
+    def far(self) -> list[tuple[PETSc.Vec, PETSc.Vec]]:
+        """Of 1 N along and across: displacement on all dofs and free unknowns where what lies
+        beyond the bodies gives way."""
+        found = []
+        for u in self.model.beyond():
+            rhs = self.model.held.forces(u)
+            force, y = self.tangent.createVecRight(), self.tangent.createVecRight()
+            self.model.reduction.matrix.multTranspose(rhs, force)
+            force.scale(-1.0)
+            self.pc.apply(force, y)
+            u.axpy(1.0, self.model.reduction.matrix * y)
+            found.append((u, y))
+        return found
 
     def solve(self, rhs: PETSc.Mat) -> PETSc.Mat:
         """A^-1 of dense columns."""
@@ -140,17 +173,16 @@ class Condenser:
         self.pc.getFactorMatrix().matSolve(rhs, out)
         return out
 
-    def displaced(self, nodal: Array, traces: sp.csr_matrix) -> PETSc.Vec:
-        """u - u_pressed on all dofs, mm, under tractions (m,) at the nodes."""
-        before = self.comm.exscan(len(self.own)) or 0
+    def push(self, nodal: Array, contact: Condensed) -> PETSc.Vec:
+        """What tractions (m,) at the nodes do to the bodies: forces on all dofs, N."""
+        every, _ = contact.local
         size = self.tangents.shape[1]
-        own = slice(before * size, (before + len(self.own)) * size)
-        values = np.repeat(self.model.interface.weights[self.own], size) * (traces[own] @ nodal)
-        push = self._jump(0.0).matMult(self.model.reduction.matrix)
-        force, y = push.createVecRight(), push.createVecRight()
-        push.multTranspose(_vector(push, -values), force)
-        self.pc.apply(force, y)
-        return self.model.reduction.matrix * y
+        rows = slice(every.start * size, every.stop * size)
+        weights = np.repeat(self.model.interface.weights[self.own], size)
+        jump = self._jump(0.0)
+        force = jump.createVecRight()
+        jump.multTranspose(_vector(jump, -weights * (contact.traces[rows] @ nodal)), force)
+        return force
 
     def _jump(self, shift: float) -> PETSc.Mat:
         """J at the points moved by `shift` mm along x, on all dofs."""

@@ -62,9 +62,7 @@ class Friction:
         self._onto = (contact.traces.T @ weights).tocsr()
         self._mass = (self._onto @ contact.traces).toarray()
         self._active = contact.pressure > 0
-        # Forces (k, m) of tractions at the nodes, of the whole model.
-        each = self._onto @ np.kron(np.ones((n, 1)), np.eye(k))
-        self._force = contact.parts * np.asarray(each).T
+        self._force = contact.force
 
     @property
     def limit(self) -> float:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from petsc4py import PETSc
 
+from railhead.solver import compat
 from railhead.solver.cells import Array
 from railhead.solver.condensed import Condensed, Condenser
 from railhead.solver.contact import ContactModel, Solution
@@ -49,7 +50,10 @@ class Rubbed(Solution):
 
 
 class RubbingModel(ContactModel):
-    """A contact model whose surfaces rub."""
+    """A contact model whose surfaces rub. tangential: force along and across that the far field
+    follows, N."""
+
+    tangential: Array
 
     def solve(
         self,
@@ -61,11 +65,17 @@ class RubbingModel(ContactModel):
         progress: Callable[[int, float], None] = lambda step, residual: None,
         force: PETSc.Vec | None = None,
     ) -> Solution:
-        """Without friction, then with it on the patch that was found."""
-        pressed = super().solve(
-            load=load, approach=approach, active=active, max_steps=max_steps, progress=progress,
-            force=force,
-        )  # fmt: skip
+        """Without friction, then with it on the patch that was found, then pressed again under the
+        tractions: what they do to the pressure."""
+        self.tangential = np.zeros(2)
+
+        def press(active: Mask, force: PETSc.Vec | None) -> Solution:
+            return super(RubbingModel, self).solve(
+                load=load, approach=approach, active=active, max_steps=max_steps,
+                progress=progress, force=force,
+            )  # fmt: skip
+
+        pressed = press(active, force)
         rub = self.setup.rub
         assert rub is not None
         if not pressed.newton.converged:
@@ -74,35 +84,59 @@ class RubbingModel(ContactModel):
         condenser = Condenser(self, pressed)
         contact = condenser.condense(rolling=rub.rolling)
         problem, rigid = Friction(contact, rub.coefficient), slips(rub, contact)
-        known = np.tensordot(rub.known, rigid, axes=1)
         modes = [index for index, _ in rub.free]
-        forces = [
-            [*row, value]
-            for row, (_, value) in zip(self._rows(contact, rub), rub.free, strict=True)
-        ]
+        rows = self._rows(contact, rub)
+        forces = [[*row, value] for row, (_, value) in zip(rows, rub.free, strict=True)]
         sheared = problem.solve(
-            known, rigid[modes] if modes else None, np.array(forces) if modes else None
+            np.tensordot(rub.known, rigid, axes=1),
+            rigid[modes] if modes else None,
+            np.array(forces) if modes else None,
         )
         motion = np.array(rub.known)
         motion[modes] = sheared.motion
-        moved = condenser.displaced(sheared.nodal, contact.traces)
-        moved.axpy(1.0, pressed.displacement)
-        every, own = contact.local
-        pressure, indicator = pressed.pressure.copy(), pressed.indicator.copy()
-        pressure[own] = sheared.pressure[every]
-        change = sheared.pressure[every] - contact.pressure[every]
-        indicator[own] += np.where(contact.pressure[every] > 0, change, 0.0)
-        newton = pressed.newton
-        if not sheared.converged:
-            newton = replace(newton, reason=UNSETTLED)
         rubbing, total = self._rubbing(contact, sheared, motion, problem.limit)
+        if rub.far is not None:
+            self.tangential = np.array(rubbing.force)
+        push = condenser.push(sheared.nodal, contact)
+        if force is not None:
+            push.axpy(1.0, force)
         self.seconds["solve"] += time.perf_counter() - start
-        base = {each.name: getattr(pressed, each.name) for each in fields(Solution)}
-        base |= {
-            "displacement": moved, "pressure": pressure, "indicator": indicator, "newton": newton,
-            "load": self._carried(pressure) + float(total @ np.array(self.setup.direction)),
-        }  # fmt: skip
-        return Rubbed(**base, frictionless=pressed, rubbing=rubbing)
+        found = press(pressed.pressure > 0, push)
+        newton = found.newton
+        if newton.converged and not sheared.converged:
+            newton = replace(newton, reason=UNSETTLED)
+        base = {each.name: getattr(found, each.name) for each in fields(Solution)}
+        carried = found.load + float(total @ np.array(self.setup.direction))
+        return Rubbed(
+            **base | {"newton": newton, "load": carried}, frictionless=pressed, rubbing=rubbing
+        )
+
+    def prescribed(self, load: float, approach: float) -> PETSc.Vec:
+        """With the far field of the tangential force."""
+        values = super().prescribed(load, approach)
+        if np.any(self.tangential):
+            for share, far in zip(self.tangential, self.beyond(), strict=False):
+                values.axpy(share, far)
+        return values
+
+    def beyond(self) -> list[PETSc.Vec]:
+        """Displacement of the supported faces under 1 N along and across, on all dofs, mm; none of
+        bodies that end there."""
+        setup = self.setup
+        if setup.rub is None or setup.rub.far is None:
+            return []
+        supports, found = self.supports(self.bulk.space), []
+        points = setup.kinematics.lift(compat.dof_points(self.bulk.space))
+        for way in range(setup.kinematics.dim - 1):
+            values = np.zeros((self.owned, setup.kinematics.dim))
+            for side, mask in ((setup.fixed, supports.fixed), (setup.moving, supports.hub)):
+                if mask is not None and mask.any():
+                    moved = setup.rub.far(way, side.tag, points[mask])
+                    values[mask] = setup.kinematics.flatten(moved)
+            u = self.reduction.matrix.createVecLeft()
+            u.array[:] = values.ravel()
+            found.append(u)
+        return found
 
     def _rubbing(
         self, contact: Condensed, found: Sheared, motion: Array, limit: float

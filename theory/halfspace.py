@@ -34,6 +34,33 @@ def boussinesq_displacement(points: ArrayLike, load: float, young: float, poisso
     return scale * np.column_stack((radial * xyz[:, 0], radial * xyz[:, 1], -down))
 
 
+def cerruti_displacement(
+    points: ArrayLike, load: float, young: float, poisson: float, *, across: bool = False
+) -> Array:
+    """Displacement under a point force of `load` N at the origin, along x, or across, along y.
+
+    With depth z and rho the distance (Johnson, Contact Mechanics, 3.74 and following):
+    u_x = Q/(4 pi G) (1/rho + x^2/rho^3 + (1 - 2 nu) (1/(rho + z) - x^2/(rho (rho + z)^2))),
+    u_y = Q/(4 pi G) x y (1/rho^3 - (1 - 2 nu)/(rho (rho + z)^2)), and downwards
+    Q/(4 pi G) x (z/rho^3 + (1 - 2 nu)/(rho (rho + z))). ValueError: as `boussinesq_displacement`.
+    """
+    xyz = np.asarray(points, dtype=float)
+    if xyz.ndim != 2 or xyz.shape[1] != 3:
+        raise ValueError(f"points must have the shape (n, 3), got {xyz.shape}")
+    rho = np.linalg.norm(xyz, axis=1)
+    if np.any(xyz[:, 2] > 0) or np.any(rho == 0):
+        raise ValueError("points must lie at z <= 0 and away from the point force at the origin")
+    x, y = xyz[:, 1 if across else 0], xyz[:, 0 if across else 1]
+    depth, free = -xyz[:, 2], 1 - 2 * poisson
+    sum_ = rho + depth
+    along = 1 / rho + x**2 / rho**3 + free * (1 / sum_ - x**2 / (rho * sum_**2))
+    aside = x * y * (1 / rho**3 - free / (rho * sum_**2))
+    down = x * (depth / rho**3 + free / (rho * sum_))
+    scale = load * (1 + poisson) / (2 * np.pi * young)
+    columns = (aside, along, -down) if across else (along, aside, -down)
+    return scale * np.column_stack(columns)
+
+
 def hertz_displacement(contact: Ellipse, points: ArrayLike, young: float, poisson: float) -> Array:
     """Displacement under the Hertz pressure of `contact`, anywhere at z <= 0, young in MPa.
 

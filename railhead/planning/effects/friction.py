@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from railhead.meshing.tags import RAIL
 from railhead.planning.effects.base import After, Context, Effect
 from railhead.postprocess.findings import Findings, Frame
 from railhead.scene.scene import Scene, SceneError
 from railhead.solver.setup import Rub, Setup
-from railhead.theory import hertz, kalker, tangential
+from railhead.theory import halfspace, hertz, kalker, tangential
 from railhead.theory.hertz import Ellipse
 from railhead.theory.rolling import Creepage
 
@@ -74,17 +76,32 @@ def apply(setup: Setup, plan: Plan) -> Setup:
     for index, way in enumerate(("along", "across")):
         if rolling.given and getattr(rolling, f"force_{way}") is None:
             known[index] = getattr(rolling, f"creepage_{way}") or 0.0
-        elif way == "along" or contact.plane != "xz":
+        elif not (plan.half_x, plan.half_y or contact.plane == "xz")[index]:
             free.append((index, float(getattr(given, f"force_{way}") or 0.0)))
     known[2] = rolling.spin
     if not rolling.given and not any(force for _, force in free):
         free = []  # pressed alone
-    return replace(
-        setup,
-        rub=Rub(
-            friction.coefficient, rolling.given, frame.axes, frame.origin, tuple(known), tuple(free)
-        ),
-    )
+    far = CerrutiFarField(plan) if contact.half_space and not contact.plane else None
+    motion = tuple(known), tuple(free)
+    rub = Rub(friction.coefficient, rolling.given, frame.axes, frame.origin, *motion, far)
+    return replace(setup, rub=rub)
+
+
+@dataclass(frozen=True)
+class CerrutiFarField:
+    """Displacement of both half-spaces under a tangential point force of 1 N of the wheel on the
+    rail, in the place of the tractions."""
+
+    plan: Plan
+
+    def __call__(self, way: int, body: int, points: NDArray) -> NDArray:
+        """(0 along or 1 across, RAIL or WHEEL, points (n, 3) mm) -> (n, 3) mm."""
+        part, sign = self.plan.material(body), 1.0 if body == RAIL else -1.0
+        lower = points * [1.0, 1.0, sign]
+        lower[:, 2] = lower[:, 2].clip(max=0.0)
+        constants = part.young_modulus, part.poisson_ratio
+        moved = halfspace.cerruti_displacement(lower, sign, *constants, across=way == 1)
+        return moved * [1.0, 1.0, sign]
 
 
 def check(context: Context, effect: Effect, found: Findings) -> After | None:
