@@ -10,6 +10,7 @@ import numpy as np
 
 from railhead.postprocess.findings import Array, Surface
 from railhead.solver.gather import Fields
+from railhead.solver.rubbing import Rubbing
 from railhead.theory.subsurface import max_shear, principal, von_mises
 
 _HEXAHEDRON = [0, 1, 3, 2, 4, 5, 7, 6]
@@ -90,6 +91,24 @@ def contact_grid(fields: Fields, surface: Surface) -> meshio.Mesh:
         [("triangle" if surface.triangles.shape[1] == 3 else "line", surface.triangles)],
         point_data={"pressure": surface.pressure, "gap": surface.gap},
         cell_data={"body": [np.full(len(surface.triangles), fields.slave, dtype=np.int32)]},
+    )
+
+
+def traction_points(found: Rubbing) -> meshio.Mesh:
+    """The contact points that touch. Point data: traction (n, 3) MPa of the wheel on the rail; slip
+    (n, 3) of the wheel over the rail, mm, or, rolling, of 1; status (n,), 1 where it sticks, 0
+    where it slips; pressure (n,) MPa."""
+    touches = found.pressure > 0
+    count = int(touches.sum())
+    return meshio.Mesh(
+        found.points[touches],
+        [("vertex", np.arange(count)[:, None])],
+        point_data={
+            "traction": found.traction[touches],
+            "slip": found.slip[touches],
+            "status": found.sticks[touches].astype(np.int32),
+            "pressure": found.pressure[touches],
+        },
     )
 
 

@@ -82,7 +82,8 @@ def _boundary_elements(level: Level, found: Rubbing, pair: tangential.Pair) -> d
     body = HalfSpaceFriction(x, s, pressure, friction, pair, rolling=True)
     rolled = body.at(Creepage(*found.motion))
     scale = found.limit / rolled.limit  # cells at the edge are in or out
-    return _named(*(scale * force for force in rolled.forces), rolled.stick_share)
+    along, across, moment = (scale * force for force in rolled.forces)
+    return _named(along, across, moment, rolled.stick_share)
 
 
 def _named(along: float, across: float, moment: float, stick: float) -> dict[str, Any]:

@@ -136,8 +136,9 @@ def _exchange(one: Path, other: Path) -> None:
 
 def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
     """Write summary, scene, VTU files and pictures; returns the file names."""
-    from railhead.postprocess import export, gallery, plastic_plots
+    from railhead.postprocess import export, gallery, plastic_plots, traction_plots
     from railhead.postprocess.stress import nodal
+    from railhead.solver.rubbing import Rubbed
 
     with replacing(folder) as work:
         if result.fields is not None and result.findings is not None:
@@ -162,6 +163,15 @@ def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
                 plastic_plots.draw(
                     fields, left.residual, found, elastic.findings, exact, work / "plastic.png"
                 )
+        solution, found = result.level.solution, result.findings
+        if isinstance(solution, Rubbed) and found is not None:
+            export.write(export.traction_points(solution.rubbing), work / "traction.vtu")
+            if pictures:
+                traction_plots.draw(
+                    solution.rubbing, found, result.plan.scene.friction.coefficient,
+                    work / "friction.png", mirrored=result.plan.half_y,
+                    rolling=result.plan.scene.rolling.given,
+                )  # fmt: skip
         (work / "scene.toml").write_text(to_toml(result.plan.scene), encoding="utf-8")
         (work / SUMMARY).write_text(as_json(result), encoding="utf-8")
         return sorted(path.name for path in work.iterdir())

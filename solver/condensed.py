@@ -64,12 +64,10 @@ class Condensed:
     parts: int
     local: tuple[slice, Index]
 
-    @property
-    def force(self) -> Array:
-        """(k, m) along the tangents, N of the whole model, of tractions at the nodes."""
-        k = self.tangents.shape[1]
-        each = np.kron(self.weights[:, None], np.eye(k))
-        return np.asarray(self.parts * (self.traces.T @ each).T)
+    def force(self, axis: Array) -> Array:
+        """(m,) N of the whole model along a unit vector (3,), of tractions at the nodes."""
+        share = self.weights[:, None] * (self.tangents @ axis)
+        return np.asarray(self.parts * (self.traces.T @ share.ravel()))
 
 
 class Condenser:
@@ -145,7 +143,9 @@ class Condenser:
             gathered[0], gathered[1], gathered[2] * (pressed > 0)[:, None], model.setup.parts,
             (slice(before, before + len(self.own)), self.own),
         )  # fmt: skip
-        for row, (u, y) in zip(condensed.force, self.far, strict=False):
+        axes = () if model.setup.rub is None else model.setup.rub.axes
+        for axis, (u, y) in zip(axes, self.far, strict=False):
+            row = condensed.force(axis)
             for known, moved in ((condensed.answer, answer * u), (condensed.movement, change * u),
                                  (condensed.closing, pressure * y)):  # fmt: skip
                 known += np.outer(self._all(moved.array), row)

@@ -62,17 +62,12 @@ class Friction:
         self._onto = (contact.traces.T @ weights).tocsr()
         self._mass = (self._onto @ contact.traces).toarray()
         self._active = contact.pressure > 0
-        self._force = contact.force
 
     @property
     def limit(self) -> float:
         """mu N without traction, N."""
         contact = self.contact
         return float(self.coefficient * contact.parts * (contact.weights @ contact.pressure))
-
-    def forces(self, nodal: Array) -> Array:
-        """(k,) N, of the whole model."""
-        return np.asarray(self._force @ nodal)
 
     def solve(
         self,
@@ -84,9 +79,9 @@ class Friction:
         start: Sheared | None = None,
     ) -> Sheared:
         """slip (n, k): the rigid one that is known, of the wheel over the rail: mm, or, rolling,
-        of 1. modes (j, n, k): further rigid slips, multiplied so that `forces` (j, k + 1) hold: a
-        row holds the shares of the k forces that are added up and their sum, N. settled (n, k): of
-        a shift, what the surfaces had moved before. start: a state to start from."""
+        of 1. modes (j, n, k): further rigid slips, multiplied so that forces along (j, 3) axes in
+        space are what is given, N: `forces` (j, 4) holds axes and forces. settled (n, k): of a
+        shift, what the surfaces had moved before. start: a state to start from."""
         contact, k = self.contact, slip.shape[1]
         n, m = len(slip), self._mass.shape[0]
         known = contact.step * slip
@@ -94,12 +89,14 @@ class Friction:
         base = contact.start + contact.tau[:, None] * (known - before)
         free = np.zeros((0, n, k)) if modes is None else contact.step * modes
         pull = (contact.tau[:, None] * free).reshape(len(free), n * k)
-        rows = np.zeros((0, k + 1)) if forces is None else forces
+        given = np.zeros((0, 4)) if forces is None else forces
+        rows = np.array([contact.force(axis) for axis in given[:, :3]]).reshape(-1, m)
         answer, closing = contact.answer.reshape(n, k, m), contact.closing
         nodal, motion = np.zeros(m), np.zeros(len(free))
         if start is not None:
             nodal, motion = start.nodal, start.motion
-        slips, direction = np.zeros(n, dtype=bool), np.zeros((n, k))
+        slips: NDArray[np.bool_] = np.zeros(n, dtype=bool)
+        direction = np.zeros((n, k))
         first, history = start is None, []
         top = float(self.coefficient * contact.pressure.max())
         for _ in range(STEPS):
@@ -123,11 +120,11 @@ class Friction:
             tangent = np.block([
                 [self._mass - self._onto @ pushed.reshape(n * k, m),
                  -self._onto @ pulled.reshape(n * k, len(free))],
-                [rows[:, :k] @ self._force, np.zeros((len(rows), len(free)))],
+                [rows, np.zeros((len(rows), len(free)))],
             ])  # fmt: skip
             residual = np.concatenate([
                 self._mass @ nodal - self._onto @ value.ravel(),
-                rows[:, :k] @ self.forces(nodal) - rows[:, k],
+                rows @ nodal - given[:, 3],
             ])  # fmt: skip
             step = scipy.linalg.solve(tangent, -residual, check_finite=False)
             nodal, motion = nodal + step[:m], motion + step[m:]
@@ -152,11 +149,18 @@ class Friction:
         contact, (n, k) = self.contact, base.shape
         rigid = known + np.tensordot(motion, free, axes=1)
         q = base + (contact.answer @ nodal).reshape(n, k) + contact.tau[:, None] * (rigid - known)
-        pressure = np.maximum(contact.pressure + contact.closing @ nodal, 0.0) * self._active
+        found = np.maximum(contact.pressure + contact.closing @ nodal, 0.0)
+        pressure = np.where(self._active, found, 0.0)
         size = np.maximum(np.linalg.norm(q, axis=1), LEAST)
         share = np.minimum(1.0, self.coefficient * pressure / size)
         moved = contact.moved + (contact.movement @ nodal).reshape(n, k)
         slip = (moved + rigid - before) / contact.step
         return Sheared(
-            share[:, None] * q, slip, self._active & (share >= 1), pressure, nodal, motion, history
+            share[:, None] * q,
+            slip,
+            np.asarray(self._active & (share >= 1)),
+            pressure,
+            nodal,
+            motion,
+            history,
         )

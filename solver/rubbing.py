@@ -85,8 +85,7 @@ class RubbingModel(ContactModel):
         contact = condenser.condense(rolling=rub.rolling)
         problem, rigid = Friction(contact, rub.coefficient), slips(rub, contact)
         modes = [index for index, _ in rub.free]
-        rows = self._rows(contact, rub)
-        forces = [[*row, value] for row, (_, value) in zip(rows, rub.free, strict=True)]
+        forces = [[*rub.axes[index], value] for index, value in rub.free]
         sheared = problem.solve(
             np.tensordot(rub.known, rigid, axes=1),
             rigid[modes] if modes else None,
@@ -161,16 +160,6 @@ class RubbingModel(ContactModel):
             found.history,
         )  # fmt: skip
         return rubbing, total
-
-    @staticmethod
-    def _rows(contact: Condensed, rub: Rub) -> list[Array]:
-        """Shares of the forces along the tangents in those of the given motions: the tangents of a
-        patch hardly turn."""
-        mean = contact.weights @ (
-            contact.pressure[:, None] * contact.tangents.reshape(len(contact.points), -1)
-        )
-        mean = mean.reshape(contact.tangents.shape[1:]) / (contact.weights @ contact.pressure)
-        return [mean @ rub.axes[index] for index, _ in rub.free]
 
 
 def slips(rub: Rub, contact: Condensed) -> Array:
