@@ -65,8 +65,8 @@ class RubbingModel(ContactModel):
         progress: Callable[[int, float], None] = lambda step, residual: None,
         force: PETSc.Vec | None = None,
     ) -> Solution:
-        """Without friction, then with it on the patch that was found, then pressed again under the
-        tractions: what they do to the pressure."""
+        """Without friction (a shift begins from there), then with it on the patch that was found,
+        then pressed again under the tractions: what they do to the pressure."""
         self.tangential = np.zeros(2)
 
         def press(active: Mask, force: PETSc.Vec | None) -> Solution:
@@ -90,6 +90,7 @@ class RubbingModel(ContactModel):
             np.tensordot(rub.known, rigid, axes=1),
             rigid[modes] if modes else None,
             np.array(forces) if modes else None,
+            settled=None if rub.rolling else contact.moved,
         )
         motion = np.array(rub.known)
         motion[modes] = sheared.motion

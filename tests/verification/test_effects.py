@@ -9,10 +9,9 @@ from dolfinx import mesh as dmesh
 from mpi4py import MPI
 from scipy.spatial import cKDTree
 
-from railhead import catalogue
 from railhead.meshing.mesh import ContactMesh
 from railhead.meshing.tags import CONTACT, SUPPORT
-from railhead.planning import plan, twist
+from railhead.planning import twist
 from railhead.solver import compat
 from railhead.studies import twist as measured
 from railhead.studies.effects import bare_contact
@@ -69,18 +68,6 @@ def test_off_effects_cost_no_unknown_no_form_and_no_digit() -> None:
     assert planned.unknowns == direct.unknowns
     assert planned.forms == direct.forms == 1
     assert planned.p_max == pytest.approx(direct.p_max, rel=1e-10)
-
-
-@pytest.mark.parametrize("case", ["hertz_ellipse", "uic54_thesis", "uic54_22t5_axle"])
-def test_effects_that_are_only_recognised_change_nothing(case: str) -> None:
-    """Friction keys lead to the same model, whatever they call for."""
-    scene = catalogue.find(case)
-    called = scene.replace(["friction.coefficient=0.3", "friction.tangential_load=1"])
-    one, other = plan.make(scene), plan.make(called)
-    assert other.effects["friction"].called_for
-    assert (one.unknowns, one.material(1), one.planes) == (
-        other.unknowns, other.material(1), other.planes,
-    )  # fmt: skip
 
 
 @pytest.mark.parametrize(

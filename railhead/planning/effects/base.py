@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from railhead.solver.setup import Setup
 
 DEFAULT_ACCURACY = 0.01  # that a scene without an asked accuracy is held to
-NOT_SIMULATED = "it is recognised but not simulated"
 
 
 @dataclass(frozen=True)

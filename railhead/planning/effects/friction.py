@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from railhead.planning.plan import Plan
 
 NO_MISMATCH = 1e-9  # |beta| that is rounding
+PRESSED = "slip while a patch grows depends on the way of the load, which is not simulated"
 
 
 def decide(context: Context) -> Effect:
@@ -44,8 +45,8 @@ def decide(context: Context) -> Effect:
         rail.young_modulus, rail.poisson_ratio, wheel.young_modulus, wheel.poisson_ratio
     )
     untouched = "no tangential force and no creepage"
-    if not asked.coefficient:
-        called, why = False, "friction.coefficient = 0"
+    if not asked.coefficient and scene.rolling.given:
+        called, why = False, "friction.coefficient = 0: it rolls freely"
     elif scene.rolling.given:
         called, why = True, f"the wheel rolls{_expected(context, limit)}"
     elif force:
@@ -59,8 +60,11 @@ def decide(context: Context) -> Effect:
         )
     elif abs(beta) < NO_MISMATCH:
         called, why = False, f"{untouched}, and Dundurs' beta = 0 leaves the surfaces unsheared"
+    elif not asked.coefficient:
+        called, why = False, f"{untouched}, and friction.coefficient = 0"
     else:
-        called, why = True, f"it resists the slip of unlike materials, Dundurs' beta = {beta:.3g}"
+        why = f"it resists the slip of unlike materials, Dundurs' beta = {beta:.3g}"
+        return Effect(True, False, why, {"on": PRESSED})
     refused = {} if asked.coefficient else {"on": "friction.coefficient is 0"}
     return Effect(called, called, why, refused)
 
@@ -79,8 +83,6 @@ def apply(setup: Setup, plan: Plan) -> Setup:
         elif not (plan.half_x, plan.half_y or contact.plane == "xz")[index]:
             free.append((index, float(getattr(given, f"force_{way}") or 0.0)))
     known[2] = rolling.spin
-    if not rolling.given and not any(force for _, force in free):
-        free = []  # pressed alone
     far = CerrutiFarField(plan) if contact.half_space and not contact.plane else None
     motion = tuple(known), tuple(free)
     rub = Rub(friction.coefficient, rolling.given, frame.axes, frame.origin, *motion, far)

@@ -9,7 +9,7 @@ from railhead import build, catalogue, level, refine
 from railhead.meshing.tags import RAIL, WHEEL
 from railhead.planning import plan as planning
 from railhead.progress import Progress
-from railhead.scene.scene import Effects, Scene, SceneError
+from railhead.scene.scene import Effects, SceneError
 from railhead.theory import hertz
 
 
@@ -128,13 +128,28 @@ UNLIKE = "wheel.young_modulus=70000"
         ([UNLIKE], False, "coefficient = 0"),
         (["friction.coefficient=0.3"], False, "Dundurs' beta = 0"),
         (["friction.coefficient=0.3", UNLIKE], True, "beta = -0.141"),
-        (["friction.coefficient=0.3", "friction.tangential_load=-5kN"], True, "-5000 N"),
+        (["friction.coefficient=0.3", "friction.tangential_load=-5kN"], True, "5000 N"),
     ],
 )
 def test_friction_is_called_for_by_a_load_or_by_unlike_bodies(assignments, called, words) -> None:
     found = effect("friction", "hertz_ellipse", *assignments)
-    assert (found.called_for, found.on) == (called, False)
+    assert found.called_for == called
+    assert found.on == (called and "unlike" not in found.why)
     assert words in found.why
+
+
+@pytest.mark.parametrize(
+    "keys, along, across",
+    [
+        (["rolling.creepage_along=0.1%"], False, True),
+        (["rolling.spin=1e-4"], False, False),
+        (["friction.force_along=1kN"], False, True),
+        (["friction.force_across=1kN"], True, False),
+    ],
+)
+def test_friction_drops_the_planes_that_do_not_hold(keys, along: bool, across: bool) -> None:
+    plan = planned("hertz_ellipse", "friction.coefficient=0.3", *keys)
+    assert (plan.half_x, plan.half_y) == (along, across)
 
 
 def test_dundurs_beta_of_a_body_on_a_rigid_one() -> None:
@@ -164,8 +179,9 @@ def test_a_choice_that_cannot_be_had_is_refused_in_one_line(case, name, state) -
 
 
 def test_a_tangential_load_that_slides_is_refused() -> None:
-    with pytest.raises(SceneError, match="friction.tangential_load: 5000 N would slide"):
-        Scene(load=10000, friction={"coefficient": 0.3, "tangential_load": 5000})
+    with pytest.raises(SceneError, match="friction.force_along: 5000 N would slide"):
+        planned("hertz_ellipse", "load=10kN", "friction.coefficient=0.3",
+                "friction.tangential_load=5kN")  # fmt: skip
 
 
 def test_short_name_of_both_planes_yields_to_the_name_of_one() -> None:

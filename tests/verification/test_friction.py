@@ -1,0 +1,177 @@
+"""Friction: Carter's strip, Cattaneo and Mindlin's patch, Kalker's rolling, and what must hold."""
+
+import json
+import math
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+
+import railhead as rh
+from railhead.scene.scene import SceneError
+from railhead.theory import cattaneo
+
+ENTRIES = {
+    entry["id"]: entry
+    for entry in json.loads(
+        (Path(__file__).parents[1] / "theory" / "data" / "friction.json").read_text()
+    )["entries"]
+}
+MU = 0.3
+CARTER = [ENTRIES[f"carter_q{share}"] for share in (0.36, 0.64, 0.84, 0.96)]
+
+
+def roller(**changes: object) -> rh.Scene:
+    """R 420 on a flat, 110 kN over 70 mm."""
+    return rh.find("long_roller").replace(friction={"coefficient": MU}).replace(**changes)
+
+
+def ellipse(**changes: object) -> rh.Scene:
+    """R 420 on 300 mm, on four elements a semi-axis."""
+    scene = rh.find("hertz_ellipse").replace(friction={"coefficient": MU})
+    return scene.replace(mesh={"patch_size": 0.87}).replace(**changes)
+
+
+def friction(result: rh.Result) -> dict:
+    return result.as_dict()["result"]["friction"]
+
+
+@pytest.mark.parametrize("entry", CARTER, ids=lambda entry: entry["id"])
+def test_a_strip_that_rolls_is_carter_s(entry) -> None:
+    creepage, share = entry["creepage_xi"], entry["Q_over_muP"]
+    found = rh.solve(roller(rolling={"creepage_along": creepage}), quiet=True)
+    assert found.passed, found.failed
+    answer = friction(found)
+    assert answer["force_along_N"] / answer["limit_N"] == pytest.approx(share, abs=0.012)
+    assert answer["stick_share"] == pytest.approx(entry["stick_half_width_over_a"], abs=0.03)
+    assert answer["newton_steps"] <= 30
+
+
+@pytest.mark.parametrize("entry", CARTER[:2], ids=lambda entry: entry["id"])
+def test_a_given_force_needs_carter_s_creepage(entry) -> None:
+    force = entry["Q_over_muP"] * MU * entry["load_N"]
+    found = rh.solve(roller(rolling={"force_along": force}), quiet=True)
+    assert found.passed, found.failed
+    assert friction(found)["force_along_N"] == pytest.approx(force, rel=1e-6)
+    assert friction(found)["creepage_along"] == pytest.approx(entry["creepage_xi"], rel=0.03)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9])
+def test_a_strip_that_is_shifted_is_cattaneo_s(share: float) -> None:
+    found = rh.solve(roller(friction={"force_along": share * MU * 110e3}), quiet=True)
+    assert found.passed, found.failed
+    stick = ENTRIES[f"cattaneo_strip_q{share}"]["stick_half_width_over_a"]
+    assert friction(found)["stick_share"] == pytest.approx(stick, abs=0.03)
+
+
+def test_a_patch_that_is_shifted_is_mindlin_s() -> None:
+    """With the far field of Cerruti the displacement is that of half-spaces."""
+    force = 0.5 * MU * 25e3
+    found = rh.solve(ellipse(friction={"force_along": force}), quiet=True)
+    assert found.passed, found.failed
+    exact = cattaneo.ellipse(found.ellipse, MU, 207e3 / 2.6, 0.3, across=False)
+    answer = friction(found)
+    assert answer["shift_along_mm"] == pytest.approx(exact.approach(force), rel=0.02)
+    assert math.sqrt(answer["stick_share"]) == pytest.approx(exact.stick_ratio(force), abs=0.03)
+
+
+@pytest.mark.parametrize(
+    "along, across, spin",
+    [(1e-3, 0.0, 0.0), pytest.param(0.0, 1e-3, 1e-4, marks=pytest.mark.slow)],
+)
+def test_a_patch_that_rolls_is_kalker_s(along: float, across: float, spin: float) -> None:
+    """Against boundary elements; on six elements a semi-axis, as by default."""
+    motion = {"creepage_along": along, "creepage_across": across, "spin": spin}
+    found = rh.solve(ellipse(rolling=motion, mesh={"patch_size": None}), quiet=True)
+    assert found.passed, found.failed
+    second = found.as_dict()["half_space_friction"]["boundary elements"]
+    answer = friction(found)
+    for name in ("force_along_N", "force_across_N"):
+        assert abs(answer[name] - second[name]) < 0.015 * answer["limit_N"]
+
+
+def test_at_a_large_creepage_everything_slips() -> None:
+    found = rh.solve(roller(rolling={"creepage_along": 0.5}), quiet=True)
+    answer = friction(found)
+    assert found.passed, found.failed
+    assert answer["force_along_N"] == pytest.approx(answer["limit_N"], rel=1e-3)
+    assert answer["stick_share"] == 0
+    stress = found.as_dict()["result"]["stress"]
+    assert abs(stress["von_mises_max_depth_mm"]) < 0.01  # at the surface
+    assert stress["von_mises_max_MPa"] > 1.05 * 0.56 * found.pressure.max
+
+
+def test_the_other_way_round_is_the_other_way_round() -> None:
+    one, other = (
+        friction(rh.solve(roller(rolling={"creepage_along": xi}), quiet=True))
+        for xi in (4e-4, -4e-4)
+    )
+    assert other["force_along_N"] == pytest.approx(-one["force_along_N"], rel=0.01)
+
+
+def test_exchanged_bodies_exchange_the_force() -> None:
+    """Unlike half-planes (E ratio 69) drive without creepage; which one is soft sets the sign."""
+    forces = []
+    for soft in ("rail", "wheel"):
+        moduli = {body: {"young_modulus": 3000.0 if body == soft else 207e3}
+                  for body in ("rail", "wheel")}  # fmt: skip
+        scene = rh.Scene(
+            load=1e5,
+            rail=rh.Rail(profile="arc", crown_radius=math.inf, extent="half-space", width=100),
+            wheel=rh.Wheel(rolling_radius=420, width=100),
+            friction={"coefficient": MU},
+            rolling={"creepage_along": 0.0},
+        ).replace(**moduli)
+        answer = friction(rh.solve(scene, quiet=True))
+        forces.append(answer["force_along_N"] / answer["limit_N"])
+    assert forces[1] == pytest.approx(-forces[0], rel=1e-6)
+    assert forces[0] == pytest.approx(-0.72, abs=0.03)
+
+
+def test_friction_that_nothing_calls_for_changes_no_bit() -> None:
+    plain = rh.solve(rh.find("long_roller"), quiet=True).as_dict()
+    idle = rh.solve(roller(), quiet=True).as_dict()
+    assert idle["result"] == plain["result"] and idle["newton"] == plain["newton"]
+    assert "frictionless" not in idle
+    without = roller(rolling={"creepage_along": 1e-3}, effects={"friction": "off"})
+    assert rh.solve(without, quiet=True).as_dict()["result"] == plain["result"]
+
+
+def test_wear_and_power_follow_from_forces_and_creepages() -> None:
+    scene = roller(rolling={"creepage_along": 4e-4, "speed": "72 km/h"})
+    answer = friction(rh.solve(scene, quiet=True))
+    assert answer["t_gamma_N"] == pytest.approx(4e-4 * answer["force_along_N"])
+    assert answer["power_W"] == pytest.approx(20 * answer["t_gamma_N"])
+
+
+@pytest.mark.parametrize(
+    "keys, line",
+    [
+        ({"friction": {"force_along": 40e3}}, "friction.force_along: 40000 N would slide"),
+        ({"rolling": {"force_along": 40e3}}, "rolling.force_along: 40000 N would slide"),
+        ({"rolling": {"creepage_along": 1e-3, "force_along": 1e3}}, "rolling.force_along: is not"),
+        ({"rolling": {"speed": 20}}, "rolling.speed: is not allowed without"),
+        ({"rolling": {"creepage_across": 1e-3}}, "rolling: across the rail is not allowed"),
+        ({"rolling": {"creepage_along": 2}}, "rolling.creepage_along: 2 is not allowed"),
+        ({"friction": {"force_along": 1e3}, "rolling": {"spin": 1e-4}}, "rolling: is not allowed"),
+    ],
+)
+def test_what_cannot_be_is_one_line(keys, line: str) -> None:
+    with pytest.raises(SceneError) as refused:
+        rh.plan(roller(**keys))
+    assert line in str(refused.value) and "\n" not in str(refused.value)
+
+
+def test_the_files_show_stick_slip_and_tractions(tmp_path) -> None:
+    found = rh.solve(roller(rolling={"force_along": 20e3}), quiet=True)
+    found.save(tmp_path / "out")
+    points = meshio.read(tmp_path / "out" / "traction.vtu").point_data
+    size = np.linalg.norm(points["traction"], axis=1)
+    assert (size <= MU * points["pressure"] * (1 + 1e-9)).all()
+    slips = points["status"] == 0
+    assert size[slips] == pytest.approx(MU * points["pressure"][slips])
+    assert (
+        np.abs(points["slip"][slips, 0]) > 10 * np.abs(points["slip"][~slips, 0]).max()
+    ).mean() > 0.5
+    assert (tmp_path / "out" / "friction.png").stat().st_size > 10_000
