@@ -17,7 +17,7 @@ from railhead.meshing.profiles import data
 from railhead.meshing.sizing import Grading, suited_stretch
 from railhead.meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y, WHEEL
 from railhead.planning import effects, exact, laws, machine
-from railhead.planning.effects import Context, Effect, plasticity
+from railhead.planning.effects import Context, Effect, friction, plasticity
 from railhead.planning.effects.base import touching
 from railhead.planning.effects.true_profile import one_radius
 from railhead.planning.forecast import Forecast, Zone, forecast
@@ -296,8 +296,10 @@ class Plan:
     @property
     def solving(self) -> float:
         """Predicted for one mesh without the start of the process, s."""
-        steps = self.load_steps if self.effects["plasticity"].on else 0
-        return machine.seconds(self.unknowns) * (1 + plasticity.WORK * steps)
+        more = plasticity.WORK * self.load_steps if self.effects["plasticity"].on else 0.0
+        if self.effects["friction"].on and not self.section:
+            more += friction.WORK * math.sqrt(self.unknowns / friction.AT)
+        return machine.seconds(self.unknowns) * (1 + more)
 
     def summary(self) -> dict[str, Any]:
         """As in summary.json."""
