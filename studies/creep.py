@@ -12,9 +12,8 @@ from pathlib import Path
 import numpy as np
 from mpi4py import MPI
 
-from railhead import build, catalogue, level, study
+from railhead import build, catalogue, study
 from railhead.planning import plan as planning
-from railhead.postprocess.findings import Frame
 from railhead.postprocess.plots import FE, HERTZ, THESIS, new_figure
 from railhead.solver.condensed import Condenser
 from railhead.solver.contact import ContactModel
