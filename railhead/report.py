@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 from rich.console import Console
@@ -64,11 +65,32 @@ def show_plan(plan: Plan, console: Console) -> None:
         f"solver     {scene.solver.method}, linear {scene.solver.linear}",
         f"predicted  {plan.unknowns} unknowns, {plan.seconds:.1f} s",
     )
-    for line in lines:
+    for line in (*lines, *_profile_lines(plan.summary())):
         console.print(line, markup=False)
     if plan.forecast.reason:
         console.print(f"The patch is forecast as Hertz's: {plan.forecast.reason}.", markup=False)
     _show_prices(plan, console)
+
+
+def _profile_lines(plan: Mapping[str, Any]) -> Iterator[str]:
+    """How measured profiles were read and smoothed, and what they leave open ("plan" of
+    summary.json)."""
+    for body, found in plan["profiles"].items():
+        yield f"{body:10s} {Path(found['file']).name}: {', '.join(found['read'])}"
+        shortest, longest = found["smoothing_mm"]
+        before, after = (found[f"largest_curvature_{when}_per_mm"] for when in ("before", "after"))
+        yield (
+            f"           noise {1e3 * found['noise_mm']:.2g} um; smoothing "
+            f"{found['smoothing_at_contact_mm']:.3g} mm at the contact ({shortest:.2g} to "
+            f"{longest:.2g}); largest curvature {before:.3g} -> {after:.3g} 1/mm"
+        )
+    if found := plan["profile_uncertainty"]:
+        yield (
+            f"profile    leaves unknown what it does to the answer: {found['reason']}"
+            if found["reason"]
+            else f"profile    leaves {found['max_pressure']:.1%} of the largest pressure open, "
+            f"{found['area']:.1%} of the area (half-spaces with one and two smoothing lengths)"
+        )
 
 
 def _state(effect: Effect) -> str:
@@ -96,7 +118,7 @@ def _show_prices(plan: Plan, console: Console) -> None:
         )
         return
     for value in sorted({*PRICES, *([asked] if asked else [])}, reverse=True):
-        if not family.reaches(value - plan.left_out):
+        if plan.hidden >= value or not family.reaches(value - plan.left_out):
             table.add_row(f"{value:.3g}", *["out of reach"] * 4)
             continue
         n = family.finest(value - plan.left_out)
@@ -148,6 +170,8 @@ def show_result(summary: dict[str, Any], console: Console) -> None:
                 f"({place}) mm, at a sharp edge or held face, where it depends on the mesh.",
                 highlight=False,
             )
+    for line in _profile_lines(summary["plan"]):
+        console.print(line, markup=False, highlight=False)
     if other := summary["plan"]["chosen"]:
         console.print(
             f"Another problem was chosen ({', '.join(other)}): estimates are about that one, and "

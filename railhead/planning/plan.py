@@ -13,16 +13,18 @@ from railhead.geometry import bodies, dimension, flat
 from railhead.geometry import solid as geometry
 from railhead.geometry.solid import Contact
 from railhead.meshing.bodies import Options
+from railhead.meshing.measured import Measured
 from railhead.meshing.profiles import data
 from railhead.meshing.sizing import Grading, suited_stretch
 from railhead.meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y, WHEEL
-from railhead.planning import effects, exact, laws, machine
+from railhead.planning import effects, exact, laws, machine, uncertainty
 from railhead.planning.effects import Context, Effect, plasticity
 from railhead.planning.effects.base import touching
 from railhead.planning.effects.true_profile import one_radius
 from railhead.planning.forecast import Forecast, Zone, forecast
 from railhead.planning.laws import Family, Setting
 from railhead.planning.ridges import ridges
+from railhead.planning.uncertainty import Uncertainty
 from railhead.scene.scene import Scene
 from railhead.scene.sections import Rail, Wheel
 from railhead.solver.elasticity import Material
@@ -155,6 +157,22 @@ class Plan:
     def left_out(self) -> float:
         """Relative error that effects left out by the plan add to every quantity."""
         return sum(effect.error for effect in self.effects.values())
+
+    @cached_property
+    def uncertainty(self) -> Uncertainty | None:
+        """That comes from measured profiles; None without any."""
+        return uncertainty.of_profiles(self.context)
+
+    @property
+    def hidden(self) -> float:
+        """The largest relative uncertainty from measured profiles, which no mesh makes smaller."""
+        return self.uncertainty.largest if self.uncertainty else 0.0
+
+    @property
+    def measured(self) -> dict[str, Measured]:
+        """Profiles from files, by body."""
+        bodies = () if self.contact.half_space else geometry.measured_bodies(self.scene)
+        return {body: geometry.from_file(self.scene, body) for body in bodies}
 
     @property
     def deformable(self) -> tuple[int, ...]:
@@ -305,6 +323,22 @@ class Plan:
             "slave": BODIES[self.slave],
             "contact_angle_rad": self.contact.touch.angle,
             "forecast": {"hertzian": self.forecast.hertzian, "reason": self.forecast.reason},
+            "profiles": {body: self._profile(body, each) for body, each in self.measured.items()},
+            "profile_uncertainty": self.uncertainty and vars(self.uncertainty),
+        }
+
+    def _profile(self, body: str, found: Measured) -> dict[str, Any]:
+        before, after = found.sharpest
+        touch = self.contact.touch
+        return {
+            "file": str(found.path),
+            "read": list(found.said),
+            "points": len(found.points),
+            "noise_mm": found.smoothed.noise,
+            "smoothing_mm": list(found.wavelengths),
+            "smoothing_at_contact_mm": found.wavelength(touch.y if body == "rail" else touch.tread),
+            "largest_curvature_before_per_mm": before,
+            "largest_curvature_after_per_mm": after,
         }
 
     def _effect(self, name: str) -> dict[str, Any]:
