@@ -20,20 +20,28 @@ from railhead.meshing.dialects import NUMBER, SHOWN, InstrumentError, Table
 Array = NDArray[np.float64]
 BODIES = {".ban": "rail", ".whl": "wheel", ".prr": "rail", ".prw": "wheel"}
 SUFFIXES = (".csv", ".txt", ".dat", ".asc", ".tsv", *BODIES)
+LEAST_POINTS = 12
 BLANKS = r"[\s,;]+"
 
 
 def read(path: Path) -> Table:
     """The points of a file. Raises InstrumentError, OSError."""
-    lines = _text(path).splitlines()
-    suffix = path.suffix.lower()
+    lines, suffix = _text(path).splitlines(), path.suffix.lower()
+    found = _read(path.name, lines, suffix)
+    if len(found.points) < LEAST_POINTS:
+        text = f"ends after {len(found.points)} points; give at least {LEAST_POINTS}"
+        raise InstrumentError(path.name, len(lines), text)
+    return found
+
+
+def _read(name: str, lines: Sequence[str], suffix: str) -> Table:
     if suffix not in BODIES:
-        return dialects.table(path.name, lines)
+        return dialects.table(name, lines)
     instrument = _miniprof if suffix in (".ban", ".whl") else _simpack
-    found = instrument(path.name, lines)
+    found = instrument(name, lines)
     if found.body and found.body != BODIES[suffix]:
         text = f"the header says {found.body}; a {suffix} file is of a {BODIES[suffix]}"
-        raise InstrumentError(path.name, 1, text)
+        raise InstrumentError(name, 1, text)
     return replace(found, body=BODIES[suffix])
 
 
@@ -62,7 +70,7 @@ def _miniprof(name: str, lines: Sequence[str]) -> Table:
     columns = [names.index(column) for column in ("X", "Y") if column in names]
     if len(columns) < 2 or max(columns) >= points.shape[1]:
         columns = [0, 1]
-    remarks = [f"{out} lines commented out"] if out else []
+    remarks = [f"{out} {'line' if out == 1 else 'lines'} commented out"] if out else []
     count = header.get("XYPoints", "").strip()
     if count.isdigit() and int(count) not in (len(points), len(points) + out):
         remarks.append(f"the header says {count} points")
@@ -107,7 +115,7 @@ def _simpack(name: str, lines: Sequence[str]) -> Table:
     body = {"0": "rail", "1": "wheel"}.get(keys.get("type", (0, ""))[1], "")
     done = [f"{key} done" for key in ("shift.y", "shift.z", "rotate", "mirror.y", "mirror.z")
             if number(key)]  # fmt: skip
-    remarks = [f"{out} lines commented out"] if out else []
+    remarks = [f"{out} {'line' if out == 1 else 'lines'} commented out"] if out else []
     return Table(points, unit, body, "Simpack", (*remarks, *done))
 
 

@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,8 +31,8 @@ EDGE = 0.02  # of the width at either end that the report leaves out
 
 @dataclass(frozen=True)
 class Measured:
-    """A profile from a file. said: how it was read and turned, in words; points (n, 2) in the axes
-    of profiles, mm; smoothed: the curve through them; profile: its part that faces upwards."""
+    """A profile from a file. said: how it was read and turned, in words; smoothed: the curve
+    through its points; profile: its longest part that faces upwards."""
 
     path: Path
     body: str
@@ -72,6 +73,19 @@ class Measured:
         within = self.smoothed.wavelength[(across > start) & (across < end)]
         return float(within.min()), float(within.max())
 
+    def summary(self) -> dict[str, Any]:
+        """As in summary.json."""
+        before, after = self.sharpest
+        return {
+            "file": str(self.path),
+            "read": list(self.said),
+            "points": len(self.points),
+            "noise_mm": self.smoothed.noise,
+            "smoothing_mm": list(self.wavelengths),
+            "largest_curvature_before_per_mm": before,
+            "largest_curvature_after_per_mm": after,
+        }
+
 
 def inner(profile: Profile) -> tuple[float, float]:
     """Its domain without the outermost 2 % at each end, mm."""
@@ -91,7 +105,7 @@ def from_points(
     """
     points = np.asarray(points, dtype=float)
     if not np.isfinite(points).all():
-        raise ValueError("gives points that are not finite; give finite numbers")
+        raise ValueError("holds points that are not finite; give finite numbers")
     smoothed = smoothing.smooth(_in_order(points), wavelength, stretch)
     s = np.linspace(0, smoothed.length, max(2, math.ceil(smoothed.length / SAMPLE)) + 1)
     tangent = smoothed.curve(s, 1)
@@ -127,10 +141,10 @@ def _read(
     table = instruments.read(path)
     if table.body and table.body != body:
         raise InstrumentError(path.name, 1, f"is a {table.body}'s; give one of a {body}")
-    points, found = orientation.turned(table, body, choices)
-    cosine = math.cos(math.atan(slope))
-    points = points @ (cosine * np.array([[1.0, slope], [-slope, 1.0]]))
     try:
+        points, found = orientation.turned(table, body, choices)
+        cosine = math.cos(math.atan(slope))
+        points = points @ (cosine * np.array([[1.0, slope], [-slope, 1.0]]))
         smoothed, profile = from_points(path.stem, points, wavelength, stretch)
     except ValueError as error:
         raise ValueError(f"{path.name} {error}") from None

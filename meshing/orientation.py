@@ -36,10 +36,14 @@ class Choices:
 def turned(table: Table, body: str, choices: Choices) -> tuple[Array, list[str]]:
     """Points (n, 2) in the axes of profiles, mm, and what was done to them, in words.
 
-    Raises ValueError where the unit is none of those known.
+    Raises ValueError where no unit, or not the one that is given, fits the width.
     """
     unit = choices.unit if choices.unit != "auto" else table.unit or _unit(table.points)
     points = UNITS[unit] * table.points
+    width, (least, most) = float(np.ptp(points[:, 0])), WIDTHS["mm"]
+    if not least < width <= most:
+        raise ValueError(f"is {width:.4g} mm wide in {unit}; give its profile_unit, in which it is "
+                         f"{least:g} to {most:g} mm wide")  # fmt: skip
     said = [f"in {unit}" + _why(choices.unit, "as the file says" if table.unit else "by its width")]
     upside, why = _upside_down(points, body)
     if (choices.flip == "on") if choices.flip != "auto" else upside:

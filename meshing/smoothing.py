@@ -21,7 +21,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.ndimage import gaussian_filter1d, median_filter
 
 Array = NDArray[np.float64]
-LEAST_POINTS = 12
+LEAST_POINTS, GAP = 12, 5.0  # points, and mm between them
 ORDER = 3  # of the derivative that is penalised, and of the splines
 DIFFERENCE = 5  # order of the differences that show the noise ...
 MEDIAN = 101  # ... points over which their median is taken ...
@@ -94,13 +94,19 @@ def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0)
     """The curve through points (n, 2) in their order along it, mm.
 
     wavelength: of waves that keep half of their height, mm, everywhere; None: chosen by the noise,
-    from place to place. stretch: a factor to it. Raises ValueError for fewer than 12 points.
+    from place to place. stretch: a factor to it. Raises ValueError for fewer than 12 points, or a
+    gap of more than 5 mm between them.
     """
     points = _averaged(points)
     if len(points) < LEAST_POINTS:
-        raise ValueError(f"{len(points)} points; give at least {LEAST_POINTS}")
+        raise ValueError(f"has {len(points)} points; give at least {LEAST_POINTS}")
     sigma = noise(points)
     s = _chord(points)
+    apart = np.diff(s)
+    if apart.max() > GAP:
+        y, z = points[int(np.argmax(apart))]
+        raise ValueError(f"has a gap of {apart.max():.3g} mm behind the point {y:.4g}, {z:.4g}; "
+                         f"give points at most {GAP:g} mm apart")  # fmt: skip
     spacing = s[-1] / (len(s) - 1)
     for _ in range(2):
         pilot = _Fit.of(s)

@@ -65,32 +65,37 @@ def show_plan(plan: Plan, console: Console) -> None:
         f"solver     {scene.solver.method}, linear {scene.solver.linear}",
         f"predicted  {plan.unknowns} unknowns, {plan.seconds:.1f} s",
     )
-    for line in (*lines, *_profile_lines(plan.summary())):
+    for line in (*lines, *profile_lines(plan.profiles)):
         console.print(line, markup=False)
+    if plan.uncertainty:
+        console.print(_uncertainty_line(vars(plan.uncertainty)), markup=False)
     if plan.forecast.reason:
         console.print(f"The patch is forecast as Hertz's: {plan.forecast.reason}.", markup=False)
     _show_prices(plan, console)
 
 
-def _profile_lines(plan: Mapping[str, Any]) -> Iterator[str]:
-    """How measured profiles were read and smoothed, and what they leave open ("plan" of
-    summary.json)."""
-    for body, found in plan["profiles"].items():
+def profile_lines(profiles: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
+    """How profiles from files were read and smoothed ("profiles" of "plan" in summary.json)."""
+    for body, found in profiles.items():
         yield f"{body:10s} {Path(found['file']).name}: {', '.join(found['read'])}"
         shortest, longest = found["smoothing_mm"]
+        smoothing = f"{shortest:.2g} to {longest:.2g} mm"
+        if here := found.get("smoothing_at_contact_mm"):
+            smoothing += f", {here:.3g} at the contact"
         before, after = (found[f"largest_curvature_{when}_per_mm"] for when in ("before", "after"))
         yield (
-            f"           noise {1e3 * found['noise_mm']:.2g} um; smoothing "
-            f"{found['smoothing_at_contact_mm']:.3g} mm at the contact ({shortest:.2g} to "
-            f"{longest:.2g}); largest curvature {before:.3g} -> {after:.3g} 1/mm"
+            f"           noise {1e3 * found['noise_mm']:.2g} um; smoothing length {smoothing}; "
+            f"largest curvature {before:.3g} before, {after:.3g} 1/mm after"
         )
-    if found := plan["profile_uncertainty"]:
-        yield (
-            f"profile    leaves unknown what it does to the answer: {found['reason']}"
-            if found["reason"]
-            else f"profile    leaves {found['max_pressure']:.1%} of the largest pressure open, "
-            f"{found['area']:.1%} of the area (half-spaces with one and two smoothing lengths)"
-        )
+
+
+def _uncertainty_line(found: Mapping[str, Any]) -> str:
+    if found["reason"]:
+        return f"profile    leaves unknown what it does to the answer: {found['reason']}"
+    return (
+        f"profile    leaves {found['max_pressure']:.1%} of the largest pressure and "
+        f"{found['area']:.1%} of the area open (half-spaces with one and two smoothing lengths)"
+    )
 
 
 def _state(effect: Effect) -> str:
@@ -170,8 +175,10 @@ def show_result(summary: dict[str, Any], console: Console) -> None:
                 f"({place}) mm, at a sharp edge or held face, where it depends on the mesh.",
                 highlight=False,
             )
-    for line in _profile_lines(summary["plan"]):
+    for line in profile_lines(summary["plan"]["profiles"]):
         console.print(line, markup=False, highlight=False)
+    if found := summary["plan"]["profile_uncertainty"]:
+        console.print(_uncertainty_line(found), markup=False, highlight=False)
     if other := summary["plan"]["chosen"]:
         console.print(
             f"Another problem was chosen ({', '.join(other)}): estimates are about that one, and "

@@ -13,7 +13,6 @@ from railhead.geometry import bodies, dimension, flat
 from railhead.geometry import solid as geometry
 from railhead.geometry.solid import Contact
 from railhead.meshing.bodies import Options
-from railhead.meshing.measured import Measured
 from railhead.meshing.profiles import data
 from railhead.meshing.sizing import Grading, suited_stretch
 from railhead.meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y, WHEEL
@@ -169,10 +168,17 @@ class Plan:
         return self.uncertainty.largest if self.uncertainty else 0.0
 
     @property
-    def measured(self) -> dict[str, Measured]:
-        """Profiles from files, by body."""
-        bodies = () if self.contact.half_space else geometry.measured_bodies(self.scene)
-        return {body: geometry.from_file(self.scene, body) for body in bodies}
+    def profiles(self) -> dict[str, dict[str, Any]]:
+        """How profiles from files were read and smoothed, by body, as in summary.json."""
+        if self.contact.half_space:
+            return {}
+        places = {"rail": self.contact.touch.y, "wheel": self.contact.touch.tread}
+        found = {}
+        for body in geometry.measured_bodies(self.scene):
+            each = geometry.from_file(self.scene, body)
+            at_contact = each.wavelength(places[body])
+            found[body] = {**each.summary(), "smoothing_at_contact_mm": at_contact}
+        return found
 
     @property
     def deformable(self) -> tuple[int, ...]:
@@ -323,22 +329,8 @@ class Plan:
             "slave": BODIES[self.slave],
             "contact_angle_rad": self.contact.touch.angle,
             "forecast": {"hertzian": self.forecast.hertzian, "reason": self.forecast.reason},
-            "profiles": {body: self._profile(body, each) for body, each in self.measured.items()},
+            "profiles": self.profiles,
             "profile_uncertainty": self.uncertainty and vars(self.uncertainty),
-        }
-
-    def _profile(self, body: str, found: Measured) -> dict[str, Any]:
-        before, after = found.sharpest
-        touch = self.contact.touch
-        return {
-            "file": str(found.path),
-            "read": list(found.said),
-            "points": len(found.points),
-            "noise_mm": found.smoothed.noise,
-            "smoothing_mm": list(found.wavelengths),
-            "smoothing_at_contact_mm": found.wavelength(touch.y if body == "rail" else touch.tread),
-            "largest_curvature_before_per_mm": before,
-            "largest_curvature_after_per_mm": after,
         }
 
     def _effect(self, name: str) -> dict[str, Any]:
