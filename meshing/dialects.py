@@ -18,7 +18,7 @@ NAMED_UNITS = {
     "in": "inch", "inch": "inch", "inches": "inch",
 }  # fmt: skip
 ACROSS, UP = ("y", "lateral", "across", "quer"), ("z", "height", "vertical", "hoehe", "höhe")
-COMMENT = re.compile(r"#|%|!|//|\*|;|\"|'(?!\d)")
+COMMENT = re.compile(r"""#|%|!|//|\*|;|"(?![^"]*")|'(?![^']*')""")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
 UNIT = re.compile(
     r"[\[(]\s*([a-z]+)\s*[\])]|[/_]\s*([a-z]+)\b|\b(mm)\b|\bunits?\s*[:=]?\s*([a-z]+)"
@@ -85,8 +85,8 @@ def table(name: str, lines: Sequence[str]) -> Table:
     rows = [(i, line, fields(line, separator, decimal)) for i, line in parts]
     first = next((i for i, _, row in rows if row), 0)
     if not first:
-        line = parts[0][0] if parts else 1
-        raise InstrumentError(name, line, "is no point; give two numbers y, z a line")
+        where = parts[0][0] if parts else 1
+        raise InstrumentError(name, where, "is no point; give two numbers y, z a line")
     if separator == "," and all(TWICE.fullmatch(line) for _, line, row in rows if row):
         text = "commas separate and are decimal marks too; separate by semicolons, tabs or blanks"
         raise InstrumentError(name, first, text)

@@ -13,12 +13,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline
+from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
 from scipy.linalg import cho_factor, cho_solve
 from scipy.ndimage import gaussian_filter1d, median_filter
+from scipy.sparse import csr_array, diags
 
 Array = NDArray[np.float64]
 LEAST_POINTS, GAP = 12, 5.0  # points, and mm between them
@@ -28,11 +30,12 @@ MEDIAN = 101  # ... points over which their median is taken ...
 NORMAL = 0.6745  # ... and the median of the modulus of a standard normal number
 LEAST_NOISE = 1e-5  # mm: less is rounding of the numbers in a file
 CLOSE = 0.1  # mm: points that are nearer to each other are averaged first
-PIECES = 300  # of the spline, at most
+PIECES = 250  # of the spline, at most
 PILOT = 12.0  # points in the wavelength of the curve that normals and lengths are taken from
-SHORTEST, LONGEST = 4.0, 60.0  # wavelengths: points, and mm
-NEIGHBOURS = 1.0  # mm along which the roughness is taken for alike, as a standard deviation
-BENDING = 1.3  # times the wavelength that suits heights is one that suits curvatures (chosen on
+SHORTEST, LONGEST = 4.0, 60.0  # wavelengths: points and knots, and mm
+NEIGHBOURS = 1.2  # mm along which the roughness is taken for alike, as a standard deviation
+BLENDING = 1.5  # mm over which wavelengths change into each other: sudden changes overshoot
+BENDING = 1.2  # times the wavelength that suits heights is one that suits curvatures (chosen on
 # the worn pairs of the study)
 UPDATES, SETTLED = 60, 0.02
 FINE = 20  # samples a point, where a curve is measured or bent open
@@ -114,12 +117,15 @@ def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0)
         s = _lengths(curve, s, points)
     fit = _Fit.of(s)
     if wavelength is None:
-        heights = _developed(curve, s, points)
+        heights = _developed(curve, s)(s) + _off(curve, s, points)
         lengths = fit.most_probable(heights, np.interp(fit.places, s, sigma))
     else:
         lengths = np.full(fit.rows, wavelength)
     lengths = stretch * lengths
-    curve = fit.curve(points, fit.penalty(lengths))
+    for _ in range(2):
+        curve = _bent(curve, s, points, fit, fit.penalty(lengths))
+        s = _lengths(curve, s, points)
+        fit = _Fit.of(s)
     off, typical = _off(curve, s, points), float(np.median(sigma))
     return Smoothed(curve, points, s, off, typical, fit.places, lengths)
 
@@ -131,25 +137,25 @@ class _Fit:
 
     knots: Array
     basis: Array
-    differences: Array
+    differences: csr_array
     step: float
     spacing: float
 
     @classmethod
     def of(cls, s: Array) -> _Fit:
         """For points at lengths s (n,)."""
-        pieces = min(PIECES, len(s) // 2)
+        pieces = min(PIECES, len(s))
         step = s[-1] / pieces
         knots = step * np.arange(-ORDER, pieces + ORDER + 1)
         knots[ORDER], knots[-ORDER - 1] = 0.0, s[-1]
         basis = BSpline.design_matrix(s, knots, ORDER).toarray()
-        differences = np.diff(np.eye(basis.shape[1]), ORDER, axis=0)
+        differences = csr_array(np.diff(np.eye(basis.shape[1]), ORDER, axis=0))
         return cls(knots, basis, differences, step, s[-1] / (len(s) - 1))
 
     @property
     def rows(self) -> int:
         """Of the differences."""
-        return len(self.differences)
+        return int(self.differences.shape[0])
 
     @property
     def places(self) -> Array:
@@ -178,12 +184,13 @@ class _Fit:
         number of them that the points determine, both as means over the neighbourhood.
         """
         d, width = self.differences, NEIGHBOURS / self.step
-        least, most = self.penalty(np.array([SHORTEST * self.spacing, LONGEST]))
+        shortest = SHORTEST * max(self.spacing, self.step)
+        least, most = self.penalty(np.array([shortest, LONGEST]))
         penalty = np.full(self.rows, math.sqrt(most * least))
         for _ in range(UPDATES):
             factor = self._factor(penalty)
             found = d @ cho_solve(factor, self.basis.T @ heights)
-            unknown = np.einsum("km,mk->k", d, cho_solve(factor, d.T))
+            unknown = d.multiply(cho_solve(factor, d.T.toarray()).T).sum(axis=1)
             known = gaussian_filter1d(1 - np.minimum(penalty * unknown, 1 - 1e-9), width)
             variance = gaussian_filter1d(found**2, width) / known
             better = np.clip(sigma**2 / np.maximum(variance, 1e-300), least, most)
@@ -191,20 +198,27 @@ class _Fit:
             penalty = better
             if change < SETTLED:
                 break
+        penalty = np.exp(gaussian_filter1d(np.log(penalty), BLENDING / self.step))
         lengths = 2 * math.pi * (penalty * self._unit) ** (1 / (2 * ORDER))
         return np.asarray(BENDING * lengths)
 
     def _factor(self, penalty: Array) -> tuple[Array, bool]:
         d = self.differences
-        factor: tuple[Array, bool] = cho_factor(self.basis.T @ self.basis + (d.T * penalty) @ d)
+        roughness = (d.T @ diags(penalty) @ d).toarray()
+        factor: tuple[Array, bool] = cho_factor(self._squares + roughness, check_finite=False)
         return factor
+
+    @cached_property
+    def _squares(self) -> Array:
+        return np.asarray(self.basis.T @ self.basis)
 
 
 def _averaged(points: Array) -> Array:
     """Groups of points that are nearer than CLOSE, as one each; of those at one place the first."""
     apart = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    points = points[np.concatenate([[True], apart > 0])]
-    group = math.ceil(CLOSE / float(np.median(apart))) if np.median(apart) < CLOSE / 1.5 else 1
+    points, apart = points[np.concatenate([[True], apart > 0])], apart[apart > 0]
+    near = float(np.median(apart)) if len(apart) else CLOSE
+    group = math.ceil(CLOSE / near) if near < CLOSE / 1.5 else 1
     whole = len(points) // group * group
     return np.asarray(points[:whole].reshape(-1, group, 2).mean(axis=1))
 
@@ -244,11 +258,18 @@ def _lengths(curve: BSpline, s: Array, points: Array) -> Array:
     return np.asarray(np.interp(nearest, fine, along))
 
 
-def _developed(curve: BSpline, s: Array, points: Array) -> Array:
-    """Heights (n,) of the points over a straight line, when the curve is bent open: their second
-    derivative is the curvature, so that nothing depends on how the profile lies."""
-    fine = np.linspace(0, s[-1], FINE * len(s))
-    step = fine[1]
-    slope = np.cumsum(-_curvature(curve, fine)) * step
-    height = np.cumsum(slope) * step
-    return np.asarray(np.interp(s, fine, height) + _off(curve, s, points))
+def _developed(curve: BSpline, s: Array) -> CubicSpline:
+    """Height of the curve over a straight line when it is bent open: its second derivative is the
+    curvature, so that nothing depends on how the profile lies, and every circle is a parabola."""
+    places = np.linspace(0, s[-1], FINE * len(s))
+    return CubicSpline(places, -_curvature(curve, places)).antiderivative(2)
+
+
+def _bent(curve: BSpline, s: Array, points: Array, fit: _Fit, penalty: Array) -> BSpline:
+    """The curve moved along its normals so that, bent open, it is the smooth one."""
+    straight = _developed(curve, s)
+    smooth = fit.curve(straight(s) + _off(curve, s, points), penalty)
+    places = np.linspace(0, s[-1], 2 * fit.rows)
+    offset = smooth(places) - straight(places)
+    moved = curve(places) + offset[:, None] * _frame(curve, places)[1]
+    return make_interp_spline(places, moved, ORDER)

@@ -31,7 +31,7 @@ OUTSIDE = 5.0  # times as much weighs what stands out
 class Wear:
     """standard: its name; outline (m, 2): the standard's, laid on the measured profile, mm; y (n,)
     and loss (n,) normal to the standard, mm, NaN beyond its ends and below the head; largest, at:
-    the largest loss and its y, mm; area: of what is lost, mm2; misfit: the nearest has the least."""
+    the largest loss and its y, mm; area: of what is lost, mm2; misfit: least of the nearest."""
 
     standard: str
     outline: Array

@@ -238,7 +238,6 @@ def estimate(levels: Sequence[Level]) -> tuple[dict[str, Estimate], str]:
     doubt = 2 * (parts.get("tau_max_MPa", 0.0) + solved[-1][2].get("tau_max_MPa", 0.0))
     scatter = reading(level.findings, max(RIVAL, doubt))
     geometry = level.off_surface / min(level.plan.zone)
-    profile = level.plan.uncertainty.parts if level.plan.uncertainty else {}
     found = {
         name: Estimate(
             mesh,
@@ -247,7 +246,7 @@ def estimate(levels: Sequence[Level]) -> tuple[dict[str, Estimate], str]:
             level.plan.left_out,
             geometry,
             levels[0].stepping.get(name, 0.0) * STEPS / level.plan.load_steps,
-            profile.get(name, 0.0),
+            level.plan.hidden,
             flatness.get(name),
         )
         for name, mesh in parts.items()

@@ -93,8 +93,8 @@ def _uncertainty_line(found: Mapping[str, Any]) -> str:
     if found["reason"]:
         return f"profile    leaves unknown what it does to the answer: {found['reason']}"
     return (
-        f"profile    leaves {found['max_pressure']:.1%} of the largest pressure and "
-        f"{found['area']:.1%} of the area open (half-spaces with one and two smoothing lengths)"
+        f"profile    leaves {found['relative']:.1%} of the largest pressure and of the area open "
+        "(half-spaces with one, two and half a smoothing length)"
     )
 
 

@@ -194,12 +194,12 @@ def pair(scene: Scene, stretch: float = 1.0) -> Pair:
     return Pair(rail, wheel, scene.wheel.rolling_radius)
 
 
-def place(scene: Scene, clearance: float = 0.0, stretch: float = 1.0) -> tuple[Pair, Placed]:
+def place(scene: Scene, clearance: float = 0.0, both: Pair | None = None) -> tuple[Pair, Placed]:
     """Lower the wheelset of a scene onto its track; further contacts up to a clearance (mm).
 
-    Raises SceneError where a wheel misses its rail.
+    both: profiles in place of the scene's. Raises SceneError where a wheel misses its rail.
     """
-    both = pair(scene, stretch)
+    both = both or pair(scene)
     wheelset_, track = scene.wheelset, Track(scene.wheelset.back_to_back, scene.rail.gauge)
     try:
         return both, wheelset.place(both, track, wheelset_.shift, wheelset_.yaw, clearance)
@@ -208,14 +208,14 @@ def place(scene: Scene, clearance: float = 0.0, stretch: float = 1.0) -> tuple[P
         raise SceneError("wheelset.shift", text) from None
 
 
-def locate(scene: Scene, stretch: float = 1.0) -> Contact:
-    """The right wheel of the wheelset on its rail; stretch: as in `from_file`.
+def locate(scene: Scene, both: Pair | None = None) -> Contact:
+    """The right wheel of the wheelset on its rail; both: profiles in place of the scene's.
 
     Raises SceneError where the pair has no point contact with a common tangent.
     """
     if scene.rail.extent == "half-space":
         return Contact(scene, placement.parabolic(*scene.relative_curvatures()))
-    both, placed = place(scene, stretch=stretch)
+    both, placed = place(scene, both=both)
     side = placed.right
     touch = _tangent(scene, side.touches[0])
     centred = side.pose.moved(x=-touch.x)

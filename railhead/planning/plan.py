@@ -164,8 +164,8 @@ class Plan:
 
     @property
     def hidden(self) -> float:
-        """The largest relative uncertainty from measured profiles, which no mesh makes smaller."""
-        return self.uncertainty.largest if self.uncertainty else 0.0
+        """Relative error that measured profiles may hide; no mesh makes it smaller."""
+        return self.uncertainty.relative if self.uncertainty else 0.0
 
     @property
     def profiles(self) -> dict[str, dict[str, Any]]:
