@@ -1,5 +1,5 @@
 .PHONY: run test test-all setup lint docs
-STUDIES = accuracy-cost error-bounds load-sweep scaling thesis effects plasticity creep hard-cases fuzz
+STUDIES = accuracy-cost error-bounds load-sweep scaling thesis effects plasticity creep profiles hard-cases fuzz
 
 run: setup
 	.venv/bin/railhead run uic54_thesis

@@ -1,45 +1,173 @@
-"""Measured profiles: points from a file, smoothed, and how smooth they came out."""
+"""Measured profiles: points from a file, brought to the project's axes, smoothed.
+
+What a file leaves open is found out from its shape and said: the unit by the width, up and down by
+the convex crown or the flange, the gauge side by the flange, the lean of the head or its wear.
+"""
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Sequence
+import math
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import make_smoothing_spline
+from scipy.interpolate import CubicSpline
 
+from railhead.meshing import instruments, orientation, smoothing
+from railhead.meshing.dialects import InstrumentError
+from railhead.meshing.orientation import Choices
 from railhead.meshing.profiles import Profile, Spline
+from railhead.meshing.smoothing import Smoothed
 
 Array = NDArray[np.float64]
+STEEP = 0.045  # of dy over ds: steeper faces than those of a standard rail's corners are cut off
+SAMPLE = 0.1  # mm between the points of a profile's spline
+AUTOMATIC = Choices()
 EDGE = 0.02  # of the width at either end that the report leaves out
 
 
-def from_points(name: str, y: Sequence[float] | Array, z: Sequence[float] | Array) -> Profile:
-    """Smoothing cubic spline (scipy's cross-validated choice) through measured points (y, z)."""
-    order = np.argsort(y)
-    ys, zs = np.asarray(y, dtype=float)[order], np.asarray(z, dtype=float)[order]
-    if len(ys) < 5 or np.any(np.diff(ys) <= 0) or not np.all(np.isfinite([ys, zs])):
-        raise ValueError(f"profile {name}: give at least 5 finite points with different y")
-    return Profile(name, (Spline(ys[0], ys[-1], make_smoothing_spline(ys, zs)),))
+@dataclass(frozen=True)
+class Measured:
+    """A profile from a file. said: how it was read and turned, in words; smoothed: the curve
+    through its points; profile: its longest part that faces upwards."""
+
+    path: Path
+    body: str
+    said: tuple[str, ...]
+    smoothed: Smoothed
+    profile: Profile
+
+    @property
+    def points(self) -> Array:
+        """(n, 2) in the axes of profiles, mm."""
+        return self.smoothed.points
+
+    @property
+    def facing(self) -> NDArray[np.bool_]:
+        """Which points (n,) the profile holds, without the outermost at each end."""
+        start, end = inner(self.profile)
+        y = self.points[:, 0]
+        return np.asarray((y > start) & (y < end))
+
+    @property
+    def sharpest(self) -> tuple[float, float]:
+        """Largest curvature either way before and after smoothing, 1/mm."""
+        within, smoothed = self.facing[1:-1], self.smoothed
+        before = np.abs(smoothed.rough_curvature()[within])
+        after = np.abs(smoothed.curvature(smoothed.s[1:-1][within]))
+        return float(before.max()), float(after.max())
+
+    def wavelength(self, y: float) -> float:
+        """Of the smoothing at a place across, mm."""
+        across = self.smoothed.curve(self.smoothed.places)[:, 0]
+        return float(self.smoothed.wavelength[np.argmin(np.abs(across - y))])
+
+    @property
+    def wavelengths(self) -> tuple[float, float]:
+        """The shortest and the longest of the profile, mm."""
+        start, end = inner(self.profile)
+        across = self.smoothed.curve(self.smoothed.places)[:, 0]
+        within = self.smoothed.wavelength[(across > start) & (across < end)]
+        return float(within.min()), float(within.max())
+
+    def summary(self) -> dict[str, Any]:
+        """As in summary.json."""
+        before, after = self.sharpest
+        return {
+            "file": str(self.path),
+            "read": list(self.said),
+            "points": len(self.points),
+            "noise_mm": self.smoothed.noise,
+            "smoothing_mm": list(self.wavelengths),
+            "largest_curvature_before_per_mm": before,
+            "largest_curvature_after_per_mm": after,
+        }
 
 
-def from_csv(path: Path) -> Profile:
-    """Points y, z in mm, one a line; a header line and lines beginning with # are skipped."""
-    points = []
-    with path.open(newline="") as file:
-        for number, row in enumerate(csv.reader(file)):
-            if not row or row[0].lstrip().startswith("#"):
-                continue
-            try:
-                points.append((float(row[0]), float(row[1])))
-            except (ValueError, IndexError):
-                if number:
-                    raise ValueError(f"{path.name}, line {number + 1}: not a pair y, z") from None
-    y, z = zip(*points, strict=True) if points else ((), ())
-    return from_points(path.stem, y, z)
+def inner(profile: Profile) -> tuple[float, float]:
+    """Its domain without the outermost 2 % at each end, mm."""
+    start, end = profile.domain
+    margin = EDGE * (end - start)
+    return start + margin, end - margin
+
+
+def from_points(
+    name: str, points: Array, wavelength: float | None = None, stretch: float = 1.0
+) -> tuple[Smoothed, Profile]:
+    """The curve through points (n, 2) in the axes of profiles, mm, in any order along it or by y,
+    and its longest part that faces upwards.
+
+    wavelength, stretch: as in `smoothing.smooth`. Raises ValueError for too few points, points that
+    are not finite, and a curve that faces nowhere upwards.
+    """
+    points = np.asarray(points, dtype=float)
+    if not np.isfinite(points).all():
+        raise ValueError("holds points that are not finite; give finite numbers")
+    smoothed = smoothing.smooth(_in_order(points), wavelength, stretch)
+    s = np.linspace(0, smoothed.length, max(2, math.ceil(smoothed.length / SAMPLE)) + 1)
+    tangent = smoothed.curve(s, 1)
+    faces = tangent[:, 0] > STEEP * np.linalg.norm(tangent, axis=1)
+    y, z = smoothed.curve(s[_longest(faces)]).T
+    if len(y) < 4:
+        raise ValueError("has no part that faces upwards; give points across the running surface")
+    return smoothed, Profile(name, (Spline(float(y[0]), float(y[-1]), CubicSpline(y, z)),))
+
+
+def read(
+    path: Path,
+    body: str,
+    choices: Choices = AUTOMATIC,
+    wavelength: float | None = None,
+    slope: float = 0.0,
+    stretch: float = 1.0,
+) -> Measured:
+    """The profile of a 'rail' or 'wheel' in a file.
+
+    choices: what the person says of it; wavelength, stretch: as in `smoothing.smooth`; slope: that
+    it is rolled by about the origin. Raises InstrumentError, ValueError, OSError.
+    """
+    changed = path.stat().st_mtime_ns
+    return _read(path, changed, body, choices, wavelength, slope, stretch)
+
+
+@lru_cache(maxsize=16)
+def _read(
+    path: Path, _: int, body: str, choices: Choices, wavelength: float | None,
+    slope: float, stretch: float,
+) -> Measured:  # fmt: skip
+    table = instruments.read(path)
+    if table.body and table.body != body:
+        raise InstrumentError(path.name, 1, f"is a {table.body}'s; give one of a {body}")
+    try:
+        points, found = orientation.turned(table, body, choices)
+        cosine = math.cos(math.atan(slope))
+        points = points @ (cosine * np.array([[1.0, slope], [-slope, 1.0]]))
+        smoothed, profile = from_points(path.stem, points, wavelength, stretch)
+    except ValueError as error:
+        raise ValueError(f"{path.name} {error}") from None
+    said = (f"{table.format}, {len(table.points)} points", *found, *table.remarks)
+    return Measured(path, body, said, smoothed, profile)
+
+
+def _in_order(points: Array) -> Array:
+    """As in the file, or by y where that is the shorter way; from left to right."""
+    ways = (points, points[np.argsort(points[:, 0], kind="stable")])
+    lengths = [np.linalg.norm(np.diff(way, axis=0), axis=1).sum() for way in ways]
+    way = ways[int(lengths[1] < lengths[0])]
+    return way if way[-1, 0] > way[0, 0] else way[::-1]
+
+
+def _longest(faces: NDArray[np.bool_]) -> slice:
+    """The longest run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], faces, [False]]).astype(int)))
+    runs = edges.reshape(-1, 2)
+    if not len(runs):
+        return slice(0, 0)
+    start, end = runs[np.argmax(runs[:, 1] - runs[:, 0])]
+    return slice(int(start), int(end))
 
 
 @dataclass(frozen=True)
@@ -53,8 +181,6 @@ class Smoothness:
 
 def smoothness(profile: Profile) -> Smoothness:
     """What a contact will see of a measured profile: a wavy curvature scatters the pressure."""
-    start, end = profile.domain
-    margin = EDGE * (end - start)
-    curvature = profile.curvature(np.linspace(start + margin, end - margin, 2001))
+    curvature = profile.curvature(np.linspace(*inner(profile), 2001))
     low, middle, high = (float(value) for value in np.quantile(curvature, (0.05, 0.5, 0.95)))
     return Smoothness((low, middle, high), int(np.sum(np.diff(np.sign(curvature)) != 0)))

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.meshing.profiles import Arc, Polynomial, Profile, data
+from railhead.meshing.profiles import Arc, Piece, Polynomial, Profile, data
 
 Array = NDArray[np.float64]
+SPACING, SAMPLES = 1.0, 20001  # mm between points of splines, and y where their length is taken
 
 
 @dataclass(frozen=True)
@@ -83,13 +85,22 @@ def profile_curves(profile: Profile, start: float, end: float, *, outwards: int)
         straight = isinstance(piece, Polynomial) and len(piece.coefficients) <= 2
         if isinstance(piece, Arc):
             centre = np.array([piece.centre_y, outwards * piece.centre_z])
-        count = 2 if straight or centre is not None else 60
-        y = np.linspace(first, last, count)
+        y = np.array([first, last])
+        if not straight and centre is None:
+            y = _even(piece, first, last)
         points = np.column_stack([y, outwards * piece.derivative(y, 0)])
         if curves:
             points[0] = curves[-1].points[-1]
         curves.append(Curve(points, "contact", centre))
     return curves
+
+
+def _even(piece: Piece, first: float, last: float) -> Array:
+    """y of points that are about SPACING apart along a piece, its ends included."""
+    y = np.linspace(first, last, SAMPLES)
+    s = np.cumsum(np.hypot(np.diff(y, prepend=y[0]), np.diff(piece.derivative(y, 0), prepend=0.0)))
+    s -= s[0]
+    return np.interp(np.linspace(0, s[-1], max(5, math.ceil(s[-1] / SPACING)) + 1), s, y)
 
 
 def block_section(

@@ -155,6 +155,38 @@ def locate(
 
 
 @railhead.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--body", type=click.Choice(["rail", "wheel"]), help="Whose profile it is.")
+@_set
+@click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<file>_profile].")
+@click.option("--no-pictures", is_flag=True, help="Write nothing.")
+@click.option("--json", "as_json", is_flag=True, help="Print the summary and nothing else.")
+def profile(
+    file: Path,
+    body: str | None,
+    assignments: Sequence[str],
+    out: Path | None,
+    no_pictures: bool,
+    as_json: bool,
+) -> None:
+    """Read and smooth a measured profile, and say what is worn off it; solve nothing."""
+    from railhead import profile as profiling
+    from railhead import results, screen
+
+    folder = out if out is not None else Path("results") / f"{file.stem}_profile"
+    results.check_folder(folder)
+    examined = profiling.examine(file, body, assignments)
+    if not no_pictures:
+        profiling.write(examined, folder)
+    if as_json:
+        click.echo(profiling.as_json(examined), nl=False)
+        return
+    profiling.show(examined, screen.standard())
+    if not no_pictures:
+        click.echo(f"written to {folder}/")
+
+
+@railhead.command()
 @click.argument("name", required=False)
 @click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<study>].")
 @click.option("--quick", is_flag=True, help="Only a small part of the study.")

@@ -7,6 +7,7 @@ The estimate of a quantity is the sum of
     contact_law   the overlap that the law lets through, over the approach, times its effect
     left_out      what effects left out by the plan add
     geometry      contact points off the exact surface, over the smaller semi-axis
+    profile       what the noise of measured profiles hides (`planning.uncertainty`)
 
 An asked accuracy is one of sizes and values. Of a place, the depth of the largest shear stress, it
 asks that the stress there be that near to the largest one.
@@ -60,15 +61,15 @@ class Estimate:
     left_out: float
     geometry: float
     load_steps: float = 0.0
+    profile: float = 0.0
     flatness: float | None = None
 
     @property
     def parts(self) -> dict[str, float]:
         """By name."""
         values = {name: value for name, value in vars(self).items() if name != "flatness"}
-        if not self.load_steps:  # only bodies that yield have any
-            del values["load_steps"]
-        return values
+        own = ("load_steps", "profile")  # of bodies that yield, and of measured ones, alone
+        return {name: value for name, value in values.items() if value or name not in own}
 
     @property
     def total(self) -> float:
@@ -245,6 +246,7 @@ def estimate(levels: Sequence[Level]) -> tuple[dict[str, Estimate], str]:
             level.plan.left_out,
             geometry,
             levels[0].stepping.get(name, 0.0) * STEPS / level.plan.load_steps,
+            level.plan.hidden,
             flatness.get(name),
         )
         for name, mesh in parts.items()

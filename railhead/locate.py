@@ -45,7 +45,7 @@ class Location:
             "measured": {
                 key: vars(measured.smoothness(profile))
                 for key, profile in (("rail", self.pair.rail), ("wheel", self.pair.wheel))
-                if _from_file(self.scene, key)
+                if key in geometry.measured_bodies(self.scene)
             },
         }
 
@@ -141,10 +141,6 @@ def show(location: Location, console: Console) -> None:
 
 def _radius(curvature: float) -> str:
     return "inf" if curvature == 0 else f"{1 / curvature:.4g}"
-
-
-def _from_file(scene: Scene, key: str) -> bool:
-    return str(getattr(scene, key).profile).lower().endswith(".csv")
 
 
 def _contact(touch: Touch, crest: float) -> dict[str, float | bool]:

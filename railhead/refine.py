@@ -103,6 +103,8 @@ def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[L
             return levels, Ending("Newton's method did not converge")
         if len(levels) >= least and scene.accuracy is not None and worst <= scene.accuracy:
             return levels, Ending("asked accuracy reached")
+        if len(levels) >= least and plan.hidden >= (scene.accuracy or math.inf):
+            return levels, Ending(f"the measured profile leaves {plan.hidden:.1%} open on any mesh")
         if len(levels) > 1 and scene.accuracy is None and math.isfinite(worst):
             return levels, Ending(_spent(scene.budget or 0.0, spent))
         n, covered = comm.bcast(_next(levels, worst, wanted))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 from rich.console import Console
@@ -78,11 +79,37 @@ def show_plan(plan: Plan, console: Console) -> None:
         f"solver     {scene.solver.method}, linear {scene.solver.linear}",
         f"predicted  {plan.unknowns} unknowns, {plan.seconds:.1f} s",
     )
-    for line in lines:
+    for line in (*lines, *profile_lines(plan.profiles)):
         console.print(line, markup=False)
+    if plan.uncertainty:
+        console.print(_uncertainty_line(vars(plan.uncertainty)), markup=False)
     if plan.forecast.reason:
         console.print(f"The patch is forecast as Hertz's: {plan.forecast.reason}.", markup=False)
     _show_prices(plan, console)
+
+
+def profile_lines(profiles: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
+    """How profiles from files were read and smoothed ("profiles" of "plan" in summary.json)."""
+    for body, found in profiles.items():
+        yield f"{body:10s} {Path(found['file']).name}: {', '.join(found['read'])}"
+        shortest, longest = found["smoothing_mm"]
+        smoothing = f"{shortest:.2g} to {longest:.2g} mm"
+        if here := found.get("smoothing_at_contact_mm"):
+            smoothing += f", {here:.3g} at the contact"
+        before, after = (found[f"largest_curvature_{when}_per_mm"] for when in ("before", "after"))
+        yield (
+            f"           noise {1e3 * found['noise_mm']:.2g} um; smoothing length {smoothing}; "
+            f"largest curvature {before:.3g} before, {after:.3g} 1/mm after"
+        )
+
+
+def _uncertainty_line(found: Mapping[str, Any]) -> str:
+    if found["reason"]:
+        return f"profile    leaves unknown what it does to the answer: {found['reason']}"
+    return (
+        f"profile    leaves {found['relative']:.1%} of the largest pressure and of the area open "
+        "(half-spaces with one, two and half a smoothing length)"
+    )
 
 
 def _state(effect: Effect) -> str:
@@ -110,7 +137,7 @@ def _show_prices(plan: Plan, console: Console) -> None:
         )
         return
     for value in sorted({*PRICES, *([asked] if asked else [])}, reverse=True):
-        if not family.reaches(value - plan.left_out):
+        if plan.hidden >= value or not family.reaches(value - plan.left_out):
             table.add_row(f"{value:.3g}", *["out of reach"] * 4)
             continue
         n = family.finest(value - plan.left_out)
@@ -167,6 +194,10 @@ def show_result(summary: dict[str, Any], console: Console) -> None:
                 f"({place}) mm, at a sharp edge or held face, where it depends on the mesh.",
                 highlight=False,
             )
+    for line in profile_lines(summary["plan"]["profiles"]):
+        console.print(line, markup=False, highlight=False)
+    if found := summary["plan"]["profile_uncertainty"]:
+        console.print(_uncertainty_line(found), markup=False, highlight=False)
     if other := summary["plan"]["chosen"]:
         console.print(
             f"Another problem was chosen ({', '.join(other)}): estimates are about that one, and "

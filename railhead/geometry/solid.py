@@ -11,13 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.meshing import measured, placement, profiles, wheelset
+from railhead.meshing.measured import Measured
+from railhead.meshing.orientation import Choices
 from railhead.meshing.placement import Pair, PlacementError, Touch
 from railhead.meshing.pose import Pose, upright
 from railhead.meshing.profiles import Profile
 from railhead.meshing.surfaces import ExactGap, ParabolicGap, RailSurface, WheelSurface, along
 from railhead.meshing.tags import RAIL
 from railhead.meshing.wheelset import Placed, Track
-from railhead.scene.scene import Scene, SceneError
+from railhead.scene.scene import Rail, Scene, SceneError, Wheel
+from railhead.scene.sections import from_file as is_file
 from railhead.solver.kinematics import SOLID, Kinematics
 
 Array = NDArray[np.float64]
@@ -25,22 +28,20 @@ RAIL_HALF_WIDTH = 35.0  # mm, of a head given by a single radius
 TREAD_HALF_WIDTH = 67.5  # mm, of a cylinder, cone or arc
 
 
-def rail_profile(scene: Scene) -> Profile:
-    """Crown z(y) of the rail as it stands, inclination included."""
+def rail_profile(scene: Scene, stretch: float = 1.0) -> Profile:
+    """Crown z(y) of the rail as it stands, inclination included; stretch: as in `measured`."""
     rail = scene.rail
     if rail.profile in profiles.STANDARD_RAILS:
         return profiles.rail_head(rail.profile, rail.inclination)
-    if rail.profile == "arc":
-        profile = profiles.single_radius(
-            float(rail.crown_radius or 0), rail.width / 2 if rail.width else RAIL_HALF_WIDTH
-        )
-    else:
-        profile = _measured("rail.profile", rail.profile)
-    return profiles.rolled(profile, rail.inclination)
+    if rail.profile != "arc":
+        return from_file(scene, "rail", stretch).profile
+    half_width = rail.width / 2 if rail.width else RAIL_HALF_WIDTH
+    crown = profiles.single_radius(float(rail.crown_radius or 0), half_width)
+    return profiles.rolled(crown, rail.inclination)
 
 
-def wheel_profile(scene: Scene) -> Profile:
-    """Tread z(y), outwards from the nominal rolling radius."""
+def wheel_profile(scene: Scene, stretch: float = 1.0) -> Profile:
+    """Tread z(y), outwards from the nominal rolling radius; stretch: as in `measured`."""
     wheel = scene.wheel
     if wheel.profile in profiles.CONES:
         return profiles.cone(profiles.CONES[wheel.profile], TREAD_HALF_WIDTH, wheel.profile)
@@ -48,14 +49,27 @@ def wheel_profile(scene: Scene) -> Profile:
         return profiles.single_radius(float(wheel.transverse_radius or 0), TREAD_HALF_WIDTH)
     if wheel.profile == "S1002":
         return profiles.s1002()
-    return _measured("wheel.profile", wheel.profile)
+    return from_file(scene, "wheel", stretch).profile
 
 
-def _measured(key: str, path: str) -> Profile:
+def measured_bodies(scene: Scene) -> tuple[str, ...]:
+    """'rail', 'wheel': whose profiles come from files."""
+    return tuple(body for body in ("rail", "wheel") if is_file(getattr(scene, body).profile))
+
+
+def from_file(scene: Scene, body: str, stretch: float = 1.0) -> Measured:
+    """The measured profile of the 'rail' or 'wheel', smoothed with `stretch` times the wavelengths
+    that it would be smoothed with. Raises SceneError."""
+    part: Rail | Wheel = getattr(scene, body)
+    choices = Choices(
+        part.profile_unit, part.profile_mirror, part.profile_flip, part.profile_origin
+    )
+    wavelength = None if part.smoothing == "auto" else part.smoothing
+    slope = scene.rail.inclination if body == "rail" else 0.0
     try:
-        return measured.from_csv(Path(path))
+        return measured.read(Path(part.profile), body, choices, wavelength, slope, stretch)
     except (ValueError, OSError) as error:
-        raise SceneError(key, f"{error}; give a .csv file of points y, z in mm") from None
+        raise SceneError(f"{body}.profile", str(error)) from None
 
 
 @dataclass(frozen=True)
@@ -174,17 +188,18 @@ class Contact:
         return ExactGap(rail, wheel) if slave == RAIL else ExactGap(wheel, rail)
 
 
-def pair(scene: Scene) -> Pair:
-    """Both profiles."""
-    return Pair(rail_profile(scene), wheel_profile(scene), scene.wheel.rolling_radius)
+def pair(scene: Scene, stretch: float = 1.0) -> Pair:
+    """Both profiles; stretch: as in `from_file`."""
+    rail, wheel = rail_profile(scene, stretch), wheel_profile(scene, stretch)
+    return Pair(rail, wheel, scene.wheel.rolling_radius)
 
 
-def place(scene: Scene, clearance: float = 0.0) -> tuple[Pair, Placed]:
+def place(scene: Scene, clearance: float = 0.0, both: Pair | None = None) -> tuple[Pair, Placed]:
     """Lower the wheelset of a scene onto its track; further contacts up to a clearance (mm).
 
-    Raises SceneError where a wheel misses its rail.
+    both: profiles in place of the scene's. Raises SceneError where a wheel misses its rail.
     """
-    both = pair(scene)
+    both = both or pair(scene)
     wheelset_, track = scene.wheelset, Track(scene.wheelset.back_to_back, scene.rail.gauge)
     try:
         return both, wheelset.place(both, track, wheelset_.shift, wheelset_.yaw, clearance)
@@ -193,14 +208,14 @@ def place(scene: Scene, clearance: float = 0.0) -> tuple[Pair, Placed]:
         raise SceneError("wheelset.shift", text) from None
 
 
-def locate(scene: Scene) -> Contact:
-    """The right wheel of the wheelset on its rail.
+def locate(scene: Scene, both: Pair | None = None) -> Contact:
+    """The right wheel of the wheelset on its rail; both: profiles in place of the scene's.
 
     Raises SceneError where the pair has no point contact with a common tangent.
     """
     if scene.rail.extent == "half-space":
         return Contact(scene, placement.parabolic(*scene.relative_curvatures()))
-    both, placed = place(scene)
+    both, placed = place(scene, both=both)
     side = placed.right
     touch = _tangent(scene, side.touches[0])
     centred = side.pose.moved(x=-touch.x)

@@ -16,13 +16,14 @@ from railhead.meshing.bodies import Options
 from railhead.meshing.profiles import data
 from railhead.meshing.sizing import Grading, suited_stretch
 from railhead.meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y, WHEEL
-from railhead.planning import effects, exact, laws, machine
+from railhead.planning import effects, exact, laws, machine, uncertainty
 from railhead.planning.effects import Context, Effect, friction, plasticity
 from railhead.planning.effects.base import touching
 from railhead.planning.effects.true_profile import one_radius
 from railhead.planning.forecast import Forecast, Zone, forecast
 from railhead.planning.laws import Family, Setting
 from railhead.planning.ridges import ridges
+from railhead.planning.uncertainty import Uncertainty
 from railhead.scene.scene import Scene
 from railhead.scene.sections import Rail, Wheel
 from railhead.solver.elasticity import Material
@@ -160,6 +161,29 @@ class Plan:
     def left_out(self) -> float:
         """Relative error that effects left out by the plan add to every quantity."""
         return sum(effect.error for effect in self.effects.values())
+
+    @cached_property
+    def uncertainty(self) -> Uncertainty | None:
+        """That comes from measured profiles; None without any."""
+        return uncertainty.of_profiles(self.context)
+
+    @property
+    def hidden(self) -> float:
+        """Relative error that measured profiles may hide; no mesh makes it smaller."""
+        return self.uncertainty.relative if self.uncertainty else 0.0
+
+    @property
+    def profiles(self) -> dict[str, dict[str, Any]]:
+        """How profiles from files were read and smoothed, by body, as in summary.json."""
+        if self.contact.half_space:
+            return {}
+        places = {"rail": self.contact.touch.y, "wheel": self.contact.touch.tread}
+        found = {}
+        for body in geometry.measured_bodies(self.scene):
+            each = geometry.from_file(self.scene, body)
+            at_contact = each.wavelength(places[body])
+            found[body] = {**each.summary(), "smoothing_at_contact_mm": at_contact}
+        return found
 
     @property
     def deformable(self) -> tuple[int, ...]:
@@ -312,6 +336,8 @@ class Plan:
             "slave": BODIES[self.slave],
             "contact_angle_rad": self.contact.touch.angle,
             "forecast": {"hertzian": self.forecast.hertzian, "reason": self.forecast.reason},
+            "profiles": self.profiles,
+            "profile_uncertainty": self.uncertainty and vars(self.uncertainty),
         }
 
     def _effect(self, name: str) -> dict[str, Any]:

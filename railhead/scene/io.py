@@ -7,6 +7,7 @@ from typing import Any
 
 import tomli_w
 
+from railhead.meshing import instruments
 from railhead.scene.scene import Scene, SceneError
 
 
@@ -40,7 +41,7 @@ def read_scene(path: str | Path) -> Scene:
     """Return the scene that a TOML file describes.
 
     Without a ``name`` the scene takes the file's, with ``_`` for characters a name may not have.
-    A relative path of a .csv profile starts at the file's folder.
+    A relative path of a profile starts at the file's folder.
     Raises SceneError: one line, naming the file if it cannot be read, else the key.
     """
     path = Path(path)
@@ -48,7 +49,7 @@ def read_scene(path: str | Path) -> Scene:
     data.setdefault("name", re.sub(r"[^A-Za-z0-9_.-]", "_", path.stem)[:100])
     for section in filter(lambda table: isinstance(table, dict), data.values()):
         profile = section.get("profile")
-        if isinstance(profile, str) and profile.lower().endswith(".csv"):
+        if isinstance(profile, str) and profile.lower().endswith(instruments.SUFFIXES):
             section["profile"] = str(path.parent / profile)
     return Scene.from_mapping(data)
 

@@ -186,7 +186,7 @@ class Scene(Section):
         Along: 1/rolling_radius, the rail being straight; across: 1/crown_radius +
         1/transverse_radius (K. L. Johnson, Contact Mechanics, 1985, section 4.1). Standard rails
         count with the radius of their crown, cylinders and cones as straight across.
-        Raises SceneError for a profile without a single radius (S1002, a .csv file).
+        Raises SceneError for a profile without a single radius (S1002, a file).
         """
         across = 0.0
         for key, profile, radius in (

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_validator
 
+from railhead.meshing import instruments
 from railhead.scene import curves, steels, units
 from railhead.scene.units import show
 
@@ -72,23 +73,45 @@ def _readable(path: str) -> bool:
     return is_text and os.path.isfile(path) and os.access(path, os.R_OK)
 
 
-def _profile(*names: str) -> BeforeValidator:
-    """Return a validator of a profile: one of `names`, an alias, or a .csv file (kept absolute)."""
+def _profile(body: str, *names: str) -> BeforeValidator:
+    """Return a validator of a profile: one of `names`, an alias, or a file (kept absolute)."""
+    suffixes = [suffix for suffix in instruments.SUFFIXES
+                if instruments.BODIES.get(suffix, body) == body]  # fmt: skip
+    kinds = f"a {', '.join(suffixes[:-1])} or {suffixes[-1]} file"
 
     def validate(value: object) -> str:
         text = str(value) if isinstance(value, str | Path) else ""
         text = ALIASES.get(text, text)
         if text in names:
             return text
-        if not text.lower().endswith(".csv"):
+        if not text.lower().endswith(tuple(suffixes)):
             allowed = ", ".join(names)
-            raise ValueError(f"{show(value)} is not allowed; give {allowed} or a .csv file")
+            raise ValueError(f"{show(value)} is not allowed; give {allowed} or {kinds}")
         path = os.path.abspath(text)
         if not _readable(path):
-            raise ValueError(f"{show(value)} is not a readable file; give a .csv file that exists")
+            raise ValueError(f"{show(value)} is not a readable file; give {kinds} that exists")
         return path
 
     return BeforeValidator(validate)
+
+
+def from_file(profile: str) -> bool:
+    """Return whether a profile is a file's."""
+    return os.path.isabs(profile)
+
+
+def _wavelength(value: object) -> float | str:
+    """Return auto, or a length in mm."""
+    if value == "auto":
+        return "auto"
+    allowed = 'auto or a wavelength from 1 to 100 mm, e.g. 10 or "10 mm"'
+    try:
+        number = units.to_base(value, units.LENGTH)
+    except ValueError:
+        raise ValueError(f"{show(value)} is not a length; give {allowed}") from None
+    if not 1 <= number <= 100:
+        raise ValueError(f"{show(value)} is not allowed; give {allowed}")
+    return number
 
 
 def _curve() -> BeforeValidator:
@@ -112,11 +135,18 @@ def _check_arc(profile: str, key: str, radius: float | None) -> None:
         raise SceneError(key, f"{radius:g} is not allowed; only profile arc takes it")
 
 
+Switch = Literal["auto", "on", "off"]
+
+
 class Part(Section):
     """What a body is made of: elastic constants, and how it yields: as a `steel` does, at
     `yield_stress`, with a constant `hardening_modulus`, or along `stress_strain`, a .csv file of
     plastic strain and true stress (MPa). `kinematic_fraction` of the hardening moves the yield
     surface, the rest widens it. A body without any stays elastic.
+
+    How a profile's file is read: `profile_unit` of its numbers, `profile_mirror` left and right,
+    `profile_flip` up and down, `profile_origin` as in the file; `smoothing` is the length in mm of
+    waves that keep half of their height. What is ``auto`` is found out from the points.
     """
 
     young_modulus: units.Modulus = 207000.0
@@ -126,6 +156,11 @@ class Part(Section):
     hardening_modulus: units.Hardening | None = None
     kinematic_fraction: units.Share | None = None
     stress_strain: Annotated[str, _curve()] | None = None
+    profile_unit: Literal["auto", "mm", "m", "inch"] = "auto"
+    profile_mirror: Switch = "auto"
+    profile_flip: Switch = "auto"
+    profile_origin: Literal["auto", "file"] = "auto"
+    smoothing: Annotated[float | Literal["auto"], BeforeValidator(_wavelength)] = "auto"
 
     @model_validator(mode="after")
     def _one_way_to_yield(self) -> Self:
@@ -139,6 +174,15 @@ class Part(Section):
                 "kinematic_fraction", "is not allowed without steel, yield_stress or stress_strain"
             )
         return self
+
+    def _check_file(self, profile: str) -> None:
+        """Refuse what is about the points of a file where there is none."""
+        for key in ("profile_unit", "profile_mirror", "profile_flip", "profile_origin",
+                    "smoothing"):  # fmt: skip
+            value = getattr(self, key)
+            if value != "auto" and not from_file(profile):
+                text = f"{value} is not allowed; only a profile from a file takes it; give auto"
+                raise SceneError(key, text)
 
     @property
     def yields(self) -> bool:
@@ -166,7 +210,7 @@ class Rail(Part):
     wheel's tape circle (70 mm from the flange back) stands over the crown centre.
     """
 
-    profile: Annotated[str, _profile("54E1", "60E1", "arc")] = "54E1"
+    profile: Annotated[str, _profile("rail", "54E1", "60E1", "arc")] = "54E1"
     crown_radius: units.Radius | None = None
     inclination: units.Slope = 0.0
     gauge: units.Gauge | None = None
@@ -178,6 +222,7 @@ class Rail(Part):
     @model_validator(mode="after")
     def _radius_of_an_arc(self) -> Self:
         _check_arc(self.profile, "crown_radius", self.crown_radius)
+        self._check_file(self.profile)
         for key, value in (("depth", self.depth), ("width", self.width)):
             if value is not None and self.profile != "arc":
                 raise SceneError(key, f"{value:g} is not allowed; only profile arc takes it")
@@ -190,7 +235,9 @@ class Wheel(Part):
     A rolling radius of inf is a straight bar with the tread's section.
     """
 
-    profile: Annotated[str, _profile("cylinder", "cone20", "cone40", "arc", "S1002")] = "cylinder"
+    profile: Annotated[str, _profile("wheel", "cylinder", "cone20", "cone40", "arc", "S1002")] = (
+        "cylinder"
+    )
     rolling_radius: units.Radius = 420.0
     transverse_radius: units.SignedRadius | None = None
     width: units.BodyLength | None = None
@@ -200,6 +247,7 @@ class Wheel(Part):
     @model_validator(mode="after")
     def _radius_of_an_arc(self) -> Self:
         _check_arc(self.profile, "transverse_radius", self.transverse_radius)
+        self._check_file(self.profile)
         return self
 
 
@@ -293,9 +341,6 @@ class Rolling(Section):
         """Whether the wheel rolls with friction."""
         chosen = (self.creepage_along, self.creepage_across, self.force_along, self.force_across)
         return any(value is not None for value in chosen) or self.spin != 0
-
-
-Switch = Literal["auto", "on", "off"]
 
 
 class Effects(Section):

@@ -101,32 +101,13 @@ def test_rolling_a_rail_keeps_its_shape_and_turns_its_crown() -> None:
 def test_a_resampled_profile_rolls_like_the_arc_it_came_from() -> None:
     arc = profiles.single_radius(300, 30)
     y = np.linspace(-30, 30, 301)
-    resampled = measured.from_points("measured", y, arc.height(y))
+    _, resampled = measured.from_points("measured", np.column_stack([y, arc.height(y)]))
     probe = np.linspace(-25, 25, 51)
     np.testing.assert_allclose(
         profiles.rolled(resampled, 1 / 20).height(probe),
         profiles.rolled(arc, 1 / 20).height(probe),
         atol=1e-4,
     )
-
-
-def test_csv_profile_is_smoothed_and_bad_lines_are_named(tmp_path) -> None:
-    arc = profiles.single_radius(300, 20)
-    y = np.linspace(-20, 20, 201)
-    noise = np.random.default_rng(1).normal(0, 1e-3, y.shape)
-    path = tmp_path / "rail.csv"
-    rows = "\n".join(f"{a},{b}" for a, b in zip(y, arc.height(y) + noise, strict=True))
-    path.write_text("y,z\n# measured\n" + rows)
-    found = measured.from_csv(path)
-    probe = np.linspace(-15, 15, 31)
-    np.testing.assert_allclose(found.height(probe), arc.height(probe), atol=1e-3)
-    assert np.median(found.curvature(probe)) == pytest.approx(1 / 300, rel=0.1)
-    path.write_text("0,0\n1,nothing\n")
-    with pytest.raises(ValueError, match="line 2"):
-        measured.from_csv(path)
-    path.write_text("0,0\n1,1\n")
-    with pytest.raises(ValueError, match="at least 5"):
-        measured.from_csv(path)
 
 
 def test_joints_of_s1002_are_tangent() -> None:
@@ -165,8 +146,10 @@ def direction(curve: outlines.Curve, end: int) -> np.ndarray:
 def test_smoothness_tells_a_wavy_profile_from_a_smooth_one() -> None:
     y = np.linspace(-20, 20, 401)
     arc = profiles.single_radius(300, 20).height(y)
-    smooth = measured.smoothness(measured.from_points("smooth", y, arc))
-    wavy = measured.smoothness(measured.from_points("wavy", y, arc + 0.02 * np.sin(2 * y)))
+    smooth, wavy = (
+        measured.smoothness(measured.from_points("arc", np.column_stack([y, arc + wave]))[1])
+        for wave in (0.0, 0.02 * np.sin(2 * y))
+    )
     assert 1 / np.array(smooth.curvatures) == pytest.approx(np.full(3, 300.0), rel=0.01)
     assert smooth.waves == 0
     assert wavy.waves == pytest.approx(4 * 20 * 0.96 * 2 / np.pi / 2, abs=2)

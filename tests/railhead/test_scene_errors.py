@@ -69,7 +69,12 @@ WRONG: list[tuple[str, object, str]] = [
     ("name", "x" * 101, "is not allowed"),
     ("rail", 5, "5 is not a table; give [rail] and its keys"),
     ("rail", None, "None is not a table"),
-    ("rail.profile", "54E2", "'54E2' is not allowed; give 54E1, 60E1, arc or a .csv file"),
+    (
+        "rail.profile",
+        "54E2",
+        "'54E2' is not allowed; give 54E1, 60E1, arc or a .csv, .txt, .dat, .asc, .tsv, .ban or "
+        ".prr file",
+    ),
     ("rail.profile", 54, "54 is not allowed"),
     ("rail.profile", "no_such_file.csv", "is not a readable file"),
     ("rail.profile", "\ud800.csv", "is not a readable file"),
@@ -104,7 +109,7 @@ WRONG: list[tuple[str, object, str]] = [
     ("rail.poisson_ratio", -0.1, "-0.1 is not allowed"),
     ("rail.poisson_ratio", "0.3 mm", "'0.3 mm' is not a number"),
     ("rail.yield_stress", INF, "inf is not allowed; give a positive, finite stress"),
-    ("wheel.profile", "54E1", "give cylinder, cone20, cone40, arc, S1002 or a .csv file"),
+    ("wheel.profile", "54E1", "give cylinder, cone20, cone40, arc, S1002 or a .csv, .txt, .dat"),
     ("wheel.profile", "arc", "wheel.transverse_radius: not given"),
     ("wheel.transverse_radius", 300, "300 is not allowed; only profile arc takes it"),
     ("wheel.transverse_radius", 0, "0 is not allowed; give a length of 1e-6 to 1e9 mm"),

@@ -1,0 +1,131 @@
+"""Tables of points as text, with any of the usual separators, decimal marks, comments, headers."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+NAMED_UNITS = {
+    "mm": "mm", "millimetre": "mm", "millimeter": "mm", "millimetres": "mm", "millimeters": "mm",
+    "m": "m", "metre": "m", "meter": "m", "metres": "m", "meters": "m",
+    "in": "inch", "inch": "inch", "inches": "inch",
+}  # fmt: skip
+ACROSS, UP = ("y", "lateral", "across", "quer"), ("z", "height", "vertical", "hoehe", "höhe")
+COMMENT = re.compile(r"""#|%|!|//|\*|;|"(?![^"]*")|'(?![^']*')""")
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
+UNIT = re.compile(
+    r"[\[(]\s*([a-z]+)\s*[\])]|[/_]\s*([a-z]+)\b|\b(mm)\b|\bunits?\s*[:=]?\s*([a-z]+)"
+    r"|\bin\s+([a-z]+)",
+    re.IGNORECASE,
+)
+TWICE = re.compile(r"\s*-?\d+,\d+,-?\d+,\d+\s*")  # 1,5,2,5
+SHOWN = 40  # characters of a wrong line
+
+
+class InstrumentError(ValueError):
+    """The file is no profile: the text names it, the line, and what is allowed there."""
+
+    def __init__(self, name: str, line: int, text: str) -> None:
+        super().__init__(f"{name}, line {line}: {text}")
+
+
+@dataclass(frozen=True)
+class Table:
+    """points (n, 2): first across, then up or down, in the order of the file and in its unit; unit:
+    that the file states, '' where it states none; body: 'rail', 'wheel' or '' where the file does
+    not say; format and remarks: in words."""
+
+    points: Array
+    unit: str
+    body: str
+    format: str
+    remarks: tuple[str, ...] = ()
+
+
+def fields(line: str, separator: str, decimal: str) -> list[float] | None:
+    """The numbers of a line, None unless it has two and all its fields until then are numbers."""
+    if separator in (";", "\t", ","):
+        cells = next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
+    else:
+        cells = re.split(separator, line.strip())
+    numbers: list[float] = []
+    for cell in cells:
+        text = cell.strip().strip("\"'")
+        if decimal == ",":
+            text = "?" if "." in text else text.replace(",", ".")
+        if not NUMBER.fullmatch(text):
+            break
+        numbers.append(float(text.upper().replace("D", "E")))
+    return numbers if len(numbers) >= 2 and all(map(math.isfinite, numbers)) else None
+
+
+#: Separator, decimal mark and name of dialects; the first that reads most lines is taken.
+DIALECTS = (
+    (";", ".", "semicolons"), (";", ",", "semicolons, decimal commas"),
+    ("\t", ".", "tabs"), ("\t", ",", "tabs, decimal commas"),
+    (r",\s+", ",", "commas and blanks, decimal commas"), (",", ".", "commas"),
+    (r"\s+", ".", "blanks"), (r"\s+", ",", "blanks, decimal commas"),
+)  # fmt: skip
+
+
+def table(name: str, lines: Sequence[str]) -> Table:
+    """The points in the lines of a file of that name. Raises InstrumentError."""
+    full = [(i, line) for i, line in enumerate(lines, 1) if line.strip()]
+    parts = [(i, line) for i, line in full if not COMMENT.match(line.lstrip())]
+    separator, decimal, words = max(
+        DIALECTS, key=lambda d: sum(fields(line, d[0], d[1]) is not None for _, line in parts)
+    )
+    rows = [(i, line, fields(line, separator, decimal)) for i, line in parts]
+    first = next((i for i, _, row in rows if row), 0)
+    if not first:
+        where = parts[0][0] if parts else 1
+        raise InstrumentError(name, where, "is no point; give two numbers y, z a line")
+    if separator == "," and all(TWICE.fullmatch(line) for _, line, row in rows if row):
+        text = "commas separate and are decimal marks too; separate by semicolons, tabs or blanks"
+        raise InstrumentError(name, first, text)
+    for i, line, row in rows:
+        if row is None and i > first:
+            text = "is no point; give two numbers y, z, or begin a comment with #"
+            raise InstrumentError(name, i, f"{line.strip()[:SHOWN]!r} {text}")
+    header = [line for i, line in full if i < first]
+    points = [(i, row) for i, _, row in rows if row]
+    columns = _columns(header, separator, [row for _, row in points])
+    for i, row in points:
+        if len(row) <= max(columns):
+            text = f"has no number in column {max(columns) + 1}; give as many as in other lines"
+            raise InstrumentError(name, i, text)
+    values = np.array([[row[column] for column in columns] for _, row in points])
+    remarks = () if columns == (0, 1) else (f"columns {columns[0] + 1} and {columns[1] + 1}",)
+    return Table(values, _unit(header), "", f"table by {words}", remarks)
+
+
+def _columns(
+    header: Sequence[str], separator: str, rows: Sequence[Sequence[float]]
+) -> tuple[int, int]:
+    """Which are across and up: by their names, else the first two behind a running number."""
+    for line in header:
+        cells = re.split(separator, line.strip("#%!;*/\"' \n"))
+        names = [re.split(r"\W|_", cell.strip("\"' ").lower())[0] for cell in cells]
+        across = [i for i, name in enumerate(names) if name in ACROSS]
+        up = [i for i, name in enumerate(names) if name in UP]
+        if len(across) == 1 and len(up) == 1:
+            return across[0], up[0]
+    numbered = min(map(len, rows)) > 2 and all(np.diff([row[0] for row in rows]) == 1)
+    return (1, 2) if numbered else (0, 1)
+
+
+def _unit(header: Sequence[str]) -> str:
+    """That lines before the points state."""
+    for line in header:
+        for match in UNIT.finditer(line):
+            word = next(filter(None, match.groups())).lower()
+            if word in NAMED_UNITS:
+                return NAMED_UNITS[word]
+    return ""

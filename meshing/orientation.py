@@ -1,0 +1,163 @@
+"""From the axes of an instrument to those of profiles: unit, up and down, sides, origin."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.meshing.dialects import Table
+
+Array = NDArray[np.float64]
+UNITS = {"mm": 1.0, "m": 1000.0, "inch": 25.4}
+WIDTHS = {"mm": (7.5, 300.0), "inch": (1.0, 7.5), "m": (0.0, 0.3)}  # what is that wide, in it
+FLANGE, PROTRUDES = 10.0, 1.5  # mm above the tread, and times what lies below it, at least
+TIP, NEAR_TIP = -55.0, 8.0  # mm, y of the flange's tip, give or take
+BACK = -70.0  # mm, y of the flange back
+SIDES = (17.0, 30.0)  # mm below the top: the faces whose lean is that of the head
+CORNER = (3.0, 13.0)  # and where its corners are worn
+LEANS, WORN = 0.01, 0.3  # slope and mm: less says nothing of the side
+NEAR_TOP, NEAR_ZERO = 2.0, 5.0  # mm: the origin lies where profiles have theirs
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What a person says of a file; 'auto' is found out. unit: 'mm', 'm', 'inch'; mirror (left and
+    right), flip (up and down): 'on', 'off'; origin: 'file' keeps the file's own."""
+
+    unit: str = "auto"
+    mirror: str = "auto"
+    flip: str = "auto"
+    origin: str = "auto"
+
+
+def turned(table: Table, body: str, choices: Choices) -> tuple[Array, list[str]]:
+    """Points (n, 2) in the axes of profiles, mm, and what was done to them, in words.
+
+    Raises ValueError where no unit, or not the one that is given, fits the width.
+    """
+    unit = choices.unit if choices.unit != "auto" else table.unit or _unit(table.points)
+    points = UNITS[unit] * table.points
+    width, (least, most) = float(np.ptp(points[:, 0])), WIDTHS["mm"]
+    if not least < width <= most:
+        raise ValueError(f"is {width:.4g} mm wide in {unit}; give its profile_unit, in which it is "
+                         f"{least:g} to {most:g} mm wide")  # fmt: skip
+    said = [f"in {unit}" + _why(choices.unit, "as the file says" if table.unit else "by its width")]
+    upside, why = _upside_down(points, body)
+    if (choices.flip == "on") if choices.flip != "auto" else upside:
+        points = points * [1, -1]
+        said.append("turned upside down" + _why(choices.flip, why))
+    swapped, why = _mirrored(points, body)
+    if (choices.mirror == "on") if choices.mirror != "auto" else swapped:
+        points = points * [-1, 1]
+        said.append("mirrored" + _why(choices.mirror, why))
+    elif choices.mirror == "auto" and not why:
+        side = "gauge side" if body == "rail" else "flange"
+        said.append(f"sides as in the file: it shows no {side}")
+    if choices.origin == "auto":
+        move = _origin(points, body)
+        if move.any():
+            points = points + move
+            place = "crown centre" if body == "rail" else "tape circle"
+            said.append(f"moved by {move[0]:.2f}, {move[1]:.2f} mm to the {place}")
+    return points, said
+
+
+def _why(choice: str, found: str) -> str:
+    return "" if choice != "auto" or not found else f" ({found})"
+
+
+def _unit(points: Array) -> str:
+    width = float(np.ptp(points[:, 0]))
+    for unit, (least, most) in WIDTHS.items():
+        if least < width <= most:
+            return unit
+    allowed = ", ".join(f"{low:g} to {high:g} in {unit}" for unit, (low, high) in WIDTHS.items())
+    raise ValueError(f"is {width:g} wide, which no unit fits ({allowed}); give its profile_unit")
+
+
+def _flange(points: Array) -> tuple[float, float] | None:
+    """y of the flange's tip and the side of the tread that it is on, +1 or -1; None without one."""
+    y, z = points.T
+    away = z - np.median(z)
+    above, below = float(away.max()), float(-away.min())
+    if max(above, below) < max(FLANGE, PROTRUDES * min(above, below)):
+        return None
+    tip = int(np.argmax(away) if above > below else np.argmin(away))
+    return float(y[tip]), 1.0 if above > below else -1.0
+
+
+def _upside_down(points: Array, body: str) -> tuple[bool, str]:
+    """A rail is convex upwards; a wheel's flange makes it larger."""
+    if body == "wheel":
+        flange = _flange(points)
+        return (flange[1] < 0, "by its flange") if flange else (False, "")
+    y, z = points.T
+    return bool(np.polyfit(y - y.mean(), z, 2)[0] > 0), "by its crown"
+
+
+def _mirrored(points: Array, body: str) -> tuple[bool, str]:
+    """Whether the gauge side lies at y > 0, and by what; '' where nothing tells."""
+    if body == "wheel":
+        flange = _flange(points)
+        if flange is None:
+            return False, ""
+        return flange[0] > np.median(points[:, 0]), "by its flange"
+    middles = [(depth, (left + right) / 2) for depth, left, right in _widths(points)]
+    if not middles:
+        return False, ""
+    depth, middle = np.array(middles).T
+    faces = (depth >= SIDES[0]) & (depth <= SIDES[1])
+    if faces.sum() >= 10:
+        lean = -float(np.polyfit(depth[faces], middle[faces], 1)[0])
+        if abs(lean) > LEANS:
+            return lean > 0, f"its head leans 1:{1 / abs(lean):.0f} to the gauge side"
+    corner = (depth >= CORNER[0]) & (depth <= CORNER[1])
+    if corner.any():
+        pulled = float(np.mean(middle[corner]) - middle[-1])
+        if abs(pulled) > WORN:
+            return pulled < 0, "by its worn corner"
+    return False, ""
+
+
+def _widths(points: Array) -> Iterator[tuple[float, float, float]]:
+    """Depth below the top and y of the left and right face there, mm, as far as both reach."""
+    top = int(np.argmax(points[:, 1]))
+    y, down = points[:, 0], points[top, 1] - points[:, 1]
+    left, right = y < y[top], y > y[top]
+    if not (left.any() and right.any()):
+        return
+    for depth in np.arange(0.5, min(down[left].max(), down[right].max(), SIDES[1]), 0.5):
+        yield float(depth), _face(y, down, left, depth), _face(y, down, right, depth)
+
+
+def _face(y: Array, down: Array, side: NDArray[np.bool_], depth: float) -> float:
+    order = np.argsort(down[side])
+    return float(np.interp(depth, down[side][order], y[side][order]))
+
+
+def _origin(points: Array, body: str) -> Array:
+    """What brings the crown centre or the tape circle to the origin, where the file has another."""
+    y, z = points.T
+
+    def height(at: float) -> float:
+        return float(z[np.argmin(np.abs(y - at))])
+
+    move = np.zeros(2)
+    inside = y.min() < 0 < y.max()
+    if body == "rail":
+        if not inside or height(0.0) < z.max() - NEAR_TOP:
+            widths = list(_widths(points))
+            move[0] = -sum(widths[-1][1:]) / 2 if widths else -y[np.argmax(z)]
+    elif flange := _flange(points):
+        behind = y.min() < flange[0] - NEAR_TIP
+        if abs(flange[0] - TIP) > NEAR_TIP:
+            move[0] = BACK - y.min() if behind else TIP - flange[0]
+    elif not inside:
+        move[0] = -(y.min() + y.max()) / 2
+    level = height(-move[0])
+    if abs(level) > NEAR_ZERO:
+        move[1] = -level
+    return move

@@ -1,0 +1,129 @@
+"""Wear of a measured profile: what it lacks of the nearest standard one.
+
+Metal is lost and never gained, so the standard profile is laid over the measured one where nothing
+stands out of it and the least is lost: a least-squares fit in which points outside weigh more and
+large losses less (the soft l1 loss). A rail may be canted and is turned too; gauges of wheels hold
+on to the flange back. A loss all over, as of a crown ground flat, is partly taken for a
+displacement.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+from scipy.spatial import cKDTree
+
+from railhead.meshing import outlines, profiles
+from railhead.meshing.measured import Measured
+
+Array = NDArray[np.float64]
+STANDARDS = {"rail": profiles.STANDARD_RAILS, "wheel": ("S1002",)}
+STEP = 0.25  # mm between places that are compared
+FINE = 0.02  # mm between points of the standard
+SCALE = 0.05  # mm of loss from which on it weighs less than its square
+OUTSIDE = 5.0  # times as much weighs what stands out
+
+
+@dataclass(frozen=True)
+class Wear:
+    """standard: its name; outline (m, 2): the standard's, laid on the measured profile, mm; y (n,)
+    and loss (n,) normal to the standard, mm, NaN beyond its ends and below the head; largest, at:
+    the largest loss and its y, mm; area: of what is lost, mm2; misfit: least of the nearest."""
+
+    standard: str
+    outline: Array
+    y: Array
+    loss: Array
+    largest: float
+    at: float
+    area: float
+    misfit: float
+
+
+def nearest(found: Measured) -> Wear:
+    """Against the standard profile of its kind that fits best."""
+    smoothed = found.smoothed
+    s = np.arange(STEP / 2, smoothed.length, STEP)
+    points = smoothed.curve(s)
+    turns = found.body == "rail"
+    worn = [_against(name, points, _outline(name), turns) for name in STANDARDS[found.body]]
+    return min(worn, key=lambda each: each.misfit)
+
+
+def _against(name: str, points: Array, outline: Array, turns: bool) -> Wear:
+    tree = cKDTree(outline)
+    tangent = np.gradient(outline, axis=0)
+    normal = np.column_stack([-tangent[:, 1], tangent[:, 0]])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+
+    def loss(move: Array, beyond: float = 0.0) -> Array:
+        moved = _moved(points, move)
+        _, index = tree.query(moved)
+        depth = -np.einsum("nd,nd->n", moved - outline[index], normal[index])
+        inside = (index > 0) & (index < len(outline) - 1) & (normal[index, 1] > 0)
+        return np.where(inside, depth, beyond)
+
+    def asymmetric(move: Array) -> Array:
+        depth = loss(move) / SCALE
+        soft = np.sqrt(2 * (np.hypot(1, depth) - 1))
+        return np.where(depth > 0, soft, OUTSIDE * depth)
+
+    start = [_middle(outline) - _middle(points), outline[:, 1].max() - points[:, 1].max(), 0.0]
+    start = start if turns else start[:2]
+    rough = least_squares(loss, start, loss="soft_l1", f_scale=SCALE)
+    fit = least_squares(asymmetric, rough.x)
+    depth = loss(fit.x, np.nan)
+    lost = np.nan_to_num(np.maximum(depth, 0.0))
+    worst = int(np.argmax(lost))
+    laid = (outline - fit.x[:2]) @ _turn(fit.x).T
+    return Wear(
+        name, laid, points[:, 0], depth,
+        float(lost[worst]), float(points[worst, 0]), float(lost.sum() * STEP),
+        float(fit.cost) / len(points),
+    )  # fmt: skip
+
+
+def _moved(points: Array, move: Array) -> Array:
+    """Turned by move[2] (rad), where there is one, then displaced by move[:2] (mm)."""
+    return np.asarray(points @ _turn(move) + move[:2])
+
+
+def _turn(move: Array) -> Array:
+    angle = move[2] if len(move) > 2 else 0.0
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, s], [-s, c]])
+
+
+def _middle(points: Array) -> float:
+    return float((points[:, 0].min() + points[:, 0].max()) / 2)
+
+
+def _outline(name: str) -> Array:
+    """Points (m, 2) of a standard profile from left to right, FINE apart, mm."""
+    if name in profiles.STANDARD_RAILS:
+        curves = outlines.rail_section(name, "head", half=False)
+        half = len(curves) // 2
+        free = [curve for curve in (*curves[half:], *curves[:half]) if curve.role != "support"]
+        points = np.concatenate([_sampled(curve) for curve in free])
+    else:
+        profile = profiles.s1002()
+        y = np.linspace(*profile.domain, 40001)
+        points = np.column_stack([y, profile.height(y)])
+    apart = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    points = points[np.concatenate([[True], apart > 0])]
+    s = np.concatenate([[0.0], np.cumsum(apart[apart > 0])])
+    even = np.linspace(0, s[-1], int(s[-1] / FINE))
+    return np.column_stack([np.interp(even, s, column) for column in points.T])
+
+
+def _sampled(curve: outlines.Curve) -> Array:
+    start, end = curve.points
+    if curve.centre is None:
+        return curve.points
+    first, last = (np.arctan2(*(point - curve.centre)[::-1]) for point in (start, end))
+    angle = first + np.linspace(0, (last - first + np.pi) % (2 * np.pi) - np.pi, 500)
+    radius = np.linalg.norm(start - curve.centre)
+    return np.asarray(curve.centre + radius * np.column_stack([np.cos(angle), np.sin(angle)]))

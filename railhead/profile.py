@@ -1,0 +1,105 @@
+"""A measured profile by itself: how it was read and smoothed, and what is worn off it."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+
+from railhead import report, results
+from railhead.geometry import solid
+from railhead.meshing import instruments, orientation, wear
+from railhead.meshing.measured import Measured, smoothness
+from railhead.meshing.wear import Wear
+from railhead.scene.scene import Scene, SceneError
+
+WHEELS = (100.0, 200.0)  # mm: a table of points that wide is of a wheel
+STEP = 0.25  # mm between the rows of profile.csv
+
+
+@dataclass(frozen=True)
+class Examined:
+    """A measured profile and its wear."""
+
+    found: Measured
+    worn: Wear
+
+    def summary(self) -> dict[str, Any]:
+        """As in summary.json: lengths mm, curvatures 1/mm."""
+        found, worn = self.found, self.worn
+        low, middle, high = smoothness(found.profile).curvatures
+        return {
+            "body": found.body,
+            **found.summary(),
+            "domain_mm": list(found.profile.domain),
+            "curvatures_per_mm": {"5%": low, "50%": middle, "95%": high},
+            "standard": worn.standard,
+            "wear": {
+                "largest_mm": worn.largest, "largest_y_mm": worn.at, "area_mm2": worn.area,
+            },
+        }  # fmt: skip
+
+
+def examine(path: Path, body: str | None, assignments: Sequence[str]) -> Examined:
+    """The profile of a file; body: 'rail' or 'wheel', found out if None; assignments: keys of that
+    body, as in a scene (`rail.profile_unit=inch`). Raises SceneError."""
+    kind = body or instruments.BODIES.get(path.suffix.lower()) or _kind(path)
+    scene = Scene.from_mapping({"load": 1.0, kind: {"profile": str(path)}}).replace(assignments)
+    found = solid.from_file(scene, kind)
+    return Examined(found, wear.nearest(found))
+
+
+def _kind(path: Path) -> str:
+    """'wheel' for a table of points as wide as wheels are, else 'rail'."""
+    checked = Scene.from_mapping({"load": 1.0, "rail": {"profile": str(path)}}).rail.profile
+    try:
+        table = instruments.read(Path(checked))
+        points, _ = orientation.turned(table, "rail", orientation.Choices())
+    except (ValueError, OSError) as error:
+        raise SceneError("rail.profile", str(error)) from None
+    return "wheel" if WHEELS[0] <= float(np.ptp(points[:, 0])) <= WHEELS[1] else "rail"
+
+
+def write(examined: Examined, folder: Path) -> None:
+    """summary.json, profile.csv (the smoothed profile) and profile.png."""
+    from railhead.postprocess import profile_plot
+
+    profile = examined.found.profile
+    start, end = profile.domain
+    y = np.linspace(start, end, math.ceil((end - start) / STEP) + 1)
+    with results.replacing(folder) as work:
+        profile_plot.draw(examined.found, examined.worn, work / "profile.png")
+        with (work / "profile.csv").open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(["y_mm", "z_mm", "slope", "curvature_per_mm"])
+            values = zip(y, profile.height(y), profile.slope(y), profile.curvature(y), strict=True)
+            writer.writerows([f"{value:.9g}" for value in row] for row in values)
+        (work / results.SUMMARY).write_text(as_json(examined), encoding="utf-8")
+
+
+def as_json(examined: Examined) -> str:
+    """The summary as JSON."""
+    return results.to_json(examined.summary())
+
+
+def show(examined: Examined, console: Console) -> None:
+    """How it was read and smoothed, its curvature and its wear."""
+    found, summary, worn = examined.found, examined.summary(), examined.worn
+    radii = (
+        "inf" if value == 0 else f"{1 / value:.4g}"
+        for value in summary["curvatures_per_mm"].values()
+    )
+    lines = [
+        *report.profile_lines({found.body: summary}),
+        f"radius     {', '.join(radii)} mm at 5, 50, 95 % of the curvature",
+        f"wear       against {worn.standard}: at most {worn.largest:.3g} mm at y = {worn.at:.1f} "
+        f"mm, {worn.area:.3g} mm2 of the section",
+    ]
+    for line in lines:
+        console.print(line, markup=False, highlight=False, soft_wrap=True)

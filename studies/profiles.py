@@ -1,0 +1,230 @@
+"""What a noisy measurement of a worn profile does to the answer: seeds of noise against the truth.
+
+Standard profiles less a smooth wear are sampled as a gauge would, with noise, read and smoothed as
+any file is, and solved as half-spaces; the truth is the worn profile itself.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from railhead import study
+from railhead.geometry import solid
+from railhead.meshing.placement import Pair
+from railhead.meshing.profiles import Array, Piece, Profile
+from railhead.planning import developed, exact, uncertainty
+from railhead.scene.scene import Scene, SceneError
+from railhead.studies import pool, tables
+from railhead.theory.boundary_element import Solution
+
+STUDY = "noise of measured profiles: seeds, levels and spacings on worn rails and wheels"
+NOISES: tuple[float, ...] = (0.0, 2.0, 10.0, 20.0)  # um
+SPACINGS: tuple[float, ...] = (0.1, 0.25, 0.5)  # mm
+SEEDS = 10
+LIMITS = {2.0: 0.03, 10.0: 0.08}  # of p_max in 90 % of the seeds, by noise ...
+AREA_LIMIT = 0.05  # ... and of the area
+EDGE = 0.3  # mm at either end that the gauge does not reach
+COUNTED = 0.02  # of the load: smaller patches are no contact of their own
+UNITS = {"spacing": "mm", "noise": "um", "true_pressure": "MPa"}
+
+
+@dataclass(frozen=True)
+class Worn:
+    """A piece less depth exp(-((y - centre) / width)^2 / 2), mm."""
+
+    base: Piece
+    depth: float
+    centre: float
+    width: float
+
+    @property
+    def start(self) -> float:
+        """First y, mm."""
+        return self.base.start
+
+    @property
+    def end(self) -> float:
+        """Last y, mm."""
+        return self.base.end
+
+    def derivative(self, y: Array, order: int) -> Array:
+        """z (order 0), dz/dy (1) or d2z/dy2 (2)."""
+        u = (y - self.centre) / self.width
+        factor = (1.0, -u / self.width, (u**2 - 1) / self.width**2)[order]
+        return self.base.derivative(y, order) - self.depth * factor * np.exp(-(u**2) / 2)
+
+
+@dataclass(frozen=True)
+class Case:
+    """`depth` mm worn off the rail or the wheel ('worn'), as `Worn`, and the keys of the scene."""
+
+    name: str
+    worn: str
+    depth: float
+    centre: float
+    width: float
+    keys: tuple[str, ...]
+
+    @property
+    def scene(self) -> Scene:
+        """Of the unworn pair."""
+        base = {"name": "worn", "load": 1e5, "wheel": {"rolling_radius": 460}}
+        return Scene.from_mapping(base).replace(self.keys)
+
+    def true(self) -> Pair:
+        """The worn pair without noise."""
+        pair = solid.pair(self.scene)
+        bodies = {"rail": pair.rail, "wheel": pair.wheel}
+        new = bodies[self.worn]
+        pieces = (Worn(piece, self.depth, self.centre, self.width) for piece in new.pieces)
+        bodies[self.worn] = Profile(new.name, tuple(pieces))
+        return Pair(bodies["rail"], bodies["wheel"], pair.rolling_radius)
+
+    def measured(self, folder: Path, spacing: float, noise: float, seed: int) -> Scene:
+        """The scene with the points of a gauge in a file; spacing along the profile in mm, noise of
+        the heights in um."""
+        pair = self.true()
+        profile = pair.rail if self.worn == "rail" else pair.wheel
+        y = np.linspace(profile.domain[0] + EDGE, profile.domain[1] - EDGE, 40001)
+        length = np.hypot(np.diff(y), np.diff(profile.height(y))).cumsum()
+        y = np.interp(np.arange(0, length[-1], spacing), length, y[1:])
+        text = f"{self.name} {spacing} {noise} {seed}".encode()
+        random = np.random.default_rng(list(hashlib.sha256(text).digest()))
+        z = profile.height(y) + random.normal(0.0, 1e-3 * noise, y.shape)
+        file = folder / f"{seed}.csv"
+        np.savetxt(file, np.column_stack([y, z]), "%.5f", ",", header="y, z in mm")
+        keys = [f"{self.worn}.profile={file}", "rail.inclination=0"]
+        return self.scene.replace(keys if self.worn == "rail" else keys[:1])
+
+
+CASES: tuple[Case, ...] = (
+    Case("54E1 crown 1 mm, cylinder", "rail", 1.0, 0.0, 25.0, ()),
+    Case("60E1 crown 3 mm, 1:40", "rail", 3.0, 0.0, 45.0,
+         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=cone40")),
+    Case("54E1 crown 2 mm, 1:20", "rail", 2.0, 0.0, 30.0,
+         ("rail.inclination=1:20", "wheel.profile=cone20")),
+    Case("54E1 corner 2 mm, S1002", "rail", 2.0, -30.0, 10.0,
+         ("wheel.profile=S1002", "wheelset.shift=4")),
+    Case("60E1 corner 3 mm, S1002", "rail", 3.0, -31.0, 12.0,
+         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002",
+          "wheelset.shift=4")),
+    Case("60E1 corner 1 mm, in flange contact", "rail", 1.0, -28.0, 8.0,
+         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002",
+          "wheelset.shift=6")),
+    Case("S1002 root 1 mm, in flange contact", "wheel", 1.0, -38.0, 8.0,
+         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002",
+          "wheelset.shift=5")),
+    Case("S1002 root 2 mm, 60E1", "wheel", 2.0, -36.0, 12.0,
+         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002",
+          "wheelset.shift=3")),
+    Case("S1002 tread hollow by 2 mm, 60E1", "wheel", 2.0, 0.0, 30.0,
+         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002")),
+    Case("60E1 crown 1 mm, S1002 (conformal)", "rail", 1.0, -5.0, 20.0,
+         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002")),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Row:
+    """Relative errors of the largest pressure (mean, and what 90 % of the seeds are within) and of
+    the area (alike); more: seeds with more contacts than there are, or none; open: median
+    uncertainty that the plan says; held: share of the seeds whose pressure is within it."""
+
+    case: str
+    spacing: float
+    noise: float
+    seeds: int
+    true_pressure: float
+    pressure_mean: float
+    pressure: float
+    area: float
+    more: int
+    open: float
+    held: float
+
+
+def solved(scene: Scene, pair: Pair | None = None) -> Solution:
+    """Half-spaces of a scene, or of other profiles in it."""
+    contact = solid.locate(scene, pair)
+    return developed.solve(contact, exact.ellipse(scene, contact), scene.load)
+
+
+def contacts(found: Solution) -> int:
+    """That carry a part of the load."""
+    return sum(patch.force > COUNTED * found.force for patch in found.patches)
+
+
+def compared(case: Case, spacing: float, noise: float, seeds: int) -> Row:
+    """Some seeds of a case against its truth."""
+    true = solved(case.scene, case.true())
+    pressures, areas, opens, more = [], [], [], 0
+    seeds = seeds if noise else 1
+    with tempfile.TemporaryDirectory() as folder:
+        for seed in range(seeds):
+            scene = case.measured(Path(folder), spacing, noise, seed)
+            try:
+                found = solved(scene)
+                left = uncertainty.around(scene, found).relative
+            except (ValueError, SceneError):
+                more += 1
+                continue
+            pressures.append(found.max_pressure / true.max_pressure - 1)
+            areas.append(found.area / true.area - 1)
+            opens.append(left)
+            more += contacts(found) > contacts(true)
+    error, worst = np.array(pressures), np.abs(pressures)
+    return Row(
+        case.name, spacing, noise, seeds, true.max_pressure, float(error.mean()),
+        float(np.quantile(worst, 0.9)), float(np.quantile(np.abs(areas), 0.9)), more,
+        float(np.median(opens)), float(np.mean(worst <= np.array(opens))),
+    )  # fmt: skip
+
+
+def main(out: Path, *, quick: bool) -> None:
+    """Write profiles.csv and page.md; quick: one case, two noises, two seeds."""
+    cases, spacings, noises, seeds = CASES, SPACINGS, NOISES, SEEDS
+    if quick:
+        cases, spacings, noises, seeds = CASES[:1], SPACINGS[1:2], NOISES[1:3], 2
+    jobs = [(c, spacing, noise, seeds) for c in cases for spacing in spacings for noise in noises]
+    rows: list[Row] = []
+    for job, attempt in zip(jobs, pool.attempts(compared, jobs), strict=True):
+        print(job[0].name, *job[1:], attempt.fault or "", file=sys.stderr)
+        if attempt.found is not None:
+            rows.append(attempt.found)
+    tables.write_csv(out / "profiles.csv", rows, UNITS)
+    (out / study.PAGE).write_text(page(rows), encoding="utf-8")
+
+
+def missed(row: Row) -> str:
+    """Which of the limits a row is beyond."""
+    found = []
+    if row.pressure > LIMITS.get(row.noise, np.inf):
+        found.append("p_max")
+    if row.noise in LIMITS and row.area > AREA_LIMIT:
+        found.append("area")
+    if row.more:
+        found.append(f"{row.more} of {row.seeds} with another contact")
+    return ", ".join(found)
+
+
+def page(rows: Sequence[Row]) -> str:
+    """A table of all rows, and how many are within the limits."""
+    lines = [
+        (r.case, f"{r.spacing:g}", f"{r.noise:g}", f"{r.true_pressure:.0f}",
+         f"{100 * r.pressure_mean:+.1f} %", f"{100 * r.pressure:.1f} %", f"{100 * r.area:.1f} %",
+         f"{100 * r.open:.1f} %", f"{100 * r.held:.0f} %", missed(r))
+        for r in rows
+    ]  # fmt: skip
+    judged = [r for r in rows if r.noise in LIMITS]
+    return tables.render(
+        "profiles", rows=lines, judged=len(judged), within=sum(not missed(r) for r in judged),
+        seeds=max(r.seeds for r in rows), limits=LIMITS, area=AREA_LIMIT,
+        held=float(np.mean([r.held for r in rows])),
+    )  # fmt: skip

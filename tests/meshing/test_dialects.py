@@ -1,0 +1,118 @@
+"""Tables of points as people and programs write them."""
+
+import numpy as np
+import pytest
+
+from railhead.meshing import instruments
+from railhead.meshing.dialects import InstrumentError
+
+Y = np.linspace(-35, 35, 15)
+Z = -(Y**2) / 600
+POINTS = np.column_stack([Y, np.round(Z, 5)])
+
+
+def written(separator: str, comma: bool = False, form: str = "%.5f") -> str:
+    rows = "\n".join(separator.join(form % value for value in row) for row in POINTS)
+    return rows.replace(".", ",") if comma else rows
+
+
+def numbered(separator: str) -> str:
+    return "\n".join(
+        separator.join([str(i), f"{y:.5f}", f"{z:.5f}"]) for i, (y, z) in enumerate(POINTS)
+    )
+
+
+def swapped(separator: str) -> str:
+    return "\n".join(separator.join([f"{z:.5f}", f"{y:.5f}"]) for y, z in POINTS)
+
+
+GOOD = {
+    "commas": written(","),
+    "commas and blanks": written(", "),
+    "semicolons": written(";"),
+    "tabs": written("\t"),
+    "blanks": written("   "),
+    "aligned": written(" ", form="%12.5f"),
+    "decimal commas, semicolons": written(";", True),
+    "decimal commas, tabs": written("\t", True),
+    "decimal commas, blanks": written(" ", True),
+    "decimal commas, commas and blanks": "\n".join(
+        f"{y:.5f}".replace(".", ",") + ", " + f"{z:.5f}".replace(".", ",") for y, z in POINTS
+    ),
+    "exponents": written(",", form="%.7e"),
+    "Fortran's exponents": written(" ", form="%.7e").replace("e", "D"),
+    "byte order mark": "\ufeffy,z\n" + written(","),
+    "windows": written(";").replace("\n", "\r\n"),
+    "quoted": "\n".join(f'"{y:.5f}";"{z:.5f}"' for y, z in POINTS).join(["x;y\n", ""]),
+    "separators at the end": written(";").replace("\n", ";\n") + ";",
+    "# comments": "# rail 12\n# km 3,4\n" + written(","),
+    "% comments": "% rail\n" + written(" ") + "\n% end\n",
+    "! comments": "! rail\n!\n" + written(" "),
+    "// comments": "// rail 1 2\n" + written("\t"),
+    "; comments": "; rail\n" + written(","),
+    "* comments": "* rail\n" + written(","),
+    "names and units": "y [mm];z [mm]\n" + written(";"),
+    "names, then units": "y;z\n[mm];[mm]\n" + written(";"),
+    "words": "measured by hand\nleft rail\n\ny z\n" + written(" "),
+    "a running number": numbered(";"),
+    "named columns": "no,y,z\n" + numbered(","),
+    "columns the other way": "z;y\n" + swapped(";"),
+    "comments beside points": written(" ").replace("\n", "  # fine\n"),
+}
+
+
+@pytest.mark.parametrize("text", GOOD.values(), ids=GOOD)
+def test_usual_dialects_give_the_same_points(text: str, tmp_path) -> None:
+    file = tmp_path / "rail.csv"
+    file.write_bytes(text.encode())
+    np.testing.assert_allclose(instruments.read(file).points, POINTS, atol=1e-9)
+
+
+@pytest.mark.parametrize("coding", ["utf-16", "latin-1"])
+def test_other_codings_are_read(coding: str, tmp_path) -> None:
+    file = tmp_path / "rail.txt"
+    file.write_bytes(("# Höhe über SO\n" + written(" ")).encode(coding))
+    np.testing.assert_allclose(instruments.read(file).points, POINTS, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("header", "unit"),
+    [
+        ("y [mm], z [mm]", "mm"), ("y (m), z (m)", "m"), ("y/inch, z/inch", "inch"),
+        ("y_mm,z_mm", "mm"), ("# unit: inches", "inch"), ("# all lengths in metres", "m"),
+        ("y,z", ""), ("# measured in March (in a tunnel)", ""),
+    ],
+)  # fmt: skip
+def test_units_are_taken_from_headers(header: str, unit: str, tmp_path) -> None:
+    file = tmp_path / "rail.csv"
+    file.write_text(header + "\n" + written(","))
+    assert instruments.read(file).unit == unit
+
+
+BAD = {
+    "empty": ("", 1, "two numbers"),
+    "words": ("rail\nof steel\n", 1, "two numbers"),
+    "broken": (written(",").replace("-15.00000", "oops", 1), 5, "no point"),
+    "one number": (written(",") + "\n7\n", 16, "no point"),
+    "not a number": (written(",").replace("-15.00000", "nan", 1), 5, "no point"),
+    "ambiguous": ("\n".join(f"{y},{y},-{y},5" for y in range(20)), 1, "decimal marks"),
+    "short": (written(",").split("\n-15")[0], 4, "at least 12"),
+    "a column too few": ("z,no,y\n" + "\n".join(f"1,{i},2" for i in range(20)) + "\n1,2", 22,
+                         "column 3"),
+    "binary": ("\0\1\2" * 50, 1, "no text"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "line", "words"), BAD.values(), ids=BAD)
+def test_wrong_files_name_file_line_and_what_is_allowed(text, line, words, tmp_path) -> None:
+    file = tmp_path / "rail.csv"
+    file.write_text(text)
+    with pytest.raises(InstrumentError) as caught:
+        instruments.read(file)
+    message = str(caught.value)
+    assert (
+        message.startswith(f"rail.csv, line {line}: ")
+        and "give" in message
+        or "separate" in message
+    )
+    assert words in message and len(message.splitlines()) == 1

@@ -1,0 +1,158 @@
+"""Files of instruments, two real ones among them, and their axes."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from railhead.meshing import instruments, measured, orientation, profiles
+from railhead.meshing.dialects import InstrumentError, Table
+from railhead.meshing.orientation import Choices
+
+DATA = Path(__file__).parent / "data"
+BAN, PRW = DATA / "MBench_UIC60_v3.ban", DATA / "MBench_S1002_v3.prw"
+
+
+def test_miniprof_rail_is_60e1_canted_1_in_40() -> None:
+    """19 points that are commented out by quotation marks are left out; turned and mirrored."""
+    found = measured.read(BAN, "rail")
+    assert len(found.points) == 476
+    said = " ".join(found.said)
+    assert "MiniProf" in said and "upside down" in said and "mirrored" in said and "1:40" in said
+    expected = profiles.rail_head("60E1", 1 / 40)
+    y = np.linspace(-38, 25, 201)  # from the highest point, which the file has at the origin
+    top = 300 / np.hypot(40, 1)
+    truth = expected.height(y + top) - expected.height(top)
+    np.testing.assert_allclose(found.profile.height(y), truth, atol=0.05)  # drawn a little leaner
+
+
+def test_simpack_wheel_is_s1002() -> None:
+    """A first point that is commented out is left out; the flange comes to y < 0."""
+    found = measured.read(PRW, "wheel")
+    assert len(found.points) == 399
+    y = np.linspace(-60, 55, 301)
+    truth = profiles.s1002()
+    apart = (found.profile.height(y) - truth.height(y)) / np.hypot(1, truth.slope(y))
+    assert np.abs(apart).max() < 3e-3
+
+
+def test_a_wheel_is_no_rail(tmp_path) -> None:
+    with pytest.raises(InstrumentError, match="is a wheel's"):
+        measured.read(PRW, "rail")
+    file = tmp_path / "wheel.prr"
+    file.write_bytes(PRW.read_bytes())
+    with pytest.raises(InstrumentError, match="header says wheel"):
+        measured.read(file, "rail")
+
+
+def simpack(keys: str, points: np.ndarray) -> str:
+    rows = "\n".join(f"{y:.6f} {z:.6f} 1.0" for y, z in points)
+    return f"header.begin\n type = 0 ! rail\nheader.end\nspline.begin\n{keys}\n" \
+           f"point.begin\n{rows}\n point.end\nspline.end\n"  # fmt: skip
+
+
+def test_simpack_headers_shift_rotate_and_mirror(tmp_path) -> None:
+    """In the file's unit and in this order."""
+    y = np.linspace(-0.03, 0.03, 61)
+    points = np.column_stack([y, 0.1 * y + 0.01 * np.cos(30 * y)])
+    file = tmp_path / "rail.prr"
+    keys = "shift.y = 0.001\nshift.z = 0.002\nrotate = 0.1\nmirror.z = 1\nunits.len.f = 1"
+    file.write_text(simpack(keys, points))
+    found = instruments.read(file)
+    c, s = np.cos(0.1), np.sin(0.1)
+    moved = points + [0.001, 0.002]
+    turned = np.column_stack([c * moved[:, 0] - s * moved[:, 1], s * moved[:, 0] + c * moved[:, 1]])
+    np.testing.assert_allclose(found.points, turned * [1, -1], atol=1e-6)
+    assert (found.unit, found.body) == ("m", "rail")
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ("header.begin\n", 1, "without point.begin"),
+        ("point.begin\n1 2\n", 2, "without point.end"),
+        ("point.begin\n1 2\n3 x\npoint.end", 3, "no point"),
+        ("mirror.y = yes\npoint.begin\n1 2\npoint.end", 1, "give a number"),
+        ("point.begin\npoint.end", 2, "no points"),
+    ],
+)
+def test_broken_simpack_files_are_refused(text, line, words, tmp_path) -> None:
+    file = tmp_path / "rail.prr"
+    file.write_text(text)
+    with pytest.raises(InstrumentError, match=f"rail.prr, line {line}: .*{words}"):
+        instruments.read(file)
+
+
+def test_broken_miniprof_files_are_refused(tmp_path) -> None:
+    file = tmp_path / "rail.ban"
+    file.write_text("1 2\n3 4\n")
+    with pytest.raises(InstrumentError, match="rail.ban, line 1: .*key=value"):
+        instruments.read(file)
+    file.write_text("XYPoints=2\n\n1 2\n3 four\n")
+    with pytest.raises(InstrumentError, match="rail.ban, line 4: .*no point"):
+        instruments.read(file)
+
+
+def head() -> np.ndarray:
+    """Points of a 60E1 head, gauge corner worn, down to 25 mm."""
+    profile = profiles.rail_head("60E1")
+    y = np.linspace(*profile.domain, 400)
+    z = profile.height(y) - 1.5 * np.exp(-(((y + 33) / 6) ** 2) / 2)
+    depth = np.arange(z[-1] - 0.5, -25, -0.5)
+    right = np.column_stack([y[-1] - (depth - z[-1]) / 20, depth])
+    left = np.column_stack([y[0] + (depth - z[0]) / 20, depth])[::-1]
+    return np.concatenate([left, np.column_stack([y, z]), right])
+
+
+def turned(points: np.ndarray, **choices: str) -> tuple[np.ndarray, str]:
+    found, said = orientation.turned(Table(points, "", "", "table"), "rail", Choices(**choices))
+    return found, ", ".join(said)
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-3, 1 / 25.4], ids=["mm", "m", "inch"])
+@pytest.mark.parametrize("mirror", [1, -1])
+@pytest.mark.parametrize("flip", [1, -1])
+def test_unit_sides_and_up_are_found_and_said(unit: float, mirror: int, flip: int) -> None:
+    true = head()
+    found, said = turned(unit * true * [mirror, flip])
+    np.testing.assert_allclose(found, true, atol=1e-9)
+    assert ("mirrored" in said) == (mirror < 0)
+    assert ("upside down" in said) == (flip < 0)
+    assert {1.0: "in mm", 1e-3: "in m ", 1 / 25.4: "in inch"}[unit] in said
+
+
+def test_what_is_found_is_overridden_by_what_is_chosen() -> None:
+    true = head()
+    found, said = turned(true / 2, mirror="on", flip="on", unit="mm", origin="file")
+    np.testing.assert_allclose(found, true / 2 * [-1, -1])
+    assert said == "in mm, turned upside down, mirrored"
+    found, said = turned(-true, mirror="off", flip="off", origin="file")
+    np.testing.assert_allclose(found, -true)
+    with pytest.raises(ValueError, match="mm wide in m; give its profile_unit"):
+        turned(true, unit="m")
+    with pytest.raises(ValueError, match="no unit fits"):
+        turned(true / 100)
+
+
+def test_an_upright_unworn_head_shows_no_side() -> None:
+    profile = profiles.rail_head("54E1")
+    y = np.linspace(-30, 30, 200)
+    _, said = turned(np.column_stack([y, profile.height(y)]))
+    assert "shows no gauge side" in said
+
+
+def test_a_foreign_origin_is_moved_to_the_crown_or_the_tape_circle() -> None:
+    true = head()
+    found, said = turned(true + [100.0, 172.0])
+    assert "moved" in said
+    assert float(found[:, 0].mean()) == pytest.approx(float(true[:, 0].mean()), abs=0.5)
+    assert float(found[:, 1].max()) == pytest.approx(0.0, abs=0.1)
+    kept, _ = turned(true + [100.0, 172.0], origin="file")
+    np.testing.assert_allclose(kept, true + [100.0, 172.0])
+    wheel = profiles.s1002()
+    y = np.linspace(*wheel.domain, 300)
+    points = np.column_stack([y, wheel.height(y)])
+    back = points + [70.0, -30.0]  # from the flange back
+    found, said = orientation.turned(Table(back, "mm", "", "table"), "wheel", Choices())
+    np.testing.assert_allclose(found, points, atol=0.1)
+    assert any("tape circle" in each for each in said)

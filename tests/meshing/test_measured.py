@@ -1,0 +1,197 @@
+"""Smoothing along arc length, and the profile that comes of it."""
+
+import numpy as np
+import pytest
+
+from railhead.meshing import measured, profiles, smoothing, wear
+from railhead.meshing.measured import Measured
+
+
+def arc(radius: float, angle: float, spacing: float) -> np.ndarray:
+    """Points (n, 2) along a circle about (0, -radius), from -angle to angle."""
+    turn = np.arange(-angle, angle, spacing / radius)
+    return radius * np.column_stack([np.sin(turn), np.cos(turn) - 1])
+
+
+def noisy(points: np.ndarray, sigma: float, seed: int) -> np.ndarray:
+    return points + np.random.default_rng(seed).normal(0, sigma, points.shape)
+
+
+def rail(name: str = "60E1", spacing: float = 0.25) -> np.ndarray:
+    profile = profiles.rail_head(name)
+    y = np.linspace(*profile.domain, 40001)[10:-10]
+    s = np.hypot(np.diff(y), np.diff(profile.height(y))).cumsum()
+    y = np.interp(np.arange(0, s[-1], spacing), s, y[1:])
+    return np.column_stack([y, profile.height(y)])
+
+
+@pytest.mark.parametrize("sigma", [0.002, 0.01, 0.02])
+@pytest.mark.parametrize("spacing", [0.1, 0.25, 0.5])
+def test_noise_is_estimated_from_the_points(sigma: float, spacing: float) -> None:
+    """500 points tell it to 10 %: three standard deviations of a median."""
+    points = arc(80.0, 250 * spacing / 80, spacing)
+    found = np.median(smoothing.noise(noisy(points, sigma, 1)))
+    assert found == pytest.approx(sigma, rel=0.1)
+
+
+def test_noise_of_heights_is_less_across_a_steep_face() -> None:
+    points = arc(80.0, 1.3, 0.25)
+    points[:, 1] += np.random.default_rng(2).normal(0, 0.01, len(points))
+    sigma = smoothing.noise(points)
+    assert sigma[len(points) // 2] == pytest.approx(0.01, rel=0.2)
+    assert sigma[0] < 0.5 * 0.01  # cos 75 degrees is 0.26
+
+
+@pytest.mark.parametrize("wavelength", [6.0, 15.0])
+def test_waves_of_the_smoothing_length_keep_half_of_their_height(wavelength: float) -> None:
+    x = np.arange(0, 120, 0.1)
+    wave = 1e-3 * np.sin(2 * np.pi * x / wavelength)
+    found = smoothing.smooth(np.column_stack([x, wave]), wavelength)
+    s = np.linspace(30, 90, 600, endpoint=False)  # whole waves
+    curve = found.curve(s)
+    kept = curve[:, 1] @ np.sin(2 * np.pi * curve[:, 0] / wavelength) * 2 / len(s)
+    assert kept == pytest.approx(0.5e-3, rel=0.02)
+
+
+@pytest.mark.parametrize("angle", [0.3, -1.2])
+def test_smoothing_turns_with_the_profile(angle: float) -> None:
+    """The steep face is smoothed as the flat one."""
+    points = noisy(rail(), 0.01, 3)
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.array([[c, s], [-s, c]])
+    one, other = smoothing.smooth(points), smoothing.smooth(points @ turn)
+    places = np.linspace(0, one.length, 300)
+    np.testing.assert_allclose(one.curve(places) @ turn, other.curve(places), atol=1e-6)
+
+
+def test_smoothing_is_longer_where_the_profile_is_plain() -> None:
+    """The crown of R300 against the corner of R13."""
+    smoothed, _ = measured.from_points("rail", noisy(rail(), 0.01, 4))
+    across = smoothed.curve(smoothed.places)[:, 0]
+    crown = np.median(smoothed.wavelength[np.abs(across) < 5])
+    corner = np.median(smoothed.wavelength[np.abs(across + 27) < 2])
+    assert crown > 2 * corner
+
+
+@pytest.mark.parametrize("sigma", [0.0, 0.002, 0.01, 0.02])
+@pytest.mark.parametrize("spacing", [0.1, 0.25, 0.5])
+def test_curvature_does_not_spike(sigma: float, spacing: float) -> None:
+    """Nowhere half as sharp again as the corner of R13, and hollow nowhere; the crown of R300 stays
+    convex and flatter than R150. Three neighbouring points make up to ten times that of R13."""
+    for seed in range(2):
+        _, profile = measured.from_points("rail", noisy(rail("54E1", spacing), sigma, seed))
+        curvature = profile.curvature(np.linspace(*measured.inner(profile), 4001))
+        assert curvature.max() < 1.5 / 13
+        assert curvature.min() > -0.01
+        crown = profile.curvature(np.linspace(-8, 8, 401))
+        assert crown.min() > 0 and crown.max() < 1 / 150
+
+
+def test_points_in_any_order_make_the_same_profile() -> None:
+    points = noisy(rail(), 0.002, 5)
+    y = np.linspace(-30, 30, 61)
+    _, straight = measured.from_points("rail", points)
+    for other in (points[::-1], points[np.random.default_rng(1).permutation(len(points))]):
+        _, found = measured.from_points("rail", other)
+        np.testing.assert_allclose(found.height(y), straight.height(y), atol=1e-4)
+
+
+def test_dense_points_are_averaged_and_repeated_ones_dropped() -> None:
+    points = noisy(rail(spacing=0.01), 0.01, 6)
+    twice = np.repeat(rail(), 2, axis=0)
+    y = np.linspace(-25, 25, 51)
+    _, dense = measured.from_points("rail", points)
+    _, repeated = measured.from_points("rail", twice)
+    truth = profiles.rail_head("60E1").height(y)
+    np.testing.assert_allclose(dense.height(y), truth, atol=0.01)
+    np.testing.assert_allclose(repeated.height(y), truth, atol=1e-3)
+
+
+def test_undercut_sides_are_cut_off() -> None:
+    """A head with vertical and undercut sides keeps the part that faces upwards."""
+    points = rail()
+    down = np.arange(-12.0, -30.0, -0.25)
+    left = np.column_stack([points[0, 0] + 0.1 * (-12 - down), down])[::-1]
+    right = np.column_stack([points[-1, 0] - 0.1 * (-12 - down), down])
+    _, profile = measured.from_points("rail", np.concatenate([left[:-8], points, right[8:]]))
+    start, end = profile.domain
+    assert (start, end) == pytest.approx((points[0, 0], points[-1, 0]), abs=0.5)
+    y = np.linspace(-30, 30, 61)
+    truth = profiles.rail_head("60E1").height(y)
+    np.testing.assert_allclose(profile.height(y), truth, atol=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        (rail()[:9], "has 9 points; give at least 12"),
+        (np.delete(rail(), slice(100, 130), axis=0), "gap of 7.75 mm"),
+        (np.vstack([rail(), [np.nan, 1]]), "not finite"),
+        (np.column_stack([np.zeros(50), np.arange(50)]), "upwards"),
+    ],
+)
+def test_points_that_are_no_profile_are_refused(points: np.ndarray, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        measured.from_points("rail", points)
+
+
+def test_a_rolled_file_is_the_rolled_profile(tmp_path) -> None:
+    file = tmp_path / "rail.csv"
+    np.savetxt(file, rail("54E1"), delimiter=",")
+    found = measured.read(file, "rail", slope=1 / 20).profile
+    y = np.linspace(-25, 25, 51)
+    truth = profiles.rail_head("54E1", 1 / 20)
+    np.testing.assert_allclose(found.height(y), truth.height(y), atol=1e-3)
+    np.testing.assert_allclose(found.slope(y), truth.slope(y), atol=5e-3)
+
+
+def test_a_file_that_changes_is_read_again(tmp_path) -> None:
+    import os
+
+    file = tmp_path / "rail.csv"
+    np.savetxt(file, rail("54E1"), delimiter=",")
+    before = measured.read(file, "rail")
+    np.savetxt(file, rail("60E1"), delimiter=",")
+    os.utime(file, ns=(1, 1))
+    assert len(measured.read(file, "rail").points) != len(before.points)
+
+
+def read(tmp_path, points: np.ndarray, body: str) -> Measured:
+    file = tmp_path / f"{body}.csv"
+    np.savetxt(file, points, delimiter=",")
+    return measured.read(file, body)
+
+
+def test_wear_is_what_the_nearest_standard_has_more(tmp_path) -> None:
+    """A gauge corner ground off by a plane: depth and area are known in closed form."""
+    points = rail("60E1")
+    towards = np.array([-1.0, 1.0]) / np.sqrt(2)
+    depth = points @ towards
+    cut = depth.max() - 1.5
+    worn = points - np.maximum(depth - cut, 0)[:, None] * towards
+    found = wear.nearest(read(tmp_path, worn, "rail"))
+    chord = points[depth > cut]
+    segment = np.trapezoid if hasattr(np, "trapezoid") else np.trapz
+    along = chord @ np.array([1.0, 1.0]) / np.sqrt(2)
+    assert found.standard == "60E1"
+    assert found.largest == pytest.approx(1.5, abs=0.05)
+    assert found.area == pytest.approx(float(segment(chord @ towards - cut, along)), rel=0.05)
+
+
+@pytest.mark.parametrize("name", ["54E1", "60E1"])
+def test_an_unworn_canted_head_has_no_wear(name: str, tmp_path) -> None:
+    points = noisy(rail(name), 0.005, 7) @ np.array([[0.9997, 0.025], [-0.025, 0.9997]])
+    found = wear.nearest(read(tmp_path, points, "rail"))
+    assert found.standard == name
+    assert found.largest < 0.02
+
+
+def test_the_wear_of_a_wheel_is_against_s1002(tmp_path) -> None:
+    profile = profiles.s1002()
+    y = np.linspace(-68, 59, 600)
+    worn = profile.height(y) - 2.0 * np.exp(-((y / 15) ** 2) / 2)
+    found = wear.nearest(read(tmp_path, np.column_stack([y, worn]), "wheel"))
+    assert found.standard == "S1002"
+    assert found.largest == pytest.approx(2.0, abs=0.05)
+    assert found.at == pytest.approx(0.0, abs=1.0)
+    assert found.area == pytest.approx(2.0 * 15 * np.sqrt(2 * np.pi), rel=0.05)
