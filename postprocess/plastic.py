@@ -84,9 +84,10 @@ def zone(fields: Fields, frame: Frame) -> Zone:
     yields = strain > TRACE
     depths = np.abs(frame.local(points[yields])[:, 2]) if yields.any() else np.zeros(1)
     x, y, z = (float(value) for value in points[cell, point])
+    parts = 1 if fields.kinematics.revolved else 2 ** len(fields.mirrors)
     return Zone(
         float(strain.max()), BODIES[int(fields.body[cell])], (x, y, z),
-        float(weights[yields].sum()) * 2 ** len(fields.mirrors), float(depths.max()),
+        float(weights[yields].sum()) * parts, float(depths.max()),
         float(depths.min()),
     )  # fmt: skip
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from railhead.meshing.tags import BODIES
 from railhead.postprocess.findings import Array, AxisPressure, Findings, Frame
 from railhead.postprocess.mirror import cut_axes
 from railhead.postprocess.plots import FE, HERTZ, new_figure
@@ -81,11 +82,11 @@ def _pressures(
     axis: int,
 ) -> None:  # fmt: skip
     axes.plot(found.coordinate, found.pressure, "o-", color=FE, lw=0.8, ms=3.5, label="with yield")
-    axes.plot(elastic.coordinate, elastic.pressure, "--", color=FE, lw=1.2, label="elastic")
     if exact is not None:
         t = (exact.a, exact.b)[axis] * np.cos(np.linspace(0, np.pi, 181))
         axes.plot(t, exact.pressure(*((t, 0) if axis == 0 else (0, t))), color=HERTZ,
                   label="exact Hertz")  # fmt: skip
+    axes.plot(elastic.coordinate, elastic.pressure, "--", color=FE, lw=1.2, label="elastic")
     axes.set(xlabel="s, mm" if axis else "x, mm", ylabel="contact pressure, MPa")
     axes.set_ylim(bottom=0)
     axes.legend()
@@ -99,10 +100,13 @@ def _left(axes: Axes, residual: Fields, loaded: Fields, frame: Frame, half: floa
     for axis, name in ((0, "along"), (1, "across")):
         other = 1 - axis
         near = (np.abs(local[:, other]) < THIN * half) & (np.abs(local[:, axis]) < SPAN * half)
-        order = np.argsort(local[near, axis])
-        if len(order) > 1 and np.ptp(local[near, axis]) > 0:  # a section has one of them
-            axes.plot(local[near, axis][order], rise[near][order], ".-", lw=0.8,
-                      label=f"{name} the rail")  # fmt: skip
+        t, height = local[near, axis], rise[near]
+        if axis in cut_axes(local):
+            t, height = np.r_[t, -t], np.r_[height, height]
+        order = np.argsort(t)
+        if len(order) > 1 and np.ptp(t) > 0:  # a section has one of them
+            body = BODIES[loaded.slave]
+            axes.plot(t[order], height[order], ".-", lw=0.8, label=f"{body}, {name} the rail")
     axes.set(xlabel="distance from the contact, mm",
              ylabel="height of the surface after the load, um")  # fmt: skip
     axes.legend()

@@ -222,7 +222,7 @@ def _physics(level: Level) -> list[Check]:
     elastic = (level.plain or level).result or result  # yield cuts both
     shear = elastic["stress"]["tau_max_MPa"] / elastic["pressure"]["max_MPa"]
     why = "0.266 to 0.488 in Hertz's ellipses, and a quarter more room"
-    mises = result["stress"]["von_mises_max_MPa"] / result["stress"]["tau_max_MPa"]
+    mises = elastic["stress"]["von_mises_max_MPa"] / elastic["stress"]["tau_max_MPa"]
     bounds = "von Mises stress over shear stress, sqrt(3) to 2 in any state, and what reading costs"
     checks = [
         *fluxes,

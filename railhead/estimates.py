@@ -20,7 +20,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from railhead.planning.effects.plasticity import STEPS
+from railhead.planning.effects import plasticity
 from railhead.planning.laws import STEP, Family, lost
 from railhead.postprocess.findings import RIVAL
 from railhead.theory.subsurface import max_shear
@@ -245,7 +245,9 @@ def estimate(levels: Sequence[Level]) -> tuple[dict[str, Estimate], str]:
             overlap * (known.overlap[name] if known is not None else 1.0),
             level.plan.left_out,
             geometry,
-            levels[0].stepping.get(name, 0.0) * STEPS / level.plan.load_steps,
+            levels[0].stepping.get(name, 0.0)
+            * plasticity.steps(level.plan.context)
+            / level.plan.load_steps,
             level.plan.hidden,
             flatness.get(name),
         )

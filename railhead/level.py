@@ -45,7 +45,7 @@ class Level:
     also where nothing touches. space: of the displacement. ellipse: exact Hertz under the load that
     was found. settled: the patch that was found is the one that was meshed for. plain: the same
     without yield or friction, where there is one. Where bodies yield, left: what the load leaves
-    (rank 0); stepping: relative error by quantity of taking the load in `plasticity.STEPS` steps,
+    (rank 0); stepping: relative error by quantity of taking the load in as many steps as usual,
     where that was looked at."""
 
     plan: Plan

@@ -22,18 +22,19 @@ STEPS = 50  # of the local solve for the plastic strain, which needs one a segme
 
 @dataclass(frozen=True)
 class Hardening:
-    """Uniaxial true stress (k,) MPa at plastic strain (k,), the first at 0, straight between them
-    and constant after the last; kinematic: share of the growth by which the surface moves instead
-    of growing (Prager's rule), 0 to 1."""
+    """Uniaxial true stress (k,) MPa at plastic strain (k,), the first at 0, straight between them;
+    beyond: slope after the last, MPa; kinematic: share of the growth by which the surface moves
+    instead of growing (Prager's rule), 0 to 1."""
 
     strain: tuple[float, ...]
     stress: tuple[float, ...]
     kinematic: float = 0.0
+    beyond: float = 0.0
 
     @classmethod
     def linear(cls, stress: float, modulus: float = 0.0, kinematic: float = 0.0) -> Hardening:
         """Yield at a stress (MPa) and a constant modulus d stress / d plastic strain (MPa)."""
-        return cls((0.0, 1.0), (stress, stress + modulus), kinematic)
+        return cls((0.0,), (stress,), kinematic, modulus)
 
     @property
     def first(self) -> float:
@@ -44,15 +45,8 @@ class Hardening:
         """Stress of the curve and its slope, MPa, at equivalent plastic strains (n,)."""
         strain, stress = np.array(self.strain), np.array(self.stress)
         segment = np.searchsorted(strain, plastic, side="right") - 1
-        slopes = np.append(np.diff(stress) / np.diff(strain), self._last)
+        slopes = np.append(np.diff(stress) / np.diff(strain), self.beyond)
         return stress[segment] + slopes[segment] * (plastic - strain[segment]), slopes[segment]
-
-    @property
-    def _last(self) -> float:
-        """Slope beyond the curve: that of a straight one goes on."""
-        if len(self.strain) > 2:
-            return 0.0
-        return (self.stress[1] - self.stress[0]) / (self.strain[1] - self.strain[0])
 
 
 @dataclass(frozen=True)

@@ -105,7 +105,8 @@ class PlasticProblem(ContactProblem):
 
     @property
     def symmetric(self) -> bool:
-        """Whether the tangent is: not where contact points of Nitsche's method yield."""
+        """Whether the tangent is: not where contact points of Nitsche's method yield (of all
+        ranks)."""
         loss = self._surface[1]
         soft = len(loss.points) if loss is not None and self.law.sigma else 0
         total = self.stiffness.comm.tompi4py().allreduce(soft)
@@ -150,6 +151,13 @@ class PlasticProblem(ContactProblem):
         """Set the strains of u0."""
         self.bulk.stretched(prescribed)
         self.surface.stretched(prescribed)
+
+    def forget(self) -> None:
+        """Nothing has yielded yet."""
+        for points in (self.bulk, self.surface):
+            points.history = History.virgin(*points.start.shape)
+        self._bulk, self._surface = (self.bulk.history, None), (self.surface.history, None)
+        self._soft = None
 
     @property
     def state(self) -> tuple[History, History]:
@@ -205,7 +213,7 @@ class _PlasticTangent(Tangent):
         super().mult(mat, x, y)
         problem = self.problem
         lost = problem.lost(x, y)
-        if problem.law.sigma and lost.any():
+        if not problem.symmetric:  # contact points yield, on any rank
             contact = -problem.law.sigma * problem.weight * self.active * lost
             problem.add_transposed(problem.test_trace, contact, y)
             if problem.consistency:

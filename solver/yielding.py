@@ -97,6 +97,7 @@ class YieldingModel(ContactModel):
             return elastic
         start = time.perf_counter()
         assert self.setup.path is not None
+        self.plastic.forget()
         loading = _Loading(self, load, approach, force, max_steps, progress)
         up = np.linspace(1 / over, 1.0, self.setup.path.steps + 1)[1:]
         loading.touching = self.within(elastic.indicator, up[0])

@@ -58,7 +58,7 @@ class Plan:
     patch_size: float
     reach: float
     forecast: Forecast
-    load_steps: int = plasticity.STEPS
+    load_steps: int
 
     @property
     def scene(self) -> Scene:
@@ -366,7 +366,7 @@ def make(scene: Scene) -> Plan:
     else:
         reach = max(MIN_BODY_REACH, BODY_REACH * major)
     size = scene.mesh.patch_size or expected.minor
-    plan = Plan(context, decided, order, size, reach, expected)
+    plan = Plan(context, decided, order, size, reach, expected, plasticity.steps(context))
     if scene.mesh.patch_size:
         return plan
     plan = plan.at_resolution(plan.default_resolution)

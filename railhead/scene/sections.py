@@ -61,6 +61,8 @@ class Section(BaseModel):
             case "literal_error":
                 choices = first["ctx"]["expected"].replace("'", "")
                 return SceneError(key, f"{value} is not allowed; give {choices}")
+            case "bool_parsing" | "bool_type":
+                return SceneError(key, f"{value} is not allowed; give true or false")
             case "model_type":
                 return SceneError(key, f"{value} is not a table; give [{key}] and its keys")
             case _:  # string_unicode: half of a surrogate pair, in a key or in a value
@@ -191,15 +193,13 @@ class Part(Section):
 
     @property
     def curve(self) -> tuple[tuple[float, float], ...]:
-        """Plastic strain and true stress (MPa), a point each; that of a constant modulus goes on
-        behind its second point. Empty where it does not yield."""
+        """Plastic strain and true stress (MPa), a point each, of a steel or a file; it is constant
+        after the last. Empty of others."""
         if self.steel is not None:
             return steels.known()[self.steel].curve
         if self.stress_strain is not None:
             return tuple(curves.read(self.stress_strain))
-        if self.yield_stress is None:
-            return ()
-        return (0.0, self.yield_stress), (1.0, self.yield_stress + (self.hardening_modulus or 0.0))
+        return ()
 
 
 class Rail(Part):

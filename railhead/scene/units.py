@@ -203,7 +203,7 @@ ElementSize = Annotated[
     float, quantity(LENGTH, _between(1e-9, 1e6), "a length from 1e-9 to 1e6 mm")
 ]
 Duration = Annotated[float, quantity(DURATION, _positive, "a positive, finite time")]
-Stress = Annotated[float, quantity(STRESS, _positive, "a positive, finite stress")]
+Stress = Annotated[float, quantity(STRESS, _between(1e-6, 1e9), "a stress from 1e-6 to 1e9 MPa")]
 Hardening = Annotated[
     float, quantity(STRESS, lambda v: 0 <= v < math.inf, "a finite stress that is not negative")
 ]

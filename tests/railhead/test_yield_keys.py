@@ -2,7 +2,8 @@
 
 import pytest
 
-from railhead import Rail
+from railhead import Rail, Scene
+from railhead.planning import plan as planning
 from railhead.planning.effects.plasticity import hardening
 from railhead.scene.sections import SceneError
 from railhead.scene.steels import known
@@ -45,6 +46,16 @@ def test_wrong_ways_to_yield_are_one_line(keys: dict, key: str, said: str) -> No
     assert error.value.key == key and said in error.value.text
 
 
+def test_a_modulus_goes_on_and_a_file_ends(tmp_path) -> None:
+    straight = hardening(Rail(yield_stress=500, hardening_modulus=1e3, kinematic_fraction=0.7))
+    assert straight.kinematic == 0.7
+    assert straight.at([0.0, 5.0])[0] == pytest.approx([500, 5500])
+    file = tmp_path / "curve.csv"
+    file.write_text("\ufeffstrain,stress\n0,480\n0.001,580\n\n", encoding="utf-8")
+    curve = hardening(Rail(stress_strain=str(file)))
+    assert curve.at([0.0005, 0.01])[0] == pytest.approx([530, 580])
+
+
 @pytest.mark.parametrize(
     "rows, said",
     [
@@ -52,6 +63,7 @@ def test_wrong_ways_to_yield_are_one_line(keys: dict, key: str, said: str) -> No
         ("0.01,500\n0.1,600", "line 1: the first plastic strain is 0.01; give 0"),
         ("strain,stress\n0,500\n0,600", "line 3: plastic strain 0 does not grow"),
         ("0,500", "has 1 points; give at least two"),
+        ("0,1e-300\n0.1,1e300", "line 1: stress 1e-300 is not allowed"),
         ("0,500\nx,600", "line 2: 'x,600' is not a plastic strain and a stress"),
     ],
 )
@@ -60,3 +72,22 @@ def test_a_wrong_curve_names_its_line(tmp_path, rows: str, said: str) -> None:
     file.write_text(rows)
     with pytest.raises(SceneError, match=said):
         Rail(stress_strain=str(file))
+
+
+def test_a_curve_that_is_no_text_is_one_line(tmp_path) -> None:
+    file = tmp_path / "curve.csv"
+    file.write_bytes(b"\xff\xfe\x00\x01,5")
+    with pytest.raises(SceneError, match="curve.csv is no text"):
+        Rail(stress_strain=str(file))
+
+
+def test_a_switch_that_is_no_switch_is_one_line() -> None:
+    with pytest.raises(SceneError, match="unload: 'maybe' is not allowed; give true or false"):
+        Scene(load=1.0, unload="maybe")
+
+
+def test_linear_tetrahedra_that_would_lock_are_refused() -> None:
+    scene = Scene(load=2e5, rail=Rail(yield_stress=300), mesh={"order": 1})
+    with pytest.raises(SceneError, match="mesh.order: 1 is not allowed where a body yields"):
+        planning.make(scene)
+    planning.make(scene.replace(effects={"plasticity": "off"}))

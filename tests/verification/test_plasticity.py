@@ -70,6 +70,27 @@ def test_a_solid_reads_the_plateau_of_its_pressure_as_a_section_does(five: rh.Re
     assert [solid.patch.a, solid.patch.b] == pytest.approx([five.patch.a] * 2, rel=0.015)
     assert solid.pressure.max == pytest.approx(five.pressure.max, rel=0.03)
     assert solid.approach == pytest.approx(five.approach, rel=0.005)
+    flat, full = (each.as_dict()["result"]["plastic"] for each in (five, solid))
+    assert full["volume_mm3"] == pytest.approx(flat["volume_mm3"], rel=0.1)
+    assert full["depth_mm"] == pytest.approx(flat["depth_mm"], rel=0.1)
+
+
+def test_a_given_approach_is_the_same_point_as_its_load(five: rh.Result) -> None:
+    """Loads that were tried on the way to it leave nothing behind."""
+    given = rh.solve(pressed(5.0).replace(approach=five.approach), quiet=True)
+    assert given.passed, given.failed
+    one, other = (each.as_dict()["result"]["plastic"] for each in (five, given))
+    for name in ("strain_max", "residual_depth_rail_mm", "load_over_first_yield"):
+        assert other[name] == pytest.approx(one[name], rel=0.01)  # meshes differ a little
+
+
+def test_cycles_press_the_spot_as_often_as_asked() -> None:
+    """Four steps up, two down and one apart; in between two down and four up."""
+    counts = [
+        len(rh.solve(pressed(2.0, cycles=cycles), quiet=True).level.solution.steps)
+        for cycles in (1, 3)
+    ]
+    assert counts == [7, 19]
 
 
 @pytest.mark.parametrize("share, yields", [(0.97, False), (1.03, True)])
@@ -136,6 +157,8 @@ def test_far_beyond_first_yield_it_is_not_signed() -> None:
 def test_elastic_and_hertz_stand_beside_it(five: rh.Result) -> None:
     summary = five.as_dict()
     elastic = summary["elastic"]["pressure"]["max_MPa"]
+    deep = summary["result"]["plastic"]["depth_mm"]
+    assert 0.5 * five.patch.a < deep < 2 * five.patch.a
     assert elastic == pytest.approx(summary["hertz"]["pressure"]["max_MPa"], rel=0.005)
     assert summary["result"]["pressure"]["max_MPa"] < 0.8 * elastic
     plastic = summary["result"]["plastic"]
