@@ -14,6 +14,7 @@ if TYPE_CHECKING:
         Friction,
         Mesh,
         Rail,
+        Rolling,
         Scene,
         SceneError,
         Solver,
@@ -24,8 +25,8 @@ if TYPE_CHECKING:
 
 __version__ = "0.3.0"
 __all__ = [
-    "Effects", "Friction", "Mesh", "MeshError", "Rail", "Result", "Scene", "SceneError", "Solver",
-    "Sweep", "Wheel", "Wheelset", "find", "plan", "solve", "sweep",
+    "Effects", "Friction", "Mesh", "MeshError", "Rail", "Result", "Rolling", "Scene", "SceneError",
+    "Solver", "Sweep", "Wheel", "Wheelset", "find", "plan", "solve", "sweep",
 ]  # fmt: skip
 _HOMES = dict.fromkeys(__all__, "railhead.scene.scene") | {
     "MeshError": "railhead.meshing.mesh",

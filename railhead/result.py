@@ -88,6 +88,16 @@ class Result:
         return _named(self._numbers["stress"])
 
     @property
+    def plastic(self) -> SimpleNamespace | None:
+        """What yields and what is left, as in summary.json; None where nothing yields."""
+        return _named(self._numbers["plastic"]) if "plastic" in self._numbers else None
+
+    @property
+    def friction(self) -> SimpleNamespace | None:
+        """Forces, creepages and stick, as in summary.json; None without friction."""
+        return _named(self._numbers["friction"]) if "friction" in self._numbers else None
+
+    @property
     def load(self) -> float:
         """N, down."""
         return float(self._numbers["load_N"])
