@@ -27,7 +27,6 @@ def draw(found: Measured, worn: Wear, path: Path) -> None:
         top.plot(y, profile.height(y), color=SMOOTH, label="smoothed")
         top.set_title(f"{found.path.name}: {found.body}, {len(found.points)} points")
         top.set_ylabel("z, mm")
-        top.set_aspect("equal", adjustable="datalim")
         top.legend(loc="best")
         left.plot(found.points[:, 0], 1e3 * smoothed.residual, ".", color=RAW, ms=3)
         left.axhspan(-1e3 * smoothed.noise, 1e3 * smoothed.noise, color=SMOOTH, alpha=0.15)
