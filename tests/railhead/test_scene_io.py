@@ -28,7 +28,7 @@ def table(required: dict[str, Any], **optional: Any) -> st.SearchStrategy[dict[s
 
 
 def material(modulus: st.SearchStrategy[float]) -> dict[str, Any]:
-    return {"young_modulus": modulus, "poisson_ratio": ratio, "yield_stress": number}
+    return {"young_modulus": modulus, "poisson_ratio": ratio, "yield_stress": st.floats(1e-6, 1e9)}
 
 
 rails = table(

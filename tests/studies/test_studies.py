@@ -89,6 +89,7 @@ def test_a_further_load_needs_no_more_krylov_iterations(sweep) -> None:
     assert max(counts) <= 1.5 * counts[0]
 
 
+@pytest.mark.slow
 def test_accuracy_cost_records_every_run(cost) -> None:
     done, folder = cost
     assert done.returncode == 0, done.stderr
@@ -107,6 +108,7 @@ def test_accuracy_cost_records_every_run(cost) -> None:
         assert row["reached"] and row["error"] < row["asked"]
 
 
+@pytest.mark.slow
 def test_observed_orders_of_convergence(cost) -> None:
     rows = read(cost[1] / "accuracy_cost.csv")
     a, worst = accuracy_page.orders(rows, "error_a"), accuracy_page.orders(rows)
@@ -117,6 +119,7 @@ def test_observed_orders_of_convergence(cost) -> None:
         assert worst["hertz_ellipse", method, "hexahedron 1"] > 0.8
 
 
+@pytest.mark.slow
 def test_page_says_what_accuracy_costs(cost) -> None:
     done, folder = cost
     text = (folder / "page.md").read_text()
