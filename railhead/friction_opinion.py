@@ -7,14 +7,13 @@ from typing import Any
 import numpy as np
 
 from railhead.level import Level
-from railhead.planning import developed
+from railhead.planning import developed, exact
 from railhead.solver.rubbing import Rubbed, Rubbing
 from railhead.theory import carter, cattaneo, kalker, tangential
 from railhead.theory.fastsim import fastsim
 from railhead.theory.hertz import Ellipse
 from railhead.theory.rolling import Creepage, HalfSpaceFriction
 
-CELLS = 64  # an axis of an ellipse
 LIKE = 1e-9  # |K/G| that is rounding
 SLENDER = 20.0  # axis ratio up to which the linear theory is known
 
@@ -29,10 +28,7 @@ def opinions(level: Level) -> Opinions | None:
         return None
     found, plan = level.solution.rubbing, level.plan
     scene, ellipse = plan.scene, level.ellipse
-    rail, wheel = scene.rail, scene.wheel
-    pair = tangential.pair(
-        wheel.young_modulus, wheel.poisson_ratio, rail.young_modulus, rail.poisson_ratio
-    )
+    pair = exact.tangential_pair(scene)
     like = abs(pair.mismatch) < LIKE
     single = len(level.findings.patch.each) < 2
     out: Opinions = {}
@@ -69,17 +65,13 @@ def _boundary_elements(level: Level, found: Rubbing, pair: tangential.Pair) -> d
     ellipse, friction = level.ellipse, level.plan.scene.friction.coefficient
     assert isinstance(ellipse, Ellipse) and level.findings is not None
     if level.findings.hertzian:
-        cells = (np.arange(CELLS) + 0.5) / CELLS * 2 - 1
-        x, s = ellipse.a * cells, ellipse.b * cells
-        inside = 1 - (x[:, None] / ellipse.a) ** 2 - (s / ellipse.b) ** 2
-        pressure = ellipse.p0 * np.sqrt(np.maximum(inside, 0.0))
+        body = HalfSpaceFriction.hertz(ellipse, friction, pair, rolling=True)
     else:
         try:
             patch = developed.solve(level.plan.contact, ellipse, level.solution.load).patches[0]
         except ValueError:
             return {}
-        x, s, pressure = patch.x, patch.s, patch.pressure
-    body = HalfSpaceFriction(x, s, pressure, friction, pair, rolling=True)
+        body = HalfSpaceFriction(patch.x, patch.s, patch.pressure, friction, pair, rolling=True)
     rolled = body.at(Creepage(*found.motion))
     scale = found.limit / rolled.limit  # cells at the edge are in or out
     along, across, moment = (scale * force for force in rolled.forces)

@@ -27,7 +27,7 @@ from railhead.solver.cells import Array, Index
 from railhead.solver.contact import Solution
 from railhead.solver.facets import FacetSet
 from railhead.solver.linear import factorise
-from railhead.solver.operators import rows
+from railhead.solver.operators import chosen, rows
 from railhead.solver.pairing import pair
 
 if TYPE_CHECKING:
@@ -105,8 +105,7 @@ class Condenser:
         model, problem = self.model, self.model.problem
         interface, reduce = model.interface, model.reduction.matrix
         step = STEP * self.element if rolling else 1.0
-        jump = self._jump(0.0)
-        change = jump.copy()
+        change = self.jump.copy()
         if rolling:
             change.scale(UPSTREAM[0][1])
             for share, weight in UPSTREAM[1:]:
@@ -116,14 +115,14 @@ class Condenser:
         answer.diagonalScale(L=_vector(change, np.repeat(problem.tau[self.own], size)))
         if problem.law.sigma:
             answer.axpy(self.sign, self._shear(), DIFFERENT)
-        pressure = _chosen(problem.trace, self.own)
+        pressure = chosen(problem.trace, self.own)
         pressure.scale(-1.0)
         weights = interface.weights[self.own]
         traces, own = self._traces()
         u = self.solution.displacement
         start, moved = ((matrix * u).array.reshape(-1, size) for matrix in (answer, change))
         reduced = [matrix.matMult(reduce) for matrix in (answer, change)] + [pressure]
-        push = jump.matMult(reduce)
+        push = self.jump.matMult(reduce)
         weighted = sp.diags(np.repeat(weights, size)) @ traces[own]
         answers: list[list[Array]] = [[], [], []]
         for first in range(0, traces.shape[1], BLOCK):
@@ -179,10 +178,15 @@ class Condenser:
         size = self.tangents.shape[1]
         rows = slice(every.start * size, every.stop * size)
         weights = np.repeat(self.model.interface.weights[self.own], size)
-        jump = self._jump(0.0)
-        force = jump.createVecRight()
-        jump.multTranspose(_vector(jump, -weights * (contact.traces[rows] @ nodal)), force)
+        force = self.jump.createVecRight()
+        pull = _vector(self.jump, -weights * (contact.traces[rows] @ nodal))
+        self.jump.multTranspose(pull, force)
         return force
+
+    @cached_property
+    def jump(self) -> PETSc.Mat:
+        """J at the points, on all dofs."""
+        return self._jump(0.0)
 
     def _jump(self, shift: float) -> PETSc.Mat:
         """J at the points moved by `shift` mm along x, on all dofs."""
@@ -270,12 +274,3 @@ def _vector(matrix: PETSc.Mat, values: Array) -> PETSc.Vec:
     vector = matrix.createVecLeft()
     vector.array[:] = values
     return vector
-
-
-def _chosen(matrix: PETSc.Mat, points: Index) -> PETSc.Mat:
-    """Rows of this rank."""
-    first, comm = matrix.getOwnershipRange()[0], matrix.comm
-    own, end = matrix.getOwnershipRangeColumn()
-    columns = PETSc.IS().createStride(end - own, own, 1, comm=comm)
-    rows = PETSc.IS().createGeneral((first + points).astype(PETSc.IntType), comm=comm)
-    return matrix.createSubMatrix(rows, columns)

@@ -76,12 +76,11 @@ class Friction:
         forces: Array | None = None,
         *,
         settled: Array | None = None,
-        start: Sheared | None = None,
     ) -> Sheared:
         """slip (n, k): the rigid one that is known, of the wheel over the rail: mm, or, rolling,
         of 1. modes (j, n, k): further rigid slips, multiplied so that forces along (j, 3) axes in
         space are what is given, N: `forces` (j, 4) holds axes and forces. settled (n, k): of a
-        shift, what the surfaces had moved before. start: a state to start from."""
+        shift, what the surfaces had moved before."""
         contact, k = self.contact, slip.shape[1]
         n, m = len(slip), self._mass.shape[0]
         known = contact.step * slip
@@ -93,11 +92,9 @@ class Friction:
         rows = np.array([contact.force(axis) for axis in given[:, :3]]).reshape(-1, m)
         answer, closing = contact.answer.reshape(n, k, m), contact.closing
         nodal, motion = np.zeros(m), np.zeros(len(free))
-        if start is not None:
-            nodal, motion = start.nodal, start.motion
         slips: NDArray[np.bool_] = np.zeros(n, dtype=bool)
         direction = np.zeros((n, k))
-        first, history = start is None, []
+        first, history = True, []
         top = float(self.coefficient * contact.pressure.max())
         for _ in range(STEPS):
             q = base + (contact.answer @ nodal + motion @ pull).reshape(n, k)

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from railhead.solver.operators import chosen
+
 
 @dataclass(frozen=True)
 class HeldRows:
@@ -21,11 +23,7 @@ class HeldRows:
     def of(cls, stiffness: PETSc.Mat, nodes: NDArray[np.bool_], size: int = 3) -> HeldRows:
         """Keep the rows of the marked nodes (n,), `size` dofs each, of a symmetric matrix."""
         local = np.flatnonzero(np.repeat(nodes, size))
-        start = stiffness.getOwnershipRange()[0]
-        first, last = stiffness.getOwnershipRangeColumn()
-        rows = PETSc.IS().createGeneral((local + start).astype(PETSc.IntType), comm=stiffness.comm)
-        columns = PETSc.IS().createStride(last - first, first, 1, comm=stiffness.comm)
-        return cls(local, stiffness.createSubMatrix(rows, columns))
+        return cls(local, chosen(stiffness, local))
 
     def forces(self, prescribed: PETSc.Vec) -> PETSc.Vec:
         """K u0 in N, for a u0 in mm that is zero off the held nodes (K is symmetric)."""

@@ -43,3 +43,11 @@ def strains(
         shape=(count * size, comm.allreduce(local)),
     )
     return petsc_matrix(table, local, comm), size
+
+
+def chosen(matrix: PETSc.Mat, local: Index) -> PETSc.Mat:
+    """Rows of a distributed matrix by their numbers (k,) on this rank, with all columns."""
+    first, comm = matrix.getOwnershipRange()[0], matrix.comm
+    own, end = matrix.getOwnershipRangeColumn()
+    rows = PETSc.IS().createGeneral((local + first).astype(PETSc.IntType), comm=comm)
+    return matrix.createSubMatrix(rows, PETSc.IS().createStride(end - own, own, 1, comm=comm))

@@ -23,7 +23,7 @@ from railhead.solver.constraints import Reduction
 from railhead.solver.elasticity import Bulk, Material, quadrature_degree
 from railhead.solver.hardening import Hardening, History, Loss, returned
 from railhead.solver.interface import Interface
-from railhead.solver.operators import strains
+from railhead.solver.operators import chosen, strains
 from railhead.solver.problem import ContactProblem, Mask, Tangent
 
 
@@ -72,12 +72,7 @@ class YieldPoints:
     def rows(self, points: Index) -> PETSc.Mat:
         """Those of E that belong to some of the points (k,): k m of this rank."""
         size = self.start.shape[1]
-        first, comm = self.strain.getOwnershipRange()[0], self.strain.comm
-        rows = first + (points[:, None] * size + np.arange(size)).ravel()
-        own, end = self.strain.getOwnershipRangeColumn()
-        columns = PETSc.IS().createStride(end - own, own, 1, comm=comm)
-        chosen = PETSc.IS().createGeneral(rows.astype(PETSc.IntType), comm=comm)
-        return self.strain.createSubMatrix(chosen, columns)
+        return chosen(self.strain, (points[:, None] * size + np.arange(size)).ravel())
 
     def add_forces(self, stress: Array, out: PETSc.Vec) -> None:
         """out += E^T w stress, stresses (n, m) in MPa."""

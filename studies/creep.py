@@ -13,6 +13,7 @@ import numpy as np
 from mpi4py import MPI
 
 from railhead import build, catalogue, study
+from railhead.planning import exact
 from railhead.planning import plan as planning
 from railhead.postprocess.plots import FE, HERTZ, THESIS, new_figure
 from railhead.solver.condensed import Condenser
@@ -20,7 +21,7 @@ from railhead.solver.contact import ContactModel
 from railhead.solver.friction import Friction
 from railhead.solver.rubbing import RubbingModel, slips
 from railhead.studies import tables
-from railhead.theory import kalker, tangential
+from railhead.theory import kalker
 from railhead.theory.fastsim import fastsim
 from railhead.theory.hertz import Ellipse
 from railhead.theory.rolling import Creepage, HalfSpaceFriction
@@ -34,7 +35,6 @@ ASIDE = (
     Creepage(5e-4, 1e-3), Creepage(5e-4, -5e-4, 3e-4),
 )  # fmt: skip
 COARSE = 4.0  # elements a semi-axis of the whole model, which lateral motion needs
-CELLS = 64
 
 
 @dataclass(frozen=True)
@@ -72,12 +72,9 @@ def rolled(motions: Sequence[Creepage], resolution: float | None) -> Iterator[Po
     problem, rigid = Friction(contact, COEFFICIENT), slips(model.setup.rub, contact)
     ellipse = plan.estimate
     assert isinstance(ellipse, Ellipse)
-    part = scene.rail
-    pair = tangential.pair(
-        part.young_modulus, part.poisson_ratio, part.young_modulus, part.poisson_ratio
-    )
+    pair = exact.tangential_pair(scene)
     linear = kalker.coefficients(ellipse.a / ellipse.b, pair.poisson)
-    other = _half_space(ellipse, pair)
+    other = HalfSpaceFriction.hertz(ellipse, COEFFICIENT, pair, rolling=True)
     axes = model.setup.rub.axes
     for motion in motions:
         given = (motion.along, motion.across, motion.spin)
@@ -92,24 +89,15 @@ def rolled(motions: Sequence[Creepage], resolution: float | None) -> Iterator[Po
             *given, "railhead", along, 0.0 if plan.half_y else aside, float(stick), seconds,
             len(found.history),
         )  # fmt: skip
-        exact = other.at(motion)
-        one, two, _ = (force / exact.limit for force in exact.forces)
-        yield Point(*given, "boundary elements", one, two, exact.stick_share)
+        rolling = other.at(motion)
+        one, two, _ = (force / rolling.limit for force in rolling.forces)
+        yield Point(*given, "boundary elements", one, two, rolling.stick_share)
         limit = COEFFICIENT * ellipse.load
         quick = fastsim(ellipse.a, ellipse.b, limit, pair.shear_modulus, linear, motion)
         yield Point(*given, "FASTSIM", quick.along / limit, quick.across / limit, quick.stick_share)
         straight = linear.forces(ellipse.a, ellipse.b, pair.shear_modulus, motion)
         yield Point(*given, "linear theory", straight[0] / limit, straight[1] / limit)
         start = time.perf_counter()
-
-
-def _half_space(ellipse: Ellipse, pair: tangential.Pair) -> HalfSpaceFriction:
-    cells = (np.arange(CELLS) + 0.5) / CELLS * 2 - 1
-    inside = 1 - cells[:, None] ** 2 - cells**2
-    pressure = ellipse.p0 * np.sqrt(np.maximum(inside, 0.0))
-    return HalfSpaceFriction(
-        ellipse.a * cells, ellipse.b * cells, pressure, COEFFICIENT, pair, rolling=True
-    )
 
 
 def main(out: Path, *, quick: bool) -> None:

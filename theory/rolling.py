@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.theory.coulomb import Tractions
+from railhead.theory.hertz import Ellipse
 from railhead.theory.tangential import Pair, TractionInfluence
 
 Array = NDArray[np.float64]
@@ -101,6 +102,16 @@ class HalfSpaceFriction:
         self._drawn = np.zeros((2, *pressure.shape))
         if pair.mismatch:
             self._drawn = inside * self._influence.of_pressure(pressure)
+
+    @classmethod
+    def hertz(
+        cls, ellipse: Ellipse, friction: float, pair: Pair, *, rolling: bool, cells: int = 64
+    ) -> HalfSpaceFriction:
+        """Under the pressure of an ellipse, on so many cells an axis."""
+        t = (np.arange(cells) + 0.5) / cells * 2 - 1
+        inside = 1 - t[:, None] ** 2 - t**2
+        pressure = ellipse.p0 * np.sqrt(np.maximum(inside, 0.0))
+        return cls(ellipse.a * t, ellipse.b * t, pressure, friction, pair, rolling=rolling)
 
     def at(self, creepage: Creepage, start: Sheared | None = None) -> Sheared:
         """The tractions at a creepage (rolling) or under a shift from rest; `start`: a solution of

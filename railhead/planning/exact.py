@@ -10,9 +10,10 @@ from railhead.geometry.flat import FlatContact
 from railhead.geometry.solid import Contact
 from railhead.meshing.tags import RAIL
 from railhead.scene.scene import NOMINAL_RADIUS, Scene, SceneError
-from railhead.theory import contacts, hertz
+from railhead.theory import contacts, hertz, tangential
 from railhead.theory.contacts import Hertz
 from railhead.theory.hertz import Ellipse
+from railhead.theory.tangential import Pair
 
 CONTINUUM = 1e-6  # mm: a nanometre, some atoms
 LARGEST = 1e6  # mm: a kilometre; no body is longer
@@ -31,6 +32,14 @@ def contact_modulus(scene: Scene) -> float:
     rail, wheel = scene.rail, scene.wheel
     return hertz.contact_modulus(
         rail.young_modulus, rail.poisson_ratio, wheel.young_modulus, wheel.poisson_ratio
+    )
+
+
+def tangential_pair(scene: Scene) -> Pair:
+    """Both materials as tractions see them."""
+    rail, wheel = scene.rail, scene.wheel
+    return tangential.pair(
+        wheel.young_modulus, wheel.poisson_ratio, rail.young_modulus, rail.poisson_ratio
     )
 
 

@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.meshing.tags import RAIL
+from railhead.planning import exact
 from railhead.planning.effects.base import After, Context, Effect
 from railhead.postprocess.findings import Findings, Frame
 from railhead.scene.scene import Scene, SceneError
 from railhead.solver.setup import Rub, Setup
-from railhead.theory import halfspace, hertz, kalker, tangential
+from railhead.theory import halfspace, hertz, kalker
 from railhead.theory.hertz import Ellipse
 from railhead.theory.rolling import Creepage
 
@@ -128,12 +129,9 @@ def _expected(context: Context, limit: float) -> str:
     scene, ellipse = context.scene, context.hertz
     if not isinstance(ellipse, Ellipse) or scene.rolling.force_along or scene.rolling.force_across:
         return ""
-    rail, wheel = scene.rail, scene.wheel
     if not 0.05 <= ellipse.a / ellipse.b <= 20:
         return ""
-    pair = tangential.pair(
-        wheel.young_modulus, wheel.poisson_ratio, rail.young_modulus, rail.poisson_ratio
-    )
+    pair = exact.tangential_pair(scene)
     linear = kalker.coefficients(ellipse.a / ellipse.b, pair.poisson)
     forces = linear.forces(ellipse.a, ellipse.b, pair.shear_modulus, creepage(scene))
     share = math.hypot(*forces[:2]) / limit
