@@ -10,7 +10,7 @@ import numpy as np
 
 from railhead.postprocess.findings import Array, Surface
 from railhead.solver.gather import Fields
-from railhead.solver.rubbing import Rubbing
+from railhead.solver.solution import Rubbing
 from railhead.theory.subsurface import max_shear, principal, von_mises
 
 _HEXAHEDRON = [0, 1, 3, 2, 4, 5, 7, 6]

@@ -14,7 +14,7 @@ from railhead.postprocess.findings import Array, Frame, Place
 from railhead.postprocess.stress import at_gauss, before_yield, gauss
 from railhead.solver.elasticity import quadrature_degree
 from railhead.solver.gather import Fields
-from railhead.solver.yielding import Yielded
+from railhead.solver.solution import Yielding
 from railhead.theory.subsurface import von_mises
 
 TRACE = 1e-9  # plastic strain below which a point has not yielded: rounding
@@ -66,12 +66,12 @@ class Left:
         }
 
 
-def left(solution: Yielded, fields: Fields, residual: Fields | None, frame: Frame) -> Left:
+def left(found: Yielding, fields: Fields, residual: Fields | None, frame: Frame) -> Left:
     """Of a load, from its fields and those after it."""
     return Left(
-        zone(fields, frame), solution.over, solution.loading, residual,
+        zone(fields, frame), found.over, found.loading, residual,
         None if residual is None else largest_von_mises(residual),
-        {BODIES[tag]: depth for tag, depth in solution.indentation.items()},
+        {BODIES[tag]: depth for tag, depth in found.indentation.items()},
     )  # fmt: skip
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from railhead.solver.rubbing import Rubbing
+from railhead.solver.solution import Rubbing
 
 MOTION = {True: ("creepage_along", "creepage_across", "spin_per_mm"),
           False: ("shift_along_mm", "shift_across_mm", "turn_rad")}  # fmt: skip

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.plots import FE, HERTZ, new_figure
-from railhead.solver.rubbing import Rubbing
+from railhead.solver.solution import Rubbing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

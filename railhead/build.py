@@ -15,7 +15,7 @@ from railhead.planning.effects import EFFECTS
 from railhead.planning.plan import Plan
 from railhead.solver.contact import ContactModel
 from railhead.solver.laws import Law
-from railhead.solver.rubbing import RubbingModel
+from railhead.solver.rubbing import RubbingModel, YieldingRubbingModel
 from railhead.solver.setup import Setup, Side
 from railhead.solver.yielding import YieldingModel
 
@@ -60,7 +60,7 @@ def model(plan: Plan, made: mesh.ContactMesh) -> ContactModel:
             setup = EFFECTS[name].apply(setup, plan)
     kind = ContactModel
     if setup.path is not None:
-        kind = YieldingModel
+        kind = YieldingModel if setup.rub is None else YieldingRubbingModel
     elif setup.rub is not None:
         kind = RubbingModel
     return kind(made.mesh, made.cell_tags, made.facet_tags, setup)

@@ -19,7 +19,6 @@ from railhead.meshing.tags import BODIES
 from railhead.planning.laws import RANGE
 from railhead.planning.plan import LINEAR_REFINEMENT
 from railhead.postprocess.flux import through_slab
-from railhead.solver.rubbing import Rubbed
 
 ROUGH = 0.05  # relative: what a number without an asked accuracy may be off by at most
 BALANCE = 1e-6  # relative: what equations solved to 1e-8 leave
@@ -98,9 +97,9 @@ def run(
 
 def friction(level: Level, second: Mapping[str, Mapping[str, Any]] | None) -> list[Check]:
     """Of the tractions: no point above the law, given forces met, and half-spaces beside them."""
-    if not isinstance(level.solution, Rubbed) or level.result is None:
-        return []
     found, scene = level.solution.rubbing, level.plan.scene
+    if found is None or level.result is None:
+        return []
     size = np.linalg.norm(found.traction, axis=1)
     above = np.max(size - scene.friction.coefficient * found.pressure, initial=0.0)
     _, *given = scene.tangential

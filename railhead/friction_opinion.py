@@ -8,7 +8,7 @@ import numpy as np
 
 from railhead.level import Level
 from railhead.planning import developed, exact
-from railhead.solver.rubbing import Rubbed, Rubbing
+from railhead.solver.solution import Rubbing
 from railhead.theory import carter, cattaneo, kalker, tangential
 from railhead.theory.fastsim import fastsim
 from railhead.theory.hertz import Ellipse
@@ -24,9 +24,9 @@ def opinions(level: Level) -> Opinions | None:
     """ "half_space_friction" of summary.json: by method, the forces at the motion that was found,
     where the method knows an answer: under the pressure of half-spaces, of a single patch. None
     without friction."""
-    if not isinstance(level.solution, Rubbed) or level.findings is None:
-        return None
     found, plan = level.solution.rubbing, level.plan
+    if found is None or level.findings is None:
+        return None
     scene, ellipse = plan.scene, level.ellipse
     pair = exact.tangential_pair(scene)
     like = abs(pair.mismatch) < LIKE

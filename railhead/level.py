@@ -27,10 +27,9 @@ from railhead.postprocess.parts import parts
 from railhead.postprocess.patch import Moments
 from railhead.postprocess.plastic import Left
 from railhead.progress import Progress
-from railhead.solver.contact import ContactModel, Solution
+from railhead.solver.contact import ContactModel
 from railhead.solver.gather import Fields, gather
-from railhead.solver.rubbing import Rubbed
-from railhead.solver.yielding import Yielded
+from railhead.solver.solution import Solution
 from railhead.theory.contacts import Hertz
 
 OUTGROWN = 1.25  # patch over the finely meshed ellipse, either way, that calls for a new mesh
@@ -129,10 +128,9 @@ def solve_level(
         solution = solve(plan, model, frame, progress.newton)
         clock.lap("solve")
         fields, unknowns, space = gather(model, solution), model.unknowns, model.bulk.space
-        yielded = _yielded(model, solution, frame)
-        frictionless = (
-            gather(model, solution.frictionless) if isinstance(solution, Rubbed) else None
-        )
+        left = _left(model, solution, fields, frame)
+        plain = _plain(solution)
+        plain_fields = None if plain is solution else gather(model, plain)
         model.release()
         better = comm.bcast(None if fields is None else _regrade(plan, grading, fields, frame))
         if better is None or attempt == MAX_MESHES or not solution.newton.converged:
@@ -145,7 +143,7 @@ def solve_level(
         if fields is not None and np.any(fields.contact.pressure > 0):
             findings = read.findings(fields, frame)
             result = compare.from_findings(findings, solution.load, solution.approach)
-            if isinstance(solution, Rubbed):
+            if solution.rubbing is not None:
                 rolling = plan.scene.rolling
                 result["friction"] = traction.quantities(
                     solution.rubbing, rolling=rolling.given, speed=rolling.speed
@@ -157,25 +155,26 @@ def solve_level(
         )  # fmt: skip
 
     found = level(fields, solution)
-    if yielded is not None:
-        elastic, elastic_fields, left = yielded
-        found = replace(found, plain=level(elastic_fields, elastic), left=left)
-    if isinstance(solution, Rubbed):
-        found = replace(found, plain=level(frictionless, solution.frictionless))
+    if plain is not solution:
+        found = replace(found, plain=level(plain_fields, plain), left=left)
     clock.lap("postprocess")
     return found
 
 
-def _yielded(
-    model: ContactModel, solution: Solution, frame: Frame
-) -> tuple[Solution, Fields | None, Left | None] | None:
-    """The elastic solution with its fields, and what the load leaves; None where nothing yields."""
-    if not isinstance(solution, Yielded):
+def _plain(solution: Solution) -> Solution:
+    """The same without yield and friction."""
+    return solution if solution.plain is None else _plain(solution.plain)
+
+
+def _left(
+    model: ContactModel, solution: Solution, fields: Fields | None, frame: Frame
+) -> Left | None:
+    """What the load leaves where something yields (rank 0; collective)."""
+    if solution.yielding is None:
         return None
-    fields, elastic = gather(model, solution), gather(model, solution.elastic)
-    residual = None if solution.unloaded is None else gather(model, solution.unloaded)
-    left = None if fields is None else plastic.left(solution, fields, residual, frame)
-    return solution.elastic, elastic, left
+    unloaded = solution.yielding.unloaded
+    residual = None if unloaded is None else gather(model, unloaded)
+    return None if fields is None else plastic.left(solution.yielding, fields, residual, frame)
 
 
 def solve(

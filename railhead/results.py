@@ -138,7 +138,6 @@ def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
     """Write summary, scene, VTU files and pictures; returns the file names."""
     from railhead.postprocess import export, gallery, plastic_plots, traction_plots
     from railhead.postprocess.stress import nodal
-    from railhead.solver.rubbing import Rubbed
 
     with replacing(folder) as work:
         if result.fields is not None and result.findings is not None:
@@ -164,7 +163,7 @@ def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
                     fields, left.residual, found, elastic.findings, exact, work / "plastic.png"
                 )
         solution, found = result.level.solution, result.findings
-        if isinstance(solution, Rubbed) and found is not None:
+        if solution.rubbing is not None and found is not None:
             export.write(export.traction_points(solution.rubbing), work / "traction.vtu")
             if pictures:
                 traction_plots.draw(

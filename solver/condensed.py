@@ -15,20 +15,21 @@ G u = 1.5 J u - 2 J u(x + d) + 0.5 J u(x + 2 d): symmetric ones would not dissip
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from railhead.solver.cells import Array, Index
-from railhead.solver.contact import Solution
 from railhead.solver.facets import FacetSet
 from railhead.solver.linear import factorise
 from railhead.solver.operators import chosen, rows
 from railhead.solver.pairing import pair
+from railhead.solver.solution import Solution
 
 if TYPE_CHECKING:
     from railhead.solver.rubbing import RubbingModel
@@ -43,26 +44,27 @@ DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
 class Condensed:
     """The n points on facets that touch, of all ranks, on every rank.
 
-    points (n, 3) mm in space, weights (n,) mm2, pressure (n,) MPa without traction, tangents
-    (n, k, 3), tau (n,) MPa/mm; step d, mm (1 of a shift); traces F (n k, m); start q0 and moved g0
-    (n, k); answer D, movement D_g (n k, m) and closing D_p (n, m); parts: of the whole model.
-    local: which of the points are this rank's contact points, and their numbers there.
+    points (n, 3) mm in space, weights (n,) mm2, tangents (n, k, 3), tau (n,) MPa/mm; step d, mm (1
+    of a shift); traces F (n k, m); answer D, movement D_g (n k, m) and closing D_p (n, m); parts:
+    of the whole model; local: which of the points are this rank's. Around a solution: touches (n,);
+    start q0 and moved g0 (n, k) and pressure p0 (n,) MPa, without tractions.
     """
 
     points: Array
     weights: Array
-    pressure: Array
     tangents: Array
     tau: Array
     step: float
     traces: sp.csr_matrix
-    start: Array
-    moved: Array
     answer: Array
     movement: Array
     closing: Array
     parts: int
-    local: tuple[slice, Index]
+    local: slice
+    touches: NDArray[np.bool_]
+    start: Array
+    moved: Array
+    pressure: Array
 
     def force(self, axis: Array) -> Array:
         """(m,) N of the whole model along a unit vector (3,), of tractions at the nodes."""
@@ -71,14 +73,15 @@ class Condensed:
 
 
 class Condenser:
-    """Factorises the tangent of a pressed contact and condenses it."""
+    """Factorises the tangent of a pressed contact and condenses it. ValueError: it rolls, and a
+    surface ends upstream of the patch."""
 
-    def __init__(self, model: RubbingModel, solution: Solution) -> None:
-        self.model, self.solution, self.comm = model, solution, model.comm
-        self.active = solution.pressure > 0
+    def __init__(self, model: RubbingModel, solution: Solution, *, rolling: bool) -> None:
+        self.model, self.comm = model, model.comm
+        active = solution.pressure > 0
         interface, setup = model.interface, model.setup
         touched = np.zeros(len(interface.slave), dtype=bool)
-        touched[interface.facet[self.active]] = True
+        touched[interface.facet[active]] = True
         self.own = np.flatnonzero(touched[interface.facet])
         self.slave = interface.slave.gathered(self.comm)
         others = (side for side in (setup.fixed, setup.moving) if side.tag != setup.slave)
@@ -93,63 +96,85 @@ class Condenser:
         corners = interface.slave.vertices[touched]
         edges = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2)
         total, count = (self.comm.allreduce(value) for value in (edges.sum(), edges.size))
-        self.element = float(total / count)
-        self.tangent = model.problem.assembled_tangent(self.active)
+        self.step = STEP * float(total / count) if rolling else 1.0
+        self.tangent = model.problem.assembled_tangent(active)
         self.pc = PETSc.PC().create(self.comm)
         self.pc.setOperators(self.tangent)
         factorise(self.pc, model.problem.law.symmetric)
         self.pc.setUp()
+        self.jump = self._jump(0.0)
+        self.change = self.jump.copy()
+        if rolling:
+            self.change.scale(UPSTREAM[0][1])
+            for share, weight in UPSTREAM[1:]:
+                self.change.axpy(weight, self._jump(share * self.step), DIFFERENT)
+        self.answer = self.change.copy()
+        tau = np.repeat(model.problem.tau[self.own], self.size)
+        self.answer.diagonalScale(L=_vector(self.change, tau))
+        if model.problem.law.sigma:
+            self.answer.axpy(self.sign, self._shear(), DIFFERENT)
 
-    def condense(self, *, rolling: bool) -> Condensed:
-        """ValueError: a surface ends upstream of the patch."""
+    @property
+    def size(self) -> int:
+        """Tangents at a point, k."""
+        return int(self.tangents.shape[1])
+
+    def condense(self, solution: Solution) -> Condensed:
+        """Around a solution without tractions."""
         model, problem = self.model, self.model.problem
         interface, reduce = model.interface, model.reduction.matrix
-        step = STEP * self.element if rolling else 1.0
-        change = self.jump.copy()
-        if rolling:
-            change.scale(UPSTREAM[0][1])
-            for share, weight in UPSTREAM[1:]:
-                change.axpy(weight, self._jump(share * step), DIFFERENT)
-        size = self.tangents.shape[1]
-        answer = change.copy()
-        answer.diagonalScale(L=_vector(change, np.repeat(problem.tau[self.own], size)))
-        if problem.law.sigma:
-            answer.axpy(self.sign, self._shear(), DIFFERENT)
         pressure = chosen(problem.trace, self.own)
         pressure.scale(-1.0)
         weights = interface.weights[self.own]
         traces, own = self._traces()
-        u = self.solution.displacement
-        start, moved = ((matrix * u).array.reshape(-1, size) for matrix in (answer, change))
-        reduced = [matrix.matMult(reduce) for matrix in (answer, change)] + [pressure]
+        reduced = [matrix.matMult(reduce) for matrix in (self.answer, self.change)] + [pressure]
         push = self.jump.matMult(reduce)
-        weighted = sp.diags(np.repeat(weights, size)) @ traces[own]
+        weighted = sp.diags(np.repeat(weights, self.size)) @ traces[own]
         answers: list[list[Array]] = [[], [], []]
         for first in range(0, traces.shape[1], BLOCK):
             block = -weighted[:, first : first + BLOCK].toarray()
             x = self.solve(self._dense(push, block))
             for found, matrix in zip(answers, reduced, strict=True):
                 found.append(matrix.matMult(x).getDenseArray().copy())
-        gathered = [self._all(np.hstack(found)) for found in answers]
-        values = (self.x, weights, self.solution.pressure[self.own], self.tangents,
-                  problem.tau[self.own])  # fmt: skip
-        points, weights, pressed, along, tau = (self._all(each) for each in values)
+        answer, movement, closing = (self._all(np.hstack(found)) for found in answers)
+        values = (self.x, weights, self.tangents, problem.tau[self.own])
+        points, weights, along, tau = (self._all(each) for each in values)
         lift = model.setup.kinematics.lift
         before = self.comm.exscan(len(self.own)) or 0
         condensed = Condensed(
-            lift(points), weights, pressed, lift(along.reshape(-1, along.shape[2])).reshape(
-                len(points), size, 3), tau, step, traces, self._all(start), self._all(moved),
-            gathered[0], gathered[1], gathered[2] * (pressed > 0)[:, None], model.setup.parts,
-            (slice(before, before + len(self.own)), self.own),
+            lift(points), weights,
+            lift(along.reshape(-1, along.shape[2])).reshape(len(points), self.size, 3), tau,
+            self.step, traces, answer, movement, closing, model.setup.parts,
+            slice(before, before + len(self.own)), *self.state(solution),
         )  # fmt: skip
         axes = () if model.setup.rub is None else model.setup.rub.axes
         for axis, (u, y) in zip(axes, self.far, strict=False):
             row = condensed.force(axis)
-            for known, moved in ((condensed.answer, answer * u), (condensed.movement, change * u),
-                                 (condensed.closing, pressure * y)):  # fmt: skip
+            for known, moved in ((answer, self.answer * u), (movement, self.change * u),
+                                 (closing, pressure * y)):  # fmt: skip
                 known += np.outer(self._all(moved.array), row)
-        condensed.closing[pressed <= 0] = 0.0
         return condensed
+
+    def around(self, contact: Condensed, solution: Solution, nodal: Array) -> Condensed:
+        """Linear around a solution under tractions (m,) at the nodes."""
+        touches, start, moved, pressure = self.state(solution)
+        return replace(
+            contact,
+            touches=touches,
+            start=start - (contact.answer @ nodal).reshape(start.shape),
+            moved=moved - (contact.movement @ nodal).reshape(moved.shape),
+            pressure=pressure - contact.closing @ nodal,
+        )
+
+    def state(self, solution: Solution) -> tuple[NDArray[np.bool_], Array, Array, Array]:
+        """Touches (n,), q and G u (n, k), MPa and mm, and pressure (n,) of a solution."""
+        u, lost = solution.displacement, self.model.lost_shear(self)
+        answer, moved = ((matrix * u).array.reshape(-1, self.size)
+                         for matrix in (self.answer, self.change))  # fmt: skip
+        values = (solution.pressure[self.own] > 0, answer - self.sign * lost, moved,
+                  solution.indicator[self.own])  # fmt: skip
+        touches, start, moved, pressure = (self._all(np.asarray(each)) for each in values)
+        return touches, start, moved, pressure
 
     @cached_property
     def far(self) -> list[tuple[PETSc.Vec, PETSc.Vec]]:
@@ -174,19 +199,12 @@ class Condenser:
 
     def push(self, nodal: Array, contact: Condensed) -> PETSc.Vec:
         """What tractions (m,) at the nodes do to the bodies: forces on all dofs, N."""
-        every, _ = contact.local
-        size = self.tangents.shape[1]
-        rows = slice(every.start * size, every.stop * size)
-        weights = np.repeat(self.model.interface.weights[self.own], size)
+        rows = slice(contact.local.start * self.size, contact.local.stop * self.size)
+        weights = np.repeat(self.model.interface.weights[self.own], self.size)
         force = self.jump.createVecRight()
         pull = _vector(self.jump, -weights * (contact.traces[rows] @ nodal))
         self.jump.multTranspose(pull, force)
         return force
-
-    @cached_property
-    def jump(self) -> PETSc.Mat:
-        """J at the points, on all dofs."""
-        return self._jump(0.0)
 
     def _jump(self, shift: float) -> PETSc.Mat:
         """J at the points moved by `shift` mm along x, on all dofs."""

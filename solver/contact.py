@@ -24,6 +24,7 @@ from railhead.solver.linear import Preconditioner
 from railhead.solver.multigrid import Hierarchy, PMultigrid
 from railhead.solver.problem import ContactProblem, Mask, reduce_problem
 from railhead.solver.setup import Setup
+from railhead.solver.solution import Solution
 
 NEWTON_TOLERANCE = 1e-8  # residual over the contact force
 LINEAR_DIRECT_BELOW = 80_000  # unknowns of linear cells, whose multigrid is slow on stretched ones
@@ -32,32 +33,15 @@ STAGE_TOLERANCE = 0.1  # the same for the softer laws on the way to a stiff one
 
 
 @dataclass(frozen=True)
-class Plastic:
-    """Plastic strain tensors (m, g, 3, 3) in space and equivalent plastic strain (m, g) at the g
-    Gauss points of this rank's m cells."""
+class LoadCase:
+    """What `ContactModel.solve` is given."""
 
-    strain: Array
-    equivalent: Array
-
-
-@dataclass(frozen=True)
-class Solution:
-    """One load case. displacement: owned dofs, mm. pressure (n,) MPa at the interface's points.
-
-    load: what the pressure carries against the direction of the approach, of the whole model, N;
-    reaction: the same at the support, N; approach: mm; penetration: largest overlap, mm.
-    indicator (n,) MPa: the pressure before its negative part is cut off. plastic: what has yielded.
-    """
-
-    displacement: PETSc.Vec
-    pressure: Array
-    indicator: Array
-    approach: float
     load: float
-    reaction: float
-    penetration: float
-    newton: newton.NewtonResult
-    plastic: Plastic | None = None
+    approach: float
+    active: Mask
+    max_steps: int = 30
+    progress: Callable[[int, float], None] = lambda step, residual: None
+    force: PETSc.Vec | None = None
 
 
 class ContactModel:
@@ -165,7 +149,7 @@ class ContactModel:
         *,
         load: float = 0.0,
         approach: float = 0.0,
-        active: NDArray[np.bool_],
+        active: Mask,
         max_steps: int = 30,
         progress: Callable[[int, float], None] = lambda step, residual: None,
         force: PETSc.Vec | None = None,
@@ -180,13 +164,22 @@ class ContactModel:
         if load and not self.setup.load_control and self.setup.far_field is None:
             raise ValueError("load is unknown under approach control; give an approach")
         start = time.perf_counter()
-        prescribed = self.load(self.problem, load, approach, force)
-        if not self.comm.allreduce(int(active.sum())):
-            active = self._nearest()
-        result = self._newton(active, max_steps, progress)
-        solution = self.found(self.problem, result, prescribed, approach, force)
+        solution = self.run(LoadCase(load, approach, active, max_steps, progress, force))
         self.seconds["solve"] += time.perf_counter() - start
         return solution
+
+    def run(self, case: LoadCase) -> Solution:
+        """All that a load case goes through."""
+        return self.press(case)
+
+    def press(self, case: LoadCase) -> Solution:
+        """Elastic bodies without friction."""
+        prescribed = self.load(self.problem, case.load, case.approach, case.force)
+        active = case.active
+        if not self.comm.allreduce(int(active.sum())):
+            active = self._nearest()
+        result = self._newton(active, case.max_steps, case.progress)
+        return self.found(self.problem, result, prescribed, case.approach, case.force)
 
     def load(
         self, problem: ContactProblem, load: float, approach: float, force: PETSc.Vec | None

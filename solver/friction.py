@@ -31,9 +31,10 @@ LEAST = 1e-300  # below it a vector has no direction
 @dataclass(frozen=True)
 class Sheared:
     """n points with k tangents. traction (n, k) MPa of the wheel on the rail; slip (n, k) of the
-    wheel over the rail: mm, or, rolling, of 1; sticks (n,) of those with pressure (n,) MPa; nodal
-    (m,): tractions at the nodes; motion (j,): what the given modes of rigid slip were multiplied
-    with; history: change of the tractions in each of Newton's steps, over the largest mu p."""
+    wheel over the rail: mm since `settled`, or, rolling, of 1; sticks (n,) of those with pressure
+    (n,) MPa; nodal (m,): tractions at the nodes; motion (j,): what the given modes of rigid slip
+    were multiplied with; slips (n,) and direction (n, k): where Newton's method ended; history:
+    change of the tractions in each of its steps, over the largest mu p."""
 
     traction: Array
     slip: Array
@@ -41,6 +42,8 @@ class Sheared:
     pressure: Array
     nodal: Array
     motion: Array
+    slips: NDArray[np.bool_]
+    direction: Array
     history: tuple[float, ...]
 
     @property
@@ -61,51 +64,58 @@ class Friction:
         weights = sp.diags(np.repeat(contact.weights, k))
         self._onto = (contact.traces.T @ weights).tocsr()
         self._mass = (self._onto @ contact.traces).toarray()
-        self._active = contact.pressure > 0
 
     @property
-    def limit(self) -> float:
-        """mu N without traction, N."""
-        contact = self.contact
-        return float(self.coefficient * contact.parts * (contact.weights @ contact.pressure))
+    def top(self) -> float:
+        """The largest mu p without traction, MPa."""
+        return float(self.coefficient * self.contact.pressure[self.contact.touches].max())
 
     def solve(
         self,
         slip: Array,
-        modes: Array | None = None,
-        forces: Array | None = None,
+        modes: Array,
+        forces: Array,
         *,
         settled: Array | None = None,
+        start: Sheared | None = None,
     ) -> Sheared:
         """slip (n, k): the rigid one that is known, of the wheel over the rail: mm, or, rolling,
         of 1. modes (j, n, k): further rigid slips, multiplied so that forces along (j, 3) axes in
         space are what is given, N: `forces` (j, 4) holds axes and forces. settled (n, k): of a
-        shift, what the surfaces had moved before."""
-        contact, k = self.contact, slip.shape[1]
-        n, m = len(slip), self._mass.shape[0]
-        known = contact.step * slip
-        before = np.zeros_like(slip) if settled is None else settled
-        base = contact.start + contact.tau[:, None] * (known - before)
-        free = np.zeros((0, n, k)) if modes is None else contact.step * modes
+        shift, where the surfaces had come to rest, mm. start: of a similar problem."""
+        contact = self.contact
+        free = contact.step * modes
+        base = contact.start + contact.tau[:, None] * (contact.step * slip)
+        if settled is not None:
+            base -= contact.tau[:, None] * settled
+        found = None if start is None else self._newton(base, free, forces, start)
+        if found is None or not found.converged:
+            found = self._newton(base, free, forces, None)
+        return found
+
+    def _newton(self, base: Array, free: Array, forces: Array, begin: Sheared | None) -> Sheared:
+        contact, (n, k) = self.contact, base.shape
+        m, active, top = self._mass.shape[0], contact.touches, self.top
         pull = (contact.tau[:, None] * free).reshape(len(free), n * k)
-        given = np.zeros((0, 4)) if forces is None else forces
-        rows = np.array([contact.force(axis) for axis in given[:, :3]]).reshape(-1, m)
+        rows = np.array([contact.force(axis) for axis in forces[:, :3]]).reshape(-1, m)
         answer, closing = contact.answer.reshape(n, k, m), contact.closing
         nodal, motion = np.zeros(m), np.zeros(len(free))
-        slips: NDArray[np.bool_] = np.zeros(n, dtype=bool)
-        direction = np.zeros((n, k))
-        first, history = True, []
-        top = float(self.coefficient * contact.pressure.max())
+        slips, direction = np.zeros(n, dtype=bool), np.zeros((n, k))
+        if begin is not None:
+            nodal, motion, slips, direction = (
+                begin.nodal, begin.motion, begin.slips, begin.direction
+            )  # fmt: skip
+        first, history = begin is None, []
         for _ in range(STEPS):
             q = base + (contact.answer @ nodal + motion @ pull).reshape(n, k)
             size = np.maximum(np.linalg.norm(q, axis=1), LEAST)
             unit = q / size[:, None]
             bound = self.coefficient * np.maximum(contact.pressure + closing @ nodal, 0.0)
-            now = self._active & (size > bound) & (not first)
+            now = active & (size > bound) & (not first)
             now &= ~(slips & (np.einsum("nk,nk->n", unit, direction) < 0))
-            sticks = self._active & ~now
+            sticks = active & ~now
             # lambda = value + change (q_new - q) + mu unit (p_new - p)
-            value = np.where(now[:, None], bound[:, None] * unit, q) * self._active[:, None]
+            value = np.where(now[:, None], bound[:, None] * unit, q) * active[:, None]
             across = np.eye(k) - unit[:, :, None] * unit[:, None, :]
             change = np.where(now, bound / size, 0.0)[:, None, None] * across
             change[sticks] = np.eye(k)
@@ -121,7 +131,7 @@ class Friction:
             ])  # fmt: skip
             residual = np.concatenate([
                 self._mass @ nodal - self._onto @ value.ravel(),
-                rows @ nodal - given[:, 3],
+                rows @ nodal - forces[:, 3],
             ])  # fmt: skip
             step = scipy.linalg.solve(tangent, -residual, check_finite=False)
             nodal, motion = nodal + step[:m], motion + step[m:]
@@ -131,33 +141,13 @@ class Friction:
             slips, direction, first = now, unit, False
             if history[-1] <= TOLERANCE:
                 break
-        return self._found(base, known, before, free, nodal, motion, tuple(history))
-
-    def _found(
-        self,
-        base: Array,
-        known: Array,
-        before: Array,
-        free: Array,
-        nodal: Array,
-        motion: Array,
-        history: tuple[float, ...],
-    ) -> Sheared:
-        contact, (n, k) = self.contact, base.shape
-        rigid = known + np.tensordot(motion, free, axes=1)
-        q = base + (contact.answer @ nodal).reshape(n, k) + contact.tau[:, None] * (rigid - known)
-        found = np.maximum(contact.pressure + contact.closing @ nodal, 0.0)
-        pressure = np.where(self._active, found, 0.0)
+        q = base + (contact.answer @ nodal + motion @ pull).reshape(n, k)
+        pressed = np.maximum(contact.pressure + closing @ nodal, 0.0)
+        pressure = np.where(active, pressed, 0.0)
         size = np.maximum(np.linalg.norm(q, axis=1), LEAST)
-        share = np.minimum(1.0, self.coefficient * pressure / size)
-        moved = contact.moved + (contact.movement @ nodal).reshape(n, k)
-        slip = (moved + rigid - before) / contact.step
+        share = np.minimum(1.0, self.coefficient * pressure / size)[:, None]
+        sticks = active & (share[:, 0] >= 1)
+        slip = (1 - share) * q / (contact.tau[:, None] * contact.step)
         return Sheared(
-            share[:, None] * q,
-            slip,
-            np.asarray(self._active & (share >= 1)),
-            pressure,
-            nodal,
-            motion,
-            history,
+            share * q, slip, sticks, pressure, nodal, motion, slips, direction, tuple(history)
         )

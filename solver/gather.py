@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from railhead.solver import compat
 from railhead.solver.cells import Array
-from railhead.solver.contact import ContactModel, Plastic, Solution
+from railhead.solver.contact import ContactModel
 from railhead.solver.facets import FacetSet, facet_closure
 from railhead.solver.kinematics import SOLID, Kinematics
+from railhead.solver.solution import Plastic, Solution
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -11,12 +10,13 @@ from petsc4py import PETSc
 
 from railhead.solver import linear, newton
 from railhead.solver.cells import Array
-from railhead.solver.contact import NEWTON_TOLERANCE, ContactModel, Plastic, Solution
+from railhead.solver.contact import NEWTON_TOLERANCE, ContactModel, LoadCase
 from railhead.solver.hardening import ROOT, History, deviator
 from railhead.solver.newton import NewtonResult
 from railhead.solver.plasticity import PlasticProblem, bulk_points, surface_points
 from railhead.solver.problem import ContactProblem, Mask
 from railhead.solver.setup import Setup
+from railhead.solver.solution import Plastic, Solution, Yielding
 
 UNLOADING = (0.4, 0.05)  # of the load, before the bodies part
 START = 1e-2  # tolerance of the linear solve that a smaller load starts from
@@ -24,21 +24,7 @@ ENDS = (1.0, 0.0)  # shares of the load that are reported; ...
 BETWEEN = 1e-4  # ... tolerance of those on the way: moves what is reported by less than 1e-6
 HALVES = 32  # into which a load step may be cut
 
-
-@dataclass(frozen=True, kw_only=True)
-class Yielded(Solution):
-    """A load case with yield. elastic: the same without; over: load over that of first yield;
-    steps: Newton's histories of all load steps, of the unloading too; loading: how many of them
-    were taken up to the load for the first time; unloaded: the residual state,
-    the bodies apart (None if it was not asked for); indentation: by tag of a body, how far its
-    surface stays pushed in at most, mm. newton: of the last step, or of the one that failed."""
-
-    elastic: Solution
-    over: float
-    steps: tuple[NewtonResult, ...]
-    loading: int
-    unloaded: Solution | None
-    indentation: Mapping[int, float]
+State = tuple[History, History]  # at the Gauss points and at the contact points
 
 
 @dataclass
@@ -59,7 +45,9 @@ class Released(PlasticProblem):
 
 
 class YieldingModel(ContactModel):
-    """A contact model whose bodies yield."""
+    """A contact model whose bodies yield. loading: of the last load case that yielded."""
+
+    loading: Loading | None = None
 
     def __init__(self, mesh: object, cell_tags: object, facet_tags: object, setup: Setup) -> None:
         super().__init__(mesh, cell_tags, facet_tags, setup)
@@ -77,28 +65,20 @@ class YieldingModel(ContactModel):
             across=dyads(self.interface.normals),
         )
 
-    def solve(
-        self,
-        *,
-        load: float = 0.0,
-        approach: float = 0.0,
-        active: Mask,
-        max_steps: int = 30,
-        progress: Callable[[int, float], None] = lambda step, residual: None,
-        force: PETSc.Vec | None = None,
-    ) -> Solution:
-        """The elastic solution, and from its first yield on the load in steps and back."""
-        elastic = super().solve(
-            load=load, approach=approach, active=active, max_steps=max_steps, progress=progress,
-            force=force,
-        )  # fmt: skip
-        over = self.over_first_yield(elastic, load, approach)
+    def run(self, case: LoadCase) -> Solution:
+        """Up to the load as often as asked, and back."""
+        return self.unloaded(self.press(case))
+
+    def press(self, case: LoadCase) -> Solution:
+        """The elastic solution, and from its first yield on the load in steps."""
+        self.loading = None
+        elastic = super().press(case)
+        over = self.over_first_yield(elastic, case.load, case.approach)
         if not elastic.newton.converged or over <= 1:
             return elastic
-        start = time.perf_counter()
         assert self.setup.path is not None
         self.plastic.forget()
-        loading = _Loading(self, load, approach, force, max_steps, progress)
+        self.loading = loading = Loading(self, case)
         up = np.linspace(1 / over, 1.0, self.setup.path.steps + 1)[1:]
         loading.touching = self.within(elastic.indicator, up[0])
         result = loading.march(up)
@@ -106,16 +86,21 @@ class YieldingModel(ContactModel):
         for _ in range(self.setup.path.cycles - 1):
             if result.converged and loading.march(UNLOADING).converged:
                 result = loading.march(up)
-        found, unloaded = loading.found, None
-        if self.setup.path.unload and found.newton.converged:
-            unloaded = self._unload(loading)
-        self.seconds["solve"] += time.perf_counter() - start
-        return Yielded(
-            **{each.name: getattr(found, each.name) for each in fields(Solution)},
-            elastic=elastic, over=over, steps=tuple(loading.steps), loading=first,
-            unloaded=unloaded,
-            indentation={} if unloaded is None else self._indentation(unloaded, found.pressure),
+        yielding = Yielding(over, tuple(loading.steps), first, None, {})
+        return replace(loading.found, plain=elastic, yielding=yielding)
+
+    def unloaded(self, solution: Solution) -> Solution:
+        """With what is left once the load is taken away."""
+        yielding, path, loading = solution.yielding, self.setup.path, self.loading
+        assert path is not None
+        if not (yielding and loading and path.unload and solution.newton.converged):
+            return solution
+        left = self._unload(loading)
+        yielding = replace(
+            yielding, steps=tuple(loading.steps), unloaded=left,
+            indentation=self._indentation(left, solution.pressure),
         )  # fmt: skip
+        return replace(solution, yielding=yielding)
 
     def _indentation(self, unloaded: Solution, pressure: Array) -> dict[int, float]:
         """Against the mean normal of the patch that was pressed."""
@@ -158,7 +143,7 @@ class YieldingModel(ContactModel):
                 worst = max(worst, float(np.max(size[members], initial=0.0)) / hardening.first)
         return float(max(self.comm.allgather(worst / ROOT))) ** (2 if self._line else 3)
 
-    def _unload(self, loading: _Loading) -> Solution:
+    def _unload(self, loading: Loading) -> Solution:
         """Step by step, at last without contact."""
         reference = self.plastic.contact_force(loading.found.pressure)
         if loading.march(UNLOADING).converged:
@@ -207,26 +192,23 @@ class YieldingModel(ContactModel):
         return pin
 
 
-class _Loading:
-    """The way of a load: shares of it, one after the other, each from the state of the last."""
+class Loading:
+    """The way of a load case: shares of it, one after the other, each from the state of the
+    last."""
 
-    def __init__(
-        self,
-        model: YieldingModel,
-        load: float,
-        approach: float,
-        force: PETSc.Vec | None,
-        max_steps: int,
-        progress: Callable[[int, float], None],
-    ) -> None:
-        self.model, self.problem = model, model.plastic
+    def __init__(self, model: YieldingModel, case: LoadCase) -> None:
+        self.model, self.problem, self.case = model, model.plastic, case
         self.preconditioner = model.preconditioner
-        self.load, self.approach, self.force = load, approach, force
-        self.max_steps, self.progress = max_steps, progress
         self.steps: list[NewtonResult] = []
         self.share, self.y = 0.0, None
         self.state = self.problem.bulk.history, self.problem.surface.history
         self.touching: Mask = np.zeros(len(self.problem.area), dtype=bool)
+
+    def sheared(self, force: PETSc.Vec, state: State) -> Solution:
+        """The same share from a state, under another further force at the full load."""
+        self.case, self.state = replace(self.case, force=force), state
+        self._step(self.share)
+        return self.found
 
     def march(self, shares: Iterable[float]) -> NewtonResult:
         """Go to shares of the load, by halves where a step does not converge."""
@@ -241,9 +223,10 @@ class _Loading:
         return self.found.newton
 
     def _step(self, share: float) -> NewtonResult:
-        model, problem = self.model, self.problem
-        approach = share * self.approach
-        prescribed = model.load(problem, share * self.load, approach, self.force)
+        model, problem, case = self.model, self.problem, self.case
+        approach = share * case.approach
+        force = None if case.force is None else share * case.force
+        prescribed = model.load(problem, share * case.load, approach, force)
         problem.stretched(prescribed)
         y = self.y
         if share < self.share:
@@ -253,11 +236,11 @@ class _Loading:
         problem.commit(self.state)
         result = newton.solve(
             problem, self.preconditioner, self.touching, y,
-            rtol=NEWTON_TOLERANCE if share in ENDS else BETWEEN, max_steps=self.max_steps,
-            progress=self.progress,
+            rtol=NEWTON_TOLERANCE if share in ENDS else BETWEEN, max_steps=case.max_steps,
+            progress=case.progress,
         )  # fmt: skip
         self.steps.append(result)
-        found = model.found(problem, result, prescribed, approach, self.force)
+        found = model.found(problem, result, prescribed, approach, force)
         if result.converged:
             self.state = problem.state
         self.found = replace(found, plastic=model.plastic_strain(self.state[0]))

@@ -17,7 +17,7 @@ from railhead.planning import exact
 from railhead.planning import plan as planning
 from railhead.postprocess.plots import FE, HERTZ, THESIS, new_figure
 from railhead.solver.condensed import Condenser
-from railhead.solver.contact import ContactModel
+from railhead.solver.contact import LoadCase
 from railhead.solver.friction import Friction
 from railhead.solver.rubbing import RubbingModel, slips
 from railhead.studies import tables
@@ -67,8 +67,9 @@ def rolled(motions: Sequence[Creepage], resolution: float | None) -> Iterator[Po
     assert isinstance(model, RubbingModel) and model.setup.rub is not None
     model.tangential = np.zeros(2)
     touching = plan.forecast.touching(model.setup.kinematics.lift(model.interface.points))
-    pressed = ContactModel.solve(model, load=scene.load or 0.0, active=touching)
-    contact = Condenser(model, pressed).condense(rolling=True)
+    case = LoadCase(scene.load or 0.0, 0.0, touching)
+    pressed = model.press(case)
+    contact = Condenser(model, pressed, rolling=True).condense(pressed)
     problem, rigid = Friction(contact, COEFFICIENT), slips(model.setup.rub, contact)
     ellipse = plan.estimate
     assert isinstance(ellipse, Ellipse)

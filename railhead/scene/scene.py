@@ -131,6 +131,8 @@ class Scene(Section):
         friction, rolling = self.friction, self.rolling
         if rolling.given and (friction.force_along or friction.force_across):
             raise SceneError("rolling", "is not allowed beside a force of [friction]; give one")
+        if friction.cycle and not (friction.force_along or friction.force_across):
+            raise SceneError("friction.cycle", "true is not allowed without a force of [friction]")
         return self
 
     @property

@@ -291,12 +291,14 @@ class Mesh(Section):
 
 class Friction(Section):
     """Dry friction. ``force_along`` and ``force_across`` (N) of the wheel on the rail shift it from
-    rest; ``tangential_load`` is another name of the first.
+    rest; ``tangential_load`` is another name of the first. ``cycle``: there, back to the opposite
+    forces and there again.
     """
 
     coefficient: units.FrictionCoefficient = 0.0
     force_along: units.SignedForce = 0.0
     force_across: units.SignedForce = 0.0
+    cycle: bool = False
 
     @model_validator(mode="before")
     @classmethod

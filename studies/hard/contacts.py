@@ -14,11 +14,12 @@ from railhead.meshing.mesh import ContactMesh
 from railhead.meshing.surfaces import ParabolicGap
 from railhead.postprocess import read
 from railhead.postprocess.findings import Findings, Frame
-from railhead.solver.contact import ContactModel, Solution
+from railhead.solver.contact import ContactModel
 from railhead.solver.elasticity import Material
 from railhead.solver.gather import Fields, gather
 from railhead.solver.interface import Gap
 from railhead.solver.setup import Setup
+from railhead.solver.solution import Solution
 from railhead.studies.hard import blocks
 from railhead.studies.hard.case import Deviation, Measured
 

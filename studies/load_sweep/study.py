@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from railhead.meshing.sizing import Grading
     from railhead.planning.plan import Plan
     from railhead.postprocess.findings import Frame
-    from railhead.solver.contact import ContactModel, Solution
+    from railhead.solver.contact import ContactModel
+    from railhead.solver.solution import Solution
     from railhead.theory.hertz import Ellipse
 
 STUDY = "loads from 1 to 150 kN on one mesh against Hertz's power laws (thesis, figures 6.8-6.10)"

@@ -16,7 +16,8 @@ from railhead.planning import plan as planning
 from railhead.planning.effects import EFFECTS
 from railhead.planning.effects.base import Effect
 from railhead.postprocess.findings import Frame
-from railhead.solver.yielding import Yielded, YieldingModel
+from railhead.solver.solution import Solution
+from railhead.solver.yielding import YieldingModel
 
 REFERENCE = json.loads(
     (Path(__file__).parents[1] / "theory" / "data" / "plasticity.json").read_text()
@@ -87,7 +88,7 @@ def test_a_given_approach_is_the_same_point_as_its_load(five: rh.Result) -> None
 def test_cycles_press_the_spot_as_often_as_asked() -> None:
     """Four steps up, two down and one apart; in between two down and four up."""
     counts = [
-        len(rh.solve(pressed(2.0, cycles=cycles), quiet=True).level.solution.steps)
+        len(rh.solve(pressed(2.0, cycles=cycles), quiet=True).level.solution.yielding.steps)
         for cycles in (1, 3)
     ]
     assert counts == [7, 19]
@@ -223,7 +224,7 @@ def test_the_picture_of_yield_is_drawn_beside_the_others(five: rh.Result, tmp_pa
 
 
 @pytest.fixture(scope="module")
-def solid() -> tuple[planning.Plan, YieldingModel, Yielded]:
+def solid() -> tuple[planning.Plan, YieldingModel, Solution]:
     """The coarse solid of the same scene."""
     scene = pressed(4.0, 2e3, effects={"axisymmetry": "off"})
     plan = planning.make(scene).at_resolution(3.5)
@@ -232,7 +233,7 @@ def solid() -> tuple[planning.Plan, YieldingModel, Yielded]:
     model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
     frame = Frame(plan.contact.origin, plan.contact.touch.angle)
     solution = level.solve(plan, model, frame, lambda step, residual: None)
-    assert isinstance(model, YieldingModel) and isinstance(solution, Yielded)
+    assert isinstance(model, YieldingModel) and solution.yielding
     return plan, model, solution
 
 
@@ -261,6 +262,6 @@ def test_the_tangent_is_the_derivative_of_the_residual(solid) -> None:
 
 def test_newton_takes_few_steps(solid) -> None:
     _, _, solution = solid
-    for result in solution.steps:
+    for result in solution.yielding.steps:
         assert result.converged and len(result.history) <= 9  # the first one is the start
         assert max(step.linear_iterations for step in result.history) <= 35

@@ -23,9 +23,10 @@ if TYPE_CHECKING:
     from railhead.planning.plan import Plan
 
 NO_MISMATCH = 1e-9  # |beta| that is rounding
+GROWTH = 8  # steps in which a patch of unlike bodies grows
+CYCLE = ((1.0, 1.0), (1.0, -1.0), (1.0, 1.0))
 WORK, AT = 6.0, 46_000  # times an elastic run of so many unknowns; it grows with their square root:
 # 3.5 to 10 times were measured from 28 000 to 98 000
-PRESSED = "slip while a patch grows depends on the way of the load, which is not simulated"
 
 
 def decide(context: Context) -> Effect:
@@ -33,7 +34,7 @@ def decide(context: Context) -> Effect:
     surfaces slip when they are pressed together: Dundurs' beta != 0 (Johnson, Contact Mechanics,
     5.1 and 5.4)."""
     scene = context.scene
-    rail, wheel, asked = scene.rail, scene.wheel, scene.friction
+    asked = scene.friction
     limit = asked.coefficient * context.hertz.load
     table, along, across = scene.tangential
     force = math.hypot(along, across)
@@ -44,9 +45,6 @@ def decide(context: Context) -> Effect:
             f"{limit:g} N",
         )
     _fits_the_section(context)
-    beta = hertz.dundurs_beta(
-        rail.young_modulus, rail.poisson_ratio, wheel.young_modulus, wheel.poisson_ratio
-    )
     untouched = "no tangential force and no creepage"
     if not asked.coefficient and scene.rolling.given:
         called, why = False, "friction.coefficient = 0: it rolls freely"
@@ -61,13 +59,15 @@ def decide(context: Context) -> Effect:
             True,
             f"{why}'s stick patch is {stick:.3g} times as long and wide as the patch",
         )
-    elif abs(beta) < NO_MISMATCH:
+    elif not unlike(scene):
         called, why = False, f"{untouched}, and Dundurs' beta = 0 leaves the surfaces unsheared"
     elif not asked.coefficient:
         called, why = False, f"{untouched}, and friction.coefficient = 0"
     else:
-        why = f"it resists the slip of unlike materials, Dundurs' beta = {beta:.3g}"
-        return Effect(True, False, why, {"on": PRESSED})
+        called, why = (
+            True,
+            f"it resists the slip of unlike materials, Dundurs' beta = {mismatch(scene):.3g}",
+        )
     refused = {} if asked.coefficient else {"on": "friction.coefficient is 0"}
     return Effect(called, called, why, refused)
 
@@ -87,9 +87,39 @@ def apply(setup: Setup, plan: Plan) -> Setup:
             free.append((index, float(getattr(given, f"force_{way}") or 0.0)))
     known[2] = rolling.spin
     far = CerrutiFarField(plan) if contact.half_space and not contact.plane else None
-    motion = tuple(known), tuple(free)
-    rub = Rub(friction.coefficient, rolling.given, frame.axes, frame.origin, *motion, far)
+    rub = Rub(
+        friction.coefficient, rolling.given, frame.axes, frame.origin, tuple(known), tuple(free),
+        legs(plan.context), far,
+    )  # fmt: skip
     return replace(setup, rub=rub)
+
+
+def legs(context: Context) -> tuple[tuple[float, float], ...]:
+    """Shares of the load and of the tangential forces: the patch of unlike bodies grows in equal
+    steps, with friction; then the force."""
+    scene = context.scene
+    if scene.rolling.given:
+        return ((1.0, 1.0),)
+    power = 2 if context.contact.line else 3  # of the load in the patch's length
+    grown = [((step / GROWTH) ** power, 0.0) for step in range(1, GROWTH + 1)]
+    if not unlike(scene):
+        grown = []
+    elif not any(scene.tangential[1:]):
+        return tuple(grown)
+    return (*grown, *(CYCLE if scene.friction.cycle else CYCLE[:1]))
+
+
+def unlike(scene: Scene) -> bool:
+    """Whether bodies slip when they are pressed together: Dundurs' beta != 0."""
+    return abs(mismatch(scene)) > NO_MISMATCH
+
+
+def mismatch(scene: Scene) -> float:
+    """Dundurs' beta."""
+    rail, wheel = scene.rail, scene.wheel
+    return hertz.dundurs_beta(
+        rail.young_modulus, rail.poisson_ratio, wheel.young_modulus, wheel.poisson_ratio
+    )
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.meshing.tags import BODIES
+from railhead.planning.effects import friction
 from railhead.planning.effects.base import After, Context, Effect
 from railhead.postprocess.findings import Array, Findings
 from railhead.scene import steels
@@ -47,7 +48,12 @@ def decide(context: Context) -> Effect:
         why += _expected(context, _over(context, stresses))
     refused = {} if stresses else {"on": "no body that deforms has a yield stress"}
     if stresses and context.decided["friction"].on:
-        refused = {"on": "friction is solved elastically (effects.friction=off leaves it out)"}
+        grows = friction.legs(context)[0][1] == 0
+        if scene.rolling.given or grows:
+            what = "unlike bodies are pressed" if grows else "rolling is solved"
+            refused = {
+                "on": f"{what} elastically with friction; effects.friction=off leaves it out"
+            }
     return Effect(yields, yields and not refused, why, refused)
 
 
