@@ -133,7 +133,11 @@ class Friction:
                 self._mass @ nodal - self._onto @ value.ravel(),
                 rows @ nodal - forces[:, 3],
             ])  # fmt: skip
-            step = scipy.linalg.solve(tangent, -residual, check_finite=False)
+            try:
+                step = scipy.linalg.solve(tangent, -residual, check_finite=False)
+            except scipy.linalg.LinAlgError:  # everything slips under given forces
+                history.append(np.inf)
+                break
             nodal, motion = nodal + step[:m], motion + step[m:]
             changed = float(np.abs(step[:m]).max()) / top
             same = not first and np.array_equal(now, slips)

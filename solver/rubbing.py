@@ -20,6 +20,7 @@ from railhead.solver.yielding import State, YieldingModel
 UNSETTLED = "friction: the tractions do not settle"
 SETTLED = 1e-3  # change of the tractions, over the largest mu p, under the pressure that they make
 PASSES = 30  # of tractions and pressure in turn
+MEMORY = 5  # of them that the next one draws on
 
 
 class RubbingModel(ContactModel):
@@ -145,6 +146,7 @@ class _Way:
     def leg(self, found: Solution, load: float, force: float) -> Solution:
         """To shares of the load and of the given forces, from a solution."""
         self.model.settle()
+        tried: list[tuple[Array, Array]] = []
         if load != self.load:
             found = self._loaded(found, load)
         sheared, changed = None, np.inf
@@ -163,7 +165,8 @@ class _Way:
             changed = float(np.abs(sheared.nodal - self.nodal).max()) / friction.top
             if changed <= SETTLED or not sheared.converged:
                 break
-            found = self._pressed(found, sheared)
+            tried = [*tried[-MEMORY:], (sheared.nodal - self.nodal, sheared.nodal)]
+            found = self._pressed(found, sheared, mixed(tried))
             if not found.newton.converged:
                 break
         assert sheared is not None
@@ -214,10 +217,10 @@ class _Way:
             place += np.tensordot(self._motion(self.sheared), self.rigid, axes=1)
         return place
 
-    def _pressed(self, found: Solution, sheared: Sheared) -> Solution:
-        """Under the tractions; the contact then is linear around that."""
+    def _pressed(self, found: Solution, sheared: Sheared, nodal: Array) -> Solution:
+        """Under tractions (m,) at the nodes; the contact then is linear around that."""
         model, condenser = self.model, self.condenser
-        self.nodal = sheared.nodal
+        self.nodal = nodal
         if self.rub.far is not None:
             model.tangential = self._force(sheared)[1]
         found = model.sheared(found, self.share, condenser.push(self.nodal, self.contact))
@@ -258,6 +261,16 @@ class _Way:
             self.passes, self.history,
         )  # fmt: skip
         return rubbing, total
+
+
+def mixed(tried: list[tuple[Array, Array]]) -> Array:
+    """Tractions to try next, from changes and results of the last ones: of the least change, were
+    it linear (Anderson 1965)."""
+    changes, results = (np.array(each) for each in zip(*tried, strict=True))
+    if len(tried) == 1:
+        return np.asarray(results[-1])
+    shares, *_ = np.linalg.lstsq(np.diff(changes, axis=0).T, changes[-1], rcond=None)
+    return np.asarray(results[-1] - shares @ np.diff(results, axis=0))
 
 
 def slips(rub: Rub, contact: Condensed) -> Array:

@@ -225,7 +225,7 @@ class Loading:
     def _step(self, share: float) -> NewtonResult:
         model, problem, case = self.model, self.problem, self.case
         approach = share * case.approach
-        force = None if case.force is None else share * case.force
+        force = None if case.force is None else case.force * float(share)
         prescribed = model.load(problem, share * case.load, approach, force)
         problem.stretched(prescribed)
         y = self.y
