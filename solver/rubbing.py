@@ -138,7 +138,7 @@ class _Way:
         self.sheared: Sheared | None = None
         self.nodal = np.zeros(contact.answer.shape[1])
         self.legs: list[Array] = []
-        self.load, self.force, self.share = 1.0, 0.0, case
+        self.load, self.peaked, self.share = 1.0, False, case
         self.touched: Mask = np.zeros(len(contact.points), dtype=bool)
         self.energy, self.passes = 0.0, 0
         self.history: tuple[float, ...] = ()
@@ -177,11 +177,11 @@ class _Way:
             return replace(found, newton=replace(found.newton, reason=UNSETTLED))
         if self.settled is not None:
             self.settled = self.settled + sheared.slip
-            if self.force:
+            if self.peaked:
                 weights = self.contact.parts * self.contact.weights
                 work = np.einsum("n,nk,nk->", weights, sheared.traction, sheared.slip)
                 self.energy += float(work)
-        self.force = force
+        self.peaked = self.peaked or force == 1
         self.legs.append(np.concatenate([self._force(sheared)[1], self._motion(sheared)[:2]]))
         return found
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
 
 NO_MISMATCH = 1e-9  # |beta| that is rounding
 GROWTH = 8  # steps in which a patch of unlike bodies grows
-CYCLE = ((1.0, 1.0), (1.0, -1.0), (1.0, 1.0))
+CYCLE = (0.0, 1.0, -1.0, 1.0)  # shares of the force, there, back and there
+SHIFT = 4  # steps from one of them to the next where bodies yield: strain within 2 % of twice them
 WORK, AT = 6.0, 46_000  # times an elastic run of so many unknowns; it grows with their square root:
 # 3.5 to 10 times were measured from 28 000 to 98 000
 
@@ -89,24 +91,34 @@ def apply(setup: Setup, plan: Plan) -> Setup:
     far = CerrutiFarField(plan) if contact.half_space and not contact.plane else None
     rub = Rub(
         friction.coefficient, rolling.given, frame.axes, frame.origin, tuple(known), tuple(free),
-        legs(plan.context), far,
+        legs(scene, line=contact.line, yields=plan.effects["plasticity"].on), far,
     )  # fmt: skip
     return replace(setup, rub=rub)
 
 
-def legs(context: Context) -> tuple[tuple[float, float], ...]:
+def legs(scene: Scene, *, line: bool, yields: bool) -> tuple[tuple[float, float], ...]:
     """Shares of the load and of the tangential forces: the patch of unlike bodies grows in equal
-    steps, with friction; then the force."""
-    scene = context.scene
-    if scene.rolling.given:
-        return ((1.0, 1.0),)
-    power = 2 if context.contact.line else 3  # of the load in the patch's length
-    grown = [((step / GROWTH) ** power, 0.0) for step in range(1, GROWTH + 1)]
-    if not unlike(scene):
+    steps, with friction; then the force, in equal steps where bodies yield."""
+    if not grows(scene):
         grown = []
-    elif not any(scene.tangential[1:]):
-        return tuple(grown)
-    return (*grown, *(CYCLE if scene.friction.cycle else CYCLE[:1]))
+    else:
+        power = 2 if line else 3  # of the load in the patch's length
+        grown = [((step / GROWTH) ** power, 0.0) for step in range(1, GROWTH + 1)]
+        if not any(scene.tangential[1:]):
+            return tuple(grown)
+    turns = CYCLE if scene.friction.cycle else CYCLE[:2]
+    steps = SHIFT if yields else 1
+    shares = [
+        start + (end - start) * step / steps
+        for start, end in itertools.pairwise(turns)
+        for step in range(1, steps + 1)
+    ]
+    return (*grown, *((1.0, share) for share in shares))
+
+
+def grows(scene: Scene) -> bool:
+    """Whether friction takes part while the patch grows."""
+    return unlike(scene) and not scene.rolling.given
 
 
 def unlike(scene: Scene) -> bool:

@@ -48,7 +48,7 @@ def decide(context: Context) -> Effect:
         why += _expected(context, _over(context, stresses))
     refused = {} if stresses else {"on": "no body that deforms has a yield stress"}
     if stresses and context.decided["friction"].on:
-        grows = friction.legs(context)[0][1] == 0
+        grows = friction.grows(scene)
         if scene.rolling.given or grows:
             what = "unlike bodies are pressed" if grows else "rolling is solved"
             refused = {
@@ -67,8 +67,12 @@ def apply(setup: Setup, plan: Plan) -> Setup:
             return side
         return replace(side, material=replace(side.material, hardening=hardening(part)))
 
+    law = setup.law
+    if setup.rub is not None and law.theta is None:  # with 1 Newton's method may swing under shear
+        law = replace(law, theta=0.0)
     path = LoadPath(plan.load_steps, scene.cycles, scene.unload, Near(plan.forecast.zones))
-    return replace(setup, fixed=yielding(setup.fixed), moving=yielding(setup.moving), path=path)
+    fixed, moving = yielding(setup.fixed), yielding(setup.moving)
+    return replace(setup, fixed=fixed, moving=moving, path=path, law=law)
 
 
 def check(context: Context, effect: Effect, found: Findings) -> After | None:
