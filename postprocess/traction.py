@@ -12,12 +12,14 @@ MOTION = {True: ("creepage_along", "creepage_across", "spin_per_mm"),
           False: ("shift_along_mm", "shift_across_mm", "turn_rad")}  # fmt: skip
 
 
-def quantities(found: Rubbing, *, rolling: bool, speed: float | None) -> dict[str, Any]:
+def quantities(
+    found: Rubbing, *, rolling: bool, speed: float | None, cycle: bool
+) -> dict[str, Any]:
     """As "friction" in summary.json: forces and moment of the wheel on the rail, N and N mm, with
     mu N; the wheel's motion over the rail; the share of the patch's area that sticks; the largest
     traction, MPa. Rolling, T-gamma: the energy dissipated per rolled length, N, as forces times
     creepages (of like bodies: unlike ones creep without a force), and, with a speed in m/s, the
-    power in W."""
+    power in W. Of a cycle, the energy that slip dissipates in it, N mm."""
     touches = found.pressure > 0
     share = found.weights[found.sticks].sum() / found.weights[touches].sum()
     out: dict[str, Any] = {
@@ -29,7 +31,10 @@ def quantities(found: Rubbing, *, rolling: bool, speed: float | None) -> dict[st
         "stick_share": float(share),
         "traction_max_MPa": float(np.linalg.norm(found.traction, axis=1).max()),
         "newton_steps": len(found.history),
+        "passes": found.passes,
     }
+    if cycle:
+        out["energy_per_cycle_Nmm"] = found.energy
     if rolling:
         wear = float(np.dot((*found.force, found.moment), found.motion))
         out["t_gamma_N"] = wear

@@ -146,7 +146,10 @@ def solve_level(
             if solution.rubbing is not None:
                 rolling = plan.scene.rolling
                 result["friction"] = traction.quantities(
-                    solution.rubbing, rolling=rolling.given, speed=rolling.speed
+                    solution.rubbing,
+                    rolling=rolling.given,
+                    speed=rolling.speed,
+                    cycle=plan.scene.friction.cycle,
                 )
         ellipse = exact.estimate(plan.scene, plan.contact, solution.load or None)
         return Level(

@@ -24,6 +24,7 @@ from railhead.solver.cells import Array
 from railhead.solver.condensed import Condensed
 
 STEPS = 60  # of Newton's method
+LENGTHS = 1.0, 0.5  # of every other step: the one that leaves less
 TOLERANCE = 1e-8  # change of the tractions over the largest mu p
 LEAST = 1e-300  # below it a vector has no direction
 
@@ -53,7 +54,8 @@ class Sheared:
 
 
 class Friction:
-    """A condensed contact with a coefficient of friction."""
+    """A condensed contact with a coefficient of friction. onto (m, n k): the nodes' shape functions
+    times weights; mass (m, m): of the nodes."""
 
     def __init__(self, contact: Condensed, coefficient: float) -> None:
         """ValueError: a coefficient that is not positive and finite."""
@@ -62,8 +64,8 @@ class Friction:
         self.contact, self.coefficient = contact, coefficient
         n, k = contact.start.shape
         weights = sp.diags(np.repeat(contact.weights, k))
-        self._onto = (contact.traces.T @ weights).tocsr()
-        self._mass = (self._onto @ contact.traces).toarray()
+        self.onto = (contact.traces.T @ weights).tocsr()
+        self.mass = (self.onto @ contact.traces).toarray()
 
     @property
     def top(self) -> float:
@@ -83,75 +85,101 @@ class Friction:
         of 1. modes (j, n, k): further rigid slips, multiplied so that forces along (j, 3) axes in
         space are what is given, N: `forces` (j, 4) holds axes and forces. settled (n, k): of a
         shift, where the surfaces had come to rest, mm. start: of a similar problem."""
-        contact = self.contact
-        free = contact.step * modes
+        contact, (n, k) = self.contact, slip.shape
         base = contact.start + contact.tau[:, None] * (contact.step * slip)
         if settled is not None:
             base -= contact.tau[:, None] * settled
-        found = None if start is None else self._newton(base, free, forces, start)
+        pull = contact.tau[:, None] * (contact.step * modes)
+        problem = _Problem(
+            self,
+            base,
+            np.hstack([contact.answer, pull.reshape(-1, n * k).T]).reshape(n, k, -1),
+            np.hstack([contact.closing, np.zeros((n, len(modes)))]),
+            np.array([contact.force(axis) for axis in forces[:, :3]]).reshape(-1, len(self.mass)),
+            forces[:, 3],
+        )
+        found = None if start is None else problem.solve(start)
         if found is None or not found.converged:
-            found = self._newton(base, free, forces, None)
+            found = problem.solve(None)
         return found
 
-    def _newton(self, base: Array, free: Array, forces: Array, begin: Sheared | None) -> Sheared:
-        contact, (n, k) = self.contact, base.shape
-        m, active, top = self._mass.shape[0], contact.touches, self.top
-        pull = (contact.tau[:, None] * free).reshape(len(free), n * k)
-        rows = np.array([contact.force(axis) for axis in forces[:, :3]]).reshape(-1, m)
-        answer, closing = contact.answer.reshape(n, k, m), contact.closing
-        nodal, motion = np.zeros(m), np.zeros(len(free))
-        slips, direction = np.zeros(n, dtype=bool), np.zeros((n, k))
+
+@dataclass(frozen=True)
+class _Problem:
+    """Unknowns x (m + j,): tractions at the nodes and motions. q = base + pull x, with pull
+    (n, k, m + j); p = p0 + closing x; rows (j, m) of the tractions are the forces (j,), N."""
+
+    friction: Friction
+    base: Array
+    pull: Array
+    closing: Array
+    rows: Array
+    forces: Array
+
+    def solve(self, begin: Sheared | None) -> Sheared:
+        """Newton's method from all that sticks, or from the solution of a similar problem."""
+        contact, coefficient = self.friction.contact, self.friction.coefficient
+        mass, onto, top = self.friction.mass, self.friction.onto, self.friction.top
+        n, k, unknowns = self.pull.shape
+        m, active = len(mass), contact.touches
+        x, slips, direction = np.zeros(unknowns), np.zeros(n, dtype=bool), np.zeros((n, k))
         if begin is not None:
-            nodal, motion, slips, direction = (
-                begin.nodal, begin.motion, begin.slips, begin.direction
-            )  # fmt: skip
+            x = np.concatenate([begin.nodal, begin.motion])
+            slips, direction = begin.slips, begin.direction
         first, history = begin is None, []
-        for _ in range(STEPS):
-            q = base + (contact.answer @ nodal + motion @ pull).reshape(n, k)
-            size = np.maximum(np.linalg.norm(q, axis=1), LEAST)
-            unit = q / size[:, None]
-            bound = self.coefficient * np.maximum(contact.pressure + closing @ nodal, 0.0)
+        while len(history) < STEPS:
+            q, bound, size, unit = self._state(x)
             now = active & (size > bound) & (not first)
             now &= ~(slips & (np.einsum("nk,nk->n", unit, direction) < 0))
-            sticks = active & ~now
             # lambda = value + change (q_new - q) + mu unit (p_new - p)
             value = np.where(now[:, None], bound[:, None] * unit, q) * active[:, None]
             across = np.eye(k) - unit[:, :, None] * unit[:, None, :]
             change = np.where(now, bound / size, 0.0)[:, None, None] * across
-            change[sticks] = np.eye(k)
-            pushed = np.einsum("nij,njm->nim", change, answer)
-            pushed += (
-                np.where(now[:, None], self.coefficient * unit, 0)[..., None] * closing[:, None]
-            )
-            pulled = np.einsum("nij,anj->nia", change, pull.reshape(len(free), n, k))
-            tangent = np.block([
-                [self._mass - self._onto @ pushed.reshape(n * k, m),
-                 -self._onto @ pulled.reshape(n * k, len(free))],
-                [rows, np.zeros((len(rows), len(free)))],
-            ])  # fmt: skip
-            residual = np.concatenate([
-                self._mass @ nodal - self._onto @ value.ravel(),
-                rows @ nodal - forces[:, 3],
-            ])  # fmt: skip
+            change[active & ~now] = np.eye(k)
+            along = np.where(now[:, None], coefficient * unit, 0.0)
+            moved = change @ self.pull + along[:, :, None] * self.closing[:, None, :]
+            tangent = np.zeros((unknowns, unknowns))
+            tangent[:m] = -(onto @ moved.reshape(n * k, -1))
+            tangent[:m, :m] += mass
+            tangent[m:, :m] = self.rows
+            residual = [mass @ x[:m] - onto @ value.ravel(), self.rows @ x[:m] - self.forces]
             try:
-                step = scipy.linalg.solve(tangent, -residual, check_finite=False)
+                step = scipy.linalg.solve(tangent, -np.concatenate(residual), check_finite=False)
             except scipy.linalg.LinAlgError:  # everything slips under given forces
                 history.append(np.inf)
                 break
-            nodal, motion = nodal + step[:m], motion + step[m:]
+            if (
+                len(history) % 2 == 0
+            ):  # at every step it would hold up, never it would go in circles
+                step *= min(LENGTHS, key=lambda length: self._off(x + length * step))
+            x = x + step
             changed = float(np.abs(step[:m]).max()) / top
             same = not first and np.array_equal(now, slips)
             history.append(changed if same else max(changed, 2 * TOLERANCE))
             slips, direction, first = now, unit, False
             if history[-1] <= TOLERANCE:
                 break
-        q = base + (contact.answer @ nodal + motion @ pull).reshape(n, k)
-        pressed = np.maximum(contact.pressure + closing @ nodal, 0.0)
-        pressure = np.where(active, pressed, 0.0)
-        size = np.maximum(np.linalg.norm(q, axis=1), LEAST)
-        share = np.minimum(1.0, self.coefficient * pressure / size)[:, None]
-        sticks = active & (share[:, 0] >= 1)
-        slip = (1 - share) * q / (contact.tau[:, None] * contact.step)
+        q, bound, size, _ = self._state(x)
+        share = np.where(active, np.minimum(1.0, bound / size), 0.0)
+        slip = (1 - share)[:, None] * q / (contact.tau[:, None] * contact.step)
         return Sheared(
-            share * q, slip, sticks, pressure, nodal, motion, slips, direction, tuple(history)
-        )
+            share[:, None] * q, slip, active & (share >= 1),
+            np.where(active, bound / coefficient, 0.0), x[:m], x[m:], slips, direction,
+            tuple(history),
+        )  # fmt: skip
+
+    def _state(self, x: Array) -> tuple[Array, Array, Array, Array]:
+        """q (n, k), mu p and |q| (n,), direction of q (n, k)."""
+        contact = self.friction.contact
+        q = self.base + self.pull @ x
+        bound = self.friction.coefficient * np.maximum(contact.pressure + self.closing @ x, 0.0)
+        size = np.maximum(np.linalg.norm(q, axis=1), LEAST)
+        return q, bound, size, q / size[:, None]
+
+    def _off(self, x: Array) -> float:
+        """How far the nodes' tractions are from the projected ones, weighted by their area."""
+        q, bound, size, _ = self._state(x)
+        share = np.where(self.friction.contact.touches, np.minimum(1.0, bound / size), 0.0)
+        mass, m = self.friction.mass, len(self.friction.mass)
+        off = mass @ x[:m] - self.friction.onto @ (share[:, None] * q).ravel()
+        return float(off @ (off / mass.diagonal()))

@@ -43,8 +43,8 @@ class Rubbing:
     creepage, or shift in mm, along and across, and spin (1/mm); force along and across, N; moment
     N mm about the normal at the origin; limit mu N, N; legs (l, 4): force along and across (N) and
     shift along and across (mm) at the end of each leg; energy: dissipated by slip after the force
-    was reached for the first time, N mm; passes: how often tractions and pressure were found in turn;
-    history: the longest of `solver.friction.Sheared`."""
+    was reached for the first time, N mm; passes: how often tractions and pressure were found in
+    turn; history: the longest of `solver.friction.Sheared`."""
 
     points: Array
     weights: Array
