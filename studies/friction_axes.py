@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +15,7 @@ from railhead.postprocess.plots import FE, HERTZ, THESIS, new_figure
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+Point = tuple[float, float]
 SHIFT = 4.0  # mm, for a contact angle that can be seen
 STEEL = "#d9dde2"
 
@@ -42,14 +42,13 @@ def _front(axes: Axes) -> None:
     axes.fill_between(outline[:, 1], outline[:, 2], 40, color="#eceff2", lw=0)
     axes.plot(y, rail.height(y), color=THESIS)
     axes.plot(outline[:, 1], outline[:, 2], color=THESIS)
-    at = np.array([touch.y, touch.z])
-    c, s = np.cos(touch.angle), np.sin(touch.angle)
-    _arrow(axes, at, at + 26 * np.array([c, s]), FE, "y, s: field side")
-    _arrow(axes, at, at + 26 * np.array([-s, c]), FE, "normal, out of the rail")
+    at, c, s = (touch.y, touch.z), np.cos(touch.angle), np.sin(touch.angle)
+    _arrow(axes, at, (at[0] + 26 * c, at[1] + 26 * s), FE, "y, s: field side")
+    _arrow(axes, at, (at[0] - 26 * s, at[1] + 26 * c), FE, "normal, out of the rail")
     axes.plot(*at, "o", color=FE, ms=11, mfc="white", mew=2)
     axes.plot(*at, "o", color=FE, ms=4)
     _note(axes, "x: to where the wheel rolls,\nout of the page", at, (at[0] + 12, at[1] - 20))
-    _arrow(axes, np.array([20.0, 32.0]), np.array([34.0, 32.0]), HERTZ, "wheelset.shift")
+    _arrow(axes, (20.0, 32.0), (34.0, 32.0), HERTZ, "wheelset.shift")
     axes.text(-40, -37, "gauge side", color=THESIS, ha="right")
     axes.text(42, -37, "field side", color=THESIS)
     axes.set(xlim=(-75, 75), ylim=(-42, 42), title="From the front")
@@ -58,34 +57,32 @@ def _front(axes: Axes) -> None:
 def _above(axes: Axes) -> None:
     turn = np.linspace(0, 2 * np.pi, 181)
     axes.fill(6 * np.cos(turn), 4.6 * np.sin(turn), color=STEEL, lw=0)
-    origin = np.zeros(2)
-    _arrow(axes, origin, np.array([9.0, 0.0]), FE, "x")
-    _arrow(axes, origin, np.array([0.0, 6.2]), FE, "y, s")
+    origin = (0.0, 0.0)
+    _arrow(axes, origin, (9.0, 0.0), FE, "x")
+    _arrow(axes, origin, (0.0, 6.2), FE, "y, s")
     axes.plot(0, 0, "o", color=FE, ms=11, mfc="white", mew=2)
     axes.plot(0, 0, "o", color=FE, ms=4)
     _note(axes, "normal, out of the page", origin, (-6.0, 6.2))
-    _arrow(axes, np.array([0.8, 0.9]), np.array([3.6, 0.9]), HERTZ, "")
+    _arrow(axes, (0.8, 0.9), (3.6, 0.9), HERTZ)
     _note(axes, "creepage along, force along", (3.2, 0.9), (8.4, 2.8), HERTZ)
-    _arrow(axes, np.array([0.8, 1.5]), np.array([0.8, 3.8]), HERTZ, "")
+    _arrow(axes, (0.8, 1.5), (0.8, 3.8), HERTZ)
     _note(axes, "creepage across, force across", (0.8, 3.4), (8.0, 5.4), HERTZ)
-    arc = np.radians(np.linspace(200, 335, 60))
-    axes.plot(2.6 * np.cos(arc), 2.6 * np.sin(arc), color=HERTZ)
-    ends = (2.6 * np.array([np.cos(a), np.sin(a)]) for a in (arc[-2], arc[-1] + 0.1))
-    _arrow(axes, *ends, HERTZ, "")
+    arc = np.radians(np.linspace(200, 340, 60))
+    x, y = 2.6 * np.cos(arc), 2.6 * np.sin(arc)
+    axes.plot(x[:-2], y[:-2], color=HERTZ)
+    _arrow(axes, (x[-6], y[-6]), (x[-1], y[-1]), HERTZ)
     _note(axes, "spin, moment", (2.0, -1.7), (7.5, -3.6), HERTZ)
     axes.text(6.2, -0.9, "leading edge", color=THESIS)
     axes.text(-6.2, 0, "trailing edge", color=THESIS, ha="right")
     axes.set(xlim=(-11, 14), ylim=(-6, 8), title="The patch from above")
 
 
-def _note(
-    axes: Axes, text: str, at: Sequence[float], where: Sequence[float], colour: str = FE
-) -> None:
+def _note(axes: Axes, text: str, at: Point, where: Point, colour: str = FE) -> None:
     line = {"arrowstyle": "-", "color": colour, "lw": 0.8}
     axes.annotate(text, at, where, color=colour, ha="center", arrowprops=line)
 
 
-def _arrow(axes: Axes, start: np.ndarray, end: np.ndarray, colour: str, name: str) -> None:
+def _arrow(axes: Axes, start: Point, end: Point, colour: str, name: str = "") -> None:
     axes.annotate("", end, start, arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 2})
-    away = end + 0.06 * (end - start)
-    axes.text(*away, name, color=colour, va="center" if end[1] == start[1] else "bottom")
+    x, y = (1.06 * stop - 0.06 * begin for begin, stop in zip(start, end, strict=True))
+    axes.text(x, y, name, color=colour, va="center" if end[1] == start[1] else "bottom")

@@ -3,6 +3,7 @@
 import functools
 import json
 import math
+from pathlib import Path
 
 import pytest
 
@@ -10,6 +11,12 @@ import railhead as rh
 from railhead import screen
 from railhead.theory import sliding
 
+ENTRIES = {
+    entry["id"]: entry
+    for entry in json.loads(
+        (Path(__file__).parents[1] / "theory" / "data" / "friction.json").read_text()
+    )["entries"]
+}
 MU = 0.3
 COARSE = {"patch_size": 2.6}  # three elements across the patch: forces within OFF of mu N
 OFF = 0.08
@@ -104,6 +111,26 @@ def test_the_hardest_place_is_that_of_a_sliding_strip(coefficient: float, where:
     assert answer["von_mises_max_at"] == where
     assert "shear_yield_MPa" not in answer
     assert answer["traction_coefficient"] == pytest.approx(coefficient, rel=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("coefficient, name", [(0.25, "subsurface"), (0.35, "surface")])
+def test_the_hardest_place_of_an_ellipse_is_that_of_the_integrals(
+    coefficient: float, name: str
+) -> None:
+    """R 420 x 300 under 25 kN, all of it slipping: 1 % below, 5 % at the surface."""
+    entry = ENTRIES[f"mises_thesis_25_kN_mu{coefficient}"]
+    scene = rh.find("hertz_ellipse").replace(
+        friction={"coefficient": coefficient},
+        rolling={"creepage_along": 0.5},
+        mesh={"patch_size": 0.87},
+    )
+    answer, off = friction(rh.solve(scene, quiet=True)), 0.01 if name == "subsurface" else 0.05
+    exact = entry["p0_MPa_or_1"] * entry[f"{name}_mises_over_p0"]
+    assert answer["von_mises_max_MPa"] == pytest.approx(exact, rel=off)
+    depth = 3.465 * entry["subsurface_depth_over_b"] if name == "subsurface" else 0.0
+    assert answer["von_mises_max_depth_mm"] == pytest.approx(depth, abs=0.03 * 3.465)
+    assert answer["von_mises_max_at"] == {"subsurface": "below"}.get(name, name)
 
 
 def test_the_patch_stands_in_the_shakedown_map_where_the_steel_is_known(tmp_path) -> None:
