@@ -47,23 +47,30 @@ def stands(of: rh.Scene) -> dict:
 
 
 def turned(touch: Touch, side: int, given: rh.Scene, roll: float, level: float) -> Creepage:
-    """Of the wheelset as a rigid body in space, by what two moments make of the particle at the
-    contact: side +1 as placed, -1 its mirror image in y = 0."""
+    """Of the wheelset as a rigid body in space: where its particles at and beside the contact are a
+    moment later; side +1 as placed, -1 its mirror image in y = 0."""
     mirror = np.array([1.0, side, 1.0])
     axle = Rotation.from_euler("xz", [roll, given.wheelset.yaw]).apply([0.0, 1.0, 0.0])
     centre = np.array([0.0, given.wheelset.shift, level])
     crown = Track(given.wheelset.back_to_back, given.rail.gauge).crown(pair(given).rail)
     point = np.array([touch.x, touch.y + crown, touch.z]) * mirror
-    step, nominal = 1e-4, given.wheel.rolling_radius  # of 1 mm rolled
-    after, before = (
-        centre + [way, 0, 0] + Rotation.from_rotvec(axle * way / nominal).apply(point - centre)
-        for way in (step, -step)
-    )
-    slip = (after - before) / (2 * step)
     c, s = np.cos(touch.angle), np.sin(touch.angle)
-    across, normal = np.array([0, c, s]) * mirror, np.array([0, -s, c]) * mirror
-    spin = side * axle @ normal / nominal  # a mirror turns the other way
-    return Creepage(slip[0], slip @ across, spin)
+    along, across = np.array([1.0, 0.0, 0.0]), np.array([0.0, c, s]) * mirror
+    step, nominal = 1e-4, given.wheel.rolling_radius  # of 1e-4 mm rolled
+
+    def slip(particle: np.ndarray) -> np.ndarray:
+        after, before = (
+            centre
+            + way * along
+            + Rotation.from_rotvec(axle * way / nominal).apply(particle - centre)
+            for way in (step, -step)
+        )
+        moved = (after - before) / (2 * step)
+        return np.array([moved @ along, moved @ across])
+
+    here, ahead, beside = slip(point), slip(point + along), slip(point + across)
+    spin = ((ahead - here)[1] - (beside - here)[0]) / 2  # of (along - spin s, across + spin x)
+    return Creepage(here[0], here[1], spin)
 
 
 @pytest.mark.parametrize("shift, yaw", POSITIONS)

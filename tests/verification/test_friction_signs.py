@@ -147,6 +147,16 @@ def test_the_patch_stands_in_the_shakedown_map_where_the_steel_is_known(tmp_path
     assert (tmp_path / "out" / "shakedown.png").stat().st_size > 10_000
 
 
+def test_steel_that_would_yield_stays_elastic_and_keeps_its_friction() -> None:
+    """Hertz's 294 MPa are p0/k = 5 of a yield of 100 MPa."""
+    found = rh.solve(plane(0.5, rail={"yield_stress": 100}), quiet=True).as_dict()
+    answer = found["result"]["friction"]
+    assert answer["force_along_N"] == pytest.approx(answer["limit_N"], rel=1e-3)
+    assert answer["shakedown"] == "ratchets" and answer["p0_over_k"] > 4.5
+    assert answer["surface_fatigue_index"] > 0.25
+    assert "plastic" not in found["result"] and found["effects_after"]["plasticity"]["needed"]
+
+
 def test_the_table_says_wear_and_where_the_steel_is_hit_hardest() -> None:
     shown = screen.text(rh.solve(plane(0.5, wheel={"yield_stress": 300}), quiet=True).show)
     for said in ("catastrophic", "surface", "passing again and again", "p0/k"):
