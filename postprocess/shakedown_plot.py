@@ -30,7 +30,7 @@ def draw(friction: Mapping[str, Any], poisson: float, path: Path) -> None:
             1 / sliding,
             ":",
             color=THESIS,
-            label="surface limit, coefficient times p0 = k (FI = 0)",
+            label="surface limit, FI = 0",
         )
         axes.plot(
             0,
@@ -38,7 +38,7 @@ def draw(friction: Mapping[str, Any], poisson: float, path: Path) -> None:
             "^",
             color=HERTZ,
             clip_on=False,
-            label="shakedown limit of a circle",
+            label="the same of a circle",
         )
         axes.plot(
             used, friction["first_yield_p0_over_k"], "_", color=FE, ms=16, mew=2,
@@ -46,7 +46,7 @@ def draw(friction: Mapping[str, Any], poisson: float, path: Path) -> None:
         )  # fmt: skip
         state, index = friction["shakedown"], friction["surface_fatigue_index"]
         axes.plot(
-            used, ratio, "o", color=FE, ms=8, label=f"this patch: {state}, FI = {index:.3g}",
+            used, ratio, "o", color=FE, ms=8, label=f"this patch: {state}, FI = {index:.2f}",
             clip_on=False,
         )  # fmt: skip
         axes.set(
