@@ -48,10 +48,11 @@ def _solve(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[Le
 
 
 def _unforeseen(level: Level) -> str:
-    """Why bodies yield that the plan took for elastic (rank 0); empty where they do not, or where a
-    person wants them elastic."""
+    """Why bodies yield that the plan took for elastic (rank 0); empty where they do not, where a
+    person wants them elastic, or where friction keeps them so."""
     effect, after = level.plan.effects["plasticity"], level.after.get("plasticity")
-    if after is None or not after.needed or effect.on or effect.override:
+    kept = effect.on or effect.override or "on" in effect.refused
+    if after is None or not after.needed or kept:
         return ""
     return after.why
 

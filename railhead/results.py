@@ -136,7 +136,7 @@ def _exchange(one: Path, other: Path) -> None:
 
 def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
     """Write summary, scene, VTU files and pictures; returns the file names."""
-    from railhead.postprocess import export, gallery, plastic_plots, traction_plots
+    from railhead.postprocess import export, gallery, plastic_plots, shakedown_plot, traction_plots
     from railhead.postprocess.stress import nodal
 
     with replacing(folder) as work:
@@ -171,6 +171,10 @@ def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
                     work / "friction.png", mirrored=result.plan.half_y,
                     rolling=result.plan.scene.rolling.given,
                 )  # fmt: skip
+                friction = result.summary["result"]["friction"]
+                if "p0_over_k" in friction:
+                    poisson = result.plan.shown.poisson_ratio
+                    shakedown_plot.draw(friction, poisson, work / "shakedown.png")
         (work / "scene.toml").write_text(to_toml(result.plan.scene), encoding="utf-8")
         (work / SUMMARY).write_text(as_json(result), encoding="utf-8")
         return sorted(path.name for path in work.iterdir())

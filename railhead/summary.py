@@ -12,7 +12,7 @@ from railhead.geometry.flat import FlatContact
 from railhead.level import Level
 from railhead.planning import effects
 from railhead.planning.effects import plasticity
-from railhead.postprocess import compare
+from railhead.postprocess import compare, damage
 from railhead.second_opinion import half_space
 from railhead.theory.hertz import Ellipse
 
@@ -51,9 +51,7 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
         "case": scene.name,
         "scene": scene.model_dump(exclude_none=True),
         "plan": plan.summary(),
-        "result": level.result
-        if level.left is None
-        else level.result and {**level.result, "plastic": _plastic(level)},
+        "result": level.result and {**level.result, **_more(level)},
         **({} if plain is None else {_kind(level): plain.result}),
         "hertz": hertz,
         "thesis": thesis,
@@ -94,6 +92,18 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
 
 def _kind(level: Level) -> str:
     return "frictionless" if level.plan.effects["friction"].on else "elastic"
+
+
+def _more(level: Level) -> dict[str, Any]:
+    """What yield leaves and what tractions do to the steel."""
+    out: dict[str, Any] = {} if level.left is None else {"plastic": _plastic(level)}
+    if level.result is not None and (found := level.result.get("friction")):
+        plan = level.plan
+        out["friction"] = found | damage.answers(
+            level.result, plan.scene.friction.coefficient, plasticity.shear_yield(plan.context),
+            rolling=plan.scene.rolling.given, line=plan.contact.line,
+        )  # fmt: skip
+    return out
 
 
 def _plastic(level: Level) -> dict[str, Any]:

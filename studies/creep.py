@@ -20,7 +20,7 @@ from railhead.solver.condensed import Condenser
 from railhead.solver.contact import LoadCase
 from railhead.solver.friction import Friction
 from railhead.solver.rubbing import RubbingModel, slips
-from railhead.studies import tables
+from railhead.studies import friction_axes, tables
 from railhead.theory import kalker
 from railhead.theory.fastsim import fastsim
 from railhead.theory.hertz import Ellipse
@@ -102,7 +102,7 @@ def rolled(motions: Sequence[Creepage], resolution: float | None) -> Iterator[Po
 
 
 def main(out: Path, *, quick: bool) -> None:
-    """Write creep.csv, creep.png and page.md; quick: two points of a coarse mesh."""
+    """Write creep.csv, both pictures and page.md; quick: two points of a coarse mesh."""
     points = []
     plans: list[tuple[Sequence[Creepage], float | None]] = [
         ([Creepage(xi) for xi in (ALONG[2:5:2] if quick else ALONG)], COARSE if quick else None)
@@ -117,6 +117,7 @@ def main(out: Path, *, quick: bool) -> None:
             points.append(point)
     tables.write_csv(out / "creep.csv", points, {"spin": "per_mm", "seconds": "s"})
     draw(points, out / "creep.png")
+    friction_axes.draw(out / "friction_axes.png")
     (out / study.PAGE).write_text(page(points), encoding="utf-8")
 
 

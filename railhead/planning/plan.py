@@ -335,6 +335,11 @@ class Plan:
             "patch_size_mm": self.patch_size,
             "slave": BODIES[self.slave],
             "contact_angle_rad": self.contact.touch.angle,
+            **(
+                {}
+                if (found := friction.rolled(self.context)) is None
+                else {"wheelset": found.summary()}
+            ),
             "forecast": {"hertzian": self.forecast.hertzian, "reason": self.forecast.reason},
             "profiles": self.profiles,
             "profile_uncertainty": self.uncertainty and vars(self.uncertainty),

@@ -150,7 +150,7 @@ class Scene(Section):
             return False, False
         if rolling.given:
             sideways = rolling.creepage_across or rolling.force_across or rolling.spin
-            return True, bool(sideways)
+            return True, bool(sideways or rolling.from_wheelset)
         return bool(friction.force_along), bool(friction.force_across)
 
     @model_validator(mode="after")

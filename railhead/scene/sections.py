@@ -316,8 +316,11 @@ class Rolling(Section):
     """Steady rolling towards positive x. Of either direction a creepage (velocity of the wheel's
     surface relative to the rail's over the rolling speed) or a force of the wheel on the rail (N)
     to be met; ``spin`` in 1/mm about the normal out of the rail; ``speed`` in m/s is for the power
-    alone.
+    alone. ``from_wheelset`` takes creepages and spin from where the wheelset stands; beside it a
+    torque may give ``force_along``.
     """
+
+    from_wheelset: bool = False
 
     creepage_along: units.Creepage | None = None
     creepage_across: units.Creepage | None = None
@@ -334,6 +337,10 @@ class Rolling(Section):
                 and getattr(self, f"force_{way}") is not None
             ):
                 raise SceneError(f"force_{way}", f"is not allowed beside creepage_{way}; give one")
+        if self.from_wheelset:
+            for key in ("creepage_along", "creepage_across", "force_across", "spin"):
+                if getattr(self, key) != type(self).model_fields[key].default:
+                    raise SceneError(key, "is not allowed beside from_wheelset, which gives it")
         if self.speed is not None and not self.given:
             raise SceneError("speed", "is not allowed without a creepage, spin or force; give one")
         return self
@@ -342,7 +349,7 @@ class Rolling(Section):
     def given(self) -> bool:
         """Whether the wheel rolls with friction."""
         chosen = (self.creepage_along, self.creepage_across, self.force_along, self.force_across)
-        return any(value is not None for value in chosen) or self.spin != 0
+        return self.from_wheelset or any(value is not None for value in chosen) or self.spin != 0
 
 
 class Effects(Section):

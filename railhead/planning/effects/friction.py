@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from railhead.geometry import rolls
+from railhead.geometry.rolls import Rolls
 from railhead.meshing.tags import RAIL
 from railhead.planning import exact
 from railhead.planning.effects.base import After, Context, Effect
 from railhead.postprocess.findings import Findings, Frame
-from railhead.scene.scene import Scene, SceneError
+from railhead.scene.scene import SceneError
 from railhead.solver.setup import Rub, Setup
 from railhead.theory import halfspace, hertz, kalker
 from railhead.theory.hertz import Ellipse
@@ -46,12 +48,14 @@ def decide(context: Context) -> Effect:
             f"{force:g} N would slide; give less than friction.coefficient times the normal force, "
             f"{limit:g} N",
         )
+    wheelset = rolled(context)
     _fits_the_section(context)
     untouched = "no tangential force and no creepage"
     if not asked.coefficient and scene.rolling.given:
         called, why = False, "friction.coefficient = 0: it rolls freely"
     elif scene.rolling.given:
-        called, why = True, f"the wheel rolls{_expected(context, limit)}"
+        stands = f" as the wheelset stands, {wheelset.why}" if wheelset else ""
+        called, why = True, f"the wheel rolls{stands}{_expected(context, limit)}"
     elif force:
         stick = (1 - force / limit) ** (1 / 2 if context.contact.line else 1 / 3)
         why = (
@@ -80,14 +84,15 @@ def apply(setup: Setup, plan: Plan) -> Setup:
     frame = Frame(contact.origin, contact.touch.angle)
     rolling, friction = scene.rolling, scene.friction
     given = rolling if rolling.given else friction
-    known = np.zeros(3)
+    moves = creepage(plan.context)
+    known = np.array([moves.along, moves.across, moves.spin])
     free = []
     for index, way in enumerate(("along", "across")):
         if rolling.given and getattr(rolling, f"force_{way}") is None:
-            known[index] = getattr(rolling, f"creepage_{way}") or 0.0
-        elif not (plan.half_x, plan.half_y or contact.plane == "xz")[index]:
+            continue
+        known[index] = 0.0
+        if not (plan.half_x, plan.half_y or contact.plane == "xz")[index]:
             free.append((index, float(getattr(given, f"force_{way}") or 0.0)))
-    known[2] = rolling.spin
     far = CerrutiFarField(plan) if contact.half_space and not contact.plane else None
     rub = Rub(
         friction.coefficient, rolling.given, frame.axes, frame.origin, tuple(known), tuple(free),
@@ -160,9 +165,19 @@ def check(context: Context, effect: Effect, found: Findings) -> After | None:
     )
 
 
-def creepage(scene: Scene) -> Creepage:
-    """What is given; 0 where a force is to be met."""
-    rolling = scene.rolling
+def rolled(context: Context) -> Rolls | None:
+    """How the wheel creeps where it is the wheelset that says so. Raises SceneError."""
+    if not context.scene.rolling.from_wheelset:
+        return None
+    contact = context.contact
+    return rolls.of(contact, context.hertz.approach / math.cos(contact.touch.angle))
+
+
+def creepage(context: Context) -> Creepage:
+    """What is given, or the wheelset's; 0 where it is not."""
+    rolling, wheelset = context.scene.rolling, rolled(context)
+    if wheelset:
+        return wheelset.creepage
     return Creepage(rolling.creepage_along or 0.0, rolling.creepage_across or 0.0, rolling.spin)
 
 
@@ -175,7 +190,7 @@ def _expected(context: Context, limit: float) -> str:
         return ""
     pair = exact.tangential_pair(scene)
     linear = kalker.coefficients(ellipse.a / ellipse.b, pair.poisson)
-    forces = linear.forces(ellipse.a, ellipse.b, pair.shear_modulus, creepage(scene))
+    forces = linear.forces(ellipse.a, ellipse.b, pair.shear_modulus, creepage(context))
     share = math.hypot(*forces[:2]) / limit
     return f": Kalker's linear force is {share:.3g} mu N" + (
         ", most of the patch slips" if share > 1 else ""

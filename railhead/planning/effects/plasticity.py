@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -97,6 +98,12 @@ def hardening(part: Part) -> Hardening:
         return Hardening.linear(part.yield_stress, part.hardening_modulus or 0.0, share)
     strain, stress = zip(*part.curve, strict=True)
     return Hardening(strain, stress, share)
+
+
+def shear_yield(context: Context) -> float | None:
+    """Yield stress in shear of the weaker body that deforms, MPa; None where none is known."""
+    limits = [hardening(part).first / math.sqrt(3) for part in _yielding(context).values()]
+    return min(limits, default=None)
 
 
 @dataclass(frozen=True)

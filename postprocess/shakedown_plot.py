@@ -1,0 +1,57 @@
+"""The picture of the shakedown map with the patch in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from railhead.postprocess.plots import FE, HERTZ, THESIS, new_figure
+from railhead.theory import shakedown
+
+FRICTION = np.linspace(0.0, 0.6, 25)
+HIGH = 6.0  # p0/k
+
+
+def draw(friction: Mapping[str, Any], poisson: float, path: Path) -> None:
+    """`friction` of a result in summary.json, with p0_over_k; limits of a line under full slip."""
+    used, ratio = friction["traction_coefficient"], friction["p0_over_k"]
+    with new_figure(path, 7, 4.8) as figure:
+        axes = figure.subplots()
+        limits = [shakedown.shakedown_limit(each) for each in FRICTION]
+        elastic = [shakedown.elastic_limit(each, poisson) for each in FRICTION]
+        axes.plot(FRICTION, limits, color=HERTZ, label="shakedown limit of a line")
+        axes.plot(FRICTION, elastic, "--", color=HERTZ, label="elastic limit of a line")
+        sliding = FRICTION[FRICTION > 1 / (2 * HIGH)]
+        axes.plot(
+            sliding,
+            1 / sliding,
+            ":",
+            color=THESIS,
+            label="surface limit, FI = 0",
+        )
+        axes.plot(
+            0,
+            shakedown.CIRCLE,
+            "^",
+            color=HERTZ,
+            clip_on=False,
+            label="the same of a circle",
+        )
+        axes.plot(
+            used, friction["first_yield_p0_over_k"], "_", color=FE, ms=16, mew=2,
+            label="this patch begins to yield",
+        )  # fmt: skip
+        state, index = friction["shakedown"], friction["surface_fatigue_index"]
+        axes.plot(
+            used, ratio, "o", color=FE, ms=8, label=f"this patch: {state}, FI = {index:.2f}",
+            clip_on=False,
+        )  # fmt: skip
+        axes.set(
+            xlim=(0, max(FRICTION[-1], 1.1 * used)), ylim=(0, max(HIGH, 1.1 * ratio)),
+            xlabel="traction coefficient: tangential over normal force",
+            ylabel="largest pressure over shear yield, p0/k",
+        )  # fmt: skip
+        figure.legend(loc="outside upper center", ncols=2)

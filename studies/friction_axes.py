@@ -1,0 +1,88 @@
+"""The picture of the axes and signs of friction."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from railhead.meshing import profiles
+from railhead.meshing.placement import Pair
+from railhead.meshing.wheelset import Track, place
+from railhead.postprocess.plots import FE, HERTZ, THESIS, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Point = tuple[float, float]
+SHIFT = 4.0  # mm, for a contact angle that can be seen
+STEEL = "#d9dde2"
+
+
+def draw(path: Path) -> None:
+    """The wheel from the front and the patch from above."""
+    with new_figure(path, 12, 4.6) as figure:
+        front, above = figure.subplots(1, 2, width_ratios=(1, 1.05))
+        _front(front)
+        _above(above)
+        for axes in (front, above):
+            axes.set_aspect("equal")
+            axes.set_axis_off()
+
+
+def _front(axes: Axes) -> None:
+    rail, wheel = profiles.rail_head("60E1", 1 / 40), profiles.s1002()
+    side = place(Pair(rail, wheel, 460.0), Track(gauge=1435.0), shift=SHIFT).right
+    touch = side.touches[0]
+    y = np.linspace(*rail.domain, 801)
+    axes.fill_between(y, rail.height(y), -30, color=STEEL, lw=0)
+    tread = np.linspace(*wheel.domain, 801)
+    outline = Pair(rail, wheel, 460.0).outline(side.pose, tread).points
+    axes.fill_between(outline[:, 1], outline[:, 2], 40, color="#eceff2", lw=0)
+    axes.plot(y, rail.height(y), color=THESIS)
+    axes.plot(outline[:, 1], outline[:, 2], color=THESIS)
+    at, c, s = (touch.y, touch.z), np.cos(touch.angle), np.sin(touch.angle)
+    _arrow(axes, at, (at[0] + 26 * c, at[1] + 26 * s), FE, "y, s: field side")
+    _arrow(axes, at, (at[0] - 26 * s, at[1] + 26 * c), FE, "normal, out of the rail")
+    axes.plot(*at, "o", color=FE, ms=11, mfc="white", mew=2)
+    axes.plot(*at, "o", color=FE, ms=4)
+    _note(axes, "x: to where the wheel rolls,\nout of the page", at, (at[0] + 12, at[1] - 20))
+    _arrow(axes, (20.0, 32.0), (34.0, 32.0), HERTZ, "wheelset.shift")
+    axes.text(-40, -37, "gauge side", color=THESIS, ha="right")
+    axes.text(42, -37, "field side", color=THESIS)
+    axes.set(xlim=(-75, 75), ylim=(-42, 42), title="From the front")
+
+
+def _above(axes: Axes) -> None:
+    turn = np.linspace(0, 2 * np.pi, 181)
+    axes.fill(6 * np.cos(turn), 4.6 * np.sin(turn), color=STEEL, lw=0)
+    origin = (0.0, 0.0)
+    _arrow(axes, origin, (9.0, 0.0), FE, "x")
+    _arrow(axes, origin, (0.0, 6.2), FE, "y, s")
+    axes.plot(0, 0, "o", color=FE, ms=11, mfc="white", mew=2)
+    axes.plot(0, 0, "o", color=FE, ms=4)
+    _note(axes, "normal, out of the page", origin, (-6.0, 6.2))
+    _arrow(axes, (0.8, 0.9), (3.6, 0.9), HERTZ)
+    _note(axes, "creepage along, force along", (3.2, 0.9), (8.4, 2.8), HERTZ)
+    _arrow(axes, (0.8, 1.5), (0.8, 3.8), HERTZ)
+    _note(axes, "creepage across, force across", (0.8, 3.4), (8.0, 5.4), HERTZ)
+    arc = np.radians(np.linspace(200, 340, 60))
+    x, y = 2.6 * np.cos(arc), 2.6 * np.sin(arc)
+    axes.plot(x[:-2], y[:-2], color=HERTZ)
+    _arrow(axes, (x[-6], y[-6]), (x[-1], y[-1]), HERTZ)
+    _note(axes, "spin, moment", (2.0, -1.7), (7.5, -3.6), HERTZ)
+    axes.text(6.2, -0.9, "leading edge", color=THESIS)
+    axes.text(-6.2, 0, "trailing edge", color=THESIS, ha="right")
+    axes.set(xlim=(-11, 14), ylim=(-6, 8), title="The patch from above")
+
+
+def _note(axes: Axes, text: str, at: Point, where: Point, colour: str = FE) -> None:
+    line = {"arrowstyle": "-", "color": colour, "lw": 0.8}
+    axes.annotate(text, at, where, color=colour, ha="center", arrowprops=line)
+
+
+def _arrow(axes: Axes, start: Point, end: Point, colour: str, name: str = "") -> None:
+    axes.annotate("", end, start, arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 2})
+    x, y = (1.06 * stop - 0.06 * begin for begin, stop in zip(start, end, strict=True))
+    axes.text(x, y, name, color=colour, va="center" if end[1] == start[1] else "bottom")

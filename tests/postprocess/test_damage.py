@@ -1,0 +1,61 @@
+"""What tractions do to the steel, from numbers made by hand."""
+
+import math
+
+import pytest
+
+from railhead.postprocess.damage import answers
+
+MU = 0.4
+
+
+def result(used: float, pressure: float, von_mises: float, depth: float = 2.0) -> dict:
+    """1000 N on 4 x 5 mm, half of the forces across."""
+    force = used * 1000 / math.sqrt(2)
+    return {
+        "patch": {"a_mm": 5.0, "b_mm": 4.0, "area_mm2": 60.0},
+        "pressure": {"max_MPa": pressure},
+        "stress": {"von_mises_max_MPa": von_mises, "von_mises_max_depth_mm": depth},
+        "friction": {"force_along_N": force, "force_across_N": -force, "limit_N": MU * 1000,
+                     "t_gamma_N": 120.0},
+    }  # fmt: skip
+
+
+def test_forces_of_both_ways_make_the_coefficient() -> None:
+    found = answers(result(0.3, 900.0, 560.0), MU, None, rolling=True, line=True)
+    assert found["traction_coefficient"] == pytest.approx(0.3)
+    assert found["t_gamma_over_area_MPa"] == pytest.approx(2.0)
+    assert found["wear_regime"] == "mild" and found["wear_regime_british_rail"] == "severe"
+    assert found["first_yield_p0_over_k"] == pytest.approx(math.sqrt(3) * 900 / 560)
+    assert not {"p0_over_k", "surface_fatigue_index", "shakedown"} & found.keys()
+
+
+@pytest.mark.parametrize(
+    "used, ratio, line, state",
+    [
+        (0.1, 2.7, True, "elastic"),
+        (0.1, 3.4, True, "shakes down"),
+        (0.1, 3.7, True, "ratchets"),
+        (0.1, 3.7, False, "open"),  # above a line's limit, the surface holds
+        (0.1, 4.7, False, "ratchets"),  # above a circle's without friction
+        (0.36, 2.9, False, "ratchets"),  # FI = 0.36 - 1/2.9
+        (0.36, 2.75, False, "open"),
+    ],
+)
+def test_the_place_in_the_map_is_said(used: float, ratio: float, line: bool, state: str) -> None:
+    k = 300.0
+    given = result(used, ratio * k, ratio * k / 1.6)  # first yield at p0/k = 2.77 ...
+    if used > 0.2:
+        given["stress"]["von_mises_max_MPa"] *= 1.3  # ... and 2.13
+    found = answers(given, MU, k, rolling=True, line=line)
+    assert found["p0_over_k"] == pytest.approx(ratio)
+    assert found["surface_fatigue_index"] == pytest.approx(used - 1 / ratio)
+    assert found["shakedown"] == state
+
+
+def test_a_shift_wears_nothing_and_has_a_hardest_place() -> None:
+    found = answers(result(0.3, 900.0, 560.0, -0.3), MU, 300.0, rolling=False, line=False)
+    assert found == {"von_mises_max_MPa": 560.0, "von_mises_max_depth_mm": 0.3,
+                     "von_mises_max_at": "surface"}  # fmt: skip
+    deep = answers(result(0.3, 900.0, 560.0, 0.5), MU, 300.0, rolling=False, line=False)
+    assert deep["von_mises_max_at"] == "below"

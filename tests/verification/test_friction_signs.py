@@ -1,0 +1,163 @@
+"""Signs of friction by mirrors, and what the wheelset and the steel make of it."""
+
+import functools
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+import railhead as rh
+from railhead import screen
+from railhead.theory import sliding
+
+ENTRIES = {
+    entry["id"]: entry
+    for entry in json.loads(
+        (Path(__file__).parents[1] / "theory" / "data" / "friction.json").read_text()
+    )["entries"]
+}
+MU = 0.3
+COARSE = {"patch_size": 2.6}  # three elements across the patch: forces within OFF of mu N
+OFF = 0.08
+STEEL, RIGID = 207e3, math.inf
+MOTION = (1.2e-3, 3e-4, 6e-4)  # creepage along and across, spin
+
+
+@functools.cache
+def rolled(along: float, across: float, spin: float, wheel: float) -> dict:
+    """With a wheel of that Young's modulus."""
+    scene = rh.find("hertz_ellipse").replace(friction={"coefficient": MU}, mesh=COARSE)
+    motion = {"creepage_along": along, "creepage_across": across, "spin": spin}
+    scene = scene.replace(rolling=motion, wheel={"young_modulus": wheel})
+    return friction(rh.solve(scene, quiet=True))
+
+
+def friction(result: rh.Result) -> dict:
+    return result.as_dict()["result"]["friction"]
+
+
+def forces(found: dict) -> list[float]:
+    """Over mu N and, the moment, over mu N times a length of the patch."""
+    scale = {"force_along_N": 1.0, "force_across_N": 1.0, "moment_Nmm": 3.9}
+    return [found[name] / found["limit_N"] / length for name, length in scale.items()]
+
+
+def test_a_mirror_at_the_rail_s_middle_turns_force_across_and_moment() -> None:
+    along, across, spin = MOTION
+    one, other = forces(rolled(*MOTION, RIGID)), forces(rolled(along, -across, -spin, RIGID))
+    assert min(one) > OFF
+    assert other == pytest.approx([one[0], -one[1], -one[2]], abs=OFF)
+
+
+@pytest.mark.slow
+def test_the_other_motion_makes_the_other_forces() -> None:
+    one, other = forces(rolled(*MOTION, STEEL)), forces(rolled(*(-each for each in MOTION), STEEL))
+    assert other == pytest.approx([-each for each in one], abs=OFF)
+
+
+@functools.cache
+def stands(yaw: float) -> dict:
+    """A cylinder on a round rail whose axle is yawed: the summary."""
+    scene = rh.Scene(
+        load=25e3,
+        rail=rh.Rail(profile="arc", crown_radius=300),
+        wheel=rh.Wheel(rolling_radius=420),
+        wheelset=rh.Wheelset(yaw=yaw),
+        friction={"coefficient": MU},
+        rolling={"from_wheelset": True},
+        mesh=COARSE,
+    )
+    return rh.solve(scene, quiet=True).as_dict()
+
+
+def test_a_yawed_wheelset_pushes_the_rail_aside() -> None:
+    found = stands(1e-3)
+    answer, given = found["result"]["friction"], found["plan"]["wheelset"]
+    for name in ("creepage_along", "creepage_across", "spin_per_mm"):
+        assert answer[name] == given[name]
+    assert given["creepage_across"] == pytest.approx(-1e-3, rel=1e-3)
+    assert forces(answer)[1] < -0.3 and abs(forces(answer)[0]) < OFF
+    assert "-yaw/cos(angle)" in found["plan"]["effects"]["friction"]["why"]
+
+
+@pytest.mark.slow
+def test_the_wheelset_yawed_the_other_way_pushes_the_other_way() -> None:
+    one, other = (forces(stands(yaw)["result"]["friction"]) for yaw in (1e-3, -1e-3))
+    assert other == pytest.approx([one[0], -one[1], -one[2]], abs=OFF)
+
+
+def plane(coefficient: float, **more: object) -> rh.Scene:
+    """Half-planes under 1 kN/mm that slip everywhere."""
+    return rh.Scene(
+        load=1e5,
+        rail=rh.Rail(profile="arc", crown_radius=math.inf, extent="half-space", width=100),
+        wheel=rh.Wheel(rolling_radius=420, width=100),
+        friction={"coefficient": coefficient},
+        rolling={"creepage_along": 0.5},
+    ).replace(**more)
+
+
+@pytest.mark.parametrize("coefficient, where", [(0.1, "below"), (0.2, "below"), (0.5, "surface")])
+def test_the_hardest_place_is_that_of_a_sliding_strip(coefficient: float, where: str) -> None:
+    """1 % below, 5 % at the surface; from about 0.27 on it is there."""
+    found = rh.solve(plane(coefficient), quiet=True)
+    find = sliding.hardest_below if where == "below" else sliding.hardest_at_surface
+    exact, answer = find(found.ellipse, coefficient, 0.3), friction(found)
+    off = 0.01 if where == "below" else 0.05
+    assert answer["von_mises_max_MPa"] == pytest.approx(exact.von_mises, rel=off)
+    width = found.ellipse.half_width
+    assert answer["von_mises_max_depth_mm"] == pytest.approx(exact.depth, abs=0.02 * width)
+    assert answer["von_mises_max_at"] == where
+    assert "shear_yield_MPa" not in answer
+    assert answer["traction_coefficient"] == pytest.approx(coefficient, rel=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("coefficient, name", [(0.25, "subsurface"), (0.35, "surface")])
+def test_the_hardest_place_of_an_ellipse_is_that_of_the_integrals(
+    coefficient: float, name: str
+) -> None:
+    """R 420 x 300 under 25 kN, all of it slipping: 1 % below, 5 % at the surface."""
+    entry = ENTRIES[f"mises_thesis_25_kN_mu{coefficient}"]
+    scene = rh.find("hertz_ellipse").replace(
+        friction={"coefficient": coefficient},
+        rolling={"creepage_along": 0.5},
+        mesh={"patch_size": 0.87},
+    )
+    answer, off = friction(rh.solve(scene, quiet=True)), 0.01 if name == "subsurface" else 0.05
+    exact = entry["p0_MPa_or_1"] * entry[f"{name}_mises_over_p0"]
+    assert answer["von_mises_max_MPa"] == pytest.approx(exact, rel=off)
+    depth = 3.465 * entry["subsurface_depth_over_b"] if name == "subsurface" else 0.0
+    assert answer["von_mises_max_depth_mm"] == pytest.approx(depth, abs=0.03 * 3.465)
+    assert answer["von_mises_max_at"] == {"subsurface": "below"}.get(name, name)
+
+
+def test_the_patch_stands_in_the_shakedown_map_where_the_steel_is_known(tmp_path) -> None:
+    steel = {"yield_stress": 500}
+    found = rh.solve(plane(0.3, rail=steel), quiet=True)
+    answer, k = friction(found), 500 / math.sqrt(3)
+    assert answer["shear_yield_MPa"] == pytest.approx(k)
+    assert answer["p0_over_k"] == pytest.approx(found.pressure.max / k)
+    assert answer["surface_fatigue_index"] == pytest.approx(0.3 - k / found.pressure.max, abs=1e-3)
+    assert answer["shakedown"] == "elastic"
+    found.save(tmp_path / "out")
+    written = json.loads((tmp_path / "out" / "summary.json").read_text())["result"]["friction"]
+    assert written["shakedown"] == "elastic"
+    assert (tmp_path / "out" / "shakedown.png").stat().st_size > 10_000
+
+
+def test_steel_that_would_yield_stays_elastic_and_keeps_its_friction() -> None:
+    """Hertz's 294 MPa are p0/k = 5 of a yield of 100 MPa."""
+    found = rh.solve(plane(0.5, rail={"yield_stress": 100}), quiet=True).as_dict()
+    answer = found["result"]["friction"]
+    assert answer["force_along_N"] == pytest.approx(answer["limit_N"], rel=1e-3)
+    assert answer["shakedown"] == "ratchets" and answer["p0_over_k"] > 4.5
+    assert answer["surface_fatigue_index"] > 0.25
+    assert "plastic" not in found["result"] and found["effects_after"]["plasticity"]["needed"]
+
+
+def test_the_table_says_wear_and_where_the_steel_is_hit_hardest() -> None:
+    shown = screen.text(rh.solve(plane(0.5, wheel={"yield_stress": 300}), quiet=True).show)
+    for said in ("catastrophic", "surface", "passing again and again", "p0/k"):
+        assert said in shown
