@@ -9,7 +9,8 @@ The estimate of a quantity is the sum of
     geometry      contact points off the exact surface, over the smaller semi-axis
     profile       what the noise of measured profiles hides (`planning.uncertainty`)
 
-An asked accuracy is one of sizes and values. Of a place, the depth of the largest shear stress, it
+Estimates are relative, those of forces by friction shares of mu N. An asked accuracy is one of
+sizes and values. Of a place, the depth of the largest shear stress, it
 asks that the stress there be that near to the largest one.
 """
 
@@ -23,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 from railhead.planning.effects import plasticity
 from railhead.planning.laws import STEP, Family, lost
 from railhead.postprocess.findings import RIVAL
+from railhead.postprocess.traction import MOTION
 from railhead.theory.subsurface import max_shear
 
 if TYPE_CHECKING:
@@ -42,6 +44,8 @@ QUANTITIES = {
     "von_mises_max_MPa": ("stress", "von_mises_max_MPa"),
 }
 """Reported quantities that carry an estimate, and their place under "result" in summary.json."""
+SHARES = {"force_along_N", "force_across_N"}
+"""Quantities of friction whose error is one of mu N, not of their own size."""
 READ = {"a_mm": "a", "b_mm": "b", "area_mm2": "area", "max_MPa": "max_pressure"}
 RIDGED = ("tau_max_MPa", "von_mises_max_MPa")
 BELOW = 2.0
@@ -108,7 +112,7 @@ def flat(result: Mapping[str, Any]) -> dict[str, float]:
 def resolved(level: Level) -> dict[str, float]:
     """The quantities of a mesh that it can tell: a largest shear stress within one element of the
     surface, or on a spike much narrower than one, has no depth; the length of a line is given."""
-    values = flat(level.result or {})
+    values = flat(level.result or {}) | rubbed(level)
     if level.plan.contact.line:
         values.pop("b_mm" if level.plan.contact.lengthwise else "a_mm", None)
     depth = values.get("tau_max_depth_mm")
@@ -117,6 +121,21 @@ def resolved(level: Level) -> dict[str, float]:
     flatness = depth * scales(level.findings, level.result)["tau_max_depth_mm"]
     if depth < level.grading.size or flatness < SPIKE * level.grading.size:
         del values["tau_max_depth_mm"]
+    return values
+
+
+def rubbed(level: Level) -> dict[str, float]:
+    """What follows of either direction of friction: the motion of a given force, else the force of
+    what rolls, over mu N."""
+    found, scene = level.solution.rubbing, level.plan.scene
+    if found is None:
+        return {}
+    rolling, values = scene.rolling.given, {}
+    for index, (asked, force) in enumerate(zip(scene.tangential[1:], found.force, strict=True)):
+        if asked:
+            values[MOTION[rolling][index]] = found.motion[index]
+        elif rolling and force:
+            values[f"force_{('along', 'across')[index]}_N"] = force / found.limit
     return values
 
 
@@ -208,6 +227,8 @@ def _steps(n: float, before: Sequence[tuple[float, Numbers, Numbers]]) -> list[N
 
 
 def _change(one: Mapping[str, float], other: Mapping[str, float], name: str) -> float:
+    if name in SHARES:
+        return abs(one[name] - other[name])
     return abs(one[name] / other[name] - 1) if other[name] else math.inf
 
 

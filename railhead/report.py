@@ -47,6 +47,7 @@ FRICTION = (
     ("   over the area of the patch", "N/mm2", "t_gamma_over_area_MPa"),
     ("   wear by it (wheel R8T, rail 900A)", "", "wear_regime"),
     ("power", "W", "power_W"),
+    ("energy per cycle", "N mm", "energy_per_cycle_Nmm"),
     ("largest von Mises stress", "MPa", "von_mises_max_MPa"),
     ("   its depth", "mm", "von_mises_max_depth_mm"),
     ("   where", "", "von_mises_max_at"),
@@ -171,8 +172,9 @@ def show_result(summary: dict[str, Any], console: Console) -> None:
         kind = next((each for each in ("elastic", "frictionless") if each in summary), "")
         elastic = summary.get(kind)
         if kind:
-            effect = {"elastic": "yield", "frictionless": "friction"}[kind]
-            table.title = f"{table.title}, with {effect}"
+            both = ("yield", "plastic"), ("friction", "friction")
+            on = " and ".join(effect for effect, key in both if key in summary["result"])
+            table.title = f"{table.title}, with {on}"
         for column in COLUMNS:
             table.add_column(column, justify="left" if column in ("quantity", "unit") else "right")
         if elastic is not None:
@@ -191,7 +193,7 @@ def show_result(summary: dict[str, Any], console: Console) -> None:
         if plastic := summary["result"].get("plastic"):
             _show_plastic(plastic, console)
         if friction := summary["result"].get("friction"):
-            _show_friction(friction, summary.get("half_space_friction"), console)
+            _show_friction(friction, bound, summary.get("half_space_friction"), console)
         if reason := (summary["half_space"] or {}).get("reason"):
             console.print(f"No half-space column: {reason}.", markup=False, highlight=False)
         if summary["checks"]["passed"] and not summary["checks"]["hertzian"]:
@@ -263,22 +265,27 @@ def _show_plastic(plastic: Mapping[str, Any], console: Console) -> None:
 
 
 def _show_friction(
-    friction: Mapping[str, Any], second: Mapping[str, Any] | None, console: Console
+    friction: Mapping[str, Any],
+    bound: Mapping[str, float],
+    second: Mapping[str, Any] | None,
+    console: Console,
 ) -> None:
     """Forces of the wheel on the rail, its motion, stick and wear, beside other methods."""
     limit = friction["limit_N"]
     table = Table(title="friction", title_justify="left")
-    columns = {"FE": friction, **(second or {})}
-    for name in ("quantity", "unit", *columns):
+    others = second or {}
+    for name in ("quantity", "unit", "FE", "estimate", *others):
         table.add_column(name, justify="left" if name in ("quantity", "unit") else "right")
     for label, unit, key in FRICTION:
         if key in friction:
-            cells = [_number(_get(values, (key,))) for values in columns.values()]
-            table.add_row(label, unit, *cells)
+            cells = [_number(_get(values, (key,))) for values in others.values()]
+            fe = _number(_get(friction, (key,)))
+            table.add_row(label, unit, fe, _bound(bound.get(key)), *cells)
     console.print(table)
     console.print(
-        f"Forces are those of the wheel on the rail; mu N = {limit:.5g} N.", highlight=False
-    )
+        f"Forces are those of the wheel on the rail; mu N = {limit:.5g} N, of which estimates of "
+        "forces are shares.", highlight=False,
+    )  # fmt: skip
 
 
 def show_failure(summary: dict[str, Any], console: Console) -> None:

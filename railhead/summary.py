@@ -91,7 +91,8 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
 
 
 def _kind(level: Level) -> str:
-    return "frictionless" if level.plan.effects["friction"].on else "elastic"
+    """What the plain solution is called: it is both where both effects are on."""
+    return "elastic" if level.left is not None else "frictionless"
 
 
 def _more(level: Level) -> dict[str, Any]:

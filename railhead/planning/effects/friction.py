@@ -16,7 +16,7 @@ from railhead.meshing.tags import RAIL
 from railhead.planning import exact
 from railhead.planning.effects.base import After, Context, Effect
 from railhead.postprocess.findings import Findings, Frame
-from railhead.scene.scene import SceneError
+from railhead.scene.scene import Scene, SceneError
 from railhead.solver.setup import Rub, Setup
 from railhead.theory import halfspace, hertz, kalker
 from railhead.theory.hertz import Ellipse
