@@ -2,84 +2,154 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+from railhead import shearing
 from railhead.level import Level
-from railhead.planning import developed, exact
+from railhead.planning import exact
+from railhead.shearing import Patch
 from railhead.solver.rubbing import Rubbed, Rubbing
-from railhead.theory import carter, cattaneo, kalker, tangential
+from railhead.theory import carter, cattaneo, kalker, unlike
+from railhead.theory.boundary_element import Solution
+from railhead.theory.driven import under
 from railhead.theory.fastsim import fastsim
 from railhead.theory.hertz import Ellipse
-from railhead.theory.rolling import Creepage, HalfSpaceFriction
+from railhead.theory.line import LineContact
+from railhead.theory.rolling import Creepage, HalfSpaceFriction, Sheared
+from railhead.theory.tangential import Pair
 
 LIKE = 1e-9  # |K/G| that is rounding
 SLENDER = 20.0  # axis ratio up to which the linear theory is known
+CELLS = (32, 64)  # each way in a patch; the error of unlike bodies is of first order
+SEVERAL = "how several patches share a force depends on the compliance of the bodies"
+UNLIKE = "a strip of unlike bodies, whose tractions change its pressure"
 
-Opinions = dict[str, dict[str, Any]]
+Opinion = dict[str, Any]
+Opinions = dict[str, Opinion]
 
 
-def opinions(level: Level) -> Opinions | None:
-    """ "half_space_friction" of summary.json: by method, the forces at the motion that was found,
-    where the method knows an answer: under the pressure of half-spaces, of a single patch. None
-    without friction."""
+def opinions(level: Level, profiles: Solution | str | None) -> Opinions | None:
+    """ "half_space_friction" of summary.json: by method, what it says of the motion (rolling) or of
+    the forces (a shift) that were found, or the reason why it knows no answer. None without
+    friction. profiles: of `second_opinion.solve`."""
     if not isinstance(level.solution, Rubbed) or level.findings is None:
         return None
-    found, plan = level.solution.rubbing, level.plan
-    scene, ellipse = plan.scene, level.ellipse
-    pair = exact.tangential_pair(scene)
+    found, ellipse = level.solution.rubbing, level.ellipse
+    pair = exact.tangential_pair(level.plan.scene)
     like = abs(pair.mismatch) < LIKE
-    single = len(level.findings.patch.each) < 2
+    if isinstance(ellipse, LineContact):
+        return _strip(level, found, ellipse) if like else {"boundary elements": {"reason": UNLIKE}}
     out: Opinions = {}
-    if not single or (not isinstance(ellipse, Ellipse) and not like):
-        return out
-    if not scene.rolling.given:
-        if like and any(found.force):
-            share = float(np.hypot(*found.force) / found.limit)
-            if isinstance(ellipse, Ellipse):
-                stick = (1 - share) ** (2 / 3)
-            else:
-                stick = cattaneo.strip_stick_ratio(share)
-            out["Cattaneo, Mindlin"] = {"stick_share": stick}
-        return out
-    if not isinstance(ellipse, Ellipse):
-        strip = carter.from_creepage(ellipse.strip, scene.friction.coefficient, found.motion[0])
-        out["Carter"] = {
-            "force_along_N": strip.share * found.limit,
-            "stick_share": strip.stick_half_width / ellipse.strip.b,
-        }
-        return out
-    out["boundary elements"] = _boundary_elements(level, found, pair)
-    if level.findings.hertzian and 1 / SLENDER < ellipse.a / ellipse.b < SLENDER and like:
-        linear = kalker.coefficients(ellipse.a / ellipse.b, pair.poisson)
-        along, across, moment, stick = fastsim(
-            ellipse.a, ellipse.b, found.limit, pair.shear_modulus, linear, Creepage(*found.motion)
-        )
-        out["FASTSIM"] = _named(along, across, moment, stick)
+    try:
+        patches = shearing.patches(level, profiles, CELLS[1])
+        out["boundary elements"] = _boundary_elements(level, found, pair, patches)
+        if like and level.plan.scene.rolling.given:
+            name = "FASTSIM" if level.findings.hertzian else "FASTSIM (equal ellipses)"
+            out[name] = _fastsim(found, pair, patches)
+    except ValueError as error:
+        out["boundary elements"] = {"reason": str(error)}
+    if like and level.findings.hertzian and not level.plan.scene.rolling.given:
+        out["Cattaneo, Mindlin"] = _mindlin(level, found, pair, ellipse)
     return out
 
 
-def _boundary_elements(level: Level, found: Rubbing, pair: tangential.Pair) -> dict[str, Any]:
-    """Under Hertz's pressure where the patch is his, else under that of the profiles."""
-    ellipse, friction = level.ellipse, level.plan.scene.friction.coefficient
-    assert isinstance(ellipse, Ellipse) and level.findings is not None
-    if level.findings.hertzian:
-        body = HalfSpaceFriction.hertz(ellipse, friction, pair, rolling=True)
+def _strip(level: Level, found: Rubbing, line: LineContact) -> Opinions:
+    strip, friction = line.strip, level.plan.scene.friction.coefficient
+    if not level.plan.scene.rolling.given:
+        share = float(np.hypot(*found.force) / found.limit)
+        return {"Cattaneo": {"stick_share": cattaneo.strip_stick_ratio(min(share, 1.0))}}
+    if line.across:
+        return {}
+    rolled = carter.from_creepage(strip, friction, found.motion[0])
+    stick, force = rolled.stick_half_width / strip.b, rolled.share * found.limit
+    wear = force * found.motion[0]
+    return {"Carter": {"force_along_N": force, "stick_share": stick, "t_gamma_N": wear}}
+
+
+def _boundary_elements(level: Level, found: Rubbing, pair: Pair, patches: list[Patch]) -> Opinion:
+    """Of unlike bodies extrapolated from two grids, with the change that makes ("grid_error", over
+    mu N)."""
+    fine = _on_grid(level, found, pair, patches)
+    if abs(pair.mismatch) < LIKE:
+        return fine
+    coarse = _on_grid(level, found, pair, shearing.patches(level, None, CELLS[0]))
+    better = {name: 2 * value - coarse[name] for name, value in fine.items()}
+    better["stick_share"] = min(max(better["stick_share"], 0.0), 1.0)
+    forces = ("force_along_N", "force_across_N")
+    change = max(abs(better[name] - fine[name]) for name in forces) / found.limit
+    return {**better, "grid_error": change}
+
+
+def _on_grid(level: Level, found: Rubbing, pair: Pair, patches: list[Patch]) -> Opinion:
+    scene = level.plan.scene
+    rolling, friction = scene.rolling.given, scene.friction.coefficient
+    if len(patches) > 1 and not rolling:
+        raise ValueError(SEVERAL)
+    limit = friction * sum(each.pressed.force for each in patches)
+    scale = found.limit / limit  # the normal forces differ by what the finite bodies do
+    along, across = (force / scale for force in found.force)
+    shear: Callable[[HalfSpaceFriction], Sheared]
+    if rolling:
+        motion = Creepage(*found.motion)
+        shear = lambda body: body.at(motion)  # noqa: E731
     else:
-        try:
-            patch = developed.solve(level.plan.contact, ellipse, level.solution.load).patches[0]
-        except ValueError:
-            return {}
-        body = HalfSpaceFriction(patch.x, patch.s, patch.pressure, friction, pair, rolling=True)
-    rolled = body.at(Creepage(*found.motion))
-    scale = found.limit / rolled.limit  # cells at the edge are in or out
-    along, across, moment = (scale * force for force in rolled.forces)
-    return _named(along, across, moment, rolled.stick_share)
+        shear = lambda body: under([body], Creepage(), along=along, across=across)[0]  # noqa: E731
+    sheared = [
+        unlike.rubbed(each.pressed, pair, friction, shear, rolling=rolling, modes=each.modes)
+        for each in patches
+    ]
+    forces = scale * np.sum([each.forces for each in sheared], axis=0)
+    sticks, touches = np.sum([each.areas for each in sheared], axis=0)
+    largest = max(float(np.linalg.norm(each.traction, axis=0).max()) for each in sheared)
+    out = _named(*forces, sticks / touches) | {"traction_max_MPa": largest}
+    if rolling:
+        out["t_gamma_N"] = float(forces @ found.motion)
+    elif level.plan.contact.half_space:  # other bodies shift with all that holds them
+        shift = sheared[0].creepage
+        out |= {"shift_along_mm": scale * shift.along, "shift_across_mm": scale * shift.across}
+    return out
 
 
-def _named(along: float, across: float, moment: float, stick: float) -> dict[str, Any]:
+def _fastsim(found: Rubbing, pair: Pair, patches: list[Patch]) -> Opinion:
+    """Of ellipses with the moments and forces of the patches."""
+    total, sticks, touches = np.zeros(3), 0.0, 0.0
+    limit = sum(each.pressed.force for each in patches)
+    for patch in (part for each in patches for part in each.parts()):
+        a, b = patch.pressed.semi_axes
+        if not 1 / SLENDER < a / b < SLENDER:
+            raise ValueError(f"the axis ratio {a / b:.3g} is beyond the linear theory's tables")
+        carried = found.limit * patch.pressed.force / limit
+        slip, turn = patch.middle, patch.turn
+        motion = Creepage(*(found.motion @ slip), found.motion[2] * turn)
+        linear = kalker.coefficients(a / b, pair.poisson)
+        along, across, moment, stick = fastsim(a, b, carried, pair.shear_modulus, linear, motion)
+        total += slip @ [along, across] + [0, 0, moment * turn]
+        sticks, touches = sticks + stick * a * b, touches + a * b
+    return _named(*total, sticks / touches) | {"t_gamma_N": float(total @ found.motion)}
+
+
+def _mindlin(level: Level, found: Rubbing, pair: Pair, ellipse: Ellipse) -> Opinion:
+    force = float(np.hypot(*found.force))
+    out = {"stick_share": (1 - min(force / found.limit, 1.0)) ** (2 / 3)}
+    if level.plan.contact.half_space and force:
+        compliances = cattaneo.initial_compliance(ellipse.a, ellipse.b, *_like(pair))
+        for way, part, compliance in zip(
+            ("along", "across"), found.force, compliances, strict=True
+        ):
+            known = cattaneo.CattaneoMindlin(found.limit, compliance)
+            out[f"shift_{way}_mm"] = known.approach(min(force, known.limit)) * part / force
+    return out
+
+
+def _like(pair: Pair) -> tuple[float, float]:
+    return pair.shear_modulus, pair.poisson
+
+
+def _named(along: float, across: float, moment: float, stick: float) -> Opinion:
     return {
-        "force_along_N": along, "force_across_N": across, "moment_Nmm": moment,
-        "stick_share": stick,
+        "force_along_N": float(along), "force_across_N": float(across),
+        "moment_Nmm": float(moment), "stick_share": float(stick),
     }  # fmt: skip

@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 
 from railhead.theory import boundary_element
 from railhead.theory.rolling import Creepage, HalfSpaceFriction, Sheared
-from railhead.theory.tangential import TractionInfluence, pair
-from railhead.theory.unlike import rolled
+from railhead.theory.tangential import Pair, TractionInfluence, pair
+from railhead.theory.unlike import rubbed
 
 Array = NDArray[np.float64]
 SOFT, HARD = (3000.0, 0.3), (207000.0, 0.3)
@@ -18,7 +18,13 @@ def ball(x: Array, s: Array) -> Array:
 
 
 def under(wheel: tuple[float, float], rail: tuple[float, float], creepage: Creepage) -> Sheared:
-    return rolled(ball, pair(*wheel, *rail), 0.3, 500.0, creepage, cells=32)
+    materials = pair(*wheel, *rail)
+    return rubbed(pressed(materials), materials, 0.3, lambda body: body.at(creepage), rolling=True)
+
+
+def pressed(materials: Pair) -> boundary_element.PatchSolution:
+    modulus = materials.shear_modulus / (1 - materials.poisson)
+    return boundary_element.solve(ball, modulus, load=500.0, cells=32)
 
 
 def test_like_bodies_take_one_turn() -> None:

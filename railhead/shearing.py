@@ -1,0 +1,85 @@
+"""Patches of half-spaces as a motion shears them: pressures, and rigid slips of motions of 1."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.level import Level
+from railhead.planning import developed
+from railhead.postprocess.findings import Frame
+from railhead.theory import boundary_element
+from railhead.theory.boundary_element import Solution
+from railhead.theory.half_space_patch import PatchSolution
+from railhead.theory.hertz import Ellipse
+from railhead.theory.rolling import plane_modes
+
+Array = NDArray[np.float64]
+LEAST = 0.002  # of the force: smaller patches are left out
+
+
+@dataclass(frozen=True)
+class Patch:
+    """A pressed patch, or several close ones; modes (3, 2, nx, ns): rigid slip along the rail and
+    along its profile of creepages and a spin of 1 at the first contact; angle of that, rad."""
+
+    pressed: PatchSolution
+    modes: Array
+    angle: float
+
+    @property
+    def middle(self) -> Array:
+        """The modes (3, 2) on the average over the pressure."""
+        weights = self.pressed.pressure / self.pressed.pressure.sum()
+        return np.asarray((self.modes * weights).sum(axis=(2, 3)))
+
+    @property
+    def turn(self) -> float:
+        """Spin in its own plane over that at the first contact."""
+        return math.cos(self.pressed.plane - self.angle)
+
+    def parts(self) -> Iterator[Patch]:
+        """Each connected patch by itself, but the smallest."""
+        for part in self.pressed.separate():
+            if part.force > LEAST * self.pressed.force:
+                yield Patch(part, self.modes, self.angle)
+
+
+def patches(level: Level, profiles: Solution | str | None, cells: int) -> list[Patch]:
+    """On so many cells each way, a patch a window. profiles: of the contact as it stands, solved
+    or the reason why it is not known (`second_opinion.solve`); None solves it. ValueError: not
+    known."""
+    contact, ellipse, found = level.plan.contact, level.ellipse, level.findings
+    assert isinstance(ellipse, Ellipse) and found is not None
+    if contact.half_space or (found.hertzian and not contact.touch.orientation):
+        pressed = boundary_element.solve(
+            lambda x, s: (ellipse.curvature_x * x**2 + ellipse.curvature_y * s**2) / 2,
+            ellipse.contact_modulus, load=ellipse.load, cells=cells,
+            half_size=(2 * ellipse.a, 2 * ellipse.b),
+        )  # fmt: skip
+        return [Patch(pressed, plane_modes(pressed.x, pressed.s), 0.0)]
+    if isinstance(profiles, str):
+        raise ValueError(profiles)
+    known = None if profiles is None else profiles.coarse or profiles
+    if known is None or known.windows[0].x.size != cells:
+        known = developed.solve(contact, ellipse, level.solution.load, cells)
+    pressing = [each for each in known.windows if each.force > LEAST * known.force]
+    angle = contact.touch.angle
+    return [Patch(each, _modes(level, each), angle) for each in pressing]
+
+
+def _modes(level: Level, window: PatchSolution) -> Array:
+    contact = level.plan.contact
+    frame = Frame(contact.origin, contact.touch.angle)
+    x, s = (each.ravel() for each in np.meshgrid(window.x, window.s, indexing="ij"))
+    points = np.nan_to_num(developed.develop(contact).points(x, s))  # beyond the profile: no patch
+    spun = np.cross(frame.axes[2], points - np.array(frame.origin))
+    motions = [*(np.broadcast_to(axis, spun.shape) for axis in frame.axes[:2]), spun]
+    slope = np.tile(window.angle, window.x.size)
+    across = np.column_stack([np.zeros_like(slope), np.cos(slope), np.sin(slope)])
+    modes = [[each[:, 0], np.einsum("nc,nc->n", each, across)] for each in motions]
+    return np.reshape(modes, (3, 2, *window.pressure.shape))
