@@ -7,22 +7,20 @@ from typing import Any
 
 import numpy as np
 
-from railhead import shearing
+from railhead import equal_ellipses, shearing
 from railhead.level import Level
 from railhead.planning import exact
 from railhead.shearing import Patch
 from railhead.solver.rubbing import Rubbed, Rubbing
-from railhead.theory import carter, cattaneo, kalker, unlike
+from railhead.theory import carter, cattaneo, unlike
 from railhead.theory.boundary_element import Solution
 from railhead.theory.driven import under
-from railhead.theory.fastsim import fastsim
 from railhead.theory.hertz import Ellipse
 from railhead.theory.line import LineContact
 from railhead.theory.rolling import Creepage, HalfSpaceFriction, Sheared
 from railhead.theory.tangential import Pair
 
 LIKE = 1e-9  # |K/G| that is rounding
-SLENDER = 20.0  # axis ratio up to which the linear theory is known
 CELLS = (32, 64)  # each way in a patch; the error of unlike bodies is of first order
 SEVERAL = "how several patches share a force depends on the compliance of the bodies"
 UNLIKE = "a strip of unlike bodies, whose tractions change its pressure"
@@ -44,11 +42,13 @@ def opinions(level: Level, profiles: Solution | str | None) -> Opinions | None:
         return _strip(level, found, ellipse) if like else {"boundary elements": {"reason": UNLIKE}}
     out: Opinions = {}
     try:
-        patches = shearing.patches(level, profiles, CELLS[1])
+        patches = _patches(level, profiles, CELLS[1])
         out["boundary elements"] = _boundary_elements(level, found, pair, patches)
         if like and level.plan.scene.rolling.given:
             name = "FASTSIM" if level.findings.hertzian else "FASTSIM (equal ellipses)"
-            out[name] = _fastsim(found, pair, patches)
+            forces, stick = equal_ellipses.fastsim(patches, found.limit, pair, found.motion)
+            wear = float(forces @ found.motion)
+            out[name] = _named(*forces, stick) | {"t_gamma_N": wear}
     except ValueError as error:
         out["boundary elements"] = {"reason": str(error)}
     if like and level.findings.hertzian and not level.plan.scene.rolling.given:
@@ -69,13 +69,22 @@ def _strip(level: Level, found: Rubbing, line: LineContact) -> Opinions:
     return {"Carter": {"force_along_N": force, "stick_share": stick, "t_gamma_N": wear}}
 
 
+def _patches(level: Level, profiles: Solution | str | None, cells: int) -> list[Patch]:
+    ellipse, found = level.ellipse, level.findings
+    assert isinstance(ellipse, Ellipse) and found is not None
+    return shearing.patches(
+        level.plan.contact, ellipse, hertzian=found.hertzian, load=level.solution.load,
+        cells=cells, profiles=profiles,
+    )  # fmt: skip
+
+
 def _boundary_elements(level: Level, found: Rubbing, pair: Pair, patches: list[Patch]) -> Opinion:
     """Of unlike bodies extrapolated from two grids, with the change that makes ("grid_error", over
     mu N)."""
     fine = _on_grid(level, found, pair, patches)
     if abs(pair.mismatch) < LIKE:
         return fine
-    coarse = _on_grid(level, found, pair, shearing.patches(level, None, CELLS[0]))
+    coarse = _on_grid(level, found, pair, _patches(level, None, CELLS[0]))
     better = {name: 2 * value - coarse[name] for name, value in fine.items()}
     better["stick_share"] = min(max(better["stick_share"], 0.0), 1.0)
     forces = ("force_along_N", "force_across_N")
@@ -111,24 +120,6 @@ def _on_grid(level: Level, found: Rubbing, pair: Pair, patches: list[Patch]) -> 
         shift = sheared[0].creepage
         out |= {"shift_along_mm": scale * shift.along, "shift_across_mm": scale * shift.across}
     return out
-
-
-def _fastsim(found: Rubbing, pair: Pair, patches: list[Patch]) -> Opinion:
-    """Of ellipses with the moments and forces of the patches."""
-    total, sticks, touches = np.zeros(3), 0.0, 0.0
-    limit = sum(each.pressed.force for each in patches)
-    for patch in (part for each in patches for part in each.parts()):
-        a, b = patch.pressed.semi_axes
-        if not 1 / SLENDER < a / b < SLENDER:
-            raise ValueError(f"the axis ratio {a / b:.3g} is beyond the linear theory's tables")
-        carried = found.limit * patch.pressed.force / limit
-        slip, turn = patch.middle, patch.turn
-        motion = Creepage(*(found.motion @ slip), found.motion[2] * turn)
-        linear = kalker.coefficients(a / b, pair.poisson)
-        along, across, moment, stick = fastsim(a, b, carried, pair.shear_modulus, linear, motion)
-        total += slip @ [along, across] + [0, 0, moment * turn]
-        sticks, touches = sticks + stick * a * b, touches + a * b
-    return _named(*total, sticks / touches) | {"t_gamma_N": float(total @ found.motion)}
 
 
 def _mindlin(level: Level, found: Rubbing, pair: Pair, ellipse: Ellipse) -> Opinion:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.level import Level
+from railhead.geometry.solid import Contact
 from railhead.planning import developed
 from railhead.postprocess.findings import Frame
 from railhead.theory import boundary_element
@@ -49,13 +49,19 @@ class Patch:
                 yield Patch(part, self.modes, self.angle)
 
 
-def patches(level: Level, profiles: Solution | str | None, cells: int) -> list[Patch]:
-    """On so many cells each way, a patch a window. profiles: of the contact as it stands, solved
-    or the reason why it is not known (`second_opinion.solve`); None solves it. ValueError: not
-    known."""
-    contact, ellipse, found = level.plan.contact, level.ellipse, level.findings
-    assert isinstance(ellipse, Ellipse) and found is not None
-    if contact.half_space or (found.hertzian and not contact.touch.orientation):
+def patches(
+    contact: Contact,
+    ellipse: Ellipse,
+    *,
+    hertzian: bool,
+    load: float,
+    cells: int,
+    profiles: Solution | str | None = None,
+) -> list[Patch]:
+    """Under a load (N, down), on so many cells each way, a patch a window; Hertz's where the patch
+    is his. profiles: the contact as it stands, solved, or the reason why it is not known
+    (`second_opinion.solve`); None solves it. ValueError: not known."""
+    if contact.half_space or (hertzian and not contact.touch.orientation):
         pressed = boundary_element.solve(
             lambda x, s: (ellipse.curvature_x * x**2 + ellipse.curvature_y * s**2) / 2,
             ellipse.contact_modulus, load=ellipse.load, cells=cells,
@@ -66,14 +72,13 @@ def patches(level: Level, profiles: Solution | str | None, cells: int) -> list[P
         raise ValueError(profiles)
     known = None if profiles is None else profiles.coarse or profiles
     if known is None or known.windows[0].x.size != cells:
-        known = developed.solve(contact, ellipse, level.solution.load, cells)
+        known = developed.solve(contact, ellipse, load, cells)
     pressing = [each for each in known.windows if each.force > LEAST * known.force]
     angle = contact.touch.angle
-    return [Patch(each, _modes(level, each), angle) for each in pressing]
+    return [Patch(each, _modes(contact, each), angle) for each in pressing]
 
 
-def _modes(level: Level, window: PatchSolution) -> Array:
-    contact = level.plan.contact
+def _modes(contact: Contact, window: PatchSolution) -> Array:
     frame = Frame(contact.origin, contact.touch.angle)
     x, s = (each.ravel() for each in np.meshgrid(window.x, window.s, indexing="ij"))
     points = np.nan_to_num(developed.develop(contact).points(x, s))  # beyond the profile: no patch
