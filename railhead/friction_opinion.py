@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,23 +10,19 @@ import numpy as np
 from railhead import equal_ellipses, shearing
 from railhead.level import Level
 from railhead.planning import exact
+from railhead.rubbed_patches import Asked, named, opinion
 from railhead.shearing import Patch
-from railhead.solver.rubbing import Rubbed, Rubbing
-from railhead.theory import carter, cattaneo, unlike
+from railhead.solver.rubbing import Rubbed
+from railhead.theory import carter, cattaneo
 from railhead.theory.boundary_element import Solution
-from railhead.theory.driven import under
 from railhead.theory.hertz import Ellipse
 from railhead.theory.line import LineContact
-from railhead.theory.rolling import Creepage, HalfSpaceFriction, Sheared
-from railhead.theory.tangential import Pair
 
-LIKE = 1e-9  # |K/G| that is rounding
-CELLS = (32, 64)  # each way in a patch; the error of unlike bodies is of first order
-SEVERAL = "how several patches share a force depends on the compliance of the bodies"
-UNLIKE = "a strip of unlike bodies, whose tractions change its pressure"
+CELLS, STRIP_CELLS = (32, 64), (128, 256)  # of boundary elements, coarse and fine
+STRIP = ("force_along_N", "stick_share", "traction_max_MPa", "t_gamma_N", "grid_error")
+TURNED = "a strip of unlike bodies across the rail"
 
-Opinion = dict[str, Any]
-Opinions = dict[str, Opinion]
+Opinions = dict[str, dict[str, Any]]
 
 
 def opinions(level: Level, profiles: Solution | str | None) -> Opinions | None:
@@ -35,112 +31,77 @@ def opinions(level: Level, profiles: Solution | str | None) -> Opinions | None:
     friction. profiles: of `second_opinion.solve`."""
     if not isinstance(level.solution, Rubbed) or level.findings is None:
         return None
-    found, ellipse = level.solution.rubbing, level.ellipse
-    pair = exact.tangential_pair(level.plan.scene)
-    like = abs(pair.mismatch) < LIKE
-    if isinstance(ellipse, LineContact):
-        return _strip(level, found, ellipse) if like else {"boundary elements": {"reason": UNLIKE}}
-    out: Opinions = {}
-    try:
-        patches = _patches(level, profiles, CELLS[1])
-        out["boundary elements"] = _boundary_elements(level, found, pair, patches)
-        if like and level.plan.scene.rolling.given:
-            name = "FASTSIM" if level.findings.hertzian else "FASTSIM (equal ellipses)"
-            forces, stick = equal_ellipses.fastsim(patches, found.limit, pair, found.motion)
-            wear = float(forces @ found.motion)
-            out[name] = _named(*forces, stick) | {"t_gamma_N": wear}
-    except ValueError as error:
-        out["boundary elements"] = {"reason": str(error)}
-    if like and level.findings.hertzian and not level.plan.scene.rolling.given:
-        out["Cattaneo, Mindlin"] = _mindlin(level, found, pair, ellipse)
-    return out
+    scene, contact = level.plan.scene, level.plan.contact
+    asked = Asked(
+        level.solution.rubbing, scene.friction.coefficient, exact.tangential_pair(scene),
+        scene.rolling.given, contact.half_space and not level.plan.section,
+    )  # fmt: skip
+    if isinstance(level.ellipse, LineContact):
+        return _strip(asked, level.ellipse)
+    return _solid(asked, level, level.ellipse, profiles)
 
 
-def _strip(level: Level, found: Rubbing, line: LineContact) -> Opinions:
-    strip, friction = line.strip, level.plan.scene.friction.coefficient
-    if not level.plan.scene.rolling.given:
+def _strip(asked: Asked, line: LineContact) -> Opinions:
+    found, strip = asked.found, line.strip
+    if not asked.like and line.across:
+        return {"boundary elements": {"reason": TURNED}}
+    if not asked.like:
+        rubbed = opinion(asked, lambda cells: shearing.strip(strip, cells), STRIP_CELLS)
+        return {"boundary elements": {key: rubbed[key] for key in STRIP if key in rubbed}}
+    if not asked.rolling:
         share = float(np.hypot(*found.force) / found.limit)
         return {"Cattaneo": {"stick_share": cattaneo.strip_stick_ratio(min(share, 1.0))}}
     if line.across:
         return {}
-    rolled = carter.from_creepage(strip, friction, found.motion[0])
+    rolled = carter.from_creepage(strip, asked.friction, found.motion[0])
     stick, force = rolled.stick_half_width / strip.b, rolled.share * found.limit
     wear = force * found.motion[0]
     return {"Carter": {"force_along_N": force, "stick_share": stick, "t_gamma_N": wear}}
 
 
-def _patches(level: Level, profiles: Solution | str | None, cells: int) -> list[Patch]:
-    ellipse, found = level.ellipse, level.findings
-    assert isinstance(ellipse, Ellipse) and found is not None
-    return shearing.patches(
-        level.plan.contact, ellipse, hertzian=found.hertzian, load=level.solution.load,
-        cells=cells, profiles=profiles,
-    )  # fmt: skip
+def _solid(
+    asked: Asked, level: Level, ellipse: Ellipse, profiles: Solution | str | None
+) -> Opinions:
+    assert level.findings is not None
+    hertzian, load = level.findings.hertzian, level.solution.load
 
+    def patches(cells: int) -> Sequence[Patch]:
+        return shearing.patches(
+            level.plan.contact, ellipse, hertzian=hertzian, load=load, cells=cells,
+            profiles=profiles,
+        )  # fmt: skip
 
-def _boundary_elements(level: Level, found: Rubbing, pair: Pair, patches: list[Patch]) -> Opinion:
-    """Of unlike bodies extrapolated from two grids, with the change that makes ("grid_error", over
-    mu N)."""
-    fine = _on_grid(level, found, pair, patches)
-    if abs(pair.mismatch) < LIKE:
-        return fine
-    coarse = _on_grid(level, found, pair, _patches(level, None, CELLS[0]))
-    better = {name: 2 * value - coarse[name] for name, value in fine.items()}
-    better["stick_share"] = min(max(better["stick_share"], 0.0), 1.0)
-    forces = ("force_along_N", "force_across_N")
-    change = max(abs(better[name] - fine[name]) for name in forces) / found.limit
-    return {**better, "grid_error": change}
-
-
-def _on_grid(level: Level, found: Rubbing, pair: Pair, patches: list[Patch]) -> Opinion:
-    scene = level.plan.scene
-    rolling, friction = scene.rolling.given, scene.friction.coefficient
-    if len(patches) > 1 and not rolling:
-        raise ValueError(SEVERAL)
-    limit = friction * sum(each.pressed.force for each in patches)
-    scale = found.limit / limit  # the normal forces differ by what the finite bodies do
-    along, across = (force / scale for force in found.force)
-    shear: Callable[[HalfSpaceFriction], Sheared]
-    if rolling:
-        motion = Creepage(*found.motion)
-        shear = lambda body: body.at(motion)  # noqa: E731
-    else:
-        shear = lambda body: under([body], Creepage(), along=along, across=across)[0]  # noqa: E731
-    sheared = [
-        unlike.rubbed(each.pressed, pair, friction, shear, rolling=rolling, modes=each.modes)
-        for each in patches
-    ]
-    forces = scale * np.sum([each.forces for each in sheared], axis=0)
-    sticks, touches = np.sum([each.areas for each in sheared], axis=0)
-    largest = max(float(np.linalg.norm(each.traction, axis=0).max()) for each in sheared)
-    out = _named(*forces, sticks / touches) | {"traction_max_MPa": largest}
-    if rolling:
-        out["t_gamma_N"] = float(forces @ found.motion)
-    elif level.plan.contact.half_space:  # other bodies shift with all that holds them
-        shift = sheared[0].creepage
-        out |= {"shift_along_mm": scale * shift.along, "shift_across_mm": scale * shift.across}
+    out: Opinions = {"boundary elements": _known(lambda: opinion(asked, patches, CELLS))}
+    if asked.like and asked.rolling:
+        name = "FASTSIM" if hertzian else "FASTSIM (equal ellipses)"
+        out[name] = _known(lambda: _fastsim(asked, patches(CELLS[1])))
+    elif asked.like and hertzian:
+        out["Cattaneo, Mindlin"] = _mindlin(asked, ellipse)
     return out
 
 
-def _mindlin(level: Level, found: Rubbing, pair: Pair, ellipse: Ellipse) -> Opinion:
-    force = float(np.hypot(*found.force))
-    out = {"stick_share": (1 - min(force / found.limit, 1.0)) ** (2 / 3)}
-    if level.plan.contact.half_space and force:
-        compliances = cattaneo.initial_compliance(ellipse.a, ellipse.b, *_like(pair))
-        for way, part, compliance in zip(
-            ("along", "across"), found.force, compliances, strict=True
-        ):
-            known = cattaneo.CattaneoMindlin(found.limit, compliance)
-            out[f"shift_{way}_mm"] = known.approach(min(force, known.limit)) * part / force
+def _known(method: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    try:
+        return method()
+    except ValueError as error:
+        return {"reason": str(error)}
+
+
+def _fastsim(asked: Asked, patches: Sequence[Patch]) -> dict[str, Any]:
+    found = asked.found
+    forces, stick = equal_ellipses.fastsim(patches, found.limit, asked.pair, found.motion)
+    return {**named(*forces, stick), "t_gamma_N": float(forces @ found.motion)}
+
+
+def _mindlin(asked: Asked, ellipse: Ellipse) -> dict[str, Any]:
+    found, pair = asked.found, asked.pair
+    force = min(float(np.hypot(*found.force)), found.limit)
+    out = {"stick_share": (1 - force / found.limit) ** (2 / 3)}
+    compliances = cattaneo.initial_compliance(
+        ellipse.a, ellipse.b, pair.shear_modulus, pair.poisson
+    )
+    if asked.shifts and force:
+        for way, part, each in zip(("along", "across"), found.force, compliances, strict=True):
+            shift = cattaneo.CattaneoMindlin(found.limit, each).approach(force)
+            out[f"shift_{way}_mm"] = shift * part / force
     return out
-
-
-def _like(pair: Pair) -> tuple[float, float]:
-    return pair.shear_modulus, pair.poisson
-
-
-def _named(along: float, across: float, moment: float, stick: float) -> Opinion:
-    return {
-        "force_along_N": float(along), "force_across_N": float(across),
-        "moment_Nmm": float(moment), "stick_share": float(stick),
-    }  # fmt: skip

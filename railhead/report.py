@@ -255,7 +255,8 @@ def _show_friction(
     """Forces of the wheel on the rail, its motion, stick and wear, beside other methods."""
     limit = friction["limit_N"]
     table = Table(title="friction", title_justify="left")
-    columns = {"FE": friction, **(second or {})}
+    known = {name: each for name, each in (second or {}).items() if "reason" not in each}
+    columns = {"FE": friction, **known}
     for name in ("quantity", "unit", *columns):
         table.add_column(name, justify="left" if name in ("quantity", "unit") else "right")
     for label, unit, key in FRICTION:
@@ -263,6 +264,9 @@ def _show_friction(
             cells = [_number(_get(values, (key,))) for values in columns.values()]
             table.add_row(label, unit, *cells)
     console.print(table)
+    for name, each in (second or {}).items():
+        if name not in known:
+            console.print(f"No {name}: {each['reason']}.", markup=False, highlight=False)
     console.print(
         f"Forces are those of the wheel on the rail; mu N = {limit:.5g} N.", highlight=False
     )

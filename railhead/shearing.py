@@ -14,12 +14,14 @@ from railhead.planning import developed
 from railhead.postprocess.findings import Frame
 from railhead.theory import boundary_element
 from railhead.theory.boundary_element import Solution
-from railhead.theory.half_space_patch import PatchSolution
-from railhead.theory.hertz import Ellipse
+from railhead.theory.half_space_patch import Grid, PatchSolution
+from railhead.theory.hertz import Ellipse, Strip
 from railhead.theory.rolling import plane_modes
 
 Array = NDArray[np.float64]
 LEAST = 0.002  # of the force: smaller patches are left out
+LENGTH, WIDER = 1e4, 1.25  # of a strip over its half width; its grid over it, as tractions widen it
+TOLERANCE = 1e-8  # of the displacement
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,20 @@ def patches(
     pressing = [each for each in known.windows if each.force > LEAST * known.force]
     angle = contact.touch.angle
     return [Patch(each, _modes(contact, each), angle) for each in pressing]
+
+
+def strip(contact: Strip, cells: int) -> list[Patch]:
+    """A line contact on so many cells along the rail: two cells beside each other, so long that
+    each is a strip."""
+    length = LENGTH * contact.b
+    x = WIDER * contact.b * ((2 * np.arange(cells) + 1) / cells - 1)
+    s = length / 4 * np.array([-1.0, 1.0])
+    gap = contact.curvature / 2 * np.column_stack([x**2, x**2])
+    (pressed,) = boundary_element.equilibrium(
+        [Grid(x, s, np.zeros(2))], [gap], contact.contact_modulus,
+        contact.load_per_length * length, None, TOLERANCE, None,
+    )  # fmt: skip
+    return [Patch(pressed, plane_modes(x, s), 0.0)]
 
 
 def _modes(contact: Contact, window: PatchSolution) -> Array:
