@@ -15,7 +15,8 @@ from railhead.planning import plan as planning
 from railhead.rubbed_patches import SEVERAL, Asked, opinion
 from railhead.shearing import Patch
 from railhead.solver.rubbing import Rubbing
-from railhead.theory import cattaneo
+from railhead.theory import cattaneo, kalker
+from railhead.theory.fastsim import fastsim
 from railhead.theory.rolling import Creepage, HalfSpaceFriction
 
 MU = 0.3
@@ -112,6 +113,18 @@ def test_forces_of_patches_add_up_in_space(two: planning.Plan, patches: list[Pat
         total, flat = axes @ force.sum(axis=(1, 2)), force.reshape(3, -1).T
         moment = np.cross(arm, flat).sum(axis=0) @ axes[2]
         np.testing.assert_allclose(rolled.forces, [*total[:2], moment], rtol=1e-9)
+
+
+def test_the_ellipse_of_an_ellipse_is_itself() -> None:
+    plan, motion = ellipse(), (1e-4, 2e-4, 1e-4)
+    exactly, pair = plan.estimate, exact.tangential_pair(plan.scene)
+    linear = kalker.coefficients(exactly.a / exactly.b, pair.poisson)
+    known = linear.forces(exactly.a, exactly.b, pair.shear_modulus, Creepage(*motion))
+    patch = hertz(plan, 64)
+    np.testing.assert_allclose(equal_ellipses.linear(patch, pair, motion), known, rtol=5e-3)
+    followed = fastsim(exactly.a, exactly.b, 7500.0, pair.shear_modulus, linear, Creepage(*motion))
+    forces, stick = equal_ellipses.fastsim(patch, 7500.0, pair, motion)
+    np.testing.assert_allclose([*forces, stick], followed, rtol=5e-3)
 
 
 def test_two_patches_roll_as_their_ellipses_nearly_do(
