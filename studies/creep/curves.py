@@ -39,17 +39,24 @@ PROFILES = (
 
 @dataclass(frozen=True)
 class Curve:
-    """Motions of one condensed model; resolution: elements a semi-axis, None as planned."""
+    """Motions of one condensed model; resolution: elements a semi-axis, None as planned; shift of
+    the wheelset, mm."""
 
-    case: str
+    name: str
     motions: Sequence[Creepage]
     resolution: float | None
+    shift: float = 0.0
+
+    @property
+    def case(self) -> str:
+        """What tables call it."""
+        return f"{self.name}, {self.shift:g} mm" if self.shift else self.name
 
 
 CURVES = (
     Curve("hertz_ellipse", ALONG, None),
     Curve("hertz_ellipse", ASIDE, COARSE),
-    Curve("s1002_60e1", PROFILES, COARSER),
+    Curve("s1002_60e1", PROFILES, COARSER, 4.0),
 )
 QUICK = (Curve("hertz_ellipse", ALONG[2:5:2], COARSE),)
 
@@ -114,10 +121,11 @@ def rolled(curve: Curve) -> tuple[list[Point], Cost]:
 
 def _plan(curve: Curve) -> Plan:
     across = any(each.across or each.spin for each in curve.motions)
-    scene = catalogue.find(curve.case).replace(
+    scene = catalogue.find(curve.name).replace(
         friction={"coefficient": COEFFICIENT},
         rolling={"creepage_along": 1e-3, "creepage_across": 1e-3 if across else None},
         effects={"plasticity": "off"},
+        wheelset={"shift": curve.shift},
     )
     plan = planning.make(scene)
     return plan if curve.resolution is None else plan.at_resolution(curve.resolution)
