@@ -50,7 +50,8 @@ def _ellipses(
         a, b = patch.pressed.semi_axes
         if not 1 / SLENDER < a / b < SLENDER:
             raise ValueError(f"the linear theory's tables end before an axis ratio of {a / b:.3g}")
-        local = Creepage(*(given @ patch.middle), given[2] * patch.turn)
+        along, across = given @ patch.middle
+        local = Creepage(along, across, given[2] * patch.turn)
         yield patch, a, b, kalker.coefficients(a / b, pair.poisson), local
 
 

@@ -90,7 +90,7 @@ def _known(method: Callable[[], dict[str, Any]]) -> dict[str, Any]:
 def _fastsim(asked: Asked, patches: Sequence[Patch]) -> dict[str, Any]:
     found = asked.found
     forces, stick = equal_ellipses.fastsim(patches, found.limit, asked.pair, found.motion)
-    return {**named(*forces, stick), "t_gamma_N": float(forces @ found.motion)}
+    return {**named(forces, stick), "t_gamma_N": float(forces @ found.motion)}
 
 
 def _mindlin(asked: Asked, ellipse: Ellipse) -> dict[str, Any]:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from railhead.shearing import Patch
 from railhead.solver.rubbing import Rubbing
@@ -14,6 +15,7 @@ from railhead.theory.driven import under
 from railhead.theory.rolling import Creepage, HalfSpaceFriction, Sheared
 from railhead.theory.tangential import Pair
 
+Array = NDArray[np.float64]
 LIKE = 1e-9  # |K/G| that is rounding
 SEVERAL = "how several patches share a force depends on the compliance of the bodies"
 
@@ -51,15 +53,16 @@ def opinion(
     better = {name: 2 * value - other[name] for name, value in found.items()}
     better["stick_share"] = min(max(better["stick_share"], 0.0), 1.0)
     ways = ("shift_along_mm", "shift_across_mm")
-    size = float(np.hypot(*(better.get(way, 0.0) for way in ways)))
+    size = float(np.linalg.norm([better.get(way, 0.0) for way in ways]))
     if asked.rolling:
         ways, size = ("force_along_N", "force_across_N"), asked.found.limit
     changes = [abs(better[way] - found[way]) for way in ways if way in found]
     return {**better, "grid_error": max(changes, default=0.0) / (size or 1.0)}
 
 
-def named(along: float, across: float, moment: float, stick: float) -> Opinion:
-    """By the names of "friction" in summary.json."""
+def named(forces: Array, stick: float) -> Opinion:
+    """Forces and moment (3,) by the names of "friction" in summary.json."""
+    along, across, moment = forces
     return {
         "force_along_N": float(along), "force_across_N": float(across),
         "moment_Nmm": float(moment), "stick_share": float(stick),
@@ -88,7 +91,7 @@ def _on_grid(asked: Asked, patches: Sequence[Patch]) -> Opinion:
     forces = scale * np.sum([each.forces for each in sheared], axis=0)
     sticks, touches = np.sum([each.areas for each in sheared], axis=0)
     largest = max(float(np.linalg.norm(each.traction, axis=0).max()) for each in sheared)
-    out = named(*forces, sticks / touches) | {"traction_max_MPa": largest}
+    out = named(forces, sticks / touches) | {"traction_max_MPa": largest}
     if asked.rolling:
         out["t_gamma_N"] = float(forces @ found.motion)
     elif asked.shifts:

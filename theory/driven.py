@@ -39,7 +39,8 @@ def under(
     for _ in range(STEPS):
         if np.linalg.norm(missing) <= TOLERANCE * limit:
             return now
-        stiffness = sum(body.stiffness(each) for body, each in zip(bodies, now, strict=True))
+        pairs = zip(bodies, now, strict=True)
+        stiffness = np.sum([body.stiffness(each) for body, each in pairs], axis=0)
         step = np.linalg.lstsq(stiffness[np.ix_(free, free)], missing, rcond=None)[0]
         share = 1.0
         while True:

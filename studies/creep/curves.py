@@ -18,7 +18,7 @@ from railhead.solver.contact import ContactModel
 from railhead.solver.friction import Friction
 from railhead.solver.rubbing import RubbingModel, slips
 from railhead.theory.hertz import Ellipse
-from railhead.theory.rolling import Creepage, HalfSpaceFriction, Sheared
+from railhead.theory.rolling import Creepage, HalfSpaceFriction
 
 COEFFICIENT = 0.3
 CELLS = 64  # each way, of the boundary elements
@@ -109,8 +109,8 @@ def rolled(curve: Curve) -> tuple[list[Point], Cost]:
     for motion in curve.motions:
         given = motion.along, motion.across, motion.spin
         found = problem.solve(np.tensordot(given, rigid, axes=1))
-        forces = [float(contact.force(axis) @ found.nodal) / problem.limit for axis in axes[:2]]
-        forces[1] = 0.0 if plan.half_y else forces[1]
+        along, across = (float(contact.force(axis) @ found.nodal) for axis in axes[:2])
+        forces = along / problem.limit, 0.0 if plan.half_y else across / problem.limit
         stick = float(contact.weights[found.sticks].sum() / contact.weights[touches].sum())
         points.append(Point(curve.case, *given, "railhead", *forces, stick, len(found.history)))
     spent = np.diff([*clock, time.perf_counter()])
@@ -149,11 +149,14 @@ def _others(plan: Plan, curve: Curve) -> Iterator[Point]:
     limit = COEFFICIENT * sum(each.pressed.force for each in patches)
     for motion in curve.motions:
         given = motion.along, motion.across, motion.spin
-        sheared: list[Sheared] = [body.at(motion) for body in bodies]
-        along, across, _ = np.sum([each.forces for each in sheared], axis=0) / limit
+        sheared = [body.at(motion) for body in bodies]
+        exactly = np.sum([each.forces for each in sheared], axis=0)
         sticks, touches = np.sum([each.areas for each in sheared], axis=0)
-        yield Point(curve.case, *given, "boundary elements", along, across, float(sticks / touches))
         quick, stick = equal_ellipses.fastsim(patches, limit, pair, given)
-        yield Point(curve.case, *given, "FASTSIM", *(quick[:2] / limit), stick)
         straight = equal_ellipses.linear(patches, pair, given)
-        yield Point(curve.case, *given, "linear theory", *(straight[:2] / limit))
+        for by, forces, sticking in (
+            ("boundary elements", exactly, float(sticks / touches)),
+            ("FASTSIM", quick, stick), ("linear theory", straight, None),
+        ):  # fmt: skip
+            along, across, _ = forces / limit
+            yield Point(curve.case, *given, by, along, across, sticking)

@@ -10,6 +10,7 @@ from railhead import study
 from railhead.studies import tables
 from railhead.studies.creep import changes, curves, page, plot
 from railhead.studies.creep.changes import Left, Slid
+from railhead.studies.creep.curves import Cost, Point
 
 STUDY = "creep curves against half-spaces, FASTSIM and linear theory; what friction costs, changes"
 
@@ -17,11 +18,13 @@ STUDY = "creep curves against half-spaces, FASTSIM and linear theory; what frict
 def main(out: Path, *, quick: bool) -> None:
     """Write creep.csv, creep_costs.csv, creep_left_out.csv, creep_sliding.csv, creep.png,
     creep_sliding.png and page.md; quick: two points of a coarse mesh, and sections."""
-    points, costs = [], []
+    points: list[Point] = []
+    costs: list[Cost] = []
     for curve in curves.QUICK if quick else curves.CURVES:
         print(f"{curve.case}: {len(curve.motions)} motions", file=sys.stderr)
         found, cost = curves.rolled(curve)
-        points, costs = points + found, [*costs, cost]
+        points += found
+        costs.append(cost)
     left = list(_left(changes.SCENES[:1] if quick else changes.SCENES))
     slid = list(_slid(quick))
     tables.write_csv(out / "creep.csv", points, {"spin": "per_mm"})

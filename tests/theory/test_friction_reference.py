@@ -4,11 +4,16 @@ source and error."""
 from friction_data import ENTRIES
 
 HELD = {
-    "mindlin_sphere": "test_cattaneo, test_rolling", "mindlin_ellipse": "test_cattaneo, test_rolling",
-    "cattaneo_strip": "test_cattaneo", "carter": "test_carter", "kalker": "test_kalker",
-    "curve": "test_rolling, test_kalker", "mises": "test_sliding",
-    "contact_program": "test_rolling", "contact_shipped": "test_rolling",
-}  # fmt: skip
+    "mindlin_sphere": "test_cattaneo, test_rolling",
+    "mindlin_ellipse": "test_cattaneo, test_rolling",
+    "cattaneo_strip": "test_cattaneo",
+    "carter": "test_carter",
+    "kalker": "test_kalker",
+    "curve": "test_rolling, test_kalker",
+    "mises": "test_sliding",
+    "contact_program": "test_rolling",
+    "contact_shipped": "test_rolling",
+}
 """Where the entries are that begin so."""
 
 
