@@ -15,15 +15,16 @@ from railhead.theory.contacts import Hertz, half_lengths
 
 COEFFICIENT, POISSON = 0.3, 0.3
 SLIDES = 0.5  # creepage under which all slips
-COARSE = {"patch_size": 0.87}  # four elements a semi-axis of the thesis's ellipse
+COARSE: dict[str, Any] = {"mesh": {"patch_size": 0.87}}  # four elements a semi-axis
+HALF_SPACE: dict[str, Any] = {"rail": {"extent": "half-space", "width": 70.0}}
 RIGID: dict[str, Any] = {"young_modulus": math.inf}
 SCENES: tuple[tuple[str, dict[str, Any], float], ...] = (
     ("long_roller", {}, 4e-4),
     ("long_roller", {}, 1.5e-3),
     ("long_roller", {}, 1e-2),
-    ("hertz_ellipse", {"mesh": COARSE}, 1e-3),
-    ("hertz_ellipse", {"mesh": COARSE}, 1e-2),
-    ("hertz_ellipse", {"mesh": COARSE, "wheel": RIGID}, 1e-3),
+    ("hertz_ellipse", COARSE, 1e-3),
+    ("hertz_ellipse", COARSE, 1e-2),
+    ("hertz_ellipse", {**COARSE, "wheel": RIGID}, 1e-3),
 )
 STRIP, SLIDING = (0.1, 0.2, 0.3, 0.4, 0.5), (0.1, 0.3, 0.5)  # coefficients of sections and solids
 EXACT = tuple(float(mu) for mu in np.linspace(0, 0.6, 13))
@@ -75,11 +76,11 @@ def left_out(name: str, changes: dict[str, Any], creepage: float) -> Left:
     return Left(case, creepage, rubbed["force_along_N"] / rubbed["limit_N"], *pairs)
 
 
-def slid(name: str, coefficients: Sequence[float], mesh: dict[str, Any]) -> Iterator[Slid]:
+def slid(name: str, coefficients: Sequence[float], given: dict[str, Any]) -> Iterator[Slid]:
     """Finite elements that slide, and the exact field below Hertz's pressure."""
     ellipse: Hertz | None = None
     for mu in coefficients:
-        result = rh.solve(_rolling(name, mu, SLIDES).replace(mesh=mesh), quiet=True)
+        result = rh.solve(_rolling(name, mu, SLIDES).replace(**given), quiet=True)
         ellipse, stress = result.ellipse, result.as_dict()["result"]["stress"]
         width = min(half_lengths(ellipse))
         yield Slid(name, mu, "railhead", stress["von_mises_max_MPa"] / ellipse.p0,

@@ -78,10 +78,11 @@ class Point:
 
 @dataclass(frozen=True)
 class Cost:
-    """Of a curve: unknowns, contact points, and seconds of mesh and assembly, of pressing without
-    friction, of condensing and, on the average, of a point."""
+    """Of a curve: unknowns, contact points, and processor seconds of assembly (gmsh is a process of
+    its own), of pressing without friction, of condensing and, on the average, of a point."""
 
     case: str
+    model: str
     unknowns: int
     points: int
     built: float
@@ -93,16 +94,16 @@ class Cost:
 def rolled(curve: Curve) -> tuple[list[Point], Cost]:
     """All methods at each motion."""
     plan = _plan(curve)
-    clock = [time.perf_counter()]
+    clock = [time.process_time()]
     model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
     assert isinstance(model, RubbingModel) and model.setup.rub is not None
-    clock.append(time.perf_counter())
+    clock.append(time.process_time())
     model.tangential = np.zeros(2)
     touching = plan.forecast.touching(model.setup.kinematics.lift(model.interface.points))
     pressed = ContactModel.solve(model, load=plan.scene.load or 0.0, active=touching)
-    clock.append(time.perf_counter())
+    clock.append(time.process_time())
     contact = Condenser(model, pressed).condense(rolling=True)
-    clock.append(time.perf_counter())
+    clock.append(time.process_time())
     problem, rigid = Friction(contact, COEFFICIENT), slips(model.setup.rub, contact)
     axes, touches = model.setup.rub.axes, contact.pressure > 0
     points = []
@@ -113,9 +114,15 @@ def rolled(curve: Curve) -> tuple[list[Point], Cost]:
         forces = along / problem.limit, 0.0 if plan.half_y else across / problem.limit
         stick = float(contact.weights[found.sticks].sum() / contact.weights[touches].sum())
         points.append(Point(curve.case, *given, "railhead", *forces, stick, len(found.history)))
-    spent = np.diff([*clock, time.perf_counter()])
+    spent = np.diff([*clock, time.process_time()])
     spent[3] /= len(curve.motions)
-    cost = Cost(curve.case, model.unknowns, len(contact.points), *map(float, spent))
+    cost = Cost(
+        curve.case,
+        "half" if plan.half_y else "whole",
+        model.unknowns,
+        len(contact.points),
+        *map(float, spent),
+    )
     return [*points, *_others(plan, curve)], cost
 
 

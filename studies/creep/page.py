@@ -30,7 +30,7 @@ def page(
         for case, (_, worst) in forces.items()
     ]
     spent = [
-        (c.case, c.unknowns, c.points, f"{c.condensed / c.pressed:.1f}",
+        (c.case, c.model, c.unknowns, c.points, f"{c.condensed / c.pressed:.1f}",
          f"{c.point / c.pressed:.2f}",
          f"{1 + (c.condensed + c.point) / (c.built + c.pressed):.1f}")
         for c in costs
@@ -39,7 +39,7 @@ def page(
         (each.case, f"{each.creepage:g}", f"{each.force:.2f}",
          *(_change(getattr(each, f"plain_{name}"), getattr(each, name))
            for name in ("pressure", "area", "tau", "von_mises")),
-         f"{each.plain_depth:.3g} -> {abs(each.depth):.3g}")
+         f"{each.plain_depth:.2f} -> {abs(each.depth):.2f}")
         for each in left
     ]  # fmt: skip
     shapes = list(dict.fromkeys(s.case for s in slid))

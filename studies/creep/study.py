@@ -46,6 +46,6 @@ def _left(scenes: Iterable[tuple]) -> Iterable[Left]:
 def _slid(quick: bool) -> Iterable[Slid]:
     strip: Sequence[float] = changes.STRIP[2:3] if quick else changes.STRIP
     print("full sliding", file=sys.stderr)
-    yield from changes.slid("long_roller", strip, {})
+    yield from changes.slid("long_roller", strip, changes.HALF_SPACE)
     if not quick:
         yield from changes.slid("hertz_ellipse", changes.SLIDING, changes.COARSE)

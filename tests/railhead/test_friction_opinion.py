@@ -72,6 +72,25 @@ def test_boundary_elements_shift_as_mindlin() -> None:
     assert "grid_error" not in answer and "t_gamma_N" not in answer
 
 
+def test_what_sticks_in_any_patch_is_the_patch_of_the_force_that_is_left() -> None:
+    """S1002 on 60E1, central, is no ellipse: at half of mu N the patch of half the load
+    sticks (Ciavarella 1998, Jaeger 1998)."""
+    scene = rh.find("s1002_60e1").replace(effects={"plasticity": "off"})
+    plan = planning.make(scene)
+    whole, half = (
+        shearing.patches(plan.contact, plan.estimate, hertzian=False, load=load, cells=48)
+        for load in (1e4, 5e3)
+    )
+    limit = MU * whole[0].pressed.force
+    force = (0.5 * limit, 0.0)
+    given = Asked(found(limit, force=force), MU, exact.tangential_pair(scene), False, False)
+    answer = opinion(given, lambda cells: whole, (24, 48))
+    share = half[0].pressed.area / whole[0].pressed.area
+    assert answer["stick_share"] == pytest.approx(share, abs=0.03)
+    assert abs(share - 0.5 ** (2 / 3)) > 0.01
+    assert "shift_along_mm" not in answer
+
+
 def test_unlike_bodies_are_extrapolated_and_say_how_far() -> None:
     """A rigid wheel at a creepage of 0.001: 0.242 of mu N from up to 64 cells; finite elements gave
     0.237 on 4.3 elements a semi-axis."""

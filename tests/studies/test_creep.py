@@ -36,7 +36,7 @@ def test_the_study_writes_its_tables_its_pictures_and_its_page(tmp_path) -> None
         next(float(row["von_mises"]) for row in slid if row["by"] == by)
         for by in ("railhead", "below", "surface")
     )
-    assert found == pytest.approx(max(below, surface), rel=0.02)
+    assert found == pytest.approx(max(below, surface), rel=0.005)
     for picture in ("creep.png", "creep_sliding.png"):
         assert (folder / picture).stat().st_size > 10_000
     assert "Full sliding" in text and "boundary elements" in text
@@ -55,8 +55,11 @@ def test_the_page_says_the_largest_distance_and_ratios() -> None:
         for mu in (0.0, 0.2, 0.4)
         for by, stress in (("railhead", 0.6), ("below", 0.6), ("surface", 0.3 + mu))
     ]
-    text = page.page(points, [Cost("made_up", 10, 5, 1.0, 2.0, 6.0, 0.5)], [], slid)
+    text = page.page(points, [Cost("made_up", "half", 10, 5, 1.0, 2.0, 6.0, 0.5)], [], slid)
     assert "| made_up | 5 %" in text
-    assert "| made_up | 10         | 5                | 3.0                     | 0.25" in text
+    assert (
+        "| made_up | half    | 10         | 5                | 3.0                     | 0.25"
+        in text
+    )
     assert "3.2" in text and "above a coefficient of 0.300" in text
     assert changes.crossover(slid) == pytest.approx(0.3)
