@@ -36,7 +36,7 @@ def quantities(
     if cycle:
         out["energy_per_cycle_Nmm"] = found.energy
     if rolling:
-        wear = float(np.dot((*found.force, found.moment), found.motion))
+        wear = float(np.dot((*found.force, found.moment), found.motion)) + found.beyond
         out["t_gamma_N"] = wear
         if speed is not None:
             out["power_W"] = wear * speed

@@ -115,21 +115,26 @@ def friction(level: Level, second: Mapping[str, Mapping[str, Any]] | None) -> li
         ),
     ]  # fmt: skip
     other = (second or {}).get("boundary elements") or (second or {}).get("Carter") or {}
-    off = [
-        abs(force - other[name]) / found.limit
-        for name, force in zip(("force_along_N", "force_across_N"), found.force, strict=True)
-        if name in other
-    ]
-    if off:
+    both = list(zip(("along", "across"), found.force, found.motion, strict=False))
+    off = [abs(force - other[name]) / found.limit
+           for way, force, _ in both if (name := f"force_{way}_N") in other]  # fmt: skip
+    room = ROUGH + other.get("grid_error", 0.0)
+    if off and scene.rolling.given:
         out.append(
             Check(
-                "second_opinion_friction",
-                max(off),
-                ROUGH,
-                "half-spaces with friction, over mu N",
-                FINER,
+                "second_opinion_friction", max(off), room,
+                "half-spaces with friction, over mu N, and the error of their grid", FINER,
             )
-        )
+        )  # fmt: skip
+    if "shift_along_mm" in other:
+        shifts = [(shift, other[f"shift_{way}_mm"]) for way, _, shift in both]
+        whole = math.hypot(*(shift for _, shift in shifts))
+        out.append(
+            Check(
+                "second_opinion_shift", max(abs(one - two) for one, two in shifts) / whole, room,
+                "half-spaces with friction, over their shift, and the error of their grid", FINER,
+            )
+        )  # fmt: skip
     return out
 
 

@@ -2,84 +2,106 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
+from railhead import equal_ellipses, shearing
 from railhead.level import Level
-from railhead.planning import developed, exact
-from railhead.solver.solution import Rubbing
-from railhead.theory import carter, cattaneo, kalker, tangential
-from railhead.theory.fastsim import fastsim
+from railhead.planning import exact
+from railhead.rubbed_patches import Asked, named, opinion
+from railhead.shearing import Patch
+from railhead.theory import carter, cattaneo
+from railhead.theory.boundary_element import Solution
 from railhead.theory.hertz import Ellipse
-from railhead.theory.rolling import Creepage, HalfSpaceFriction
+from railhead.theory.line import LineContact
 
-LIKE = 1e-9  # |K/G| that is rounding
-SLENDER = 20.0  # axis ratio up to which the linear theory is known
+CELLS, STRIP_CELLS = (32, 64), (128, 256)  # of boundary elements, coarse and fine
+STRIP = ("force_along_N", "stick_share", "traction_max_MPa", "t_gamma_N", "grid_error")
+TURNED = "a strip of unlike bodies across the rail"
 
 Opinions = dict[str, dict[str, Any]]
 
 
-def opinions(level: Level) -> Opinions | None:
-    """ "half_space_friction" of summary.json: by method, the forces at the motion that was found,
-    where the method knows an answer: under the pressure of half-spaces, of a single patch. None
-    without friction."""
-    found, plan = level.solution.rubbing, level.plan
+def opinions(level: Level, profiles: Solution | str | None) -> Opinions | None:
+    """ "half_space_friction" of summary.json: by method, what it says of the motion (rolling) or of
+    the forces (a shift) that were found, or the reason why it knows no answer. None without
+    friction. profiles: of `second_opinion.solve`."""
+    found = level.solution.rubbing
     if found is None or level.findings is None:
         return None
-    scene, ellipse = plan.scene, level.ellipse
-    pair = exact.tangential_pair(scene)
-    like = abs(pair.mismatch) < LIKE
-    single = len(level.findings.patch.each) < 2
-    out: Opinions = {}
-    if not single or (not isinstance(ellipse, Ellipse) and not like):
-        return out
-    if not scene.rolling.given:
-        if like and any(found.force):
-            share = float(np.hypot(*found.force) / found.limit)
-            if isinstance(ellipse, Ellipse):
-                stick = (1 - share) ** (2 / 3)
-            else:
-                stick = cattaneo.strip_stick_ratio(share)
-            out["Cattaneo, Mindlin"] = {"stick_share": stick}
-        return out
-    if not isinstance(ellipse, Ellipse):
-        strip = carter.from_creepage(ellipse.strip, scene.friction.coefficient, found.motion[0])
-        out["Carter"] = {
-            "force_along_N": strip.share * found.limit,
-            "stick_share": strip.stick_half_width / ellipse.strip.b,
-        }
-        return out
-    out["boundary elements"] = _boundary_elements(level, found, pair)
-    if level.findings.hertzian and 1 / SLENDER < ellipse.a / ellipse.b < SLENDER and like:
-        linear = kalker.coefficients(ellipse.a / ellipse.b, pair.poisson)
-        along, across, moment, stick = fastsim(
-            ellipse.a, ellipse.b, found.limit, pair.shear_modulus, linear, Creepage(*found.motion)
-        )
-        out["FASTSIM"] = _named(along, across, moment, stick)
+    scene, contact = level.plan.scene, level.plan.contact
+    asked = Asked(
+        found, scene.friction.coefficient, exact.tangential_pair(scene),
+        scene.rolling.given, contact.half_space and not level.plan.section,
+    )  # fmt: skip
+    if isinstance(level.ellipse, LineContact):
+        return _strip(asked, level.ellipse)
+    return _solid(asked, level, level.ellipse, profiles)
+
+
+def _strip(asked: Asked, line: LineContact) -> Opinions:
+    found, strip = asked.found, line.strip
+    if not asked.like and line.across:
+        return {"boundary elements": {"reason": TURNED}}
+    if not asked.like:
+        rubbed = opinion(asked, lambda cells: shearing.strip(strip, cells), STRIP_CELLS)
+        return {"boundary elements": {key: rubbed[key] for key in STRIP if key in rubbed}}
+    if not asked.rolling:
+        share = float(np.hypot(*found.force) / found.limit)
+        return {"Cattaneo": {"stick_share": cattaneo.strip_stick_ratio(min(share, 1.0))}}
+    if line.across:
+        return {}
+    rolled = carter.from_creepage(strip, asked.friction, found.motion[0])
+    stick, force = rolled.stick_half_width / strip.b, rolled.share * found.limit
+    wear = force * found.motion[0]
+    return {"Carter": {"force_along_N": force, "stick_share": stick, "t_gamma_N": wear}}
+
+
+def _solid(
+    asked: Asked, level: Level, ellipse: Ellipse, profiles: Solution | str | None
+) -> Opinions:
+    assert level.findings is not None
+    hertzian, load = level.findings.hertzian, level.solution.load
+
+    def patches(cells: int) -> Sequence[Patch]:
+        return shearing.patches(
+            level.plan.contact, ellipse, hertzian=hertzian, load=load, cells=cells,
+            profiles=profiles,
+        )  # fmt: skip
+
+    out: Opinions = {"boundary elements": _known(lambda: opinion(asked, patches, CELLS))}
+    if asked.like and asked.rolling:
+        name = "FASTSIM" if hertzian else "FASTSIM (equal ellipses)"
+        out[name] = _known(lambda: _fastsim(asked, patches(CELLS[1])))
+    elif asked.like and hertzian:
+        out["Cattaneo, Mindlin"] = _mindlin(asked, ellipse)
     return out
 
 
-def _boundary_elements(level: Level, found: Rubbing, pair: tangential.Pair) -> dict[str, Any]:
-    """Under Hertz's pressure where the patch is his, else under that of the profiles."""
-    ellipse, friction = level.ellipse, level.plan.scene.friction.coefficient
-    assert isinstance(ellipse, Ellipse) and level.findings is not None
-    if level.findings.hertzian:
-        body = HalfSpaceFriction.hertz(ellipse, friction, pair, rolling=True)
-    else:
-        try:
-            patch = developed.solve(level.plan.contact, ellipse, level.solution.load).patches[0]
-        except ValueError:
-            return {}
-        body = HalfSpaceFriction(patch.x, patch.s, patch.pressure, friction, pair, rolling=True)
-    rolled = body.at(Creepage(*found.motion))
-    scale = found.limit / rolled.limit  # cells at the edge are in or out
-    along, across, moment = (scale * force for force in rolled.forces)
-    return _named(along, across, moment, rolled.stick_share)
+def _known(method: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    try:
+        return method()
+    except ValueError as error:
+        return {"reason": str(error)}
 
 
-def _named(along: float, across: float, moment: float, stick: float) -> dict[str, Any]:
-    return {
-        "force_along_N": along, "force_across_N": across, "moment_Nmm": moment,
-        "stick_share": stick,
-    }  # fmt: skip
+def _fastsim(asked: Asked, patches: Sequence[Patch]) -> dict[str, Any]:
+    found = asked.found
+    forces, stick = equal_ellipses.fastsim(patches, found.limit, asked.pair, found.motion)
+    return {**named(forces, stick), "t_gamma_N": float(forces @ found.motion)}
+
+
+def _mindlin(asked: Asked, ellipse: Ellipse) -> dict[str, Any]:
+    found, pair = asked.found, asked.pair
+    force = min(float(np.hypot(*found.force)), found.limit)
+    out = {"stick_share": (1 - force / found.limit) ** (2 / 3)}
+    compliances = cattaneo.initial_compliance(
+        ellipse.a, ellipse.b, pair.shear_modulus, pair.poisson
+    )
+    if asked.shifts and force:
+        for way, part, each in zip(("along", "across"), found.force, compliances, strict=True):
+            shift = cattaneo.CattaneoMindlin(found.limit, each).approach(force)
+            out[f"shift_{way}_mm"] = shift * part / force
+    return out

@@ -273,15 +273,18 @@ def _show_friction(
     """Forces of the wheel on the rail, its motion, stick and wear, beside other methods."""
     limit = friction["limit_N"]
     table = Table(title="friction", title_justify="left")
-    others = second or {}
+    others = {name: each for name, each in (second or {}).items() if "reason" not in each}
     for name in ("quantity", "unit", "FE", "estimate", *others):
         table.add_column(name, justify="left" if name in ("quantity", "unit") else "right")
     for label, unit, key in FRICTION:
         if key in friction:
             cells = [_number(_get(values, (key,))) for values in others.values()]
-            fe = _number(_get(friction, (key,)))
+            fe = _number(_get(dict(friction), (key,)))
             table.add_row(label, unit, fe, _bound(bound.get(key)), *cells)
     console.print(table)
+    for name, each in (second or {}).items():
+        if name not in others:
+            console.print(f"No {name}: {each['reason']}.", markup=False, highlight=False)
     console.print(
         f"Forces are those of the wheel on the rail; mu N = {limit:.5g} N, of which estimates of "
         "forces are shares.", highlight=False,

@@ -15,17 +15,26 @@ from railhead.theory.boundary_element import Solution
 CELLS = 128
 
 
-def half_space(level: Level) -> dict[str, Any] | None:
-    """ "half_space" of summary.json: what the profiles would do as half-spaces under the load that
-    was found, or the reason why that is not known. None where exact Hertz is the answer of
-    half-spaces (these, and line contacts) or nothing touches."""
-    contact, ellipse, found = level.plan.contact, level.ellipse, level.findings
-    if contact.half_space or contact.line or found is None:
+def solve(level: Level) -> Solution | str | None:
+    """The profiles as half-spaces under the load that was found, or the reason why that is not
+    known. None where exact Hertz is the answer of half-spaces (these, and line contacts) or nothing
+    touches."""
+    contact = level.plan.contact
+    if contact.half_space or contact.line or level.findings is None:
         return None
     try:
-        solution = developed.solve(contact, ellipse, level.solution.load, CELLS)
+        return developed.solve(contact, level.ellipse, level.solution.load, CELLS)
     except ValueError as error:
-        return {"reason": f"boundary elements: {error}"}
+        return f"boundary elements: {error}"
+
+
+def half_space(level: Level, solution: Solution | str | None) -> dict[str, Any] | None:
+    """ "half_space" of summary.json: what `solve` found, or why not."""
+    contact, found = level.plan.contact, level.findings
+    if solution is None or found is None:
+        return None
+    if isinstance(solution, str):
+        return {"reason": solution}
     points, plane = developed.develop(contact).points, contact.touch.angle
     opinion = compare.from_half_space(solution, points, plane, hertzian=found.hertzian)
     return {**opinion, "allowance": _allowance(level, solution)}

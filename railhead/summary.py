@@ -7,13 +7,12 @@ import resource
 from dataclasses import dataclass
 from typing import Any
 
-from railhead import checks, estimates, friction_opinion
+from railhead import checks, estimates, friction_opinion, second_opinion
 from railhead.geometry.flat import FlatContact
 from railhead.level import Level
 from railhead.planning import effects
 from railhead.planning.effects import plasticity
 from railhead.postprocess import compare, damage
-from railhead.second_opinion import half_space
 from railhead.theory.hertz import Ellipse
 
 
@@ -40,13 +39,17 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
     reached = None
     if scene.accuracy is not None and level.result is not None:
         reached = bool(estimates.worst(known, level) <= scene.accuracy)
-    profiles, rubbed = half_space(level), friction_opinion.opinions(level)
+    solved = second_opinion.solve(level)
+    profiles, rubbed = (
+        second_opinion.half_space(level, solved),
+        friction_opinion.opinions(level, solved),
+    )
     second = {**hertz, "allowance": {}} if plan.contact.half_space else profiles
     if other := effects.chosen(plan.effects):
         second = None  # it is about the scene
         source = f"{source}; of the problem that was chosen ({', '.join(other)})"
     judged = checks.run(level, known, second, reached=reached)
-    judged += checks.friction(level, rubbed)
+    judged += checks.friction(level, None if other else rubbed)
     return {
         "case": scene.name,
         "scene": scene.model_dump(exclude_none=True),

@@ -171,10 +171,10 @@ class Condenser:
         u, lost = solution.displacement, self.model.lost_shear(self)
         answer, moved = ((matrix * u).array.reshape(-1, self.size)
                          for matrix in (self.answer, self.change))  # fmt: skip
-        values = (solution.pressure[self.own] > 0, answer - self.sign * lost, moved,
-                  solution.indicator[self.own])  # fmt: skip
-        touches, start, moved, pressure = (self._all(np.asarray(each)) for each in values)
-        return touches, start, moved, pressure
+        touches = np.concatenate(self.comm.allgather(solution.pressure[self.own] > 0))
+        values = answer - self.sign * lost, moved, solution.indicator[self.own]
+        start, place, pressure = (self._all(np.asarray(each)) for each in values)
+        return touches, start, place, pressure
 
     @cached_property
     def far(self) -> list[tuple[PETSc.Vec, PETSc.Vec]]:

@@ -126,7 +126,8 @@ class _Problem:
         if begin is not None:
             x = np.concatenate([begin.nodal, begin.motion])
             slips, direction = begin.slips, begin.direction
-        first, history = begin is None, []
+        first = begin is None
+        history: list[float] = []
         while len(history) < STEPS:
             q, bound, size, unit = self._state(x)
             now = active & (size > bound) & (not first)

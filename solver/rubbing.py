@@ -133,6 +133,9 @@ class _Way:
     ) -> None:  # fmt: skip
         self.model, self.rub, self.condenser, self.case = model, rub, condenser, case
         self.contact, self.rigid = contact, slips(rub, contact)
+        self.known = np.tensordot(rub.known, self.rigid, axes=1)
+        if rub.beyond is not None:
+            self.known += rub.beyond(contact.points)[:, None] * self.rigid[0]
         self.modes = [index for index, _ in rub.free]
         self.settled = None if rub.rolling else contact.moved
         self.sheared: Sheared | None = None
@@ -154,7 +157,7 @@ class _Way:
             friction = Friction(self.contact, self.rub.coefficient)
             forces = [[*self.rub.axes[index], force * value] for index, value in self.rub.free]
             sheared = friction.solve(
-                np.tensordot(self.rub.known, self.rigid, axes=1),
+                self.known,
                 self.rigid[self.modes],
                 np.array(forces).reshape(-1, 4),
                 settled=self.settled,
@@ -238,6 +241,12 @@ class _Way:
     def _in_space(self, values: Array) -> Array:
         return np.einsum("nk,nkc->nc", values, self.contact.tangents)
 
+    def _beyond(self, along: Array) -> float:
+        if self.rub.beyond is None:
+            return 0.0
+        weights = self.contact.parts * self.contact.weights
+        return float(weights @ (along * self.rub.beyond(self.contact.points)))
+
     def _motion(self, sheared: Sheared) -> Array:
         """Along, across and spin."""
         motion = np.array(self.rub.known)
@@ -258,7 +267,7 @@ class _Way:
             found.sticks, (along, across, spin), (float(force[0]), float(force[1])),
             0.0 if self.model.setup.planes else moment,
             float(rub.coefficient * (weights @ found.pressure)), np.array(self.legs), self.energy,
-            self.passes, self.history,
+            self.passes, self._beyond(traction @ rub.axes[0]), self.history,
         )  # fmt: skip
         return rubbing, total
 

@@ -51,8 +51,9 @@ class Rub:
     """The wheel over the rail. axes (3, 3): unit vectors along, across and out of the rail at the
     origin (3,), mm; known: creepage along and across and spin (1/mm) where it rolls; free: index
     (0 along, 1 across) of motions that follow from a force of the wheel on the rail, N; legs:
-    shares of the load and of these forces, one after the other. far: (0 or 1, body tag, points
-    (n, 3)) -> displacement (n, 3) of the supported faces under 1 N along or across, mm."""
+    shares of the load and of these forces, one after the other; far: (0 or 1, body tag, points
+    (n, 3)) -> displacement (n, 3) of the supported faces under 1 N along or across, mm; beyond:
+    points (n, 3) -> creepage along (n,) beyond that motion."""
 
     coefficient: float
     rolling: bool
@@ -62,6 +63,7 @@ class Rub:
     free: tuple[tuple[int, float], ...]
     legs: tuple[tuple[float, float], ...] = ((1.0, 1.0),)
     far: Callable[[int, int, Array], Array] | None = None
+    beyond: Callable[[Array], Array] | None = None
 
 
 @dataclass(frozen=True)

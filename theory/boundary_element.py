@@ -173,7 +173,7 @@ def _search(
             if above[lowest].min() >= 0:
                 where = [domains.towards(above[lowest], where[lowest], grids[lowest])]
                 continue
-        patches = _equilibrium(
+        patches = equilibrium(
             grids, undeformed, contact_modulus, load, approach, tolerance, found
         )  # fmt: skip
         found = Solution(tuple(patches), contact_modulus, coarse if fine else None)
@@ -203,7 +203,7 @@ def _sample(gap: Gap, grid: Grid) -> Array:
     return np.where(values < FAR, values, np.inf).reshape(x.size, s.size)
 
 
-def _equilibrium(
+def equilibrium(
     grids: Sequence[Grid],
     undeformed: Sequence[Array],
     contact_modulus: float,
@@ -212,7 +212,8 @@ def _equilibrium(
     tolerance: float,
     guess: Solution | None,
 ) -> list[PatchSolution]:
-    """Constrained conjugate gradients (Polonsky and Keer, Wear 231, 1999) on fixed grids.
+    """Constrained conjugate gradients (Polonsky and Keer, Wear 231, 1999) on fixed grids, with a
+    gap (nx, ns) on each and `load` or `approach` as in `solve_developed`.
 
     With the cells' areas w and c = cos(angle), p minimises sum w p (u(p)/2 + gap) over p >= 0
     under sum w c p = load. Its gradient, in the inner product weighted by w, in which u(p) is

@@ -7,8 +7,10 @@ to the rail's over the rolling speed; spin turns about that normal:
 
     rigid slip = (along - spin y, across + spin x)
 
+or, on a surface that is not flat or whose motion is about another place, whatever its modes are.
 Forces are those of the wheel on the rail and have the creepage's sign (Kalker's have the other
-one); the moment acts about x = y = 0. Lengths in mm, forces in N, stresses in MPa, spin in 1/mm.
+one); each does the work of its creepage, so that the moment acts about the place of the spin.
+Lengths in mm, forces in N, stresses in MPa, spin in 1/mm.
 """
 
 from __future__ import annotations
@@ -24,7 +26,6 @@ from railhead.theory.tangential import Pair, TractionInfluence
 
 Array = NDArray[np.float64]
 TOLERANCE = 1e-8  # of the tractions
-FORCE_STEPS, FORCE_TOLERANCE = 40, 1e-6  # to given forces; over mu N
 
 
 @dataclass(frozen=True)
@@ -40,11 +41,13 @@ class Creepage:
 class Sheared:
     """Tractions and slip (2, nx, ny) in MPa and, rolling, of 1 (of a shift, mm) under a creepage.
 
-    bound: mu p (nx, ny), MPa; x (nx,), y (ny,): cell centres, mm.
+    bound: mu p (nx, ny), MPa; x (nx,), y (ny,): cell centres, mm; modes (3, 2, nx, ny): rigid slip
+    of creepages and a spin of 1.
     """
 
     x: Array
     y: Array
+    modes: Array
     bound: Array
     creepage: Creepage
     traction: Array
@@ -53,21 +56,31 @@ class Sheared:
     @property
     def forces(self) -> tuple[float, float, float]:
         """Along and across, N, and the moment, N mm."""
-        along, across = self.traction * (self.x[1] - self.x[0]) * (self.y[1] - self.y[0])
-        moment = np.sum(self.x[:, None] * across - self.y * along)
-        return float(along.sum()), float(across.sum()), float(moment)
+        along, across, moment = self.cell * (self.modes * self.traction).sum(axis=(1, 2, 3))
+        return float(along), float(across), float(moment)
+
+    @property
+    def cell(self) -> float:
+        """Its area, mm2."""
+        return float((self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
 
     @property
     def limit(self) -> float:
         """mu N, N."""
-        return float(self.bound.sum() * (self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
+        return float(self.bound.sum() * self.cell)
+
+    @property
+    def areas(self) -> tuple[float, float]:
+        """Of what sticks and of the patch, mm2."""
+        inside = self.bound > 0
+        sticks = np.linalg.norm(self.traction, axis=0) < (1 - 1e-6) * self.bound
+        return self.cell * float(sticks[inside].sum()), self.cell * float(inside.sum())
 
     @property
     def stick_share(self) -> float:
         """Of the patch's area."""
-        inside = self.bound > 0
-        sticks = np.linalg.norm(self.traction, axis=0) < (1 - 1e-6) * self.bound
-        return float(sticks[inside].mean())
+        sticks, touches = self.areas
+        return sticks / touches
 
     @property
     def t_gamma(self) -> float:
@@ -81,12 +94,23 @@ class HalfSpaceFriction:
     """A patch with given pressure and coefficient of friction, to be rolled or shifted."""
 
     def __init__(
-        self, x: Array, y: Array, pressure: Array, friction: float, pair: Pair, *, rolling: bool
+        self,
+        x: Array,
+        y: Array,
+        pressure: Array,
+        friction: float,
+        pair: Pair,
+        *,
+        rolling: bool,
+        modes: Array | None = None,
+        settled: Array | None = None,
     ) -> None:
-        """x (nx,), y (ny,): cell centres, evenly spaced, mm; pressure (nx, ny), MPa, 0 outside.
+        """x (nx,), y (ny,): cell centres, evenly spaced, mm; pressure (nx, ny), MPa, 0 outside;
+        modes: see `Sheared`, by default those of a plane about x = y = 0.
 
         The pressure stays what it is (see `theory.unlike`), and what it does to unlike surfaces
-        counts as slip. ValueError: a shape or value out of range.
+        counts as slip; of a shift what a pressure `settled` (nx, ny) did before it does not.
+        ValueError: a shape or value out of range.
         """
         if pressure.shape != (x.size, y.size) or min(pressure.shape) < 2 or not pressure.min() >= 0:
             raise ValueError("pressure must be (nx, ny), two cells an axis at least, and >= 0")
@@ -96,12 +120,11 @@ class HalfSpaceFriction:
         self._influence = TractionInfluence(x, y, pair, rolling=rolling)
         self._tractions = Tractions(self._influence, self._bound)
         inside = np.where(pressure > 0, 1.0, 0.0)
-        still = np.zeros_like(inside)
-        turned = [-y * inside, x[:, None] * inside]
-        self._modes = np.array([[inside, still], [still, inside], turned])
+        self._modes = inside * (plane_modes(x, y) if modes is None else modes)
         self._drawn = np.zeros((2, *pressure.shape))
         if pair.mismatch:
-            self._drawn = inside * self._influence.of_pressure(pressure)
+            changed = pressure if settled is None else pressure - settled
+            self._drawn = inside * self._influence.of_pressure(changed)
 
     @classmethod
     def hertz(
@@ -123,45 +146,11 @@ class HalfSpaceFriction:
         settled = self._slip(before.creepage) - self._influence(before.traction)
         return self._found(creepage, self._slip(creepage) - settled, before)
 
-    def under(
-        self, creepage: Creepage, *, along: float | None = None, across: float | None = None
-    ) -> Sheared:
-        """The tractions that make up forces, N; each given one is met to 1e-6 mu N by its creepage
-        in place of that of `creepage`.
-
-        Newton's method from where all sticks; the force is concave in its creepage, and the steps
-        are halved where they do not come nearer. ValueError: forces of mu N or more.
-        """
-        goals = {k: force for k, force in enumerate((along, across)) if force is not None}
-        free, target = list(goals), np.array(list(goals.values()))
-        values = np.array(astuple(creepage))
-        values[free] = 0.0
-        now = self.at(Creepage(*values))
-        if not np.linalg.norm(target) < now.limit:
-            raise ValueError(f"the force must be below mu N = {now.limit} N, got {target}")
-        missing = target - np.array(now.forces)[free]
-        for _ in range(FORCE_STEPS):
-            if np.linalg.norm(missing) <= FORCE_TOLERANCE * now.limit:
-                return now
-            step = np.linalg.lstsq(self._stiffness(now)[np.ix_(free, free)], missing, rcond=None)[0]
-            share = 1.0
-            while True:
-                trial = values.copy()
-                trial[free] += share * step
-                then = self.at(Creepage(*trial), now)
-                left = target - np.array(then.forces)[free]
-                if np.linalg.norm(left) < np.linalg.norm(missing) or share < 1e-6:
-                    break
-                share /= 2
-            values, now, missing = trial, then, left
-        raise ValueError(f"no creepage found under the forces {target} N")
-
-    def _stiffness(self, found: Sheared) -> Array:
+    def stiffness(self, found: Sheared) -> Array:
         """(2, 2) derivatives of the forces by the creepages along and across, N."""
         slip = self._slip(found.creepage)
         changes = self._tractions.changes(found.traction, slip, self._modes[:2])
-        cell = (self._x[1] - self._x[0]) * (self._y[1] - self._y[0])
-        return np.asarray(changes.sum(axis=(2, 3)).T * cell)
+        return np.asarray(np.einsum("fcij,mcij->fm", self._modes[:2], changes) * found.cell)
 
     def _slip(self, creepage: Creepage) -> Array:
         """Without tractions, (2, nx, ny)."""
@@ -171,4 +160,11 @@ class HalfSpaceFriction:
         guess = None if start is None else start.traction
         traction = self._tractions.solve(slip, TOLERANCE, guess)
         left = np.where(self._bound > 0, slip - self._influence(traction), 0)
-        return Sheared(self._x, self._y, self._bound, creepage, traction, left)
+        return Sheared(self._x, self._y, self._modes, self._bound, creepage, traction, left)
+
+
+def plane_modes(x: Array, y: Array) -> Array:
+    """Rigid slip (3, 2, nx, ny) of creepages and a spin of 1 in a plane, about x = y = 0."""
+    still = np.zeros((x.size, y.size))
+    turned = [still - y, still + x[:, None]]
+    return np.array([[still + 1, still], [still, still + 1], turned])

@@ -25,6 +25,7 @@ ROLLING: Upstream = (
     (0.5, -4.0),
     (1.0, 1.0),
 )  # minus its derivative along x, times a cell
+CENTRAL: Upstream = ((-0.5, 1.0), (0.5, -1.0))  # the same of what does not follow the slip
 
 
 @dataclass(frozen=True)
@@ -65,8 +66,9 @@ class TractionInfluence:
         self._size, self._pair = (x.size, y.size), pair
         self._padded = tuple(next_fast_len(2 * n, real=True) for n in self._size)
         self._steps = float(x[1] - x[0]), float(y[1] - y[0])
-        self._upstream, self._scale = (ROLLING, 1 / self._steps[0]) if rolling else (SHIFT, 1.0)
-        kernels = self._kernels(self._cerruti)
+        upstream, self._scale = (ROLLING, 1 / self._steps[0]) if rolling else (SHIFT, 1.0)
+        self._given = CENTRAL if rolling else SHIFT
+        kernels = self._kernels(self._cerruti, upstream)
         self._spectra = rfft2(kernels)
         self.line = kernels[::2, :, 0]  # (2, padded): of a cell on those of its own line along x
 
@@ -79,21 +81,21 @@ class TractionInfluence:
     def of_pressure(self, pressure: Array) -> Array:
         """The same of a pressure (nx, ny): both surfaces are drawn inwards, the softer one further;
         a force P holds the wheel back by K P/(pi G) x/r^2 (Johnson, 3.18b)."""
-        spectra = rfft2(self._kernels(self._boussinesq))
+        spectra = rfft2(self._kernels(self._boussinesq, self._given))
         return self._within(spectra * rfft2(pressure, self._padded))
 
     def opening(self, traction: Array) -> Array:
         """What tractions add to the gap (nx, ny), mm (not of `rolling`): by reciprocity, what a
         pressure does to the surfaces with x and y turned round."""
-        spectra = rfft2(self._kernels(self._boussinesq))
+        spectra = rfft2(self._kernels(self._boussinesq, SHIFT))
         return -self._within((spectra * rfft2(traction, self._padded)).sum(axis=0, keepdims=True))[
             0
         ]
 
-    def _kernels(self, corners: Callable[[Array, Array], Array]) -> Array:
+    def _kernels(self, corners: Callable[[Array, Array], Array], upstream: Upstream) -> Array:
         """(m, padded) of a cell on all others, the cell itself first."""
         total = []
-        for cells, weight in self._upstream:
+        for cells, weight in upstream:
             X, Y = (
                 (np.arange(n + 1) - n // 2 - 0.5 + shift) * step
                 for n, step, shift in zip(self._padded, self._steps, (cells, 0.0), strict=True)

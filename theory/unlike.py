@@ -1,4 +1,4 @@
-"""Rolling of unlike half-spaces, whose tractions change the pressure and the other way round.
+"""Unlike half-spaces, whose tractions change the pressure and the other way round.
 
 Pressure and tractions are found by turns until neither changes (Panagiotopoulos 1975). Conventions
 of `theory.rolling`; lengths in mm, forces in N.
@@ -6,46 +6,51 @@ of `theory.rolling`; lengths in mm, forces in N.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import RegularGridInterpolator
 
-from railhead.theory.boundary_element import Gap, solve
-from railhead.theory.rolling import Creepage, HalfSpaceFriction, Sheared
+from railhead.theory.boundary_element import equilibrium
+from railhead.theory.half_space_patch import PatchSolution
+from railhead.theory.influence import Influence
+from railhead.theory.rolling import HalfSpaceFriction, Sheared
 from railhead.theory.tangential import Pair, TractionInfluence
 
 Array = NDArray[np.float64]
-TURNS, TOLERANCE = 30, 1e-3  # of the forces, over mu N
+TURNS, TOLERANCE = 40, 1e-3  # of the tractions, over mu N
+PRESSED = 1e-6  # of the displacement
 
 
-def rolled(
-    gap: Gap, pair: Pair, friction: float, load: float, creepage: Creepage, cells: int = 64
+def rubbed(
+    patch: PatchSolution,
+    pair: Pair,
+    friction: float,
+    shear: Callable[[HalfSpaceFriction], Sheared],
+    *,
+    rolling: bool,
+    modes: Array | None = None,
 ) -> Sheared:
-    """Pressed by a load (N) and rolling at a creepage; `gap` as in `boundary_element.solve`, on
-    whose grid the tractions are.
+    """A patch that was pressed without friction, under its load and tractions; `shear` finds these
+    at a pressure that stays (`at` of a creepage, `driven.under` of a force). A shift begins from
+    the pressed patch.
 
-    The contact modulus is G/(1 - nu) of the pair. ValueError: no contact, or the turns do not end.
+    The contact modulus is G/(1 - nu) of the pair. ValueError: the turns do not end.
     """
     modulus = pair.shear_modulus / (1 - pair.poisson)
-    deformed, before = gap, np.full(2, np.inf)
+    influence = TractionInfluence(patch.x, patch.s, pair, rolling=False)
+    pressed = Influence([patch], modulus)(patch.pressure.ravel()).reshape(patch.pressure.shape)
+    undeformed = patch.gap - pressed + patch.approach * patch.normals[0]
+    now, before = patch, np.zeros((2, *patch.pressure.shape))
     for _ in range(TURNS):
-        patch = solve(deformed, modulus, load=load, cells=cells)
-        body = HalfSpaceFriction(patch.x, patch.s, patch.pressure, friction, pair, rolling=True)
-        found = body.at(creepage)
-        forces = np.array(found.forces[:2])
-        if np.linalg.norm(forces - before) <= TOLERANCE * found.limit:
+        body = HalfSpaceFriction(
+            now.x, now.s, now.pressure, friction, pair,
+            rolling=rolling, modes=modes, settled=None if rolling else patch.pressure,
+        )  # fmt: skip
+        found = shear(body)
+        changed = np.linalg.norm(found.traction - before, axis=0).sum() * found.cell
+        if not pair.mismatch or changed <= TOLERANCE * found.limit:
             return found
-        deformed, before = _opened(gap, found, pair), forces
+        gap, before = undeformed + influence.opening(found.traction), found.traction
+        (now,) = equilibrium([patch], [gap], modulus, patch.load, None, PRESSED, None)
     raise ValueError(f"pressure and tractions still change after {TURNS} turns")
-
-
-def _opened(gap: Gap, found: Sheared, pair: Pair) -> Gap:
-    """The gap with what tractions add to it; beside their grid, what they add at its border."""
-    influence = TractionInfluence(found.x, found.y, pair, rolling=False)
-    added = RegularGridInterpolator((found.x, found.y), influence.opening(found.traction))
-
-    def opened(x: Array, s: Array) -> Array:
-        nearest = (np.clip(v, c[0], c[-1]) for v, c in ((x, found.x), (s, found.y)))
-        return gap(x, s) + np.asarray(added(np.column_stack(tuple(nearest))))
-
-    return opened

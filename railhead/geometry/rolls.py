@@ -14,19 +14,21 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from railhead.geometry.solid import Contact
 from railhead.meshing.placement import Touch
 from railhead.scene.scene import SceneError
 from railhead.theory.rolling import Creepage
 
 KEY = "rolling.from_wheelset"
-FAR = 1e-3  # creepage along by which a further contact may miss the motion at the first, at most
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Rolls:
-    """The wheel of a scene. radius: of its circle at the contact, mean: of both wheels', mm;
-    missed: creepage along that further contacts have beyond the motion at the first, at most."""
+    """The wheel of a scene. radius: of its circle at the contact, mean: of both wheels', mm."""
 
     radius: float
     mean: float
@@ -35,22 +37,18 @@ class Rolls:
     roll: float
     angle: float
     creepage: Creepage
-    missed: float
 
     @property
     def why(self) -> str:
         """What the creepage comes from."""
         r0, found = self.nominal, self.creepage
-        text = (
+        return (
             f"along (r0 - r)/r0 = {found.along:.4g} (r {self.radius:.6g}, r0 {r0:.6g} mm; "
             f"{self.free:.4g} on an axle without torque, which turns by the mean radius "
             f"{self.mean:.6g} mm), across -yaw/cos(angle) = {found.across:.4g}, spin "
             f"-sin(angle - roll)/r0 = {found.spin:.4g} 1/mm (yaw {1e3 * self.yaw:.4g}, angle "
             f"{1e3 * self.angle:.4g}, roll {1e3 * self.roll:.4g} mrad)"
         )
-        if self.missed:
-            text += f"; a further contact creeps along by {self.missed:.2g} more than that motion"
-        return text
 
     @property
     def free(self) -> float:
@@ -69,7 +67,6 @@ class Rolls:
             "creepage_across": self.creepage.across,
             "spin_per_mm": self.creepage.spin,
             "creepage_along_without_torque": self.free,
-            "further_contact_creepage_missed": self.missed,
         }
 
 
@@ -83,9 +80,8 @@ def creepage(touch: Touch, nominal: float, yaw: float, roll: float) -> Creepage:
     )
 
 
-def of(contact: Contact, clearance: float) -> Rolls:
-    """The wheel of a scene. SceneError without a wheelset, or where a further contact (gap up to
-    clearance, mm) rolls on a radius that the motion at the first does not tell."""
+def of(contact: Contact) -> Rolls:
+    """The wheel of a scene. SceneError without a wheelset."""
     placed = contact.placed
     if placed is None:
         kind = "half-spaces have" if contact.half_space else "a section has"
@@ -94,17 +90,14 @@ def of(contact: Contact, clearance: float) -> Rolls:
     scene, touch = contact.scene, contact.touch
     nominal, yaw = scene.wheel.rolling_radius, scene.wheelset.yaw
     found = creepage(touch, nominal, yaw, placed.roll)
-    c, s = math.cos(touch.angle), math.sin(touch.angle)
-    missed = 0.0
-    for other in contact.touches(clearance)[1:]:
-        beside = c * (other.y - touch.y) + s * (other.z - touch.z)
-        off = (nominal - other.radius) / nominal - (found.along - found.spin * beside)
-        missed = max(missed, off, key=abs)
-        if abs(off) > FAR:
-            text = (
-                f"true is not allowed: the wheel also touches at y = {other.y:.3g} mm and creeps "
-                f"there by {off:.2g} more than the motion at the first contact tells; move it"
-            )
-            raise SceneError(KEY, text)
     mean = (placed.right.touches[0].radius + placed.left.touches[0].radius) / 2
-    return Rolls(touch.radius, mean, nominal, yaw, placed.roll, touch.angle, found, missed)
+    return Rolls(touch.radius, mean, nominal, yaw, placed.roll, touch.angle, found)
+
+
+def off_plane(contact: Contact, points: Array) -> Array:
+    """What places (n, 3), mm, creep along beyond a motion and its spin in the tangent plane of the
+    first contact (n,): a height h above that plane is a smaller radius, h cos(angle - roll)/r0."""
+    angle, roll = contact.touch.angle, contact.placed.roll if contact.placed else 0.0
+    normal = np.array([0.0, -math.sin(angle), math.cos(angle)])
+    height = (points - np.array(contact.origin)) @ normal
+    return np.asarray(height * math.cos(angle - roll) / contact.scene.wheel.rolling_radius)

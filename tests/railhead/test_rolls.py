@@ -166,9 +166,15 @@ def test_without_a_wheelset_it_is_one_line(case: str, what: str) -> None:
     assert str(refused.value).startswith(f"rolling.from_wheelset: true is not allowed: {what}")
 
 
-def test_a_further_contact_on_another_radius_is_said_or_refused(monkeypatch) -> None:
-    given = scene()
-    assert "a further contact creeps along by" in planning.make(given).effects["friction"].why
-    monkeypatch.setattr(rolls, "FAR", 1e-4)
-    with pytest.raises(SceneError, match="the wheel also touches at y ="):
-        rh.plan(given)
+def test_a_further_contact_creeps_as_its_own_radius_says() -> None:
+    """Tread and flange root: the motion at the first, its spin and the height tell the second."""
+    given = scene(5.0)
+    contact = planning.make(given).contact
+    first, *others = contact.touches(0.05)
+    assert others
+    known, angle = rolls.of(contact).creepage, first.angle
+    for other in others:
+        beside = np.cos(angle) * (other.y - first.y) + np.sin(angle) * (other.z - first.z)
+        place = np.array([[0.0, other.y, other.z]])
+        told = known.along - known.spin * beside + rolls.off_plane(contact, place)[0]
+        assert abs(told - (460 - other.radius) / 460) < 2e-6 < abs(rolls.off_plane(contact, place))

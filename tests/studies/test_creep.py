@@ -1,22 +1,65 @@
-"""The study of creep curves on its two quick points."""
+"""The study of friction on its quick points, and its page on made-up ones."""
 
 import csv
+from pathlib import Path
+
+import pytest
 
 from railhead import study
+from railhead.studies.creep import changes, page
+from railhead.studies.creep.changes import Slid
+from railhead.studies.creep.curves import Cost, Point
 
 
-def test_the_study_writes_its_curve_and_its_page(tmp_path) -> None:
-    folder, page = study.run("creep", tmp_path / "creep", quick=True)
-    rows = list(csv.DictReader((folder / "creep.csv").open(encoding="utf-8")))
-    methods = {row["by"] for row in rows}
-    assert methods == {"railhead", "boundary elements", "FASTSIM", "linear theory"}
+def rows(path: Path) -> list[dict[str, str]]:
+    return list(csv.DictReader(path.open(encoding="utf-8")))
+
+
+def test_the_study_writes_its_tables_its_pictures_and_its_page(tmp_path) -> None:
+    folder, text = study.run("creep", tmp_path / "creep", quick=True)
+    points = rows(folder / "creep.csv")
+    assert {row["by"] for row in points} == {"railhead", *page.METHODS}
     own, exact = (
-        [float(row["force_along"]) for row in rows if row["by"] == by]
+        [float(row["force_along"]) for row in points if row["by"] == by]
         for by in ("railhead", "boundary elements")
     )
     assert len(own) == 2 and own[0] < own[1] < 1
     for one, other in zip(own, exact, strict=True):
         assert abs(one - other) < 0.02
-    for picture in ("creep.png", "friction_axes.png"):
+    (cost,) = rows(folder / "creep_costs.csv")
+    assert float(cost["condensed_s"]) > float(cost["point_s"]) > 0
+    (left,) = rows(folder / "creep_left_out.csv")
+    assert float(left["pressure_MPa"]) == pytest.approx(float(left["plain_pressure_MPa"]), rel=0.01)
+    assert float(left["von_mises_MPa"]) > 1.01 * float(left["plain_von_mises_MPa"])
+    slid = [row for row in rows(folder / "creep_sliding.csv") if row["coefficient"] == "0.3"]
+    found, below, surface = (
+        next(float(row["von_mises"]) for row in slid if row["by"] == by)
+        for by in ("railhead", "below", "surface")
+    )
+    assert found == pytest.approx(max(below, surface), rel=0.005)
+    for picture in ("creep.png", "creep_sliding.png", "friction_axes.png"):
         assert (folder / picture).stat().st_size > 10_000
-    assert "at most" in page and "Newton steps" in page
+    assert "Full sliding" in text and "boundary elements" in text
+
+
+def test_the_page_says_the_largest_distance_and_ratios() -> None:
+    points = [
+        Point("made_up", 1e-3, 0.0, 0.0, by, force, across, 0.5, 7)
+        for by, force, across in (
+            ("railhead", 0.5, 0.03), ("boundary elements", 0.54, 0.0), ("FASTSIM", 0.5, 0.02),
+            ("linear theory", 0.9, 0.0),
+        )
+    ]  # fmt: skip
+    slid = [
+        Slid("made_up", mu, by, stress, 0.1)
+        for mu in (0.0, 0.2, 0.4)
+        for by, stress in (("railhead", 0.6), ("below", 0.6), ("surface", 0.3 + mu))
+    ]
+    text = page.page(points, [Cost("made_up", "half", 10, 5, 1.0, 2.0, 6.0, 0.5)], [], slid)
+    assert "| made_up | 5 %" in text
+    assert (
+        "| made_up | half    | 10         | 5                | 3.0                     | 0.25"
+        in text
+    )
+    assert "3.2" in text and "above a coefficient of 0.300" in text
+    assert changes.crossover(slid) == pytest.approx(0.3)

@@ -13,6 +13,7 @@ from friction_data import ENTRIES, named
 from railhead.theory.boundary_element import solve
 from railhead.theory.carter import Carter
 from railhead.theory.cattaneo import ellipse
+from railhead.theory.driven import under
 from railhead.theory.hertz import Ellipse, contact_modulus, line_contact, point_contact
 from railhead.theory.kalker import coefficients
 from railhead.theory.rolling import Creepage, HalfSpaceFriction, Sheared
@@ -134,7 +135,7 @@ def test_a_shift_is_mindlins(entry: dict[str, Any]) -> None:
     body = patch(contact.a, contact.b, contact.p0, 0.3, cells=32, rolling=False)
     key = "across" if across else "along"
     limit = body.at(Creepage()).limit
-    found = body.under(Creepage(), **{key: entry["Q_over_muP"] * limit})
+    (found,) = under([body], Creepage(), **{key: entry["Q_over_muP"] * limit})
     expected = entry["tangential_approach_mm"] * (limit / 7500)
     assert getattr(found.creepage, key) == pytest.approx(expected, rel=1e-2)
     known = ellipse(contact, 0.3, STEEL.shear_modulus, 0.3, across=across)
@@ -254,7 +255,7 @@ def test_given_forces(small: HalfSpaceFriction) -> None:
     limit = small.at(Creepage()).limit
     for along, across in ((0.5, None), (None, -0.7), (0.6, 0.3), (0.0, 0.0), (0.99, None)):
         goal = [None if part is None else part * limit for part in (along, across)]
-        rolled = small.under(Creepage(1e-4, 2e-4, 1e-4), along=goal[0], across=goal[1])
+        (rolled,) = under([small], Creepage(1e-4, 2e-4, 1e-4), along=goal[0], across=goal[1])
         for k, (wanted, given) in enumerate(zip(goal, (1e-4, 2e-4), strict=True)):
             if wanted is None:
                 assert (rolled.creepage.along, rolled.creepage.across)[k] == given
@@ -264,7 +265,7 @@ def test_given_forces(small: HalfSpaceFriction) -> None:
         again = small.at(rolled.creepage)
         np.testing.assert_allclose(again.forces, rolled.forces, atol=1e-5 * limit)
     with pytest.raises(ValueError, match="below mu N"):
-        small.under(Creepage(), along=0.8 * limit, across=0.7 * limit)
+        under([small], Creepage(), along=0.8 * limit, across=0.7 * limit)
 
 
 def test_a_start_does_not_change_the_answer(small: HalfSpaceFriction) -> None:

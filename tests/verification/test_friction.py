@@ -73,7 +73,8 @@ def test_a_patch_that_is_shifted_there_and_back_is_mindlin_s() -> None:
     found = rh.solve(ellipse(friction={"force_along": force, "cycle": True}), quiet=True)
     assert found.passed, found.failed
     exact = cattaneo.ellipse(found.ellipse, MU, 207e3 / 2.6, 0.3, across=False)
-    answer = friction(found)
+    answer, checks = friction(found), found.as_dict()["checks"]
+    assert checks["second_opinion_shift"] < 0.02
     assert answer["shift_along_mm"] == pytest.approx(exact.approach(force), rel=0.02)
     assert math.sqrt(answer["stick_share"]) == pytest.approx(exact.stick_ratio(force), abs=0.03)
     energy = exact.energy_per_cycle(force)
@@ -135,6 +136,19 @@ def test_a_patch_that_rolls_is_kalker_s(along: float, across: float, spin: float
     answer = friction(found)
     for name in ("force_along_N", "force_across_N"):
         assert abs(answer[name] - second[name]) < 0.015 * answer["limit_N"]
+
+
+@pytest.mark.slow
+def test_a_rigid_wheel_rolls_as_on_a_half_space() -> None:
+    """Tractions change the pressure: by 3.7 % of the largest."""
+    found = rh.solve(
+        ellipse(rolling={"creepage_along": 1e-3}, wheel={"young_modulus": math.inf}), quiet=True
+    )
+    assert found.passed, found.failed
+    second = found.as_dict()["half_space_friction"]["boundary elements"]
+    force, limit = friction(found)["force_along_N"], friction(found)["limit_N"]
+    assert force / limit == pytest.approx(second["force_along_N"] / limit, abs=0.015)
+    assert second["force_along_N"] / limit == pytest.approx(0.24, abs=0.005)
 
 
 def test_at_a_large_creepage_everything_slips() -> None:

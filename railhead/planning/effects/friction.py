@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from railhead.geometry import rolls
 from railhead.geometry.rolls import Rolls
+from railhead.geometry.solid import Contact
 from railhead.meshing.tags import RAIL
 from railhead.planning import exact
 from railhead.planning.effects.base import After, Context, Effect
@@ -23,6 +24,7 @@ from railhead.theory.hertz import Ellipse
 from railhead.theory.rolling import Creepage
 
 if TYPE_CHECKING:
+    from railhead.planning.forecast import Zone
     from railhead.planning.plan import Plan
 
 NO_MISMATCH = 1e-9  # |beta| that is rounding
@@ -94,9 +96,11 @@ def apply(setup: Setup, plan: Plan) -> Setup:
         if not (plan.half_x, plan.half_y or contact.plane == "xz")[index]:
             free.append((index, float(getattr(given, f"force_{way}") or 0.0)))
     far = CerrutiFarField(plan) if contact.half_space and not contact.plane else None
+    zones = plan.forecast.zones
+    beyond = OffPlane(contact, zones) if rolling.given and len(zones) > 1 else None
     rub = Rub(
         friction.coefficient, rolling.given, frame.axes, frame.origin, tuple(known), tuple(free),
-        legs(scene, line=contact.line, yields=plan.effects["plasticity"].on), far,
+        legs(scene, line=contact.line, yields=plan.effects["plasticity"].on), far, beyond,
     )  # fmt: skip
     return replace(setup, rub=rub)
 
@@ -140,6 +144,24 @@ def mismatch(scene: Scene) -> float:
 
 
 @dataclass(frozen=True)
+class OffPlane:
+    """What the points of each patch creep along beyond the motion at the first contact, as its
+    middle rolls on another radius; within a patch half-spaces know no such difference."""
+
+    contact: Contact
+    zones: tuple[Zone, ...]
+
+    def __call__(self, points: NDArray) -> NDArray:
+        """Points in space (n, 3), mm -> (n,)."""
+        distances = [
+            np.linalg.norm((points - np.array(zone.centre)) / [zone.a, zone.b, zone.b], axis=1)
+            for zone in self.zones
+        ]
+        middles = np.array([zone.centre for zone in self.zones])
+        return rolls.off_plane(self.contact, middles)[np.argmin(distances, axis=0)]
+
+
+@dataclass(frozen=True)
 class CerrutiFarField:
     """Displacement of both half-spaces under a tangential point force of 1 N of the wheel on the
     rail, in the place of the tractions."""
@@ -169,8 +191,7 @@ def rolled(context: Context) -> Rolls | None:
     """How the wheel creeps where it is the wheelset that says so. Raises SceneError."""
     if not context.scene.rolling.from_wheelset:
         return None
-    contact = context.contact
-    return rolls.of(contact, context.hertz.approach / math.cos(contact.touch.angle))
+    return rolls.of(context.contact)
 
 
 def creepage(context: Context) -> Creepage:

@@ -70,7 +70,7 @@ def apply(setup: Setup, plan: Plan) -> Setup:
 
     law = setup.law
     if setup.rub is not None and law.theta is None:  # with 1 Newton's method may swing under shear
-        law = replace(law, theta=0.0)
+        law = replace(law, theta=0)
     path = LoadPath(plan.load_steps, scene.cycles, scene.unload, Near(plan.forecast.zones))
     fixed, moving = yielding(setup.fixed), yielding(setup.moving)
     return replace(setup, fixed=fixed, moving=moving, path=path, law=law)

@@ -1,0 +1,1 @@
+"""Creep curves, what friction costs and changes, and stresses under full sliding."""

@@ -1,0 +1,106 @@
+"""What leaving friction out changes, and the hardest places under full sliding."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+import railhead as rh
+from railhead.theory import sliding
+from railhead.theory.contacts import Hertz, half_lengths
+
+COEFFICIENT, POISSON = 0.3, 0.3
+SLIDES = 0.5  # creepage under which all slips
+COARSE: dict[str, Any] = {"mesh": {"patch_size": 0.87}}  # four elements a semi-axis
+HALF_SPACE: dict[str, Any] = {"rail": {"extent": "half-space", "width": 70.0}}
+RIGID: dict[str, Any] = {"young_modulus": math.inf}
+SCENES: tuple[tuple[str, dict[str, Any], float], ...] = (
+    ("long_roller", {}, 4e-4),
+    ("long_roller", {}, 1.5e-3),
+    ("long_roller", {}, 1e-2),
+    ("hertz_ellipse", COARSE, 1e-3),
+    ("hertz_ellipse", COARSE, 1e-2),
+    ("hertz_ellipse", {**COARSE, "wheel": RIGID}, 1e-3),
+)
+STRIP, SLIDING = (0.1, 0.2, 0.3, 0.4, 0.5), (0.1, 0.3, 0.5)  # coefficients of sections and solids
+EXACT = tuple(float(mu) for mu in np.linspace(0, 0.6, 13))
+
+
+@dataclass(frozen=True)
+class Left:
+    """A scene with friction and (plain) without: force over mu N, MPa, mm."""
+
+    case: str
+    creepage: float
+    force: float
+    plain_pressure: float
+    pressure: float
+    plain_area: float
+    area: float
+    plain_tau: float
+    tau: float
+    plain_von_mises: float
+    von_mises: float
+    plain_depth: float
+    depth: float
+
+
+@dataclass(frozen=True)
+class Slid:
+    """The largest von Mises stress over Hertz's p0, its depth over the smaller half width."""
+
+    case: str
+    coefficient: float
+    by: str
+    von_mises: float
+    depth: float
+
+
+def left_out(name: str, changes: dict[str, Any], creepage: float) -> Left:
+    """One run holds both answers."""
+    found = rh.solve(_rolling(name, COEFFICIENT, creepage).replace(**changes), quiet=True).as_dict()
+    pairs = [
+        found[which][table][key]
+        for table, key in (
+            ("pressure", "max_MPa"), ("patch", "area_mm2"), ("stress", "tau_max_MPa"),
+            ("stress", "von_mises_max_MPa"), ("stress", "von_mises_max_depth_mm"),
+        )
+        for which in ("frictionless", "result")
+    ]  # fmt: skip
+    rubbed = found["result"]["friction"]
+    case = f"{name}, rigid wheel" if "wheel" in changes else name
+    return Left(case, creepage, rubbed["force_along_N"] / rubbed["limit_N"], *pairs)
+
+
+def slid(name: str, coefficients: Sequence[float], given: dict[str, Any]) -> Iterator[Slid]:
+    """Finite elements that slide, and the exact field below Hertz's pressure."""
+    ellipse: Hertz | None = None
+    for mu in coefficients:
+        result = rh.solve(_rolling(name, mu, SLIDES).replace(**given), quiet=True)
+        ellipse, stress = result.ellipse, result.as_dict()["result"]["stress"]
+        width = min(half_lengths(ellipse))
+        yield Slid(name, mu, "railhead", stress["von_mises_max_MPa"] / ellipse.p0,
+                   stress["von_mises_max_depth_mm"] / width)  # fmt: skip
+    assert ellipse is not None
+    width = min(half_lengths(ellipse))
+    for mu in EXACT:
+        for by, find in (("below", sliding.hardest_below), ("surface", sliding.hardest_at_surface)):
+            place = find(ellipse, mu, POISSON)
+            yield Slid(name, mu, by, place.von_mises / ellipse.p0, place.depth / width)
+
+
+def crossover(exact: Sequence[Slid]) -> float:
+    """The coefficient above which the surface is hardest, between two of a case's own."""
+    below, surface = ([s for s in exact if s.by == by] for by in ("below", "surface"))
+    ahead = [t.von_mises - s.von_mises for s, t in zip(below, surface, strict=True)]
+    return float(np.interp(0.0, ahead, [s.coefficient for s in below]))
+
+
+def _rolling(name: str, friction: float, creepage: float) -> rh.Scene:
+    return rh.find(name).replace(
+        friction={"coefficient": friction}, rolling={"creepage_along": creepage}
+    )

@@ -1,0 +1,176 @@
+"""Creep curves: finite elements beside boundary elements, FASTSIM and linear theory, by motion."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from mpi4py import MPI
+
+from railhead import build, catalogue, equal_ellipses, shearing
+from railhead.planning import exact
+from railhead.planning import plan as planning
+from railhead.planning.plan import Plan
+from railhead.solver.condensed import Condenser
+from railhead.solver.contact import LoadCase
+from railhead.solver.friction import Friction
+from railhead.solver.rubbing import RubbingModel, slips
+from railhead.theory.hertz import Ellipse
+from railhead.theory.rolling import Creepage, HalfSpaceFriction
+
+COEFFICIENT = 0.3
+CELLS = 64  # each way, of the boundary elements
+COARSE, COARSER = 4.0, 3.0  # elements a semi-axis of whole models, which lateral motion needs
+ALONG = tuple(Creepage(xi) for xi in (1e-4, 2e-4, 4e-4, 7e-4, 1e-3, 1.4e-3, 2e-3, 3e-3, 5e-3, 1e-2))
+ASIDE = (
+    *(Creepage(0.0, xi) for xi in (2e-4, 5e-4, 1e-3, 2e-3, 3e-3, 6e-3)),
+    *(Creepage(0.0, 0.0, spin) for spin in (5e-5, 1e-4, 2e-4, 4e-4, 8e-4)),
+    Creepage(5e-4, 1e-3), Creepage(5e-4, -5e-4, 3e-4),
+)  # fmt: skip
+PROFILES = (
+    *(Creepage(xi) for xi in (1e-4, 2e-4, 5e-4, 1e-3, 2e-3)),
+    *(Creepage(0.0, xi) for xi in (1e-4, 2e-4, 5e-4, 1e-3, 2e-3)),
+    *(Creepage(0.0, 0.0, spin) for spin in (2e-5, 5e-5, 1e-4, 2e-4, 4e-4)),
+    Creepage(5e-4, 5e-4), Creepage(5e-4, -5e-4, 1e-4),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Motions of one condensed model; resolution: elements a semi-axis, None as planned; shift of
+    the wheelset, mm."""
+
+    name: str
+    motions: Sequence[Creepage]
+    resolution: float | None
+    shift: float = 0.0
+
+    @property
+    def case(self) -> str:
+        """What tables call it."""
+        return f"{self.name}, {self.shift:g} mm" if self.shift else self.name
+
+
+CURVES = (
+    Curve("hertz_ellipse", ALONG, None),
+    Curve("hertz_ellipse", ASIDE, COARSE),
+    Curve("s1002_60e1", PROFILES, COARSER, 4.0),
+)
+QUICK = (Curve("hertz_ellipse", ALONG[2:5:2], COARSE),)
+
+
+@dataclass(frozen=True)
+class Point:
+    """Forces over mu N of a case at a motion, by a method (by); stick: share of the patch."""
+
+    case: str
+    along: float
+    across: float
+    spin: float
+    by: str
+    force_along: float
+    force_across: float
+    stick: float | None = None
+    steps: int | None = None
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Of a curve: unknowns, contact points, and processor seconds of assembly (gmsh is a process of
+    its own), of pressing without friction, of condensing and, on the average, of a point."""
+
+    case: str
+    model: str
+    unknowns: int
+    points: int
+    built: float
+    pressed: float
+    condensed: float
+    point: float
+
+
+def rolled(curve: Curve) -> tuple[list[Point], Cost]:
+    """All methods at each motion."""
+    plan = _plan(curve)
+    clock = [time.process_time()]
+    model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
+    assert isinstance(model, RubbingModel) and model.setup.rub is not None
+    clock.append(time.process_time())
+    model.tangential = np.zeros(2)
+    touching = plan.forecast.touching(model.setup.kinematics.lift(model.interface.points))
+    pressed = model.press(LoadCase(plan.scene.load or 0.0, 0.0, touching))
+    clock.append(time.process_time())
+    contact = Condenser(model, pressed, rolling=True).condense(pressed)
+    clock.append(time.process_time())
+    problem, rigid = Friction(contact, COEFFICIENT), slips(model.setup.rub, contact)
+    axes, touches, points = model.setup.rub.axes, contact.touches, []
+    normal_force = contact.parts * float(contact.weights @ np.maximum(contact.pressure, 0.0))
+    limit, found = COEFFICIENT * normal_force, None
+    for motion in curve.motions:
+        given = motion.along, motion.across, motion.spin
+        known = np.tensordot(given, rigid, axes=1)
+        if model.setup.rub.beyond is not None:
+            known += model.setup.rub.beyond(contact.points)[:, None] * rigid[0]
+        found = problem.solve(known, rigid[:0], np.zeros((0, 4)), start=found)
+        along, across = (float(contact.force(axis) @ found.nodal) for axis in axes[:2])
+        forces = along / limit, 0.0 if plan.half_y else across / limit
+        stick = float(contact.weights[found.sticks].sum() / contact.weights[touches].sum())
+        points.append(Point(curve.case, *given, "railhead", *forces, stick, len(found.history)))
+    spent = np.diff([*clock, time.process_time()])
+    spent[3] /= len(curve.motions)
+    cost = Cost(
+        curve.case,
+        "half" if plan.half_y else "whole",
+        model.unknowns,
+        len(contact.points),
+        *map(float, spent),
+    )
+    return [*points, *_others(plan, curve)], cost
+
+
+def _plan(curve: Curve) -> Plan:
+    across = any(each.across or each.spin for each in curve.motions)
+    scene = catalogue.find(curve.name).replace(
+        friction={"coefficient": COEFFICIENT},
+        rolling={"creepage_along": 1e-3, "creepage_across": 1e-3 if across else None},
+        effects={"plasticity": "off"},
+        wheelset={"shift": curve.shift},
+    )
+    plan = planning.make(scene)
+    return plan if curve.resolution is None else plan.at_resolution(curve.resolution)
+
+
+def _others(plan: Plan, curve: Curve) -> Iterator[Point]:
+    scene, ellipse = plan.scene, plan.estimate
+    assert isinstance(ellipse, Ellipse) and scene.load is not None
+    pair = exact.tangential_pair(scene)
+    hertzian = plan.forecast.hertzian
+    patches = shearing.patches(
+        plan.contact, ellipse, hertzian=hertzian, load=scene.load, cells=CELLS
+    )
+    bodies = [
+        HalfSpaceFriction(
+            p.pressed.x, p.pressed.s, p.pressed.pressure, COEFFICIENT, pair,
+            rolling=True, modes=p.modes,
+        )
+        for p in patches
+    ]  # fmt: skip
+    limit = COEFFICIENT * sum(each.pressed.force for each in patches)
+    for motion in curve.motions:
+        given = motion.along, motion.across, motion.spin
+        sheared = [
+            body.at(Creepage(motion.along + patch.beyond, motion.across, motion.spin))
+            for body, patch in zip(bodies, patches, strict=True)
+        ]
+        exactly = np.sum([each.forces for each in sheared], axis=0)
+        sticks, touches = np.sum([each.areas for each in sheared], axis=0)
+        quick, stick = equal_ellipses.fastsim(patches, limit, pair, given)
+        straight = equal_ellipses.linear(patches, pair, given)
+        for by, forces, sticking in (
+            ("boundary elements", exactly, float(sticks / touches)),
+            ("FASTSIM", quick, stick), ("linear theory", straight, None),
+        ):  # fmt: skip
+            along, across, _ = forces / limit
+            yield Point(curve.case, *given, by, along, across, sticking)
