@@ -46,18 +46,25 @@ def list_cases() -> None:
 @_with
 @_without
 @click.option("--accuracy", help="Asked accuracy, e.g. 1%.")
+@click.option("--json", "as_json", is_flag=True, help="Print the plan as JSON and nothing else.")
 def plan(
     case: str,
     assignments: Sequence[str],
     switched_on: Sequence[str],
     switched_off: Sequence[str],
     accuracy: str | None,
+    as_json: bool,
 ) -> None:
     """Say what would be simulated and what it costs; solve nothing."""
-    from railhead import api, screen
+    from railhead import api, results, screen
+    from railhead.planning.told import told
 
     scene = _scene(case, assignments, switched_on, switched_off)
-    api.plan(scene, accuracy=accuracy).show(screen.standard())
+    planned = api.plan(scene, accuracy=accuracy, quiet=as_json)
+    if as_json:
+        click.echo(results.to_json(told(planned.plan)), nl=False)
+    else:
+        planned.show(screen.standard())
 
 
 @railhead.command()
