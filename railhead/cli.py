@@ -126,6 +126,58 @@ def run(
 
 @railhead.command()
 @click.argument("case")
+@click.option(
+    "--over",
+    "lists",
+    multiple=True,
+    required=True,
+    metavar="KEY=VALUES",
+    help="Values of a key: 25kN,50kN or first:last:step, 0:10:0.5mm.",
+)
+@_set
+@_with
+@_without
+@click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<case>_sweep].")
+@click.option("--resume", is_flag=True, help="Go on with the sweep that is in the folder.")
+@click.option("--no-pictures", is_flag=True, help="Write no PNG files.")
+@click.option("--quiet", is_flag=True, help="Print nothing.")
+def sweep(
+    case: str,
+    lists: Sequence[str],
+    assignments: Sequence[str],
+    switched_on: Sequence[str],
+    switched_off: Sequence[str],
+    out: Path | None,
+    resume: bool,
+    no_pictures: bool,
+    quiet: bool,
+) -> int:
+    """Solve a case for every combination of values, side by side."""
+    from railhead import combinations, results
+
+    scene, over = _scene(case, assignments, switched_on, switched_off), combinations.written(lists)
+    scenes = combinations.scenes(scene, over)
+    combinations.distinct(scenes, list(over))
+    folder = out if out is not None else Path("results") / f"{scene.name}_sweep"
+    results.check_folder(folder)
+
+    from railhead import campaign as campaigns
+
+    campaign = campaigns.Campaign(scene, scenes, list(over), folder)
+    found = campaigns.run(campaign, resume=resume, pictures=not no_pictures, quiet=quiet)
+    if found is None:  # a rank that worked for the first one
+        return SOLVED
+    wrong = {number: said for number, said in enumerate(found) if said != campaigns.PASSED}
+    for number, said in wrong.items():
+        click.echo(f"{campaign.name(number)}: {said}", err=True)
+    if not quiet:
+        click.echo(f"{len(found)} combinations, {len(wrong)} of them not passed")
+        click.echo(f"written to {folder}/")
+    return CHECK_FAILED if wrong else SOLVED
+
+
+@railhead.command()
+@click.argument("case")
 @_set
 @click.option("--shift", help="Lateral shift of the wheelset, e.g. 3mm.")
 @click.option("--yaw", help="Yaw of the wheelset, e.g. 2mrad.")
