@@ -49,10 +49,12 @@ def curves(columns: Sequence[str], rows: Rows, path: Path) -> None:
                 order = np.argsort(x)
                 axes.plot(x[order], y[order], "o-", color=colour, label=_word(value))
                 bad = np.array([row["checks"] != "passed" for row in own])
-                axes.plot(x[bad], y[bad], "o", ms=10, mfc="none", mec=HERTZ)
+                axes.plot(x[bad], y[bad], "o", ms=10, mfc="none", mec=HERTZ, zorder=3)
             axes.set_ylabel(label)
             if name != "patch y [mm]":
                 axes.set_ylim(bottom=0)
+        if any(row["checks"] != "passed" for row in rows):
+            figure.suptitle("ringed: a check failed; not drawn: no result", fontsize=10)
         for axes in panels[1]:
             axes.set_xlabel(over)
             if not _numbers(over, rows):
@@ -68,8 +70,8 @@ def curves(columns: Sequence[str], rows: Rows, path: Path) -> None:
 def patches(
     columns: Sequence[str], rows: Rows, outlines: Sequence[Sequence[Any]], path: Path
 ) -> None:
-    """Outlines seen from above, all to one scale, at their places across the rail: a strip for each
-    value of the first column, or one strip where one changes."""
+    """Outlines seen from above (red where a check failed), to scale, at their places across the
+    rail: a strip for each value of the first column, or one strip where one changes."""
     split = columns[0] if len(columns) > 1 else None
     strips = _values(split, rows) if split else [None]
     lines = [[np.array(line) for line in each] for each in outlines]
@@ -81,29 +83,37 @@ def patches(
     most = max(sum(row.get(split) == value for row in rows) if split else len(rows)
                for value in strips)  # fmt: skip
     wide, high = most * step, float(np.ptp(across)) + 2 * GAP * step
-    inch = min(0.12, 14 / wide, 16 / (high * len(strips)))  # per mm
-    width, height = max(wide * inch + 1.4, 5.0), max(high * inch, 1.2) + 0.7
+    inch = min(0.12, 14 / wide, 4 / high)  # per mm
+    width, height = max(wide * inch + 1.6, 5.0), max(high * inch, 1.6) + 0.7
     with new_figure(path, width, len(strips) * height + 0.5) as figure:
         panels = figure.subplots(len(strips), 1, squeeze=False, sharex=True, sharey=True)[:, 0]
         for axes, value in zip(panels, strips, strict=True):
             own = [index for index, row in enumerate(rows) if not split or row[split] == value]
-            _strip(axes, [lines[index] for index in own], step)
+            signed = [rows[index]["checks"] == "passed" for index in own]
+            _strip(axes, [lines[index] for index in own], signed, step)
             every = math.ceil(len(own) / LABELS)
             said = [_word(rows[index][columns[-1]]) for index in own]
-            said = [text if number % every == 0 else "" for number, text in enumerate(said)]
-            axes.set_xticks([number * step for number in range(len(own))], said)
+            shown = [text if number % every == 0 else "" for number, text in enumerate(said)]
+            axes.set_xticks([number * step for number in range(len(own))], shown)
             axes.set_title(f"{split}: {_word(value)}" if split else "", fontsize=10, loc="left")
             axes.set_aspect("equal")
             axes.set_ylim(across.min() - GAP * step, across.max() + GAP * step)
             axes.tick_params(labelbottom=True)
-        panels[-1].set_xlabel(f"{columns[-1]}; patches to scale, along the rail")
-        figure.supylabel("y across the rail, mm", fontsize=11)
+            axes.set_ylabel("y across the rail, mm", fontsize=9)
+        failed = any(row["checks"] != "passed" for row in rows)
+        panels[-1].set_xlabel(
+            f"{columns[-1]}; patches from above, to scale"
+            + ("; red: a check failed" if failed else "")
+        )
 
 
-def _strip(axes: Axes, each: Sequence[Sequence[Array]], step: float) -> None:
-    for number, lines in enumerate(each):
+def _strip(
+    axes: Axes, each: Sequence[Sequence[Array]], signed: Sequence[bool], step: float
+) -> None:
+    for number, (lines, good) in enumerate(zip(each, signed, strict=True)):
+        colour = FE if good else HERTZ
         for line in lines:
-            axes.fill(line[:, 0] + number * step, line[:, 1], fc=f"{FE}40", ec=FE, lw=1.0)
+            axes.fill(line[:, 0] + number * step, line[:, 1], fc=f"{colour}40", ec=colour, lw=1.0)
     axes.set_xlim(-0.6 * step, (len(each) - 0.4) * step)
 
 

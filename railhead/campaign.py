@@ -125,7 +125,7 @@ def _write(campaign: Campaign, faults: Mapping[int, str], *, pictures: bool) -> 
         if pictures and 1 <= len(campaign.keys) <= 2:
             columns = [sweep_table.column(key) for key in campaign.keys]
             sweep_plots.curves(columns, rows, work / "sweep.png")
-            outlines = [each.get("outlines", []) for each in kept]
+            outlines: list[Any] = [each.get("outlines", []) for each in kept]
             sweep_plots.patches(columns, rows, outlines, work / "patches.png")
     return [row[sweep_table.CHECKS] for row in rows]
 

@@ -74,15 +74,10 @@ def scenes(scene: Scene, lists: Mapping[str, Sequence[object]]) -> list[Scene]:
         total *= len(values)
     if total > MOST:
         raise SceneError("--over", f"makes {total} combinations; give at most {MOST}")
-    made = []
-    for chosen in product(*lists.values()):
-        given = dict(zip(lists, chosen, strict=True))
-        each = checked(scene).replace(**given)
-        for key, value in given.items():
-            if value is not None and each.value(key) is None:
-                raise SceneError(key, "is dropped where another key of the sweep is set; give one")
-        made.append(each)
-    return made
+    return [
+        checked(scene).replace(**dict(zip(lists, chosen, strict=True)))
+        for chosen in product(*lists.values())
+    ]
 
 
 def distinct(made: Sequence[Scene], keys: Sequence[str]) -> None:

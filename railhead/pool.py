@@ -68,7 +68,10 @@ def submitting(ranks: int) -> Iterator[Submit | None]:
         from mpi4py.futures import MPICommExecutor
 
         with MPICommExecutor() as executor:
-            yield executor and (lambda work, *job: executor.submit(_attempt, work, job))
+            if executor is None:
+                yield None
+            else:
+                yield lambda work, *job: executor.submit(_attempt, work, job)
         return
     with _processes() as pool:
         try:

@@ -82,8 +82,11 @@ def friction(summary: Mapping[str, Any]) -> list[Row]:
         return []
     columns = {"FE": found, **(summary.get("half_space_friction") or {})}
     return [
-        {"quantity": label, "unit": unit}
-        | {name: _get(values, (key,)) for name, values in columns.items()}
+        {
+            "quantity": label,
+            "unit": unit,
+            **{name: _get(values, (key,)) for name, values in columns.items()},
+        }
         for label, unit, key in FRICTION
         if key in found
     ]

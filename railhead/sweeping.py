@@ -77,8 +77,8 @@ def sweep(
     found: dict[int, Result] = {}
     with refine.telling(quiet=quiet) as progress:
         for group in loads.groups([planning.make(each) for each in scenes]):
-            chosen = [scenes[index] for index in group]
-            for number, result in loads.run(chosen, range(len(group)), progress):
+            shared = [scenes[index] for index in group]
+            for number, result in loads.run(shared, range(len(group)), progress):
                 if isinstance(result, Exception):
                     raise result
                 found[group[number]] = result

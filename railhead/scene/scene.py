@@ -9,6 +9,8 @@ import math
 import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
+from functools import reduce
+from operator import getitem
 from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, model_validator
@@ -247,10 +249,7 @@ class Scene(Section):
 
     def value(self, key: str) -> object:
         """Return the value of a dotted key, in base units; raise KeyError for no key."""
-        value: object = self.model_dump()
-        for part in OTHER_NAMES.get(key, key).split("."):
-            value = value[part] if isinstance(value, dict) else {}[part]
-        return value
+        return reduce(getitem, OTHER_NAMES.get(key, key).split("."), self.model_dump())
 
 
 def unit(key: str) -> str:
