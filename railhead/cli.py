@@ -171,7 +171,8 @@ def sweep(
     for number, said in wrong.items():
         click.echo(f"{campaign.name(number)}: {said}", err=True)
     if not quiet:
-        click.echo(f"{len(found)} combinations, {len(wrong)} of them not passed")
+        verdict = f"{len(wrong)} not passed" if wrong else "all passed"
+        click.echo(f"{len(found)} combinations, {verdict}")
         click.echo(f"written to {folder}/")
     return CHECK_FAILED if wrong else SOLVED
 

@@ -8,13 +8,17 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from concurrent.futures import Future
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 import railhead as rh
-from railhead import campaign, cli, combinations, loads, records
+from railhead import campaign, cli, combinations, loads, pool, records
 from railhead.planning import plan as planning
+from railhead.progress import Bar
 from railhead.scene.scene import unit
 
 SHIFTS = "wheelset.shift=0:10:0.5mm"
@@ -229,6 +233,45 @@ def test_a_process_that_crashes_leaves_the_others(tmp_path: Path, monkeypatch) -
     assert found == ["NOT SOLVED: the process crashed", "NOT SOLVED: gmsh: no"]
     assert records.done(made.folder) == {1}
     assert [row["load [N]"] for row in rows(made.folder)] == ["100.0", "200.0"]
+
+
+def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypatch) -> None:
+    """The process dies at the second of three loads on one mesh, and again alone."""
+    scenes = [rh.find("sphere_on_plane").replace(load=load) for load in (100, 200, 300)]
+    made = campaign.Campaign(scenes[0], scenes, ["load"], tmp_path / "out")
+    asked: list[list[int]] = []
+
+    @contextmanager
+    def one_process(ranks: int) -> Iterator[pool.Submit]:
+        def submit(work, folder, group, scenes, wanted) -> Future:
+            asked.append([group[each] for each in wanted])
+            future: Future = Future()
+            if group[0] != 1:
+                records.write(folder, group[0], {"fault": "none of a test"})
+            lost = "the process crashed" if 1 in group else ""
+            future.set_result(pool.Attempt(None, 0.0, lost))
+            return future
+
+        yield submit
+
+    monkeypatch.setattr(pool, "submitting", one_process)
+    found = campaign.run(made, resume=False, pictures=False, quiet=True)
+    assert asked == [[0, 1, 2], [1], [2]]
+    assert found == [f"NOT SOLVED: {why}" for why in
+                     ("none of a test", "the process crashed", "none of a test")]  # fmt: skip
+    asked.clear()
+    campaign.run(made, resume=True, pictures=False, quiet=True)
+    assert asked == [[1]]
+
+
+def test_the_bar_says_how_long_it_takes(capsys) -> None:
+    with Bar(4, done=1) as bar:
+        bar.reach(1)
+        time.sleep(0.05)
+        bar.reach(2)
+        bar.reach(4)
+    first, last = capsys.readouterr().err.splitlines()
+    assert "2 of 4, 0 min 0 s left" in first and "4 of 4" in last
 
 
 def test_a_kill_loses_only_what_was_running(tmp_path: Path) -> None:
