@@ -110,11 +110,12 @@ def _solve(
 
 
 def _write(campaign: Campaign, faults: Mapping[int, str], *, pictures: bool) -> list[str]:
-    """Table and pictures, beside the records."""
+    """Table and pictures, beside the records; faults: of what may have none."""
     from railhead.postprocess import sweep_plots
 
+    done = records.done(campaign.folder)
     kept = [
-        {"fault": faults[number]} if number in faults else records.read(campaign.folder, number)
+        records.read(campaign.folder, number) if number in done else {"fault": faults[number]}
         for number in range(len(campaign.scenes))
     ]
     values = [campaign.values(number) for number in range(len(kept))]
