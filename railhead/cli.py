@@ -46,18 +46,25 @@ def list_cases() -> None:
 @_with
 @_without
 @click.option("--accuracy", help="Asked accuracy, e.g. 1%.")
+@click.option("--json", "as_json", is_flag=True, help="Print the plan as JSON and nothing else.")
 def plan(
     case: str,
     assignments: Sequence[str],
     switched_on: Sequence[str],
     switched_off: Sequence[str],
     accuracy: str | None,
+    as_json: bool,
 ) -> None:
     """Say what would be simulated and what it costs; solve nothing."""
-    from railhead import api, screen
+    from railhead import api, results, screen
+    from railhead.planning.told import told
 
     scene = _scene(case, assignments, switched_on, switched_off)
-    api.plan(scene, accuracy=accuracy).show(screen.standard())
+    planned = api.plan(scene, accuracy=accuracy, quiet=as_json)
+    if as_json:
+        click.echo(results.to_json(told(planned.plan)), nl=False)
+    else:
+        planned.show(screen.standard())
 
 
 @railhead.command()
@@ -115,6 +122,59 @@ def run(
         elif not quiet:
             click.echo(f"written to {folder}/")
     return SOLVED if result.passed and problem is None else CHECK_FAILED
+
+
+@railhead.command()
+@click.argument("case")
+@click.option(
+    "--over",
+    "lists",
+    multiple=True,
+    required=True,
+    metavar="KEY=VALUES",
+    help="Values of a key: 25kN,50kN or first:last:step, 0:10:0.5mm.",
+)
+@_set
+@_with
+@_without
+@click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<case>_sweep].")
+@click.option("--resume", is_flag=True, help="Go on with the sweep that is in the folder.")
+@click.option("--no-pictures", is_flag=True, help="Write no PNG files.")
+@click.option("--quiet", is_flag=True, help="Print nothing.")
+def sweep(
+    case: str,
+    lists: Sequence[str],
+    assignments: Sequence[str],
+    switched_on: Sequence[str],
+    switched_off: Sequence[str],
+    out: Path | None,
+    resume: bool,
+    no_pictures: bool,
+    quiet: bool,
+) -> int:
+    """Solve a case for every combination of values, side by side."""
+    from railhead import combinations, results
+
+    scene, over = _scene(case, assignments, switched_on, switched_off), combinations.written(lists)
+    scenes = combinations.scenes(scene, over)
+    combinations.distinct(scenes, list(over))
+    folder = out if out is not None else Path("results") / f"{scene.name}_sweep"
+    results.check_folder(folder)
+
+    from railhead import campaign as campaigns
+
+    campaign = campaigns.Campaign(scene, scenes, list(over), folder)
+    found = campaigns.run(campaign, resume=resume, pictures=not no_pictures, quiet=quiet)
+    if found is None:  # a rank that worked for the first one
+        return SOLVED
+    wrong = {number: said for number, said in enumerate(found) if said != campaigns.PASSED}
+    for number, said in wrong.items():
+        click.echo(f"{campaign.name(number)}: {said}", err=True)
+    if not quiet:
+        verdict = f"{len(wrong)} not passed" if wrong else "all passed"
+        click.echo(f"{len(found)} combinations, {verdict}")
+        click.echo(f"written to {folder}/")
+    return CHECK_FAILED if wrong else SOLVED
 
 
 @railhead.command()

@@ -139,22 +139,8 @@ def solve_level(
     progress.stage("reading the result")
 
     def level(fields: Fields | None, solution: Solution) -> Level:
-        findings = result = None
-        if fields is not None and np.any(fields.contact.pressure > 0):
-            findings = read.findings(fields, frame)
-            result = compare.from_findings(findings, solution.load, solution.approach)
-            if solution.rubbing is not None:
-                rolling = plan.scene.rolling
-                result["friction"] = traction.quantities(
-                    solution.rubbing,
-                    rolling=rolling.given,
-                    speed=rolling.speed,
-                    cycle=plan.scene.friction.cycle,
-                )
-        ellipse = exact.estimate(plan.scene, plan.contact, solution.load or None)
-        return Level(
-            plan, grading, mesh, space, unknowns, comm.size, solution, ellipse, fields, findings,
-            result, better is None, clock.seconds,
+        return _read(
+            plan, grading, mesh, (space, unknowns), solution, fields, better is None, clock
         )  # fmt: skip
 
     found = level(fields, solution)
@@ -162,6 +148,55 @@ def solve_level(
         found = replace(found, plain=level(plain_fields, plain), left=left)
     clock.lap("postprocess")
     return found
+
+
+def solve_on(
+    mesh: ContactMesh, model: ContactModel, plan: Plan, progress: Progress, comm: MPI.Intracomm
+) -> Level | None:
+    """Solve the load of a plan, without yield and friction, on a mesh at least as fine as its own;
+    None where that mesh does not suit what is found."""
+    clock = _Clock()
+    progress.stage(f"solving {model.unknowns} unknowns")
+    frame = Frame(plan.contact.origin, plan.contact.touch.angle)
+    solution = solve(plan, model, frame, progress.newton)
+    clock.lap("solve")
+    fields, grading = gather(model, solution), plan.grading()
+    better = comm.bcast(None if fields is None else _regrade(plan, grading, fields, frame))
+    if better is not None or not solution.newton.converged:
+        return None
+    size = model.bulk.space, model.unknowns
+    found = _read(plan, grading, mesh, size, solution, fields, True, clock)
+    clock.lap("postprocess")
+    return found
+
+
+def _read(
+    plan: Plan,
+    grading: Grading,
+    mesh: ContactMesh,
+    size: tuple[Any, int],
+    solution: Solution,
+    fields: Fields | None,
+    settled: bool,
+    clock: _Clock,
+) -> Level:
+    """What a solution on a mesh tells; size: space of the displacement, and unknowns."""
+    findings = result = None
+    if fields is not None and np.any(fields.contact.pressure > 0):
+        frame = Frame(plan.contact.origin, plan.contact.touch.angle)
+        findings = read.findings(fields, frame)
+        result = compare.from_findings(findings, solution.load, solution.approach)
+        if solution.rubbing is not None:
+            rolling = plan.scene.rolling
+            result["friction"] = traction.quantities(
+                solution.rubbing, rolling=rolling.given, speed=rolling.speed,
+                cycle=plan.scene.friction.cycle,
+            )  # fmt: skip
+    ellipse = exact.estimate(plan.scene, plan.contact, solution.load or None)
+    return Level(
+        plan, grading, mesh, *size, mesh.mesh.comm.size, solution, ellipse, fields, findings,
+        result, settled, clock.seconds,
+    )  # fmt: skip
 
 
 def _plain(solution: Solution) -> Solution:

@@ -19,6 +19,7 @@ from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.summary import Ending, summarise
 
 MAX_LEVELS = 5
+ONE_MESH = "one mesh"
 ALONE = 0.9  # of the asked accuracy: what is aimed at where one mesh may do
 STEP_ERROR = 2.5  # times the change with twice the load steps: at order 0.86, which was measured
 # from 4 to 64 steps (largest pressure of a sphere at five times its first-yield load), 2.2
@@ -34,8 +35,13 @@ def run(
     progress = progress or Progress(quiet=True)
     plan = planning.make(scene)
     levels, ending = _solve(plan, progress, comm)
-    if why := comm.bcast(_unforeseen(levels[-1])):
+    if why := unforeseen(levels[-1], comm):
         levels, ending = _solve(plan.turned_on("plasticity", why), progress, comm)
+    return result(levels, ending, comm)
+
+
+def result(levels: list[Level], ending: Ending, comm: MPI.Intracomm) -> Result:
+    """Of the last of some meshes, alike on all ranks."""
     level = levels[-1]
     return Result(level, comm.bcast(None if level.fields is None else summarise(levels, ending)))
 
@@ -43,18 +49,18 @@ def run(
 def _solve(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[Level], Ending]:
     if plan.scene.accuracy is None and plan.scene.budget is None:
         _check_memory(plan, comm.bcast(machine.free_memory()))
-        return [solve_level(plan, plan.grading(), progress, comm)], Ending("one mesh")
+        return [solve_level(plan, plan.grading(), progress, comm)], Ending(ONE_MESH)
     return _refine(plan, progress, comm)
 
 
-def _unforeseen(level: Level) -> str:
-    """Why bodies yield that the plan took for elastic (rank 0); empty where they do not, where a
-    person wants them elastic, or where friction keeps them so."""
+def unforeseen(level: Level, comm: MPI.Intracomm) -> str:
+    """Why bodies yield that the plan took for elastic; empty where they do not, where a person
+    wants them elastic, or where friction keeps them so."""
     effect, after = level.plan.effects["plasticity"], level.after.get("plasticity")
     kept = effect.on or effect.override or "on" in effect.refused
     if after is None or not after.needed or kept:
-        return ""
-    return after.why
+        return comm.bcast("")
+    return comm.bcast(after.why)
 
 
 def telling(*, quiet: bool, since: float | None = None) -> Progress:

@@ -2,95 +2,43 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from railhead.planning import machine
+from railhead import quantities
 from railhead.planning.effects import Effect
 from railhead.planning.plan import Plan
-from railhead.planning.price import price
+from railhead.planning.told import told
 
-ROWS = (
-    ("semi-axis a, along the rail", "mm", ("patch", "a_mm")),
-    ("semi-axis b, across", "mm", ("patch", "b_mm")),
-    ("patch area", "mm2", ("patch", "area_mm2")),
-    ("largest pressure", "MPa", ("pressure", "max_MPa")),
-    ("mean pressure", "MPa", ("pressure", "mean_MPa")),
-    ("approach", "mm", ("approach_mm",)),
-    ("largest shear stress", "MPa", ("stress", "tau_max_MPa")),
-    ("   its depth", "mm", ("stress", "tau_max_depth_mm")),
-    ("   its body", "", ("stress", "tau_max_body")),
-    ("largest von Mises stress", "MPa", ("stress", "von_mises_max_MPa")),
-    ("   its depth", "mm", ("stress", "von_mises_max_depth_mm")),
-    ("   its body", "", ("stress", "von_mises_max_body")),
-)
-
-
-FRICTION = (
-    ("force along the rail", "N", "force_along_N"),
-    ("force across", "N", "force_across_N"),
-    ("moment about the normal", "N mm", "moment_Nmm"),
-    ("creepage along", "", "creepage_along"),
-    ("creepage across", "", "creepage_across"),
-    ("spin", "1/mm", "spin_per_mm"),
-    ("shift along", "mm", "shift_along_mm"),
-    ("shift across", "mm", "shift_across_mm"),
-    ("share of the patch that sticks", "", "stick_share"),
-    ("largest traction", "MPa", "traction_max_MPa"),
-    ("T-gamma: energy per rolled length", "N", "t_gamma_N"),
-    ("   wear by it (British Rail)", "", "wear_regime_british_rail"),
-    ("   over the area of the patch", "N/mm2", "t_gamma_over_area_MPa"),
-    ("   wear by it (wheel R8T, rail 900A)", "", "wear_regime"),
-    ("power", "W", "power_W"),
-    ("energy per cycle", "N mm", "energy_per_cycle_Nmm"),
-    ("largest von Mises stress", "MPa", "von_mises_max_MPa"),
-    ("   its depth", "mm", "von_mises_max_depth_mm"),
-    ("   where", "", "von_mises_max_at"),
-    ("traction coefficient: tangential over normal force", "", "traction_coefficient"),
-    ("p0/k at first yield", "", "first_yield_p0_over_k"),
-    ("p0/k of a line that still shakes down", "", "shakedown_limit_p0_over_k"),
-    ("yield stress in shear k", "MPa", "shear_yield_MPa"),
-    ("p0/k", "", "p0_over_k"),
-    ("surface fatigue index", "", "surface_fatigue_index"),
-    ("   passing again and again", "", "shakedown"),
-)
-COLUMNS = (
-    "quantity",
-    "unit",
-    "FE",
-    "estimate",
-    "half-space",
-    "Hertz",
-    "FE - Hertz",
-    "thesis",
-    "thesis - Hertz",
-)
+WIDEST = 80  # characters of a table of numbers, which are never cut: it goes on below
 PAIRED = 30.0  # times first yield beyond which the pairing of the surfaces is felt
-PRICES = (0.05, 0.01, 0.002)
 
 
 def show_plan(plan: Plan, console: Console) -> None:
     """Effects, resolution and price."""
-    scene, touch = plan.scene, plan.contact.touch
-    table = Table(title=f"plan of {scene.name}", title_justify="left")
+    said = told(plan)
+    contact, hertz, mesh, solver = (said[key] for key in ("contact", "hertz", "mesh", "solver"))
+    table = Table(title=f"plan of {said['case']}", title_justify="left")
     for column in ("effect", "state", "why", "predicted"):
         table.add_column(column, overflow="fold")
     for name, effect in plan.effects.items():
         table.add_row(name, _state(effect), effect.why, _cost(*plan.price(name)))
     console.print(table)
-    ellipse = plan.estimate
-    radii = [1 / c if c else math.inf for c in (touch.curvature_x, touch.curvature_y)]
     lines = (
-        f"contact    y = {touch.y:.3f} mm, z = {touch.z:.3f} mm, angle {touch.angle:.4f} rad, "
-        f"relative radii {radii[0]:.4g} x {radii[1]:.4g} mm",
-        f"Hertz      a = {ellipse.a:.4g} mm, b = {ellipse.b:.4g} mm, p0 = {ellipse.p0:.4g} MPa",
-        f"mesh       {scene.mesh.cell}, order {plan.order}, {plan.patch_size:.3g} mm in the patch",
-        f"solver     {scene.solver.method}, linear {scene.solver.linear}",
+        f"contact    y = {contact['y_mm']:.3f} mm, z = {contact['z_mm']:.3f} mm, "
+        f"angle {contact['angle_rad']:.4f} rad, relative radii "
+        f"{contact['relative_radius_along_mm']:.4g} x "
+        f"{contact['relative_radius_across_mm']:.4g} mm",
+        f"Hertz      a = {hertz['a_mm']:.4g} mm, b = {hertz['b_mm']:.4g} mm, "
+        f"p0 = {hertz['p0_MPa']:.4g} MPa",
+        f"mesh       {mesh['cell']}, order {mesh['order']}, "
+        f"{mesh['patch_size_mm']:.3g} mm in the patch",
+        f"solver     {solver['method']}, linear {solver['linear']}",
         f"predicted  {plan.unknowns} unknowns, {plan.seconds:.1f} s",
     )
     for line in (*lines, *profile_lines(plan.profiles)):
@@ -99,7 +47,7 @@ def show_plan(plan: Plan, console: Console) -> None:
         console.print(_uncertainty_line(vars(plan.uncertainty)), markup=False)
     if plan.forecast.reason:
         console.print(f"The patch is forecast as Hertz's: {plan.forecast.reason}.", markup=False)
-    _show_prices(plan, console)
+    _show_prices(said["prices"], console)
 
 
 def profile_lines(profiles: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
@@ -139,61 +87,47 @@ def _cost(unknowns: int, seconds: float) -> str:
     return f"{'costs' if seconds > 0 else 'saves'} {what}{abs(seconds):.1f} s"
 
 
-def _show_prices(plan: Plan, console: Console) -> None:
+def _show_prices(prices: Sequence[Mapping[str, Any]] | None, console: Console) -> None:
     """What accuracies cost for this scene on this machine."""
-    table = Table(title="price on this machine", title_justify="left")
-    for column in ("accuracy", "patch size, mm", "unknowns", "seconds", "memory, MB"):
-        table.add_column(column, justify="right")
-    asked, family = plan.scene.accuracy, plan.family
-    if family is None:
+    if prices is None:
         console.print(
             "price      unknown: no calibrated family; an accuracy takes three meshes or more"
         )
         return
-    for value in sorted({*PRICES, *([asked] if asked else [])}, reverse=True):
-        if plan.hidden >= value or not family.reaches(value - plan.left_out):
-            table.add_row(f"{value:.3g}", *["out of reach"] * 4)
-            continue
-        n = family.finest(value - plan.left_out)
-        unknowns, seconds = price(plan, n)
-        size = plan.at_resolution(n).patch_size
-        cells = (f"{value:.3g}", f"{size:.3g}", f"{unknowns}", f"{seconds:.1f}")
-        table.add_row(*cells, f"{machine.memory(unknowns) / 1e6:.0f}")
+    table = Table(title="price on this machine", title_justify="left")
+    for column in ("accuracy", "patch size, mm", "unknowns", "seconds", "memory, MB"):
+        table.add_column(column, justify="right")
+    for row in prices:
+        accuracy, cells = f"{row['accuracy']:.3g}", ["out of reach"] * 4
+        if row["unknowns"] is not None:
+            cells = [f"{row['patch_size_mm']:.3g}", f"{row['unknowns']}"]
+            cells += [f"{row['seconds']:.1f}", f"{row['memory_MB']:.0f}"]
+        table.add_row(accuracy, *cells)
     console.print(table)
 
 
 def show_result(summary: dict[str, Any], console: Console) -> None:
     """Finite elements, exact Hertz and the thesis side by side."""
     if summary["result"] is not None:
-        table = Table(
-            title=f"{summary['case']}: {summary['result']['load_N']:.6g} N", title_justify="left"
-        )
-        bound = summary["accuracy"]["bound"]
-        kind = next((each for each in ("elastic", "frictionless") if each in summary), "")
-        elastic = summary.get(kind)
-        if kind:
+        title = f"{summary['case']}: {summary['result']['load_N']:.6g} N"
+        if quantities.plain(summary):
             both = ("yield", "plastic"), ("friction", "friction")
-            on = " and ".join(effect for effect, key in both if key in summary["result"])
-            table.title = f"{table.title}, with {on}"
-        for column in COLUMNS:
-            table.add_column(column, justify="left" if column in ("quantity", "unit") else "right")
-        if elastic is not None:
-            table.add_column(f"{kind} FE", justify="right")
-        for label, unit, path in ROWS:
-            fe, exact, thesis, half = (
-                _get(summary[key], path) for key in ("result", "hertz", "thesis", "half_space")
+            title += ", with " + " and ".join(
+                effect for effect, key in both if key in summary["result"]
             )
-            table.add_row(
-                label, unit, _number(fe), _bound(bound.get(path[-1])), _number(half),
-                _number(exact), _percent(fe, exact),
-                _number(thesis), _percent(thesis, exact),
-                *([] if elastic is None else [_number(_get(elastic, path))]),
-            )  # fmt: skip
-        console.print(table)
+        _show_rows(title, quantities.contact(summary), console)
         if plastic := summary["result"].get("plastic"):
             _show_plastic(plastic, console)
         if friction := summary["result"].get("friction"):
-            _show_friction(friction, bound, summary.get("half_space_friction"), console)
+            _show_rows("friction", quantities.friction(summary), console)
+            console.print(
+                "Forces are those of the wheel on the rail; mu N = "
+                f"{friction['limit_N']:.5g} N, of which estimates of forces are shares.",
+                highlight=False,
+            )
+            for name, each in (summary.get("half_space_friction") or {}).items():
+                if "reason" in each:
+                    console.print(f"No {name}: {each['reason']}.", markup=False, highlight=False)
         if reason := (summary["half_space"] or {}).get("reason"):
             console.print(f"No half-space column: {reason}.", markup=False, highlight=False)
         if summary["checks"]["passed"] and not summary["checks"]["hertzian"]:
@@ -264,31 +198,39 @@ def _show_plastic(plastic: Mapping[str, Any], console: Console) -> None:
         console.print(line, markup=False, highlight=False)
 
 
-def _show_friction(
-    friction: Mapping[str, Any],
-    bound: Mapping[str, float],
-    second: Mapping[str, Any] | None,
-    console: Console,
-) -> None:
-    """Forces of the wheel on the rail, its motion, stick and wear, beside other methods."""
-    limit = friction["limit_N"]
-    table = Table(title="friction", title_justify="left")
-    others = {name: each for name, each in (second or {}).items() if "reason" not in each}
-    for name in ("quantity", "unit", "FE", "estimate", *others):
-        table.add_column(name, justify="left" if name in ("quantity", "unit") else "right")
-    for label, unit, key in FRICTION:
-        if key in friction:
-            cells = [_number(_get(values, (key,))) for values in others.values()]
-            fe = _number(_get(dict(friction), (key,)))
-            table.add_row(label, unit, fe, _bound(bound.get(key)), *cells)
-    console.print(table)
-    for name, each in (second or {}).items():
-        if name not in others:
-            console.print(f"No {name}: {each['reason']}.", markup=False, highlight=False)
-    console.print(
-        f"Forces are those of the wheel on the rail; mu N = {limit:.5g} N, of which estimates of "
-        "forces are shares.", highlight=False,
-    )  # fmt: skip
+def _show_rows(title: str, rows: Sequence[quantities.Row], console: Console) -> None:
+    """Rows with as many columns as fit, and those that are left in further tables below; columns
+    without any value are left out."""
+    width = min(console.width, WIDEST)
+    known = [name for name in rows[0] if any(row[name] not in (None, "") for row in rows)]
+    left, shown = [name for name in known if name not in quantities.FIRST], 0
+    while left:
+        count = len(left)
+        while count > 1 and _wide(_table(title, rows, left[:count]), console) > width:
+            count -= 1
+        if shown:
+            console.print()
+        console.print(_table("" if shown else title, rows, left[:count]))
+        left, shown = left[count:], shown + count
+
+
+def _table(title: str, rows: Sequence[quantities.Row], names: Sequence[str]) -> Table:
+    table = Table(
+        title=title or None, title_justify="left", box=box.SIMPLE_HEAD, padding=0, show_edge=False
+    )
+    for name in quantities.FIRST:
+        table.add_column(name)
+    for name in names:
+        table.add_column(name, justify="right", no_wrap=True)
+    for row in rows:
+        numbers = (_cell(name, row[name]) for name in names)
+        table.add_row(*(str(row[name]) for name in quantities.FIRST), *numbers)
+    return table
+
+
+def _wide(table: Table, console: Console) -> int:
+    """Characters that a table takes where nothing is cut."""
+    return table.__rich_measure__(console, console.options.update(max_width=10**6)).maximum
 
 
 def show_failure(summary: dict[str, Any], console: Console) -> None:
@@ -320,22 +262,9 @@ def show_failure(summary: dict[str, Any], console: Console) -> None:
         )
 
 
-def _get(values: dict[str, Any] | None, path: tuple[str, ...]) -> float | str | None:
-    inner: Any = values
-    for key in path:
-        inner = None if inner is None else inner.get(key)
-    return inner if inner is None or isinstance(inner, str) else float(inner)
-
-
-def _bound(value: float | None) -> str:
-    return "" if value is None else f"{value:.2%}"
-
-
-def _number(value: float | str | None) -> str:
-    return "" if value is None else value if isinstance(value, str) else f"{value:.5g}"
-
-
-def _percent(value: float | str | None, exact: float | str | None) -> str:
-    if isinstance(value, str) or isinstance(exact, str) or value is None or not exact:
-        return ""
-    return f"{(value - exact) / exact:+.2%}"
+def _cell(name: str, value: quantities.Cell) -> str:
+    if value is None or isinstance(value, str):
+        return value or ""
+    if name in quantities.RELATIVE:
+        return f"{value:.2%}" if name == "estimate" else f"{value:+.2%}"
+    return f"{value:.5g}"

@@ -15,7 +15,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railhead import process
+from railhead import process, quantities, spreadsheet
 from railhead.scene.io import to_toml
 from railhead.scene.scene import SceneError
 
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from railhead.result import Result
 
 SUMMARY = "summary.json"
+TABLE = "result.csv"
 MANIFEST = ".railhead"  # names of the files in a result folder that are replaced by the next one
 
 
@@ -135,7 +136,7 @@ def _exchange(one: Path, other: Path) -> None:
 
 
 def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
-    """Write summary, scene, VTU files and pictures; returns the file names."""
+    """Write summary, table, scene, VTU files and pictures; returns the file names."""
     from railhead.postprocess import export, gallery, plastic_plots, shakedown_plot, traction_plots
     from railhead.postprocess.stress import nodal
 
@@ -177,6 +178,8 @@ def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
                     shakedown_plot.draw(friction, poisson, work / "shakedown.png")
         (work / "scene.toml").write_text(to_toml(result.plan.scene), encoding="utf-8")
         (work / SUMMARY).write_text(as_json(result), encoding="utf-8")
+        table = quantities.everything(result.summary)
+        (work / TABLE).write_bytes(spreadsheet.encoded(table))
         return sorted(path.name for path in work.iterdir())
 
 

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterable, Mapping, Sequence
-from functools import reduce
-from itertools import product
-from operator import getitem
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railhead import estimates, refine
+from railhead import combinations, estimates, loads, refine
+from railhead.planning import plan as planning
 from railhead.result import Result
-from railhead.scene.scene import SceneError, checked
+from railhead.scene.scene import SceneError
 
 if TYPE_CHECKING:
     from railhead.scene.scene import Scene
@@ -32,8 +30,7 @@ class Sweep(list[Result]):
 
     def _row(self, result: Result) -> dict[str, Any]:
         summary = result.as_dict()
-        given = result.plan.scene.model_dump()
-        scene = {key: reduce(getitem, key.split("."), given) for key in self.keys}
+        scene = {key: result.plan.scene.value(key) for key in self.keys}
         found = estimates.flat(summary["result"] or {})
         told = {"passed": result.passed, "unknowns": summary["cost"]["dofs"]}
         values = {name: found.get(name) for name in estimates.QUANTITIES}
@@ -64,8 +61,8 @@ def sweep(
     **values: Sequence[object],
 ) -> Sweep:
     """Solve a scene for every combination of values, by key: ``load=["25 kN", "50 kN"]``, those
-    with a dot as a mapping: ``{"wheelset.shift": [0, 2]}``. Every scene is checked before the first
-    is solved. Raises SceneError, MeshError."""
+    with a dot as a mapping: ``{"wheelset.shift": [0, 2]}``. Every scene is planned before the first
+    is solved; those that differ in their load alone share a mesh. Raises SceneError, MeshError."""
     if not isinstance(over or {}, Mapping):
         raise SceneError("over", f"{over!r} is not a mapping of keys to lists of values; give one")
     for key in (over or {}).keys() & values.keys():
@@ -76,13 +73,14 @@ def sweep(
             raise SceneError("over", f"{key!r} is no key; give a word")
         if isinstance(chosen, str) or not isinstance(chosen, Iterable):
             raise SceneError(key, f"{chosen!r} is not a list of values; give one")
-    scenes = [
-        checked(scene).replace(**dict(zip(lists, chosen, strict=True)))
-        for chosen in product(*lists.values())
-    ]
-    results = Sweep([], list(lists))
+    scenes = combinations.scenes(scene, lists)
+    found: dict[int, Result] = {}
     with refine.telling(quiet=quiet) as progress:
-        for number, each in enumerate(scenes, 1):
-            progress.stage(f"{number} of {len(scenes)}")
-            results.append(refine.run(each, progress))
-    return results
+        for group in loads.groups([planning.make(each) for each in scenes]):
+            shared = [scenes[index] for index in group]
+            for number, result in loads.run(shared, range(len(group)), progress):
+                if isinstance(result, Exception):
+                    raise result
+                found[group[number]] = result
+                progress.stage(f"{len(found)} of {len(scenes)}")
+    return Sweep([found[index] for index in range(len(scenes))], list(lists))

@@ -16,10 +16,10 @@ from railhead import estimates, study
 from railhead.estimates import QUANTITIES
 from railhead.planning import plan as planning
 from railhead.planning.laws import TURNED, Law
+from railhead.pool import attempts
 from railhead.scene.scene import Scene
 from railhead.studies import families, tables
 from railhead.studies.cells import measure_cells
-from railhead.studies.pool import attempts
 from railhead.studies.twist import measure_twist
 
 STUDY = "error laws by family, from random scenes of known answer"

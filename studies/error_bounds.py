@@ -13,9 +13,9 @@ import numpy as np
 
 from railhead import estimates, refine, study
 from railhead.estimates import QUANTITIES
+from railhead.pool import attempts
 from railhead.scene.scene import Scene
 from railhead.studies import families, tables
-from railhead.studies.pool import attempts
 
 STUDY = "estimates against true errors, 20 random scenes of each family"
 SEED = 2028

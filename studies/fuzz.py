@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from railhead import study
+from railhead.pool import attempts
 from railhead.studies import tables
 from railhead.studies.hard.fuzz_scenes import MOST, Fuzzed, fuzz
-from railhead.studies.pool import attempts
 
 STUDY = "500 fuzzed scenes: no traceback, no abort, no wrong number with status 0"
 SCENES, SEED, SECONDS = 500, 2024, 180.0

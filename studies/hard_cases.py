@@ -34,10 +34,10 @@ class Record:
 
 def main(out: Path, *, quick: bool) -> None:
     """Write hard_cases.csv, hard_cases.png and page.md; quick: the cases of the tests."""
+    from railhead.pool import attempts
     from railhead.studies.hard import failure_map, page
     from railhead.studies.hard.battery import CASES, QUICK, solve
     from railhead.studies.hard.case import Outcome
-    from railhead.studies.pool import attempts
 
     def record(outcome: Outcome) -> Record:
         case, found = outcome.case, outcome.measured

@@ -15,13 +15,13 @@ from pathlib import Path
 
 import numpy as np
 
-from railhead import study
+from railhead import pool, study
 from railhead.geometry import solid
 from railhead.meshing.placement import Pair
 from railhead.meshing.profiles import Array, Piece, Profile
 from railhead.planning import developed, exact, uncertainty
 from railhead.scene.scene import Scene, SceneError
-from railhead.studies import pool, tables
+from railhead.studies import tables
 from railhead.theory.boundary_element import Solution
 
 STUDY = "noise of measured profiles: seeds, levels and spacings on worn rails and wheels"

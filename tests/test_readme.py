@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from railhead import catalogue, study
+from railhead import catalogue, combinations, study
 from railhead.scene.scene import Scene
 
 ROOT = Path(__file__).parents[1]
@@ -38,9 +38,13 @@ def test_setup_installs_nothing_the_second_time() -> None:
 @pytest.mark.parametrize("line", COMMANDS)
 def test_commands_are_accepted(line: str) -> None:
     command, *arguments = shlex.split(line)
-    assert command in ("list", "locate", "plan", "run", "study")
+    assert command in ("list", "locate", "plan", "run", "study", "sweep")
     if command == "study":
         study.canonical(arguments[0])
+    elif command == "sweep":
+        case, option, values = arguments
+        assert option == "--over"
+        assert len(combinations.scenes(catalogue.find(case), combinations.written([values]))) > 1
     elif command != "list" and not arguments[0].endswith(".toml"):
         scene = catalogue.find(arguments[0])
         pairs = zip(arguments[1::2], arguments[2::2], strict=True)

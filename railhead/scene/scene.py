@@ -9,6 +9,8 @@ import math
 import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
+from functools import reduce
+from operator import getitem
 from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, model_validator
@@ -47,7 +49,7 @@ _DROPS = {
     "wheel.profile": ("wheel.transverse_radius", "arc"),
     "solver.method": ("solver.theta", "nitsche"),
 }
-_OTHER_NAMES = {"friction.tangential_load": "friction.force_along"}
+OTHER_NAMES = {"friction.tangential_load": "friction.force_along"}
 
 
 def _name(value: object) -> str:
@@ -56,7 +58,7 @@ def _name(value: object) -> str:
     raise ValueError(f"{show(value)} is not allowed; give 1 to 100 letters, digits, _, - or .")
 
 
-def _assignment(text: str) -> tuple[str, object]:
+def assignment(text: str) -> tuple[str, object]:
     """Split ``key=value``; the value is a TOML scalar if it reads as one, else a plain string."""
     if not isinstance(text, str):
         raise SceneError("assignment", f"{show(text)} is not text; write e.g. load=110kN")
@@ -224,8 +226,8 @@ class Scene(Section):
         radius, the penalty method drops theta, and half-spaces drop what they cannot use. Raises
         SceneError.
         """
-        given = dict(_assignment(text) for text in assignments) | dict(_dotted(values))
-        given = {_OTHER_NAMES.get(key, key): value for key, value in given.items()}
+        given = dict(assignment(text) for text in assignments) | dict(_dotted(values))
+        given = {OTHER_NAMES.get(key, key): value for key, value in given.items()}
         drops = [
             _DROPS[key][0]
             for key, value in given.items()
@@ -246,6 +248,20 @@ class Scene(Section):
             bare = self.from_mapping(unused.without(data, unused.HALF_SPACE - given.keys()))
             data = unused.without(data, unused.UNUSED[bare._half_space][1] - given.keys())
         return self.from_mapping(data)
+
+    def value(self, key: str) -> object:
+        """Return the value of a dotted key, in base units; raise KeyError for no key."""
+        return reduce(getitem, OTHER_NAMES.get(key, key).split("."), self.model_dump())
+
+
+def unit(key: str) -> str:
+    """Return the base unit of a dotted key's values, N, mm, MPa, ..., empty where it has none."""
+    table, _, leaf = OTHER_NAMES.get(key, key).rpartition(".")
+    section = type(Scene.model_fields[table].default) if table in Scene.model_fields else Scene
+    if not issubclass(section, Section) or leaf not in section.model_fields:
+        return ""
+    field = section.model_fields[leaf]
+    return next(filter(None, map(units.unit, (*field.metadata, field.annotation))), "")
 
 
 def checked(scene: object) -> Scene:

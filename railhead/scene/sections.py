@@ -162,7 +162,9 @@ class Part(Section):
     profile_mirror: Switch = "auto"
     profile_flip: Switch = "auto"
     profile_origin: Literal["auto", "file"] = "auto"
-    smoothing: Annotated[float | Literal["auto"], BeforeValidator(_wavelength)] = "auto"
+    smoothing: Annotated[float | Literal["auto"], BeforeValidator(_wavelength), units.LENGTH] = (
+        "auto"
+    )
 
     @model_validator(mode="after")
     def _one_way_to_yield(self) -> Self:

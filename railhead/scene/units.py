@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from functools import lru_cache, partial
 from numbers import Real
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, get_args
 
 from pydantic import BeforeValidator
 
@@ -89,32 +89,38 @@ def _speed(number: str, unit: str) -> float:
 
 @dataclass(frozen=True)
 class Dimension:
-    """What a kind of quantity is called, how to write it, and how to convert (number, unit)."""
+    """What a kind of quantity is called, how to write it, how to convert (number, unit), and to
+    which unit."""
 
     noun: str
     hint: str
     convert: Callable[[str, str], float]
+    unit: str = ""
 
 
 FORCE = Dimension(
     "a force",
     'newtons or a force with its unit, e.g. 25000 or "25 kN"',
     partial(_physical, base="N"),
+    "N",
 )
 LENGTH = Dimension(
     "a length",
     'millimetres or a length with its unit, e.g. 420 or "0.42 m"',
     partial(_physical, base="mm"),
+    "mm",
 )
 STRESS = Dimension(
     "a stress",
     'megapascals or a stress with its unit, e.g. 207000 or "207 GPa"',
     partial(_physical, base="MPa"),
+    "MPa",
 )
 DURATION = Dimension(
     "a duration",
     'seconds or a time with its unit, e.g. 30 or "2 min"',
     partial(_physical, base="s"),
+    "s",
 )
 NUMBER = Dimension("a number", "a plain number, e.g. 1", _per_cent)
 FRACTION = Dimension("a fraction", 'a number or per cent, e.g. 0.01 or "1%"', _per_cent)
@@ -122,9 +128,12 @@ CURVATURE = Dimension(
     "a curvature",
     'a number in 1/mm or with its unit, e.g. 0.0002 or "0.2 1/m"',
     partial(_physical, base="1/mm"),
+    "1/mm",
 )
-SPEED = Dimension("a speed", 'm/s or a speed with its unit, e.g. 20 or "72 km/h"', _speed)
-ANGLE = Dimension("an angle", 'radians or an angle with its unit, e.g. 0.002 or "2 mrad"', _angle)
+SPEED = Dimension("a speed", 'm/s or a speed with its unit, e.g. 20 or "72 km/h"', _speed, "m/s")
+ANGLE = Dimension(
+    "an angle", 'radians or an angle with its unit, e.g. 0.002 or "2 mrad"', _angle, "rad"
+)
 SLOPE = Dimension("a slope", 'a slope or an angle, e.g. 0.05, "1:20" or "2.86 deg"', _slope)
 
 
@@ -147,19 +156,34 @@ def to_base(value: object, dimension: Dimension) -> float:
     return number
 
 
-def quantity(dimension: Dimension, allowed: Callable[[float], bool], words: str) -> BeforeValidator:
-    """Return a validator that converts to the base unit and refuses what `allowed` refuses.
+@dataclass(frozen=True)
+class Quantity:
+    """Converts a value to the base unit and refuses what `allowed` refuses; `words` completes the
+    message "<value> is not allowed; give <words>"."""
 
-    `words` completes the message "<value> is not allowed; give <words>".
-    """
+    dimension: Dimension
+    allowed: Callable[[float], bool]
+    words: str
 
-    def validate(value: object) -> float:
-        number = to_base(value, dimension)
-        if not allowed(number):
-            raise ValueError(f"{show(value)} is not allowed; give {words}")
+    def __call__(self, value: object) -> float:
+        number = to_base(value, self.dimension)
+        if not self.allowed(number):
+            raise ValueError(f"{show(value)} is not allowed; give {self.words}")
         return number
 
-    return BeforeValidator(validate)
+
+def quantity(dimension: Dimension, allowed: Callable[[float], bool], words: str) -> BeforeValidator:
+    """Return a validator: see `Quantity`."""
+    return BeforeValidator(Quantity(dimension, allowed, words))
+
+
+def unit(annotation: object) -> str:
+    """Return the base unit of what a key's annotation reads; empty where it has none."""
+    if isinstance(annotation, Dimension):
+        return annotation.unit
+    if isinstance(annotation, BeforeValidator):
+        return annotation.func.dimension.unit if isinstance(annotation.func, Quantity) else ""
+    return next(filter(None, map(unit, get_args(annotation))), "")
 
 
 def _positive(value: float) -> bool:

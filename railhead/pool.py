@@ -1,5 +1,5 @@
-"""Jobs of a study side by side, one process a core, each with one thread: a job that hangs, raises
-or crashes ends alone."""
+"""Jobs side by side, one process a core, each with one thread: a job that hangs, raises or crashes
+ends alone. Under mpirun the ranks but the first work, on as many machines as it uses."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ import os
 import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future
 from concurrent.futures import TimeoutError as LateError
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-from pebble import ProcessExpired, ProcessFuture, ProcessPool
+from pebble import ProcessExpired, ProcessPool
 
 from railhead.meshing.apart import die_with_parent
 from railhead.process import prepare
@@ -32,6 +34,9 @@ class Attempt(Generic[T]):
     trace: str = ""
 
 
+Submit = Callable[..., "Future[Attempt[Any]]"]
+
+
 def attempts(
     work: Callable[..., T],
     jobs: Sequence[tuple[Any, ...]],
@@ -42,12 +47,7 @@ def attempts(
 
     `work` and what it takes and gives are pickled.
     """
-    with ProcessPool(
-        processes or os.cpu_count() or 1,
-        max_tasks=JOBS_PER_PROCESS,
-        initializer=_single,
-        context=multiprocessing.get_context("spawn"),
-    ) as pool:
+    with _processes(processes) as pool:
         all_limits = limits or [None] * len(jobs)
         futures = [
             pool.schedule(_attempt, args=(work, job), timeout=limit)
@@ -60,9 +60,46 @@ def attempts(
             pool.stop()
 
 
+@contextmanager
+def submitting(ranks: int) -> Iterator[Submit | None]:
+    """Takes work and its arguments and gives the future of its Attempt. With several ranks, to be
+    called on all of them, it is None on those that work."""
+    if ranks > 1:
+        from mpi4py.futures import MPICommExecutor
+
+        with MPICommExecutor() as executor:
+            if executor is None:
+                yield None
+            else:
+                yield lambda work, *job: executor.submit(_attempt, work, job)
+        return
+    with _processes() as pool:
+        try:
+            yield lambda work, *job: pool.schedule(_attempt, args=(work, job))
+        finally:
+            pool.stop()
+
+
+def outcome(future: Future[Attempt[T]]) -> Attempt[T]:
+    """Of a future that is done."""
+    return _result(future, None)
+
+
+def _processes(count: int | None = None) -> ProcessPool:
+    return ProcessPool(
+        count or os.cpu_count() or 1,
+        max_tasks=JOBS_PER_PROCESS,
+        initializer=_single,
+        context=multiprocessing.get_context("spawn"),
+    )
+
+
 def _single() -> None:
-    """One thread in this process, which ends with its parent; numpy is not loaded yet."""
+    """One thread in this process, which ends with its parent and is no rank; neither numpy nor MPI
+    is loaded yet."""
     die_with_parent()
+    for name in [name for name in os.environ if name.startswith(("OMPI_", "PMIX_"))]:
+        del os.environ[name]
     os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
     prepare()
 
@@ -76,11 +113,10 @@ def _attempt(work: Callable[..., T], job: tuple[Any, ...]) -> Attempt[T]:
         return Attempt(None, time.perf_counter() - start, line, traceback.format_exc())
 
 
-def _result(future: ProcessFuture, limit: float | None) -> Attempt[T]:
+def _result(future: Future[Attempt[T]], limit: float | None) -> Attempt[T]:
     try:
-        found: Attempt[T] = future.result()
+        return future.result()
     except LateError:
         return Attempt(None, limit or 0.0, f"not back after {limit:g} s")
     except ProcessExpired:
         return Attempt(None, 0.0, "the process crashed")
-    return found

@@ -1,0 +1,97 @@
+"""Scenes that differ in their load alone: one mesh, stiffness, contact operators and
+preconditioner for all of them.
+
+The mesh is everywhere at least as fine as each load's own would be, so what is known of the errors
+of that one holds. Newton's method starts from the patch that is forecast for the load: from the one
+found under the load before it takes two to three times the steps.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from mpi4py import MPI
+
+from railhead import build, refine
+from railhead.level import solve_on
+from railhead.meshing.mesh import ContactMesh, MeshError
+from railhead.planning import plan as planning
+from railhead.planning.plan import Plan
+from railhead.progress import Progress
+from railhead.result import Result
+from railhead.scene.scene import Scene, SceneError
+from railhead.solver.contact import ContactModel
+from railhead.summary import Ending
+
+MOST = 30  # loads that share a mesh: gmsh weighs each at every point
+
+
+def groups(plans: Sequence[Plan]) -> list[list[int]]:
+    """Indices of the plans that share a mesh, each by rising load; the others alone."""
+    found: dict[str, list[int]] = {}
+    for index, plan in enumerate(plans):
+        found.setdefault(_alike(index, plan), []).append(index)
+    made = []
+    for group in found.values():
+        group.sort(key=lambda index: plans[index].scene.load or 0.0)
+        made += [group[first : first + MOST] for first in range(0, len(group), MOST)]
+    return made
+
+
+def _alike(index: int, plan: Plan) -> str:
+    """The same for plans that may share a mesh: elastic and frictionless under given loads, without
+    an asked accuracy, and with the same effects."""
+    scene = plan.scene
+    if scene.load is None or scene.accuracy or scene.budget or not plan.plain:
+        return str(index)
+    on = {name: effect.on for name, effect in plan.effects.items()}
+    return json.dumps([scene.model_dump(exclude={"load"}), on, plan.grading().stretch])
+
+
+def run(
+    scenes: Sequence[Scene],
+    wanted: Sequence[int],
+    progress: Progress,
+    comm: MPI.Intracomm = MPI.COMM_WORLD,
+) -> Iterator[tuple[int, Result | MeshError | SceneError]]:
+    """Solve those scenes of a group whose indices are wanted, or say what refuses them; what the
+    mesh of the group does not suit (it yields, or its patch is not the forecast one) has one of its
+    own, as in `refine.run`."""
+    plans = [planning.make(scene) for scene in scenes]
+    shared = _model(plans, progress, comm) if len(plans) > 1 else None
+    try:
+        for index in wanted:
+            try:
+                result = shared and _on(*shared, plans[index], progress, comm)
+                yield index, result or refine.run(scenes[index], progress, comm)
+            except (MeshError, SceneError) as error:
+                yield index, error
+    finally:
+        if shared:
+            shared[1].release()
+
+
+def _model(
+    plans: Sequence[Plan], progress: Progress, comm: MPI.Intracomm
+) -> tuple[ContactMesh, ContactModel] | None:
+    """Bodies as large as the largest load wants them; None where gmsh cannot mesh them."""
+    largest = plans[-1]
+    first, *others = (plan.grading() for plan in plans)
+    progress.stage(f"meshing for {len(plans)} loads ({first.size:.3g} mm in the patch)")
+    try:
+        mesh = build.generate(largest, replace(first, also=(*first.also, *others)), comm)
+    except MeshError:
+        return None
+    progress.stage("assembling")
+    return mesh, build.model(largest, mesh)
+
+
+def _on(
+    mesh: ContactMesh, model: ContactModel, plan: Plan, progress: Progress, comm: MPI.Intracomm
+) -> Result | None:
+    level = solve_on(mesh, model, plan, progress, comm)
+    if level is None or refine.unforeseen(level, comm):
+        return None
+    return refine.result([level], Ending(refine.ONE_MESH), comm)

@@ -1,0 +1,79 @@
+"""The folder of a sweep: what was asked, and a record for each combination that is done.
+
+A record appears whole or not at all, so a sweep that is killed loses what it was working on alone.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from railhead import results
+from railhead.scene.scene import SceneError
+
+ASKED, RECORDS = "sweep.json", "records"
+
+
+def begin(folder: Path, asked: Mapping[str, Any], *, resume: bool) -> None:
+    """Make the folder of a new sweep, in the place of an earlier result; or go on with the one that
+    is there. Raises SceneError where another sweep is, OSError where nothing can be written."""
+    if resume and folder.is_dir() and os.listdir(folder):
+        _same(folder, json.loads(results.to_json(dict(asked))))
+        return
+    with results.replacing(folder) as work:
+        (work / RECORDS).mkdir()
+        (work / ASKED).write_text(results.to_json(dict(asked)), encoding="utf-8")
+
+
+def _same(folder: Path, asked: dict[str, Any]) -> None:
+    try:
+        there = json.loads((folder / ASKED).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise SceneError("--resume", f"{str(folder)!r} holds no sweep; leave it out") from None
+    here, other = _flat(asked), _flat(there)
+    for key in {**here, **other}:
+        if here.get(key) != other.get(key):
+            raise SceneError(
+                "--resume",
+                f"{str(folder)!r} holds another sweep, with {key} {other.get(key, 'not given')} "
+                f"and not {here.get(key, 'left out')}; give the same, or another --out",
+            )
+
+
+def _flat(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for key, value in table.items():
+        name = f"{above}.{key}" if above else key
+        found |= _flat(value, name) if isinstance(value, Mapping) else {name: value}
+    return found
+
+
+def done(folder: Path) -> set[int]:
+    """Numbers of the combinations that have a record."""
+    return {int(path.stem) for path in (folder / RECORDS).glob("[0-9]*.json")}
+
+
+def write(folder: Path, number: int, record: Mapping[str, Any]) -> None:
+    """Keep what became of a combination."""
+    path = folder / RECORDS / f"{number:05d}.json"
+    half = path.with_name(f".{path.name}.{os.getpid()}")
+    half.write_text(results.to_json(dict(record)), encoding="utf-8")
+    half.replace(path)
+
+
+def read(folder: Path, number: int) -> dict[str, Any]:
+    """A record that is done."""
+    text = (folder / RECORDS / f"{number:05d}.json").read_text(encoding="utf-8")
+    found: dict[str, Any] = json.loads(text)
+    return found
+
+
+def keep(folder: Path, work: Path) -> None:
+    """Copy what was asked and all records into the folder that takes the place of this one."""
+    (work / RECORDS).mkdir()
+    names = [ASKED, *(f"{RECORDS}/{number:05d}.json" for number in sorted(done(folder)))]
+    for name in names:
+        (work / name).write_bytes((folder / name).read_bytes())

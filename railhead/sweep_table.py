@@ -1,0 +1,84 @@
+"""What a sweep tells of its combinations: a record of each, and the rows of sweep.csv."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from railhead.result import Result
+from railhead.scene.scene import unit
+
+COLUMNS = {
+    "p_max [MPa]": ("result", "pressure", "max_MPa"),
+    "p_mean [MPa]": ("result", "pressure", "mean_MPa"),
+    "area [mm2]": ("result", "patch", "area_mm2"),
+    "a [mm]": ("result", "patch", "a_mm"),
+    "b [mm]": ("result", "patch", "b_mm"),
+    "tau_max [MPa]": ("result", "stress", "tau_max_MPa"),
+    "tau_max depth [mm]": ("result", "stress", "tau_max_depth_mm"),
+    "tau_max body": ("result", "stress", "tau_max_body"),
+    "von_mises_max [MPa]": ("result", "stress", "von_mises_max_MPa"),
+    "found approach [mm]": ("result", "approach_mm"),
+    "found load [N]": ("result", "load_N"),
+    "contact angle [rad]": ("plan", "contact_angle_rad"),
+    "unknowns": ("cost", "dofs"),
+}
+BOUNDS = {
+    "p_max estimate": "max_MPa",
+    "area estimate": "area_mm2",
+    "a estimate": "a_mm",
+    "b estimate": "b_mm",
+    "tau_max estimate": "tau_max_MPa",
+    "approach estimate": "approach_mm",
+}
+CHECKS, PASSED = "checks", "passed"
+
+
+def column(key: str) -> str:
+    """Header of a parameter's values."""
+    return f"{key} [{unit(key)}]" if unit(key) else key
+
+
+def record(found: Result | Exception) -> dict[str, Any]:
+    """What is kept of a combination: summary.json, the patches' outlines as seen from above (x, y;
+    mm) and what refused it, if something did."""
+    if isinstance(found, Exception):
+        return {"fault": " ".join(str(found).split())}
+    lines, findings = [], found.findings
+    if findings is not None:
+        for line in findings.patch.outlines:
+            places = (findings.frame.place(float(x), float(s)) for x, s in line)
+            lines.append([[round(x, 4), round(y, 4)] for x, y, _ in places])
+    return {"fault": "", "summary": found.summary, "outlines": lines}
+
+
+def row(values: Mapping[str, object], kept: Mapping[str, Any]) -> dict[str, Any]:
+    """A line of sweep.csv. Where no result is signed by convergence there are no numbers."""
+    line: dict[str, Any] = {column(key): value for key, value in values.items()}
+    line[CHECKS] = status(kept)
+    if kept["fault"] or not kept["summary"]["checks"]["converged"]:
+        return line
+    summary = kept["summary"]
+    line |= {name: _at(summary, path) for name, path in COLUMNS.items()}
+    place = summary["result"]["contact_point_mm"]
+    line |= {f"patch {axis} [mm]": value for axis, value in zip("xyz", place, strict=True)}
+    line["patches"] = max(1, len(summary["result"]["patches"]))
+    bound = summary["accuracy"]["bound"]
+    return line | {name: bound.get(key) for name, key in BOUNDS.items()}
+
+
+def status(kept: Mapping[str, Any]) -> str:
+    """passed, or what is wrong."""
+    if kept["fault"]:
+        return f"NOT SOLVED: {kept['fault']}"
+    checks = kept["summary"]["checks"]
+    if not checks["converged"]:
+        return f"NOT CONVERGED: {kept['summary']['newton']['reason']}"
+    return PASSED if checks["passed"] else f"FAILED: {' '.join(checks['failed'])}"
+
+
+def _at(summary: Mapping[str, Any], path: tuple[str, ...]) -> Any:
+    inner: Any = summary
+    for key in path:
+        inner = inner[key]
+    return inner

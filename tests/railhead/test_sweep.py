@@ -1,0 +1,321 @@
+"""Sweeps: which combinations, what is refused, what the command leaves behind."""
+
+import csv
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from concurrent.futures import Future
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+import railhead as rh
+from railhead import campaign, cli, combinations, loads, pool, records
+from railhead.planning import plan as planning
+from railhead.progress import Bar
+from railhead.scene.scene import unit
+
+SHIFTS = "wheelset.shift=0:10:0.5mm"
+ROLLER = ("long_roller", "--set", "mesh.patch_size=0.4", "--quiet")
+COMMAND = [sys.executable, "-c", "from railhead.cli import main; main()", "sweep"]
+KEYS = {"load": "load [N]", "wheel.rolling_radius": "wheel.rolling_radius [mm]"}
+ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+
+
+def sweep(*arguments: str) -> int:
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["sweep", *arguments])
+    return int(ended.value.code or 0)
+
+
+def refused(capsys, folder: Path, *arguments: str) -> str:
+    """One line on standard error, status 2, nothing solved or written."""
+    assert sweep(*arguments, "--out", str(folder)) == 2
+    out, err = capsys.readouterr()
+    *before, line = err.splitlines()
+    assert out == "" and all("planning" in each for each in before) and not folder.exists()
+    return line
+
+
+def rows(folder: Path) -> list[dict[str, str]]:
+    raw = (folder / "sweep.csv").read_bytes()
+    assert raw.startswith(b"\xef\xbb\xbf") and raw.count(b"\r\n") == raw.count(b"\n")
+    return list(csv.DictReader(io.StringIO(raw.decode("utf-8-sig"))))
+
+
+def values(*texts: str, case: str = "s1002_60e1") -> list[tuple[object, ...]]:
+    over = combinations.written(texts)
+    scenes = combinations.scenes(rh.find(case), over)
+    combinations.distinct(scenes, list(over))
+    return [tuple(scene.value(key) for key in over) for scene in scenes]
+
+
+def test_the_manchester_positions_are_one_command() -> None:
+    """All 21 scenes make a plan, each with a mesh of its own."""
+    over = combinations.written([SHIFTS])
+    scenes = combinations.scenes(rh.find("s1002_60e1"), over)
+    assert [scene.wheelset.shift for scene in scenes] == [number / 2 for number in range(21)]
+    plans = [planning.make(scene) for scene in scenes]
+    assert loads.groups(plans) == [[number] for number in range(21)]
+    assert len({round(plan.contact.touch.y, 3) for plan in plans}) == 21
+
+
+def test_lists_and_ranges_multiply_the_last_fastest() -> None:
+    found = values("load=25kN,50000 N", "wheelset.shift=0,1:2:.5mm")
+    assert found == [(p, s) for p in (25e3, 50e3) for s in (0, 1, 1.5, 2)]
+    assert values("wheelset.shift=2:0:-1 mm") == [(2,), (1,), (0,)]
+    assert values("wheelset.shift=0:1:0.3mm") == [(0,), (0.3,), (0.6,), (0.9,)]
+    assert values("rail.inclination=1:20,1:40") == [(0.05,), (0.025,)]
+    assert values("rail.profile=54E1,60E1") == [("54E1",), ("60E1",)]
+    assert values("wheelset.yaw=0:2:1mrad") == [(0,), (0.001,), (0.002,)]
+
+
+@pytest.mark.parametrize(
+    "over, said",
+    [
+        ("load=25kN,3mm", r"load: '3mm' is not a force"),
+        ("wheelset.shift=0:40:10mm", r"wheelset.shift: '40mm' is not allowed"),
+        ("wheelset.shift=0mm:1mm:1mm", "wheelset.shift: '0mm:1mm:1mm' is no range"),
+        ("wheelset.shift=0:1:0mm", "never gets to its end"),
+        ("wheelset.shift=0:1:-1mm", "never gets to its end"),
+        ("wheelset.shift=0:1:1e-9mm", "1000000001 values; give at most 10000"),
+        ("load=25,50kN", "load: '25' has no unit and others have one"),
+        ("load=25kN,,50kN", "load: a value between two commas is missing"),
+        ("load=25kN,0.025MN", "gives load=25000.0 twice"),
+        ("loadd=3", "loadd: unknown key; did you mean load"),
+        ("load", "--over: 'load' is not key=values"),
+        ("=3", "--over: '=3' is not key=values"),
+    ],
+)
+def test_wrong_values_are_one_line(over: str, said: str, capsys, tmp_path) -> None:
+    line = refused(capsys, tmp_path / "out", "s1002_60e1", "--over", over)
+    assert line.startswith("railhead: ") and said in line
+
+
+def test_wrong_combinations_are_one_line(capsys, tmp_path) -> None:
+    out, case = tmp_path / "out", "s1002_60e1"
+    twice = refused(capsys, out, case, "--over", "load=1kN", "--over", "load=2kN")
+    assert "load: is given twice" in twice
+    both = refused(capsys, out, case, "--over", "load=1kN", "--over", "approach=0.1mm")
+    assert "load, approach: both are given" in both
+    many = refused(capsys, out, case, "--over", "load=1:200:1kN", "--over", SHIFTS[:-5] + "0.1mm")
+    assert "20200 combinations" in many
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "notes").write_text("kept")
+    assert sweep(case, "--over", "load=1kN", "--out", str(tmp_path / "mine")) == 2
+    assert "holds 'notes'" in capsys.readouterr().err
+
+
+def test_what_makes_no_contact_is_refused_before_anything_runs(capsys, tmp_path) -> None:
+    """The last of three: it is named with its values."""
+    line = refused(
+        capsys, tmp_path / "out", "s1002_60e1", "--over", "wheelset.shift=0,30mm",
+        "--set", "wheelset.back_to_back=1300",
+    )  # fmt: skip
+    assert "wheelset.shift [mm] = 30.0" in line
+
+
+def test_units_of_keys() -> None:
+    known = {"load": "N", "rail.smoothing": "mm", "wheelset.yaw": "rad", "rail.profile": "",
+             "rail.yield_stress": "MPa", "rail.inclination": "", "rolling.spin": "1/mm",
+             "friction.tangential_load": "N", "no.key": ""}  # fmt: skip
+    assert {key: unit(key) for key in known} == known
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory) -> Path:
+    """Six combinations, two meshes, with pictures."""
+    folder = tmp_path_factory.mktemp("sweep") / "out"
+    over = ("--over", "load=50kN,80kN,110kN", "--over", "wheel.rolling_radius=420mm,460mm")
+    assert sweep(*ROLLER, *over, "--out", str(folder)) == 0
+    return folder
+
+
+def test_a_row_for_each_combination(swept: Path) -> None:
+    found = rows(swept)
+    given = [(float(row[KEYS["load"]]), float(row[KEYS["wheel.rolling_radius"]])) for row in found]
+    assert given == [(p, r) for p in (5e4, 8e4, 11e4) for r in (420, 460)]
+    assert {row["checks"] for row in found} == {"passed"}
+    assert sorted(os.listdir(swept)) == sorted(
+        [".railhead", "patches.png", "records", "sweep.csv", "sweep.json", "sweep.png"]
+    )
+    for row in found:
+        assert float(row["found load [N]"]) == pytest.approx(float(row["load [N]"]))
+
+
+def test_loads_share_a_mesh(swept: Path) -> None:
+    """One for each radius."""
+    unknowns = [row["unknowns"] for row in rows(swept)]
+    assert unknowns[0::2] == unknowns[:1] * 3 and unknowns[1::2] == unknowns[1:2] * 3
+
+
+def test_the_mesh_of_several_loads_is_no_coarser_than_their_own() -> None:
+    """So numbers differ from those of single runs by what the meshes differ: within the estimates
+    of both."""
+    table = rh.sweep(rh.find("long_roller"), load=["25kN", "110kN"], quiet=True)
+    for result in table:
+        one = rh.solve(rh.find("long_roller").replace(load=result.load), quiet=True)
+        assert result.passed and one.passed
+        assert result.as_dict()["cost"]["dofs"] > one.as_dict()["cost"]["dofs"]
+        off = abs(result.pressure.max / one.pressure.max - 1)
+        assert 0 < off < result.estimate.pressure_max + one.estimate.pressure_max
+        off = abs(result.patch.a / one.patch.a - 1)
+        assert 0 < off < result.estimate.a + one.estimate.a
+
+
+def test_combinations_with_a_mesh_of_their_own_are_single_runs(tmp_path: Path) -> None:
+    over = ("--over", "wheel.rolling_radius=420mm,460mm", "--no-pictures")
+    assert sweep(*ROLLER, *over, "--out", str(tmp_path / "out")) == 0
+    for row in rows(tmp_path / "out"):
+        radius = float(row[KEYS["wheel.rolling_radius"]])
+        scene = rh.find("long_roller").replace(["mesh.patch_size=0.4"])
+        one = rh.solve(scene.replace(wheel={"rolling_radius": radius}), quiet=True)
+        for name, value in (("p_max [MPa]", one.pressure.max), ("a [mm]", one.patch.a),
+                            ("tau_max [MPa]", one.stress.tau_max),
+                            ("found approach [mm]", one.approach)):  # fmt: skip
+            assert float(row[name]) == pytest.approx(value, rel=1e-9), name
+
+
+def test_the_public_sweep_gives_the_same(swept: Path) -> None:
+    scene = rh.find("long_roller").replace(["mesh.patch_size=0.4"])
+    table = rh.sweep(scene, {"load": ["50kN", "80kN", "110kN"]}, quiet=True)
+    for row, result in zip(rows(swept)[::2], table, strict=True):
+        assert float(row["p_max [MPa]"]) == pytest.approx(result.pressure.max, rel=1e-9)
+
+
+def test_another_sweep_is_not_gone_on_with(swept: Path, capsys, tmp_path: Path) -> None:
+    before = (swept / "sweep.csv").read_bytes()
+    out = ("--out", str(swept), "--resume")
+    other = ("--over", "load=50kN,80kN,111kN", "--over", "wheel.rolling_radius=420mm,460mm")
+    assert sweep(*ROLLER, *other, *out) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "--resume: " in line and "over.load [50000.0, 80000.0, 110000.0]" in line
+    same = ("--over", "load=50kN,80kN,110kN", "--over", "wheel.rolling_radius=420mm,460mm")
+    assert sweep(*ROLLER, *same, *out, "--set", "solver.max_newton=20") == 2
+    assert "scene.solver.max_newton 30 and not 20" in capsys.readouterr().err
+    assert (swept / "sweep.csv").read_bytes() == before
+    single = tmp_path / "single"
+    rh.solve(rh.find("sphere_on_plane"), quiet=True).save(single, pictures=False)
+    assert sweep(*ROLLER, *same, "--out", str(single), "--resume") == 2
+    assert "holds no sweep" in capsys.readouterr().err
+
+
+def test_one_that_does_not_converge_leaves_the_others(tmp_path: Path, capsys) -> None:
+    out = tmp_path / "out"
+    over = ("--over", "solver.max_newton=1,30", "--no-pictures")
+    assert (
+        sweep("hertz_ellipse", "--set", "mesh.patch_size=1", "--quiet", *over, "--out", str(out))
+        == 1
+    )
+    one, other = rows(out)
+    assert one["checks"].startswith("NOT CONVERGED: too many Newton steps")
+    assert one["p_max [MPa]"] == "" and one["solver.max_newton"] == "1"
+    assert other["checks"] == "passed" and float(other["p_max [MPa]"]) > 700
+    assert "solver.max_newton = 1: NOT CONVERGED" in capsys.readouterr().err
+
+
+def test_a_process_that_crashes_leaves_the_others(tmp_path: Path, monkeypatch) -> None:
+    """Its row says so, and it is tried again by --resume."""
+    made = campaign.Campaign(
+        rh.find("sphere_on_plane"),
+        [rh.find("sphere_on_plane").replace(load=load) for load in (100, 200)],
+        ["load"],
+        tmp_path / "out",
+    )
+    records.begin(made.folder, made.asked, resume=False)
+    records.write(made.folder, 1, {"fault": "gmsh: no"})
+    found = campaign._write(made, {0: "the process crashed"}, pictures=True)
+    assert found == ["NOT SOLVED: the process crashed", "NOT SOLVED: gmsh: no"]
+    assert records.done(made.folder) == {1}
+    assert [row["load [N]"] for row in rows(made.folder)] == ["100.0", "200.0"]
+
+
+def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypatch) -> None:
+    """The process dies at the second of three loads on one mesh, and again alone."""
+    scenes = [rh.find("sphere_on_plane").replace(load=load) for load in (100, 200, 300)]
+    made = campaign.Campaign(scenes[0], scenes, ["load"], tmp_path / "out")
+    asked: list[list[int]] = []
+
+    @contextmanager
+    def one_process(ranks: int) -> Iterator[pool.Submit]:
+        def submit(work, folder, group, scenes, wanted) -> Future:
+            asked.append([group[each] for each in wanted])
+            future: Future = Future()
+            if group[0] != 1:
+                records.write(folder, group[0], {"fault": "none of a test"})
+            lost = "the process crashed" if 1 in group else ""
+            future.set_result(pool.Attempt(None, 0.0, lost))
+            return future
+
+        yield submit
+
+    monkeypatch.setattr(pool, "submitting", one_process)
+    found = campaign.run(made, resume=False, pictures=False, quiet=True)
+    assert asked == [[0, 1, 2], [1], [2]]
+    assert found == [f"NOT SOLVED: {why}" for why in
+                     ("none of a test", "the process crashed", "none of a test")]  # fmt: skip
+    asked.clear()
+    campaign.run(made, resume=True, pictures=False, quiet=True)
+    assert asked == [[1], [1]]  # on the mesh of all three, and by itself
+
+
+def test_the_bar_says_how_long_it_takes(capsys) -> None:
+    with Bar(4, done=1) as bar:
+        bar.reach(1)
+        time.sleep(0.05)
+        bar.reach(2)
+        bar.reach(4)
+    first, last = capsys.readouterr().err.splitlines()
+    assert "2 of 4, 0 min 0 s left" in first and "4 of 4" in last
+
+
+def test_a_kill_loses_only_what_was_running(tmp_path: Path) -> None:
+    """SIGKILL after the first records; --resume leaves these as they are."""
+    out = tmp_path / "out"
+    arguments = ["--over", "load=60:80:10kN", "--over", "wheel.rolling_radius=420mm,460mm",
+                 "--no-pictures", "--out", str(out)]  # fmt: skip
+    started = subprocess.Popen([*COMMAND, *ROLLER, *arguments], stderr=subprocess.DEVNULL)
+    while not records.done(out):
+        assert started.poll() is None
+        time.sleep(0.02)
+    started.send_signal(signal.SIGKILL)
+    started.wait()
+    time.sleep(1.0)  # processes of the sweep die with it
+    done = {path.name: path.stat().st_mtime_ns for path in (out / "records").glob("[0-9]*")}
+    assert 1 <= len(done) < 6 and not (out / "sweep.csv").exists()
+    stamp = json.loads((out / "records" / min(done)).read_text())
+    stamp["summary"]["result"]["pressure"]["max_MPa"] = 1234.5  # to be found in the table
+    (out / "records" / min(done)).write_text(json.dumps(stamp))
+    solved = subprocess.run(
+        [*COMMAND, *ROLLER, *arguments, "--resume"], check=False, capture_output=True, text=True
+    )
+    assert solved.returncode == 0, solved.stderr
+    found = rows(out)
+    assert len(found) == 6 and {row["checks"] for row in found} == {"passed"}
+    assert [row["p_max [MPa]"] for row in found].count("1234.5") == 1
+    assert not list((out / "records").glob(".*"))
+
+
+def test_two_ranks_give_the_same_table(swept: Path, tmp_path: Path) -> None:
+    """The first gives the work, the other does it."""
+    own = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_"))}
+    over = ("--over", "load=50kN,80kN,110kN", "--over", "wheel.rolling_radius=420mm,460mm")
+    done = subprocess.run(
+        ["mpirun", "--oversubscribe", "-n", "2", *COMMAND, *ROLLER, *over, "--no-pictures",
+         "--out", str(tmp_path / "out")],
+        env=own | ROOT, capture_output=True, text=True, timeout=300, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    for one, two in zip(rows(swept), rows(tmp_path / "out"), strict=True):
+        assert one.keys() == two.keys()
+        for name, value in one.items():
+            if name in ("checks", "tau_max body") or not value:
+                assert two[name] == value, name
+            else:
+                assert float(two[name]) == pytest.approx(float(value), rel=1e-9, abs=1e-12), name

@@ -1,0 +1,129 @@
+"""Result tables: on narrow terminals, as CSV; and the plan as JSON."""
+
+import csv
+import io
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+from rich.console import Console
+
+import railhead as rh
+from railhead import quantities, report, spreadsheet
+
+
+@pytest.fixture(scope="module")
+def full() -> dict:
+    """A summary with all the columns that a table may have, and long numbers."""
+    scene = rh.find("hertz_ellipse").replace(["mesh.patch_size=1.2"])
+    summary = rh.solve(scene, quiet=True).summary
+    result = {**summary["result"], "approach_mm": 0.0123456}
+    beside = {"half_space": summary["hertz"], "elastic": result}
+    return {**summary, **beside, "result": result, "accuracy": {"bound": {"max_MPa": 0.0123}}}
+
+
+def printed(summary: dict, width: int) -> list[str]:
+    out = io.StringIO()
+    report.show_result(summary, Console(file=out, width=width))
+    return out.getvalue().splitlines()
+
+
+@pytest.mark.parametrize("width", [50, 80, 120])
+def test_no_number_is_cut(full: dict, width: int) -> None:
+    """Columns that do not fit stand in further tables."""
+    lines = printed(full, width)
+    text = "\n".join(lines)
+    assert "…" not in text
+    for row in quantities.contact(full):
+        for name, value in row.items():
+            assert name in text
+            if isinstance(value, float) and name not in quantities.RELATIVE:
+                assert f"{value:.5g}" in text, (row["quantity"], name)
+    table = [line for line in lines if line.startswith(("largest pressure", "quantity", "──"))]
+    assert len(table) > 3 and max(map(len, table)) <= min(width, report.WIDEST)
+    assert all(label in text for label, *_ in quantities.ROWS)
+
+
+def test_the_command_prints_at_most_eighty_columns(tmp_path) -> None:
+    """Of the table also where there is no terminal."""
+    environment = {key: value for key, value in os.environ.items() if key != "COLUMNS"}
+    done = subprocess.run(
+        [sys.executable, "-c", "from railhead.cli import main; main()", "run", "long_roller",
+         "--set", "mesh.patch_size=1", "--no-pictures"],
+        cwd=tmp_path, capture_output=True, text=True, check=False, env=environment,
+    )  # fmt: skip
+    assert done.returncode in (0, 1)
+    table = done.stdout.split("unknowns")[0].splitlines()
+    assert len(table) > 12 and max(map(len, table)) <= 80 and "…" not in done.stdout
+
+
+def test_result_csv_is_the_printed_table(tmp_path) -> None:
+    result = rh.solve(rh.find("sphere_on_plane"), quiet=True)
+    result.save(tmp_path / "out", pictures=False)
+    raw = (tmp_path / "out" / "result.csv").read_bytes()
+    assert raw.startswith(b"\xef\xbb\xbf") and raw.count(b"\r\n") == raw.count(b"\n")
+    rows = {row["quantity"]: row for row in csv.DictReader(io.StringIO(raw.decode("utf-8-sig")))}
+    largest = rows["largest pressure"]
+    assert largest["unit"] == "MPa"
+    assert float(largest["value"]) == result.pressure.max
+    assert float(largest["estimate"]) == result.estimate.pressure_max
+    assert float(largest["Hertz"]) == result.hertz.pressure.max
+    off = result.pressure.max / result.hertz.pressure.max - 1
+    assert float(largest["FE - Hertz"]) == pytest.approx(off)
+    assert largest["half-space"] == ""
+    depth = rows["largest shear stress: its depth"]
+    assert float(depth["value"]) == result.stress.tau_max_depth
+    assert rows["largest von Mises stress: its body"]["value"] == "wheel"
+    assert float(rows["load"]["value"]) == result.load
+
+
+def test_friction_is_in_the_table_too() -> None:
+    summary = rh.solve(
+        rh.find("long_roller").replace(
+            ["friction.coefficient=0.3", "rolling.force_along=10kN", "mesh.patch_size=0.6"]
+        ),
+        quiet=True,
+    ).summary
+    rows = {row["quantity"]: row for row in quantities.everything(summary)}
+    assert rows["force along the rail"]["value"] == pytest.approx(1e4)
+    assert rows["force along the rail"]["Carter"] == pytest.approx(1e4, rel=0.1)
+    assert "frictionless FE" in rows["largest pressure"]
+
+
+def test_rows_with_other_columns_make_one_table() -> None:
+    text = spreadsheet.encoded([{"a": 1, "b": None}, {"b": 0.1, "c": "x, y"}]).decode("utf-8-sig")
+    assert text == 'a,b,c\r\n1,,\r\n,0.1,"x, y"\r\n'
+
+
+def plan(*arguments: str) -> subprocess.CompletedProcess:
+    return subprocess.run(
+        [sys.executable, "-c", "from railhead.cli import main; main()", "plan", *arguments],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+
+
+def test_the_plan_as_json_says_what_the_printed_one_says() -> None:
+    case = ("s1002_60e1", "--set", "wheelset.shift=1mm", "--accuracy", "1%")
+    done = plan(*case, "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    said, words = json.loads(done.stdout), " ".join(plan(*case).stdout.replace("│", " ").split())
+    assert said["scene"]["wheelset"]["shift"] == 1 and said["scene"]["accuracy"] == 0.01
+    for name, effect in said["plan"]["effects"].items():
+        assert f"{name} {'on' if effect['on'] else 'off'} {effect['why'].split()[0]}" in words
+        assert effect["called_for"] in (True, False)
+    assert f"{said['plan']['unknowns']} unknowns" in words
+    assert f"a = {said['hertz']['a_mm']:.4g} mm" in words
+    assert f"angle {said['contact']['angle_rad']:.4f} rad" in words
+    assert f"{said['mesh']['patch_size_mm']:.3g} mm in the patch" in words
+    reachable = [row for row in said["prices"] if row["unknowns"] is not None]
+    assert reachable and all(f"{row['unknowns']}" in words for row in reachable)
+    assert said["patches"] and not said["plan"]["forecast"]["hertzian"]
+
+
+def test_a_wrong_plan_as_json_is_one_line() -> None:
+    done = plan("long_roller", "--json", "--set", "load=3mm")
+    assert (done.returncode, done.stdout) == (2, "")
+    (line,) = done.stderr.splitlines()
+    assert "load: '3mm'" in line
