@@ -10,7 +10,10 @@ nodes' shape functions. What is asked of that movement is linear in c:
     p = p0 + D_p c
 
 + where the slave is the rail. Rolling along +x takes upstream differences of second order,
-G u = 1.5 J u - 2 J u(x + d) + 0.5 J u(x + 2 d): symmetric ones would not dissipate.
+G u = 1.5 J u - 2 J u(x + d) + 0.5 J u(x + 2 d): symmetric ones would not dissipate. What is pressed
+without friction, u0, has no shear stress at the surface and nothing to dissipate: S_t u0, which is
+the mesh's error, is left out of q, and G u0 takes symmetric differences over two edges, whose noise
+is a seventh.
 """
 
 from __future__ import annotations
@@ -35,6 +38,7 @@ if TYPE_CHECKING:
     from railhead.solver.rubbing import RubbingModel
 
 UPSTREAM = ((0.0, 1.5), (1.0, -2.0), (2.0, 0.5))  # distance in steps d, and weight
+CENTRAL = 2.0  # steps of the symmetric differences that what is pressed is differentiated with
 STEP = 0.5  # d over the length of the elements' edges
 BLOCK = 256  # right-hand sides that are solved at a time
 DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
@@ -112,7 +116,18 @@ class Condenser:
         tau = np.repeat(model.problem.tau[self.own], self.size)
         self.answer.diagonalScale(L=_vector(self.change, tau))
         if model.problem.law.sigma:
-            self.answer.axpy(self.sign, self._shear(), DIFFERENT)
+            shear = self._shear()
+            self.answer.axpy(self.sign, shear, DIFFERENT)
+
+        u, self.rest = solution.displacement, np.zeros((len(self.own), self.size))
+        if model.problem.law.sigma:
+            sheared = (shear * u).array.reshape(-1, self.size)
+            self.rest += self.sign * (sheared - model.lost_shear(self))
+        if rolling:
+            wide = CENTRAL * self.step
+            central = self._jump(-wide) * u - self._jump(wide) * u
+            noise = (self.change * u).array - central.array / (2 * CENTRAL)
+            self.rest += tau.reshape(-1, self.size) * noise.reshape(-1, self.size)
 
     @property
     def size(self) -> int:
@@ -172,7 +187,7 @@ class Condenser:
         answer, moved = ((matrix * u).array.reshape(-1, self.size)
                          for matrix in (self.answer, self.change))  # fmt: skip
         touches = np.concatenate(self.comm.allgather(solution.pressure[self.own] > 0))
-        values = answer - self.sign * lost, moved, solution.indicator[self.own]
+        values = answer - self.sign * lost - self.rest, moved, solution.indicator[self.own]
         start, place, pressure = (self._all(np.asarray(each)) for each in values)
         return touches, start, place, pressure
 
