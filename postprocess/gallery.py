@@ -35,7 +35,7 @@ def draw(
     exact = ellipse if len(found.patch.each) < 2 else None
     plots.pressure(found, exact, folder / "pressure.png")
     circular = None
-    if isinstance(exact, Ellipse):
+    if isinstance(exact, Ellipse) and found.subject.thesis:
         route = thesis.thesis_contact(
             (exact.curvature_x, exact.curvature_y), (0.0, 0.0), exact.contact_modulus, exact.load
         )

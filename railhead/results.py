@@ -139,14 +139,18 @@ def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
     from railhead.postprocess import export, gallery, plastic_plots, traction_plots
     from railhead.postprocess.stress import nodal
     from railhead.solver.rubbing import Rubbed
+    from railhead.subject import subject
 
     with replacing(folder) as work:
-        if result.fields is not None and result.findings is not None:
+        found = result.findings
+        if found is not None:
             after = result.level.after.items()
             needed = tuple(f"{name}: {each.why}" for name, each in after if each.needed)
+            found = replace(found, notes=needed, subject=subject(result.plan, result.load))
+        if result.fields is not None and found is not None:
             gallery.draw(
                 result.fields,
-                replace(result.findings, notes=needed),
+                found,
                 result.ellipse,
                 result.plan.shown.poisson_ratio,
                 work,
@@ -157,20 +161,19 @@ def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
             grid = export.volume_grid(left.residual, nodal(left.residual))
             export.write(grid, work / "residual.vtu")
             export.series(["solution.vtu", "residual.vtu"], work / "solution.pvd")
-            elastic, fields, found = result.level.plain, result.fields, result.findings
+            elastic, fields = result.level.plain, result.fields
             if pictures and fields and found and elastic is not None and elastic.findings:
                 exact = result.ellipse if len(found.patch.each) < 2 else None
                 plastic_plots.draw(
                     fields, left.residual, found, elastic.findings, exact, work / "plastic.png"
                 )
-        solution, found = result.level.solution, result.findings
+        solution = result.level.solution
         if isinstance(solution, Rubbed) and found is not None:
             export.write(export.traction_points(solution.rubbing), work / "traction.vtu")
             if pictures:
                 traction_plots.draw(
                     solution.rubbing, found, result.plan.scene.friction.coefficient,
                     work / "friction.png", mirrored=result.plan.half_y,
-                    rolling=result.plan.scene.rolling.given,
                 )  # fmt: skip
         (work / "scene.toml").write_text(to_toml(result.plan.scene), encoding="utf-8")
         (work / SUMMARY).write_text(as_json(result), encoding="utf-8")
