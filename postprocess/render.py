@@ -36,7 +36,7 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
     from matplotlib.patches import Patch as Swatch
 
     frame, patch = findings.frame, findings.patch
-    halves = {name: _behind(part, frame) for name, part in _bodies(grid).items()}
+    halves = {name: behind(part, frame) for name, part in bodies_of(grid).items()}
     meshes = [(half, {"color": COLOURS[name], **MESH, **SHADE}) for name, half in halves.items()]
     corners = np.concatenate([half.points for half in halves.values()])
     general = _around(corners, np.array([1.0, 0.5, 0.35]))
@@ -70,7 +70,7 @@ def stress_cut(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
     low, high = patch.main[:, 1].min(), patch.main[:, 1].max()
     half = np.array([1.2 * (high - low), min(0.9 * (high - low), 5 * patch.a)])
     offset = 1e-3 * min(patch.a, patch.b)  # a cut model has no inside at the plane itself
-    sections = [_section(part, frame, offset) for part in _bodies(grid).values()]
+    sections = [_section(part, frame, offset) for part in bodies_of(grid).values()]
     centre = np.array([(low + high) / 2, 0.0])
     parts, seen = [], []
     for section in sections:
@@ -94,8 +94,8 @@ def patch_on_rail(
     from matplotlib.colors import Normalize
 
     frame, patch = findings.frame, findings.patch
-    surface = _skin(load_pyvista().from_meshio(grid))
-    surface = _mirrored(surface, cut_axes(frame.local(surface.points)))
+    surface = outer(load_pyvista().from_meshio(grid))
+    surface = mirrored(surface, cut_axes(frame.local(surface.points)))
     pressed, free = split(surface, frame, patch)
     shown = (0.0, float(surface["pressure"].max()))
     plain = {"lighting": False, "color": FREE_SURFACE}
@@ -131,7 +131,7 @@ def camera_over(findings: Findings) -> Camera:
     return Camera(middle, towards, reach, 0.72 * reach, frame.axes[2])
 
 
-def _bodies(grid: meshio.Mesh) -> dict[str, Any]:
+def bodies_of(grid: meshio.Mesh) -> dict[str, Any]:
     """Grid of each body, by name."""
     volume = load_pyvista().from_meshio(grid)
     tags = np.unique(volume["body"])
@@ -154,12 +154,12 @@ def split(surface: Any, frame: Frame, patch: Patch) -> tuple[Any, Any]:
     return pressed, surface.clip_scalar(scalars="outside", value=0.0, invert=False)
 
 
-def _skin(part: Any) -> Any:
+def outer(part: Any) -> Any:
     """Outer faces, with the straight edges of the cells."""
     return part.extract_surface(nonlinear_subdivision=0, algorithm="dataset_surface")
 
 
-def _mirrored(surface: Any, axes: list[int]) -> Any:
+def mirrored(surface: Any, axes: list[int]) -> Any:
     """A surface and its images across x = 0 (axis 0) and y = 0 (axis 1), joined."""
     for axis in axes:
         along = surface.points[:, axis]
@@ -170,22 +170,22 @@ def _mirrored(surface: Any, axes: list[int]) -> Any:
     return surface
 
 
-def _behind(part: Any, frame: Frame) -> Any:
+def behind(part: Any, frame: Frame) -> Any:
     """Skin of the half of a body at x below that of the contact."""
     cut = cut_axes(frame.local(part.points))
     if 0 in cut:
-        half = _skin(part)
+        half = outer(part)
         half.points[:, 0] *= -1
     else:
-        half = _skin(part.clip(normal="x", origin=frame.origin))
-    return _mirrored(half, [axis for axis in cut if axis == 1])
+        half = outer(part.clip(normal="x", origin=frame.origin))
+    return mirrored(half, [axis for axis in cut if axis == 1])
 
 
 def _section(part: Any, frame: Frame, offset: float) -> Any:
     """Triangles of the section of a body at the contact's x + offset, mm."""
     x, y, z = frame.origin
     section = part.slice(normal="x", origin=(x + offset, y, z)).triangulate()
-    return _mirrored(section, [axis for axis in cut_axes(frame.local(part.points)) if axis == 1])
+    return mirrored(section, [axis for axis in cut_axes(frame.local(part.points)) if axis == 1])
 
 
 def _rim(section: Any, frame: Frame) -> Array:

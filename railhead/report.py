@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
+from railhead.display import Units
 from railhead.planning import machine
 from railhead.planning.effects import Effect
 from railhead.planning.plan import Plan
 from railhead.planning.price import price
 
+DEFAULT = Units()
 ROWS = (
     ("semi-axis a, along the rail", "mm", ("patch", "a_mm")),
     ("semi-axis b, across", "mm", ("patch", "b_mm")),
@@ -148,11 +151,13 @@ def _show_prices(plan: Plan, console: Console) -> None:
     console.print(table)
 
 
-def show_result(summary: dict[str, Any], console: Console) -> None:
+def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAULT) -> None:
     """Finite elements, exact Hertz and the thesis side by side."""
     if summary["result"] is not None:
         table = Table(
-            title=f"{summary['case']}: {summary['result']['load_N']:.6g} N", title_justify="left"
+            title=f"{summary['case']}: {units.value(summary['result']['load_N'], 'N'):.6g} "
+            f"{units.unit('N')}",
+            title_justify="left",
         )
         bound = summary["accuracy"]["bound"]
         kind = next((each for each in ("elastic", "frictionless") if each in summary), "")
@@ -166,19 +171,20 @@ def show_result(summary: dict[str, Any], console: Console) -> None:
             table.add_column(f"{kind} FE", justify="right")
         for label, unit, path in ROWS:
             fe, exact, thesis, half = (
-                _get(summary[key], path) for key in ("result", "hertz", "thesis", "half_space")
+                lookup(summary[key], path) for key in ("result", "hertz", "thesis", "half_space")
             )
+            show = partial(shown, units, unit)
             table.add_row(
-                label, unit, _number(fe), _bound(bound.get(path[-1])), _number(half),
-                _number(exact), _percent(fe, exact),
-                _number(thesis), _percent(thesis, exact),
-                *([] if elastic is None else [_number(_get(elastic, path))]),
+                label, units.unit(unit), show(fe), _bound(bound.get(path[-1])), show(half),
+                show(exact), _percent(fe, exact),
+                show(thesis), _percent(thesis, exact),
+                *([] if elastic is None else [show(lookup(elastic, path))]),
             )  # fmt: skip
         console.print(table)
         if plastic := summary["result"].get("plastic"):
             _show_plastic(plastic, console)
         if friction := summary["result"].get("friction"):
-            _show_friction(friction, summary.get("half_space_friction"), console)
+            _show_friction(friction, summary.get("half_space_friction"), console, units)
         if reason := (summary["half_space"] or {}).get("reason"):
             console.print(f"No half-space column: {reason}.", markup=False, highlight=False)
         if summary["checks"]["passed"] and not summary["checks"]["hertzian"]:
@@ -250,7 +256,7 @@ def _show_plastic(plastic: Mapping[str, Any], console: Console) -> None:
 
 
 def _show_friction(
-    friction: Mapping[str, Any], second: Mapping[str, Any] | None, console: Console
+    friction: Mapping[str, Any], second: Mapping[str, Any] | None, console: Console, units: Units
 ) -> None:
     """Forces of the wheel on the rail, its motion, stick and wear, beside other methods."""
     limit = friction["limit_N"]
@@ -260,8 +266,8 @@ def _show_friction(
         table.add_column(name, justify="left" if name in ("quantity", "unit") else "right")
     for label, unit, key in FRICTION:
         if key in friction:
-            cells = [_number(_get(values, (key,))) for values in columns.values()]
-            table.add_row(label, unit, *cells)
+            cells = [shown(units, unit, lookup(values, (key,))) for values in columns.values()]
+            table.add_row(label, units.unit(unit), *cells)
     console.print(table)
     console.print(
         f"Forces are those of the wheel on the rail; mu N = {limit:.5g} N.", highlight=False
@@ -297,7 +303,8 @@ def show_failure(summary: dict[str, Any], console: Console) -> None:
         )
 
 
-def _get(values: dict[str, Any] | None, path: tuple[str, ...]) -> float | str | None:
+def lookup(values: Mapping[str, Any] | None, path: tuple[str, ...]) -> float | str | None:
+    """A number or a word of nested quantities; None where there is none."""
     inner: Any = values
     for key in path:
         inner = None if inner is None else inner.get(key)
@@ -310,6 +317,11 @@ def _bound(value: float | None) -> str:
 
 def _number(value: float | str | None) -> str:
     return "" if value is None else value if isinstance(value, str) else f"{value:.5g}"
+
+
+def shown(units: Units, unit: str, value: float | str | None) -> str:
+    """A cell, in the reader's units."""
+    return _number(units.value(value, unit) if isinstance(value, float) else value)
 
 
 def _percent(value: float | str | None, exact: float | str | None) -> str:

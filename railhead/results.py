@@ -9,7 +9,7 @@ import shutil
 import signal
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -20,8 +20,12 @@ from railhead.scene.io import to_toml
 from railhead.scene.scene import SceneError
 
 if TYPE_CHECKING:
+    import meshio
+
+    from railhead.postprocess.findings import Findings
     from railhead.result import Result
 
+Page = Callable[[Path, "Findings | None", "tuple[meshio.Mesh, meshio.Mesh] | None"], None]
 SUMMARY = "summary.json"
 MANIFEST = ".railhead"  # names of the files in a result folder that are replaced by the next one
 
@@ -134,21 +138,21 @@ def _exchange(one: Path, other: Path) -> None:
     os.rename(aside, one)
 
 
-def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
-    """Write summary, scene, VTU files and pictures; returns the file names."""
+def write(result: Result, folder: Path, *, pictures: bool, page: Page | None = None) -> list[str]:
+    """Write summary, scene, VTU files, pictures and what `page` adds; returns the file names."""
     from railhead.postprocess import export, gallery, plastic_plots, traction_plots
     from railhead.postprocess.stress import nodal
     from railhead.solver.rubbing import Rubbed
     from railhead.subject import subject
 
     with replacing(folder) as work:
-        found = result.findings
+        found, grids = result.findings, None
         if found is not None:
             after = result.level.after.items()
             needed = tuple(f"{name}: {each.why}" for name, each in after if each.needed)
             found = replace(found, notes=needed, subject=subject(result.plan, result.load))
         if result.fields is not None and found is not None:
-            gallery.draw(
+            grids = gallery.draw(
                 result.fields,
                 found,
                 result.ellipse,
@@ -177,6 +181,8 @@ def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
                 )  # fmt: skip
         (work / "scene.toml").write_text(to_toml(result.plan.scene), encoding="utf-8")
         (work / SUMMARY).write_text(as_json(result), encoding="utf-8")
+        if page is not None:
+            page(work, found, grids)
         return sorted(path.name for path in work.iterdir())
 
 

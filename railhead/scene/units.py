@@ -57,6 +57,11 @@ def _physical(number: str, unit: str, *, base: str) -> float:
         raise ValueError(unit) from unknown
 
 
+def to_reader(base: str, unit: str) -> float:
+    """How many of a unit make one of the base unit."""
+    return float(_registry().Quantity(1, base).to(unit).magnitude)
+
+
 def _per_cent(number: str, unit: str) -> float:
     """Convert per cent."""
     if unit != "%":
@@ -94,27 +99,32 @@ class Dimension:
     noun: str
     hint: str
     convert: Callable[[str, str], float]
+    base: str = ""
 
 
 FORCE = Dimension(
     "a force",
     'newtons or a force with its unit, e.g. 25000 or "25 kN"',
     partial(_physical, base="N"),
+    "N",
 )
 LENGTH = Dimension(
     "a length",
     'millimetres or a length with its unit, e.g. 420 or "0.42 m"',
     partial(_physical, base="mm"),
+    "mm",
 )
 STRESS = Dimension(
     "a stress",
     'megapascals or a stress with its unit, e.g. 207000 or "207 GPa"',
     partial(_physical, base="MPa"),
+    "MPa",
 )
 DURATION = Dimension(
     "a duration",
     'seconds or a time with its unit, e.g. 30 or "2 min"',
     partial(_physical, base="s"),
+    "s",
 )
 NUMBER = Dimension("a number", "a plain number, e.g. 1", _per_cent)
 FRACTION = Dimension("a fraction", 'a number or per cent, e.g. 0.01 or "1%"', _per_cent)
@@ -122,9 +132,12 @@ CURVATURE = Dimension(
     "a curvature",
     'a number in 1/mm or with its unit, e.g. 0.0002 or "0.2 1/m"',
     partial(_physical, base="1/mm"),
+    "1/mm",
 )
-SPEED = Dimension("a speed", 'm/s or a speed with its unit, e.g. 20 or "72 km/h"', _speed)
-ANGLE = Dimension("an angle", 'radians or an angle with its unit, e.g. 0.002 or "2 mrad"', _angle)
+SPEED = Dimension("a speed", 'm/s or a speed with its unit, e.g. 20 or "72 km/h"', _speed, "m/s")
+ANGLE = Dimension(
+    "an angle", 'radians or an angle with its unit, e.g. 0.002 or "2 mrad"', _angle, "rad"
+)
 SLOPE = Dimension("a slope", 'a slope or an angle, e.g. 0.05, "1:20" or "2.86 deg"', _slope)
 
 
@@ -147,7 +160,14 @@ def to_base(value: object, dimension: Dimension) -> float:
     return number
 
 
-def quantity(dimension: Dimension, allowed: Callable[[float], bool], words: str) -> BeforeValidator:
+@dataclass(frozen=True)
+class Quantity(BeforeValidator):
+    """A validator that knows what it reads."""
+
+    dimension: Dimension | None = None
+
+
+def quantity(dimension: Dimension, allowed: Callable[[float], bool], words: str) -> Quantity:
     """Return a validator that converts to the base unit and refuses what `allowed` refuses.
 
     `words` completes the message "<value> is not allowed; give <words>".
@@ -159,7 +179,7 @@ def quantity(dimension: Dimension, allowed: Callable[[float], bool], words: str)
             raise ValueError(f"{show(value)} is not allowed; give {words}")
         return number
 
-    return BeforeValidator(validate)
+    return Quantity(validate, dimension=dimension)
 
 
 def _positive(value: float) -> bool:

@@ -58,7 +58,14 @@ def result(tmp_path_factory) -> Path:
 def test_result_folder_is_complete(result) -> None:
     assert files(result) == sorted(
         [".railhead", "contact.vtu", "depth.png", "patch.png", "patch_on_rail.png", "pressure.png"]
-        + ["scene.toml", "solution.vtu", "stress_cut.png", "summary.json", "wheel_rail.png"]
+        + [
+            "report.html",
+            "scene.toml",
+            "solution.vtu",
+            "stress_cut.png",
+            "summary.json",
+            "wheel_rail.png",
+        ]
     )
     assert os.listdir(result.parent) == [result.name]  # no temporary folder is left
 
