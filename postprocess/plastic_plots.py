@@ -109,4 +109,4 @@ def _left(axes: Axes, residual: Fields, loaded: Fields, frame: Frame, half: floa
             axes.plot(t[order], height[order], ".-", lw=0.8, label=f"{body}, {name} the rail")
     axes.set(xlabel="distance from the contact, mm",
              ylabel="height of the surface after the load, um")  # fmt: skip
-    axes.legend(loc="lower left")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
