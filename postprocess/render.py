@@ -45,7 +45,7 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
     middle = _global(frame, [[0.0, (low[1] + high[1]) / 2, 0.0]])[0]
     close = Camera(middle, frame.axes[0], 0.7 * reach, reach, frame.axes[2], pixels=900)
     names = findings.subject.names
-    with new_figure(path, 10, 6.2, findings) as figure:
+    with new_figure(path, 10, 6.6, findings) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.6, 1))
         general.show(left, general.shoot(meshes))
         left.set_axis_off()
@@ -56,7 +56,10 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
             s = np.linspace(line[:, 1].min(), line[:, 1].max(), 61)
             at = _on(surface, frame, np.column_stack((np.zeros_like(s), s)))
             right.plot(s, frame.local(at)[:, 2], color=CONTACT, lw=3, label="contact patch")
-        right.set(title="the same cut, close", xlabel=findings.subject.label(1))
+        right.set(
+            title="the same cut, close" + (", gauge side left" if findings.subject.gauge else ""),
+            xlabel=findings.subject.label(1).split("\n")[0],
+        )
         right.set(xlim=right.get_xlim(), ylim=right.get_ylim())
         right.set_ylabel("height over the contact, mm")
         swatches = [Swatch(fc=COLOURS[name], ec=EDGE, label=names[name]) for name in halves]
