@@ -56,6 +56,13 @@ class Camera:
 
     def shoot(self, meshes: list[tuple[Any, dict[str, Any]]]) -> NDArray[np.uint8]:
         """Image (h, w, 3) of pyvista meshes, each with its options for `add_mesh`."""
+        plotter = self.plotter(meshes)
+        image = plotter.screenshot(return_img=True)
+        plotter.close()
+        return np.asarray(image)
+
+    def plotter(self, meshes: list[tuple[Any, dict[str, Any]]]) -> Any:
+        """A pyvista plotter of them, to be closed."""
         half = np.array([self.half_width, self.half_height])
         size = np.round(half / half.max() * self.pixels).astype(int)
         pv = load_pyvista()
@@ -72,9 +79,7 @@ class Camera:
         camera.parallel_projection = True
         camera.parallel_scale = self.half_height
         plotter.renderer.reset_camera_clipping_range()
-        image = plotter.screenshot(return_img=True)
-        plotter.close()
-        return np.asarray(image)
+        return plotter
 
     def show(self, axes: Axes, image: NDArray[np.uint8], origin: Array | None = None) -> None:
         """Put the image on axes whose data coordinates are mm in the image, from `origin` (3,)."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -11,8 +12,13 @@ import numpy as np
 from railhead.postprocess.findings import Array, Surface
 from railhead.solver.gather import Fields
 from railhead.solver.solution import Rubbing
-from railhead.theory.subsurface import max_shear, principal, von_mises
+from railhead.theory.subsurface import directions, max_shear, principal, von_mises
 
+UNITS = {
+    "displacement": "mm", "gap": "mm", "pressure": "MPa", "stress": "MPa",
+    "principal_stresses": "MPa", "von_mises": "MPa", "max_shear": "MPa", "traction": "MPa",
+}  # fmt: skip
+_ARRAY = re.compile(rb'<DataArray [^>]*Name="(\w+)"[^>]*>[^<]*')  # with its data
 _HEXAHEDRON = [0, 1, 3, 2, 4, 5, 7, 6]
 # (cell, degree): VTK's name in meshio, and the basix number of each node in VTK's order: vertices,
 # edges (as pairs of vertices), faces and interior.
@@ -36,7 +42,8 @@ def volume_grid(fields: Fields, stress: Array) -> meshio.Mesh:
 
     stress: (n, 6) MPa at the nodes, global axes, order xx, yy, zz, xy, xz, yz. Point data:
     displacement (n, 3) mm; stress (n, 9) MPa, the full tensor row by row, which ParaView labels
-    XX, XY, ... ZZ; principal_stresses (n, 3), descending; von_mises and max_shear (n,). Cell data:
+    XX, XY, ... ZZ; principal_stresses (n, 3), descending, and principal_direction_1, _2, _3 (n, 3),
+    unit vectors, in the same order; von_mises and max_shear (n,). Cell data:
     body, 1 the rail, 2 the wheel; where something yields equivalent_plastic_strain (m,) and the
     tensor plastic_strain (m, 9), averages of each cell. ValueError: the stress has another shape or
     is not finite, or the cells are of a kind or degree VTK has no counterpart for here.
@@ -48,6 +55,7 @@ def volume_grid(fields: Fields, stress: Array) -> meshio.Mesh:
     if (fields.cell, fields.degree) not in _CELLS:
         raise ValueError(f"no VTK cell for a {fields.cell} of degree {fields.degree}")
     name, order = _CELLS[fields.cell, fields.degree]
+    towards = directions(stress)
     return meshio.Mesh(
         fields.points,
         [(name, fields.cells[:, order])],
@@ -55,6 +63,7 @@ def volume_grid(fields: Fields, stress: Array) -> meshio.Mesh:
             "displacement": fields.displacement,
             "stress": stress[:, [0, 3, 4, 3, 1, 5, 4, 5, 2]],
             "principal_stresses": principal(stress),
+            **{f"principal_direction_{k + 1}": towards[:, k] for k in range(3)},
             "von_mises": von_mises(stress),
             "max_shear": max_shear(stress),
         },
@@ -84,12 +93,17 @@ def series(files: list[str], path: Path) -> None:
 def contact_grid(fields: Fields, surface: Surface) -> meshio.Mesh:
     """Triangles (of a section: lines) of the modelled contact surface, undeformed.
 
-    Point data: pressure (n,) MPa and gap (n,) mm. Cell data: body, the one the surface belongs to.
+    Point data: pressure (n,) MPa, gap (n,) mm and status (n,), 1 where it touches, 0 where it is
+    open. Cell data: body, the one the surface belongs to.
     """
     return meshio.Mesh(
         surface.points,
         [("triangle" if surface.triangles.shape[1] == 3 else "line", surface.triangles)],
-        point_data={"pressure": surface.pressure, "gap": surface.gap},
+        point_data={
+            "pressure": surface.pressure,
+            "gap": surface.gap,
+            "status": (surface.pressure > 0).astype(np.int32),
+        },
         cell_data={"body": [np.full(len(surface.triangles), fields.slave, dtype=np.int32)]},
     )
 
@@ -113,5 +127,15 @@ def traction_points(found: Rubbing) -> meshio.Mesh:
 
 
 def write(mesh: meshio.Mesh, path: Path) -> None:
-    """Write a .vtu file, binary and compressed by zlib. OSError: the path cannot be written."""
+    """Write a .vtu file, binary and compressed by zlib, with the units of its arrays (VTK's
+    UNITS_LABEL). OSError: the path cannot be written."""
     meshio.write(path, mesh, file_format="vtu", binary=True, compression="zlib")
+    path.write_bytes(_ARRAY.sub(_with_unit, path.read_bytes()))
+
+
+def _with_unit(tag: re.Match[bytes]) -> bytes:
+    unit = UNITS.get(tag[1].decode())
+    if unit is None:
+        return tag[0]
+    key = '<InformationKey name="UNITS_LABEL" location="vtkDataArray">%s</InformationKey>'
+    return tag[0] + (key % unit).encode()

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from railhead.postprocess.subject import Subject
 from railhead.theory.subsurface import max_shear, von_mises
 
 Array = NDArray[np.float64]
@@ -102,6 +103,15 @@ class Patch:
     outlines: list[Array]
     each: tuple[OnePatch, ...] = ()
     scatter: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def main(self) -> Array:
+        """The outline (k, 2) around the centre; the largest of several there."""
+        around = [
+            line for line in self.outlines
+            if np.all(line.min(axis=0) < self.centre) and np.all(self.centre < line.max(axis=0))
+        ]  # fmt: skip
+        return max(around or self.outlines[:1], key=lambda line: float(np.ptp(line, axis=0).prod()))
 
 
 @dataclass(frozen=True)
@@ -194,10 +204,12 @@ class DepthAxis:
 
 @dataclass(frozen=True)
 class AxisPressure:
-    """Recovered pressure along a line through the patch centre: coordinate (k,), pressure (k,)."""
+    """Recovered pressure along x or s: coordinate (k,), pressure (k,); at: the other coordinate of
+    the line, mm: of the largest pressure of the (most loaded) patch, of an ellipse its centre."""
 
     coordinate: Array
     pressure: Array
+    at: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -209,10 +221,11 @@ class Findings:
 
     hertzian: whether the pressure is close enough to a semi-ellipsoid for the moments to give the
     semi-axes; shape_error: relative L2 distance of the pressure from that semi-ellipsoid; notes:
-    what every picture has to say below it. The next four are those of `postprocess.quality`: noise,
-    relative; elements_across: along and across the most loaded patch; edge_distance of the patch
-    over its smaller half length; reported_force: what the recovered pressure carries along z, N.
-    misfit: of the smooth stresses around the largest ones from those of the elements, relative.
+    what every picture has to say below it; subject: what it is of. The next four are those of
+    `postprocess.quality`: noise, relative; elements_across: along and across the most loaded patch;
+    edge_distance of the patch over its smaller half length; reported_force: what the recovered
+    pressure carries along z, N. misfit: of the smooth stresses around the largest ones from
+    those of the elements, relative.
     """
 
     frame: Frame
@@ -226,6 +239,7 @@ class Findings:
     largest: dict[str, Largest]
     also: tuple[DepthAxis, ...] = ()
     notes: tuple[str, ...] = ()
+    subject: Subject = Subject()
     noise: float = math.nan
     elements_across: tuple[float, float] = (math.nan, math.nan)
     edge_distance: float = math.nan

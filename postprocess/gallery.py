@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import meshio
+
 from railhead.postprocess import export, plots, render, section_plots, stress
 from railhead.postprocess.findings import Findings
 from railhead.solver.gather import Fields
@@ -21,21 +23,21 @@ def draw(
     folder: Path,
     *,
     pictures: bool,
-) -> None:
+) -> tuple[meshio.Mesh, meshio.Mesh]:
     """Write solution.vtu and contact.vtu and, with `pictures`, the PNG files: six, four of a
-    section."""
+    section; the two grids."""
     stresses = stress.nodal(fields)
     volume = export.volume_grid(fields, stresses)
     contact = export.contact_grid(fields, found.surface)
     export.write(volume, folder / "solution.vtu")
     export.write(contact, folder / "contact.vtu")
     if not pictures:
-        return
+        return volume, contact
     # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
     exact = ellipse if len(found.patch.each) < 2 else None
     plots.pressure(found, exact, folder / "pressure.png")
     circular = None
-    if isinstance(exact, Ellipse):
+    if isinstance(exact, Ellipse) and found.subject.thesis:
         route = thesis.thesis_contact(
             (exact.curvature_x, exact.curvature_y), (0.0, 0.0), exact.contact_modulus, exact.load
         )
@@ -44,9 +46,10 @@ def draw(
     if fields.kinematics.dim == 2 or isinstance(ellipse, LineContact):
         section_plots.bodies(fields, found, folder / "wheel_rail.png")
         section_plots.stress_cut(fields, stresses, found, folder / "stress_cut.png")
-        return
+        return volume, contact
     assert not isinstance(exact, LineContact)
     plots.patch(found, exact, folder / "patch.png")
     render.wheel_rail(volume, found, folder / "wheel_rail.png")
     render.stress_cut(volume, found, folder / "stress_cut.png")
     render.patch_on_rail(contact, found, exact, folder / "patch_on_rail.png")
+    return volume, contact

@@ -16,15 +16,18 @@ from railhead.postprocess.plots import new_figure
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-RAIL, WHEEL, MARK, FURTHER = "#555555", "#1f4e79", "#c8502d", "#e0a030"
+RAIL, WHEEL, MARK, FURTHER = "#555555", "#1f4e79", "#c8502d", "#7b4fa3"
 SAMPLES = 1500
 JUMP = 2.0  # mm on the tread between neighbouring shifts: a jump, not a motion
 LIFT = 25.0  # mm between wheel and rail in the picture of the positions
 
 
-def profiles(pair: Pair, placed: Placed, path: Path) -> None:
-    """Both wheels on their rails, seen along the track; the left one is drawn as it stands."""
-    with new_figure(path, 12, 4.2) as figure:
+def profiles(pair: Pair, placed: Placed, path: Path, title: str = "") -> None:
+    """Both wheels on their rails, seen along the track; the left one is drawn as it stands, with y
+    towards the field side on both."""
+    from matplotlib.ticker import FuncFormatter
+
+    with new_figure(path, 12, 4.2, title) as figure:
         axes = figure.subplots(1, 2, sharey=True)
         for ax, side, flip, name in (
             (axes[0], placed.left, -1, "left"),
@@ -39,27 +42,38 @@ def profiles(pair: Pair, placed: Placed, path: Path) -> None:
                 colour = FURTHER if number else MARK
                 ax.plot(flip * touch.y, touch.z, "o", color=colour)
                 ax.annotate(
-                    f"y = {touch.y:.2f} mm\n{np.degrees(touch.angle):.2f}°",
+                    f"{'further' if number else 'first'} contact: y = {touch.y:.2f} mm, "
+                    f"{np.degrees(touch.angle):.2f}°",
                     (flip * touch.y, touch.z),
-                    (20 * flip, -62 - 34 * number),
-                    textcoords="offset points",
-                    ha="left" if flip > 0 else "right",
+                    (0.5, 0.2 - 0.1 * number),
+                    textcoords="axes fraction",
+                    ha="center",
                     color=colour,
                     arrowprops={"arrowstyle": "-", "color": colour},
                 )
+            ax.xaxis.set_major_formatter(
+                FuncFormatter(lambda v, _, flip=flip: f"{flip * v + 0.0:g}")
+            )
+            for place, align, text in ((0.01, "left", -flip), (0.99, "right", flip)):
+                word = "field side" if text > 0 else "gauge side"
+                ax.text(place, 0.65, word, transform=ax.transAxes, ha=align, color=RAIL)
             ax.set_title(f"{name} rail")
-            ax.set_xlabel("y across the track, from the crown centre, mm")
+            ax.set_xlabel("y from the crown centre to the field side, mm")
             ax.set_aspect("equal")
             ax.set_ylim(-36, 34)
         axes[0].set_ylabel("z, mm")
         axes[0].legend(loc="upper left")
 
 
-def positions(pair: Pair, swept: Sequence[tuple[float, Placed]], path: Path) -> None:
+def positions(
+    pair: Pair, swept: Sequence[tuple[float, Placed]], path: Path, title: str = ""
+) -> None:
     """Right wheel: lines join the contact on the rail with that on the wheel, for each shift."""
     from matplotlib.collections import LineCollection
+    from matplotlib.colors import LinearSegmentedColormap
 
-    with new_figure(path, 9, 4.6) as figure:
+    dark = LinearSegmentedColormap.from_list("shift", [WHEEL, FURTHER, MARK])
+    with new_figure(path, 9, 4.6, title) as figure:
         ax = figure.subplots()
         y = np.linspace(*pair.rail.domain, SAMPLES)
         ax.plot(y, pair.rail.height(y), color=RAIL)
@@ -72,7 +86,7 @@ def positions(pair: Pair, swept: Sequence[tuple[float, Placed]], path: Path) -> 
                 above = LIFT - float(pair.wheel.height(touch.tread))
                 lines.append([(touch.y, touch.z), (touch.tread + offset, above)])
                 shifts.append(shift)
-        joined = LineCollection(lines, cmap="viridis", array=np.array(shifts), linewidths=0.9)
+        joined = LineCollection(lines, cmap=dark, array=np.array(shifts), linewidths=0.9)
         ax.add_collection(joined)
         figure.colorbar(joined, ax=ax, label="lateral shift to the right, mm")
         ax.set_xlabel("y on the right rail, from the crown centre, mm (wheel at shift 0)")
@@ -87,21 +101,23 @@ def _offset(swept: Sequence[tuple[float, Placed]]) -> float:
     return float(placed.right.pose.origin[1]) - shift
 
 
-def rolling_radius(swept: Sequence[tuple[float, Placed]], path: Path) -> None:
+def rolling_radius(swept: Sequence[tuple[float, Placed]], path: Path, title: str = "") -> None:
     """Difference of the rolling radii and the contact positions over the lateral shift."""
     shifts = np.array([shift for shift, _ in swept])
-    with new_figure(path, 9, 7) as figure:
+    with new_figure(path, 9, 7, title) as figure:
         upper, lower = figure.subplots(2, 1, sharex=True)
         difference = np.array([placed.rolling_radius_difference for _, placed in swept])
         breaks = _jump(swept, "right") | _jump(swept, "left")
         _broken(upper, shifts, difference, breaks, MARK, None)
         upper.set_ylabel("rolling radius difference, mm")
+        further: str | None = "further contact that is as near"
         for name, colour in (("right", WHEEL), ("left", RAIL)):
             y = np.array([_side(placed, name).touches[0].y for _, placed in swept])
-            _broken(lower, shifts, y, _jump(swept, name), colour, name)
+            _broken(lower, shifts, y, _jump(swept, name), colour, f"{name}, first contact")
             for shift, placed in swept:
                 for touch in _side(placed, name).touches[1:]:
-                    lower.plot(shift, touch.y, ".", color=FURTHER)
+                    lower.plot(shift, touch.y, ".", color=FURTHER, label=further)
+                    further = None
         lower.set_ylabel("contact on the rail, y, mm")
         lower.set_xlabel("lateral shift to the right, mm")
         lower.legend()

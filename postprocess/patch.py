@@ -26,7 +26,8 @@ HERTZIAN = 0.02  # largest deviation of the fourth moments from those of a semi-
 ELLIPTIC = 0.01  # ... that up to which nothing but Hertz's ellipsoid is read
 PEAK_RADIUS = 0.6  # of the semi-axes: where p^2 is fitted for the largest pressure
 READ = ("a", "b", "area", "max_pressure")
-LINE, LINE_POINTS = 1.25, 121  # lines through the centre reach that many half lengths either way
+LINE, LINE_POINTS = 1.25, 121  # lines over the patch reach that many half lengths either way
+BESIDE = 0.02  # of its half length: a peak that near to the centre is there
 VARIATION = 100.0  # of the roughness, either way: how far readings differ
 
 
@@ -164,7 +165,8 @@ def read(
         _pressure(readings, points),
         recovery.project(contact.gap),
     )
-    lines = _line(readings, frame, patch, 0), _line(readings, frame, patch, 1)
+    through = _through(first, patch, frame, hertzian=found.hertzian)
+    lines = _line(readings, frame, patch, through, 0), _line(readings, frame, patch, through, 1)
     return patch, surface, found, _pressure(readings, contact.points), lines
 
 
@@ -268,10 +270,23 @@ def _in_frame(line: Array, own: Frame, frame: Frame) -> Array:
     return frame.local(np.array(own.origin) + flat @ own.axes)[:, :2]
 
 
-def _line(readings: list[_Reading], frame: Frame, patch: Patch, axis: int) -> AxisPressure:
-    """Recovered pressure along x (axis 0) or s (axis 1) through the patch centre."""
-    half = (patch.a, patch.b)[axis] * LINE
-    local = np.tile([*patch.centre, 0.0], (LINE_POINTS, 1))
-    local[:, axis] += np.linspace(-half, half, LINE_POINTS)
+def _through(first: _Reading, patch: Patch, frame: Frame, *, hertzian: bool) -> Array:
+    """(x, s) of the centre of an ellipse, else of the largest pressure of the most loaded patch."""
+    centre = np.array(patch.centre)
+    if hertzian:
+        return centre
+    (top,) = _in_frame(np.array([first.shape.top]), first.frame, frame)
+    near = np.abs(top - centre) < BESIDE * np.array([patch.a, patch.b])
+    return np.where(near, centre, top)
+
+
+def _line(
+    readings: list[_Reading], frame: Frame, patch: Patch, through: Array, axis: int
+) -> AxisPressure:
+    """Recovered pressure along x (axis 0) or s (axis 1) through a point, over the whole patch."""
+    low, high = patch.main[:, axis].min(), patch.main[:, axis].max()
+    local = np.tile([*through, 0.0], (LINE_POINTS, 1))
+    reach = LINE * (high - low) / 2
+    local[:, axis] = (low + high) / 2 + np.linspace(-reach, reach, LINE_POINTS)
     points = np.array(frame.origin) + local @ frame.axes
-    return AxisPressure(local[:, axis], _pressure(readings, points))
+    return AxisPressure(local[:, axis], _pressure(readings, points), float(through[1 - axis]))

@@ -38,7 +38,7 @@ def draw(
     assert loaded.plastic is not None
     frame, patch = found.frame, found.patch
     half = patch.b if loaded.kinematics.dim == 3 else patch.a
-    with new_figure(path, 11, 8.6, found.notes) as figure:
+    with new_figure(path, 11, 8.6, found) as figure:
         (strain, stress), (pressure, depth) = figure.subplots(2, 2)
         every = np.arange(len(loaded.cells))
         points, _ = at_gauss(loaded, every)
@@ -47,7 +47,7 @@ def draw(
             (strain, 100 * loaded.plastic.equivalent, "equivalent plastic strain, %"),
             (stress, von_mises(left), "residual von Mises stress, MPa"),
         ):
-            _cut(figure, axes, frame, (points, values), (min(patch.a, patch.b), half), label)
+            _cut(figure, axes, found, (points, values), (min(patch.a, patch.b), half), label)
         _pressures(pressure, found.across if loaded.kinematics.dim == 3 else found.along,
                    elastic.across if loaded.kinematics.dim == 3 else elastic.along, exact,
                    1 if loaded.kinematics.dim == 3 else 0)  # fmt: skip
@@ -55,12 +55,12 @@ def draw(
 
 
 def _cut(
-    figure: Figure, axes: Axes, frame: Frame, samples: tuple[Array, Array],
+    figure: Figure, axes: Axes, found: Findings, samples: tuple[Array, Array],
     sizes: tuple[float, float], label: str,
 ) -> None:  # fmt: skip
     """Gauss points near the plane across the rail (or all of a section), as coloured dots."""
     points, values = samples[0].reshape(-1, 3), samples[1].ravel()
-    local = frame.local(points)
+    local = found.frame.local(points)
     flat = np.ptp(local, axis=0).argmin() if np.ptp(local, axis=0).min() < 1e-9 else 0
     across = 1 if flat == 0 else 0
     least, half = sizes
@@ -72,7 +72,7 @@ def _cut(
         s, z, colour = np.r_[s, -s], np.r_[z, z], np.r_[colour, colour]
     dots = axes.scatter(s, z, c=colour, s=6, cmap="YlOrRd", vmin=0.0, linewidths=0)
     figure.colorbar(dots, ax=axes, label=label)
-    axes.set(xlabel="s, mm" if across else "x, mm", ylabel="height over the contact, mm")
+    axes.set(xlabel=found.subject.label(across), ylabel="height over the contact, mm")
     axes.set_aspect("equal")
     axes.grid(False)
 
@@ -109,4 +109,4 @@ def _left(axes: Axes, residual: Fields, loaded: Fields, frame: Frame, half: floa
             axes.plot(t[order], height[order], ".-", lw=0.8, label=f"{body}, {name} the rail")
     axes.set(xlabel="distance from the contact, mm",
              ylabel="height of the surface after the load, um")  # fmt: skip
-    axes.legend()
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)

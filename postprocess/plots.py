@@ -7,7 +7,7 @@ exact Hertz contact, or None: then only the finite-element result is drawn.
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 FE, HERTZ, THESIS = "#1f4e79", "#c8502d", "#7a7a7a"
 BANDS = 10
+CENTRED = 0.01  # of a half length: that near to the first contact is at it
+SURFACE = 1e-3  # of the smaller half length: a depth below it is none
 OFF_CUT = 0.2  # of its depth: from there on a point is said to lie off the cut
 STYLE = {
     "font.size": 11,
@@ -43,23 +45,29 @@ STYLE = {
 
 @contextmanager
 def new_figure(
-    path: Path | None, width: float, height: float, notes: Sequence[str] = ()
+    path: Path | None, width: float, height: float, of: Findings | str = ""
 ) -> Iterator[Figure]:
-    """A figure of the given size in inches, saved at the end with the notes below it, if there is a
-    path; the backend is Agg by itself."""
+    """A figure of the given size in inches, saved at the end if there is a path, with the title of
+    what it is of over it and the notes below it; the backend is Agg by itself."""
     import matplotlib
     from matplotlib.figure import Figure
 
+    title, notes = (of, ()) if isinstance(of, str) else (of.subject.title, of.notes)
+    over = textwrap.wrap(title, int(10.5 * width))
+    below = [line for note in notes for line in textwrap.wrap(note, int(13 * width))]
+    rows = 0.2 * len(over) + 0.06, height, 0.16 * len(below) + 0.06
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(width, height), dpi=160, layout="constrained")
+        if not (over or below):
+            sheet = figure = Figure(figsize=(width, height), dpi=160, layout="constrained")
+        else:
+            sheet = Figure(figsize=(width, sum(rows)), dpi=160, layout="constrained")
+            top, figure, bottom = sheet.subfigures(3, 1, height_ratios=rows, hspace=0)
+            top.text(0.012, 0.5, "\n".join(over), va="center")
+            look: dict[str, Any] = {"fontsize": 9, "color": HERTZ, "ha": "center", "va": "center"}
+            bottom.text(0.5, 0.5, "\n".join(below), **look)
         yield figure
-        if notes:
-            wide = int(13 * width)
-            lines = [line for note in notes for line in textwrap.wrap(note, wide)]
-            figure.set_figheight(height + 0.16 * len(lines))
-            figure.supxlabel("\n".join(lines), fontsize=9, color=HERTZ)
         if path is not None:
-            figure.savefig(path, format="png")
+            sheet.savefig(path, format="png")
 
 
 def closed_ellipse(ellipse: Ellipse) -> Array:
@@ -69,23 +77,25 @@ def closed_ellipse(ellipse: Ellipse) -> Array:
 
 
 def pressure(findings: Findings, ellipse: Hertz | None, path: Path | None = None) -> Figure:
-    """Pressure along both axes of the patch, MPa over mm."""
-    with new_figure(path, 10, 4.8, findings.notes) as figure:
+    """Pressure along and across the rail through its largest value, MPa over mm."""
+    with new_figure(path, 10, 5.1, findings) as figure:
         left, right = figure.subplots(1, 2, sharey=True)
         largest = f"{findings.patch.max_pressure:.4g} MPa"
         name = f"finite elements, largest pressure {largest}"
-        _pressure(left, findings.along, ellipse, 0, name)
-        _pressure(right, findings.across, ellipse, 1, name)
-        left.set_xlabel("x, along the rail, mm")
-        right.set_xlabel("s, across the rail, mm")
+        _pressure(left, findings, ellipse, 0, name)
+        _pressure(right, findings, ellipse, 1, name)
         left.set_ylabel("contact pressure, MPa")
         left.set_ylim(bottom=0)
         figure.legend(*left.get_legend_handles_labels(), loc="outside upper center", ncols=2)
     return figure
 
 
-def _pressure(axes: Axes, line: AxisPressure, ellipse: Hertz | None, axis: int, name: str) -> None:
+def _pressure(axes: Axes, findings: Findings, ellipse: Hertz | None, axis: int, name: str) -> None:
+    line: AxisPressure = (findings.along, findings.across)[axis]
     axes.plot(line.coordinate, line.pressure, "o-", color=FE, lw=0.8, ms=3.5, label=name)
+    axes.set_xlabel(findings.subject.label(axis))
+    if not findings.subject.revolved:
+        axes.set_title(f"cut at {'sx'[axis]} = {line.at + 0.0:.3g} mm", fontsize=11)
     if ellipse is not None:
         half = (ellipse.a, ellipse.b)[axis]
         t = half * np.cos(np.linspace(0, np.pi, 181))  # dense at the steep edges
@@ -109,10 +119,13 @@ def depth(
     """
     axis = findings.axis
     fine = np.linspace(0, float(axis.depth.max()), 301)
-    with new_figure(path, 10, 6.6, findings.notes) as figure:
+    names = findings.subject.names
+    with new_figure(path, 10, 6.6, findings) as figure:
         panels = tuple(figure.subplots(1, 2, sharey=True, width_ratios=(3, 2)))
         peak = axis.peak(max_shear(axis.stress))
-        _stresses(panels, axis.depth, axis.stress, "o", FE, f"finite elements, {axis.body}", peak)
+        _stresses(
+            panels, axis.depth, axis.stress, "o", FE, f"finite elements, {names[axis.body]}", peak
+        )
         if ellipse is not None:
             name = f"exact Hertz, {'elliptic' if isinstance(ellipse, Ellipse) else 'line'}"
             normal = contacts.axis_stress(ellipse, poisson, fine)
@@ -124,12 +137,23 @@ def depth(
             peak = DepthAxis("half-space", fine, stress).peak(max_shear(stress))
             _stresses(panels, fine, stress, "--", THESIS, "thesis, circular", peak)
         _name_curves(panels[0], axis)
-        panels[0].set(xlabel="principal stress, MPa", ylabel="depth below the contact, mm")
+        panels[0].set(
+            xlabel="principal stress, MPa",
+            ylabel=f"depth in the {names[axis.body]}{_below(findings)}, mm",
+        )
         panels[1].set(xlabel=r"largest shear stress $\tau$, MPa", ylim=(axis.depth.max(), 0))
         panels[1].set_xlim(left=0)
         handles, labels = panels[1].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=3)
     return figure
+
+
+def _below(findings: Findings) -> str:
+    """Where the axis starts, unless it is the origin."""
+    (x, s), patch = findings.patch.centre, findings.patch
+    if max(abs(x) / patch.a, abs(s) / patch.b) < CENTRED:
+        return ", below the first contact"
+    return f", below x = {x:.2g} mm, s = {s:.2g} mm"
 
 
 def _diagonal(normal: Array) -> Array:
@@ -162,12 +186,14 @@ def mark_largest(axes: Axes, findings: Findings, across: int) -> None:
     One that lies elsewhere along the rail is named by its distance; one whose image the cut shows
     as well is marked once.
     """
+    half = min(findings.patch.a, findings.patch.b)
     for body, largest in findings.largest.items():
-        peak = largest.tau
+        peak, name = largest.tau, findings.subject.names[body]
         if peak.place is None:
             continue
         local = findings.frame.local(np.array([peak.place]))[0]
-        label = rf"$\tau_{{max}}$ in the {body}: {peak.value:.3g} MPa, {peak.depth:.3g} mm deep"
+        deep = "at the surface" if peak.depth < SURFACE * half else f"{peak.depth:.3g} mm deep"
+        label = rf"$\tau_{{max}}$ in the {name}: {peak.value:.3g} MPa, {deep}"
         if across and abs(local[0]) > OFF_CUT * peak.depth:
             label += f", {abs(local[0]):.3g} mm along the rail"
         marker = "v" if body == "rail" else "^"
@@ -193,6 +219,7 @@ def _name_curves(axes: Axes, axis: DepthAxis) -> None:
 
 def patch(findings: Findings, ellipse: Ellipse | None, path: Path) -> None:
     """Pressure over the whole patch in the contact plane (x, s), with the outlines."""
+    from matplotlib.path import Path as Path2D
     from matplotlib.ticker import MaxNLocator
 
     surface, outlines = whole(findings.surface), findings.patch.outlines
@@ -202,21 +229,22 @@ def patch(findings: Findings, ellipse: Ellipse | None, path: Path) -> None:
     width, height = high - low + 2 * margin
     scale = 6.5 / max(width, height)
     size = max(width * scale, 4) + 2.2, max(height * scale, 2) + 1.5
-    with new_figure(path, *size, findings.notes) as figure:
+    with new_figure(path, *size, findings) as figure:
         axes = figure.add_subplot(axisbelow=True)
         levels = np.array(MaxNLocator(BANDS).tick_values(0, float(surface.pressure.max())))
-        levels[0] = levels[1] / 2  # the ripple of the recovered pressure outside stays white
         bands = axes.tricontourf(
             *surface.local.T, surface.triangles, surface.pressure, levels, cmap="YlOrRd"
         )
+        inside = Path2D.make_compound_path(*(Path2D(line, closed=True) for line in outlines))
+        bands.set_clip_path(inside, axes.transData)
         for number, line in enumerate(outlines):
             name = "finite elements" if number == 0 else None
             axes.plot(*line.T, color=FE, lw=2.2, label=name)
         if ellipse is not None:
             axes.plot(*closed_ellipse(ellipse).T, "--", color="black", lw=1.2, label="exact Hertz")
         axes.set(
-            xlabel="x, along the rail, mm",
-            ylabel="s, across the rail, mm",
+            xlabel=findings.subject.label(0),
+            ylabel=findings.subject.label(1),
             xlim=(low[0] - margin, high[0] + margin),
             ylim=(low[1] - margin, high[1] + margin),
             aspect="equal",

@@ -12,11 +12,13 @@ import meshio
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import griddata
+from scipy.spatial import cKDTree
 
 from railhead.postprocess.camera import Camera, load_pyvista
 from railhead.postprocess.findings import Array, Findings, Frame, Patch
-from railhead.postprocess.mirror import cut_axes
-from railhead.postprocess.plots import BANDS, FE, closed_ellipse, mark_largest, new_figure
+from railhead.postprocess.fringes import Cut, Fringes, draw_fringes
+from railhead.postprocess.mirror import cut_axes, whole
+from railhead.postprocess.plots import FE, closed_ellipse, new_figure
 from railhead.theory.hertz import Ellipse
 
 if TYPE_CHECKING:
@@ -27,7 +29,6 @@ COLOURS = {"rail": "#b4c3d3", "wheel": "#dcc9a3"}
 FREE_SURFACE, EDGE, CONTACT = "#d9dfe5", "#5a6570", "#b2182b"
 MESH = {"show_edges": True, "edge_color": EDGE, "edge_opacity": 0.6, "line_width": 0.8}
 SHADE = {"ambient": 0.45, "diffuse": 0.6}
-SMALLEST_SHOWN = 0.05  # of the largest pressure
 
 
 def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
@@ -35,56 +36,57 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
     from matplotlib.patches import Patch as Swatch
 
     frame, patch = findings.frame, findings.patch
-    halves = {name: _behind(part, frame) for name, part in _bodies(grid).items()}
+    halves = {name: behind(part, frame) for name, part in bodies_of(grid).items()}
     meshes = [(half, {"color": COLOURS[name], **MESH, **SHADE}) for name, half in halves.items()]
     corners = np.concatenate([half.points for half in halves.values()])
     general = _around(corners, np.array([1.0, 0.5, 0.35]))
-    reach = 2.0 * max(patch.a, patch.b)
-    middle = _global(frame, [[0.0, patch.centre[1], 0.0]])[0]
+    low, high = patch.main.min(axis=0), patch.main.max(axis=0)
+    reach = (high - low).max()
+    middle = _global(frame, [[0.0, (low[1] + high[1]) / 2, 0.0]])[0]
     close = Camera(middle, frame.axes[0], 0.7 * reach, reach, frame.axes[2], pixels=900)
-    with new_figure(path, 10, 6.2, findings.notes) as figure:
+    names = findings.subject.names
+    with new_figure(path, 10, 6.6, findings) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.6, 1))
         general.show(left, general.shoot(meshes))
         left.set_axis_off()
         left.set_title("cut open at the contact")
         close.show(right, close.shoot(meshes), np.array(frame.origin))
-        edges = patch.centre[1] + np.array([-patch.b, patch.b])
-        right.plot(edges, [0, 0], color=CONTACT, lw=3, label="contact patch")
-        right.set(title="the same cut, close", xlabel="s, across the rail, mm")
+        surface = whole(findings.surface)
+        for line in patch.outlines:
+            s = np.linspace(line[:, 1].min(), line[:, 1].max(), 61)
+            at = _on(surface, frame, np.column_stack((np.zeros_like(s), s)))
+            right.plot(s, frame.local(at)[:, 2], color=CONTACT, lw=3, label="contact patch")
+        right.set(
+            title="the same cut, close" + (", gauge side left" if findings.subject.gauge else ""),
+            xlabel=findings.subject.label(1).split("\n")[0],
+        )
+        right.set(xlim=right.get_xlim(), ylim=right.get_ylim())
         right.set_ylabel("height over the contact, mm")
-        swatches = [Swatch(fc=COLOURS[name], ec=EDGE, label=name) for name in halves]
-        figure.legend(handles=[*swatches, *right.lines], loc="outside upper center", ncols=3)
+        swatches = [Swatch(fc=COLOURS[name], ec=EDGE, label=names[name]) for name in halves]
+        figure.legend(handles=[*swatches, right.lines[0]], loc="outside upper center", ncols=3)
 
 
 def stress_cut(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
-    """sigma_3 of both bodies in the section across the rail through the contact."""
-    from matplotlib.ticker import MaxNLocator
-
+    """sigma_3 and the largest shear stress of both bodies in the section across the rail through
+    the contact."""
     frame, patch = findings.frame, findings.patch
-    half = np.array([2.4 * patch.b, min(1.8 * patch.b, 5 * patch.a)])
+    low, high = patch.main[:, 1].min(), patch.main[:, 1].max()
+    half = np.array([1.2 * (high - low), min(0.9 * (high - low), 5 * patch.a)])
     offset = 1e-3 * min(patch.a, patch.b)  # a cut model has no inside at the plane itself
-    sections = [_section(part, frame, offset) for part in _bodies(grid).values()]
-    centre = np.array([patch.centre[1], 0.0])
-    seen = []
+    sections = [_section(part, frame, offset) for part in bodies_of(grid).values()]
+    centre = np.array([(low + high) / 2, 0.0])
+    parts, seen = [], []
     for section in sections:
-        inside = np.all(np.abs(frame.local(section.points)[:, 1:] - centre) < half, axis=1)
-        seen.append(section["principal_stresses"][inside, 2])
-    stresses = np.concatenate(seen)
-    levels = np.array(MaxNLocator(BANDS + 2).tick_values(stresses.min(), stresses.max()))
-    with new_figure(path, 10, 1.3 + 7.8 * half[1] / half[0], findings.notes) as figure:
-        axes = figure.add_subplot()
-        for section in sections:
-            bands = _bands(axes, section, frame, levels)
-        mark_largest(axes, findings, 1)
-        figure.colorbar(bands, ax=axes, label=r"$\sigma_3$, MPa", ticks=levels)
-        axes.set(xlabel="s, across the rail, mm", ylabel="height over the contact, mm")
-        axes.set(xlim=centre[0] + half[0] * np.array([-1, 1]), ylim=(-half[1], half[1]))
-        axes.set_aspect("equal")
-        axes.grid(False)
-        for name, height in (("rail", 0.04), ("wheel", 0.96)):
-            side = "bottom" if name == "rail" else "top"
-            axes.text(0.02, height, name, transform=axes.transAxes, va=side, fontsize=14)
-        figure.legend(loc="outside upper center", ncols=2)
+        local, triangles = frame.local(section.points)[:, 1:], section.faces.reshape(-1, 4)[:, 1:]
+        stresses = section["principal_stresses"][:, 2], section["max_shear"]
+        parts.append(Cut(local, triangles, stresses, _rim(section, frame)))
+        inside = np.all(np.abs(local - centre) < half, axis=1)
+        seen.append([each[inside] for each in stresses])
+    fringes = Fringes(
+        [np.concatenate(each) for each in zip(*seen, strict=True)],
+        (centre[0] - half[0], centre[0] + half[0]), (-half[1], half[1]), 1,
+    )  # fmt: skip
+    draw_fringes(parts, fringes, findings, path)
 
 
 def patch_on_rail(
@@ -95,26 +97,20 @@ def patch_on_rail(
     from matplotlib.colors import Normalize
 
     frame, patch = findings.frame, findings.patch
-    surface = _skin(load_pyvista().from_meshio(grid))
-    surface = _mirrored(surface, cut_axes(frame.local(surface.points)))
-    top = float(surface["pressure"].max())
-    shown = (SMALLEST_SHOWN * top, top)
-    look = {
-        **MESH,
-        "edge_opacity": 0.3,
-        "lighting": False,  # so that the colours are those of the colour bar
-        "scalars": "pressure",
-        "cmap": "YlOrRd",
-        "clim": shown,
-        "below_color": FREE_SURFACE,
-    }
-    reach = 2.0 * max(patch.a, patch.b)
-    middle = _global(frame, [[*patch.centre, 0.0]])[0]
-    towards = np.array([-0.3, -0.6, 1.0]) @ frame.axes
-    camera = Camera(middle, towards, reach, 0.72 * reach, frame.axes[2])
-    with new_figure(path, 10, 6.8, findings.notes) as figure:
+    surface = outer(load_pyvista().from_meshio(grid))
+    surface = mirrored(surface, cut_axes(frame.local(surface.points)))
+    pressed, free = split(surface, frame, patch)
+    shown = (0.0, float(surface["pressure"].max()))
+    plain = {"lighting": False, "color": FREE_SURFACE}
+    # without light, so that the colours are those of the colour bar
+    look = {"lighting": False, "scalars": "pressure", "cmap": "YlOrRd", "clim": shown}
+    lines = {"style": "wireframe", "color": EDGE, "opacity": 0.3, "line_width": 0.8}
+    camera = camera_over(findings)
+    with new_figure(path, 10, 6.8, findings) as figure:
         axes = figure.add_subplot()
-        camera.show(axes, camera.shoot([(surface, look)]))
+        nearer = surface.translate(1e-3 * camera.half_width * frame.axes[2])
+        image = camera.shoot([(free, plain), (pressed, look), (nearer, lines)])
+        camera.show(axes, image)
         axes.set_axis_off()
         for number, line in enumerate(patch.outlines):
             name = "finite elements" if number == 0 else None
@@ -128,19 +124,45 @@ def patch_on_rail(
         figure.legend(loc="outside upper center", ncols=2)
 
 
-def _bodies(grid: meshio.Mesh) -> dict[str, Any]:
+def camera_over(findings: Findings) -> Camera:
+    """Sees the whole patch obliquely from above."""
+    frame, patch = findings.frame, findings.patch
+    low, high = patch.main.min(axis=0), patch.main.max(axis=0)
+    reach = (high - low).max()
+    middle = _global(frame, [[*(low + high) / 2, 0.0]])[0]
+    towards = np.array([-0.3, -0.6, 1.0]) @ frame.axes
+    return Camera(middle, towards, reach, 0.72 * reach, frame.axes[2])
+
+
+def bodies_of(grid: meshio.Mesh) -> dict[str, Any]:
     """Grid of each body, by name."""
     volume = load_pyvista().from_meshio(grid)
     tags = np.unique(volume["body"])
     return {BODIES[int(tag)]: volume.extract_cells(volume["body"] == tag) for tag in tags}
 
 
-def _skin(part: Any) -> Any:
+def split(surface: Any, frame: Frame, patch: Patch) -> tuple[Any, Any]:
+    """A contact surface inside and outside the outlines of the patch; the pressure of the corners
+    outside is that of triangles and no part of the patch."""
+    from matplotlib.path import Path as Path2D
+
+    local = frame.local(surface.points)[:, :2]
+    distance = cKDTree(np.concatenate(patch.outlines)).query(local)[0]
+    inside = np.zeros(len(local), dtype=bool)
+    for line in patch.outlines:  # a hole in a patch turns it round
+        inside ^= Path2D(line).contains_points(local)
+    surface = surface.copy()
+    surface["outside"] = np.where(inside, -distance, distance)
+    pressed = surface.clip_scalar(scalars="outside", value=0.0)
+    return pressed, surface.clip_scalar(scalars="outside", value=0.0, invert=False)
+
+
+def outer(part: Any) -> Any:
     """Outer faces, with the straight edges of the cells."""
     return part.extract_surface(nonlinear_subdivision=0, algorithm="dataset_surface")
 
 
-def _mirrored(surface: Any, axes: list[int]) -> Any:
+def mirrored(surface: Any, axes: list[int]) -> Any:
     """A surface and its images across x = 0 (axis 0) and y = 0 (axis 1), joined."""
     for axis in axes:
         along = surface.points[:, axis]
@@ -151,54 +173,47 @@ def _mirrored(surface: Any, axes: list[int]) -> Any:
     return surface
 
 
-def _behind(part: Any, frame: Frame) -> Any:
+def behind(part: Any, frame: Frame) -> Any:
     """Skin of the half of a body at x below that of the contact."""
     cut = cut_axes(frame.local(part.points))
     if 0 in cut:
-        half = _skin(part)
+        half = outer(part)
         half.points[:, 0] *= -1
     else:
-        half = _skin(part.clip(normal="x", origin=frame.origin))
-    return _mirrored(half, [axis for axis in cut if axis == 1])
+        half = outer(part.clip(normal="x", origin=frame.origin))
+    return mirrored(half, [axis for axis in cut if axis == 1])
 
 
 def _section(part: Any, frame: Frame, offset: float) -> Any:
     """Triangles of the section of a body at the contact's x + offset, mm."""
     x, y, z = frame.origin
     section = part.slice(normal="x", origin=(x + offset, y, z)).triangulate()
-    return _mirrored(section, [axis for axis in cut_axes(frame.local(part.points)) if axis == 1])
+    return mirrored(section, [axis for axis in cut_axes(frame.local(part.points)) if axis == 1])
 
 
-def _bands(axes: Axes, section: Any, frame: Frame, levels: Array) -> Any:
-    """Draw bands of sigma_3 and the rim of a section; the bands, for a colour bar."""
-    from matplotlib.collections import LineCollection
-
-    local = frame.local(section.points)[:, 1:]
-    triangles, sigma = section.faces.reshape(-1, 4)[:, 1:], section["principal_stresses"][:, 2]
-    bands = axes.tricontourf(*local.T, triangles, sigma, levels, cmap="YlGnBu_r", extend="both")
+def _rim(section: Any, frame: Frame) -> Array:
+    """Lines (k, 2, 2) around a section."""
     rim = section.extract_feature_edges(
         boundary_edges=True, feature_edges=False, manifold_edges=False, non_manifold_edges=False
     )
-    lines = frame.local(rim.points)[:, 1:][rim.lines.reshape(-1, 3)[:, 1:]]
-    axes.add_collection(LineCollection(list(lines), colors="black", linewidths=1.2))
-    return bands
+    return np.asarray(frame.local(rim.points)[:, 1:][rim.lines.reshape(-1, 3)[:, 1:]])
 
 
 def _dimensions(axes: Axes, camera: Camera, frame: Frame, patch: Patch) -> None:
-    """Dimension lines 2a along x and 2b along s, beside the patch."""
-    (x, s), a, b = patch.centre, patch.a, patch.b
-    away = 0.4 * max(a, b)
+    """Dimension lines along x and s beside the patch, as long as it is."""
+    (x0, s0), (x1, s1) = patch.main.min(axis=0), patch.main.max(axis=0)
+    away = 0.2 * max(x1 - x0, s1 - s0)
     lines = {
-        f"2a = {2 * a:.3g} mm (x)": [[x - a, s - b - away, 0], [x + a, s - b - away, 0]],
-        f"2b = {2 * b:.3g} mm (s)": [[x - a - away, s - b, 0], [x - a - away, s + b, 0]],
+        f"2a = {2 * patch.a:.3g} mm (x)": [[x0, s0 - away, 0], [x1, s0 - away, 0]],
+        f"2b = {2 * patch.b:.3g} mm (s)": [[x0 - away, s0, 0], [x0 - away, s1, 0]],
     }
-    middle = camera.project(_global(frame, [[x, s, 0]]))[0]
+    middle = camera.project(_global(frame, [[(x0 + x1) / 2, (s0 + s1) / 2, 0]]))[0]
     for text, ends in lines.items():
         start, stop = camera.project(_global(frame, ends))
         arrow = {"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, "lw": 1.5}
         axes.annotate("", tuple(start), tuple(stop), arrowprops=arrow)
         outwards = (start + stop) / 2 - middle
-        right, upwards = (start + stop) / 2 + 0.4 * max(a, b) * outwards / np.linalg.norm(outwards)
+        right, upwards = (start + stop) / 2 + away * outwards / np.linalg.norm(outwards)
         box = {"fc": "white", "ec": "none", "alpha": 0.85, "pad": 2}
         axes.text(right, upwards, text, ha="center", va="center", bbox=box)
 

@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from railhead.meshing.tags import RAIL
 from railhead.postprocess.findings import Array, Findings
-from railhead.postprocess.plots import BANDS, mark_largest, new_figure
+from railhead.postprocess.fringes import Cut, Fringes, draw_fringes
+from railhead.postprocess.plots import new_figure
 from railhead.postprocess.render import BODIES, COLOURS, CONTACT, EDGE
 from railhead.postprocess.section import coordinate
 from railhead.solver.gather import Fields
-from railhead.theory.subsurface import principal
+from railhead.theory.subsurface import max_shear, principal
 
-NAMES = ("x, along the rail, mm", "s, across the rail, mm")
 _CORNERS = {"triangle": [0, 1, 2], "quadrilateral": [0, 1, 3, 2]}
 _TRIANGLES = {  # flat triangles through all nodes of a cell
     ("triangle", 1): [[0, 1, 2]],
@@ -34,53 +35,56 @@ def bodies(fields: Fields, findings: Findings, path: Path) -> None:
     from matplotlib.patches import Patch as Swatch
 
     half, middle = _half_width(fields, findings)
-    with new_figure(path, 10, 6.2) as figure:
+    names, axis = findings.subject.names, coordinate(fields)
+    tags = [tag for tag in BODIES if np.any(fields.body == tag)]
+    with new_figure(path, 10, 6.2, findings) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.4, 1))
         for axes in (left, right):
             for tag, local, cells in _parts(fields, findings):
                 corners = local[cells[:, _CORNERS[fields.cell]]]
                 look: dict[str, Any] = {"facecolors": COLOURS[BODIES[tag]], "edgecolors": EDGE}
                 axes.add_collection(PolyCollection(list(corners), linewidths=0.3, **look))
-            axes.set(aspect="equal", xlabel=NAMES[coordinate(fields)])
+            axes.set(aspect="equal", xlabel=findings.subject.label(axis))
             axes.grid(False)
         left.autoscale_view()
-        left.set(title="the section", ylabel="height over the contact, mm")
-        right.plot(middle + half * np.array([-1, 1]), [0, 0], color=CONTACT, lw=3)
+        kind = "the meridian section" if findings.subject.revolved else "the section"
+        left.set(title=f"{kind} that is solved", ylabel="height over the contact, mm")
+        for line in findings.patch.outlines:
+            ends = [line[:, axis].min(), line[:, axis].max()]
+            right.plot(ends, [0, 0], color=CONTACT, lw=3, gid="contact patch")
+        for tag in set(BODIES) - set(tags):
+            for axes in (left, right):
+                axes.axhline(0.0, color="black", lw=1.2, zorder=0)
+            side = 0.25 if tag == RAIL else 0.75
+            text = f"{names[BODIES[tag]]}: rigid, not meshed"
+            right.text(0.5, side, text, transform=right.transAxes, ha="center")
         reach = 2.5 * half
         right.set(xlim=(middle - reach, middle + reach), ylim=(-1.2 * reach, 1.2 * reach))
         right.set_title("close")
-        tags = [tag for tag in BODIES if np.any(fields.body == tag)]
-        swatches = [Swatch(fc=COLOURS[BODIES[tag]], ec=EDGE, label=BODIES[tag]) for tag in tags]
-        swatches.append(Swatch(fc=CONTACT, label="contact"))
+        swatches = [
+            Swatch(fc=COLOURS[BODIES[tag]], ec=EDGE, label=names[BODIES[tag]]) for tag in tags
+        ]
+        swatches.append(Swatch(fc=CONTACT, label="contact patch"))
         figure.legend(handles=swatches, loc="outside lower center", ncols=3)
 
 
 def stress_cut(fields: Fields, stress: Array, findings: Findings, path: Path) -> None:
-    """sigma_3 in both bodies around the contact; stress (n, 6) MPa at the nodes."""
-    from matplotlib.ticker import MaxNLocator
-
+    """sigma_3 and the largest shear stress in both bodies around the contact; stress (n, 6) MPa at
+    the nodes."""
     half, middle = _half_width(fields, findings)
-    reach = np.array([2.4, 1.8]) * half
-    sigma = principal(stress)[:, 2]
-    at = findings.frame.local(fields.points)[:, [coordinate(fields), 2]]
+    reach, axis = np.array([2.4, 1.8]) * half, coordinate(fields)
+    at = findings.frame.local(fields.points)[:, [axis, 2]]
     seen = np.all(np.abs(at - [middle, 0.0]) < reach, axis=1)
-    levels = np.array(MaxNLocator(BANDS + 2).tick_values(sigma[seen].min(), sigma[seen].max()))
-    with new_figure(path, 10, 7.2) as figure:
-        axes = figure.add_subplot()
-        for _, local, cells in _parts(fields, findings):
-            corners = np.concatenate(
-                [cells[:, part] for part in _TRIANGLES[fields.cell, fields.degree]]
-            )
-            bands = axes.tricontourf(
-                *local.T, corners, sigma, levels, cmap="YlGnBu_r", extend="both"
-            )
-        mark_largest(axes, findings, coordinate(fields))
-        figure.colorbar(bands, ax=axes, label=r"$\sigma_3$, MPa", ticks=levels)
-        axes.set(xlabel=NAMES[coordinate(fields)], ylabel="height over the contact, mm")
-        axes.set(xlim=middle + reach[0] * np.array([-1, 1]), ylim=(-reach[1], reach[1]))
-        axes.set_aspect("equal")
-        axes.grid(False)
-        figure.legend(loc="outside upper center", ncols=2)
+    fringes = Fringes(
+        [principal(stress)[seen, 2], max_shear(stress)[seen]],
+        (middle - reach[0], middle + reach[0]), (-reach[1], reach[1]), axis,
+    )  # fmt: skip
+    parts = []
+    for _, local, cells in _parts(fields, findings):
+        pattern = _TRIANGLES[fields.cell, fields.degree]
+        corners = np.concatenate([cells[:, part] for part in pattern])
+        parts.append(Cut(local, corners, (principal(stress)[:, 2], max_shear(stress))))
+    draw_fringes(parts, fringes, findings, path)
 
 
 def _half_width(fields: Fields, findings: Findings) -> tuple[float, float]:

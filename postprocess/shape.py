@@ -16,13 +16,14 @@ GRID = 400  # lines each way: zeros of a parabola are found to 4e-6 of its width
 @dataclass(frozen=True)
 class Shape:
     """outlines: closed curves (k, 2) of (x, s), mm, holes included; area mm2; half lengths a along
-    x, b along s, mm; peak MPa."""
+    x, b along s, mm; peak MPa, at top (x, s)."""
 
     outlines: list[Array]
     area: float
     a: float
     b: float
     peak: float
+    top: tuple[float, float] = (0.0, 0.0)
 
 
 def trace(square: Square) -> Shape:
@@ -36,7 +37,9 @@ def trace(square: Square) -> Shape:
     outlines = [np.asarray(line, dtype=np.float64) for line in lines]
     area = abs(sum(_enclosed(line) for line in outlines))
     a, b = np.ptp(np.concatenate(outlines), axis=0) / 2
-    return Shape(outlines, float(area), float(a), float(b), float(np.sqrt(top)))
+    row, column = np.unravel_index(np.argmax(values), values.shape)
+    place = float(x[column]), float(s[row])
+    return Shape(outlines, float(area), float(a), float(b), float(np.sqrt(top)), place)
 
 
 def _enclosed(line: Array) -> float:

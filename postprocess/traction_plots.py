@@ -21,12 +21,11 @@ THIN = 0.15  # of the patch's half length across: points nearer to its middle li
 
 
 def draw(
-    found: Rubbing, findings: Findings, coefficient: float, path: Path, *, mirrored: bool,
-    rolling: bool,
+    found: Rubbing, findings: Findings, coefficient: float, path: Path, *, mirrored: bool
 ) -> None:  # fmt: skip
     """Stick and slip in the tangent plane with the tractions of the wheel on the rail as arrows
     (not of a section), and the traction along the middle line against mu p. mirrored: the other
-    half, across, is an image; rolling: towards positive x."""
+    half, across, is an image."""
     frame, patch = findings.frame, findings.patch
     touches = found.pressure > 0
     local = frame.local(found.points[touches])[:, :2] - np.array(patch.centre)
@@ -37,12 +36,12 @@ def draw(
         traction = np.concatenate([traction, traction * [1, -1]])
         pressure, sticks = np.tile(pressure, 2), np.tile(sticks, 2)
     flat = np.ptp(local[:, 1]) < 1e-9
-    with new_figure(path, 6 if flat else 11.5, 4.8, findings.notes) as figure:
-        along = "x, mm (the wheel rolls to the right)" if rolling else "x, mm"
+    with new_figure(path, 7 if flat else 11.5, 4.8, findings) as figure:
+        along = findings.subject.label(0)
         panels = figure.subplots(1, 1 if flat else 2, squeeze=False)[0]
         if not flat:
             _map(panels[0], local, traction, sticks)
-            panels[0].set(xlabel=along, ylabel="s, mm")
+            panels[0].set(xlabel=along, ylabel=findings.subject.label(1))
         middle = np.abs(local[:, 1]) < (np.inf if flat else THIN * patch.b)
         order = np.argsort(local[middle, 0])
         x = local[middle, 0][order]

@@ -75,7 +75,9 @@ def plan(
 @click.option("--accuracy", help="Asked accuracy, e.g. 1%.")
 @click.option("--budget", help="Best accuracy for that time, e.g. 30s.")
 @click.option("--out", type=click.Path(path_type=Path), help="Result folder [results/<case>].")
-@click.option("--no-pictures", is_flag=True, help="Write no PNG files.")
+@click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html.")
+@click.option("--no-report", is_flag=True, help="Write no report.html.")
+@click.option("--units", help="Of the table and the report, e.g. mm,kN,MPa.")
 @click.option("--quiet", is_flag=True, help="Print nothing.")
 @click.option("--json", "as_json", is_flag=True, help="Print summary.json and nothing else.")
 def run(
@@ -87,12 +89,16 @@ def run(
     budget: str | None,
     out: Path | None,
     no_pictures: bool,
+    no_report: bool,
+    units: str | None,
     quiet: bool,
     as_json: bool,
 ) -> int:
     """Solve a case (its name, or a TOML file) and compare it with exact Hertz."""
     from railhead import results
+    from railhead.display import Units
 
+    shown = Units.parse(units)
     scene = _scene(case, assignments, switched_on, switched_off)
     folder = out if out is not None else Path("results") / scene.name
     results.check_folder(folder)
@@ -106,7 +112,7 @@ def run(
     with refine.telling(quiet=quiet, since=start) as progress:
         progress.stage("writing files" + ("" if no_pictures else " and pictures"))
         try:
-            result.save(folder, pictures=not no_pictures)
+            result.save(folder, pictures=not no_pictures, report=not no_report, units=shown)
             signal.signal(signal.SIGTERM, signal.SIG_IGN)  # too late: the result is there
         except OSError as error:
             problem = error
@@ -116,7 +122,7 @@ def run(
         if as_json:
             click.echo(results.as_json(result), nl=False)
         elif not quiet:
-            result.show(screen.standard())
+            result.show(screen.standard(), shown)
         if problem is not None:
             _not_written(problem)
         elif not quiet:

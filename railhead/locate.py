@@ -76,11 +76,16 @@ def write(location: Location, folder: Path) -> None:
     """summary.json and three pictures."""
     from railhead.postprocess import locate_plot
 
+    scene = location.scene
+    pair = f"{scene.name}: wheelset with wheels {scene.wheel.profile} on rails {scene.rail.profile}"
+    at = f"shifted by {scene.wheelset.shift:g} mm"
+    yaw = f", yaw {1e3 * scene.wheelset.yaw:g} mrad"
     with results.replacing(folder) as work:
-        locate_plot.profiles(location.pair, location.placed, work / "profiles.png")
+        title = f"{pair}, {at}{yaw}"
+        locate_plot.profiles(location.pair, location.placed, work / "profiles.png", title)
         swept = sweep(location, list(SHIFTS))
-        locate_plot.positions(location.pair, swept, work / "positions.png")
-        locate_plot.rolling_radius(swept, work / "rolling_radius.png")
+        locate_plot.positions(location.pair, swept, work / "positions.png", pair + yaw)
+        locate_plot.rolling_radius(swept, work / "rolling_radius.png", pair + yaw)
         (work / results.SUMMARY).write_text(as_json(location), encoding="utf-8")
 
 

@@ -38,26 +38,24 @@ FRICTION = (
     ("share of the patch that sticks", "", "stick_share"),
     ("largest traction", "MPa", "traction_max_MPa"),
     ("T-gamma: energy per rolled length", "N", "t_gamma_N"),
-    ("   wear by it (British Rail)", "", "wear_regime_british_rail"),
-    ("   over the area of the patch", "N/mm2", "t_gamma_over_area_MPa"),
-    ("   wear by it (wheel R8T, rail 900A)", "", "wear_regime"),
     ("power", "W", "power_W"),
     ("energy per cycle", "N mm", "energy_per_cycle_Nmm"),
+)
+STEEL = (
+    ("wear by T-gamma (British Rail)", "", "wear_regime_british_rail"),
+    ("T-gamma over the area", "N/mm2", "t_gamma_over_area_MPa"),
+    ("   wear by it (R8T on 900A)", "", "wear_regime"),
     ("largest von Mises stress", "MPa", "von_mises_max_MPa"),
     ("   its depth", "mm", "von_mises_max_depth_mm"),
     ("   where", "", "von_mises_max_at"),
-    ("traction coefficient: tangential over normal force", "", "traction_coefficient"),
+    ("tangential over normal force", "", "traction_coefficient"),
     ("p0/k at first yield", "", "first_yield_p0_over_k"),
-    ("p0/k of a line that still shakes down", "", "shakedown_limit_p0_over_k"),
+    ("p0/k at which a line shakes down", "", "shakedown_limit_p0_over_k"),
     ("yield stress in shear k", "MPa", "shear_yield_MPa"),
     ("p0/k", "", "p0_over_k"),
     ("surface fatigue index", "", "surface_fatigue_index"),
     ("   passing again and again", "", "shakedown"),
 )
-
-
-CONTACT = {path[-1] for _, _, path in ROWS}
-"""Keys of the first table's rows."""
 
 
 def plain(summary: Mapping[str, Any]) -> str:
@@ -94,10 +92,8 @@ def _row(summary: Mapping[str, Any], label: str, unit: str, path: tuple[str, ...
 
 
 def friction(summary: Mapping[str, Any]) -> list[Row]:
-    """Forces of the wheel on the rail, its motion, stick and wear, beside other methods."""
-    found = (summary["result"] or {}).get("friction")
-    if not found:
-        return []
+    """Forces of the wheel on the rail, its motion and stick, beside other methods."""
+    found = (summary["result"] or {}).get("friction") or {}
     others = (summary.get("half_space_friction") or {}).items()
     bound = summary["accuracy"]["bound"]
     return [
@@ -105,10 +101,20 @@ def friction(summary: Mapping[str, Any]) -> list[Row]:
             "quantity": label,
             "unit": unit,
             "FE": _get(found, (key,)),
-            "estimate": bound.get(key) if key not in CONTACT else None,
+            "estimate": bound.get(key),
             **{name: _get(each, (key,)) for name, each in others if "reason" not in each},
         }
         for label, unit, key in FRICTION
+        if key in found
+    ]
+
+
+def steel(summary: Mapping[str, Any]) -> list[Row]:
+    """What pressure and tractions do to the steel."""
+    found = (summary["result"] or {}).get("friction") or {}
+    return [
+        {"quantity": label, "unit": unit, "FE": _get(found, (key,))}
+        for label, unit, key in STEEL
         if key in found
     ]
 
@@ -118,7 +124,7 @@ def everything(summary: Mapping[str, Any]) -> Iterator[Row]:
     load = (summary["result"] or {}).get("load_N")
     given: list[Row] = [] if load is None else [{"quantity": "load", "unit": "N", "FE": load}]
     of = ""
-    for row in (*contact(summary), *given, *friction(summary)):
+    for row in (*contact(summary), *given, *friction(summary), *steel(summary)):
         label = str(row["quantity"])
         name = f"{of}: {label.strip()}" if label.startswith(" ") else label
         of = of if label.startswith(" ") else label

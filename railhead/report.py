@@ -11,11 +11,13 @@ from rich.console import Console
 from rich.table import Table
 
 from railhead import quantities
+from railhead.display import Units
 from railhead.planning.effects import Effect
 from railhead.planning.plan import Plan
 from railhead.planning.told import told
 
 WIDEST = 80  # characters of a table of numbers, which are never cut: it goes on below
+DEFAULT = Units()
 PAIRED = 30.0  # times first yield beyond which the pairing of the surfaces is felt
 
 
@@ -106,20 +108,21 @@ def _show_prices(prices: Sequence[Mapping[str, Any]] | None, console: Console) -
     console.print(table)
 
 
-def show_result(summary: dict[str, Any], console: Console) -> None:
+def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAULT) -> None:
     """Finite elements, exact Hertz and the thesis side by side."""
     if summary["result"] is not None:
-        title = f"{summary['case']}: {summary['result']['load_N']:.6g} N"
+        load = units.value(summary["result"]["load_N"], "N")
+        title = f"{summary['case']}: {load:.6g} {units.unit('N')}"
         if quantities.plain(summary):
             both = ("yield", "plastic"), ("friction", "friction")
             title += ", with " + " and ".join(
                 effect for effect, key in both if key in summary["result"]
             )
-        _show_rows(title, quantities.contact(summary), console)
+        _show_rows(title, quantities.contact(summary), console, units)
         if plastic := summary["result"].get("plastic"):
             _show_plastic(plastic, console)
         if friction := summary["result"].get("friction"):
-            _show_rows("friction", quantities.friction(summary), console)
+            _show_rows("friction", quantities.friction(summary), console, units)
             console.print(
                 "Forces are those of the wheel on the rail; mu N = "
                 f"{friction['limit_N']:.5g} N, of which estimates of forces are shares.",
@@ -128,6 +131,8 @@ def show_result(summary: dict[str, Any], console: Console) -> None:
             for name, each in (summary.get("half_space_friction") or {}).items():
                 if "reason" in each:
                     console.print(f"No {name}: {each['reason']}.", markup=False, highlight=False)
+            if rows := quantities.steel(summary):
+                _show_rows("what pressure and tractions do to the steel", rows, console, units)
         if reason := (summary["half_space"] or {}).get("reason"):
             console.print(f"No half-space column: {reason}.", markup=False, highlight=False)
         if summary["checks"]["passed"] and not summary["checks"]["hertzian"]:
@@ -198,7 +203,7 @@ def _show_plastic(plastic: Mapping[str, Any], console: Console) -> None:
         console.print(line, markup=False, highlight=False)
 
 
-def _show_rows(title: str, rows: Sequence[quantities.Row], console: Console) -> None:
+def _show_rows(title: str, rows: Sequence[quantities.Row], console: Console, units: Units) -> None:
     """Rows with as many columns as fit, and those that are left in further tables below; columns
     without any value are left out."""
     width = min(console.width, WIDEST)
@@ -206,15 +211,16 @@ def _show_rows(title: str, rows: Sequence[quantities.Row], console: Console) -> 
     left, shown = [name for name in known if name not in quantities.FIRST], 0
     while left:
         count = len(left)
-        while count > 1 and _wide(_table(title, rows, left[:count]), console) > width:
+        while count > 1 and _wide(_table(title, rows, left[:count], units), console) > width:
             count -= 1
         if shown:
             console.print()
-        console.print(_table("" if shown else title, rows, left[:count]))
+        filled = [row for row in rows if any(row[name] is not None for name in left[:count])]
+        console.print(_table("" if shown else title, filled, left[:count], units))
         left, shown = left[count:], shown + count
 
 
-def _table(title: str, rows: Sequence[quantities.Row], names: Sequence[str]) -> Table:
+def _table(title: str, rows: Sequence[quantities.Row], names: Sequence[str], units: Units) -> Table:
     table = Table(
         title=title or None, title_justify="left", box=box.SIMPLE_HEAD, padding=0, show_edge=False
     )
@@ -223,8 +229,9 @@ def _table(title: str, rows: Sequence[quantities.Row], names: Sequence[str]) -> 
     for name in names:
         table.add_column(name, justify="right", no_wrap=True)
     for row in rows:
-        numbers = (_cell(name, row[name]) for name in names)
-        table.add_row(*(str(row[name]) for name in quantities.FIRST), *numbers)
+        unit = str(row["unit"])
+        numbers = (cell(name, row[name], unit, units) for name in names)
+        table.add_row(str(row["quantity"]), units.unit(unit), *numbers)
     return table
 
 
@@ -262,9 +269,10 @@ def show_failure(summary: dict[str, Any], console: Console) -> None:
         )
 
 
-def _cell(name: str, value: quantities.Cell) -> str:
+def cell(name: str, value: quantities.Cell, unit: str, units: Units) -> str:
+    """Of a column, in the reader's units."""
     if value is None or isinstance(value, str):
         return value or ""
     if name in quantities.RELATIVE:
         return f"{value:.2%}" if name == "estimate" else f"{value:+.2%}"
-    return f"{value:.5g}"
+    return f"{units.value(value, unit):.5g}"

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from railhead import screen
+from railhead.display import Units
 from railhead.level import Level
 from railhead.solver import compat
 
@@ -52,11 +54,11 @@ class Result:
     def _repr_html_(self) -> str:
         return screen.html(self.show)
 
-    def show(self, console: Console) -> None:
+    def show(self, console: Console, units: Units | None = None) -> None:
         """Print the table of `railhead run`."""
         from railhead import report
 
-        report.show_result(self.summary, console)
+        report.show_result(self.summary, console, units or report.DEFAULT)
 
     def as_dict(self) -> dict[str, Any]:
         """The content of summary.json."""
@@ -135,17 +137,22 @@ class Result:
         """A dolfinx Function on `mesh`, mm."""
         return compat.function(self.level.space, self.level.solution.displacement)
 
-    def save(self, folder: str | Path, *, pictures: bool = True) -> None:
-        """Write what `railhead run` writes; under MPI to be called on all ranks. Raises SceneError
-        for a folder with other files, OSError where it cannot be written."""
-        from railhead import results
+    def save(
+        self, folder: str | Path, *, pictures: bool = True, report: bool = True,
+        units: Units | None = None,
+    ) -> None:  # fmt: skip
+        """Write what `railhead run` writes, report.html in the given units; under MPI to be called
+        on all ranks. Raises SceneError for a folder with other files, OSError where it cannot be
+        written."""
+        from railhead import page, results
 
         problem: Exception | None = None
         comm = self.mesh.comm
         if comm.rank == 0:
             try:
                 results.check_folder(Path(folder))
-                results.write(self, Path(folder), pictures=pictures)
+                more = partial(page.write, self, units or Units()) if report and pictures else None
+                results.write(self, Path(folder), pictures=pictures, page=more)
             except Exception as error:  # whatever it is, the other ranks wait for it
                 problem = error
         if (problem := comm.bcast(problem)) is not None:

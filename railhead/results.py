@@ -9,7 +9,7 @@ import shutil
 import signal
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -20,8 +20,12 @@ from railhead.scene.io import to_toml
 from railhead.scene.scene import SceneError
 
 if TYPE_CHECKING:
+    import meshio
+
+    from railhead.postprocess.findings import Findings
     from railhead.result import Result
 
+Page = Callable[[Path, "Findings | None", "tuple[meshio.Mesh, meshio.Mesh] | None"], None]
 SUMMARY = "summary.json"
 TABLE = "result.csv"
 MANIFEST = ".railhead"  # names of the files in a result folder that are replaced by the next one
@@ -135,18 +139,22 @@ def _exchange(one: Path, other: Path) -> None:
     os.rename(aside, one)
 
 
-def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
-    """Write summary, table, scene, VTU files and pictures; returns the file names."""
+def write(result: Result, folder: Path, *, pictures: bool, page: Page | None = None) -> list[str]:
+    """Write all files of a result, and what `page` adds; returns their names."""
     from railhead.postprocess import export, gallery, plastic_plots, shakedown_plot, traction_plots
     from railhead.postprocess.stress import nodal
+    from railhead.subject import subject
 
     with replacing(folder) as work:
-        if result.fields is not None and result.findings is not None:
+        found, grids = result.findings, None
+        if found is not None:
             after = result.level.after.items()
             needed = tuple(f"{name}: {each.why}" for name, each in after if each.needed)
-            gallery.draw(
+            found = replace(found, notes=needed, subject=subject(result.plan, result.load))
+        if result.fields is not None and found is not None:
+            grids = gallery.draw(
                 result.fields,
-                replace(result.findings, notes=needed),
+                found,
                 result.ellipse,
                 result.plan.shown.poisson_ratio,
                 work,
@@ -157,20 +165,19 @@ def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
             grid = export.volume_grid(left.residual, nodal(left.residual))
             export.write(grid, work / "residual.vtu")
             export.series(["solution.vtu", "residual.vtu"], work / "solution.pvd")
-            elastic, fields, found = result.level.plain, result.fields, result.findings
+            elastic, fields = result.level.plain, result.fields
             if pictures and fields and found and elastic is not None and elastic.findings:
                 exact = result.ellipse if len(found.patch.each) < 2 else None
                 plastic_plots.draw(
                     fields, left.residual, found, elastic.findings, exact, work / "plastic.png"
                 )
-        solution, found = result.level.solution, result.findings
+        solution = result.level.solution
         if solution.rubbing is not None and found is not None:
             export.write(export.traction_points(solution.rubbing), work / "traction.vtu")
             if pictures:
                 traction_plots.draw(
                     solution.rubbing, found, result.plan.scene.friction.coefficient,
                     work / "friction.png", mirrored=result.plan.half_y,
-                    rolling=result.plan.scene.rolling.given,
                 )  # fmt: skip
                 friction = result.summary["result"]["friction"]
                 if "p0_over_k" in friction:
@@ -180,6 +187,8 @@ def write(result: Result, folder: Path, *, pictures: bool) -> list[str]:
         (work / SUMMARY).write_text(as_json(result), encoding="utf-8")
         table = quantities.everything(result.summary)
         (work / TABLE).write_bytes(spreadsheet.encoded(table))
+        if page is not None:
+            page(work, found, grids)
         return sorted(path.name for path in work.iterdir())
 
 

@@ -139,6 +139,13 @@ def principal(s: Array) -> Array:
     return np.asarray(np.linalg.eigvalsh(np.moveaxis(tensor, -1, 0))[:, ::-1])
 
 
+def directions(s: Array) -> Array:
+    """Unit vectors (n, 3, 3): the k-th row is that of the k-th principal stress of (n, 6)."""
+    xx, yy, zz, xy, xz, yz = np.moveaxis(np.asarray(s, dtype=float), -1, 0)
+    tensor = np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), -1, 0)
+    return np.asarray(np.linalg.eigh(tensor)[1].transpose(0, 2, 1)[:, ::-1])
+
+
 def max_shear(s: Array) -> Array:
     """Largest shear stress (n,), half the difference of the outer principal stresses (n, 6)."""
     ordered = principal(s)

@@ -57,6 +57,11 @@ def _physical(number: str, unit: str, *, base: str) -> float:
         raise ValueError(unit) from unknown
 
 
+def to_reader(base: str, unit: str) -> float:
+    """How many of a unit make one of the base unit."""
+    return float(_registry().Quantity(1, base).to(unit).magnitude)
+
+
 def _per_cent(number: str, unit: str) -> float:
     """Convert per cent."""
     if unit != "%":

@@ -28,7 +28,8 @@ def draw(rows: Sequence[Row], path: Path) -> None:
     """Rows hold case, method, element, asked, seconds (s), error (relative) and converged.
 
     One line for each method and element; runs that did not converge are crosses, the Pareto front
-    of the given meshes is shaded, runs with an asked accuracy are stars with what was asked.
+    of all runs is shaded (for what time which error can be had), runs with an asked accuracy are
+    stars with what was asked.
     """
     cases = list(dict.fromkeys(row["case"] for row in rows))
     with new_figure(path, max(12.5, 1.5 + 4.7 * len(cases)), 5.8) as figure:
@@ -62,12 +63,13 @@ def _panel(axes: Axes, rows: Sequence[Row]) -> None:
     failed = [row for row in rows if not row["converged"]]
     if failed:
         axes.plot(*_curve(failed), "x", color="black", ms=8, label="not converged", zorder=4)
-    seconds, errors = _curve(solved)
+    seconds, errors = _curve([row for row in rows if row["converged"]])
     if seconds:
         front = pareto(seconds, errors)
-        axes.plot(
+        axes.step(
             [seconds[i] for i in front], [errors[i] for i in front], color="#b8c7d6", lw=9,
-            solid_capstyle="round", solid_joinstyle="round", label="Pareto front", zorder=1,
+            where="post", solid_capstyle="round", solid_joinstyle="round", label="Pareto front",
+            zorder=1,
         )  # fmt: skip
     for row in (row for row in rows if row["asked"] is not None):
         at = (row["seconds"], 100 * row["error"])

@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 import pyvista as pv
+from vtkmodules.vtkCommonCore import vtkDataArray
 
 from railhead.postprocess import export
 from railhead.theory.subsurface import axis_stress
 
+UNITS_LABEL = vtkDataArray.UNITS_LABEL()
 KINDS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)]
 
 
@@ -55,6 +57,7 @@ def test_volume_file_holds_the_arrays(
     assert np.array_equal(back["body"], case.fields.body)
     assert np.array_equal(back["displacement"], case.fields.displacement)
     names = {"displacement", "stress", "principal_stresses", "von_mises", "max_shear"}
+    names |= {f"principal_direction_{k}" for k in (1, 2, 3)}
     assert set(back.point_data) == names
     for name in names:
         assert np.array_equal(back[name], mesh.point_data[name])
@@ -75,6 +78,11 @@ def test_tensor_rows_and_invariants(blocks: Callable[..., Any]) -> None:
     exact = axis_stress(case.ellipse, 0.3, -case.fields.points[on_axis, 2])
     expected = np.sort(exact, axis=1)[:, ::-1]
     assert principal[on_axis] == pytest.approx(expected, abs=1e-9 * case.ellipse.p0)
+    for k in range(3):
+        along = data[f"principal_direction_{k + 1}"]
+        assert np.linalg.norm(along, axis=1) == pytest.approx(1.0, abs=1e-12)
+        pulled = np.einsum("nij,nj->ni", tensor, along)
+        assert pulled == pytest.approx(principal[:, [k]] * along, abs=1e-9 * case.ellipse.p0)
     largest = (expected[:, 0] - expected[:, 2]) / 2
     assert data["max_shear"][on_axis] == pytest.approx(largest, abs=1e-9 * case.ellipse.p0)
     differences = expected - np.roll(expected, 1, axis=1)
@@ -92,6 +100,14 @@ def test_contact_file_holds_pressure_and_gap(blocks: Callable[..., Any], tmp_pat
     assert np.array_equal(back["pressure"], surface.pressure)
     assert np.array_equal(back["gap"], surface.gap)
     assert set(back["body"]) == {case.fields.slave}
+    assert np.array_equal(back["status"], surface.pressure > 0)
+    labels = {
+        name: back.point_data.VTKObject.GetAbstractArray(name).GetInformation().Get(UNITS_LABEL)
+        for name in ("pressure", "gap", "status")
+    }
+    assert {name: label and label.strip() for name, label in labels.items()} == {
+        "pressure": "MPa", "gap": "mm", "status": None
+    }  # fmt: skip
 
 
 def test_wrong_input_is_refused(blocks: Callable[..., Any], tmp_path: Path) -> None:

@@ -59,6 +59,7 @@ def test_result_folder_is_complete(result) -> None:
     assert files(result) == sorted(
         [".railhead", "contact.vtu", "depth.png", "patch.png", "patch_on_rail.png", "pressure.png"]
         + [
+            "report.html",
             "result.csv",
             "scene.toml",
             "solution.vtu",

@@ -1,0 +1,54 @@
+"""The units in which a reader wants the numbers; files stay in mm, N and MPa."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from railhead.scene.sections import SceneError
+from railhead.scene.units import to_reader
+
+ALLOWED = {
+    "mm": ("mm", "um", "m", "in"),
+    "N": ("N", "kN", "lbf"),
+    "MPa": ("MPa", "GPa", "ksi", "psi"),
+}
+_FACTOR = re.compile(r"([A-Za-z]+)(\d?)")
+
+
+@dataclass(frozen=True)
+class Units:
+    """By base unit (mm, N, MPa) the one that is wanted."""
+
+    chosen: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def parse(cls, text: str | None) -> Units:
+        """From e.g. "um,kN,GPa", in any order, one or none of each kind. SceneError."""
+        chosen: dict[str, str] = {}
+        for name in (part.strip() for part in text.split(",")) if text is not None else ():
+            base = next((base for base, names in ALLOWED.items() if name in names), None)
+            if base is None or base in chosen:
+                problem = "is given beside another of its kind" if base else "is not known"
+                words = "; ".join(", ".join(names) for names in ALLOWED.values())
+                raise SceneError("--units", f"{name!r} {problem}; give at most one each of {words}")
+            chosen[base] = name
+        return cls(chosen)
+
+    def unit(self, unit: str) -> str:
+        """What is written for mm, mm2, mm3, N, N mm, 1/mm, MPa; others stay."""
+        return _FACTOR.sub(lambda each: self.chosen.get(each[1], each[1]) + each[2], unit)
+
+    def value(self, value: float, unit: str) -> float:
+        """A number in that unit, in the reader's."""
+        for name, power in _FACTOR.findall(unit):
+            if name in self.chosen:
+                factor = to_reader(name, self.chosen[name]) ** int(power or 1)
+                value = value / factor if unit.startswith("1/") else value * factor
+        return value
+
+    @property
+    def others(self) -> str:
+        """Those that are not the files', as said beside the pictures."""
+        return ", ".join(to for base, to in self.chosen.items() if base != to)

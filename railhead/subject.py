@@ -1,0 +1,61 @@
+"""What the pictures and the report of a scene call it."""
+
+from __future__ import annotations
+
+import math
+
+from railhead import catalogue
+from railhead.planning.plan import Plan
+from railhead.postprocess.subject import Subject
+from railhead.scene.sections import Rail, Wheel
+
+THESIS = "uic54_thesis"
+
+
+def subject(plan: Plan, load: float) -> Subject:
+    """Title, names and directions; load N, as found."""
+    scene, contact = plan.scene, plan.contact
+    bar = math.isinf(scene.wheel.rolling_radius)
+    short, long = zip(_rail(scene.rail, bar), _wheel(scene.wheel, bar), strict=True)
+    if short[0] == short[1]:
+        short = f"lower {short[0]}", f"upper {short[1]}"
+    real = scene.rail.profile != "arc" and not contact.half_space
+    force = f"{load / 1e3:.5g} kN" if load >= 1e3 else f"{load:.5g} N"
+    spaces = ", as half-spaces" if contact.half_space else ""
+    along, across = ("along the axes" if bar else "in the rolling direction"), "across"
+    if short[0] == "rail":
+        along, across = "along the rail", "across the rail"
+    return Subject(
+        f"{scene.name}: {force}, {long[1]} on {long[0]}{spaces}",
+        dict(zip(("rail", "wheel"), short, strict=True)),
+        along, across, gauge=real, rolls=scene.rolling.given and plan.effects["friction"].on,
+        revolved=contact.revolved, thesis=_thesis(scene.rail, scene.wheel),
+    )  # fmt: skip
+
+
+def _rail(rail: Rail, bar: bool) -> tuple[str, str]:
+    """In short, and with its size."""
+    if rail.profile != "arc":
+        tilt = f", inclined 1:{1 / rail.inclination:.3g}" if rail.inclination else ""
+        return "rail", f"rail {rail.profile}{tilt}"
+    if math.isinf(rail.crown_radius or math.inf):
+        return "plane", "a plane"
+    if bar:
+        return "cylinder", f"cylinder R {rail.crown_radius:g} mm"
+    return "rail", f"rail, crown R {rail.crown_radius:g} mm"
+
+
+def _wheel(wheel: Wheel, bar: bool) -> tuple[str, str]:
+    rolling, tread = wheel.rolling_radius, wheel.transverse_radius
+    if wheel.profile == "arc" and tread == rolling:
+        return "sphere", f"sphere R {rolling:g} mm"
+    if bar:
+        size = f"R {tread:g} mm" if tread else wheel.profile
+        return "cylinder", f"cylinder {size}"
+    shape = f"tread arc R {tread:g} mm" if wheel.profile == "arc" else f"tread {wheel.profile}"
+    return "wheel", f"wheel R {rolling:g} mm, {shape},"
+
+
+def _thesis(rail: Rail, wheel: Wheel) -> bool:
+    own = catalogue.find(THESIS)
+    return bool(rail == own.rail and wheel == own.wheel)

@@ -1,0 +1,103 @@
+"""Names of the summary in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from railhead.display import Units
+from railhead.scene.scene import Scene
+from railhead.scene.sections import Section
+from railhead.scene.units import unit
+
+EFFECTS = {
+    "plane_strain": "line contact, solved in a section",
+    "axisymmetry": "body of revolution, solved in a meridian section",
+    "symmetry_x": "symmetry along the rail (half is solved)",
+    "symmetry_y": "symmetry across the rail (half is solved)",
+    "deformable_rail": "the rail deforms",
+    "deformable_wheel": "the wheel deforms",
+    "true_profile": "true profiles instead of radii",
+    "rail_section": "whole rail with web and foot",
+    "far_field": "half-spaces around the bodies",
+    "mean_dilatation": "nearly incompressible material",
+    "friction": "friction, traction and creepage",
+    "plasticity": "steel that yields",
+    "small_patch": "patch small beside the radii (after)",
+    "inside_the_bodies": "patch away from the edges (after)",
+    "thick_bodies": "bodies thick enough (after)",
+}
+CHECKS = {
+    "converged": "the solver converged",
+    "force_balance": "forces are in balance",
+    "approach_reached": "the given approach is met",
+    "patch_settled": "the mesh is fine where the patch is",
+    "elements_across": "elements across the patch",
+    "pressure_noise": "noise of the pressure",
+    "penetration": "overlap of the bodies",
+    "reported_force": "the pressure carries the load",
+    "flux_rail": "the stresses below the patch carry the load, rail",
+    "flux_wheel": "the stresses above the patch carry the load, wheel",
+    "stress_misfit": "smooth stresses against the elements' own",
+    "shear_over_pressure": "largest shear stress over pressure, at most",
+    "shear_over_pressure_least": "largest shear stress over pressure, at least",
+    "mises_over_shear": "von Mises over shear stress, at most",
+    "mises_over_shear_least": "von Mises over shear stress, at least",
+    "edge_distance": "patch away from edges",
+    "area_over_axes": "area against length and width",
+    "pressure_over_mean": "largest over mean pressure",
+    "law_of_friction": "no traction above friction times pressure",
+    "forces_met": "the given tangential forces are met",
+    "accuracy": "the asked accuracy",
+}
+AGAINST = "second_opinion_"
+
+
+def effect(name: str) -> str:
+    """Of the plan, or of what is looked at afterwards."""
+    return EFFECTS.get(name, name.replace("_", " "))
+
+
+def check(name: str) -> str:
+    """What it asks."""
+    if name.startswith(AGAINST):
+        bare = name.removeprefix(AGAINST).rsplit("_", 1)[0].replace("_", " ")
+        return f"second method (half-spaces): {'pressure' if bare == 'max' else bare}"
+    return CHECKS.get(name, name.replace("_", " "))
+
+
+def brief(value: float) -> str:
+    """Four digits, without powers of ten where that is readable."""
+    rounded = float(f"{value:.4g}")
+    return f"{rounded:.0f}" if 1e4 <= abs(rounded) < 1e7 else f"{rounded:.4g}"
+
+
+def scene_rows(scene: Scene, units: Units) -> Iterator[tuple[str, str]]:
+    """What was asked, in words and with units; what the plan decides by itself is left out."""
+    for key, value in scene:
+        if not isinstance(value, Section):
+            yield from _row(scene, key, key, value, units)
+        elif key != "effects":
+            for inner, each in value:
+                yield from _row(value, inner, f"{key}: {inner}", each, units)
+    for name, state in scene.effects:
+        if state != "auto":
+            yield f"effect: {name.replace('_', ' ')}", str(state)
+
+
+def _row(
+    section: Section, key: str, name: str, value: Any, units: Units
+) -> Iterator[tuple[str, str]]:
+    if value in (None, "auto"):
+        return
+    text = str(value)
+    if isinstance(value, float):
+        base = unit_of(section, key)
+        text = f"{units.value(value, base):.6g} {units.unit(base)}".strip()
+    yield name.replace("_", " "), text
+
+
+def unit_of(section: Section, key: str) -> str:
+    """Base unit of a value of the scene; empty where it has none."""
+    field = type(section).model_fields[key]
+    return next(filter(None, map(unit, (field.annotation, *field.metadata))), "")

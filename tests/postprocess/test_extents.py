@@ -1,0 +1,129 @@
+"""What is drawn reaches as far as the patch does, and no farther."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.image import imread
+from painted import painted
+
+from railhead.postprocess import export, patch, plots, render
+from railhead.postprocess.findings import Frame
+from railhead.postprocess.parts import parts
+from railhead.postprocess.subject import Subject
+from railhead.studies.accuracy_cost import plot as accuracy_plot
+
+
+def lopsided(case: Any) -> Any:
+    """The findings with an outline that reaches farther to negative s than its centre tells."""
+    b = case.findings.patch.b
+    line = case.findings.patch.outlines[0] * [1.0, 0.75] - [0.0, 0.25 * b]
+    return replace(case.findings, patch=replace(case.findings.patch, outlines=[line], b=0.75 * b))
+
+
+@pytest.fixture()
+def drawn(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Any, dict[str, Any]]]:
+    """Arguments of every line that is drawn."""
+    seen: list[tuple[Any, dict[str, Any]]] = []
+    for name in ("plot", "step", "annotate"):
+        own = getattr(Axes, name)
+
+        def spy(self: Axes, *args: Any, own: Any = own, **options: Any) -> Any:
+            seen.append((args, options))
+            return own(self, *args, **options)
+
+        monkeypatch.setattr(Axes, name, spy)
+    return seen
+
+
+def test_the_bar_of_the_patch_is_as_wide_as_the_patch(
+    blocks: Callable[..., Any], drawn: list[Any], tmp_path: Path
+) -> None:
+    case = blocks()
+    found = lopsided(case)
+    render.wheel_rail(export.volume_grid(case.fields, case.stress), found, tmp_path / "w.png")
+    (bar,) = [args for args, options in drawn if options.get("color") == render.CONTACT]
+    b = case.ellipse.b
+    assert (bar[0].min(), bar[0].max()) == pytest.approx((-b, 0.5 * b), rel=1e-3)
+
+
+def test_dimension_lines_are_as_long_as_the_patch(
+    blocks: Callable[..., Any], drawn: list[Any], tmp_path: Path
+) -> None:
+    case = blocks()
+    found = lopsided(case)
+    grid = export.contact_grid(case.fields, found.surface)
+    render.patch_on_rail(grid, found, None, tmp_path / "p.png")
+    (low, high) = found.patch.main.min(axis=0), found.patch.main.max(axis=0)
+    camera = render.camera_over(found)
+    ends = [np.array(args[1:3]) for args, options in drawn if "arrowprops" in options]
+    for (start, stop), axis in zip(ends, (0, 1), strict=True):
+        across = np.zeros((2, 3))
+        across[:, axis] = low[axis], high[axis]
+        wanted = np.diff(camera.project(across), axis=0)[0]
+        assert stop - start == pytest.approx(wanted, rel=1e-9)
+
+
+def test_no_pressure_is_coloured_outside_the_outline(
+    blocks: Callable[..., Any], tmp_path: Path
+) -> None:
+    case = blocks(cut=False)
+    small = replace(
+        case.findings.patch, outlines=[case.findings.patch.outlines[0] * 0.5]
+    )  # a quarter of the area
+    coloured = []
+    for name, of in (("whole", case.findings.patch), ("half", small)):
+        path = tmp_path / f"{name}.png"
+        plots.patch(replace(case.findings, patch=of), case.ellipse, path)
+        picture = imread(path)[:, :, :3]
+        bar = int(0.8 * picture.shape[1])
+        warm = (picture[:, :, 0] > 0.4) & (picture[:, :, 2] < 0.8 * picture[:, :, 0])
+        coloured.append(warm[:, :bar].sum())
+    assert coloured[1] == pytest.approx(coloured[0] / 4, rel=0.08)
+
+
+def test_split_of_the_surface_has_the_area_of_the_patch(blocks: Callable[..., Any]) -> None:
+    case = blocks(cut=False)
+    grid = export.contact_grid(case.fields, case.findings.surface)
+    surface = render.load_pyvista().from_meshio(grid).extract_surface(algorithm="dataset_surface")
+    pressed, free = render.split(surface, case.findings.frame, case.findings.patch)
+    assert pressed.area == pytest.approx(case.ellipse.area, rel=0.01)
+    assert pressed.area + free.area == pytest.approx(surface.area, rel=1e-6)
+
+
+def test_the_pressure_is_cut_through_its_peak_over_the_whole_patch() -> None:
+    def two_hills(x: Any, s: Any) -> Any:
+        return np.maximum(1 - x**2 - ((s - 0.8) / 1.3) ** 2, 2 - 2 * x**2 - 3 * (s + 1.1) ** 2)
+
+    fields = painted(two_hills, (1.5, 3.0), 0.12, waver=0.0)
+    frame = Frame((0.0, 0.0, 0.0), 0.0)
+    found, _, _, _, (along, across) = patch.read(fields, parts(fields), frame)
+    assert along.at == pytest.approx(-1.1, abs=0.05)
+    assert found.centre[1] > -0.6  # a cut there would miss the peak
+    for line, axis in ((along, 0), (across, 1)):
+        assert line.pressure.max() == pytest.approx(found.max_pressure, rel=0.01)
+        assert line.pressure[0] == line.pressure[-1] == 0.0
+        assert line.coordinate.min() < found.main[:, axis].min()
+        assert line.coordinate.max() > found.main[:, axis].max()
+
+
+def test_pictures_say_what_they_are_of(blocks: Callable[..., Any], drawn: list[Any]) -> None:
+    titled = replace(blocks().findings, subject=Subject("a case: 25 kN", gauge=True))
+    figure = plots.pressure(titled, None)
+    assert "gauge side < 0" in figure.axes[1].get_xlabel()
+    with plots.new_figure(None, 4, 3, titled) as body:
+        body.add_subplot()
+    assert [text.get_text() for text in body.figure.subfigs[0].texts] == ["a case: 25 kN"]
+
+
+def test_the_pareto_front_is_the_lower_left_edge(drawn: list[Any], tmp_path: Path) -> None:
+    shared = {"case": "c", "method": "nitsche", "element": "tetrahedron 2", "converged": True}
+    runs = ((1.0, 0.1, None), (3.0, 0.01, None), (2.0, 0.02, 0.05), (2.5, 0.05, None))
+    rows = [{**shared, "seconds": t, "error": e, "asked": a} for t, e, a in runs]
+    accuracy_plot.draw(rows, tmp_path / "a.png")
+    (front,) = [args for args, options in drawn if options.get("where") == "post"]
+    assert front == ([1.0, 2.0, 3.0], [10.0, 2.0, 1.0])

@@ -1,0 +1,162 @@
+"""report.html: one file, complete, with the numbers of summary.json, that a browser can draw."""
+
+import json
+import re
+import shutil
+import subprocess
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from railhead import api, page, quantities, results
+from railhead.display import Units
+from railhead.postprocess import turning
+from railhead.scene.sections import SceneError
+
+CHROMIUM = shutil.which("chromium")
+HEADLESS = [
+    "--no-sandbox",
+    "--headless=new",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--no-first-run",
+    "--enable-unsafe-swiftshader",
+    "--enable-logging=stderr",
+    "--v=0",
+    "--virtual-time-budget=8000",
+]
+UNITS = Units.parse("um,kN,GPa")
+
+
+class Cells(HTMLParser):
+    """Text of the cells of the finite elements by their keys; addresses; ids of tables."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.cells: dict[str, str] = {}
+        self.addresses: list[str] = []
+        self.tables: list[str] = []
+        self._key: str | None = None
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: Any) -> None:
+        given = dict(attrs)
+        self._key = given.get("data-key")
+        self.addresses += [given[key] for key in ("src", "href", "data") if key in given]
+        if tag == "table":
+            self.tables.append(given["id"])
+
+    def handle_data(self, data: str) -> None:
+        if self._key:
+            self.cells[self._key], self._key = data, None
+
+
+@pytest.fixture(scope="module")
+def result() -> Any:
+    scene = api.find("long_roller").replace(
+        ["friction.coefficient=0.3", "rolling.creepage_along=0.1%", "mesh.patch_size=0.6"]
+    )
+    return api.solve(scene, quiet=True)
+
+
+@pytest.fixture(scope="module")
+def folder(result: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("report") / "out"
+    result.save(out, units=UNITS)
+    return out
+
+
+def test_one_file_without_a_network(folder: Path) -> None:
+    text = (folder / page.NAME).read_text(encoding="utf-8")
+    assert len(text) < 6e6
+    found = Cells(text)
+    assert len(found.addresses) == 2 + len(list(folder.glob("*.png")))
+    assert all(address.startswith("data:image/png;base64,") for address in found.addresses)
+    assert not re.search(r"@import|url\(\s*['\"]?https?:|<link|<script[^>]+src", text)
+    assert {"answer", "friction", "checks", "scene", "plan", "left_out"} <= set(found.tables)
+    assert not results.foreign(folder)
+
+
+def test_numbers_are_those_of_the_summary(folder: Path) -> None:
+    summary = json.loads((folder / "summary.json").read_text())
+    cells = Cells((folder / page.NAME).read_text(encoding="utf-8")).cells
+    assert len(cells) == len(quantities.ROWS)
+    factor = {"mm": 1e3, "mm2": 1e6, "MPa": 1e-3}
+    compared = 0
+    for (_, unit, path), row in zip(quantities.ROWS, quantities.contact(summary), strict=True):
+        value = row["FE"]
+        if isinstance(value, float):
+            assert float(cells[".".join(path)]) == pytest.approx(value * factor[unit], rel=1e-4)
+            compared += 1
+    assert compared == 10
+
+
+def test_a_view_that_cannot_be_built_is_said(
+    result: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: Any) -> Any:
+        raise RuntimeError("no graphics\nhere")
+
+    monkeypatch.setattr(turning, "views", fail)
+    result.save(tmp_path / "out")
+    text = (tmp_path / "out" / page.NAME).read_text(encoding="utf-8")
+    assert "There is no view in three dimensions: RuntimeError: no graphics here." in text
+    assert "<iframe" not in text
+    monkeypatch.setattr(page, "render", fail)
+    result.save(tmp_path / "out")
+    assert "could not be made" in (tmp_path / "out" / page.NAME).read_text(encoding="utf-8")
+
+
+def test_left_out_when_asked(result: Any, tmp_path: Path) -> None:
+    result.save(tmp_path / "without", report=False)
+    result.save(tmp_path / "bare", pictures=False)
+    for name in ("without", "bare"):
+        assert not (tmp_path / name / page.NAME).exists()
+    assert (tmp_path / "without" / "pressure.png").exists()
+
+
+def test_a_failed_check_comes_first(result: Any) -> None:
+    checks = result.summary["checks"]
+    name = next(iter(checks["limits"]))
+    failed = {**checks, "failed": [name], "advice": {name: "do better"}}
+    rows = page._checks(failed)
+    assert [row[3] for row in rows] == [False, *[True] * (len(rows) - 1)]
+    assert rows[0][5] == "do better"
+
+
+def test_units_are_the_readers() -> None:
+    units = Units.parse("in, ksi")
+    assert (units.unit("mm2"), units.unit("N mm"), units.unit("MPa")) == ("in2", "N in", "ksi")
+    assert units.value(645.16, "mm2") == pytest.approx(1.0)
+    assert units.value(1.0, "1/mm") == pytest.approx(25.4)
+    assert units.value(6.894757293, "MPa") == pytest.approx(1.0)
+    assert Units().value(3.0, "mm") == 3.0
+    for wrong in ("mm,furlong", "", "kN,N", "kg"):
+        with pytest.raises(SceneError, match="--units"):
+            Units.parse(wrong)
+
+
+def browse(*options: str, file: Path) -> str:
+    command = [str(CHROMIUM), *HEADLESS, *options, file.as_uri()]
+    done = subprocess.run(command, capture_output=True, timeout=120, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout + done.stderr
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
+def test_a_browser_draws_it(folder: Path, tmp_path: Path) -> None:
+    shot, paper = tmp_path / "shot.png", tmp_path / "report.pdf"
+    said = browse("--window-size=1000,2200", f"--screenshot={shot}", file=folder / page.NAME)
+    wrong = [line for line in said.splitlines() if "CONSOLE" in line and "Error" in line]
+    assert not wrong
+    picture = imread(shot)[:, :, :3]
+    coloured = (picture[:, :, 0] - picture[:, :, 2] > 0.35).sum(axis=1) > 20
+    assert coloured.sum() > 400  # rows of both views, before any picture
+    assert np.unique((picture[coloured] * 15).astype(int).reshape(-1, 3), axis=0).shape[0] > 30
+    browse(f"--print-to-pdf={paper}", file=folder / page.NAME)
+    assert paper.read_bytes().startswith(b"%PDF")
+    assert paper.stat().st_size > 100_000

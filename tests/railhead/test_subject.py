@@ -1,0 +1,25 @@
+"""What pictures call a scene."""
+
+from railhead.catalogue import find
+from railhead.planning import plan
+from railhead.subject import subject
+
+
+def test_bodies_have_names_of_their_own() -> None:
+    found = {
+        name: subject(plan.make(find(name)), 1000.0)
+        for name in ("two_cylinders", "sphere_on_plane", "long_roller")
+    }
+    assert found["two_cylinders"].names == {"rail": "lower cylinder", "wheel": "upper cylinder"}
+    assert found["sphere_on_plane"].names == {"rail": "plane", "wheel": "sphere"}
+    assert found["sphere_on_plane"].revolved
+    assert "1 kN" in found["long_roller"].title
+    assert not any(each.gauge or each.thesis for each in found.values())
+
+
+def test_only_the_thesis_pair_is_held_against_the_thesis() -> None:
+    scene = find("uic54_thesis")
+    for changes, same in (((), True), (("load=50kN",), True), (("rail.inclination=1:40",), False)):
+        found = subject(plan.make(scene.replace(changes)), 1.0)
+        assert found.thesis is same
+        assert found.gauge
