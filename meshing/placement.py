@@ -105,7 +105,7 @@ class Pair:
 
         Raises PlacementError where no part of the wheel is over the rail.
         """
-        tread = np.linspace(*self.wheel.domain, SAMPLES)
+        tread = np.linspace(*self.wheel.domain, SAMPLES, dtype=np.float64)
         points = self.outline(pose, tread).points
         height = points[:, 2] - self.rail.height(points[:, 1])
         over = np.isfinite(height)

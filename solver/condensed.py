@@ -17,10 +17,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from railhead.solver.cells import Array, Index
@@ -37,6 +38,8 @@ UPSTREAM = ((0.0, 1.5), (1.0, -2.0), (2.0, 0.5))  # distance in steps d, and wei
 STEP = 0.5  # d over the length of the elements' edges
 BLOCK = 256  # right-hand sides that are solved at a time
 DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
+
+Entry = TypeVar("Entry", bound=np.generic)
 
 
 @dataclass(frozen=True)
@@ -250,7 +253,7 @@ class Condenser:
         )  # fmt: skip
         return push.transposeMatMult(dense)
 
-    def _all(self, values: Array) -> Array:
+    def _all(self, values: NDArray[Entry]) -> NDArray[Entry]:
         return np.concatenate(self.comm.allgather(values))
 
 

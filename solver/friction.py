@@ -151,7 +151,7 @@ class Friction:
         size = np.maximum(np.linalg.norm(q, axis=1), LEAST)
         share = np.minimum(1.0, self.coefficient * pressure / size)
         moved = contact.moved + (contact.movement @ nodal).reshape(n, k)
-        slip = (moved + rigid - before) / contact.step
+        slip = np.asarray((moved + rigid - before) / contact.step)
         return Sheared(
             share[:, None] * q,
             slip,

@@ -87,7 +87,7 @@ class RubbingModel(ContactModel):
         modes = [index for index, _ in rub.free]
         forces = [[*rub.axes[index], value] for index, value in rub.free]
         sheared = problem.solve(
-            np.tensordot(rub.known, rigid, axes=1),
+            np.asarray(np.tensordot(rub.known, rigid, axes=1)),
             rigid[modes] if modes else None,
             np.array(forces) if modes else None,
             settled=None if rub.rolling else contact.moved,

@@ -78,7 +78,7 @@ def rolled(motions: Sequence[Creepage], resolution: float | None) -> Iterator[Po
     axes = model.setup.rub.axes
     for motion in motions:
         given = (motion.along, motion.across, motion.spin)
-        found = problem.solve(np.tensordot(given, rigid, axes=1))
+        found = problem.solve(np.asarray(np.tensordot(given, rigid, axes=1)))
         seconds = time.perf_counter() - start
         along, aside = (
             float(contact.force(axis) @ found.nodal) / problem.limit for axis in axes[:2]

@@ -99,7 +99,7 @@ class HalfSpaceFriction:
         still = np.zeros_like(inside)
         turned = [-y * inside, x[:, None] * inside]
         self._modes = np.array([[inside, still], [still, inside], turned])
-        self._drawn = np.zeros((2, *pressure.shape))
+        self._drawn: Array = np.zeros((2, *pressure.shape))
         if pair.mismatch:
             self._drawn = inside * self._influence.of_pressure(pressure)
 

@@ -27,7 +27,8 @@ def rolled(
     The contact modulus is G/(1 - nu) of the pair. ValueError: no contact, or the turns do not end.
     """
     modulus = pair.shear_modulus / (1 - pair.poisson)
-    deformed, before = gap, np.full(2, np.inf)
+    deformed = gap
+    before: Array = np.full(2, np.inf)
     for _ in range(TURNS):
         patch = solve(deformed, modulus, load=load, cells=cells)
         body = HalfSpaceFriction(patch.x, patch.s, patch.pressure, friction, pair, rolling=True)

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-import numpy as np
 from numpy.typing import NDArray
 
 from railhead.meshing.tags import RAIL
@@ -78,17 +77,18 @@ def apply(setup: Setup, plan: Plan) -> Setup:
     frame = Frame(contact.origin, contact.touch.angle)
     rolling, friction = scene.rolling, scene.friction
     given = rolling if rolling.given else friction
-    known = np.zeros(3)
+    known = [0.0, 0.0, rolling.spin]
     free = []
     for index, way in enumerate(("along", "across")):
         if rolling.given and getattr(rolling, f"force_{way}") is None:
             known[index] = getattr(rolling, f"creepage_{way}") or 0.0
         elif not (plan.half_x, plan.half_y or contact.plane == "xz")[index]:
             free.append((index, float(getattr(given, f"force_{way}") or 0.0)))
-    known[2] = rolling.spin
     far = CerrutiFarField(plan) if contact.half_space and not contact.plane else None
-    motion = tuple(known), tuple(free)
-    rub = Rub(friction.coefficient, rolling.given, frame.axes, frame.origin, *motion, far)
+    motion = known[0], known[1], known[2]
+    rub = Rub(
+        friction.coefficient, rolling.given, frame.axes, frame.origin, motion, tuple(free), far
+    )
     return replace(setup, rub=rub)
 
 
