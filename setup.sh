@@ -24,7 +24,9 @@ fi
 stamp=$(/usr/bin/python3 -c 'import numpy, scipy, sys; print(sys.version, numpy.__version__, scipy.__version__)'; cat pyproject.toml)
 if [ "$(cat .venv/installed 2>/dev/null || true)" != "$stamp" ]; then
     echo "setup: installing from PyPI into .venv"
-    [ -x .venv/bin/python ] || /usr/bin/python3 -m venv --system-site-packages .venv
+    # That of another Python (Debian was upgraded) has no pip any more.
+    .venv/bin/python -m pip --version > /dev/null 2>&1 ||
+        /usr/bin/python3 -m venv --clear --system-site-packages .venv
     /usr/bin/python3 -c 'import numpy, scipy; print(f"numpy=={numpy.__version__}\nscipy=={scipy.__version__}")' \
         > .venv/constraints.txt
     .venv/bin/python -m pip install -q -c .venv/constraints.txt -e '.[dev]'

@@ -104,7 +104,7 @@ def _mirrored(points: Array, body: str) -> tuple[bool, str]:
         flange = _flange(points)
         if flange is None:
             return False, ""
-        return flange[0] > np.median(points[:, 0]), "by its flange"
+        return bool(flange[0] > np.median(points[:, 0])), "by its flange"
     middles = [(depth, (left + right) / 2) for depth, left, right in _widths(points)]
     if not middles:
         return False, ""

@@ -97,7 +97,7 @@ def profile_curves(profile: Profile, start: float, end: float, *, outwards: int)
 
 def _even(piece: Piece, first: float, last: float) -> Array:
     """y of points that are about SPACING apart along a piece, its ends included."""
-    y = np.linspace(first, last, SAMPLES)
+    y = np.linspace(first, last, SAMPLES, dtype=np.float64)
     s = np.cumsum(np.hypot(np.diff(y, prepend=y[0]), np.diff(piece.derivative(y, 0), prepend=0.0)))
     s -= s[0]
     return np.interp(np.linspace(0, s[-1], max(5, math.ceil(s[-1] / SPACING)) + 1), s, y)

@@ -105,7 +105,7 @@ class Pair:
 
         Raises PlacementError where no part of the wheel is over the rail.
         """
-        tread = np.linspace(*self.wheel.domain, SAMPLES)
+        tread = np.linspace(*self.wheel.domain, SAMPLES, dtype=np.float64)
         points = self.outline(pose, tread).points
         height = points[:, 2] - self.rail.height(points[:, 1])
         over = np.isfinite(height)
@@ -114,7 +114,7 @@ class Pair:
         wall = np.concatenate([[np.inf], np.where(over, height, np.inf), [np.inf]])
         minimum = (wall[1:-1] <= wall[:-2]) & (wall[1:-1] < wall[2:])
         lowest = np.flatnonzero(minimum & (wall[1:-1] <= wall.min() + clearance + SAMPLING_ERROR))
-        found = [self._polish(pose, tread, over, index) for index in lowest]
+        found = [self._polish(pose, tread, over, int(index)) for index in lowest]
         found.sort(key=lambda touch: touch.gap)
         return [touch for touch in found if touch.gap <= found[0].gap + clearance]
 

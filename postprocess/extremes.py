@@ -80,7 +80,7 @@ def _exact(contact: Hertz, body: str, poisson: float, frame: Frame) -> Largest:
 
 def of_thesis(route: thesis.ThesisContact, poisson: Mapping[str, float]) -> dict[str, Any]:
     """The thesis's formulas of a circular patch with radius a."""
-    depth = np.linspace(0.0, 3 * min(route.a, route.b), 301)
+    depth = np.linspace(0.0, 3 * min(route.a, route.b), 301, dtype=np.float64)
     axes = {}
     for body, nu in poisson.items():
         normal = thesis.thesis_axis_stress(route.p0, route.a, nu, depth)

@@ -61,7 +61,7 @@ def _below(
 ) -> DepthAxis:  # fmt: skip
     """Stress on the axis below a point of the tangent plane, as deep as the body goes."""
     start, into = frame.place(*centre), frame.axes[2] * (-1.0 if name == "rail" else 1.0)
-    depth = np.linspace(0.0, solid.extent(np.array(start), into, reach), SAMPLES)
+    depth = np.linspace(0.0, solid.extent(np.array(start), into, reach), SAMPLES, dtype=np.float64)
     stress = recovery.at(start + depth[:, None] * into)
     tensor = np.zeros((len(depth), 3, 3))
     tensor[:, ROW, COLUMN] = tensor[:, COLUMN, ROW] = stress

@@ -19,7 +19,7 @@ from scipy.spatial import cKDTree
 from railhead.postprocess.findings import RIVAL, Array, Peak
 from railhead.postprocess.recovery import Polynomial, Recovery
 from railhead.postprocess.solid import Solid
-from railhead.solver.cells import tabulate
+from railhead.solver.cells import Index, tabulate
 from railhead.solver.gather import Fields
 
 Invariant = Callable[[Array], Array]
@@ -49,8 +49,8 @@ class Search:
         self._fields, self._solid, self._recovery = fields, solid, recovery
         self._edges, self._size = cKDTree(edges) if len(edges) else None, size
         self._planes = [int(np.argmax(np.abs(normal))) for normal in fields.mirrors]
-        nodes, number = np.unique(solid.corners, return_inverse=True)
-        number = number.reshape(solid.corners.shape)
+        nodes, inverse = np.unique(solid.corners, return_inverse=True)
+        number: Index = inverse.reshape(solid.corners.shape)
         self._nodes = fields.points[nodes]
         volume = np.repeat(solid.sizes**3, number.shape[1])
         of_cell = np.repeat(np.arange(len(number)), number.shape[1])

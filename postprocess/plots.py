@@ -118,7 +118,7 @@ def depth(
     poisson: of the body shown. thesis: (p0 MPa, a mm) for the formulas of a circular patch.
     """
     axis = findings.axis
-    fine = np.linspace(0, float(axis.depth.max()), 301)
+    fine = np.linspace(0, float(axis.depth.max()), 301, dtype=np.float64)
     names = findings.subject.names
     with new_figure(path, 10, 6.6, findings) as figure:
         panels = tuple(figure.subplots(1, 2, sharey=True, width_ratios=(3, 2)))

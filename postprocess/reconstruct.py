@@ -117,7 +117,8 @@ class Square:
 def nothing(samples: Samples) -> Square:
     """F = 0 in the box and splines that suit the samples."""
     knots = _knots(samples)
-    powers = np.arange(0.0, 1 if samples.line else samples.degree + 1, 2 if samples.even else 1)
+    most, step = 0 if samples.line else samples.degree, 2 if samples.even else 1
+    powers = np.arange(0, most + 1, step, dtype=np.float64)
     return Square(_box(samples), knots, np.zeros((len(powers), len(knots) - 4)), powers)
 
 
@@ -135,16 +136,16 @@ def reconstruct(
     s = (inner[:-1, None] + width[:, None] * (np.arange(ROWS) + 0.5) / ROWS).ravel()
     rows = np.repeat(width / ROWS, ROWS) * samples.measure(s)
     across = _splines(knots, s)
-    if samples.line:
-        along, cell = np.ones((1, 1)), rows
-    else:
+    along: Array = np.ones((1, 1))
+    cell: Array = rows
+    if not samples.line:
         x = (np.arange(COLUMNS) + 0.5) * 2 / COLUMNS - 1
         along, cell = x ** powers[:, None], rows * 2 * half / COLUMNS
     force = samples.force / top
     each = ((samples.x - middle) / half) ** powers[:, None]
     moments = np.stack([_splines(knots, samples.s).T @ (force * power) for power in each])
     scale = float(cell.sum() * along.shape[1])  # the box, in mm2
-    moments, cell = moments.ravel() / scale, cell / scale
+    moments, cell = np.asarray(moments.ravel() / scale), np.asarray(cell / scale)
     roughness *= ((len(knots) - 7) / INTERVALS) ** 2
     penalty = roughness * _penalty(knots, powers, s, rows / rows.sum(), samples)
 
@@ -155,7 +156,7 @@ def reconstruct(
         volume = cell @ (np.maximum(field(c), 0.0) ** 1.5).sum(axis=1)
         return float(2 / 3 * volume - moments @ c + 0.5 * c @ penalty @ c)
 
-    c = _start(samples, like) if start is None else start.coefficients.ravel() / top**2
+    c = _start(samples, like) if start is None else np.asarray(start.coefficients.ravel() / top**2)
     best, damping = value(c), DAMPING
     for _ in range(NEWTON_STEPS):
         squared = field(c)
@@ -233,7 +234,7 @@ def _penalty(knots: Array, powers: Array, s: Array, weight: Array, samples: Samp
     total = np.zeros((len(powers) * (len(knots) - 4),) * 2)
     splines = BSpline(knots, np.eye(len(knots) - 4), 3)
     for order in range(4):  # of the derivative along x
-        along = np.stack([Polynomial.basis(int(k)).deriv(order)(at) for k in powers])
+        along: Array = np.stack([Polynomial.basis(int(k)).deriv(order)(at) for k in powers])
         across = splines(s, nu=3 - order) * width[:, None] ** (3 - order)
         total += (
             comb(3, order)

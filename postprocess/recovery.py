@@ -32,7 +32,8 @@ class Recovery:
         """cells (m,): all those of the body."""
         self.points, self.stress = at_gauss(fields, cells)
         self._axes = fields.kinematics.axes  # a section has no more coordinates than these
-        points, stress = self.points.reshape(-1, 3), self.stress.reshape(-1, 6)
+        points: Array = self.points.reshape(-1, 3)
+        stress: Array = self.stress.reshape(-1, 6)
         for normal in fields.mirrors:
             points, stress = mirrored(points, stress, int(np.argmax(np.abs(normal))))
         self._samples, self._values = points @ self._axes.T, stress
@@ -86,7 +87,7 @@ class Polynomial:
 
     def at_samples(self, points: Array) -> Array:
         """The same at points (n, d) in the axes of the section or of space."""
-        offset = (points - self._centre) / self.radius
+        offset = np.asarray((points - self._centre) / self.radius)
         return np.asarray(monomials(offset[None])[0].T @ self._coefficients)
 
 

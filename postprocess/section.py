@@ -131,7 +131,7 @@ def _shape(square: Square, fields: Fields) -> Shape:
     spans, axis = _spans(square), coordinate(fields)
     length = fields.kinematics.thickness
     half = (spans[-1][1] - spans[0][0]) / 2
-    peak = _pressure(square, np.linspace(*square.box[1], GRID)).max()
+    peak = _pressure(square, np.linspace(*square.box[1], GRID, dtype=np.float64)).max()
     if fields.kinematics.revolved:
         return Shape([], float(np.pi * half**2), half, half, float(peak))
     area = length * sum(end - begin for begin, end in spans)
@@ -177,12 +177,12 @@ def _both(t: Array, values: Array, mirrored: bool) -> tuple[Array, Array]:
 
 def _spans(square: Square) -> list[tuple[float, float]]:
     """Intervals of t in which p^2 is positive, in ascending order."""
-    t = np.linspace(*square.box[1], GRID)
+    t = np.linspace(*square.box[1], GRID, dtype=np.float64)
     values = square(np.zeros_like(t), t)
     values[[0, -1]] = np.minimum(values[[0, -1]], -1e-9 * values.max())
     turn = np.flatnonzero((values[:-1] > 0) != (values[1:] > 0))
     share = values[turn] / (values[turn] - values[turn + 1])
-    zeros = (t[turn] + share * (t[turn + 1] - t[turn])).tolist()
+    zeros = [float(zero) for zero in t[turn] + share * (t[turn + 1] - t[turn])]
     return list(zip(zeros[::2], zeros[1::2], strict=True))
 
 

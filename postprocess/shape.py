@@ -28,7 +28,7 @@ class Shape:
 
 def trace(square: Square) -> Shape:
     """Where F > 0. The border of the box counts as outside: the surface ends there."""
-    x, s = (np.linspace(low, high, GRID) for low, high in square.box)
+    x, s = (np.linspace(low, high, GRID, dtype=np.float64) for low, high in square.box)
     values = square.grid(x, s)
     top = float(values.max())
     values[[0, -1]] = np.minimum(values[[0, -1]], -1e-9 * top)

@@ -11,6 +11,7 @@ from railhead.solver.gather import Fields
 
 SHARP = np.radians(75.0)  # between neighbouring facets; a fillet has six elements a turn at least
 ON_PLANE = 1e-9  # of the extent of the body
+ROUNDING = 1e-6  # of a cell: points on its border are held
 CORNERS = {"triangle": 3, "quadrilateral": 4, "tetrahedron": 4, "hexahedron": 8}
 _SIMPLICES = {
     "triangle": [[0, 1, 2]],
@@ -46,8 +47,8 @@ class Solid:
 
     def holds(self, point: Array) -> bool:
         """Whether a point (3,) lies in a cell."""
-        found = self._barycentric(self.near(point, 0.0), point[None])
-        return bool(np.any(found.min(axis=2) > -1e-6))
+        found = self._barycentric(self.near(point, ROUNDING * self.sizes.max()), point[None])
+        return bool(np.any(found.min(axis=2) > -ROUNDING))
 
     def extent(self, start: Array, direction: Array, reach: float) -> float:
         """Where a line from start (3,) along a unit vector leaves the body, mm; at most `reach`.

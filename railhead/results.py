@@ -10,7 +10,7 @@ import signal
 import tempfile
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -59,6 +59,8 @@ def check_folder(folder: Path) -> None:
 def _obstacle(folder: Path) -> str:
     """Why results cannot go to a folder; empty if they can."""
     name = repr(str(folder))
+    with suppress(FileNotFoundError, NotADirectoryError):
+        folder.lstat()  # Python 3.14's `exists` hides that a name is too long
     if folder.is_symlink() and not folder.exists():
         return f"{name} is a link to nothing"
     if folder.exists() and not folder.is_dir():

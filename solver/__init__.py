@@ -10,6 +10,6 @@ import petsc4py
 
 petsc4py.init(["railhead", "-no_signal_handler"])  # without effect where PETSc runs already
 _handlers = logging.root.handlers[:]
-import ffcx  # type: ignore[import-untyped]  # noqa: E402, F401
+import ffcx  # noqa: E402, F401
 
 logging.root.handlers[:] = _handlers

@@ -1,6 +1,6 @@
 """Everything that differs between dolfinx versions (0.5.2, 0.9, 0.11), and nothing else.
 
-No other module asks for a version. Written against dolfinx 0.5.2 (Debian 12), where it is tested.
+No other module asks for a version. Tested with those of Debian 12, Debian 13 and sid.
 """
 
 from __future__ import annotations
@@ -101,8 +101,20 @@ def _width(table: Any, count: int) -> int:
 
 def cell_type(mesh: Any) -> str:
     """'tetrahedron', 'hexahedron', 'triangle' or 'quadrilateral'."""
-    kind = mesh.topology.cell_type if VERSION < (0, 10) else mesh.topology.cell_types[0]
+    kind = mesh.topology.cell_type
     return str(dmesh.to_string(kind)) if hasattr(dmesh, "to_string") else str(kind.name)
+
+
+def straight_mesh(comm: MPI.Comm, cells: NDArray, points: NDArray[np.float64], cell: str) -> Any:
+    """Mesh of straight cells (c, k), in basix order, on points (n, d); cell: see `cell_type`."""
+    cells, dim = cells.astype(np.int64), points.shape[1]
+    if _OLD:
+        domain = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell(cell, dim), 1))
+        return dmesh.create_mesh(comm, cells, points, domain)
+    from basix.ufl import element
+
+    domain = ufl.Mesh(element("Lagrange", cell, 1, shape=(dim,)))
+    return dmesh.create_mesh(comm, cells, x=points, e=domain)
 
 
 def node_points(mesh: Any) -> NDArray[np.float64]:

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 import scipy.sparse as sp
@@ -42,6 +42,8 @@ CENTRAL = 2.0  # steps of the symmetric differences that what is pressed is diff
 STEP = 0.5  # d over the length of the elements' edges
 BLOCK = 256  # right-hand sides that are solved at a time
 DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
+
+Entry = TypeVar("Entry", bound=np.generic)
 
 
 @dataclass(frozen=True)
@@ -283,7 +285,7 @@ class Condenser:
         )  # fmt: skip
         return push.transposeMatMult(dense)
 
-    def _all(self, values: Array) -> Array:
+    def _all(self, values: NDArray[Entry]) -> NDArray[Entry]:
         return np.concatenate(self.comm.allgather(values))
 
 

@@ -93,7 +93,7 @@ def reduce(supports: Supports, comm: MPI.Intracomm, *, padded: bool = False) -> 
     node, column = np.nonzero(np.arange(dim) < free[:, None])
     rows = (dim * node[:, None] + np.arange(dim)).ravel()
     columns = np.repeat(first[node] + column, dim)
-    values = basis[node, :, column].ravel()
+    values: Array = basis[node, :, column].ravel()
     if supports.hub_free:
         nodes = np.flatnonzero(hub & ~supports.fixed)
         rows = np.concatenate([rows, (dim * nodes[:, None] + np.arange(dim)).ravel()])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from typing import Any
 
 import basix
 import numpy as np
@@ -69,7 +70,7 @@ class FacetSet(CellSet):
 
     def gathered(self, comm: MPI.Intracomm) -> FacetSet:
         """The union over all ranks, on every rank (a contact surface is small)."""
-        every = {
+        every: dict[str, Any] = {
             name: np.concatenate(comm.allgather(getattr(self, name)))
             for name in ("local_facet", "nodes", "dofs", "lame")
         }

@@ -69,7 +69,7 @@ def _project_on_corners(points: Array, normals: Array, master: FacetSet, facet: 
     for _ in range(1 if flat else 4):
         x = corners[:, 0] + np.einsum("ncj,nj->nc", edges, xi) + xi.prod(axis=1)[:, None] * twist
         tangent = edges if flat else edges + twist[:, :, None] * xi[:, None, ::-1]
-        xi = xi + _step(points, normals, x, tangent)
+        xi += _step(points, normals, x, tangent)
     return xi
 
 

@@ -264,7 +264,8 @@ def surface_points(
     """The contact points, in the slave."""
     slave, index = interface.slave, interface.facet
     reference = slave.reference(index, interface.xi)
-    groups = [] if hardening is None else [(np.arange(len(index)), hardening)]
+    here = np.arange(len(index))
+    groups: list[tuple[Index, Hardening]] = [] if hardening is None else [(here, hardening)]
     return _points(
         slave, np.zeros(0, dtype=np.int64), index, reference, interface.points, interface.weights,
         groups, bulk, reduction, comm,

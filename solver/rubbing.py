@@ -133,7 +133,7 @@ class _Way:
     ) -> None:  # fmt: skip
         self.model, self.rub, self.condenser, self.case = model, rub, condenser, case
         self.contact, self.rigid = contact, slips(rub, contact)
-        self.known = np.tensordot(rub.known, self.rigid, axes=1)
+        self.known = np.asarray(np.tensordot(rub.known, self.rigid, axes=1))
         if rub.beyond is not None:
             self.known += rub.beyond(contact.points)[:, None] * self.rigid[0]
         self.modes = [index for index, _ in rub.free]

@@ -119,7 +119,7 @@ def law(method: str, thetas: Sequence[int | None]) -> Make:
     """Another contact law with a factor from 0.1 to 10."""
 
     def make(rng: np.random.Generator) -> list[str]:
-        theta = thetas[rng.integers(len(thetas))]
+        theta = thetas[int(rng.integers(len(thetas)))]
         keys = [f"solver.method={method}", f"solver.gamma_factor={10 ** rng.uniform(-1, 1)!r}"]
         keys += [] if theta is None else [f"solver.theta={theta}"]
         return ellipse(rng) + materials(rng) + keys

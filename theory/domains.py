@@ -34,7 +34,7 @@ def suited(
         if len(apart) > 1:
             better += apart
             continue
-        fitted = [_window(touching.any(axis=1 - k), domain[:, k], fine) for k in (0, 1)]
+        fitted = [_window(np.any(touching, axis=1 - k), domain[:, k], fine) for k in (0, 1)]
         better.append(np.transpose(fitted))
     return merged(better)
 

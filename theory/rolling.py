@@ -121,7 +121,7 @@ class HalfSpaceFriction:
         self._tractions = Tractions(self._influence, self._bound)
         inside = np.where(pressure > 0, 1.0, 0.0)
         self._modes = inside * (plane_modes(x, y) if modes is None else modes)
-        self._drawn = np.zeros((2, *pressure.shape))
+        self._drawn: Array = np.zeros((2, *pressure.shape))
         if pair.mismatch:
             changed = pressure if settled is None else pressure - settled
             self._drawn = inside * self._influence.of_pressure(changed)

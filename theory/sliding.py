@@ -65,7 +65,7 @@ def stress(contact: Hertz, friction: float, poisson: float, points: ArrayLike) -
         e = b * math.cos(t) / length, a * math.sin(t) / length
         i_0, i_1 = _ellipse_waves(contact, e, x * e[0] + y * e[1], depth)
         total += a * b / length**2 * _plane_wave(i_0, i_1, e, friction, poisson)
-    return total / (2 * math.pi * DIRECTIONS)
+    return np.asarray(total / (2 * math.pi * DIRECTIONS))
 
 
 def hardest_below(contact: Hertz, friction: float, poisson: float) -> Hardest:

@@ -73,7 +73,7 @@ def love(potential: Potential, poisson: float) -> Array:
         z_xz,  # the shears on horizontal planes change sign from depth to height
         z_yz,
     )
-    return np.column_stack(columns) / (2 * np.pi)
+    return np.asarray(np.column_stack(columns) / (2 * np.pi))
 
 
 def axis_stress(contact: Ellipse, poisson: float, depth: ArrayLike) -> Array:

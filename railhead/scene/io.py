@@ -1,6 +1,7 @@
 """Scenes as TOML files."""
 
 import re
+import stat
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -14,16 +15,18 @@ from railhead.scene.scene import Scene, SceneError
 def _read_text(path: Path) -> str:
     """Return the text of a UTF-8 file; raise SceneError if there is none."""
     try:
-        if not path.exists():
-            raise SceneError(str(path), "no such file; give the path of a TOML file")
-        if not path.is_file():
-            raise SceneError(str(path), "not a file; give the path of a TOML file")
-        return path.read_text(encoding="utf-8-sig")
+        is_file = stat.S_ISREG(path.stat().st_mode)
+        text = path.read_text(encoding="utf-8-sig") if is_file else ""
     except UnicodeDecodeError as error:
-        text = f"byte {error.start} is not UTF-8; give a TOML file, which is UTF-8 text"
-        raise SceneError(str(path), text) from None
+        reason = f"byte {error.start} is not UTF-8; give a TOML file, which is UTF-8 text"
+        raise SceneError(str(path), reason) from None
+    except (FileNotFoundError, NotADirectoryError, ValueError):  # ValueError: a zero byte
+        raise SceneError(str(path), "no such file; give the path of a TOML file") from None
     except OSError as error:
         raise SceneError(str(path), f"cannot be read: {error.strerror}") from None
+    if not is_file:
+        raise SceneError(str(path), "not a file; give the path of a TOML file")
+    return text
 
 
 def _read_toml(path: Path) -> dict[str, Any]:

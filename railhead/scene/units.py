@@ -25,17 +25,25 @@ _RUN = re.compile(rf"[:/]\s*({_NUMBER})")  # what follows the 1 in 1:20
 _POWER = r"[A-Za-z\u00b5\u03bc]+(?:(?:\*\*|\^)-?[1-9]|[²³])?"  # either micro sign
 _UNIT = re.compile(rf"{_POWER}(?:\s*[*/]\s*{_POWER})*")
 _ANGLES = {"deg": math.pi / 180, "°": math.pi / 180, "mrad": 1e-3, "rad": 1.0}
-_BRIEF = reprlib.Repr()
-_BRIEF.maxstring = _BRIEF.maxother = 100
+
+
+class _Brief(reprlib.Repr):
+    def __init__(self) -> None:
+        super().__init__()
+        self.maxstring = self.maxother = 100
+
+    def repr_int(self, x: int, level: int) -> str:
+        """Python refuses to print integers of more than 4300 digits."""
+        try:
+            str(x)
+        except ValueError:
+            return "a huge int"
+        return super().repr_int(x, level)
 
 
 def show(value: object) -> str:
     """Return a short ``repr`` of any value, on one line."""
-    try:
-        text = _BRIEF.repr(value)
-    except ValueError:  # Python refuses to print integers of more than 4300 digits
-        text = f"a huge {type(value).__name__}"
-    return " ".join(text.split())
+    return " ".join(_Brief().repr(value).split())
 
 
 @lru_cache(maxsize=1)

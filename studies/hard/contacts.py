@@ -130,7 +130,7 @@ def transformed(matrix: Array, length: float = 1.0, stress: float = 1.0) -> Meas
     gap = setup.gap
 
     def turned(points: Array) -> tuple[Array, Array]:
-        gaps, normals = gap(points @ matrix / length)
+        gaps, normals = gap(np.asarray(points @ matrix / length))
         return gaps * length, normals @ matrix.T
 
     moved, other = blocks.two_blocks()
@@ -149,7 +149,7 @@ def transformed(matrix: Array, length: float = 1.0, stress: float = 1.0) -> Meas
     found = solve(moved, other, lambda _: inside, LOAD * stress * length**2)
     solution = replace(
         found.solution,
-        pressure=found.solution.pressure / stress,
+        pressure=np.asarray(found.solution.pressure / stress),
         approach=found.solution.approach / length,
     )
     deviation = differ(solution, good.solution, good.solution.approach)

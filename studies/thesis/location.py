@@ -198,8 +198,9 @@ def rail_position(facts: Facts) -> Finding:
 
 @rules(29)
 def wheel_position(facts: Facts) -> Finding:
-    """Eq 4.33 at many angles."""
-    found = [geometry.reduced_equations(*pair, HALF_AXLE).s1w_printed for pair in ANGLES]
+    """Eq 4.33 at many angles; where yaw and bank are equal it is 0 / 0."""
+    pairs = [(yaw, bank) for yaw, bank in ANGLES if yaw != bank]
+    found = [geometry.reduced_equations(*pair, HALF_AXLE).s1w_printed for pair in pairs]
     spread = float(np.ptp(found)) / HALF_AXLE
     return Finding(
         [statement("depends on the angles", "yes", f"L within {spread:.0e}", spread > 1e-6)],

@@ -105,7 +105,7 @@ def lines(case: Case, fe: Sampled | None, path: Path) -> None:
     zero = np.zeros_like(t)
     surface = stress(c, case.poisson, np.column_stack((t, zero, zero)))
     mistaken = _diagonal(thesis_axis_stress(case.p_max, case.a, case.poisson, t))
-    depth = np.linspace(0, 3 * c.b, 241)
+    depth = np.linspace(0, 3 * c.b, 241, dtype=np.float64)
     with new_figure(path, 13.5, 5.6) as figure:
         left, middle, right = figure.subplots(1, 3)
         for values, look in ((surface[:, 2], 1), (mistaken[:, 2], 2)):

@@ -119,9 +119,10 @@ def test_the_package_says_its_own_version() -> None:
 
 def test_importing_and_planning_change_nothing() -> None:
     """Neither do the libraries below: PETSc catches signals, and ffcx logs, if they may. (MPI does
-    catch crashes.)"""
+    catch crashes, and where it uses UCX a hangup.)"""
     code = """
 import logging, os, pathlib, signal, sys
+from mpi4py import MPI
 def host():
     status = pathlib.Path("/proc/self/status").read_text().splitlines()
     masks = [int(line.split()[1], 16) for line in status if line.startswith(("SigCgt", "SigIgn"))]

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import ufl
 from dolfinx import mesh as dmesh
 from mpi4py import MPI
 from scipy.spatial import cKDTree
@@ -26,9 +25,8 @@ def mirrored(made: ContactMesh, axis: int, size: float) -> ContactMesh:
     image[off] = len(points) + np.arange(off.sum())
     flip = np.where(np.arange(3) == axis, -1.0, 1.0)
     whole = np.concatenate([points, points[off] * flip])
-    both = np.concatenate([cells, image[cells][:, [1, 0, 2, 3]]]).astype(np.int64)
-    domain = ufl.Mesh(ufl.VectorElement("Lagrange", "tetrahedron", 1))
-    new = dmesh.create_mesh(MPI.COMM_WORLD, both, whole, domain)
+    both = np.concatenate([cells, image[cells][:, [1, 0, 2, 3]]])
+    new = compat.straight_mesh(MPI.COMM_WORLD, both, whole, "tetrahedron")
     bodies = np.zeros(len(cells), dtype=np.int32)
     bodies[made.cell_tags.indices] = made.cell_tags.values
     bodies = np.tile(bodies, 2)[new.topology.original_cell_index]

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import ufl
-from dolfinx.mesh import compute_midpoints, create_mesh, exterior_facet_indices, meshtags
+from dolfinx.mesh import compute_midpoints, exterior_facet_indices, meshtags
 from mpi4py import MPI
 
 from railhead.meshing import mesh, outlines, profiles
@@ -189,9 +188,8 @@ def mirrored(made: mesh.ContactMesh) -> mesh.ContactMesh:
     image[~on_plane] = len(x) + np.arange(np.sum(~on_plane))
     points = np.concatenate([x, (x * [-1.0, 1.0])[~on_plane]])
     shape = "triangle" if cells.shape[1] == 3 else "quadrilateral"
-    domain = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell(shape, 2), 1))
     both = np.concatenate([cells, image[cells]])
-    built = create_mesh(MPI.COMM_WORLD, both.astype(np.int64), points, domain)
+    built = compat.straight_mesh(MPI.COMM_WORLD, both, points, shape)
     topology = built.topology
     topology.create_connectivity(1, 2)
     order = np.asarray(topology.original_cell_index)

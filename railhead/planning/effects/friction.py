@@ -87,7 +87,7 @@ def apply(setup: Setup, plan: Plan) -> Setup:
     rolling, friction = scene.rolling, scene.friction
     given = rolling if rolling.given else friction
     moves = creepage(plan.context)
-    known = np.array([moves.along, moves.across, moves.spin])
+    known = [moves.along, moves.across, moves.spin]
     free = []
     for index, way in enumerate(("along", "across")):
         if rolling.given and getattr(rolling, f"force_{way}") is None:
@@ -98,8 +98,9 @@ def apply(setup: Setup, plan: Plan) -> Setup:
     far = CerrutiFarField(plan) if contact.half_space and not contact.plane else None
     zones = plan.forecast.zones
     beyond = OffPlane(contact, zones) if rolling.given and len(zones) > 1 else None
+    motion = known[0], known[1], known[2]
     rub = Rub(
-        friction.coefficient, rolling.given, frame.axes, frame.origin, tuple(known), tuple(free),
+        friction.coefficient, rolling.given, frame.axes, frame.origin, motion, tuple(free),
         legs(scene, line=contact.line, yields=plan.effects["plasticity"].on), far, beyond,
     )  # fmt: skip
     return replace(setup, rub=rub)
