@@ -13,13 +13,13 @@ MOTION = {True: ("creepage_along", "creepage_across", "spin_per_mm"),
 
 
 def quantities(
-    found: Rubbing, *, rolling: bool, speed: float | None, cycle: bool
+    found: Rubbing, *, rolling: bool, like: bool, speed: float | None, cycle: bool
 ) -> dict[str, Any]:
     """As "friction" in summary.json: forces and moment of the wheel on the rail, N and N mm, with
     mu N; the wheel's motion over the rail; the share of the patch's area that sticks; the largest
     traction, MPa. Rolling, T-gamma: the energy dissipated per rolled length, N, as forces times
-    creepages (of like bodies: unlike ones creep without a force), and, with a speed in m/s, the
-    power in W. Of a cycle, the energy that slip dissipates in it, N mm."""
+    creepages, of unlike bodies, which creep without a force, as tractions times slip; with a speed
+    in m/s the power in W. Of a cycle, the energy that slip dissipates in it, N mm."""
     touches = found.pressure > 0
     share = found.weights[found.sticks].sum() / found.weights[touches].sum()
     out: dict[str, Any] = {
@@ -37,6 +37,8 @@ def quantities(
         out["energy_per_cycle_Nmm"] = found.energy
     if rolling:
         wear = float(np.dot((*found.force, found.moment), found.motion)) + found.beyond
+        if not like:
+            wear = float(found.weights @ np.einsum("nc,nc->n", found.traction, found.slip))
         out["t_gamma_N"] = wear
         if speed is not None:
             out["power_W"] = wear * speed

@@ -88,8 +88,9 @@ def run(
         checks += _shape(level.plain or level, estimates)
         checks += _opinion(level.plain or level, estimates, second)
     if reached is not None:
-        off = worst(estimates, level) if reached else math.inf
+        off = worst(estimates, level)
         asked = float(level.plan.scene.accuracy or 0.0)
+        off = off if reached else max(off, math.nextafter(asked, math.inf))
         advice = "ask for less, or give a larger budget; see accuracy.would_cost"
         checks.append(Check("accuracy", off, asked, "asked", advice))
     return checks

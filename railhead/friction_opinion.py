@@ -19,6 +19,7 @@ from railhead.theory.line import LineContact
 
 CELLS, STRIP_CELLS = (32, 64), (128, 256)  # of boundary elements, coarse and fine
 STRIP = ("force_along_N", "stick_share", "traction_max_MPa", "t_gamma_N", "grid_error")
+GROWN = "unlike bodies slip while the patch grows, which is not followed there"
 TURNED = "a strip of unlike bodies across the rail"
 
 Opinions = dict[str, dict[str, Any]]
@@ -36,6 +37,8 @@ def opinions(level: Level, profiles: Solution | str | None) -> Opinions | None:
         found, scene.friction.coefficient, exact.tangential_pair(scene),
         scene.rolling.given, contact.half_space and not level.plan.section,
     )  # fmt: skip
+    if not (asked.like or asked.rolling):
+        return {"boundary elements": {"reason": GROWN}}
     if isinstance(level.ellipse, LineContact):
         return _strip(asked, level.ellipse)
     return _solid(asked, level, level.ellipse, profiles)

@@ -17,7 +17,7 @@ from railhead.meshing.mesh import ContactMesh
 from railhead.meshing.sizing import Grading
 from railhead.meshing.surfaces import ExactGap
 from railhead.planning import effects, exact, laws
-from railhead.planning.effects import After
+from railhead.planning.effects import After, friction
 from railhead.planning.forecast import Forecast, Nearest, Zone
 from railhead.planning.laws import Family, Setting
 from railhead.planning.plan import Plan
@@ -189,8 +189,8 @@ def _read(
         if solution.rubbing is not None:
             rolling = plan.scene.rolling
             result["friction"] = traction.quantities(
-                solution.rubbing, rolling=rolling.given, speed=rolling.speed,
-                cycle=plan.scene.friction.cycle,
+                solution.rubbing, rolling=rolling.given, like=not friction.unlike(plan.scene),
+                speed=rolling.speed, cycle=plan.scene.friction.cycle,
             )  # fmt: skip
     ellipse = exact.estimate(plan.scene, plan.contact, solution.load or None)
     return Level(

@@ -23,6 +23,19 @@ COLUMNS = {
     "contact angle [rad]": ("plan", "contact_angle_rad"),
     "unknowns": ("cost", "dofs"),
 }
+FRICTION = {
+    "force along [N]": "force_along_N",
+    "force across [N]": "force_across_N",
+    "moment [N mm]": "moment_Nmm",
+    "mu N [N]": "limit_N",
+    "creepage along": "creepage_along",
+    "creepage across": "creepage_across",
+    "spin [1/mm]": "spin_per_mm",
+    "shift along [mm]": "shift_along_mm",
+    "shift across [mm]": "shift_across_mm",
+    "stick share": "stick_share",
+    "T-gamma [N]": "t_gamma_N",
+}
 BOUNDS = {
     "p_max estimate": "max_MPa",
     "area estimate": "area_mm2",
@@ -63,6 +76,8 @@ def row(values: Mapping[str, object], kept: Mapping[str, Any]) -> dict[str, Any]
     place = summary["result"]["contact_point_mm"]
     line |= {f"patch {axis} [mm]": value for axis, value in zip("xyz", place, strict=True)}
     line["patches"] = max(1, len(summary["result"]["patches"]))
+    rubbed = summary["result"].get("friction") or {}
+    line |= {name: rubbed[key] for name, key in FRICTION.items() if key in rubbed}
     bound = summary["accuracy"]["bound"]
     return line | {name: bound.get(key) for name, key in BOUNDS.items()}
 

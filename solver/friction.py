@@ -24,6 +24,7 @@ from railhead.solver.cells import Array
 from railhead.solver.condensed import Condensed
 
 STEPS = 60  # of Newton's method
+HELD = 1e-3  # of the stiffness of all that sticks: holds motions where everything slips
 LENGTHS = 1.0, 0.5  # of every other step: the one that leaves less
 TOLERANCE = 1e-8  # change of the tractions over the largest mu p
 LEAST = 1e-300  # below it a vector has no direction
@@ -98,9 +99,12 @@ class Friction:
             np.array([contact.force(axis) for axis in forces[:, :3]]).reshape(-1, len(self.mass)),
             forces[:, 3],
         )
-        found = None if start is None else problem.solve(start)
-        if found is None or not found.converged:
-            found = problem.solve(None)
+        stiffness = contact.parts * contact.step * float(contact.weights @ contact.tau)
+        tries = [(start, 0.0)] if start is not None else []
+        for begin, held in (*tries, (None, 0.0), (None, HELD * stiffness)):
+            found = problem.solve(begin, held)
+            if found.converged:
+                break
         return found
 
 
@@ -116,8 +120,9 @@ class _Problem:
     rows: Array
     forces: Array
 
-    def solve(self, begin: Sheared | None) -> Sheared:
-        """Newton's method from all that sticks, or from the solution of a similar problem."""
+    def solve(self, begin: Sheared | None, held: float) -> Sheared:
+        """Newton's method from all that sticks, or from the solution of a similar problem; held:
+        stiffness that its tangent adds to the motions, N/mm."""
         contact, coefficient = self.friction.contact, self.friction.coefficient
         mass, onto, top = self.friction.mass, self.friction.onto, self.friction.top
         n, k, unknowns = self.pull.shape
@@ -143,6 +148,7 @@ class _Problem:
             tangent[:m] = -(onto @ moved.reshape(n * k, -1))
             tangent[:m, :m] += mass
             tangent[m:, :m] = self.rows
+            tangent[m:, m:] = held * np.eye(len(self.rows))
             residual = [mass @ x[:m] - onto @ value.ravel(), self.rows @ x[:m] - self.forces]
             try:
                 step = scipy.linalg.solve(tangent, -np.concatenate(residual), check_finite=False)

@@ -13,6 +13,7 @@ from railhead.scene import unused
 from railhead.scene.scene import NOMINAL_RADIUS, Scene, SceneError
 from railhead.theory import hertz, line
 
+TURNS = "a tangential force or creepage turns with no axis"
 SLENDER = 5.0  # predicted semi-axis across over half the contact length that makes a line contact:
 # the pressure at both ends is then within 2 % of that in the middle, sqrt(1 - 1/25)
 LEVEL = 0.1  # largest slope of either surface within the contact length of a line contact
@@ -43,7 +44,7 @@ def choose(scene: Scene) -> Dimension:
     given, a line contact has no length or is not level, or its section cannot use a given key."""
     ring = circular(scene)
     if ring[0] and any(scene.sheared):
-        ring = False, "a tangential force or creepage turns with no axis"
+        ring = False, TURNS
     forced = scene.effects.axisymmetry
     if forced == "on" and not ring[0]:
         raise SceneError("effects.axisymmetry", f"'on' is not allowed: {ring[1]}; give auto or off")

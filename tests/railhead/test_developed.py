@@ -15,7 +15,7 @@ from railhead.level import Level
 from railhead.planning import developed, exact
 from railhead.postprocess import compare
 from railhead.scene.scene import Scene
-from railhead.second_opinion import half_space
+from railhead.second_opinion import half_space, solve
 from railhead.theory.boundary_element import Solution
 from railhead.theory.hertz import Ellipse
 
@@ -156,5 +156,5 @@ def test_a_second_opinion_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -
         raise ValueError("no bounded contact found")
 
     monkeypatch.setattr(developed, "solve", fail)
-    found = half_space(cast(Level, level))
+    found = half_space(cast(Level, level), solve(cast(Level, level)))
     assert found == {"reason": "boundary elements: no bounded contact found"}

@@ -2,16 +2,25 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import meshio
 import numpy as np
 import pytest
+from mpi4py import MPI
 from scipy.optimize import brentq
 from scipy.special import ellipk
 
 import railhead as rh
+from railhead import build, sweep_table
+from railhead.planning import plan as planning
+from railhead.planning.effects import friction as effect
+from railhead.postprocess.traction import quantities
 from railhead.scene.scene import SceneError
+from railhead.solver.condensed import tangents
+from railhead.solver.rubbing import YieldingRubbingModel
 from railhead.theory import cattaneo
 
 ENTRIES = {
@@ -83,6 +92,15 @@ def test_a_patch_that_is_shifted_there_and_back_is_mindlin_s() -> None:
     assert -back == pytest.approx(there, rel=1e-3) and again == pytest.approx(there, rel=1e-3)
 
 
+@pytest.mark.slow
+def test_a_shift_across_is_mindlin_s_too() -> None:
+    force = 0.5 * MU * 25e3
+    found = rh.solve(ellipse(friction={"force_across": force}), quiet=True)
+    assert found.passed, found.failed
+    exact = cattaneo.ellipse(found.ellipse, MU, 207e3 / 2.6, 0.3, across=True)
+    assert friction(found)["shift_across_mm"] == pytest.approx(exact.approach(force), rel=0.02)
+
+
 @pytest.mark.parametrize("coefficient", [0.15, 0.3])
 def test_unlike_bodies_slip_where_spence_says(coefficient: float) -> None:
     """A patch that grows under its load sticks up to c: K(sqrt(1 - c^2)) / K(c) = beta/mu (Spence
@@ -116,6 +134,54 @@ def test_a_shift_makes_bodies_yield_further() -> None:
     assert np.all(size <= MU * rubbing.pressure * (1 + 1e-9))
     shear = found.level.solution.plastic.equivalent.max() / plain.plastic.equivalent.max()
     assert shear > 1.05  # the shift adds to what the load has done
+
+
+def test_a_shift_is_taken_in_steps_where_bodies_grow_or_yield() -> None:
+    unlike = roller(friction={"force_along": 1e3, "cycle": True}, wheel={"young_modulus": 1e5})
+    legs = effect.legs(unlike, line=True, yields=False)
+    assert [load for load, _ in legs[:8]] == [(step / 8) ** 2 for step in range(1, 9)]
+    assert legs[8:] == ((1, 1), (1, -1), (1, 1))
+    shares = effect.legs(roller(friction={"force_along": 1e3}), line=True, yields=True)
+    assert shares == ((1, 0.25), (1, 0.5), (1, 0.75), (1, 1))
+
+
+@pytest.fixture(scope="module")
+def sheared() -> YieldingRubbingModel:
+    """A coarse roller whose contact points have the plastic strain eps_xz = 1e-3."""
+    plan = planning.make(yielding())
+    model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
+    assert isinstance(model, YieldingRubbingModel)
+    model.plastic.forget()
+    model.plastic.surface.history.plastic[:, 3] = np.sqrt(2) * 1e-3  # Mandel's notation
+    return model
+
+
+def test_yield_takes_shear_stress_at_the_surface(sheared: YieldingRubbingModel) -> None:
+    """2 mu t . eps . n on level surfaces, t along x and the slave's normal up or down."""
+    own = np.arange(len(sheared.interface.normals))
+    normals = sheared.interface.normals
+    out = normals if sheared.setup.slave == sheared.setup.fixed.tag else -normals
+    points = SimpleNamespace(own=own, size=1, normals=normals, tangents=tangents(out))
+    lost = sheared.lost_shear(points)[:, 0]
+    middle = np.abs(sheared.interface.points[:, 0]) < 3.0
+    level = np.sign(normals[middle, 1]) * 2 * 207e3 / 2.6 * 1e-3
+    assert middle.sum() > 5 and lost[middle] == pytest.approx(level, rel=0.01)
+
+
+def test_a_patch_off_the_plane_creeps_by_its_own_radius() -> None:
+    """What lies beyond the motion acts as creepage along does, and its work counts."""
+    plan = planning.make(roller(rolling={"creepage_along": 0.0}, mesh={"patch_size": 0.5}))
+    answers = []
+    for known, beyond in ((5e-4, None), (0.0, lambda points: np.full(len(points), 5e-4))):
+        model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
+        rub = replace(model.setup.rub, known=(known, 0.0, 0.0), beyond=beyond)
+        model.setup = replace(model.setup, rub=rub)
+        touching = plan.forecast.touching(model.setup.kinematics.lift(model.interface.points))
+        found = model.solve(load=110e3, active=touching).rubbing
+        answers.append(quantities(found, rolling=True, like=True, speed=None, cycle=False))
+    one, other = answers
+    for name in ("force_along_N", "t_gamma_N"):
+        assert other[name] == pytest.approx(one[name], rel=1e-9)
 
 
 def test_a_yield_that_is_not_passed_changes_no_bit() -> None:
@@ -178,6 +244,33 @@ def test_the_other_way_round_is_the_other_way_round() -> None:
     assert other["force_along_N"] == pytest.approx(-one["force_along_N"], rel=0.002)
 
 
+@pytest.mark.parametrize("coefficient", [1e-3, 1e-2])
+def test_however_little_friction_there_is_a_shift_is_cattaneo_s(coefficient: float) -> None:
+    scene = roller(friction={"coefficient": coefficient, "force_along": 0.5 * coefficient * 110e3})
+    answer = friction(rh.solve(scene, quiet=True))
+    assert answer["stick_share"] == pytest.approx(math.sqrt(0.5), abs=0.03)
+
+
+def test_nothing_pushes_a_sphere_aside_that_is_pressed() -> None:
+    """A meridian section has no motion along: tractions vanish on the axis and point inwards."""
+    found = rh.solve(rh.find("sphere_on_plane").replace(friction={"coefficient": MU}), quiet=True)
+    rubbing = found.level.solution.rubbing
+    assert found.passed, found.failed
+    assert friction(found)["shift_along_mm"] == 0 and 0.65 < friction(found)["stick_share"] < 0.85
+    radius, along = rubbing.points[:, 0], rubbing.traction[:, 0]
+    size = np.abs(along).max()
+    outwards = rubbing.weights @ np.maximum(along, 0.0)
+    assert outwards < 0.05 * rubbing.weights @ np.abs(along)
+    assert np.abs(along[radius < 0.03 * radius.max()]).max() < 0.3 * size
+
+
+def test_a_rigid_wheel_is_shifted() -> None:
+    scene = roller(friction={"force_along": 9900}, wheel={"young_modulus": math.inf})
+    found = rh.solve(scene, quiet=True)
+    assert found.passed, found.failed
+    assert friction(found)["force_along_N"] == pytest.approx(9900)
+
+
 def test_bodies_of_different_shape_drive_without_creepage_whatever_the_law() -> None:
     """A disc and a block of one steel are pressed differently: 0.0032 mu P on meshes three times as
     fine."""
@@ -216,6 +309,16 @@ def test_wear_and_power_follow_from_forces_and_creepages() -> None:
     assert answer["power_W"] == pytest.approx(20 * answer["t_gamma_N"])
 
 
+def test_unlike_bodies_dissipate_what_slips() -> None:
+    """A rigid wheel is driven at a creepage above 0: forces times creepages would be a gain."""
+    scene = roller(rolling={"creepage_along": 5e-4}, wheel={"young_modulus": math.inf})
+    found = rh.solve(scene, quiet=True)
+    answer = friction(found)
+    assert answer["force_along_N"] < 0 < answer["t_gamma_N"]
+    row = sweep_table.row({}, sweep_table.record(found))
+    assert row["T-gamma [N]"] == answer["t_gamma_N"]
+
+
 @pytest.mark.parametrize(
     "keys, line",
     [
@@ -226,6 +329,7 @@ def test_wear_and_power_follow_from_forces_and_creepages() -> None:
         ({"rolling": {"creepage_across": 1e-3}}, "rolling: across the rail is not allowed"),
         ({"rolling": {"creepage_along": 2}}, "rolling.creepage_along: 2 is not allowed"),
         ({"friction": {"force_along": 1e3}, "rolling": {"spin": 1e-4}}, "rolling: is not allowed"),
+        ({"rolling": {"creepage_along": 1e-3}, "mesh": {"order": 1}}, "mesh.order: 1 is not"),
         ({"friction": {"cycle": True}}, "friction.cycle: true is not allowed without a force"),
         (
             {
