@@ -25,9 +25,20 @@ def solved(ranks: int, folder: Path, *assignments: str, case: str = "uic54_thesi
     return json.loads((folder / f"ranks{ranks}" / "summary.json").read_text())
 
 
+def pair(ranks: int, folder: Path, *assignments: str, **case: str) -> tuple[dict, dict]:
+    """On one rank and on more. Once in eight times or so gmsh makes another mesh of the same
+    bodies, on which numbers are others: then once more, up to four times."""
+    one = solved(1, folder, *assignments, **case)
+    for _ in range(4):
+        more = solved(ranks, folder, *assignments, **case)
+        if more["cost"]["cells"] == one["cost"]["cells"]:
+            break
+    return one, more
+
+
 @pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_same_numbers_on_several_ranks(ranks: int, tmp_path) -> None:
-    one, more = (solved(n, tmp_path, "mesh.patch_size=1.0") for n in (1, ranks))
+    one, more = pair(ranks, tmp_path, "mesh.patch_size=1.0")
     assert more["cost"]["ranks"] == ranks
     assert more["cost"]["dofs"] == one["cost"]["dofs"]
     for part in ("patch", "pressure", "stress"):
@@ -49,8 +60,7 @@ def test_same_numbers_on_several_ranks(ranks: int, tmp_path) -> None:
 def test_yield_is_the_same_on_two_ranks(tmp_path) -> None:
     """A sphere at twenty times its first-yield load, where contact points yield on one rank and not
     on the other, and what it leaves."""
-    keys = ("wheel.yield_stress=20.2",)
-    one, two = (solved(n, tmp_path, *keys, case="sphere_on_plane") for n in (1, 2))
+    one, two = pair(2, tmp_path, "wheel.yield_stress=20.2", case="sphere_on_plane")
     for part in ("patch", "pressure", "plastic"):
         for key, value in one["result"][part].items():
             if isinstance(value, float):
