@@ -91,7 +91,7 @@ class Friction:
         if settled is not None:
             base -= contact.tau[:, None] * settled
         pull = contact.tau[:, None] * (contact.step * modes)
-        problem = _Problem(
+        problem = Problem(
             self,
             base,
             np.hstack([contact.answer, pull.reshape(-1, n * k).T]).reshape(n, k, -1),
@@ -109,7 +109,7 @@ class Friction:
 
 
 @dataclass(frozen=True)
-class _Problem:
+class Problem:
     """Unknowns x (m + j,): tractions at the nodes and motions. q = base + pull x, with pull
     (n, k, m + j); p = p0 + closing x; rows (j, m) of the tractions are the forces (j,), N."""
 
@@ -124,9 +124,8 @@ class _Problem:
         """Newton's method from all that sticks, or from the solution of a similar problem; held:
         stiffness that its tangent adds to the motions, N/mm."""
         contact, coefficient = self.friction.contact, self.friction.coefficient
-        mass, onto, top = self.friction.mass, self.friction.onto, self.friction.top
         n, k, unknowns = self.pull.shape
-        m, active = len(mass), contact.touches
+        m, active, top = len(self.friction.mass), contact.touches, self.friction.top
         x, slips, direction = np.zeros(unknowns), np.zeros(n, dtype=bool), np.zeros((n, k))
         if begin is not None:
             x = np.concatenate([begin.nodal, begin.motion])
@@ -137,27 +136,14 @@ class _Problem:
             q, bound, size, unit = self._state(x)
             now = active & (size > bound) & (not first)
             now &= ~(slips & (np.einsum("nk,nk->n", unit, direction) < 0))
-            # lambda = value + change (q_new - q) + mu unit (p_new - p)
-            value = np.where(now[:, None], bound[:, None] * unit, q) * active[:, None]
-            across = np.eye(k) - unit[:, :, None] * unit[:, None, :]
-            change = np.where(now, bound / size, 0.0)[:, None, None] * across
-            change[active & ~now] = np.eye(k)
-            along = np.where(now[:, None], coefficient * unit, 0.0)
-            moved = change @ self.pull + along[:, :, None] * self.closing[:, None, :]
-            tangent = np.zeros((unknowns, unknowns))
-            tangent[:m] = -(onto @ moved.reshape(n * k, -1))
-            tangent[:m, :m] += mass
-            tangent[m:, :m] = self.rows
+            residual, tangent = self.linear(x, now)
             tangent[m:, m:] = held * np.eye(len(self.rows))
-            residual = [mass @ x[:m] - onto @ value.ravel(), self.rows @ x[:m] - self.forces]
             try:
-                step = scipy.linalg.solve(tangent, -np.concatenate(residual), check_finite=False)
+                step = scipy.linalg.solve(tangent, -residual, check_finite=False)
             except scipy.linalg.LinAlgError:  # everything slips under given forces
                 history.append(np.inf)
                 break
-            if (
-                len(history) % 2 == 0
-            ):  # at every step it would hold up, never it would go in circles
+            if len(history) % 2 == 0:  # always, it would hold up; never, it may go in circles
                 step *= min(LENGTHS, key=lambda length: self._off(x + length * step))
             x = x + step
             changed = float(np.abs(step[:m]).max()) / top
@@ -174,6 +160,26 @@ class _Problem:
             np.where(active, bound / coefficient, 0.0), x[:m], x[m:], slips, direction,
             tuple(history),
         )  # fmt: skip
+
+    def linear(self, x: Array, slips: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """Residual (m + j,) and its derivative where some of the points slip and all others that
+        touch stick: lambda = value + change (q_new - q) + mu unit (p_new - p)."""
+        contact, coefficient = self.friction.contact, self.friction.coefficient
+        mass, onto, (n, k, unknowns) = self.friction.mass, self.friction.onto, self.pull.shape
+        m, active = len(mass), contact.touches
+        q, bound, size, unit = self._state(x)
+        value = np.where(slips[:, None], bound[:, None] * unit, q) * active[:, None]
+        across = np.eye(k) - unit[:, :, None] * unit[:, None, :]
+        change = np.where(slips, bound / size, 0.0)[:, None, None] * across
+        change[active & ~slips] = np.eye(k)
+        along = np.where(slips[:, None], coefficient * unit, 0.0)
+        moved = change @ self.pull + along[:, :, None] * self.closing[:, None, :]
+        tangent = np.zeros((unknowns, unknowns))
+        tangent[:m] = -(onto @ moved.reshape(n * k, -1))
+        tangent[:m, :m] += mass
+        tangent[m:, :m] = self.rows
+        residual = [mass @ x[:m] - onto @ value.ravel(), self.rows @ x[:m] - self.forces]
+        return np.concatenate(residual), tangent
 
     def _state(self, x: Array) -> tuple[Array, Array, Array, Array]:
         """q (n, k), mu p and |q| (n,), direction of q (n, k)."""

@@ -15,6 +15,7 @@ from railhead.studies.hard.case import Case, Measured
 from railhead.studies.hard.contacts import near, random
 from railhead.studies.hard.maps import LAWS, factor_cases, material_cases
 from railhead.studies.hard.random_cases import plan_cases, run_cases
+from railhead.studies.hard.rubbing import rubbing
 from railhead.studies.hard.scenes import (
     ELLIPSE,
     HEAD,
@@ -161,9 +162,8 @@ def invariances() -> Iterator[Case]:
 
 
 PARTS = (
-    loads, starts, shapes, stiffness, yielding, meshes, stalled, thin, places, positions, worn,
-    invariances,
-    iterations, factor_cases, material_cases, plan_cases, run_cases,
+    loads, starts, shapes, stiffness, yielding, rubbing, meshes, stalled, thin, places, positions,
+    worn, invariances, iterations, factor_cases, material_cases, plan_cases, run_cases,
 )  # fmt: skip
 CASES: dict[str, Case] = {case.key: case for part in PARTS for case in part()}
 QUICK = [case for case in CASES.values() if case.quick]

@@ -57,6 +57,23 @@ def test_same_numbers_on_several_ranks(ranks: int, tmp_path) -> None:
     assert more["checks"]["force_balance"] < 1e-8
 
 
+@pytest.mark.parametrize(
+    "keys",
+    [
+        ("rolling.creepage_along=0.05%",),
+        ("friction.force_along=9900", "wheel.young_modulus=inf"),
+    ],
+)
+def test_friction_is_the_same_on_two_ranks(keys: tuple[str, ...], tmp_path) -> None:
+    """Rolling, and a rigid wheel whose patch grows with friction."""
+    given = ("friction.coefficient=0.3", "mesh.patch_size=0.5", *keys)
+    one, two = pair(2, tmp_path, *given, case="long_roller")
+    for key, value in one["result"]["friction"].items():
+        if isinstance(value, float) and not key.endswith("depth_mm"):
+            size = one["result"]["friction"]["limit_N"] if key.endswith("_N") else abs(value)
+            assert abs(two["result"]["friction"][key] - value) <= 1e-6 * size, key
+
+
 def test_yield_is_the_same_on_two_ranks(tmp_path) -> None:
     """A sphere at twenty times its first-yield load, where contact points yield on one rank and not
     on the other, and what it leaves."""

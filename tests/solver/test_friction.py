@@ -1,0 +1,43 @@
+"""Newton's method of the tractions on a made-up contact."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from railhead.solver.condensed import Condensed
+from railhead.solver.friction import Friction, Problem
+
+N, M, MU = 12, 8, 0.3  # points, unknown tractions
+
+
+def contact(rng: np.random.Generator) -> Condensed:
+    """Points with two tangents whose slip and pressure answer to tractions at random."""
+    none: Any = np.zeros((N, 2))
+    along = np.broadcast_to(np.eye(3)[:2], (N, 2, 3))
+    return Condensed(
+        np.zeros((N, 3)), np.full(N, 0.5), along, np.full(N, 40.0), 1.0,
+        sp.csr_matrix(rng.random((2 * N, M))), rng.normal(size=(2 * N, M)), rng.random((2 * N, M)),
+        rng.normal(size=(N, M)), 1, slice(0, N), np.arange(N) % 4 > 0,
+        rng.normal(size=(N, 2)) * 50, none, rng.random(N) * 100 + 50,
+    )  # fmt: skip
+
+
+def test_the_tangent_is_the_derivative_of_the_residual() -> None:
+    """Of points that stick, slip and do not touch, with a motion that follows from a force."""
+    rng = np.random.default_rng(1)
+    friction = Friction(contact(rng), MU)
+    pressed = friction.contact
+    pull = np.hstack([pressed.answer, rng.normal(size=(2 * N, 1))]).reshape(N, 2, -1)
+    closing = np.hstack([pressed.closing, np.zeros((N, 1))])
+    rows = rng.normal(size=(1, M))
+    problem = Problem(friction, pressed.start, pull, closing, rows, np.array([3.0]))
+    x, way = rng.normal(size=M + 1), rng.normal(size=M + 1)
+    slips = pressed.touches & (rng.random(N) < 0.5)
+    assert 0 < slips.sum() < pressed.touches.sum()
+    residual, tangent = problem.linear(x, slips)
+    ends = [problem.linear(x + step * way, slips)[0] for step in (1e-5, -1e-5)]
+    change = (ends[0] - ends[1]) / 2e-5
+    assert np.linalg.norm(residual) > 0
+    assert tangent @ way == pytest.approx(change, rel=1e-6, abs=1e-6 * np.abs(change).max())
