@@ -16,6 +16,7 @@ from railhead.scene.scene import Rail, Scene, Wheel
 from railhead.studies.hard.case import Case, Deviation, Measured
 from railhead.studies.hard.scenes import ELLIPSE, measure, refusals
 from railhead.theory import carter, cattaneo
+from railhead.theory.line import LineContact
 
 MU, LOAD, WIDTH = 0.3, 1e5, 100.0
 FORCE, STICK = 0.012, 0.03
@@ -64,7 +65,9 @@ def _rolls(creepage: float) -> Case:
     scene = strip(rolling={"creepage_along": creepage})
 
     def off(result: Result, found: Friction) -> dict[str, Deviation]:
-        exact = carter.from_creepage(result.ellipse.strip, MU, creepage).share
+        line = result.ellipse
+        assert isinstance(line, LineContact)
+        exact = carter.from_creepage(line.strip, MU, creepage).share
         share = found["force_along_N"] / found["limit_N"]
         return {"force_along_N": Deviation(abs(share - exact), FORCE)}
 
