@@ -160,6 +160,15 @@ def _equations(level: Level) -> list[Check]:
             "give mesh.patch_size, or a scene whose patch is not at an edge",
         ),
     ]  # fmt: skip
+    yielding = solution.yielding
+    if yielding is not None and yielding.unloaded is not None:
+        last = yielding.steps[-1]
+        found.append(
+            Check(
+                "unloaded", 0.0 if last.converged else 1.0, 0.0,
+                f"Newton's method without the load: {last.reason}", SOLVER,
+            )
+        )  # fmt: skip
     return found
 
 

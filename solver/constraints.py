@@ -1,7 +1,8 @@
 """Supports as one affine map: u = P y + u0, with y the free unknowns.
 
 A fixed node has no unknown, a node on a symmetry plane moves in the plane only, and all nodes of
-the rigid hub share one unknown, the approach. P has orthogonal columns.
+the rigid hub share one unknown, the approach. P has orthogonal columns. y has the layout of u, so
+that a node keeps its block of unknowns; places without an unknown stay zero.
 """
 
 from __future__ import annotations
@@ -39,14 +40,26 @@ class Supports:
 
 @dataclass(frozen=True)
 class Reduction:
-    """P (c n x free, distributed) and the local position of the approach in y (-1: not here).
+    """P (c n x c n, distributed): every node keeps its c places, of which those that are `free`
+    (c n,) hold unknowns, and one that is not may hold the approach.
 
-    rigid_approach: the approach is an unknown but moves no node (a rigid counterface).
+    aligned: an unknown moves its node along its axis. approach: its place on this rank (-1: not
+    here); column: among all ranks' (-1: it is given). rigid_approach: the approach is an unknown
+    but moves no node (a rigid counterface).
     """
 
     matrix: PETSc.Mat
+    free: NDArray[np.bool_]
+    aligned: bool
     approach: int
+    column: int
     rigid_approach: bool
+
+    @property
+    def unknowns(self) -> int:
+        """Of all ranks."""
+        local = int(self.free.sum()) + (self.approach >= 0)
+        return int(self.matrix.comm.tompi4py().allreduce(local))
 
     def norms(self) -> PETSc.Vec:
         """Squared norms of the columns of P: the diagonal of P^T P."""
@@ -60,53 +73,64 @@ class Reduction:
         return out
 
 
-def reduce(supports: Supports, comm: MPI.Intracomm, *, padded: bool = False) -> Reduction:
-    """Build P. The approach, if free, is the last unknown of the last rank.
-
-    padded: keep three columns for every node and for the approach, empty where nothing is free, so
-    that the unknowns come in blocks of three, as algebraic multigrid wants them.
-    """
+def reduce(supports: Supports, comm: MPI.Intracomm) -> Reduction:
+    """Build P. ValueError where the approach is free and every place holds an unknown."""
     dim = len(supports.direction)
     count = len(supports.fixed)
     hub = supports.hub if supports.hub is not None else np.zeros(count, dtype=bool)
     basis = np.tile(np.eye(dim), (count, 1, 1))  # columns: free directions of the node
-    free = np.full(count, dim)
     mask = np.zeros(count, dtype=np.int64)
     for bit, (members, _) in enumerate(supports.planes):
         mask[members] |= 1 << bit
     for code in np.unique(mask[mask > 0]):
         normals = [n for bit, (_, n) in enumerate(supports.planes) if code >> bit & 1]
-        _, size, rows = np.linalg.svd(np.array(normals))
-        rank = int(np.sum(size > 1e-12))
-        basis[mask == code] = np.column_stack([rows[rank:].T, np.zeros((dim, rank))])
-        free[mask == code] = dim - rank
-    free[supports.fixed | hub] = 0
+        basis[mask == code] = _across(np.array(normals))
+    basis[supports.fixed | hub] = 0.0
+    free = np.any(basis != 0.0, axis=1)
 
-    owns_approach = supports.hub_free and comm.rank == comm.size - 1
-    slots = np.full(count, 3) if padded else free
-    local = int(slots.sum()) + int(owns_approach) * (3 if padded else 1)
-    start = comm.exscan(local) or 0
-    total = comm.allreduce(local)
-    last = total - (3 if padded else 1)
-    first = start + np.concatenate([[0], np.cumsum(slots)[:-1]])
-
-    node, column = np.nonzero(np.arange(dim) < free[:, None])
-    rows = (dim * node[:, None] + np.arange(dim)).ravel()
-    columns = np.repeat(first[node] + column, dim)
-    values: Array = basis[node, :, column].ravel()
+    start, total = comm.exscan(dim * count) or 0, comm.allreduce(dim * count)
+    node, row, column = np.nonzero(basis)
+    rows, values = dim * node + row, basis[node, row, column]
+    columns = start + dim * node + column
+    approach = place = -1
     if supports.hub_free:
-        nodes = np.flatnonzero(hub & ~supports.fixed)
-        rows = np.concatenate([rows, (dim * nodes[:, None] + np.arange(dim)).ravel()])
-        columns = np.concatenate([columns, np.full(dim * len(nodes), last)])
-        values = np.concatenate([values, np.tile(supports.direction, len(nodes))])
+        approach, place = _place(np.flatnonzero(~free), start, comm)
+        moved = np.flatnonzero(hub & ~supports.fixed)
+        rows = np.concatenate([rows, (dim * moved[:, None] + np.arange(dim)).ravel()])
+        columns = np.concatenate([columns, np.full(dim * len(moved), place)])
+        values = np.concatenate([values, np.tile(supports.direction, len(moved))])
     keep = values != 0.0
     table = sp.csr_matrix((values[keep], (rows[keep], columns[keep])), shape=(dim * count, total))
-    moved = comm.allreduce(int(hub.sum()))
     return Reduction(
-        petsc_matrix(table, local, comm),
-        local - total + last if owns_approach else -1,
-        supports.hub_free and not moved,
+        petsc_matrix(table, dim * count, comm),
+        free.ravel(),
+        not comm.allreduce(int(np.any(row != column))),
+        approach,
+        place,
+        supports.hub_free and not comm.allreduce(int(hub.sum())),
     )
+
+
+def _across(normals: Array) -> Array:
+    """(c, c) orthonormal directions across all normals (k, c) as columns, and zeros: those of the
+    axes at their places where they are such."""
+    _, size, rows = np.linalg.svd(normals)
+    rank = int(np.sum(size > 1e-12))
+    rest = rows[rank:]
+    axes = np.abs(rest).sum(axis=0) > 1e-12
+    if axes.sum() == len(rest):
+        return np.diag(axes.astype(float))
+    return np.column_stack([rest.T, np.zeros((normals.shape[1], rank))])
+
+
+def _place(empty: NDArray[np.intp], start: int, comm: MPI.Intracomm) -> tuple[int, int]:
+    """The last place without an unknown: on this rank (-1: not here), and among all."""
+    last = comm.allgather(int(empty[-1]) if len(empty) else -1)
+    owner = max((rank for rank, place in enumerate(last) if place >= 0), default=-1)
+    if owner < 0:
+        raise ValueError("nothing is held, so that there is no place for the approach")
+    own = last[owner] if comm.rank == owner else -1
+    return own, comm.bcast(start + last[owner], root=owner)
 
 
 def petsc_matrix(table: sp.csr_matrix, local_columns: int, comm: MPI.Intracomm) -> PETSc.Mat:

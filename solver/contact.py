@@ -16,7 +16,7 @@ from petsc4py import PETSc
 
 from railhead.solver import compat, constraints, interface, linear, newton, transfer
 from railhead.solver.cells import Array
-from railhead.solver.elasticity import Bulk, assemble
+from railhead.solver.elasticity import Bulk, assemble, quadrature_degree
 from railhead.solver.facets import FacetSet
 from railhead.solver.held import HeldRows
 from railhead.solver.interface import Interface
@@ -25,6 +25,7 @@ from railhead.solver.multigrid import Hierarchy, PMultigrid
 from railhead.solver.problem import ContactProblem, Mask, reduce_problem
 from railhead.solver.setup import Setup
 from railhead.solver.solution import Solution
+from railhead.solver.stiffness import Stiffness
 
 NEWTON_TOLERANCE = 1e-8  # residual over the contact force
 LINEAR_DIRECT_BELOW = 80_000  # unknowns of linear cells, whose multigrid is slow on stretched ones
@@ -59,9 +60,10 @@ class ContactModel:
             self._must_exist("contact facet", facet_tags, side.contact)
             if side is setup.moving or not setup.planes:  # planes may hold the other one
                 self._must_exist("support facet", facet_tags, side.support)
+        self.materials = {side.tag: side.material for side in sides}
         self.bulk: Bulk
         self.bulk, stiffness = assemble(
-            mesh, cell_tags, {s.tag: s.material for s in sides}, setup.degree, setup.kinematics
+            mesh, cell_tags, self.materials, setup.degree, setup.kinematics
         )
         self.owned: int = self.bulk.space.dofmap.index_map.size_local
         by_tag = {s.tag: s for s in sides}
@@ -101,7 +103,7 @@ class ContactModel:
     @property
     def unknowns(self) -> int:
         """Free unknowns of all ranks."""
-        return int(self.problem.stiffness.getSize()[0])
+        return self.reduction.unknowns
 
     def _members(self, space: Any, tag: int) -> NDArray[np.bool_]:
         dim = space.mesh.topology.dim
@@ -306,13 +308,22 @@ class ContactModel:
             choice = "direct" if self.unknowns < limit else "multigrid"
         if choice == "direct":
             return linear.Direct(problem)
-        kinematics, points = self.setup.kinematics, compat.dof_points(self.bulk.space)
         if self.setup.degree == 1:
-            modes = transfer.rigid_modes(points, self.reduction, kinematics)
+            points = compat.dof_points(self.bulk.space)
+            modes = transfer.rigid_modes(points, self.reduction, self.setup.kinematics)
             return linear.Algebraic(problem, modes)
-        coarse = compat.vector_space(self.bulk.space.mesh, 1)
-        reduction = constraints.reduce(self.supports(coarse), self.comm, padded=True)
-        full = compat.interpolation(coarse, self.bulk.space)
-        prolongation = transfer.reduced_prolongation(full, self.reduction, reduction)
-        modes = transfer.rigid_modes(compat.dof_points(coarse), reduction, kinematics)
-        return PMultigrid(problem, Hierarchy(prolongation, modes))
+        return PMultigrid(problem, self.hierarchy)
+
+    @cached_property
+    def hierarchy(self) -> Hierarchy:
+        """Linear cells below those of the problem."""
+        mesh, kinematics = self.bulk.space.mesh, self.setup.kinematics
+        rule = quadrature_degree(compat.cell_type(mesh), self.setup.degree, kinematics)
+        coarse, stiffness = assemble(mesh, self.cell_tags, self.materials, 1, kinematics, rule)
+        reduction = constraints.reduce(self.supports(coarse.space), self.comm)
+        full = compat.interpolation(coarse.space, self.bulk.space)
+        return Hierarchy(
+            transfer.reduced_prolongation(full, self.reduction, reduction),
+            Stiffness.reduced(stiffness, reduction),
+            transfer.rigid_modes(compat.dof_points(coarse.space), reduction, kinematics),
+        )

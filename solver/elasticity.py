@@ -61,10 +61,12 @@ def assemble(
     materials: dict[int, Material],
     degree: int,
     kinematics: Kinematics = SOLID,
+    rule: int | None = None,
 ) -> tuple[Bulk, PETSc.Mat]:
     """Space and K of a(u, v) = int sigma(u) : eps(v) dx, sigma = lambda tr(eps) I + 2 mu eps.
 
-    materials: by the cell tag of the body. No boundary condition is applied.
+    materials: by the cell tag of the body. No boundary condition is applied. K is in blocks of a
+    node (BAIJ). rule: degree of the quadrature, where it is not that of `degree`.
     """
     cells = mesh.topology.index_map(mesh.topology.dim)
     lame = np.zeros((cells.size_local + cells.num_ghosts, 2))
@@ -75,14 +77,16 @@ def assemble(
 
     space = compat.vector_space(mesh, degree)
     u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
-    order = quadrature_degree(compat.cell_type(mesh), degree, kinematics)
-    stiffness = fem.petsc.assemble_matrix(
-        compat.form(kinematics.energy(u, v, lam, mu, mesh, order), mesh)
-    )
+    order = rule or quadrature_degree(compat.cell_type(mesh), degree, kinematics)
+    form = compat.form(kinematics.energy(u, v, lam, mu, mesh, order), mesh)
+    stiffness = fem.petsc.create_matrix(form, "aij" if kinematics.averaged else "baij")
+    fem.petsc.assemble_matrix(stiffness, form)
     stiffness.assemble()
     if kinematics.averaged:
         part = _mean_dilatation(space, lam, order)
         stiffness.axpy(1.0, part, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+        stiffness.setBlockSize(kinematics.dim)
+        stiffness = stiffness.convert("baij")
     stiffness.scale(kinematics.thickness)
     stiffness.setOption(PETSc.Mat.Option.SYMMETRIC, True)
     return Bulk(space, lame, degree, kinematics), stiffness

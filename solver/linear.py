@@ -16,7 +16,6 @@ from railhead.solver.problem import ContactProblem, Mask
 DIRECT_BELOW = 12_000  # unknowns; below, a factorisation is the cheapest preconditioner
 KRYLOV_LIMIT = 150  # iterations of one linear solve
 MANY = 30  # iterations after which the next linear solve gets a new set-up
-STALE = 0.1  # change of the active area since the set-up, over that area, that calls for a new one
 
 
 class StalledError(RuntimeError):
@@ -30,12 +29,14 @@ class StalledError(RuntimeError):
 class Preconditioner(ABC):
     """Approximates the tangent of a problem at one active set; set up again when that is stale.
 
-    operator: the matrix the PC was made for; flexible: it holds a Krylov method itself.
+    operator: the matrix the PC was made for; flexible: it holds a Krylov method itself; stale:
+    change of the active area since the set-up, over that area, that calls for a new one.
     """
 
     pc: PETSc.PC
     operator: PETSc.Mat
     flexible: bool = False
+    stale: float = 0.1
 
     def __init__(self, problem: ContactProblem) -> None:
         self.problem = problem
@@ -47,7 +48,7 @@ class Preconditioner(ABC):
             area = self.problem.weight * self.problem.tau
             local = np.array([area[active != self.active].sum(), area[active].sum()])
             changed, touching = self.problem.stiffness.comm.tompi4py().allreduce(local)
-            if changed <= STALE * touching:
+            if changed <= self.stale * touching:
                 return False
         self.renew(active)
         return True

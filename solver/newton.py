@@ -97,7 +97,7 @@ def solve(
     y.set(0.0)
     iterations, length = 0, 1.0
     seen = _Seen(comm)
-    diagonal = problem.stiffness.getDiagonal()
+    diagonal = problem.stiffness.diagonal()
     try:
         if start is not None:
             start.copy(y)

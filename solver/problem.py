@@ -24,6 +24,7 @@ from railhead.solver.constraints import Reduction, petsc_matrix
 from railhead.solver.held import HeldRows
 from railhead.solver.interface import Interface
 from railhead.solver.laws import Law
+from railhead.solver.stiffness import Stiffness
 
 Mask = NDArray[np.bool_]
 
@@ -32,14 +33,15 @@ Mask = NDArray[np.bool_]
 class ContactProblem:
     """One load case at the n local contact points, in the free unknowns.
 
-    stiffness K, gap N and stress S reduced; area W (n,) mm2; bound (n,): smallest stable Nitsche
-    parameter, MPa/mm; closing (n,): change of the gap with the approach of a rigid counterface;
+    stiffness K (`solver.stiffness`), gap N and stress S reduced; area W (n,) mm2; bound (n,):
+    smallest stable Nitsche parameter, MPa/mm; closing (n,): change of the gap with the approach of
+    a rigid counterface;
     force f, N; start_gap g0 + N u0 (n,) mm and start_stress s0 (n,) MPa. `replace` with another law
     shares the matrices.
     """
 
     law: Law
-    stiffness: PETSc.Mat
+    stiffness: Stiffness
     gap: PETSc.Mat
     stress: PETSc.Mat
     area: Array
@@ -182,8 +184,8 @@ class ContactProblem:
 
     def shell(self, context: Tangent) -> PETSc.Mat:
         """A matrix that only knows its products."""
-        sizes, comm = self.stiffness.getSizes(), self.stiffness.comm
-        matrix = PETSc.Mat().createPython(sizes, context, comm=comm)
+        stiffness = self.stiffness
+        matrix = PETSc.Mat().createPython(stiffness.sizes, context, comm=stiffness.comm)
         matrix.setUp()
         return matrix
 
@@ -195,7 +197,7 @@ class ContactProblem:
     @cached_property
     def _bulk_diagonal(self) -> PETSc.Vec:
         """Diagonal of K - theta S^T w S."""
-        diagonal = self.stiffness.getDiagonal()
+        diagonal = self.stiffness.diagonal()
         if self.consistency:
             squares = _products(self.stress, self.stress)
             self.add_transposed(squares, -self.consistency * self.weight, diagonal)
@@ -216,7 +218,7 @@ class ContactProblem:
             right = self.stress.copy()
             right.diagonalScale(L=self.at_points(self.weight))
             contact.axpy(-self.consistency, self.stress.transposeMatMult(right), different)
-        contact.axpy(1.0, self.stiffness, different)
+        contact.axpy(1.0, self.stiffness.assembled(), different)
         contact.setOption(PETSc.Mat.Option.SYMMETRIC, self.law.symmetric)
         return contact
 
@@ -273,27 +275,21 @@ def reduce_problem(
     law: Law,
     closing: Array,
 ) -> ContactProblem:
-    """K, N and S in the free unknowns, without a load yet.
+    """K, N and S in the free unknowns, without a load yet; K on all dofs is used up.
 
     closing (n,): change of the gap with the approach of a rigid counterface.
     """
     p = reduction.matrix
     gap = interface.gap.matMult(p)
     if reduction.rigid_approach:
-        column = p.getSize()[1] - 1
+        column = np.full(len(closing), reduction.column)
         table = sp.csr_matrix(
-            (closing, (np.arange(len(closing)), np.full(len(closing), column))),
-            shape=(len(closing), column + 1),
+            (closing, (np.arange(len(closing)), column)), shape=(len(closing), p.getSize()[1])
         )
         extra = petsc_matrix(table, p.getLocalSize()[1], p.comm.tompi4py())
         gap.axpy(1.0, extra, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-    reduced = stiffness.ptap(p)
-    # The rows of a node lost their common pattern to P: PETSc's search for such groups makes a
-    # product a third slower.
-    reduced.setOption(PETSc.Mat.Option.USE_INODES, False)
-    reduced.assemble()
-    force = reduced.createVecRight()
-    force.set(0.0)
+    reduced = Stiffness.reduced(stiffness, reduction)
+    force = reduced.vector()
     return ContactProblem(
         law, reduced, gap, interface.stress.matMult(p), interface.weights,
         interface.stiffness_bound, closing, force, interface.initial_gap, np.zeros_like(closing),

@@ -52,8 +52,7 @@ class YieldingModel(ContactModel):
     def __init__(self, mesh: object, cell_tags: object, facet_tags: object, setup: Setup) -> None:
         super().__init__(mesh, cell_tags, facet_tags, setup)
         assert setup.path is not None
-        sides = [side for side in (setup.fixed, setup.moving) if not side.rigid]
-        materials = {side.tag: side.material for side in sides}
+        materials = self.materials
         slave = materials[setup.slave].hardening
         shared = {each.name: getattr(self.problem, each.name) for each in fields(ContactProblem)}
         shared["force"] = self.problem.force.duplicate()
@@ -173,23 +172,9 @@ class YieldingModel(ContactModel):
             if each.init
         }
         given["force"] = self.plastic.force.duplicate()
-        given["stiffness"] = self.plastic.stiffness.copy()
-        if self.setup.load_control:
-            given["stiffness"].axpy(1.0, self._pin(), PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+        stiffness = self.plastic.stiffness
+        given["stiffness"] = stiffness.pinned(stiffness.typical)
         return Released(**given, reference=reference)
-
-    def _pin(self) -> PETSc.Mat:
-        """A spring on the approach, which nothing else holds, as stiff as the bodies."""
-        diagonal = self.plastic.stiffness.getDiagonal()
-        typical = diagonal.sum() / diagonal.getSize()
-        diagonal.set(0.0)
-        if self.reduction.approach >= 0:
-            diagonal.array[self.reduction.approach] = typical
-        sizes, comm = self.plastic.stiffness.getSizes(), self.plastic.stiffness.comm
-        pin = PETSc.Mat().createAIJ(sizes, nnz=1, comm=comm)
-        pin.setDiagonal(diagonal)
-        pin.assemble()
-        return pin
 
 
 class Loading:

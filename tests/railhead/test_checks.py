@@ -11,6 +11,7 @@ from railhead.level import Level, solve_level
 from railhead.planning import plan as planning
 from railhead.postprocess.recovery import Recovery
 from railhead.progress import Progress
+from railhead.solver.solution import Yielding
 from railhead.summary import exact_quantities
 
 
@@ -55,6 +56,15 @@ def test_findings_out_of_bounds(level, change, name) -> None:
 )
 def test_solutions_out_of_bounds(level, change, names) -> None:
     assert failed(replace(level, solution=replace(level.solution, **change))) == names
+
+
+@pytest.mark.parametrize(
+    ("reason", "names"), [("residual below tolerance", []), ("too many steps", ["unloaded"])]
+)
+def test_a_residual_state_that_was_not_found_fails(level, reason, names) -> None:
+    steps = (level.solution.newton, replace(level.solution.newton, reason=reason))
+    yielding = Yielding(2.0, steps, 1, level.solution, {})
+    assert failed(replace(level, solution=replace(level.solution, yielding=yielding))) == names
 
 
 def test_an_unsettled_mesh_fails(level) -> None:

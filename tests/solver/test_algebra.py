@@ -43,14 +43,16 @@ def test_planes_in_general_position_leave_the_right_freedom() -> None:
         hub_free=False,
     )
     reduction = constraints.reduce(supports, MPI.COMM_SELF)
-    assert reduction.matrix.getSize() == (12, 1 + 2 + 2)
+    assert reduction.matrix.getSize() == (12, 12)
+    assert reduction.unknowns == 1 + 2 + 2
+    assert not reduction.aligned
     y = reduction.matrix.createVecRight()
     y.setRandom()
     u = (reduction.matrix * y).array.reshape(4, 3)
     for mask, normal in zip(masks, normals, strict=True):
         assert np.abs(u[mask & ~supports.fixed] @ normal).max() < 1e-14
     assert np.all(u[3] == 0)
-    np.testing.assert_allclose(reduction.norms().array, 1.0)
+    np.testing.assert_allclose(reduction.norms().array, reduction.free)
 
 
 def test_hub_moves_as_one(models) -> None:
