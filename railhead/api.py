@@ -53,7 +53,7 @@ def plan(
     accuracy, budget: as for `solve`. The first plan on a machine solves a small case, to measure
     its speed, and says so on standard error unless quiet. Raises SceneError.
     """
-    decided = planning.make(_asked(scene, accuracy, budget))
+    decided = planning.make(asked(scene, accuracy, budget))
     if not machine.known():
         with refine.telling(quiet=quiet) as progress:
             progress.stage("measuring this machine's speed, once")
@@ -71,13 +71,14 @@ def solve(
     """Solve a scene. accuracy: asked relative error, e.g. "1%"; budget: best accuracy for that
     time, e.g. "30 s". What it does goes to standard error (of rank 0) unless quiet. Raises
     SceneError for a scene that makes no contact problem, MeshError."""
-    scene = _asked(scene, accuracy, budget)
+    scene = asked(scene, accuracy, budget)
     with refine.telling(quiet=quiet) as progress:
         return refine.run(scene, progress)
 
 
-def _asked(scene: Scene, accuracy: str | float | None, budget: str | float | None) -> Scene:
-    asked = {"accuracy": accuracy, "budget": budget}
-    given = {key: value for key, value in asked.items() if value is not None}
+def asked(scene: Scene, accuracy: str | float | None, budget: str | float | None) -> Scene:
+    """The scene with an accuracy and a budget. Raises SceneError."""
+    ways = {"accuracy": accuracy, "budget": budget}
+    given = {key: value for key, value in ways.items() if value is not None}
     scene = checked(scene)
     return scene.replace(**given) if given else scene

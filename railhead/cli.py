@@ -78,9 +78,12 @@ def plan(
 @click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html.")
 @click.option("--no-report", is_flag=True, help="Write no report.html.")
 @click.option("--units", help="Of the table and the report, e.g. mm,kN,MPa.")
+@click.option("--ranks", type=click.IntRange(1), help="Processes [as many as pay].")
 @click.option("--quiet", is_flag=True, help="Print nothing.")
 @click.option("--json", "as_json", is_flag=True, help="Print summary.json and nothing else.")
+@click.pass_obj
 def run(
+    arguments: Sequence[str],
     case: str,
     assignments: Sequence[str],
     switched_on: Sequence[str],
@@ -91,6 +94,7 @@ def run(
     no_pictures: bool,
     no_report: bool,
     units: str | None,
+    ranks: int | None,
     quiet: bool,
     as_json: bool,
 ) -> int:
@@ -103,8 +107,12 @@ def run(
     folder = out if out is not None else Path("results") / scene.name
     results.check_folder(folder)
 
-    from railhead import api, refine, report, screen
+    from railhead import api, launch, refine, report, screen
 
+    if not launch.started():
+        count = ranks or launch.suited(api.asked(scene, accuracy, budget))
+        if count > 1:
+            return launch.again(count, arguments)
     quiet = quiet or as_json
     start = time.perf_counter()
     result = api.solve(scene, accuracy=accuracy, budget=budget, quiet=quiet)
@@ -288,8 +296,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _status(arguments: Sequence[str] | None) -> int:
+    given = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        return int(railhead.main(arguments, prog_name="railhead", standalone_mode=False) or SOLVED)
+        code = railhead.main(given, prog_name="railhead", standalone_mode=False, obj=given)
+        return int(code or SOLVED)
     except SceneError as error:
         return _refuse(str(error))
     except click.exceptions.NoArgsIsHelpError as error:

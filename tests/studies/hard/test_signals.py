@@ -41,12 +41,12 @@ class Long:
 study.names = lambda: ["long"]
 study.load = lambda name: Long()
 {COMMAND}"""
-FINE = ["run", "hertz_ellipse", "--set", "mesh.patch_size=0.2", "--no-pictures", "--out"]
+FINE = ["run", "hertz_ellipse", "--set", "mesh.patch_size=0.2", "--no-pictures"]
 
 
 def start(folder: Path, script: str, *arguments: str) -> subprocess.Popen[str]:
     return subprocess.Popen(
-        [sys.executable, "-c", script, *arguments, str(folder / "out")],
+        [sys.executable, "-c", script, *arguments, "--out", str(folder / "out")],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=folder,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a job in the background
     )  # fmt: skip
@@ -62,8 +62,10 @@ def ended(running: subprocess.Popen[str], number: signal.Signals) -> tuple[float
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 @pytest.mark.parametrize(
-    "script, arguments", [(COMMAND, FINE), (STUDY, ["study", "long", "--out"])],
-    ids=["run", "study"],
+    "script, arguments",
+    [(COMMAND, [*FINE, "--ranks", "1"]), (COMMAND, [*FINE, "--ranks", "2"]),
+     (STUDY, ["study", "long"])],
+    ids=["run", "ranks", "study"],
 )  # fmt: skip
 def test_meshing_ends_soon(script, arguments, number, tmp_path) -> None:
     """gmsh takes some 20 s for this mesh."""
@@ -82,7 +84,7 @@ def test_meshing_ends_soon(script, arguments, number, tmp_path) -> None:
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGKILL])
 def test_a_library_that_keeps_the_lock_is_killed_and_leaves_nothing(number, tmp_path) -> None:
     """Killed from outside, too, nothing is left."""
-    running = start(tmp_path, DEAF, "study", "long", "--out")
+    running = start(tmp_path, DEAF, "study", "long")
     assert running.stderr is not None and running.stderr.readline() == "begun\n"
     assert os.listdir(tmp_path) != []
     time.sleep(0.5)  # until it is in the call
@@ -110,7 +112,7 @@ def test_imports_end_silently(seconds: float, number: signal.Signals, tmp_path: 
 def test_an_ignored_interrupt_stays_ignored(tmp_path: Path) -> None:
     """As of a job in the background of a script."""
     script = f"import signal; signal.signal(signal.SIGINT, signal.SIG_IGN); {COMMAND}"
-    small = ["run", "hertz_ellipse", "--set", "mesh.patch_size=1.2", "--no-pictures", "--out"]
+    small = ["run", "hertz_ellipse", "--set", "mesh.patch_size=1.2", "--no-pictures"]
     running = start(tmp_path, script, *small)
     time.sleep(2.0)
     _, errors = ended(running, signal.SIGINT)

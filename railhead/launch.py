@@ -1,0 +1,55 @@
+"""Processes of a run: as many as pay, under mpirun."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+
+import psutil
+
+from railhead import process
+from railhead.planning import plan as planning
+from railhead.planning.price import price
+from railhead.scene.scene import Scene
+
+WORTH = 75_000  # unknowns a process: with fewer, starting it costs more than it brings
+INSIDE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")  # what launchers of MPI leave behind
+
+
+def started() -> bool:
+    """Whether a launcher of MPI started this process."""
+    return any(name in os.environ for name in INSIDE)
+
+
+def suited(scene: Scene) -> int:
+    """Processes for the finest mesh of a scene, on the physical cores that this one may use; one
+    where there is no mpirun. Raises SceneError."""
+    cores = min(psutil.cpu_count(logical=False) or 1, len(os.sched_getaffinity(0)))
+    if cores == 1 or shutil.which("mpirun") is None:
+        return 1
+    plan = planning.make(scene)
+    asked = plan.scene.accuracy is not None
+    unknowns = price(plan, plan.resolution)[0] if asked else plan.unknowns
+    return max(1, min(cores, unknowns // WORTH))
+
+
+def again(ranks: int, arguments: Sequence[str]) -> int:
+    """Run the same command in so many processes under mpirun; its exit status. A signal ends them
+    all. OSError where there is no mpirun."""
+    environment = dict(os.environ)
+    if os.geteuid() == 0:  # what is not harmful for one process is not for two
+        environment |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    command = ["mpirun", "--quiet", "--oversubscribe", "-n", str(ranks)]
+    program = [sys.executable, "-c", "from railhead.start import main; main()"]
+    started = subprocess.Popen([*command, *program, *arguments], env=environment)
+    with process.undoing(started.terminate):
+        try:
+            return started.wait()
+        finally:
+            started.terminate()
+            with suppress(subprocess.TimeoutExpired):  # mpirun ends the others on its own
+                started.wait(1.0)

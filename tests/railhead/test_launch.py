@@ -1,0 +1,61 @@
+"""How many processes a run is worth, and the same numbers from two of them."""
+
+import json
+import os
+
+import psutil
+import pytest
+
+from railhead import catalogue, launch
+from railhead.cli import main
+
+THESIS = catalogue.find("hertz_ellipse")
+
+
+@pytest.fixture
+def eight(monkeypatch) -> None:
+    """A machine with eight cores, none of them started by MPI."""
+    monkeypatch.setattr(psutil, "cpu_count", lambda logical: 8)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(8)))
+    for name in launch.INSIDE:
+        monkeypatch.delenv(name, raising=False)
+
+
+@pytest.mark.parametrize(
+    ("asked", "least", "most"),
+    [([], 1, 1), (["mesh.patch_size=0.25"], 2, 4), (["accuracy=0.1%"], 1, 2),
+     (["mesh.patch_size=0.1"], 8, 8)],
+    ids=["default", "fine", "accurate", "finer"],
+)  # fmt: skip
+def test_large_meshes_are_worth_more_processes(eight, asked, least, most) -> None:
+    assert least <= launch.suited(THESIS.replace(asked)) <= most
+
+
+def test_no_more_than_the_process_may_use(eight, monkeypatch) -> None:
+    fine = THESIS.replace(["mesh.patch_size=0.1"])
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {3, 4, 5})
+    assert launch.suited(fine) == 3
+    monkeypatch.setattr(launch.shutil, "which", lambda _: None)
+    assert launch.suited(fine) == 1
+
+
+def test_what_mpi_started_starts_no_more(eight, monkeypatch) -> None:
+    assert not launch.started()
+    monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "2")
+    assert launch.started()
+
+
+def test_two_ranks_on_request(eight, tmp_path, monkeypatch) -> None:
+    """The command itself starts them; its numbers are those of one."""
+    monkeypatch.chdir(tmp_path)
+    found = []
+    for ranks in ("1", "2"):
+        with pytest.raises(SystemExit) as ended:
+            main(["run", "long_roller", "--no-pictures", "--quiet", "--ranks", ranks])
+        assert ended.value.code == 0
+        found.append(json.loads((tmp_path / "results/long_roller/summary.json").read_text()))
+    one, two = found
+    assert (one["cost"]["ranks"], two["cost"]["ranks"]) == (1, 2)
+    assert two["result"]["pressure"]["max_MPa"] == pytest.approx(
+        one["result"]["pressure"]["max_MPa"], rel=1e-6
+    )
