@@ -230,8 +230,8 @@ def _dimensions(axes: Axes, camera: Camera, findings: Findings) -> None:
         beside = max(away, BESIDE * camera.half_width) * outwards / np.linalg.norm(outwards)
         right, upwards = (start + stop) / 2 + beside
         axes.text(right, upwards, text, **look)
-    ends = {"gauge side": (x0 - away, s0 - away / 2), "field side": (x0 - away, s1 + away / 2)}
-    sides = ends if subject.gauge else {}
+    beyond = {"gauge side": (x0 - away, s0 - away / 2), "field side": (x0 - away, s1 + away / 2)}
+    sides = beyond if subject.gauge else {}
     if subject.rolls:
         sides["rolls"] = (x1 + away / 2, s0 - away)
     for text, at in sides.items():

@@ -22,10 +22,7 @@ def subject(plan: Plan, load: float) -> Subject:
     )
     if short[0] == short[1]:
         short = f"lower {short[0]}", f"upper {short[1]}"
-    long = tuple(
-        f"{text.rstrip(',')} (rigid)" if math.isinf(body.young_modulus) else text
-        for text, body in zip(long, (scene.rail, scene.wheel), strict=True)
-    )
+    long = _said(long[0], scene.rail), _said(long[1], scene.wheel)
     real = scene.rail.profile != "arc" and not contact.half_space
     force = f"{load / 1e3:.5g} kN" if load >= 1e3 else f"{load:.5g} N"
     spaces = ", as half-spaces" if contact.half_space else ""
@@ -40,6 +37,10 @@ def subject(plan: Plan, load: float) -> Subject:
         along, across, gauge=real, rolls=scene.rolling.given and plan.effects["friction"].on,
         revolved=contact.revolved, thesis=_thesis(scene.rail, scene.wheel),
     )  # fmt: skip
+
+
+def _said(text: str, body: Rail | Wheel) -> str:
+    return f"{text.rstrip(',')} (rigid)" if math.isinf(body.young_modulus) else text
 
 
 def _rail(rail: Rail, bar: bool, half_space: bool) -> tuple[str, str]:
