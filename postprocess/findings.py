@@ -105,6 +105,12 @@ class Patch:
     scatter: dict[str, float] = field(default_factory=dict)
 
     @property
+    def box(self) -> tuple[Array, Array]:
+        """Least and greatest (x, s) of all outlines."""
+        every = np.concatenate(self.outlines)
+        return every.min(axis=0), every.max(axis=0)
+
+    @property
     def main(self) -> Array:
         """The outline (k, 2) around the centre; the largest of several there."""
         around = [

@@ -42,8 +42,10 @@ def profiles(pair: Pair, placed: Placed, path: Path, title: str = "") -> None:
                 colour = FURTHER if number else MARK
                 ax.plot(flip * touch.y, touch.z, "o", color=colour)
                 ax.annotate(
-                    f"{'further' if number else 'first'} contact: y = {touch.y:.2f} mm, "
-                    f"{np.degrees(touch.angle):.2f}°",
+                    _minus(
+                        f"{'further' if number else 'first'} contact: y = {touch.y:.2f} mm, "
+                        f"{np.degrees(touch.angle):.2f}°"
+                    ),
                     (flip * touch.y, touch.z),
                     (0.5, 0.2 - 0.1 * number),
                     textcoords="axes fraction",
@@ -52,7 +54,7 @@ def profiles(pair: Pair, placed: Placed, path: Path, title: str = "") -> None:
                     arrowprops={"arrowstyle": "-", "color": colour},
                 )
             ax.xaxis.set_major_formatter(
-                FuncFormatter(lambda v, _, flip=flip: f"{flip * v + 0.0:g}")
+                FuncFormatter(lambda v, _, flip=flip: _minus(f"{flip * v + 0.0:g}"))
             )
             for place, align, text in ((0.01, "left", -flip), (0.99, "right", flip)):
                 word = "field side" if text > 0 else "gauge side"
@@ -63,6 +65,11 @@ def profiles(pair: Pair, placed: Placed, path: Path, title: str = "") -> None:
             ax.set_ylim(-36, 34)
         axes[0].set_ylabel("z, mm")
         axes[0].legend(loc="upper left")
+
+
+def _minus(text: str) -> str:
+    """With the sign that axes have."""
+    return text.replace("-", "\N{MINUS SIGN}")
 
 
 def positions(
@@ -76,10 +83,10 @@ def positions(
     with new_figure(path, 9, 4.6, title) as figure:
         ax = figure.subplots()
         y = np.linspace(*pair.rail.domain, SAMPLES)
-        ax.plot(y, pair.rail.height(y), color=RAIL)
+        ax.plot(y, pair.rail.height(y), color=RAIL, label="rail")
         offset = _offset(swept)
         tread = np.linspace(*pair.wheel.domain, SAMPLES)
-        ax.plot(tread + offset, LIFT - pair.wheel.height(tread), color=WHEEL)
+        ax.plot(tread + offset, LIFT - pair.wheel.height(tread), color=WHEEL, label="wheel")
         lines, shifts = [], []
         for shift, placed in swept:
             for touch in placed.right.touches:
@@ -89,7 +96,12 @@ def positions(
         joined = LineCollection(lines, cmap=dark, array=np.array(shifts), linewidths=0.9)
         ax.add_collection(joined)
         figure.colorbar(joined, ax=ax, label="lateral shift to the right, mm")
-        ax.set_xlabel("y on the right rail, from the crown centre, mm (wheel at shift 0)")
+        ax.plot([], [], color=FURTHER, lw=0.9, label="contact: from the rail to the wheel")
+        figure.legend(loc="outside upper center", ncols=3)
+        ax.set_xlabel(
+            "y on the right rail, from the crown centre, mm (wheel at shift 0)\n"
+            "(gauge side < 0 < field side)"
+        )
         ax.set_ylabel("z, mm (wheel lifted)")
         ax.set_aspect("equal")
         ax.set_xlim(min(-50.0, pair.rail.domain[0] - 5), 45)
@@ -109,18 +121,19 @@ def rolling_radius(swept: Sequence[tuple[float, Placed]], path: Path, title: str
         difference = np.array([placed.rolling_radius_difference for _, placed in swept])
         breaks = _jump(swept, "right") | _jump(swept, "left")
         _broken(upper, shifts, difference, breaks, MARK, None)
-        upper.set_ylabel("rolling radius difference, mm")
-        further: str | None = "further contact that is as near"
+        upper.set_ylabel("rolling radius difference,\nright less left, mm")
+        further: str | None = "further contact, gap below 0.05 mm"
         for name, colour in (("right", WHEEL), ("left", RAIL)):
             y = np.array([_side(placed, name).touches[0].y for _, placed in swept])
-            _broken(lower, shifts, y, _jump(swept, name), colour, f"{name}, first contact")
+            _broken(lower, shifts, y, _jump(swept, name), colour, f"{name} rail, first contact")
+        for name in ("right", "left"):
             for shift, placed in swept:
                 for touch in _side(placed, name).touches[1:]:
                     lower.plot(shift, touch.y, ".", color=FURTHER, label=further)
                     further = None
-        lower.set_ylabel("contact on the rail, y, mm")
+        lower.set_ylabel("contact on the rail, y, mm\n(gauge side < 0 < field side)")
         lower.set_xlabel("lateral shift to the right, mm")
-        lower.legend()
+        lower.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
 
 
 def _side(placed: Placed, name: str) -> Side:

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from railhead.meshing.tags import BODIES
-from railhead.postprocess.findings import Array, AxisPressure, Findings, Frame
+from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.mirror import cut_axes
-from railhead.postprocess.plots import FE, HERTZ, new_figure
+from railhead.postprocess.plots import FE, HERTZ, loaded, new_figure
+from railhead.postprocess.section import coordinate
 from railhead.postprocess.stress import at_gauss
 from railhead.solver.gather import Fields
 from railhead.theory.hertz import Ellipse
@@ -26,7 +27,7 @@ SPAN = 2.2  # half lengths of the patch that are shown
 
 
 def draw(
-    loaded: Fields,
+    pressed: Fields,
     residual: Fields,
     found: Findings,
     elastic: Findings,
@@ -35,42 +36,45 @@ def draw(
 ) -> None:
     """Plastic strain and residual von Mises stress below the patch, the pressure beside the elastic
     one and Hertz's, and how far the surfaces stay displaced."""
-    assert loaded.plastic is not None
-    frame, patch = found.frame, found.patch
-    half = patch.b if loaded.kinematics.dim == 3 else patch.a
+    assert pressed.plastic is not None
+    patch = found.patch
+    axis = 1 if pressed.kinematics.dim == 3 else coordinate(pressed)
+    half = (patch.a, patch.b)[axis]
     with new_figure(path, 11, 8.6, found) as figure:
         (strain, stress), (pressure, depth) = figure.subplots(2, 2)
-        every = np.arange(len(loaded.cells))
-        points, _ = at_gauss(loaded, every)
+        every = np.arange(len(pressed.cells))
+        points, _ = at_gauss(pressed, every)
         _, left = at_gauss(residual, every)
         for axes, values, label in (
-            (strain, 100 * loaded.plastic.equivalent, "equivalent plastic strain, %"),
+            (strain, 100 * pressed.plastic.equivalent, "equivalent plastic strain, %"),
             (stress, von_mises(left), "residual von Mises stress, MPa"),
         ):
-            _cut(figure, axes, found, (points, values), (min(patch.a, patch.b), half), label)
-        _pressures(pressure, found.across if loaded.kinematics.dim == 3 else found.along,
-                   elastic.across if loaded.kinematics.dim == 3 else elastic.along, exact,
-                   1 if loaded.kinematics.dim == 3 else 0)  # fmt: skip
-        _left(depth, residual, loaded, frame, half)
+            _cut(figure, axes, found, (points, values), axis, label)
+        _pressures(pressure, found, elastic, exact, axis)
+        _left(depth, residual, pressed, found, half)
 
 
 def _cut(
-    figure: Figure, axes: Axes, found: Findings, samples: tuple[Array, Array],
-    sizes: tuple[float, float], label: str,
+    figure: Figure, axes: Axes, found: Findings, samples: tuple[Array, Array], across: int,
+    label: str,
 ) -> None:  # fmt: skip
-    """Gauss points near the plane across the rail (or all of a section), as coloured dots."""
+    """Gauss points near the plane across the rail (or all of a section), as coloured dots; below
+    and above all patches."""
     points, values = samples[0].reshape(-1, 3), samples[1].ravel()
     local = found.frame.local(points)
-    flat = np.ptp(local, axis=0).argmin() if np.ptp(local, axis=0).min() < 1e-9 else 0
-    across = 1 if flat == 0 else 0
-    least, half = sizes
-    near = np.abs(local[:, flat]) < THIN * least
-    near &= (np.abs(local[:, across]) < SPAN * half) & (np.abs(local[:, 2]) < SPAN * half)
+    low, high = (each[across] for each in found.patch.box)
+    middle, half = (low + high) / 2, (high - low) / 2
+    near = np.abs(local[:, 1 - across]) < THIN * min(found.patch.a, found.patch.b)
+    near &= np.abs(local[:, across] - middle) < SPAN * half
+    near &= np.abs(local[:, 2]) < SPAN * half
     order = np.argsort(values[near])
     s, z, colour = local[near, across][order], local[near, 2][order], values[near][order]
     if across in cut_axes(local):
         s, z, colour = np.r_[s, -s], np.r_[z, z], np.r_[colour, colour]
-    dots = axes.scatter(s, z, c=colour, s=6, cmap="YlOrRd", vmin=0.0, linewidths=0)
+    dots = axes.scatter(s, z, c=colour, s=6, cmap="YlOrRd", vmin=0.0,
+                        vmax=colour.max() or 1.0, linewidths=0)  # fmt: skip
+    if not colour.any():
+        axes.set_title("none here", fontsize=11)
     figure.colorbar(dots, ax=axes, label=label)
     axes.set(xlabel=found.subject.label(across), ylabel="height over the contact, mm")
     axes.set_aspect("equal")
@@ -78,26 +82,27 @@ def _cut(
 
 
 def _pressures(
-    axes: Axes, found: AxisPressure, elastic: AxisPressure, exact: Ellipse | LineContact | None,
-    axis: int,
-) -> None:  # fmt: skip
-    axes.plot(found.coordinate, found.pressure, "o-", color=FE, lw=0.8, ms=3.5, label="with yield")
+    axes: Axes, found: Findings, elastic: Findings, exact: Ellipse | LineContact | None, axis: int
+) -> None:
+    line, without = (loaded((each.along, each.across)[axis]) for each in (found, elastic))
+    axes.plot(*line, "o-", color=FE, lw=0.8, ms=3.5, label="with yield")
     if exact is not None:
         t = (exact.a, exact.b)[axis] * np.cos(np.linspace(0, np.pi, 181))
         axes.plot(t, exact.pressure(*((t, 0) if axis == 0 else (0, t))), color=HERTZ,
                   label="exact Hertz")  # fmt: skip
-    axes.plot(elastic.coordinate, elastic.pressure, "--", color=FE, lw=1.2, label="elastic")
-    axes.set(xlabel="s, mm" if axis else "x, mm", ylabel="contact pressure, MPa")
+    axes.plot(*without, "--", color=FE, lw=1.2, label="elastic")
+    axes.set(xlabel=found.subject.label(axis), ylabel="contact pressure, MPa")
     axes.set_ylim(bottom=0)
     axes.legend()
 
 
-def _left(axes: Axes, residual: Fields, loaded: Fields, frame: Frame, half: float) -> None:
+def _left(axes: Axes, residual: Fields, pressed: Fields, found: Findings, half: float) -> None:
     """Displacement into the body of the nodes of the contact surface, along both axes, um."""
-    nodes = np.unique(loaded.contact.facet_nodes)
+    frame, subject = found.frame, found.subject
+    nodes = np.unique(pressed.contact.facet_nodes)
     local = frame.local(residual.points[nodes])
     rise = 1e3 * residual.displacement[nodes] @ frame.axes[2]
-    for axis, name in ((0, "along"), (1, "across")):
+    for axis, name, colour in ((0, subject.along, FE), (1, subject.across, HERTZ)):
         other = 1 - axis
         near = (np.abs(local[:, other]) < THIN * half) & (np.abs(local[:, axis]) < SPAN * half)
         t, height = local[near, axis], rise[near]
@@ -105,8 +110,8 @@ def _left(axes: Axes, residual: Fields, loaded: Fields, frame: Frame, half: floa
             t, height = np.r_[t, -t], np.r_[height, height]
         order = np.argsort(t)
         if len(order) > 1 and np.ptp(t) > 0:  # a section has one of them
-            body = BODIES[loaded.slave]
-            axes.plot(t[order], height[order], ".-", lw=0.8, label=f"{body}, {name} the rail")
+            label = f"{subject.names[BODIES[pressed.slave]]}, {name}"
+            axes.plot(t[order], height[order], ".-", lw=0.8, color=colour, label=label)
     axes.set(xlabel="distance from the contact, mm",
              ylabel="height of the surface after the load, um")  # fmt: skip
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)

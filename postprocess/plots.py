@@ -6,6 +6,7 @@ exact Hertz contact, or None: then only the finite-element result is drawn.
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -30,6 +31,7 @@ FE, HERTZ, THESIS = "#1f4e79", "#c8502d", "#7a7a7a"
 BANDS = 10
 CENTRED = 0.01  # of a half length: that near to the first contact is at it
 SURFACE = 1e-3  # of the smaller half length: a depth below it is none
+SEEN = 0.98  # of the largest pressure: a cut that reaches it goes through the peak
 OFF_CUT = 0.2  # of its depth: from there on a point is said to lie off the cut
 STYLE = {
     "font.size": 11,
@@ -53,7 +55,7 @@ def new_figure(
     from matplotlib.figure import Figure
 
     title, notes = (of, ()) if isinstance(of, str) else (of.subject.title, of.notes)
-    over = textwrap.wrap(title, int(10.5 * width))
+    over = textwrap.wrap(title, int(10.5 * width), break_on_hyphens=False)
     below = [line for note in notes for line in textwrap.wrap(note, int(13 * width))]
     rows = 0.2 * len(over) + 0.06, height, 0.16 * len(below) + 0.06
     with matplotlib.rc_context(STYLE):
@@ -78,21 +80,50 @@ def closed_ellipse(ellipse: Ellipse) -> Array:
 
 def pressure(findings: Findings, ellipse: Hertz | None, path: Path | None = None) -> Figure:
     """Pressure along and across the rail through its largest value, MPa over mm."""
-    with new_figure(path, 10, 5.1, findings) as figure:
-        left, right = figure.subplots(1, 2, sharey=True)
-        largest = f"{findings.patch.max_pressure:.4g} MPa"
-        name = f"finite elements, largest pressure {largest}"
+    revolved = findings.subject.revolved  # along and across are the same
+    with new_figure(path, 7 if revolved else 10, 5.1, findings) as figure:
+        left, *others = figure.subplots(1, 1 if revolved else 2, sharey=True, squeeze=False)[0]
+        largest, cut = findings.patch.max_pressure, float(findings.along.pressure.max())
+        if len(findings.patch.each) > 1 and cut < SEEN * largest:
+            name = f"finite elements, largest pressure of this patch {cut:.4g} MPa"
+            name += f" (of another {largest:.4g} MPa)"
+        else:
+            name = f"finite elements, largest pressure {largest:.4g} MPa"
         _pressure(left, findings, ellipse, 0, name)
-        _pressure(right, findings, ellipse, 1, name)
+        for right in others:
+            _pressure(right, findings, ellipse, 1, name)
         left.set_ylabel("contact pressure, MPa")
         left.set_ylim(bottom=0)
-        figure.legend(*left.get_legend_handles_labels(), loc="outside upper center", ncols=2)
+        columns = 1 if revolved else 2
+        handles = left.get_legend_handles_labels()
+        figure.legend(*handles, loc="outside upper center", ncols=columns)
     return figure
+
+
+def loaded(line: AxisPressure) -> tuple[Array, Array]:
+    """Coordinate (k,) and pressure (k,) of a cut where it is pressed: points beyond the patch are
+    left out, and p^2, which is straight at an edge, is followed to 0 before the next of them."""
+    t, p = line.coordinate, line.pressure
+    ends: list[tuple[float, float]] = []
+    for step in (1, -1):  # where the pressure ends going up, where it ends going down
+        for number in np.flatnonzero((p > 0) & (np.roll(p, -step) <= 0)):
+            before, after = number - step, number + step
+            if not (0 <= before < len(p) and 0 <= after < len(p)):
+                continue
+            fall = p[before] ** 2 - p[number] ** 2
+            rest = p[number] ** 2 / fall if fall > 0 else 1.0
+            share = min(max(rest, 0.0), 1.0)
+            ends.append((float(t[number] + share * (t[after] - t[number])), 0.0))
+    pressed = p > 0
+    zeros = np.array(ends, dtype=np.float64).reshape(-1, 2)
+    at, value = np.concatenate([np.column_stack([t, p])[pressed], zeros]).T
+    order = np.argsort(at)
+    return at[order], value[order]
 
 
 def _pressure(axes: Axes, findings: Findings, ellipse: Hertz | None, axis: int, name: str) -> None:
     line: AxisPressure = (findings.along, findings.across)[axis]
-    axes.plot(line.coordinate, line.pressure, "o-", color=FE, lw=0.8, ms=3.5, label=name)
+    axes.plot(*loaded(line), "o-", color=FE, lw=0.8, ms=3.5, label=name)
     axes.set_xlabel(findings.subject.label(axis))
     if not findings.subject.revolved:
         axes.set_title(f"cut at {'sx'[axis]} = {line.at + 0.0:.3g} mm", fontsize=11)
@@ -127,7 +158,7 @@ def depth(
             panels, axis.depth, axis.stress, "o", FE, f"finite elements, {names[axis.body]}", peak
         )
         if ellipse is not None:
-            name = f"exact Hertz, {'elliptic' if isinstance(ellipse, Ellipse) else 'line'}"
+            name = f"exact Hertz, {_kind(ellipse)}"
             normal = contacts.axis_stress(ellipse, poisson, fine)
             exact = contacts.axis_extrema(ellipse, poisson)
             peak = exact.tau_max_depth, exact.tau_max
@@ -141,11 +172,20 @@ def depth(
             xlabel="principal stress, MPa",
             ylabel=f"depth in the {names[axis.body]}{_below(findings)}, mm",
         )
-        panels[1].set(xlabel=r"largest shear stress $\tau$, MPa", ylim=(axis.depth.max(), 0))
-        panels[1].set_xlim(left=0)
+        panels[1].set(
+            xlabel="largest shear stress $\\tau$, MPa\n(+ its peak on this line)",
+            ylim=(axis.depth.max(), 0),
+        )
+        panels[1].set_xlim(0, 1.08 * panels[1].dataLim.x1)  # a cross is not cut
         handles, labels = panels[1].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper center", ncols=3)
+        figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
     return figure
+
+
+def _kind(ellipse: Hertz) -> str:
+    if not isinstance(ellipse, Ellipse):
+        return "line"
+    return "circular" if math.isclose(ellipse.a, ellipse.b, rel_tol=1e-6) else "elliptic"
 
 
 def _below(findings: Findings) -> str:
@@ -174,7 +214,7 @@ def _stresses(
     look: dict[str, Any] = {"color": colour, "zorder": 2}
     if style == "o":
         look |= {"markevery": 3, "zorder": 3, "clip_on": False}
-    label = f"{name}\n" + rf"$\tau_{{max}}$ = {peak[1]:.3g} MPa, {peak[0]:.3g} mm deep"
+    label = f"{name}\n" + rf"$\tau$ up to {peak[1]:.4g} MPa, {peak[0]:.3g} mm deep"
     panels[0].plot(principal(stress), at, style, **look)
     panels[1].plot(max_shear(stress), at, style, label=label, **look)
     panels[1].plot(peak[1], peak[0], "+", color=colour, ms=16, mew=1.8, zorder=4)
@@ -193,9 +233,9 @@ def mark_largest(axes: Axes, findings: Findings, across: int) -> None:
             continue
         local = findings.frame.local(np.array([peak.place]))[0]
         deep = "at the surface" if peak.depth < SURFACE * half else f"{peak.depth:.3g} mm deep"
-        label = rf"$\tau_{{max}}$ in the {name}: {peak.value:.3g} MPa, {deep}"
+        label = rf"$\tau_{{max}}$ in the {name}: {peak.value:.4g} MPa, {deep}"
         if across and abs(local[0]) > OFF_CUT * peak.depth:
-            label += f", {abs(local[0]):.3g} mm along the rail"
+            label += f", {local[0]:+.2g} mm {findings.subject.along}"
         marker = "v" if body == "rail" else "^"
         look: dict[str, Any] = {"ms": 10, "mfc": "white", "mec": "black", "ls": "none"}
         axes.plot(local[across], local[2], marker, label=label, **look)
@@ -245,9 +285,9 @@ def patch(findings: Findings, ellipse: Ellipse | None, path: Path) -> None:
         axes.set(
             xlabel=findings.subject.label(0),
             ylabel=findings.subject.label(1),
-            xlim=(low[0] - margin, high[0] + margin),
-            ylim=(low[1] - margin, high[1] + margin),
-            aspect="equal",
         )
+        axes.set_aspect("equal", adjustable="datalim")  # else its label leaves a narrow sheet
+        axes.set_xlim(low[0] - margin, high[0] + margin, auto=True)
+        axes.set_ylim(low[1] - margin, high[1] + margin, auto=True)
         figure.colorbar(bands, ax=axes, label="contact pressure, MPa", ticks=levels)
         figure.legend(loc="outside upper center", ncols=2)

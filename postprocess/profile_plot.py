@@ -11,7 +11,7 @@ from railhead.meshing.wear import Wear
 from railhead.postprocess.findings import Array
 from railhead.postprocess.plots import new_figure
 
-RAW, SMOOTH, STANDARD, LOST = "#9a9a9a", "#1f4e79", "#c8502d", "#e0a030"
+RAW, SMOOTH, STANDARD, LOST = "#9a9a9a", "#1f4e79", "#c8502d", "#9a5f00"
 
 
 def draw(found: Measured, worn: Wear, path: Path) -> None:
@@ -29,7 +29,9 @@ def draw(found: Measured, worn: Wear, path: Path) -> None:
         top.set_ylabel("z, mm")
         top.legend(loc="best")
         left.plot(found.points[:, 0], 1e3 * smoothed.residual, ".", color=RAW, ms=3)
-        left.axhspan(-1e3 * smoothed.noise, 1e3 * smoothed.noise, color=SMOOTH, alpha=0.15)
+        left.axhspan(-1e3 * smoothed.noise, 1e3 * smoothed.noise, color=SMOOTH, alpha=0.15,
+                     label="noise")  # fmt: skip
+        left.legend(loc="upper right")
         left.set_ylabel("measured less\nsmoothed, um")
         bend.plot(
             found.points[1:-1, 0], smoothed.rough_curvature(), ".", color=RAW, ms=2,
@@ -43,7 +45,10 @@ def draw(found: Measured, worn: Wear, path: Path) -> None:
         bend.set_ylabel("curvature, 1/mm\n(convex is positive)")
         bend.legend(loc="best")
         lost.plot(worn.y, worn.loss, color=LOST)
-        lost.plot(worn.at, worn.largest, "o", color=STANDARD)
+        lost.plot(
+            worn.at, worn.largest, "o", color=STANDARD, label=f"largest: {worn.largest:.3g} mm"
+        )
+        lost.legend(loc="upper right")
         lost.set_ylabel(f"less than\n{worn.standard}, mm")
         lost.set_xlabel("y across the track, mm (gauge side and flange on the left)")
 

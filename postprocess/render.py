@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 BODIES = {1: "rail", 2: "wheel"}
 COLOURS = {"rail": "#b4c3d3", "wheel": "#dcc9a3"}
 FREE_SURFACE, EDGE, CONTACT = "#d9dfe5", "#5a6570", "#b2182b"
+BESIDE = 0.15  # of half the picture: from a dimension line to its words, at least
 MESH = {"show_edges": True, "edge_color": EDGE, "edge_opacity": 0.6, "line_width": 0.8}
 SHADE = {"ambient": 0.45, "diffuse": 0.6}
 
@@ -40,7 +41,7 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
     meshes = [(half, {"color": COLOURS[name], **MESH, **SHADE}) for name, half in halves.items()]
     corners = np.concatenate([half.points for half in halves.values()])
     general = _around(corners, np.array([1.0, 0.5, 0.35]))
-    low, high = patch.main.min(axis=0), patch.main.max(axis=0)
+    low, high = patch.box
     reach = (high - low).max()
     middle = _global(frame, [[0.0, (low[1] + high[1]) / 2, 0.0]])[0]
     close = Camera(middle, frame.axes[0], 0.7 * reach, reach, frame.axes[2], pixels=900)
@@ -63,6 +64,9 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
         right.set(xlim=right.get_xlim(), ylim=right.get_ylim())
         right.set_ylabel("height over the contact, mm")
         swatches = [Swatch(fc=COLOURS[name], ec=EDGE, label=names[name]) for name in halves]
+        for name in set(BODIES.values()) - set(halves):
+            text, side = f"{names[name]}: rigid, not meshed", 0.25 if name == "rail" else 0.75
+            right.text(0.5, side, text, transform=right.transAxes, ha="center")
         figure.legend(handles=[*swatches, right.lines[0]], loc="outside upper center", ncols=3)
 
 
@@ -70,7 +74,7 @@ def stress_cut(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
     """sigma_3 and the largest shear stress of both bodies in the section across the rail through
     the contact."""
     frame, patch = findings.frame, findings.patch
-    low, high = patch.main[:, 1].min(), patch.main[:, 1].max()
+    low, high = (each[1] for each in patch.box)
     half = np.array([1.2 * (high - low), min(0.9 * (high - low), 5 * patch.a)])
     offset = 1e-3 * min(patch.a, patch.b)  # a cut model has no inside at the plane itself
     sections = [_section(part, frame, offset) for part in bodies_of(grid).values()]
@@ -118,7 +122,7 @@ def patch_on_rail(
         if ellipse is not None:
             line = camera.project(_on(surface, frame, closed_ellipse(ellipse)))
             axes.plot(*line.T, "--", color="black", lw=1.4, label="exact Hertz")
-        _dimensions(axes, camera, frame, patch)
+        _dimensions(axes, camera, findings)
         colours = ScalarMappable(Normalize(*shown), "YlOrRd")
         figure.colorbar(colours, ax=axes, label="contact pressure, MPa", shrink=0.8)
         figure.legend(loc="outside upper center", ncols=2)
@@ -126,8 +130,8 @@ def patch_on_rail(
 
 def camera_over(findings: Findings) -> Camera:
     """Sees the whole patch obliquely from above."""
-    frame, patch = findings.frame, findings.patch
-    low, high = patch.main.min(axis=0), patch.main.max(axis=0)
+    frame = findings.frame
+    low, high = findings.patch.box
     reach = (high - low).max()
     middle = _global(frame, [[*(low + high) / 2, 0.0]])[0]
     towards = np.array([-0.3, -0.6, 1.0]) @ frame.axes
@@ -199,23 +203,40 @@ def _rim(section: Any, frame: Frame) -> Array:
     return np.asarray(frame.local(rim.points)[:, 1:][rim.lines.reshape(-1, 3)[:, 1:]])
 
 
-def _dimensions(axes: Axes, camera: Camera, frame: Frame, patch: Patch) -> None:
-    """Dimension lines along x and s beside the patch, as long as it is."""
+def _dimensions(axes: Axes, camera: Camera, findings: Findings) -> None:
+    """Dimension lines along x and s beside the (most loaded) patch, as long as it is; which side is
+    which, and where it rolls."""
+    frame, patch, subject = findings.frame, findings.patch, findings.subject
     (x0, s0), (x1, s1) = patch.main.min(axis=0), patch.main.max(axis=0)
     away = 0.2 * max(x1 - x0, s1 - s0)
     lines = {
-        f"2a = {2 * patch.a:.3g} mm (x)": [[x0, s0 - away, 0], [x1, s0 - away, 0]],
-        f"2b = {2 * patch.b:.3g} mm (s)": [[x0 - away, s0, 0], [x0 - away, s1, 0]],
+        f"2a = {2 * patch.a:.4g} mm\n(x, {subject.along})": [
+            [x0, s0 - away, 0],
+            [x1, s0 - away, 0],
+        ],
+        f"2b = {2 * patch.b:.4g} mm\n(s, {subject.across})": [
+            [x0 - away, s0, 0],
+            [x0 - away, s1, 0],
+        ],
     }
     middle = camera.project(_global(frame, [[(x0 + x1) / 2, (s0 + s1) / 2, 0]]))[0]
+    box = {"fc": "white", "ec": "none", "alpha": 0.85, "pad": 2}
+    look: dict[str, Any] = {"ha": "center", "va": "center", "bbox": box, "clip_on": True}
     for text, ends in lines.items():
         start, stop = camera.project(_global(frame, ends))
         arrow = {"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, "lw": 1.5}
         axes.annotate("", tuple(start), tuple(stop), arrowprops=arrow)
         outwards = (start + stop) / 2 - middle
-        right, upwards = (start + stop) / 2 + away * outwards / np.linalg.norm(outwards)
-        box = {"fc": "white", "ec": "none", "alpha": 0.85, "pad": 2}
-        axes.text(right, upwards, text, ha="center", va="center", bbox=box)
+        beside = max(away, BESIDE * camera.half_width) * outwards / np.linalg.norm(outwards)
+        right, upwards = (start + stop) / 2 + beside
+        axes.text(right, upwards, text, **look)
+    beyond = {"gauge side": (x0 - away, s0 - away / 2), "field side": (x0 - away, s1 + away / 2)}
+    sides = beyond if subject.gauge else {}
+    if subject.rolls:
+        sides["rolls"] = (x1 + away / 2, s0 - away)
+    for text, at in sides.items():
+        right, upwards = camera.project(_global(frame, [[*at, 0.0]]))[0]
+        axes.text(right, upwards, text, style="italic", **look)
 
 
 def _around(points: Array, towards: Array) -> Camera:

@@ -15,10 +15,10 @@ FRICTION = np.linspace(0.0, 0.6, 25)
 HIGH = 6.0  # p0/k
 
 
-def draw(friction: Mapping[str, Any], poisson: float, path: Path) -> None:
+def draw(friction: Mapping[str, Any], poisson: float, path: Path, title: str = "") -> None:
     """`friction` of a result in summary.json, with p0_over_k; limits of a line under full slip."""
     used, ratio = friction["traction_coefficient"], friction["p0_over_k"]
-    with new_figure(path, 7, 4.8) as figure:
+    with new_figure(path, 7, 4.8, title) as figure:
         axes = figure.subplots()
         limits = [shakedown.shakedown_limit(each) for each in FRICTION]
         elastic = [shakedown.elastic_limit(each, poisson) for each in FRICTION]
@@ -38,7 +38,7 @@ def draw(friction: Mapping[str, Any], poisson: float, path: Path) -> None:
             "^",
             color=HERTZ,
             clip_on=False,
-            label="the same of a circle",
+            label="shakedown limit of a circle without friction",
         )
         axes.plot(
             used, friction["first_yield_p0_over_k"], "_", color=FE, ms=16, mew=2,

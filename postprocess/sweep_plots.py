@@ -30,12 +30,12 @@ LABELS = 24  # patches of a strip whose values are written, at most
 GAP = 0.15  # between patches, of the longest
 
 
-def curves(columns: Sequence[str], rows: Rows, path: Path) -> None:
+def curves(columns: Sequence[str], rows: Rows, path: Path, title: str = "") -> None:
     """Four quantities over the column with the most values, a line for each value of the other;
     what no check signs is ringed."""
     over, *others = sorted(columns, key=lambda name: -len(_values(name, rows)))
     lines = _values(others[0], rows) if others else [None]
-    with new_figure(path, 11, 7.6) as figure:
+    with new_figure(path, 11, 7.6, title) as figure:
         import matplotlib
 
         shades = matplotlib.colormaps["viridis"](np.linspace(0, 0.85, len(lines)))
@@ -68,8 +68,9 @@ def curves(columns: Sequence[str], rows: Rows, path: Path) -> None:
 
 
 def patches(
-    columns: Sequence[str], rows: Rows, outlines: Sequence[Sequence[Any]], path: Path
-) -> None:
+    columns: Sequence[str], rows: Rows, outlines: Sequence[Sequence[Any]], path: Path,
+    title: str = "",
+) -> None:  # fmt: skip
     """Outlines seen from above (red where a check failed), to scale, at their places across the
     rail: a strip for each value of the first column, or one strip where one changes."""
     split = columns[0] if len(columns) > 1 else None
@@ -85,7 +86,7 @@ def patches(
     wide, high = most * step, float(np.ptp(across)) + 2 * GAP * step
     inch = min(0.12, 14 / wide, 4 / high)  # per mm
     width, height = max(wide * inch + 1.6, 5.0), max(high * inch, 1.6) + 0.7
-    with new_figure(path, width, len(strips) * height + 0.5) as figure:
+    with new_figure(path, width, len(strips) * height + 0.5, title) as figure:
         panels = figure.subplots(len(strips), 1, squeeze=False, sharex=True, sharey=True)[:, 0]
         for axes, value in zip(panels, strips, strict=True):
             own = [index for index, row in enumerate(rows) if not split or row[split] == value]

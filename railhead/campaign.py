@@ -125,9 +125,10 @@ def _write(campaign: Campaign, faults: Mapping[int, str], *, pictures: bool) -> 
         (work / TABLE).write_bytes(spreadsheet.encoded(rows))
         if pictures and 1 <= len(campaign.keys) <= 2:
             columns = [sweep_table.column(key) for key in campaign.keys]
-            sweep_plots.curves(columns, rows, work / "sweep.png")
+            title = f"sweep of {campaign.scenes[0].name} over {' and '.join(campaign.keys)}"
+            sweep_plots.curves(columns, rows, work / "sweep.png", title)
             outlines: list[Any] = [each.get("outlines", []) for each in kept]
-            sweep_plots.patches(columns, rows, outlines, work / "patches.png")
+            sweep_plots.patches(columns, rows, outlines, work / "patches.png", title)
     return [row[sweep_table.CHECKS] for row in rows]
 
 

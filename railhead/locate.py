@@ -78,7 +78,7 @@ def write(location: Location, folder: Path) -> None:
 
     scene = location.scene
     pair = f"{scene.name}: wheelset with wheels {scene.wheel.profile} on rails {scene.rail.profile}"
-    at = f"shifted by {scene.wheelset.shift:g} mm"
+    at = f"shifted by {scene.wheelset.shift:g} mm to the right"
     yaw = f", yaw {1e3 * scene.wheelset.yaw:g} mrad"
     with results.replacing(folder) as work:
         title = f"{pair}, {at}{yaw}"

@@ -28,7 +28,7 @@ NO_DEPTH = 1e-9  # of the patch: rounding at the surface
 CAPTIONS = {
     "patch": "Contact pressure over the patch, seen from above.",
     "patch_on_rail": "The patch on the running surface, with its mesh.",
-    "pressure": "Contact pressure along and across the rail, through its largest value.",
+    "pressure": "Contact pressure along both axes; where each cut lies is said over it.",
     "depth": "Stresses below the contact.",
     "stress_cut": "Stresses in a cut through the contact.",
     "wheel_rail": "The bodies that were solved, cut open, and their mesh at the contact.",

@@ -151,7 +151,9 @@ def write(result: Result, folder: Path, *, pictures: bool, page: Page | None = N
         found, grids = result.findings, None
         if found is not None:
             after = result.level.after.items()
-            needed = tuple(f"{name}: {each.why}" for name, each in after if each.needed)
+            needed = tuple(
+                f"{name.replace('_', ' ')}: {each.why}" for name, each in after if each.needed
+            )
             found = replace(found, notes=needed, subject=subject(result.plan, result.load))
         if result.fields is not None and found is not None:
             grids = gallery.draw(
@@ -184,7 +186,9 @@ def write(result: Result, folder: Path, *, pictures: bool, page: Page | None = N
                 friction = result.summary["result"]["friction"]
                 if "p0_over_k" in friction:
                     poisson = result.plan.shown.poisson_ratio
-                    shakedown_plot.draw(friction, poisson, work / "shakedown.png")
+                    shakedown_plot.draw(
+                        friction, poisson, work / "shakedown.png", found.subject.title
+                    )
         (work / "scene.toml").write_text(to_toml(result.plan.scene), encoding="utf-8")
         (work / SUMMARY).write_text(as_json(result), encoding="utf-8")
         table = quantities.everything(result.summary)

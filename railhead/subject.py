@@ -16,13 +16,19 @@ def subject(plan: Plan, load: float) -> Subject:
     """Title, names and directions; load N, as found."""
     scene, contact = plan.scene, plan.contact
     bar = math.isinf(scene.wheel.rolling_radius)
-    short, long = zip(_rail(scene.rail, bar), _wheel(scene.wheel, bar), strict=True)
+    roller = contact.lengthwise and not bar and scene.rail.profile == "arc"
+    short, long = zip(
+        _rail(scene.rail, bar, contact.half_space), _wheel(scene.wheel, bar, roller), strict=True
+    )
     if short[0] == short[1]:
         short = f"lower {short[0]}", f"upper {short[1]}"
+    long = _said(long[0], scene.rail), _said(long[1], scene.wheel)
     real = scene.rail.profile != "arc" and not contact.half_space
     force = f"{load / 1e3:.5g} kN" if load >= 1e3 else f"{load:.5g} N"
     spaces = ", as half-spaces" if contact.half_space else ""
-    along, across = ("along the axes" if bar else "in the rolling direction"), "across"
+    along, across = "in the rolling direction", "along the axis" if roller else "across"
+    if bar:
+        along, across = "along the axes", "across the axes"
     if short[0] == "rail":
         along, across = "along the rail", "across the rail"
     return Subject(
@@ -33,25 +39,32 @@ def subject(plan: Plan, load: float) -> Subject:
     )  # fmt: skip
 
 
-def _rail(rail: Rail, bar: bool) -> tuple[str, str]:
+def _said(text: str, body: Rail | Wheel) -> str:
+    return f"{text.rstrip(',')} (rigid)" if math.isinf(body.young_modulus) else text
+
+
+def _rail(rail: Rail, bar: bool, half_space: bool) -> tuple[str, str]:
     """In short, and with its size."""
     if rail.profile != "arc":
         tilt = f", inclined 1:{1 / rail.inclination:.3g}" if rail.inclination else ""
         return "rail", f"rail {rail.profile}{tilt}"
     if math.isinf(rail.crown_radius or math.inf):
-        return "plane", "a plane"
+        return ("plane", "a plane") if half_space else ("block", "a flat block")
     if bar:
         return "cylinder", f"cylinder R {rail.crown_radius:g} mm"
     return "rail", f"rail, crown R {rail.crown_radius:g} mm"
 
 
-def _wheel(wheel: Wheel, bar: bool) -> tuple[str, str]:
+def _wheel(wheel: Wheel, bar: bool, roller: bool) -> tuple[str, str]:
     rolling, tread = wheel.rolling_radius, wheel.transverse_radius
     if wheel.profile == "arc" and tread == rolling:
         return "sphere", f"sphere R {rolling:g} mm"
     if bar:
-        size = f"R {tread:g} mm" if tread else wheel.profile
-        return "cylinder", f"cylinder {size}"
+        if tread:
+            return "cylinder", f"cylinder R {tread:g} mm"
+        return "bar", f"straight bar, profile {wheel.profile},"
+    if roller:
+        return "roller", f"roller R {rolling:g} mm"
     shape = f"tread arc R {tread:g} mm" if wheel.profile == "arc" else f"tread {wheel.profile}"
     return "wheel", f"wheel R {rolling:g} mm, {shape},"
 

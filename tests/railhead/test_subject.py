@@ -14,6 +14,8 @@ def test_bodies_have_names_of_their_own() -> None:
     assert found["sphere_on_plane"].names == {"rail": "plane", "wheel": "sphere"}
     assert found["sphere_on_plane"].revolved
     assert "1 kN" in found["long_roller"].title
+    assert found["long_roller"].names == {"rail": "block", "wheel": "roller"}
+    assert found["sphere_on_plane"].title.endswith("on a plane (rigid), as half-spaces")
     assert not any(each.gauge or each.thesis for each in found.values())
 
 
@@ -23,3 +25,10 @@ def test_only_the_thesis_pair_is_held_against_the_thesis() -> None:
         found = subject(plan.make(scene.replace(changes)), 1.0)
         assert found.thesis is same
         assert found.gauge
+
+
+def test_a_straight_bar_keeps_its_profile() -> None:
+    scene = find("uic54_thesis").replace(("wheel.rolling_radius=inf", "rail.length=100mm"))
+    found = subject(plan.make(scene), 1.0)
+    assert "straight bar, profile cylinder, on rail 54E1" in found.title
+    assert found.names["wheel"] == "bar" and found.gauge

@@ -1,0 +1,229 @@
+"""Pictures as an engineer reads them: all of it within the sheet, numbers and places true."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from railhead.postprocess import (
+    export,
+    fringes,
+    locate_plot,
+    plastic_plots,
+    plots,
+    render,
+    shakedown_plot,
+    sweep_plots,
+    traction_plots,
+)
+from railhead.postprocess.findings import AxisPressure, OnePatch
+from railhead.postprocess.subject import Subject
+
+TITLE = "a case of many words: 110.3 kN, wheel R 420 mm, tread cone20, on rail 54E1, half-spaces"
+
+
+@pytest.fixture()
+def sheets(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
+    """Every figure that is written, laid out."""
+    seen: list[Figure] = []
+    own = Figure.savefig
+
+    def spy(self: Figure, *args: Any, **options: Any) -> None:
+        own(self, *args, **options)
+        seen.append(self)
+
+    monkeypatch.setattr(Figure, "savefig", spy)
+    return seen
+
+
+def cut_off(figure: Figure) -> list[str]:
+    """Texts that are not within the figure."""
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    page = figure.bbox
+    found = []
+    for text in cast("list[Text]", figure.findobj(Text)):
+        number = not text.get_text().strip("\N{MINUS SIGN}-.0123456789 ")
+        if number or not text.get_visible():  # ticks beyond the limits of axes stay undrawn
+            continue
+        axes = text.axes
+        if axes is not None and text in axes.texts and text.get_clip_on():
+            continue  # what is left of it is the picture's
+        box = text.get_window_extent(renderer)
+        within = box.x0 > -1 and box.y0 > -1 and box.x1 < page.x1 + 1 and box.y1 < page.y1 + 1
+        if not within:
+            found.append(text.get_text())
+    return found
+
+
+def two_patches(case: Any) -> Any:
+    """The same findings with a second, higher loaded patch 14 mm towards the gauge."""
+    patch = case.findings.patch
+    first = patch.outlines[0]
+    second = first * [1.0, 0.15] - [0.0, 14.0]
+    each = [
+        OnePatch((0.0, s, 0.0), 0.0, patch.a, b, patch.area, p, 0.5)
+        for s, b, p in ((0.0, patch.b, patch.max_pressure), (-14.0, 0.15 * patch.b, 2000.0))
+    ]
+    subject = Subject(TITLE, gauge=True)
+    several = replace(patch, outlines=[first, second], each=tuple(each), max_pressure=2000.0)
+    return replace(case.findings, patch=several, subject=subject)
+
+
+def test_all_patches_are_in_every_picture(
+    blocks: Callable[..., Any], sheets: list[Figure], tmp_path: Path
+) -> None:
+    case = blocks(cut=False)
+    found = two_patches(case)
+    volume = export.volume_grid(case.fields, case.stress)
+    grid = export.contact_grid(case.fields, found.surface)
+    render.wheel_rail(volume, found, tmp_path / "w.png")
+    render.patch_on_rail(grid, found, None, tmp_path / "o.png")
+    render.stress_cut(volume, found, tmp_path / "s.png")
+    plots.patch(found, None, tmp_path / "p.png")
+    places = (1, 0, 0, 0)  # of the panel
+    for figure, place in zip(sheets, places, strict=True):
+        axes = figure.axes[place]
+        lines = [line for line in axes.lines if len(line.get_xydata()) > 1]
+        assert len(lines) >= 2
+        for line in lines:
+            x, y = np.asarray(line.get_xydata()).T
+            (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+            assert left <= x.min() and x.max() <= right and low <= y.min() and y.max() <= high
+        assert not cut_off(figure)
+
+
+def test_the_cut_says_whose_pressure_it_shows(blocks: Callable[..., Any]) -> None:
+    found = two_patches(blocks(cut=False))
+    label = plots.pressure(found, None).axes[0].get_legend_handles_labels()[1][0]
+    shown = found.along.pressure.max()
+    assert f"of this patch {shown:.4g} MPa" in label and "2000 MPa" in label
+
+
+def test_long_labels_do_not_leave_the_sheet(
+    blocks: Callable[..., Any], sheets: list[Figure], tmp_path: Path
+) -> None:
+    case = blocks(cut=False)
+    largest = {
+        name: replace(each, tau=replace(each.tau, place=(1.2, 0.0, 0.3), depth=0.3))
+        for name, each in case.findings.largest.items()
+    }
+    names = {"rail": "lower cylinder", "wheel": "upper cylinder"}
+    found = replace(case.findings, largest=largest, subject=Subject(TITLE, names))
+    render.stress_cut(export.volume_grid(case.fields, case.stress), found, tmp_path / "s.png")
+    plots.depth(found, case.ellipse, 0.3, tmp_path / "d.png", (800.0, 3.0))
+    for figure in sheets:
+        assert not cut_off(figure)
+
+
+@pytest.mark.parametrize(("values", "below"), [
+    ((-300.0, 20.0), True), ((-300.0, -120.0), True), ((110.0, 428.0), False), ((0.0, 0.0), False),
+])  # fmt: skip
+def test_bands_of_stress_end_at_zero_and_hold_all(values: tuple[float, float], below: bool) -> None:
+    levels = fringes.levels(np.array(values), below=below)
+    assert np.all(np.diff(levels) > 0)
+    assert levels[-1 if below else 0] == pytest.approx(0.0, abs=1e-12)
+    assert levels[0] <= values[0] or not below
+    assert levels[-1] >= values[1] or below
+
+
+def test_pressure_ends_at_the_edge_of_the_patch(blocks: Callable[..., Any]) -> None:
+    ellipse = blocks().ellipse
+    x = ellipse.a * np.linspace(-1.25, 1.25, 42)
+    t, p = plots.loaded(AxisPressure(x, np.asarray(ellipse.pressure(x, 0))))
+    assert p[0] == p[-1] == 0.0 and np.all(p[1:-1] > 0)
+    assert (t[0], t[-1]) == pytest.approx((-ellipse.a, ellipse.a), rel=0.01)
+    ends = AxisPressure(np.array([-5.0, 5.0]), np.array([7.0, 7.0]))
+    assert np.array_equal(plots.loaded(ends), [[-5.0, 5.0], [7.0, 7.0]])
+
+
+def test_the_cross_of_the_largest_shear_is_whole_and_explained(blocks: Callable[..., Any]) -> None:
+    case = blocks()
+    axes = plots.depth(case.findings, case.ellipse, 0.3).axes[1]
+    assert axes.get_xlim()[1] > 1.05 * 0.3 * case.ellipse.p0
+    assert "+ its peak" in axes.get_xlabel()
+
+
+def rubbed(case: Any, centre: float) -> tuple[Any, Any]:
+    """Points of a patch whose middle is at s = centre, half of them sliding, and its findings."""
+    a, b = case.ellipse.a, case.ellipse.b
+    grid = np.stack(np.meshgrid(np.linspace(-1, 1, 60), np.linspace(-1, 1, 60)), axis=-1)
+    local = grid.reshape(-1, 2)
+    local = local[np.hypot(*local.T) < 1] * [a, b] + [0.0, centre]
+    points = np.column_stack([local, np.zeros(len(local))])
+    pressure = np.asarray(case.ellipse.pressure(local[:, 0], local[:, 1] - centre))
+    traction = np.column_stack([0.1 * pressure, np.zeros_like(pressure), np.zeros_like(pressure)])
+    patch = case.findings.patch
+    moved = replace(patch, centre=(0.0, centre), outlines=[patch.outlines[0] + [0.0, centre]])
+    rubbing = SimpleNamespace(
+        points=points, pressure=pressure, traction=traction, sticks=local[:, 0] > 0
+    )
+    return rubbing, replace(case.findings, patch=moved, subject=Subject(TITLE, gauge=True))
+
+
+def test_tractions_are_where_they_act_and_have_a_scale(
+    blocks: Callable[..., Any], sheets: list[Figure], tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    keys: list[Any] = []
+    own = Axes.quiverkey
+    monkeypatch.setattr(
+        Axes, "quiverkey", lambda *args, **options: keys.append(args) or own(*args, **options)
+    )
+    rubbing, found = rubbed(blocks(), centre=-1.7)
+    traction_plots.draw(rubbing, found, 0.3, tmp_path / "f.png", mirrored=False)
+    axes = sheets[0].axes[0]
+    drawn = np.concatenate([np.asarray(dots.get_offsets()) for dots in axes.collections[:2]])
+    assert drawn[:, 1].mean() == pytest.approx(-1.7, abs=0.05)
+    assert keys[0][4] == pytest.approx(0.1 * found.patch.max_pressure, rel=0.5)
+    assert "MPa" in keys[0][5]
+    assert not cut_off(sheets[0])
+
+
+def test_arrows_are_spread_evenly() -> None:
+    points = np.random.default_rng(1).uniform(0, 10, (3000, 2))
+    few = points[traction_plots.thinned(points, 1.0)]
+    assert len(few) == 100
+    assert np.abs(few - np.floor(few) - 0.5).max() < 0.4
+
+
+def test_no_yield_is_said_and_coloured_as_none(blocks: Callable[..., Any]) -> None:
+    case = blocks(cut=False)
+    points = case.fields.points[:, None, :]
+    with plots.new_figure(None, 5, 5) as figure:
+        axes = figure.add_subplot()
+        plastic_plots._cut(
+            figure, axes, two_patches(case), (points, np.zeros(points.shape[:2])), 1, "strain"
+        )
+        assert axes.collections[0].get_clim()[0] == 0.0
+        assert axes.get_title() == "none here"
+        shown = np.asarray(axes.collections[0].get_offsets())[:, 0]
+        assert shown.min() < -1.5 * case.ellipse.b  # below the other patch too
+
+
+def test_sweeps_and_the_shakedown_map_say_what_they_are_of(
+    sheets: list[Figure], tmp_path: Path
+) -> None:
+    rows = [{"load [N]": n, "checks": "passed"} | dict.fromkeys(sweep_plots.PANELS, float(n))
+            for n in (1, 2)]  # fmt: skip
+    circle = [[[np.cos(t), np.sin(t)] for t in np.linspace(0, 6, 20)]]
+    sweep_plots.curves(["load [N]"], rows, tmp_path / "c.png", TITLE)
+    sweep_plots.patches(["load [N]"], rows, [circle, circle], tmp_path / "p.png", TITLE)
+    friction = {"traction_coefficient": 0.1, "p0_over_k": 3.0, "first_yield_p0_over_k": 3.2,
+                "shakedown": "elastic", "surface_fatigue_index": -0.2}  # fmt: skip
+    shakedown_plot.draw(friction, 0.3, tmp_path / "s.png", TITLE)
+    for figure in sheets:
+        said = " ".join(text.get_text() for part in figure.subfigs for text in part.texts)
+        assert " ".join(said.split()) == TITLE
+        assert not cut_off(figure)
+
+
+def test_signs_are_those_of_the_axes() -> None:
+    assert locate_plot._minus("y = -12.67 mm") == "y = \N{MINUS SIGN}12.67 mm"
