@@ -10,6 +10,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 PR_SET_PDEATHSIG = 1  # Linux: a signal for when the parent is gone
+M_PERTURB = -6  # glibc: what fills memory that is freed, and, inverted, memory that is allocated
 _context = multiprocessing.get_context("fork")
 
 
@@ -45,8 +46,18 @@ def die_with_parent() -> None:
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
+def fill_memory() -> None:
+    """Let memory hold zeros when this process allocates it, as fresh pages do: gmsh's optimiser of
+    tetrahedra (HXT) decides by some that it has not written to, so that its mesh otherwise depends
+    on what was there before."""
+    libc = ctypes.CDLL(None)
+    if hasattr(libc, "mallopt"):
+        libc.mallopt(M_PERTURB, 0xFF)
+
+
 def _serve(connection: Connection, work: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
     die_with_parent()
+    fill_memory()
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, signal.SIG_DFL)
     try:

@@ -21,7 +21,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-SIGNALS = (signal.SIGTERM, signal.SIGINT)
+SIGNALS = (signal.SIGINT, signal.SIGTERM)  # in the order in which they are heard
 PATIENCE = 2.0  # seconds until the process is killed
 BEGUN, ENDED = b"\xfe", b"\xff"  # of a folder, whose path follows; other bytes are signals
 SHOW_CURSOR = b"\x1b[?25h"
@@ -79,6 +79,9 @@ def prompt() -> Iterator[None]:
     if outer or threading.current_thread() is not threading.main_thread():
         yield
         return
+    # Before the fork: it takes milliseconds, in which a signal would end Python as it ends any.
+    heard = [number for number in SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
+    before = {number: signal.signal(number, _handle) for number in heard}
     told, tell = os.pipe()
     child = os.fork()
     if not child:
@@ -86,8 +89,6 @@ def prompt() -> Iterator[None]:
         _watch(told, os.getppid())
     os.close(told)
     os.set_blocking(tell, False)
-    heard = [number for number in SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
-    before = {number: signal.signal(number, _handle) for number in heard}
     fd = signal.set_wakeup_fd(tell, warn_on_full_buffer=False)
     _tell = tell
     try:

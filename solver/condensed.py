@@ -152,7 +152,8 @@ class Condenser:
             block = -weighted[:, first : first + BLOCK].toarray()
             x = self.solve(self._dense(push, block))
             for found, matrix in zip(answers, reduced, strict=True):
-                found.append(matrix.matMult(x).getDenseArray().copy())
+                product = matrix.matMult(x)  # which its array does not keep alive
+                found.append(product.getDenseArray().copy())
         answer, movement, closing = (self._all(np.hstack(found)) for found in answers)
         values = (self.x, weights, self.tangents, problem.tau[self.own])
         points, weights, along, tau = (self._all(each) for each in values)

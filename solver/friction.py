@@ -126,7 +126,9 @@ class Problem:
         contact, coefficient = self.friction.contact, self.friction.coefficient
         n, k, unknowns = self.pull.shape
         m, active, top = len(self.friction.mass), contact.touches, self.friction.top
-        x, slips, direction = np.zeros(unknowns), np.zeros(n, dtype=bool), np.zeros((n, k))
+        x: Array = np.zeros(unknowns)
+        slips: NDArray[np.bool_] = np.zeros(n, dtype=bool)
+        direction: Array = np.zeros((n, k))
         if begin is not None:
             x = np.concatenate([begin.nodal, begin.motion])
             slips, direction = begin.slips, begin.direction

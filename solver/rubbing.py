@@ -139,7 +139,7 @@ class _Way:
         self.modes = [index for index, _ in rub.free]
         self.settled = None if rub.rolling else contact.moved
         self.sheared: Sheared | None = None
-        self.nodal = np.zeros(contact.answer.shape[1])
+        self.nodal: Array = np.zeros(contact.answer.shape[1])
         self.legs: list[Array] = []
         self.load, self.peaked, self.share = 1.0, False, case
         self.touched: Mask = np.zeros(len(contact.points), dtype=bool)

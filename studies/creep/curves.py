@@ -13,6 +13,7 @@ from railhead import build, catalogue, equal_ellipses, shearing
 from railhead.planning import exact
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
+from railhead.solver.cells import Array
 from railhead.solver.condensed import Condenser
 from railhead.solver.contact import LoadCase
 from railhead.solver.friction import Friction
@@ -110,7 +111,7 @@ def rolled(curve: Curve) -> tuple[list[Point], Cost]:
     limit, found = COEFFICIENT * normal_force, None
     for motion in curve.motions:
         given = motion.along, motion.across, motion.spin
-        known = np.tensordot(given, rigid, axes=1)
+        known: Array = np.asarray(np.tensordot(given, rigid, axes=1))
         if model.setup.rub.beyond is not None:
             known += model.setup.rub.beyond(contact.points)[:, None] * rigid[0]
         found = problem.solve(known, rigid[:0], np.zeros((0, 4)), start=found)

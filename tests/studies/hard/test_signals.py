@@ -52,6 +52,15 @@ def start(folder: Path, script: str, *arguments: str) -> subprocess.Popen[str]:
     )  # fmt: skip
 
 
+def wait_until_heard(running: subprocess.Popen[str]) -> None:
+    """Until the command handles SIGTERM, the last of the signals that it comes to hear; before that
+    the system and Python end it as they end any other."""
+    status, bit = Path(f"/proc/{running.pid}/status"), 1 << (signal.SIGTERM - 1)
+    while not int(status.read_text().split("SigCgt:")[1].split()[0], 16) & bit:
+        assert running.poll() is None
+        time.sleep(1e-3)
+
+
 def ended(running: subprocess.Popen[str], number: signal.Signals) -> tuple[float, str]:
     """Seconds from the signal to the end, and what was said after it."""
     begun = time.monotonic()
@@ -96,12 +105,11 @@ def test_a_library_that_keeps_the_lock_is_killed_and_leaves_nothing(number, tmp_
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-@pytest.mark.parametrize("seconds", [0.5, 0.8, 1.1, 1.5, 2.0, 2.6])
+@pytest.mark.parametrize("seconds", [0.0, 0.05, 0.35, 0.65, 1.05, 1.55, 2.15])
 def test_imports_end_silently(seconds: float, number: signal.Signals, tmp_path: Path) -> None:
-    script = f"import railhead.start; print('here', flush=True); {COMMAND}"
-    running = start(tmp_path, script, *FINE)
-    assert running.stdout is not None and running.stdout.readline() == "here\n"
-    time.sleep(seconds - 0.45)
+    running = start(tmp_path, COMMAND, *FINE)
+    wait_until_heard(running)
+    time.sleep(seconds)
     took, errors = ended(running, number)
     assert took < 6
     assert running.returncode == 128 + number
@@ -109,11 +117,21 @@ def test_imports_end_silently(seconds: float, number: signal.Signals, tmp_path: 
     assert os.listdir(tmp_path) == []
 
 
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_the_command_hears_before_it_forks(number: signal.Signals, tmp_path: Path) -> None:
+    """A signal that comes during its first milliseconds is heard as any later one."""
+    script = f"import os; os.fork = lambda: os.kill(os.getpid(), {number:d}); {COMMAND}"
+    running = start(tmp_path, script, *FINE)
+    _, errors = running.communicate(timeout=120)
+    assert running.returncode == 128 + number and errors == ""
+
+
 def test_an_ignored_interrupt_stays_ignored(tmp_path: Path) -> None:
     """As of a job in the background of a script."""
     script = f"import signal; signal.signal(signal.SIGINT, signal.SIG_IGN); {COMMAND}"
     small = ["run", "hertz_ellipse", "--set", "mesh.patch_size=1.2", "--no-pictures"]
     running = start(tmp_path, script, *small)
-    time.sleep(2.0)
+    wait_until_heard(running)
+    time.sleep(1.5)
     _, errors = ended(running, signal.SIGINT)
     assert running.returncode == 0, errors
