@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 from railhead import catalogue
 from railhead.planning.plan import Plan
@@ -37,7 +38,7 @@ def _rail(rail: Rail, bar: bool) -> tuple[str, str]:
     """In short, and with its size."""
     if rail.profile != "arc":
         tilt = f", inclined 1:{1 / rail.inclination:.3g}" if rail.inclination else ""
-        return "rail", f"rail {rail.profile}{tilt}"
+        return "rail", f"rail {Path(rail.profile).name}{tilt}"
     if math.isinf(rail.crown_radius or math.inf):
         return "plane", "a plane"
     if bar:
@@ -49,10 +50,11 @@ def _wheel(wheel: Wheel, bar: bool) -> tuple[str, str]:
     rolling, tread = wheel.rolling_radius, wheel.transverse_radius
     if wheel.profile == "arc" and tread == rolling:
         return "sphere", f"sphere R {rolling:g} mm"
+    profile = Path(wheel.profile).name  # a file's name will do
     if bar:
-        size = f"R {tread:g} mm" if tread else wheel.profile
+        size = f"R {tread:g} mm" if tread else profile
         return "cylinder", f"cylinder {size}"
-    shape = f"tread arc R {tread:g} mm" if wheel.profile == "arc" else f"tread {wheel.profile}"
+    shape = f"tread arc R {tread:g} mm" if wheel.profile == "arc" else f"tread {profile}"
     return "wheel", f"wheel R {rolling:g} mm, {shape},"
 
 
