@@ -16,7 +16,8 @@ from pathlib import Path
 from PIL import Image
 
 BLOCK = re.compile(r"(```python\n(.*?)```\n)(\n```text\n(.*?)```\n)?", re.DOTALL)
-NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]\d+)?")
+NUMBER = re.compile(r"[+-]?\d+(?:\.\d+)?(?:e[+-]\d+)?")
+SCATTER = 0.002  # gmsh makes another mesh of the same bodies now and then (docs/limits.md)
 WIDEST = 1000  # pixels of a picture in docs/
 
 
@@ -48,7 +49,8 @@ def pictures(page: Path) -> list[str]:
 
 
 def unequal(said: str, printed: str) -> list[str]:
-    """Lines that differ: in their words, or by more than one in the last place of a number."""
+    """Lines that differ: in their words, or in a number by more than one in its last place and
+    `SCATTER` of it."""
     pairs = list(zip(said.splitlines(), printed.splitlines(), strict=False))
     lines = [f"{one!r} is {two!r}" for one, two in pairs if not _same(one, two)]
     if len(said.splitlines()) != len(printed.splitlines()):
@@ -65,13 +67,13 @@ def _same(one: str, two: str) -> bool:
 def _near(one: str, two: str) -> bool:
     mantissa, _, power = one.partition("e")
     last = 10.0 ** (int(power or 0) - len(mantissa.partition(".")[2]))
-    return abs(float(one) - float(two)) < 1.01 * last
+    return abs(float(one) - float(two)) <= max(1.01 * last, SCATTER * abs(float(one)))
 
 
 def unsupported(page: Path) -> list[str]:
     """Numbers with decimals or a unit in the prose, sections of books apart, that no block has."""
     text = page.read_text(encoding="utf-8")
-    told = {number.lstrip("-") for number in NUMBER.findall(" ".join(blocks(page) + stated(page)))}
+    told = {number.lstrip("+-") for number in NUMBER.findall(" ".join(blocks(page) + stated(page)))}
     prose = re.sub(r"```.*?```|`[^`\n]*`|\([^()\s]*\)", " ", text, flags=re.DOTALL)
     measured = re.findall(r"(?<!section )\b\d+\.\d+|\d+(?= (?:MPa|mm|um|kN|N)\b)|\d+(?= %)", prose)
     return [number for number in measured if number not in told]
