@@ -22,6 +22,7 @@ docs: setup
 	    cp results/$$study/*.png docs/ 2>/dev/null || true; \
 	done
 	cat results/scaling/page.md >> docs/accuracy-cost.md
+	.venv/bin/python -P tests/pages.py docs/tutorial.md docs/nitsche.md
 	.venv/bin/railhead run uic54_thesis
 	cp results/uic54_thesis/wheel_rail.png docs/uic54_thesis.png
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 from railhead import catalogue
 from railhead.planning.plan import Plan
@@ -47,7 +48,7 @@ def _rail(rail: Rail, bar: bool, half_space: bool) -> tuple[str, str]:
     """In short, and with its size."""
     if rail.profile != "arc":
         tilt = f", inclined 1:{1 / rail.inclination:.3g}" if rail.inclination else ""
-        return "rail", f"rail {rail.profile}{tilt}"
+        return "rail", f"rail {Path(rail.profile).name}{tilt}"
     if math.isinf(rail.crown_radius or math.inf):
         return ("plane", "a plane") if half_space else ("block", "a flat block")
     if bar:
@@ -59,13 +60,14 @@ def _wheel(wheel: Wheel, bar: bool, roller: bool) -> tuple[str, str]:
     rolling, tread = wheel.rolling_radius, wheel.transverse_radius
     if wheel.profile == "arc" and tread == rolling:
         return "sphere", f"sphere R {rolling:g} mm"
+    profile = Path(wheel.profile).name  # a file's name will do
     if bar:
         if tread:
             return "cylinder", f"cylinder R {tread:g} mm"
-        return "bar", f"straight bar, profile {wheel.profile},"
+        return "bar", f"straight bar, profile {profile},"
     if roller:
         return "roller", f"roller R {rolling:g} mm"
-    shape = f"tread arc R {tread:g} mm" if wheel.profile == "arc" else f"tread {wheel.profile}"
+    shape = f"tread arc R {tread:g} mm" if wheel.profile == "arc" else f"tread {profile}"
     return "wheel", f"wheel R {rolling:g} mm, {shape},"
 
 

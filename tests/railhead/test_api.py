@@ -7,6 +7,7 @@ import sys
 from importlib import metadata
 from pathlib import Path
 
+import pages
 import pytest
 
 import railhead
@@ -17,22 +18,9 @@ DOCS = Path(__file__).parents[2] / "docs"
 PAGE = DOCS / "api.md"
 
 
-def blocks(page: Path) -> list[str]:
-    """Its Python examples."""
-    return re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
-
-
-def run_blocks(page: Path) -> dict[str, object]:
-    """The names that a page's Python blocks leave behind, run one after the other."""
-    names: dict[str, object] = {}
-    for block in blocks(page):
-        exec(compile(block, str(page), "exec"), names)
-    return names
-
-
 def test_the_examples_of_the_page_run(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    found = run_blocks(PAGE)
+    found, _ = pages.run(PAGE)
     result = found["result"]
     assert result.pressure.max == pytest.approx(result.hertz.pressure.max, rel=0.005)
     assert (tmp_path / "out" / "summary.json").exists()
@@ -95,8 +83,8 @@ def check_sweep(table: railhead.Sweep, file: Path) -> None:
 def test_the_solver_is_of_use_on_its_own() -> None:
     """Hertz's sphere within the coarse mesh and the small blocks; the weight is carried too."""
     page = DOCS / "solver.md"
-    assert max(len(block.splitlines()) for block in blocks(page)) <= 40
-    found = run_blocks(page)
+    assert max(len(block.splitlines()) for block in pages.blocks(page)) <= 40
+    found, _ = pages.run(page)
     one, heavy = found["solution"], found["heavy"]
     exact = point_contact(1 / 500, 1 / 500, 207000 / 2 / (1 - 0.09), 5000.0)
     assert one.newton.converged and one.pressure.max() == pytest.approx(exact.p0, rel=0.1)

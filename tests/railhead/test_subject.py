@@ -1,5 +1,7 @@
 """What pictures call a scene."""
 
+from pathlib import Path
+
 from railhead.catalogue import find
 from railhead.planning import plan
 from railhead.subject import subject
@@ -32,3 +34,10 @@ def test_a_straight_bar_keeps_its_profile() -> None:
     found = subject(plan.make(scene), 1.0)
     assert "straight bar, profile cylinder, on rail 54E1" in found.title
     assert found.names["wheel"] == "bar" and found.gauge
+
+
+def test_a_file_is_called_by_its_name() -> None:
+    file = Path(__file__).parents[1] / "meshing" / "data" / "MBench_UIC60_v3.ban"
+    keys = {"profile": str(file), "inclination": 0}
+    found = subject(plan.make(find("s1002_60e1").replace(rail=keys)), 1.0)
+    assert found.title.endswith("on rail MBench_UIC60_v3.ban")

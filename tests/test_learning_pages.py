@@ -1,0 +1,35 @@
+"""The tutorial and the page on Nitsche's method: they run as printed, and say what they print."""
+
+from pathlib import Path
+
+import pages
+import pytest
+
+DOCS = Path(__file__).parents[1] / "docs"
+
+
+@pytest.mark.parametrize("name", ["tutorial", "nitsche"])
+def test_a_page_runs_and_prints_what_it_says(name: str, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    page = DOCS / f"{name}.md"
+    said, printed = pages.stated(page), pages.run(page)[1]
+    assert sum(map(bool, said)) >= 6 and len(said) == len(printed)
+    differences = [pages.unequal(*pair) for pair in zip(said, printed, strict=True)]
+    assert not any(differences), differences
+    for picture in pages.pictures(page):
+        assert (tmp_path / picture).is_file() and (DOCS / name / picture).is_file()
+
+
+@pytest.mark.parametrize("name", ["tutorial", "nitsche"])
+def test_numbers_of_the_prose_come_from_code_or_output(name: str) -> None:
+    assert pages.unsupported(DOCS / f"{name}.md") == []
+
+
+def test_pages_that_lie_are_caught(tmp_path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text("It is 2.5 mm.\n\n```python\nprint(2.44)\n```\n\n```text\n2.43\n```\n")
+    said, printed = pages.stated(page), pages.run(page)[1]
+    assert not pages.unequal(said[0], printed[0])  # the last place may differ by one
+    assert pages.unequal("2.42\n", printed[0]) and pages.unequal("2.44 mm\n", printed[0])
+    assert pages.unequal("", printed[0])
+    assert pages.unsupported(page) == ["2.5"]
