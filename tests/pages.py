@@ -17,7 +17,7 @@ from PIL import Image
 
 BLOCK = re.compile(r"(```python\n(.*?)```\n)(\n```text\n(.*?)```\n)?", re.DOTALL)
 NUMBER = re.compile(r"[+-]?\d+(?:\.\d+)?(?:e[+-]\d+)?")
-SCATTER = 0.002  # gmsh makes another mesh of the same bodies now and then (docs/limits.md)
+SCATTER = 0.002  # meshes differ with the versions of gmsh and of numpy (docs/limits.md)
 WIDEST = 1000  # pixels of a picture in docs/
 
 
