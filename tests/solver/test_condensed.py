@@ -1,0 +1,29 @@
+"""The answer of a pressed contact to tangential tractions."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from railhead import build, catalogue
+from railhead.planning import plan as planning
+from railhead.solver.condensed import Condenser
+from railhead.solver.contact import LoadCase
+from railhead.solver.rubbing import RubbingModel
+
+
+@pytest.mark.parametrize("rigid", [(), ("wheel.young_modulus=inf",)])
+def test_movements_are_reciprocal(rigid: tuple[str, ...]) -> None:
+    """Betti: what the tractions of one node work on the movement by those of another is what these
+    work on the movement by the first, and tractions work on their own movement."""
+    keys = ("friction.coefficient=0.3", "friction.force_along=9900", "mesh.patch_size=0.5", *rigid)
+    plan = planning.make(catalogue.find("long_roller").replace(list(keys)))
+    model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
+    assert isinstance(model, RubbingModel)
+    model.tangential = np.zeros(2)
+    touching = plan.forecast.touching(model.setup.kinematics.lift(model.interface.points))
+    pressed = model.press(LoadCase(plan.scene.load or 0.0, 0.0, touching))
+    contact = Condenser(model, pressed, rolling=False).condense(pressed)
+    weights = np.repeat(contact.weights, contact.tangents.shape[1])
+    work = -contact.traces.T @ (weights[:, None] * contact.movement)
+    np.testing.assert_allclose(work, work.T, rtol=0, atol=1e-12 * np.abs(work).max())
+    assert np.linalg.eigvalsh(work).min() > 0
