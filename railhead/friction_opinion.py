@@ -99,12 +99,12 @@ def _fastsim(asked: Asked, patches: Sequence[Patch]) -> dict[str, Any]:
 def _mindlin(asked: Asked, ellipse: Ellipse) -> dict[str, Any]:
     found, pair = asked.found, asked.pair
     force = min(float(np.hypot(*found.force)), found.limit)
-    out = {"stick_share": (1 - force / found.limit) ** (2 / 3)}
     compliances = cattaneo.initial_compliance(
         ellipse.a, ellipse.b, pair.shear_modulus, pair.poisson
     )
+    ways = [cattaneo.CattaneoMindlin(found.limit, each) for each in compliances]
+    out = {"stick_share": ways[0].stick_ratio(force) ** 2}
     if asked.shifts and force:
-        for way, part, each in zip(("along", "across"), found.force, compliances, strict=True):
-            shift = cattaneo.CattaneoMindlin(found.limit, each).approach(force)
-            out[f"shift_{way}_mm"] = shift * part / force
+        for way, part, known in zip(("along", "across"), found.force, ways, strict=True):
+            out[f"shift_{way}_mm"] = known.approach(force) * part / force
     return out

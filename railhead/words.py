@@ -6,9 +6,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from railhead.display import Units
-from railhead.scene.scene import Scene
+from railhead.scene.scene import Scene, unit
 from railhead.scene.sections import Section
-from railhead.scene.units import unit
 
 EFFECTS = {
     "plane_strain": "line contact, solved in a section",
@@ -76,28 +75,20 @@ def scene_rows(scene: Scene, units: Units) -> Iterator[tuple[str, str]]:
     """What was asked, in words and with units; what the plan decides by itself is left out."""
     for key, value in scene:
         if not isinstance(value, Section):
-            yield from _row(scene, key, key, value, units)
+            yield from _row(key, value, units)
         elif key != "effects":
             for inner, each in value:
-                yield from _row(value, inner, f"{key}: {inner}", each, units)
+                yield from _row(f"{key}.{inner}", each, units)
     for name, state in scene.effects:
         if state != "auto":
             yield f"effect: {name.replace('_', ' ')}", str(state)
 
 
-def _row(
-    section: Section, key: str, name: str, value: Any, units: Units
-) -> Iterator[tuple[str, str]]:
+def _row(key: str, value: Any, units: Units) -> Iterator[tuple[str, str]]:
     if value in (None, "auto"):
         return
     text = str(value)
     if isinstance(value, float):
-        base = unit_of(section, key)
+        base = unit(key)
         text = f"{units.value(value, base):.6g} {units.unit(base)}".strip()
-    yield name.replace("_", " "), text
-
-
-def unit_of(section: Section, key: str) -> str:
-    """Base unit of a value of the scene; empty where it has none."""
-    field = type(section).model_fields[key]
-    return next(filter(None, map(unit, (field.annotation, *field.metadata))), "")
+    yield key.replace(".", ": ").replace("_", " "), text

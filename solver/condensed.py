@@ -30,7 +30,7 @@ from petsc4py import PETSc
 from railhead.solver.cells import Array, Index
 from railhead.solver.facets import FacetSet
 from railhead.solver.linear import factorise
-from railhead.solver.operators import chosen, rows
+from railhead.solver.operators import chosen, rows, vector
 from railhead.solver.pairing import pair
 from railhead.solver.solution import Solution
 
@@ -52,8 +52,8 @@ class Condensed:
 
     points (n, 3) mm in space, weights (n,) mm2, tangents (n, k, 3), tau (n,) MPa/mm; step d, mm (1
     of a shift); traces F (n k, m); answer D, movement D_g (n k, m) and closing D_p (n, m); parts:
-    of the whole model; local: which of the points are this rank's. Around a solution: touches (n,);
-    start q0 and moved g0 (n, k) and pressure p0 (n,) MPa, without tractions.
+    of the whole model. Around a solution: touches (n,); start q0 and moved g0 (n, k) and pressure
+    p0 (n,) MPa, without tractions.
     """
 
     points: Array
@@ -66,16 +66,24 @@ class Condensed:
     movement: Array
     closing: Array
     parts: int
-    local: slice
     touches: NDArray[np.bool_]
     start: Array
     moved: Array
     pressure: Array
 
+    @property
+    def area(self) -> Array:
+        """(n,) mm2 of the whole model."""
+        return self.parts * self.weights
+
+    def in_space(self, values: Array) -> Array:
+        """Vectors (n, 3) of components along the tangents (n, k)."""
+        return np.asarray(np.einsum("nk,nkc->nc", values, self.tangents))
+
     def force(self, axis: Array) -> Array:
         """(m,) N of the whole model along a unit vector (3,), of tractions at the nodes."""
-        share = self.weights[:, None] * (self.tangents @ axis)
-        return np.asarray(self.parts * (self.traces.T @ share.ravel()))
+        share = self.area[:, None] * (self.tangents @ axis)
+        return np.asarray(self.traces.T @ share.ravel())
 
 
 class Condenser:
@@ -99,6 +107,8 @@ class Condenser:
         self.sign = -1.0 if setup.slave == setup.moving.tag else 1.0  # of the rail's stress
         self.normals, self.x = interface.normals[self.own], interface.points[self.own]
         self.tangents = tangents(self.sign * self.normals)
+        before = self.size * (self.comm.exscan(len(self.own)) or 0)
+        self.rows = slice(before, before + self.size * len(self.own))
         corners = interface.slave.vertices[touched]
         edges = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2)
         total, count = (self.comm.allreduce(value) for value in (edges.sum(), edges.size))
@@ -116,7 +126,7 @@ class Condenser:
                 self.change.axpy(weight, self._jump(share * self.step), DIFFERENT)
         self.answer = self.change.copy()
         tau = np.repeat(model.problem.tau[self.own], self.size)
-        self.answer.diagonalScale(L=_vector(self.change, tau))
+        self.answer.diagonalScale(L=vector(self.change, tau))
         if model.problem.law.sigma:
             shear = self._shear()
             self.answer.axpy(self.sign, shear, DIFFERENT)
@@ -143,10 +153,10 @@ class Condenser:
         pressure = chosen(problem.trace, self.own)
         pressure.scale(-1.0)
         weights = interface.weights[self.own]
-        traces, own = self._traces()
+        traces = self._traces()
         reduced = [matrix.matMult(reduce) for matrix in (self.answer, self.change)] + [pressure]
         push = self.jump.matMult(reduce)
-        weighted = sp.diags(np.repeat(weights, self.size)) @ traces[own]
+        weighted = sp.diags(np.repeat(weights, self.size)) @ traces[self.rows]
         answers: list[list[Array]] = [[], [], []]
         for first in range(0, traces.shape[1], BLOCK):
             block = -weighted[:, first : first + BLOCK].toarray()
@@ -158,15 +168,13 @@ class Condenser:
         values = (self.x, weights, self.tangents, problem.tau[self.own])
         points, weights, along, tau = (self._all(each) for each in values)
         lift = model.setup.kinematics.lift
-        before = self.comm.exscan(len(self.own)) or 0
         condensed = Condensed(
             lift(points), weights,
             lift(along.reshape(-1, along.shape[2])).reshape(len(points), self.size, 3), tau,
             self.step, traces, answer, movement, closing, model.setup.parts,
-            slice(before, before + len(self.own)), *self.state(solution),
+            *self.state(solution),
         )  # fmt: skip
-        axes = () if model.setup.rub is None else model.setup.rub.axes
-        for axis, (u, y) in zip(axes, self.far, strict=False):
+        for axis, (u, y) in zip(model.rub.axes, self.far, strict=False):
             row = condensed.force(axis)
             for known, moved in ((answer, self.answer * u), (movement, self.change * u),
                                  (closing, pressure * y)):  # fmt: skip
@@ -199,7 +207,8 @@ class Condenser:
         """Of 1 N along and across: displacement on all dofs and free unknowns where what lies
         beyond the bodies gives way."""
         found = []
-        for u in self.model.beyond():
+        for given in self.model.far:
+            u = given.copy()
             rhs = self.model.held.forces(u)
             force, y = self.tangent.createVecRight(), self.tangent.createVecRight()
             self.model.reduction.matrix.multTranspose(rhs, force)
@@ -217,10 +226,9 @@ class Condenser:
 
     def push(self, nodal: Array, contact: Condensed) -> PETSc.Vec:
         """What tractions (m,) at the nodes do to the bodies: forces on all dofs, N."""
-        rows = slice(contact.local.start * self.size, contact.local.stop * self.size)
         weights = np.repeat(self.model.interface.weights[self.own], self.size)
         force = self.jump.createVecRight()
-        pull = _vector(self.jump, -weights * (contact.traces[rows] @ nodal))
+        pull = vector(self.jump, -weights * (contact.traces[self.rows] @ nodal))
         self.jump.multTranspose(pull, force)
         return force
 
@@ -235,10 +243,8 @@ class Condenser:
             if np.any(facet < 0):
                 raise ValueError("a surface ends upstream of the patch")
             phi, _ = surface.basis(facet, surface.reference(facet, xi))
-            dim = self.tangents.shape[2]
-            dofs = dim * surface.dofs[facet][:, :, None] + np.arange(dim)
             values = sign * phi[:, None, :, None] * self.tangents[:, :, None, :]
-            blocks.append((np.repeat(dofs, self.tangents.shape[1], axis=0), _flat(values)))
+            blocks.append(self._block(surface, facet, values))
         return self._rows(blocks)
 
     def _shear(self) -> PETSc.Mat:
@@ -250,19 +256,24 @@ class Condenser:
         along = np.einsum("pdc,pkc->pkd", gradient, t)[..., None] * n[:, None, None, :]
         normal = np.einsum("pdc,pc->pd", gradient, n)[:, None, :, None] * t[:, :, None, :]
         values = slave.lame[facet, 1][:, None, None, None] * (along + normal)
-        dim = t.shape[2]
-        dofs = dim * slave.dofs[facet][:, :, None] + np.arange(dim)
-        return self._rows([(np.repeat(dofs, t.shape[1], axis=0), _flat(values))])
+        return self._rows([self._block(slave, facet, values)])
+
+    def _block(self, surface: FacetSet, facet: Index, values: Array) -> tuple[Index, Array]:
+        """Dofs and coefficients, a row a point and tangent, of values (n, k, nodes, c) at the nodes
+        of facets (n,)."""
+        dim = self.tangents.shape[2]
+        dofs = dim * surface.dofs[facet][:, :, None] + np.arange(dim)
+        return np.repeat(dofs, self.size, axis=0), values.reshape(-1, *values.shape[2:])
 
     def _rows(self, blocks: list[tuple[Index, Array]]) -> PETSc.Mat:
         model = self.model
-        count = len(self.own) * self.tangents.shape[1]
+        count = len(self.own) * self.size
         owned = model.setup.kinematics.dim * model.owned
         total = model.reduction.matrix.getSize()[0]
         return rows(blocks, count, owned, total, self.comm)
 
-    def _traces(self) -> tuple[sp.csr_matrix, slice]:
-        """F for all ranks' points and tangents, and which rows are this rank's."""
+    def _traces(self) -> sp.csr_matrix:
+        """F for all ranks' points and tangents."""
         interface = self.model.interface
         facet, xi = interface.facet[self.own], interface.xi[self.own]
         slave = interface.slave
@@ -273,9 +284,7 @@ class Condenser:
         table = sp.csr_matrix(
             (values[on], (np.nonzero(on)[0], column)), shape=(len(values), len(used))
         )
-        size, before = self.tangents.shape[1], self.comm.exscan(len(self.own)) or 0
-        own = slice(before * size, (before + len(self.own)) * size)
-        return sp.kron(table, sp.eye(size), format="csr"), own
+        return sp.kron(table, sp.eye(self.size), format="csr")
 
     def _dense(self, push: PETSc.Mat, block: Array) -> PETSc.Mat:
         """J^T W F c for the columns of a block of this rank's rows."""
@@ -299,14 +308,3 @@ def tangents(normals: Array) -> Array:
     if normals.shape[1] == 2:
         return along[:, None]
     return np.stack([along, np.cross(normals, along)], axis=1)
-
-
-def _flat(values: Array) -> Array:
-    """(n, k, ...) -> (n k, ...)."""
-    return values.reshape(-1, *values.shape[2:])
-
-
-def _vector(matrix: PETSc.Mat, values: Array) -> PETSc.Vec:
-    vector = matrix.createVecLeft()
-    vector.array[:] = values
-    return vector

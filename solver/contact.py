@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from railhead.solver.held import HeldRows
 from railhead.solver.interface import Interface
 from railhead.solver.linear import Preconditioner
 from railhead.solver.multigrid import Hierarchy, PMultigrid
+from railhead.solver.operators import vector
 from railhead.solver.problem import ContactProblem, Mask, reduce_problem
 from railhead.solver.setup import Setup
 from railhead.solver.solution import Solution
@@ -128,23 +129,24 @@ class ContactModel:
 
     def prescribed(self, load: float, approach: float) -> PETSc.Vec:
         """u0: far field of the load and, under approach control, the rigid motion of the hub."""
-        supports = self.supports(self.bulk.space)
-        kinematics = self.setup.kinematics
-        values = np.zeros((self.owned, kinematics.dim))
+        values = np.zeros((self.owned, self.setup.kinematics.dim))
         if self.setup.far_field is not None and load:
-            points = kinematics.lift(compat.dof_points(self.bulk.space))
-            for side, mask in (
-                (self.setup.fixed, supports.fixed),
-                (self.setup.moving, supports.hub),
-            ):
-                if mask is not None and mask.any():
-                    far = self.setup.far_field(load, side.tag, points[mask])
-                    values[mask] = kinematics.flatten(far)
+            values = self.following(partial(self.setup.far_field, load))
+        supports = self.supports(self.bulk.space)
         if not self.setup.load_control and supports.hub is not None:
             values[supports.hub] += approach * supports.direction
-        vec = self.reduction.matrix.createVecLeft()
-        vec.array[:] = values.ravel()
-        return vec
+        return vector(self.reduction.matrix, values)
+
+    def following(self, field: Callable[[int, Array], Array]) -> Array:
+        """Displacement (n, c) of the owned block dofs, mm, where the supported faces follow a
+        field: (body tag, points in space (k, 3) mm) -> (k, 3) mm."""
+        supports, kinematics = self.supports(self.bulk.space), self.setup.kinematics
+        points = kinematics.lift(compat.dof_points(self.bulk.space))
+        values = np.zeros((self.owned, kinematics.dim))
+        for side, mask in ((self.setup.fixed, supports.fixed), (self.setup.moving, supports.hub)):
+            if mask is not None and mask.any():
+                values[mask] = kinematics.flatten(field(side.tag, points[mask]))
+        return values
 
     def solve(
         self,

@@ -99,9 +99,10 @@ class Friction:
             np.array([contact.force(axis) for axis in forces[:, :3]]).reshape(-1, len(self.mass)),
             forces[:, 3],
         )
-        stiffness = contact.parts * contact.step * float(contact.weights @ contact.tau)
-        tries = [(start, 0.0)] if start is not None else []
-        for begin, held in (*tries, (None, 0.0), (None, HELD * stiffness)):
+        stiffness = contact.step * float(contact.area @ contact.tau)
+        begun = [(start, 0.0)] if start is not None else []
+        freed = [(None, HELD * stiffness)] if len(modes) else []
+        for begin, held in (*begun, (None, 0.0), *freed):
             found = problem.solve(begin, held)
             if found.converged:
                 break
@@ -155,7 +156,7 @@ class Problem:
             if history[-1] <= TOLERANCE:
                 break
         q, bound, size, _ = self._state(x)
-        share = np.where(active, np.minimum(1.0, bound / size), 0.0)
+        share = self._share(bound, size)
         slip = (1 - share)[:, None] * q / (contact.tau[:, None] * contact.step)
         return Sheared(
             share[:, None] * q, slip, active & (share >= 1),
@@ -191,10 +192,14 @@ class Problem:
         size = np.maximum(np.linalg.norm(q, axis=1), LEAST)
         return q, bound, size, q / size[:, None]
 
+    def _share(self, bound: Array, size: Array) -> Array:
+        """What the disc leaves of q (n,)."""
+        return np.where(self.friction.contact.touches, np.minimum(1.0, bound / size), 0.0)
+
     def _off(self, x: Array) -> float:
         """How far the nodes' tractions are from the projected ones, weighted by their area."""
         q, bound, size, _ = self._state(x)
-        share = np.where(self.friction.contact.touches, np.minimum(1.0, bound / size), 0.0)
+        share = self._share(bound, size)
         mass, m = self.friction.mass, len(self.friction.mass)
         off = mass @ x[:m] - self.friction.onto @ (share[:, None] * q).ravel()
         return float(off @ (off / mass.diagonal()))

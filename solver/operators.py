@@ -45,6 +45,18 @@ def strains(
     return petsc_matrix(table, local, comm), size
 
 
+def vector(matrix: PETSc.Mat, values: Array) -> PETSc.Vec:
+    """Values of this rank's rows as a distributed vector."""
+    out = matrix.createVecLeft()
+    out.array[:] = values.ravel()
+    return out
+
+
+def add_transposed(matrix: PETSc.Mat, values: Array, out: PETSc.Vec) -> None:
+    """out += matrix^T values, of this rank's rows."""
+    matrix.multTransposeAdd(vector(matrix, values), out, out)
+
+
 def chosen(matrix: PETSc.Mat, local: Index) -> PETSc.Mat:
     """Rows of a distributed matrix by their numbers (k,) on this rank, with all columns."""
     first, comm = matrix.getOwnershipRange()[0], matrix.comm

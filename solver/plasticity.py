@@ -23,7 +23,7 @@ from railhead.solver.constraints import Reduction
 from railhead.solver.elasticity import Bulk, Material, quadrature_degree
 from railhead.solver.hardening import Hardening, History, Loss, returned
 from railhead.solver.interface import Interface
-from railhead.solver.operators import chosen, strains
+from railhead.solver.operators import add_transposed, chosen, strains
 from railhead.solver.problem import ContactProblem, Mask, Tangent
 
 
@@ -125,7 +125,7 @@ class PlasticProblem(ContactProblem):
         self.bulk.add_forces(-2 * self.bulk.mu[:, None] * plastic, r)
         if self.consistency:
             lost = self.missing(self._surface[0].plastic)
-            self.add_transposed(self.stress, self.consistency * self.weight * lost, r)
+            add_transposed(self.stress, self.consistency * self.weight * lost, r)
         return r
 
     def slope(self, y: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
@@ -194,13 +194,6 @@ class PlasticProblem(ContactProblem):
         return normal
 
 
-def add_transposed(matrix: PETSc.Mat, values: Array, out: PETSc.Vec) -> None:
-    """out += matrix^T values, of this rank's rows."""
-    work = matrix.createVecLeft()
-    work.array[:] = values.ravel()
-    matrix.multTransposeAdd(work, out, out)
-
-
 class _PlasticTangent(Tangent):
     """y -> K y - E^T w (C - C_ep) E y - theta S^T w S_ep y + Bt^T w A B_ep y."""
 
@@ -210,10 +203,10 @@ class _PlasticTangent(Tangent):
         lost = problem.lost(x, y)
         if not problem.symmetric:  # contact points yield, on any rank
             contact = -problem.law.sigma * problem.weight * self.active * lost
-            problem.add_transposed(problem.test_trace, contact, y)
+            add_transposed(problem.test_trace, contact, y)
             if problem.consistency:
                 values = problem.consistency * problem.weight * lost
-                problem.add_transposed(problem.stress, values, y)
+                add_transposed(problem.stress, values, y)
 
 
 def bulk_points(

@@ -24,6 +24,7 @@ from railhead.solver.constraints import Reduction, petsc_matrix
 from railhead.solver.held import HeldRows
 from railhead.solver.interface import Interface
 from railhead.solver.laws import Law
+from railhead.solver.operators import add_transposed, vector
 from railhead.solver.stiffness import Stiffness
 
 Mask = NDArray[np.bool_]
@@ -118,9 +119,7 @@ class ContactProblem:
 
     def at_points(self, values: Array) -> PETSc.Vec:
         """Values (n,) at the local contact points as a distributed vector."""
-        vec = self.gap.createVecLeft()
-        vec.array[:] = values
-        return vec
+        return vector(self.gap, values)
 
     @property
     def consistency(self) -> float:
@@ -139,10 +138,10 @@ class ContactProblem:
         """R(y), N."""
         r = self.stiffness * y
         r.axpy(-1.0, self.force)
-        self.add_transposed(self.test_trace, -self.weight * pressure, r)
+        add_transposed(self.test_trace, -self.weight * pressure, r)
         if self.consistency:
             s = (self.stress * y).array + self.start_stress
-            self.add_transposed(self.stress, -self.consistency * self.weight * s, r)
+            add_transposed(self.stress, -self.consistency * self.weight * s, r)
         return r
 
     def slope(self, y: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
@@ -172,11 +171,8 @@ class ContactProblem:
         """Norm of Bt^T w p, N."""
         force = self.gap.createVecRight()
         force.set(0.0)
-        self.add_transposed(self.test_trace, self.weight * pressure, force)
+        add_transposed(self.test_trace, self.weight * pressure, force)
         return float(force.norm())
-
-    def add_transposed(self, matrix: PETSc.Mat, values: Array, out: PETSc.Vec) -> None:
-        matrix.multTransposeAdd(self.at_points(values), out, out)
 
     def tangent(self, active: Mask) -> PETSc.Mat:
         """The tangent as an operator (nothing is assembled)."""
@@ -192,7 +188,7 @@ class ContactProblem:
     def diagonal(self, active: Mask, out: PETSc.Vec) -> None:
         """The tangent's diagonal."""
         self._bulk_diagonal.copy(out)
-        self.add_transposed(self._squares, self.weight * active, out)
+        add_transposed(self._squares, self.weight * active, out)
 
     @cached_property
     def _bulk_diagonal(self) -> PETSc.Vec:
@@ -200,7 +196,7 @@ class ContactProblem:
         diagonal = self.stiffness.diagonal()
         if self.consistency:
             squares = _products(self.stress, self.stress)
-            self.add_transposed(squares, -self.consistency * self.weight, diagonal)
+            add_transposed(squares, -self.consistency * self.weight, diagonal)
         return diagonal
 
     @cached_property
@@ -225,10 +221,10 @@ class ContactProblem:
     def predictor(self, active: Mask) -> PETSc.Vec:
         """Right-hand side of the linear problem in which exactly `active` touches."""
         rhs = self.force.copy()
-        self.add_transposed(self.test_trace, -self.weight * active * self.offset, rhs)
+        add_transposed(self.test_trace, -self.weight * active * self.offset, rhs)
         if self.consistency:
             values = self.consistency * self.weight * self.start_stress
-            self.add_transposed(self.stress, values, rhs)
+            add_transposed(self.stress, values, rhs)
         return rhs
 
 
@@ -246,10 +242,10 @@ class Tangent:
         problem = self.problem
         problem.stiffness.mult(x, y)
         values = problem.weight * self.active * (problem.trace * x).array
-        problem.add_transposed(problem.test_trace, values, y)
+        add_transposed(problem.test_trace, values, y)
         if problem.consistency:
             values = -problem.consistency * problem.weight * (problem.stress * x).array
-            problem.add_transposed(problem.stress, values, y)
+            add_transposed(problem.stress, values, y)
 
     def getDiagonal(self, _: PETSc.Mat, out: PETSc.Vec) -> None:  # noqa: N802 (PETSc's name)
         self.problem.diagonal(self.active, out)

@@ -21,12 +21,7 @@ def boussinesq_displacement(points: ArrayLike, load: float, young: float, poisso
     F/(4 pi G) (z^2/rho^3 + 2 (1 - nu)/rho). ValueError: a point above the surface, at the origin,
     or another shape.
     """
-    xyz = np.asarray(points, dtype=float)
-    if xyz.ndim != 2 or xyz.shape[1] != 3:
-        raise ValueError(f"points must have the shape (n, 3), got {xyz.shape}")
-    rho = np.linalg.norm(xyz, axis=1)
-    if np.any(xyz[:, 2] > 0) or np.any(rho == 0):
-        raise ValueError("points must lie at z <= 0 and away from the point force at the origin")
+    xyz, rho = _from_origin(points)
     depth = -xyz[:, 2]
     radial = depth / rho**3 - (1 - 2 * poisson) / (rho * (rho + depth))
     down = depth**2 / rho**3 + 2 * (1 - poisson) / rho
@@ -44,12 +39,7 @@ def cerruti_displacement(
     u_y = Q/(4 pi G) x y (1/rho^3 - (1 - 2 nu)/(rho (rho + z)^2)), and downwards
     Q/(4 pi G) x (z/rho^3 + (1 - 2 nu)/(rho (rho + z))). ValueError: as `boussinesq_displacement`.
     """
-    xyz = np.asarray(points, dtype=float)
-    if xyz.ndim != 2 or xyz.shape[1] != 3:
-        raise ValueError(f"points must have the shape (n, 3), got {xyz.shape}")
-    rho = np.linalg.norm(xyz, axis=1)
-    if np.any(xyz[:, 2] > 0) or np.any(rho == 0):
-        raise ValueError("points must lie at z <= 0 and away from the point force at the origin")
+    xyz, rho = _from_origin(points)
     x, y = xyz[:, 1 if across else 0], xyz[:, 0 if across else 1]
     depth, free = -xyz[:, 2], 1 - 2 * poisson
     sum_ = rho + depth
@@ -59,6 +49,17 @@ def cerruti_displacement(
     scale = load * (1 + poisson) / (2 * np.pi * young)
     columns = (aside, along, -down) if across else (along, aside, -down)
     return scale * np.column_stack(columns)
+
+
+def _from_origin(points: ArrayLike) -> tuple[Array, Array]:
+    """Points (n, 3) below a point force at the origin and their distances (n,) from it."""
+    xyz = np.asarray(points, dtype=float)
+    if xyz.ndim != 2 or xyz.shape[1] != 3:
+        raise ValueError(f"points must have the shape (n, 3), got {xyz.shape}")
+    rho = np.linalg.norm(xyz, axis=1)
+    if np.any(xyz[:, 2] > 0) or np.any(rho == 0):
+        raise ValueError("points must lie at z <= 0 and away from the point force at the origin")
+    return xyz, rho
 
 
 def hertz_displacement(contact: Ellipse, points: ArrayLike, young: float, poisson: float) -> Array:

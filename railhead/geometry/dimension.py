@@ -13,7 +13,6 @@ from railhead.scene import unused
 from railhead.scene.scene import NOMINAL_RADIUS, Scene, SceneError
 from railhead.theory import hertz, line
 
-TURNS = "a tangential force or creepage turns with no axis"
 SLENDER = 5.0  # predicted semi-axis across over half the contact length that makes a line contact:
 # the pressure at both ends is then within 2 % of that in the middle, sqrt(1 - 1/25)
 LEVEL = 0.1  # largest slope of either surface within the contact length of a line contact
@@ -43,8 +42,6 @@ def choose(scene: Scene) -> Dimension:
     """Decide. Raises SceneError where effects.plane_strain or effects.axisymmetry cannot be as
     given, a line contact has no length or is not level, or its section cannot use a given key."""
     ring = circular(scene)
-    if ring[0] and any(scene.sheared):
-        ring = False, TURNS
     forced = scene.effects.axisymmetry
     if forced == "on" and not ring[0]:
         raise SceneError("effects.axisymmetry", f"'on' is not allowed: {ring[1]}; give auto or off")
@@ -64,13 +61,16 @@ def _curvatures(scene: Scene) -> tuple[float, float] | None:
 
 
 def circular(scene: Scene) -> tuple[bool, str]:
-    """Whether both bodies are of revolution about the normal of the contact, and why."""
+    """Whether both bodies are of revolution about the normal of the contact, and what loads them,
+    and why."""
     curvatures = _curvatures(scene)
     if curvatures is None:
         return False, "a profile without a single radius is no body of revolution"
     along, across = curvatures
     if not math.isclose(along, across, rel_tol=EQUAL):
         return False, f"relative curvatures {along:.4g} along and {across:.4g} 1/mm across differ"
+    if any(scene.sheared):
+        return False, "a tangential force or creepage turns with no axis"
     text = f"relative curvature {along:.4g} 1/mm along and across"
     if scene.rail.extent == "half-space":
         return True, f"{text}: a circle between half-spaces"

@@ -290,6 +290,11 @@ class Mesh(Section):
     order: units.Order | None = None
     patch_size: units.ElementSize | None = None
 
+    @property
+    def linear(self) -> bool:
+        """Whether they are linear tetrahedra (in a section triangles), which lock."""
+        return self.cell == "tetrahedron" and self.order == 1
+
 
 class Friction(Section):
     """Dry friction. ``force_along`` and ``force_across`` (N) of the wheel on the rail shift it from

@@ -17,7 +17,8 @@ from railhead.solver.cells import Array
 from railhead.solver.condensed import Condenser
 from railhead.solver.contact import LoadCase
 from railhead.solver.friction import Friction
-from railhead.solver.rubbing import RubbingModel, slips
+from railhead.solver.legs import known, slips
+from railhead.solver.rubbing import RubbingModel
 from railhead.theory.hertz import Ellipse
 from railhead.theory.rolling import Creepage, HalfSpaceFriction
 
@@ -97,27 +98,23 @@ def rolled(curve: Curve) -> tuple[list[Point], Cost]:
     plan = _plan(curve)
     clock = [time.process_time()]
     model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
-    assert isinstance(model, RubbingModel) and model.setup.rub is not None
+    assert isinstance(model, RubbingModel)
     clock.append(time.process_time())
-    model.tangential = np.zeros(2)
     touching = plan.forecast.touching(model.setup.kinematics.lift(model.interface.points))
     pressed = model.press(LoadCase(plan.scene.load or 0.0, 0.0, touching))
     clock.append(time.process_time())
     contact = Condenser(model, pressed, rolling=True).condense(pressed)
     clock.append(time.process_time())
-    problem, rigid = Friction(contact, COEFFICIENT), slips(model.setup.rub, contact)
-    axes, touches, points = model.setup.rub.axes, contact.touches, []
-    normal_force = contact.parts * float(contact.weights @ np.maximum(contact.pressure, 0.0))
-    limit, found = COEFFICIENT * normal_force, None
+    problem, rigid = Friction(contact, COEFFICIENT), slips(model.rub, contact)
+    area, found, points = contact.area, None, []
+    limit = COEFFICIENT * float(area @ np.maximum(contact.pressure, 0.0))
     for motion in curve.motions:
         given = motion.along, motion.across, motion.spin
-        known: Array = np.asarray(np.tensordot(given, rigid, axes=1))
-        if model.setup.rub.beyond is not None:
-            known += model.setup.rub.beyond(contact.points)[:, None] * rigid[0]
-        found = problem.solve(known, rigid[:0], np.zeros((0, 4)), start=found)
-        along, across = (float(contact.force(axis) @ found.nodal) for axis in axes[:2])
+        slip = known(model.rub, contact, rigid, given)
+        found = problem.solve(slip, rigid[:0], np.zeros((0, 4)), start=found)
+        along, across = (float(contact.force(axis) @ found.nodal) for axis in model.rub.axes[:2])
         forces = along / limit, 0.0 if plan.half_y else across / limit
-        stick = float(contact.weights[found.sticks].sum() / contact.weights[touches].sum())
+        stick = float(area[found.sticks].sum() / area[contact.touches].sum())
         points.append(Point(curve.case, *given, "railhead", *forces, stick, len(found.history)))
     spent = np.diff([*clock, time.process_time()])
     spent[3] /= len(curve.motions)

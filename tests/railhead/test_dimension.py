@@ -30,6 +30,11 @@ KINDS = {
         "axisymmetric",
     ),
     "crossed cylinders": (["rail.profile=arc", "rail.crown_radius=420"], "solid"),
+    "sphere that rubs": ([*INF_RAIL, *SPHERE, "friction.coefficient=0.3"], "axisymmetric"),
+    "sphere that is pushed": (
+        [*INF_RAIL, *SPHERE, "friction.coefficient=0.3", "friction.force_along=1kN"],
+        "solid",
+    ),
     "circular, switched off": ([*INF_RAIL, *SPHERE, "effects.axisymmetry=off"], "solid"),
 }
 
@@ -56,6 +61,11 @@ REFUSED = {
     ),
     "ellipse as a circle": (
         ["effects.axisymmetry=on"], "effects.axisymmetry: 'on' is not allowed: relative curvatures"
+    ),
+    "rolling sphere as a circle": (
+        [*INF_RAIL, *SPHERE, "friction.coefficient=0.3", "rolling.spin=1e-4",
+         "effects.axisymmetry=on"],
+        "effects.axisymmetry: 'on' is not allowed: a tangential force or creepage turns",
     ),
     "tilted line": ([*INF_RAIL, "rail.inclination=1:20"], "rail.inclination: 0.05 is not allowed"),
     "conformal": (

@@ -7,7 +7,7 @@ import pytest
 import scipy.sparse as sp
 
 from railhead.solver.condensed import Condensed
-from railhead.solver.friction import Friction, Problem
+from railhead.solver.friction import Friction, Problem, Sheared
 
 N, M, MU = 12, 8, 0.3  # points, unknown tractions
 
@@ -19,9 +19,26 @@ def contact(rng: np.random.Generator) -> Condensed:
     return Condensed(
         np.zeros((N, 3)), np.full(N, 0.5), along, np.full(N, 40.0), 1.0,
         sp.csr_matrix(rng.random((2 * N, M))), rng.normal(size=(2 * N, M)), rng.random((2 * N, M)),
-        rng.normal(size=(N, M)), 1, slice(0, N), np.arange(N) % 4 > 0,
+        rng.normal(size=(N, M)), 1, np.arange(N) % 4 > 0,
         rng.normal(size=(N, 2)) * 50, none, rng.random(N) * 100 + 50,
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("free, tries", [(0, 1), (2, 2)])
+def test_motions_are_held_where_there_are_any(free: int, tries: int, monkeypatch: Any) -> None:
+    """What does not converge is tried with held motions, but where none is free nothing is."""
+    asked = []
+
+    def lost(problem: Problem, begin: Sheared | None, held: float) -> Sheared:
+        asked.append(held)
+        none = np.zeros((N, 2))
+        return Sheared(none, none, none[:, 0] > 0, none[:, 0], none, none, none[:, 0] > 0, none,
+                       (1.0,))  # fmt: skip
+
+    monkeypatch.setattr(Problem, "solve", lost)
+    friction, modes = Friction(contact(np.random.default_rng(1)), MU), np.ones((free, N, 2))
+    friction.solve(np.zeros((N, 2)), modes, np.ones((free, 4)))
+    assert len(asked) == tries and asked[0] == 0.0 and all(held > 0 for held in asked[1:])
 
 
 def test_the_tangent_is_the_derivative_of_the_residual() -> None:

@@ -1,7 +1,9 @@
-"""No number of others is left out: each family of data/friction.json has its test, each entry its
-source and error."""
+"""No number of others is left out: each family of data/friction.json has its test, each entry an id
+of its own, its source and error."""
 
-from friction_data import ENTRIES
+import json
+
+from friction_data import ENTRIES, PATH
 
 HELD = {
     "mindlin_sphere": "test_cattaneo, test_rolling",
@@ -18,10 +20,14 @@ HELD = {
 
 
 def test_every_entry_is_held_against_the_theory() -> None:
-    left = [e["id"] for e in ENTRIES if not e["id"].startswith(tuple(HELD))]
-    idle = [start for start in HELD if not any(e["id"].startswith(start) for e in ENTRIES)]
+    left = [name for name in ENTRIES if not name.startswith(tuple(HELD))]
+    idle = [start for start in HELD if not any(name.startswith(start) for name in ENTRIES)]
     assert (left, idle) == ([], [])
 
 
 def test_every_entry_says_where_it_is_from_and_how_far_it_holds() -> None:
-    assert all(entry["source"] and entry["estimated_error"] for entry in ENTRIES)
+    assert all(entry["source"] and entry["estimated_error"] for entry in ENTRIES.values())
+
+
+def test_no_entry_hides_another() -> None:
+    assert len(json.loads(PATH.read_text(encoding="utf-8"))["entries"]) == len(ENTRIES)

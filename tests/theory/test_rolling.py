@@ -145,7 +145,7 @@ def test_a_shift_is_mindlins(entry: dict[str, Any]) -> None:
 
 def test_the_energy_of_a_cycle_is_mindlins() -> None:
     """To 5 %, of which the 12 steps each way take a share."""
-    entry = next(each for each in ENTRIES if each["id"] == "mindlin_sphere_q0.8")
+    entry = ENTRIES["mindlin_sphere_q0.8"]
     contact, top = mindlin(entry), entry["tangential_approach_mm"]
     body = patch(contact.a, contact.b, contact.p0, 0.3, cells=24, rolling=False)
     state = body.at(Creepage(along=top))

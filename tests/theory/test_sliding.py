@@ -39,7 +39,7 @@ def test_reference_numbers(entry: dict[str, Any]) -> None:
 
 def test_above_a_coefficient_the_surface_is_hardest() -> None:
     """The surface's stress grows by 1.5 p0 per 1 of the coefficient, so that 1 % of it is 0.005."""
-    entry = next(each for each in ENTRIES if "crossover" in each["id"])
+    entry = next(each for name, each in ENTRIES.items() if "crossover" in name)
     for change in (-0.006, 0.006):
         mu = entry["mu"] + change
         surface = sliding.hardest_at_surface(SPHERE, mu, entry["nu"])

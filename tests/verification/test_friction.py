@@ -1,14 +1,13 @@
 """Friction: Carter's strip, Cattaneo and Mindlin's patch, Kalker's rolling, and what must hold."""
 
-import json
 import math
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import meshio
 import numpy as np
 import pytest
+from friction_data import ENTRIES
 from mpi4py import MPI
 from scipy.optimize import brentq
 from scipy.special import ellipk
@@ -23,12 +22,6 @@ from railhead.solver.condensed import tangents
 from railhead.solver.rubbing import YieldingRubbingModel
 from railhead.theory import cattaneo
 
-ENTRIES = {
-    entry["id"]: entry
-    for entry in json.loads(
-        (Path(__file__).parents[1] / "theory" / "data" / "friction.json").read_text()
-    )["entries"]
-}
 MU = 0.3
 CARTER = [ENTRIES[f"carter_q{share}"] for share in (0.36, 0.64, 0.84, 0.96)]
 
@@ -262,6 +255,19 @@ def test_nothing_pushes_a_sphere_aside_that_is_pressed() -> None:
     outwards = rubbing.weights @ np.maximum(along, 0.0)
     assert outwards < 0.05 * rubbing.weights @ np.abs(along)
     assert np.abs(along[radius < 0.03 * radius.max()]).max() < 0.3 * size
+
+
+def test_tractions_on_a_curved_surface_carry_their_part_of_the_load() -> None:
+    """A soft ball on a rigid plane: they are inclined by up to 0.2, and push by 2 % of the load."""
+    ball = rh.Wheel(profile="arc", rolling_radius=20, transverse_radius=20, young_modulus=3000)
+    plane = rh.Rail(profile="arc", crown_radius=math.inf, young_modulus=math.inf)
+    scene = rh.Scene(load=1e4, rail=plane, wheel=ball, mesh={"patch_size": 0.5})
+    found = rh.solve(scene.replace(friction={"coefficient": MU}), quiet=True)
+    solution = found.level.solution
+    assert found.passed, found.failed
+    push = -solution.rubbing.weights @ solution.rubbing.traction[:, 2]
+    assert 200 < push < 300
+    assert solution.load == pytest.approx(solution.reaction, rel=1e-9)
 
 
 def test_a_rigid_wheel_is_shifted() -> None:

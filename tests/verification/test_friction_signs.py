@@ -3,20 +3,14 @@
 import functools
 import json
 import math
-from pathlib import Path
 
 import pytest
+from friction_data import ENTRIES
 
 import railhead as rh
 from railhead import screen
 from railhead.theory import sliding
 
-ENTRIES = {
-    entry["id"]: entry
-    for entry in json.loads(
-        (Path(__file__).parents[1] / "theory" / "data" / "friction.json").read_text()
-    )["entries"]
-}
 MU = 0.3
 COARSE = {"patch_size": 2.6}  # three elements across the patch: forces within OFF of mu N
 OFF = 0.08

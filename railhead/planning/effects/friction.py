@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from railhead.geometry import rolls
 from railhead.geometry.rolls import Rolls
 from railhead.geometry.solid import Contact
-from railhead.meshing.tags import RAIL
 from railhead.planning import exact
 from railhead.planning.effects.base import After, Context, Effect
+from railhead.planning.effects.far_field import CerrutiFarField
 from railhead.postprocess.findings import Findings, Frame
 from railhead.scene.scene import Scene, SceneError
 from railhead.solver.setup import Rub, Setup
-from railhead.theory import halfspace, hertz, kalker
+from railhead.theory import hertz, kalker
 from railhead.theory.hertz import Ellipse
 from railhead.theory.rolling import Creepage
 
@@ -76,8 +76,7 @@ def decide(context: Context) -> Effect:
             True,
             f"it resists the slip of unlike materials, Dundurs' beta = {mismatch(scene):.3g}",
         )
-    linear = scene.mesh.cell == "tetrahedron" and scene.mesh.order == 1
-    if called and linear and scene.effects.friction != "off":
+    if called and scene.mesh.linear and scene.effects.friction != "off":
         raise SceneError(
             "mesh.order",
             "1 is not allowed with friction: on linear tetrahedra and triangles forces are 0.03 to "
@@ -168,23 +167,6 @@ class OffPlane:
         ]
         middles = np.array([zone.centre for zone in self.zones])
         return rolls.off_plane(self.contact, middles)[np.argmin(distances, axis=0)]
-
-
-@dataclass(frozen=True)
-class CerrutiFarField:
-    """Displacement of both half-spaces under a tangential point force of 1 N of the wheel on the
-    rail, in the place of the tractions."""
-
-    plan: Plan
-
-    def __call__(self, way: int, body: int, points: NDArray) -> NDArray:
-        """(0 along or 1 across, RAIL or WHEEL, points (n, 3) mm) -> (n, 3) mm."""
-        part, sign = self.plan.material(body), 1.0 if body == RAIL else -1.0
-        lower = points * [1.0, 1.0, sign]
-        lower[:, 2] = lower[:, 2].clip(max=0.0)
-        constants = part.young_modulus, part.poisson_ratio
-        moved = halfspace.cerruti_displacement(lower, sign, *constants, across=way == 1)
-        return moved * [1.0, 1.0, sign]
 
 
 def check(context: Context, effect: Effect, found: Findings) -> After | None:

@@ -31,7 +31,7 @@ def decide(context: Context) -> Effect:
     limit = LARGEST_REVOLVED if context.contact.revolved else LARGEST_RATIO
     above = ratio > limit
     why = f"Poisson's ratio {ratio:g} of the {name}, {'above' if above else 'below'} {limit}"
-    if scene.mesh.cell != "tetrahedron" or scene.mesh.order == 1:
+    if scene.mesh.cell == "hexahedron" or scene.mesh.linear:
         locks = "; these cells lock, take quadratic tetrahedra" if above else ""
         return Effect(above, False, why + locks, {"on": "it needs quadratic tetrahedra"})
     return Effect(above, above, why)

@@ -39,8 +39,7 @@ def decide(context: Context) -> Effect:
         name: context.von_mises(part.poisson_ratio) for name, part in _yielding(context).items()
     }
     yields, why = _compare(scene, stresses) if stresses else (False, _would_yield(context))
-    linear = scene.mesh.cell == "tetrahedron" and scene.mesh.order == 1
-    if yields and linear and scene.effects.plasticity != "off":
+    if yields and scene.mesh.linear and scene.effects.plasticity != "off":
         raise SceneError(
             "mesh.order",
             "1 is not allowed where a body yields: linear tetrahedra and triangles lock; give 2",

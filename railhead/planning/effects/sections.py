@@ -14,8 +14,7 @@ def plane_strain(context: Context) -> Effect:
 
 
 def axisymmetry(context: Context) -> Effect:
-    """Called for where both bodies are of revolution about the contact's normal."""
+    """Called for where both bodies, and what loads them, are of revolution about the contact's
+    normal (`dimension.circular`)."""
     called, why = dimension.circular(context.scene)
-    if called and any(context.scene.sheared):
-        return Effect(False, False, dimension.TURNS, {"on": dimension.TURNS})
     return Effect(called, context.contact.revolved, why)

@@ -1,0 +1,18 @@
+"""Entries of theory/data/friction.json, numbers of others with their sources and errors, for the
+tests of theory and solver alike."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+PATH = Path(__file__).parent / "theory" / "data" / "friction.json"
+ENTRIES: dict[str, dict[str, Any]] = {
+    entry["id"]: entry for entry in json.loads(PATH.read_text(encoding="utf-8"))["entries"]
+}
+
+
+def named(start: str) -> list[Any]:
+    """Those whose id starts so, with their ids, for pytest."""
+    return [pytest.param(entry, id=key) for key, entry in ENTRIES.items() if key.startswith(start)]
