@@ -77,6 +77,7 @@ def plan(
 @click.option("--out", type=click.Path(path_type=Path), help="Result folder [results/<case>].")
 @click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html.")
 @click.option("--no-report", is_flag=True, help="Write no report.html.")
+@click.option("--whole", is_flag=True, help="Write .vtu files of the whole model, mirrored.")
 @click.option("--units", help="Of the table and the report, e.g. mm,kN,MPa.")
 @click.option("--quiet", is_flag=True, help="Print nothing.")
 @click.option("--json", "as_json", is_flag=True, help="Print summary.json and nothing else.")
@@ -90,6 +91,7 @@ def run(
     out: Path | None,
     no_pictures: bool,
     no_report: bool,
+    whole: bool,
     units: str | None,
     quiet: bool,
     as_json: bool,
@@ -112,7 +114,9 @@ def run(
     with refine.telling(quiet=quiet, since=start) as progress:
         progress.stage("writing files" + ("" if no_pictures else " and pictures"))
         try:
-            result.save(folder, pictures=not no_pictures, report=not no_report, units=shown)
+            result.save(
+                folder, pictures=not no_pictures, report=not no_report, whole=whole, units=shown
+            )
             signal.signal(signal.SIGTERM, signal.SIG_IGN)  # too late: the result is there
         except OSError as error:
             problem = error
