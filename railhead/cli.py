@@ -149,6 +149,7 @@ def run(
 @_without
 @click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<case>_sweep].")
 @click.option("--resume", is_flag=True, help="Go on with the sweep that is in the folder.")
+@click.option("--vtu", is_flag=True, help="Write .vtu files of each combination, for ParaView.")
 @click.option("--no-pictures", is_flag=True, help="Write no PNG files.")
 @click.option("--quiet", is_flag=True, help="Print nothing.")
 def sweep(
@@ -159,6 +160,7 @@ def sweep(
     switched_off: Sequence[str],
     out: Path | None,
     resume: bool,
+    vtu: bool,
     no_pictures: bool,
     quiet: bool,
 ) -> int:
@@ -173,7 +175,7 @@ def sweep(
 
     from railhead import campaign as campaigns
 
-    campaign = campaigns.Campaign(scene, scenes, list(over), folder)
+    campaign = campaigns.Campaign(scene, scenes, list(over), folder, vtu)
     found = campaigns.run(campaign, resume=resume, pictures=not no_pictures, quiet=quiet)
     if found is None:  # a rank that worked for the first one
         return SOLVED

@@ -141,12 +141,23 @@ def _exchange(one: Path, other: Path) -> None:
     os.rename(aside, one)
 
 
+def write_grids(result: Result, folder: Path, *, whole: bool = False) -> None:
+    """Write the files for ParaView, of which there are none where nothing touches."""
+    from railhead.postprocess import files
+
+    left, found = result.level.left, result.findings
+    if result.fields is not None and found is not None:
+        residual = None if left is None else left.residual
+        rubbing = result.level.solution.rubbing
+        files.write(result.fields, found, residual, rubbing, folder, whole=whole)
+
+
 def write(
     result: Result, folder: Path, *, pictures: bool, page: Page | None = None, whole: bool = False
 ) -> list[str]:
     """Write all files of a result, and what `page` adds; returns their names. whole: the files for
     ParaView have the images of what symmetry left out."""
-    from railhead.postprocess import files, gallery, plastic_plots, shakedown_plot, traction_plots
+    from railhead.postprocess import gallery, plastic_plots, shakedown_plot, traction_plots
     from railhead.subject import subject
 
     with replacing(folder) as work:
@@ -155,10 +166,9 @@ def write(
             after = result.level.after.items()
             needed = tuple(f"{name}: {each.why}" for name, each in after if each.needed)
             found = replace(found, notes=needed, subject=subject(result.plan, result.load))
+        write_grids(result, work, whole=whole)
         left, rubbing, fields = result.level.left, result.level.solution.rubbing, result.fields
         residual = None if left is None else left.residual
-        if fields is not None and found is not None:
-            files.write(fields, found, residual, rubbing, work, whole=whole)
         if fields is not None and found is not None and pictures:
             poisson, elastic = result.plan.shown.poisson_ratio, result.level.plain
             grids = gallery.draw(fields, found, result.ellipse, poisson, work)
