@@ -32,6 +32,7 @@ CLOSE = 0.95  # ... and climbed where their recovered stress is that share of th
 STEPS = 8
 LATTICE = 4  # steps along the edge of a cell between the points that are compared
 REACH = 0.25  # of the radius of a fit: how far from its centre it is trusted
+NO_DEPTH = 1e-9  # of the smaller semi-axis: rounding at the surface
 STENCIL = 0.05  # of that radius: between the values that the parabola goes through
 
 
@@ -173,4 +174,5 @@ class Search:
         contact = self._fields.contact
         nearest = int(np.argmin(((contact.points - place) ** 2).sum(axis=1)))
         depth = abs((place - contact.points[nearest]) @ contact.normals[nearest])
+        depth = depth if depth > NO_DEPTH * self._size else 0.0
         return Peak(value, float(depth), (float(place[0]), float(place[1]), float(place[2])))
