@@ -16,7 +16,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
-from railhead.postprocess.findings import RIVAL, Array, Peak
+from railhead.postprocess.findings import NO_DEPTH, RIVAL, Array, Peak
 from railhead.postprocess.recovery import Polynomial, Recovery
 from railhead.postprocess.solid import Solid
 from railhead.solver.cells import Index, tabulate
@@ -32,7 +32,6 @@ CLOSE = 0.95  # ... and climbed where their recovered stress is that share of th
 STEPS = 8
 LATTICE = 4  # steps along the edge of a cell between the points that are compared
 REACH = 0.25  # of the radius of a fit: how far from its centre it is trusted
-NO_DEPTH = 1e-9  # of the smaller semi-axis: rounding at the surface
 STENCIL = 0.05  # of that radius: between the values that the parabola goes through
 
 

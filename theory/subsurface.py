@@ -98,7 +98,7 @@ def axis_extrema(contact: Ellipse, poisson: float) -> AxisExtrema:
 
     Slender patches have one maximum below and another near or at the surface, which wins when
     Poisson's ratio is small: the axis is sampled first, then the best sample is refined by bounded
-    optimisation, to about 1e-8 of the depth.
+    optimisation, to about 1e-8 of the depth. A maximum at the surface itself is met to 1e-6.
     """
     fractions = np.concatenate(([0.0], np.geomspace(1e-6, 2, 200)))
     depths = min(contact.a, contact.b) * fractions
@@ -108,14 +108,11 @@ def axis_extrema(contact: Ellipse, poisson: float) -> AxisExtrema:
         def negative(depth: float) -> float:
             return -float(invariant(stress(contact, poisson, _on_axis(depth)))[0])
 
-        values = invariant(samples)
-        i = int(np.argmax(values))
+        i = int(np.argmax(invariant(samples)))
         bounds = depths[max(i - 1, 0)], depths[min(i + 1, len(depths) - 1)]
         best = minimize_scalar(
             negative, bounds=bounds, method="bounded", options={"xatol": 1e-9 * bounds[1]}
         )
-        if values[0] >= -best.fun:
-            return float(values[0]), 0.0
         return -float(best.fun), float(best.x)
 
     return AxisExtrema(*highest(max_shear), *highest(von_mises))
