@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -81,36 +82,45 @@ def _plastic(fields: Fields) -> dict[str, list[Array]]:
     }
 
 
-def series(files: list[str], path: Path) -> None:
-    """A .pvd file that lets ParaView step through .vtu files beside it. OSError."""
+def series(files: Mapping[float, str], path: Path) -> None:
+    """A .pvd file that lets ParaView step through .vtu files, by time; their paths are seen from
+    its folder. OSError."""
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
     collection = ElementTree.SubElement(root, "Collection")
-    for step, file in enumerate(files):
-        ElementTree.SubElement(collection, "DataSet", timestep=str(step), part="0", file=file)
+    for time, file in sorted(files.items()):
+        ElementTree.SubElement(collection, "DataSet", timestep=repr(time), part="0", file=file)
     ElementTree.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)
 
 
-def contact_grid(fields: Fields, surface: Surface) -> meshio.Mesh:
-    """Triangles (of a section: lines) of the modelled contact surface, undeformed.
+def contact_grid(surfaces: Mapping[int, Surface]) -> meshio.Mesh:
+    """Triangles (of a section: lines) of modelled contact surfaces, by tag of their body,
+    undeformed.
 
-    Point data: pressure (n,) MPa, gap (n,) mm and status (n,), 1 where it touches, 0 where it is
-    open. Cell data: body, the one the surface belongs to.
+    Point data: displacement (n, 3) mm; pressure (n,) MPa; gap (n,) mm between the deformed
+    surfaces; status (n,), 1 where it touches, 0 where it is open. Cell data: body, as in
+    `volume_grid`.
     """
+    each = list(surfaces.values())
+    first = np.cumsum([0, *(len(one.points) for one in each)])
+    cells = np.concatenate([one.triangles + at for one, at in zip(each, first, strict=False)])
+    pressure = np.concatenate([one.pressure for one in each])
+    body = np.repeat(list(surfaces), [len(one.triangles) for one in each])
     return meshio.Mesh(
-        surface.points,
-        [("triangle" if surface.triangles.shape[1] == 3 else "line", surface.triangles)],
+        np.concatenate([one.points for one in each]),
+        [("triangle" if cells.shape[1] == 3 else "line", cells)],
         point_data={
-            "pressure": surface.pressure,
-            "gap": surface.gap,
-            "status": (surface.pressure > 0).astype(np.int32),
+            "displacement": np.concatenate([one.displacement for one in each]),
+            "pressure": pressure,
+            "gap": np.concatenate([one.gap for one in each]),
+            "status": (pressure > 0).astype(np.int32),
         },
-        cell_data={"body": [np.full(len(surface.triangles), fields.slave, dtype=np.int32)]},
+        cell_data={"body": [body.astype(np.int32)]},
     )
 
 
 def traction_points(found: Rubbing) -> meshio.Mesh:
     """The contact points that touch. Point data: traction (n, 3) MPa of the wheel on the rail; slip
-    (n, 3) of the wheel over the rail, mm, or, rolling, of 1; status (n,), 1 where it sticks, 0
+    (n, 3) of the wheel over the rail, mm, or, rolling, of 1; sticks (n,), 1 where it sticks, 0
     where it slips; pressure (n,) MPa."""
     touches = found.pressure > 0
     count = int(touches.sum())
@@ -120,7 +130,7 @@ def traction_points(found: Rubbing) -> meshio.Mesh:
         point_data={
             "traction": found.traction[touches],
             "slip": found.slip[touches],
-            "status": found.sticks[touches].astype(np.int32),
+            "sticks": found.sticks[touches].astype(np.int32),
             "pressure": found.pressure[touches],
         },
     )

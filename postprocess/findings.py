@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 Place = tuple[float, float, float]
 FLAT = 0.01  # relative
 RIVAL = 0.005  # relative: which of two hills is higher is not known below it
+NO_DEPTH = 1e-9  # of a semi-axis: rounding at the surface
 PEAK_SAMPLES = 8  # either side of the largest one
 
 
@@ -52,10 +53,10 @@ class Frame:
 
 @dataclass(frozen=True)
 class Surface:
-    """The recovered pressure on the modelled part of the contact surface.
+    """What was found on the modelled part of a contact surface.
 
-    points (n, 3) mm; local (n, 2): x, s; triangles (t, 3); pressure (n,) MPa (P1 on the triangles,
-    not negative); gap (n,) mm. Of a section: lines (t, 2) in the place of triangles.
+    points, displacement (n, 3) mm; local (n, 2): x, s; triangles (t, 3); pressure (n,) MPa (P1 on
+    the triangles, not negative); gap (n,) mm. Of a section: lines (t, 2) in the place of triangles.
     """
 
     points: Array
@@ -63,6 +64,7 @@ class Surface:
     triangles: NDArray[np.int64]
     pressure: Array
     gap: Array
+    displacement: Array
 
 
 @dataclass(frozen=True)
@@ -231,7 +233,8 @@ class Findings:
     `postprocess.quality`: noise, relative; elements_across: along and across the most loaded patch;
     edge_distance of the patch over its smaller half length; reported_force: what the recovered
     pressure carries along z, N. misfit: of the smooth stresses around the largest ones from
-    those of the elements, relative.
+    those of the elements, relative. opposite: as surface, of the other body, None where that is
+    rigid.
     """
 
     frame: Frame
@@ -251,6 +254,7 @@ class Findings:
     edge_distance: float = math.nan
     reported_force: float = math.nan
     misfit: float = math.nan
+    opposite: Surface | None = None
 
     @property
     def axis(self) -> DepthAxis:

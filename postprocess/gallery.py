@@ -1,4 +1,4 @@
-"""All files of one result: grids for ParaView and the pictures."""
+"""All pictures of one result."""
 
 from __future__ import annotations
 
@@ -21,18 +21,12 @@ def draw(
     ellipse: Hertz,
     poisson: float,
     folder: Path,
-    *,
-    pictures: bool,
 ) -> tuple[meshio.Mesh, meshio.Mesh]:
-    """Write solution.vtu and contact.vtu and, with `pictures`, the PNG files: six, four of a
-    section; the two grids."""
+    """Write the PNG files: six, four of a section. Returns what they show: cells, and the surface
+    that the pressure was found on."""
     stresses = stress.nodal(fields)
     volume = export.volume_grid(fields, stresses)
-    contact = export.contact_grid(fields, found.surface)
-    export.write(volume, folder / "solution.vtu")
-    export.write(contact, folder / "contact.vtu")
-    if not pictures:
-        return volume, contact
+    contact = export.contact_grid({fields.slave: found.surface})
     # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
     exact = ellipse if len(found.patch.each) < 2 else None
     plots.pressure(found, exact, folder / "pressure.png")

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from railhead.postprocess.findings import Array, AxisPressure, Frame, OnePatch, Patch, Surface
+from railhead.postprocess.findings import Array, AxisPressure, Frame, OnePatch, Patch
 from railhead.postprocess.parts import Part
 from railhead.postprocess.reconstruct import (
     ROUGHNESS,
@@ -19,7 +20,7 @@ from railhead.postprocess.reconstruct import (
     reconstruct,
 )
 from railhead.postprocess.shape import Shape, trace
-from railhead.postprocess.surface import SurfaceRecovery
+from railhead.postprocess.surface import Surfaces, both
 from railhead.solver.gather import Fields
 
 HERTZIAN = 0.02  # largest deviation of the fourth moments from those of a semi-ellipsoid, and ...
@@ -120,8 +121,8 @@ def largest_pressure(fields: Fields, frame: Frame, found: Moments) -> float:
 
 def read(
     fields: Fields, separate: list[Part], frame: Frame
-) -> tuple[Patch, Surface, Moments, Array, tuple[AxisPressure, AxisPressure]]:
-    """Patch, recovered surface fields, moments, the recovered pressure at the contact points and
+) -> tuple[Patch, Surfaces, Moments, Array, tuple[AxisPressure, AxisPressure]]:
+    """Patch, recovered surfaces, moments, the recovered pressure at the contact points and
     along x and s through the centre, of a solution in which something touches.
 
     separate: its parts; frame: of the first one where there are several.
@@ -156,18 +157,10 @@ def read(
         ),
         scatter,
     )  # fmt: skip
-    recovery = SurfaceRecovery(fields)
-    points = fields.points[recovery.nodes]
-    surface = Surface(
-        points,
-        frame.local(points)[:, :2],
-        recovery.triangles,
-        _pressure(readings, points),
-        recovery.project(contact.gap),
-    )
+    surfaces = both(fields, frame, partial(_pressure, readings))
     through = _through(first, patch, frame, hertzian=found.hertzian)
     lines = _line(readings, frame, patch, through, 0), _line(readings, frame, patch, through, 1)
-    return patch, surface, found, _pressure(readings, contact.points), lines
+    return patch, surfaces, found, _pressure(readings, contact.points), lines
 
 
 @dataclass(frozen=True)

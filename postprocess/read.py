@@ -23,17 +23,17 @@ def findings(fields: Fields, frame: Frame) -> Findings:
     separate = [] if flat else parts(fields)
     frame = separate[0].frame if len(separate) > 1 else frame
     if flat:
-        found, surface, moments, recovered = section.read(fields, frame)
-        lines = section.axis_pressures(surface, found, fields)
+        found, surfaces, moments, recovered = section.read(fields, frame)
+        lines = section.axis_pressures(surfaces[0], found, fields)
     else:
-        found, surface, moments, recovered, lines = patch.read(fields, separate, frame)
+        found, surfaces, moments, recovered, lines = patch.read(fields, separate, frame)
     size = moments.a if flat else min(found.a, found.b)
     inner = inside.read(fields, frame, found.centre, size, separate[1:])
     axes, others, largest, edges, misfit = inner
     return Findings(
         frame,
         found,
-        surface,
+        surfaces[0],
         axes,
         *lines,
         moments.shape_error,
@@ -45,4 +45,5 @@ def findings(fields: Fields, frame: Frame) -> Findings:
         edge_distance=quality.edge_distance(fields, found, edges),
         reported_force=quality.reported_force(fields, recovered),
         misfit=misfit,
+        opposite=surfaces[1],
     )

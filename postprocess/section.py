@@ -14,7 +14,7 @@ from railhead.postprocess.reconstruct import (
     nothing,
 )
 from railhead.postprocess.shape import Shape
-from railhead.postprocess.surface import SurfaceRecovery
+from railhead.postprocess.surface import Surfaces, both
 from railhead.solver.gather import Fields
 
 SAMPLES = 61
@@ -65,8 +65,8 @@ def largest_pressure(t: Array, pressure: Array, weights: Array, w: float, *, eve
     return float(np.sqrt(c[0] + c[1] * top**2 + shift))
 
 
-def read(fields: Fields, frame: Frame) -> tuple[Patch, Surface, Moments, Array]:
-    """Patch, recovered surface, moments, and the recovered pressure at the contact points of a
+def read(fields: Fields, frame: Frame) -> tuple[Patch, Surfaces, Moments, Array]:
+    """Patch, recovered surfaces, moments, and the recovered pressure at the contact points of a
     section in which something touches."""
     contact, axis = fields.contact, coordinate(fields)
     revolved, length = fields.kinematics.revolved, fields.kinematics.thickness
@@ -91,12 +91,10 @@ def read(fields: Fields, frame: Frame) -> tuple[Patch, Surface, Moments, Array]:
         outlines, scatter=scatter,
     )  # fmt: skip
 
-    recovery = SurfaceRecovery(fields)
-    points = fields.points[recovery.nodes]
-    local = frame.local(points)[:, :2]
-    gap = recovery.project(contact.gap)
-    surface = Surface(points, local, recovery.triangles, _pressure(square, local[:, axis]), gap)
-    return patch, surface, found, _pressure(square, frame.local(contact.points)[:, axis])
+    def pressure(points: Array) -> Array:
+        return _pressure(square, frame.local(points)[:, axis])
+
+    return patch, both(fields, frame, pressure), found, pressure(contact.points)
 
 
 def samples(fields: Fields, frame: Frame) -> Samples:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,7 +12,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
-from railhead.postprocess.findings import Array
+from railhead.postprocess.findings import Array, Frame, Surface
 from railhead.solver.facets import facet_type
 from railhead.solver.gather import Fields
 
@@ -31,6 +32,15 @@ _TRIANGLES = {
         [0, 4, 5], [4, 8, 5], [4, 1, 8], [1, 6, 8], [5, 8, 2], [8, 7, 2], [8, 6, 7], [6, 3, 7],
     ],
 }  # fmt: skip
+
+
+Surfaces = tuple[Surface, Surface | None]
+"""Of the slave and the master."""
+
+
+def _pieces(fields: Fields, facets: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(t, 3) flat triangles through all nodes of facets (f, k); of a section, lines (t, 2)."""
+    return np.concatenate([facets[:, each] for each in _TRIANGLES[fields.cell, fields.degree]])
 
 
 @dataclass(frozen=True)
@@ -67,8 +77,7 @@ class SurfaceRecovery:
         """(t, 3) flat triangles through all nodes of the facets; of a section, lines (t, 2)."""
         table = self._numbering[1]
         table = table[table[:, 0] >= 0]
-        pattern = _TRIANGLES[self.fields.cell, self.fields.degree]
-        return np.concatenate([table[:, corners] for corners in pattern])
+        return _pieces(self.fields, table)
 
     @cached_property
     def _basis(self) -> sp.csr_matrix:
@@ -101,3 +110,20 @@ class SurfaceRecovery:
         values = np.zeros(len(self._members))
         values[self._members] = self._basis @ nodal
         return values
+
+
+def both(fields: Fields, frame: Frame, pressure: Callable[[Array], Array]) -> Surfaces:
+    """What was found on the slave's surface and, None where it is rigid, on the master's, which the
+    same pressure loads: (n,) MPa at points (n, 3)."""
+
+    def surface(nodes: NDArray[np.int64], pieces: NDArray[np.int64], gap: Array) -> Surface:
+        points = fields.points[nodes]
+        local, moved = frame.local(points)[:, :2], fields.displacement[nodes]
+        return Surface(points, local, pieces, pressure(points), gap, moved)
+
+    recovery, other = SurfaceRecovery(fields), fields.opposite
+    own = surface(recovery.nodes, recovery.triangles, recovery.project(fields.contact.gap))
+    if other is None:
+        return own, None
+    pieces = _pieces(fields, np.searchsorted(other.nodes, other.facet_nodes))
+    return own, surface(other.nodes, pieces, other.gap)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from mpi4py import MPI
 
 from railhead import __version__, loads, pool, records, refine, results, spreadsheet, sweep_table
@@ -23,12 +24,14 @@ PASSED = sweep_table.PASSED
 
 @dataclass(frozen=True)
 class Campaign:
-    """scenes: of all combinations; keys: dotted, those that change."""
+    """scenes: of all combinations; keys: dotted, those that change; vtu: whether each leaves files
+    for ParaView."""
 
     base: Scene
     scenes: Sequence[Scene]
     keys: Sequence[str]
     folder: Path
+    vtu: bool = False
 
     def values(self, number: int) -> dict[str, object]:
         """What changes, in base units."""
@@ -43,13 +46,24 @@ class Campaign:
 
     @property
     def asked(self) -> dict[str, Any]:
-        """All that decides the numbers."""
+        """All that decides what is kept of a combination."""
         over = {key: [each.value(key) for each in self.scenes] for key in self.keys}
         return {
             "railhead": __version__,
             "scene": self.base.model_dump(exclude_none=True),
             "over": {key: list(dict.fromkeys(values)) for key, values in over.items()},
+            **({"vtu": True} if self.vtu else {}),
         }
+
+    @property
+    def times(self) -> list[float]:
+        """Of the combinations in ParaView: the values of the one key that changes, in base units,
+        where these are numbers; else the combinations' own numbers."""
+        values = [scene.value(key) for scene in self.scenes for key in self.keys]
+        numbers = [float(each) for each in values if isinstance(each, int | float)]
+        if len(self.keys) == 1 and len(numbers) == len(values) and np.isfinite(numbers).all():
+            return numbers
+        return [float(number) for number in range(len(self.scenes))]
 
 
 def run(campaign: Campaign, *, resume: bool, pictures: bool, quiet: bool) -> list[str] | None:
@@ -70,43 +84,68 @@ def run(campaign: Campaign, *, resume: bool, pictures: bool, quiet: bool) -> lis
     with pool.submitting(comm.size) as submit:
         if submit is None:
             return None
+        workers = pool.workers(comm.size)
         finished = len(records.done(campaign.folder))
         with Bar(len(campaign.scenes), done=finished, quiet=quiet) as bar:
-            faults = _solve_all(campaign, groups, submit, bar)
+            faults = _solve_all(campaign, groups, workers, submit, bar)
             # What was to be solved after the one that crashed, each by itself.
             lost = [[number] for group in groups if len(group) > 1 for number in group]
             again = [each for each in lost if each[0] in faults]
-            faults |= _solve_all(campaign, again, submit, bar)
+            faults |= _solve_all(campaign, again, workers, submit, bar)
     return _write(campaign, faults, pictures=pictures)
 
 
 def _solve_all(
-    campaign: Campaign, groups: Sequence[Sequence[int]], submit: pool.Submit, bar: Bar
-) -> dict[int, str]:
+    campaign: Campaign, groups: Sequence[Sequence[int]], workers: int, submit: pool.Submit,
+    bar: Bar,
+) -> dict[int, str]:  # fmt: skip
     """Solve what has no record of groups that share a mesh; why some of them still have none."""
     folder, scenes = campaign.folder, campaign.scenes
     finished, jobs = records.done(folder), {}
-    for group in groups:
-        wanted = [place for place, number in enumerate(group) if number not in finished]
-        if wanted:
-            chosen = [scenes[number] for number in group]
-            jobs[submit(_solve, folder, group, chosen, wanted)] = [group[each] for each in wanted]
+    left = [
+        (group, [place for place, number in enumerate(group) if number not in finished])
+        for group in groups
+    ]
+    left = [(group, wanted) for group, wanted in left if wanted]
+    for group, wanted in left:
+        chosen = [scenes[number] for number in group]
+        for part in shares(wanted, len(left), workers):
+            job = submit(_solve, folder, group, chosen, part, campaign.vtu)
+            jobs[job] = [group[each] for each in part]
     faults: dict[int, str] = {}
     pending = set(jobs)
     while pending:
         ended, pending = wait(pending, POLL, FIRST_COMPLETED)
         for job in ended:
-            faults |= dict.fromkeys(jobs[job], pool.outcome(job).fault)
+            attempt = pool.outcome(job)
+            faults |= dict.fromkeys(jobs[job], attempt.fault) | (attempt.found or {})
         bar.reach(len(records.done(folder)))
     return {number: faults[number] for number in faults.keys() - records.done(folder)}
 
 
+def shares(wanted: Sequence[int], groups: int, workers: int) -> list[Sequence[int]]:
+    """What is wanted of one of several groups, shared among the processes that would have nothing
+    to do. Each makes the mesh of the whole group again: it waits for that in any case."""
+    parts = min(len(wanted), max(1, workers // groups))
+    return [wanted[first::parts] for first in range(parts)]
+
+
 def _solve(
-    folder: Path, group: Sequence[int], scenes: Sequence[Scene], wanted: Sequence[int]
-) -> None:
-    """In a process of its own: solve and keep a record of each."""
+    folder: Path, group: Sequence[int], scenes: Sequence[Scene], wanted: Sequence[int], vtu: bool
+) -> dict[int, str]:
+    """In a process of its own: solve and keep a record of each, after its files; why some of them
+    have none."""
+    short: dict[int, str] = {}
     for place, found in loads.run(scenes, wanted, Progress(quiet=True), MPI.COMM_SELF):
+        if vtu and not isinstance(found, Exception):
+            target = records.grids(folder, group[place])
+            target.mkdir(exist_ok=True)
+            results.write_grids(found, target)
+        if isinstance(found, refine.NoMemoryError):  # another time it may fit
+            short[group[place]] = str(found)
+            continue
         records.write(folder, group[place], sweep_table.record(found))
+    return short
 
 
 def _write(campaign: Campaign, faults: Mapping[int, str], *, pictures: bool) -> list[str]:
@@ -123,6 +162,8 @@ def _write(campaign: Campaign, faults: Mapping[int, str], *, pictures: bool) -> 
     with results.replacing(campaign.folder) as work:
         records.keep(campaign.folder, work)
         (work / TABLE).write_bytes(spreadsheet.encoded(rows))
+        if campaign.vtu:
+            _collect(campaign, [row[sweep_table.CHECKS] for row in rows], work)
         if pictures and 1 <= len(campaign.keys) <= 2:
             columns = [sweep_table.column(key) for key in campaign.keys]
             title = f"sweep of {campaign.scenes[0].name} over {' and '.join(campaign.keys)}"
@@ -130,6 +171,19 @@ def _write(campaign: Campaign, faults: Mapping[int, str], *, pictures: bool) -> 
             outlines: list[Any] = [each.get("outlines", []) for each in kept]
             sweep_plots.patches(columns, rows, outlines, work / "patches.png", title)
     return [row[sweep_table.CHECKS] for row in rows]
+
+
+def _collect(campaign: Campaign, said: Sequence[str], work: Path) -> None:
+    """The combinations that passed as time steps for ParaView."""
+    from railhead.postprocess import export
+
+    for name in ("solution", "contact"):
+        files = {
+            time: f"{records.grids(Path(), number)}/{name}.vtu"
+            for number, (time, each) in enumerate(zip(campaign.times, said, strict=True))
+            if each == PASSED
+        }
+        export.series(files, work / f"{name}.pvd")
 
 
 def _plans(campaign: Campaign, quiet: bool) -> list[Plan]:

@@ -77,6 +77,7 @@ def plan(
 @click.option("--out", type=click.Path(path_type=Path), help="Result folder [results/<case>].")
 @click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html.")
 @click.option("--no-report", is_flag=True, help="Write no report.html.")
+@click.option("--whole", is_flag=True, help="Write .vtu files of the whole model, mirrored.")
 @click.option("--units", help="Of the table and the report, e.g. mm,kN,MPa.")
 @click.option("--ranks", type=click.IntRange(1), help="Processes [as many as pay].")
 @click.option("--quiet", is_flag=True, help="Print nothing.")
@@ -93,6 +94,7 @@ def run(
     out: Path | None,
     no_pictures: bool,
     no_report: bool,
+    whole: bool,
     units: str | None,
     ranks: int | None,
     quiet: bool,
@@ -120,7 +122,9 @@ def run(
     with refine.telling(quiet=quiet, since=start) as progress:
         progress.stage("writing files" + ("" if no_pictures else " and pictures"))
         try:
-            result.save(folder, pictures=not no_pictures, report=not no_report, units=shown)
+            result.save(
+                folder, pictures=not no_pictures, report=not no_report, whole=whole, units=shown
+            )
             signal.signal(signal.SIGTERM, signal.SIG_IGN)  # too late: the result is there
         except OSError as error:
             problem = error
@@ -153,6 +157,7 @@ def run(
 @_without
 @click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<case>_sweep].")
 @click.option("--resume", is_flag=True, help="Go on with the sweep that is in the folder.")
+@click.option("--vtu", is_flag=True, help="Write .vtu files of each combination, for ParaView.")
 @click.option("--no-pictures", is_flag=True, help="Write no PNG files.")
 @click.option("--quiet", is_flag=True, help="Print nothing.")
 def sweep(
@@ -163,6 +168,7 @@ def sweep(
     switched_off: Sequence[str],
     out: Path | None,
     resume: bool,
+    vtu: bool,
     no_pictures: bool,
     quiet: bool,
 ) -> int:
@@ -177,7 +183,7 @@ def sweep(
 
     from railhead import campaign as campaigns
 
-    campaign = campaigns.Campaign(scene, scenes, list(over), folder)
+    campaign = campaigns.Campaign(scene, scenes, list(over), folder, vtu)
     found = campaigns.run(campaign, resume=resume, pictures=not no_pictures, quiet=quiet)
     if found is None:  # a rank that worked for the first one
         return SOLVED

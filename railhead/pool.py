@@ -80,6 +80,11 @@ def submitting(ranks: int) -> Iterator[Submit | None]:
             pool.stop()
 
 
+def workers(ranks: int) -> int:
+    """How many jobs of `submitting` run side by side."""
+    return ranks - 1 if ranks > 1 else os.cpu_count() or 1
+
+
 def outcome(future: Future[Attempt[T]]) -> Attempt[T]:
     """Of a future that is done."""
     return _result(future, None)

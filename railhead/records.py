@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from typing import Any
 from railhead import results
 from railhead.scene.scene import SceneError
 
-ASKED, RECORDS = "sweep.json", "records"
+ASKED, RECORDS, GRIDS = "sweep.json", "records", "vtu"
 
 
 def begin(folder: Path, asked: Mapping[str, Any], *, resume: bool) -> None:
@@ -25,6 +26,8 @@ def begin(folder: Path, asked: Mapping[str, Any], *, resume: bool) -> None:
         return
     with results.replacing(folder) as work:
         (work / RECORDS).mkdir()
+        if asked.get("vtu"):
+            (work / GRIDS).mkdir()
         (work / ASKED).write_text(results.to_json(dict(asked)), encoding="utf-8")
 
 
@@ -71,9 +74,25 @@ def read(folder: Path, number: int) -> dict[str, Any]:
     return found
 
 
+def grids(folder: Path, number: int) -> Path:
+    """Where the .vtu files of a combination are."""
+    return folder / GRIDS / f"{number:05d}"
+
+
 def keep(folder: Path, work: Path) -> None:
-    """Copy what was asked and all records into the folder that takes the place of this one."""
+    """Copy what was asked, all records and .vtu files into the folder that takes the place of this
+    one."""
+    if (folder / GRIDS).is_dir():
+        shutil.copytree(folder / GRIDS, work / GRIDS, copy_function=_linked)
     (work / RECORDS).mkdir()
     names = [ASKED, *(f"{RECORDS}/{number:05d}.json" for number in sorted(done(folder)))]
     for name in names:
         (work / name).write_bytes((folder / name).read_bytes())
+
+
+def _linked(source: str, target: str) -> None:
+    """The same file under another name; a copy where the disk knows no such thing."""
+    try:
+        os.link(source, target)
+    except OSError:
+        shutil.copy2(source, target)

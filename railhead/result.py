@@ -139,11 +139,12 @@ class Result:
 
     def save(
         self, folder: str | Path, *, pictures: bool = True, report: bool = True,
-        units: Units | None = None,
+        whole: bool = False, units: Units | None = None,
     ) -> None:  # fmt: skip
-        """Write what `railhead run` writes, report.html in the given units; under MPI to be called
-        on all ranks. Raises SceneError for a folder with other files, OSError where it cannot be
-        written."""
+        """Write what `railhead run` writes, report.html (with `report` and `pictures`) in the given
+        units; whole: .vtu files of the whole model, with the images of what symmetry left out.
+        Under MPI to be called on all ranks. Raises SceneError for a folder with other files,
+        OSError where it cannot be written."""
         from railhead import page, results
 
         problem: Exception | None = None
@@ -152,7 +153,7 @@ class Result:
             try:
                 results.check_folder(Path(folder))
                 more = partial(page.write, self, units or Units()) if report and pictures else None
-                results.write(self, Path(folder), pictures=pictures, page=more)
+                results.write(self, Path(folder), pictures=pictures, page=more, whole=whole)
             except Exception as error:  # whatever it is, the other ranks wait for it
                 problem = error
         if (problem := comm.bcast(problem)) is not None:

@@ -141,10 +141,23 @@ def _exchange(one: Path, other: Path) -> None:
     os.rename(aside, one)
 
 
-def write(result: Result, folder: Path, *, pictures: bool, page: Page | None = None) -> list[str]:
-    """Write all files of a result, and what `page` adds; returns their names."""
-    from railhead.postprocess import export, gallery, plastic_plots, shakedown_plot, traction_plots
-    from railhead.postprocess.stress import nodal
+def write_grids(result: Result, folder: Path, *, whole: bool = False) -> None:
+    """Write the files for ParaView, of which there are none where nothing touches."""
+    from railhead.postprocess import files
+
+    left, found = result.level.left, result.findings
+    if result.fields is not None and found is not None:
+        residual = None if left is None else left.residual
+        rubbing = result.level.solution.rubbing
+        files.write(result.fields, found, residual, rubbing, folder, whole=whole)
+
+
+def write(
+    result: Result, folder: Path, *, pictures: bool, page: Page | None = None, whole: bool = False
+) -> list[str]:
+    """Write all files of a result, and what `page` adds; returns their names. whole: the files for
+    ParaView have the images of what symmetry left out."""
+    from railhead.postprocess import gallery, plastic_plots, shakedown_plot, traction_plots
     from railhead.subject import subject
 
     with replacing(folder) as work:
@@ -155,37 +168,24 @@ def write(result: Result, folder: Path, *, pictures: bool, page: Page | None = N
                 f"{name.replace('_', ' ')}: {each.why}" for name, each in after if each.needed
             )
             found = replace(found, notes=needed, subject=subject(result.plan, result.load))
-        if result.fields is not None and found is not None:
-            grids = gallery.draw(
-                result.fields,
-                found,
-                result.ellipse,
-                result.plan.shown.poisson_ratio,
-                work,
-                pictures=pictures,
-            )
-        left = result.level.left
-        if left is not None and left.residual is not None:
-            grid = export.volume_grid(left.residual, nodal(left.residual))
-            export.write(grid, work / "residual.vtu")
-            export.series(["solution.vtu", "residual.vtu"], work / "solution.pvd")
-            elastic, fields = result.level.plain, result.fields
-            if pictures and fields and found and elastic is not None and elastic.findings:
+        write_grids(result, work, whole=whole)
+        left, rubbing, fields = result.level.left, result.level.solution.rubbing, result.fields
+        residual = None if left is None else left.residual
+        if fields is not None and found is not None and pictures:
+            poisson, elastic = result.plan.shown.poisson_ratio, result.level.plain
+            grids = gallery.draw(fields, found, result.ellipse, poisson, work)
+            if residual is not None and elastic is not None and elastic.findings:
                 exact = result.ellipse if len(found.patch.each) < 2 else None
                 plastic_plots.draw(
-                    fields, left.residual, found, elastic.findings, exact, work / "plastic.png"
+                    fields, residual, found, elastic.findings, exact, work / "plastic.png"
                 )
-        solution = result.level.solution
-        if solution.rubbing is not None and found is not None:
-            export.write(export.traction_points(solution.rubbing), work / "traction.vtu")
-            if pictures:
+            if rubbing is not None:
                 traction_plots.draw(
-                    solution.rubbing, found, result.plan.scene.friction.coefficient,
+                    rubbing, found, result.plan.scene.friction.coefficient,
                     work / "friction.png", mirrored=result.plan.half_y,
                 )  # fmt: skip
                 friction = result.summary["result"]["friction"]
                 if "p0_over_k" in friction:
-                    poisson = result.plan.shown.poisson_ratio
                     shakedown_plot.draw(
                         friction, poisson, work / "shakedown.png", found.subject.title
                     )

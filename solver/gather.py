@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from railhead.solver import compat
 from railhead.solver.cells import Array
 from railhead.solver.contact import ContactModel
-from railhead.solver.facets import FacetSet, facet_closure
 from railhead.solver.kinematics import SOLID, Kinematics
+from railhead.solver.opposite import Opposite, opposite, outer_nodes
 from railhead.solver.solution import Plastic, Solution
 
 
@@ -46,7 +46,7 @@ class Fields:
     lame (m, 2) MPa; cell: see `compat.cell_type`; degree of the displacement; slave: tag of the
     body the contact facets belong to; mirrors: normals of the symmetry planes through x = 0 or
     y = 0 at which the model was cut; kinematics: what a section stands for; plastic: of the cells,
-    None where nothing yields.
+    None where nothing yields; opposite: the other contact surface, None where it is rigid.
     """
 
     points: Array
@@ -61,6 +61,7 @@ class Fields:
     contact: ContactFields
     kinematics: Kinematics = SOLID
     plastic: Plastic | None = None
+    opposite: Opposite | None = None
 
     def among(self, chosen: NDArray[np.bool_]) -> Fields:
         """The same with some of the cells (m,) alone."""
@@ -105,16 +106,21 @@ def gather(model: ContactModel, solution: Solution) -> Fields | None:
             kinematics.in_space(interface.normals),
             interface.facet + offset,
             interface.xi,
-            _facet_nodes(interface.slave),
+            outer_nodes(interface.slave),
         )
     ]
     plastic = solution.plastic
     if plastic is not None:
         strain, equivalent = (_to_root(comm, a) for a in (plastic.strain, plastic.equivalent))
         plastic = Plastic(strain, equivalent)
+    slave, master = interface.slave.gathered(comm), interface.master
+    master = None if master is None else master.gathered(comm)
     if comm.rank:
         return None
     points, displacement, cells, body, lame = gathered[:5]
+    facing = None
+    if master is not None:
+        facing = opposite(slave, master, model.setup.gap, points, displacement)
     return Fields(
         points,
         displacement,
@@ -128,12 +134,8 @@ def gather(model: ContactModel, solution: Solution) -> Fields | None:
         ContactFields(*gathered[5:]),
         kinematics,
         plastic,
+        facing,
     )
-
-
-def _facet_nodes(facets: FacetSet) -> NDArray[np.int64]:
-    closure = facet_closure(facets.cell, facets.degree)
-    return np.take_along_axis(facets.dofs, closure[facets.local_facet], axis=1)
 
 
 def _to_root(comm: MPI.Intracomm, array: NDArray[Any]) -> NDArray[Any]:

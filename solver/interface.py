@@ -38,10 +38,11 @@ class Interface:
 
     points (n, c) mm, weights (n,) mm2, initial_gap (n,) mm, normals (n, c), with c coordinates;
     stiffness_bound (n,): the smallest stable Nitsche parameter of the facet, MPa/mm; facet (n,) and
-    xi (n, c - 1): place on the slave facets.
+    xi (n, c - 1): place on the slave facets; master: None where it is rigid.
     """
 
     slave: FacetSet
+    master: FacetSet | None
     points: Array
     weights: Array
     initial_gap: Array
@@ -96,7 +97,7 @@ def build(
         bound = LAYERED * bound
     total = comm.allreduce(local_dofs)
     return Interface(
-        slave, points, weights, initial_gap, normals, bound, facet, xi,
+        slave, master, points, weights, initial_gap, normals, bound, facet, xi,
         rows(blocks, len(facet), local_dofs, total, comm),
         rows([(dofs, traction)], len(facet), local_dofs, total, comm),
     )  # fmt: skip

@@ -13,7 +13,6 @@ from railhead import build, catalogue, equal_ellipses, shearing
 from railhead.planning import exact
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
-from railhead.solver.cells import Array
 from railhead.solver.condensed import Condenser
 from railhead.solver.contact import LoadCase
 from railhead.solver.friction import Friction

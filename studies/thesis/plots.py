@@ -56,8 +56,9 @@ def sample(fields: Fields, found: Findings) -> Sampled:
     nodes = recovery.nodes
     stresses, points = nodal(fields)[nodes], fields.points[nodes]
     values, local = principal(stresses), found.frame.local(points)[:, :2]
+    still, moved = np.zeros(len(nodes)), fields.displacement[nodes]
     maps = [
-        whole(Surface(points, local, recovery.triangles, values[:, i], np.zeros(len(nodes))))
+        whole(Surface(points, local, recovery.triangles, values[:, i], still, moved))
         for i in range(3)
     ]
     line = np.flatnonzero((np.abs(local[:, 1]) < 1e-6) & (local[:, 0] <= 1.5 * found.patch.a))

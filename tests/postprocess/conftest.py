@@ -110,7 +110,7 @@ def _findings(ellipse: Ellipse, cut: bool, size: Array) -> Findings:
         [np.column_stack([square[i] for i in corners]) for corners in ((0, 1, 2), (0, 2, 3))]
     )
     points = np.column_stack((local, np.zeros(len(local))))
-    surface = Surface(points, local, triangles, pressure, np.zeros(len(points)))
+    surface = Surface(points, local, triangles, pressure, np.zeros(len(points)), 0 * points)
     a, b = ellipse.a, ellipse.b
     outline = [closed_ellipse(ellipse)]
     patch = Patch(a, b, (0.0, 0.0), ellipse.area, ellipse.p0, ellipse.p_mean, outline)

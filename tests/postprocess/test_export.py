@@ -93,7 +93,7 @@ def test_tensor_rows_and_invariants(blocks: Callable[..., Any]) -> None:
 def test_contact_file_holds_pressure_and_gap(blocks: Callable[..., Any], tmp_path: Path) -> None:
     case = blocks()
     surface = replace(case.findings.surface, gap=np.arange(len(case.findings.surface.gap)) / 7)
-    export.write(export.contact_grid(case.fields, surface), tmp_path / "contact.vtu")
+    export.write(export.contact_grid({1: surface}), tmp_path / "contact.vtu")
     back = pv.read(tmp_path / "contact.vtu")
     assert np.array_equal(back.points, surface.points)
     assert np.array_equal(back.cells.reshape(-1, 4)[:, 1:], surface.triangles)
@@ -121,4 +121,4 @@ def test_wrong_input_is_refused(blocks: Callable[..., Any], tmp_path: Path) -> N
     with pytest.raises(ValueError, match="degree 3"):
         export.volume_grid(replace(case.fields, degree=3), case.stress)
     with pytest.raises(OSError):
-        export.write(export.contact_grid(case.fields, case.findings.surface), tmp_path / "no" / "x")
+        export.write(export.contact_grid({1: case.findings.surface}), tmp_path / "no" / "x")

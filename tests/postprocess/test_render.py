@@ -23,7 +23,7 @@ def draw(case: Any, folder: Path) -> dict[str, Any]:
     """All three pictures of a case, by name."""
     folder.mkdir()
     volume = export.volume_grid(case.fields, case.stress)
-    contact = export.contact_grid(case.fields, case.findings.surface)
+    contact = export.contact_grid({1: case.findings.surface})
     render.wheel_rail(volume, case.findings, folder / "wheel_rail.png")
     render.stress_cut(volume, case.findings, folder / "stress_cut.png")
     render.patch_on_rail(contact, case.findings, case.ellipse, folder / "patch_on_rail.png")
@@ -88,7 +88,7 @@ def test_views_follow_the_patch(blocks: Callable[..., Any], tmp_path: Path) -> N
 
 def test_pressure_has_the_colours_of_the_bar(blocks: Callable[..., Any], tmp_path: Path) -> None:
     case = blocks(cut=False)
-    contact = export.contact_grid(case.fields, case.findings.surface)
+    contact = export.contact_grid({1: case.findings.surface})
     render.patch_on_rail(contact, case.findings, case.ellipse, tmp_path / "with.png")
     render.patch_on_rail(contact, case.findings, None, tmp_path / "without.png")
     with_it, without = image(tmp_path / "with.png"), image(tmp_path / "without.png")

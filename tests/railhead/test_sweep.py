@@ -12,8 +12,10 @@ from collections.abc import Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
+import pyvista
 
 import railhead as rh
 from railhead import campaign, cli, combinations, loads, pool, records
@@ -189,6 +191,80 @@ def test_the_public_sweep_gives_the_same(swept: Path) -> None:
         assert float(row["p_max [MPa]"]) == pytest.approx(result.pressure.max, rel=1e-9)
 
 
+def test_one_group_of_loads_is_shared_among_idle_processes() -> None:
+    """Every load once; where there is a group for each process, none is split."""
+    assert campaign.shares([0, 1, 2, 3, 4], groups=1, workers=2) == [[0, 2, 4], [1, 3]]
+    assert campaign.shares([3, 4], groups=1, workers=8) == [[3], [4]]
+    assert campaign.shares([0, 1, 2], groups=2, workers=3) == [[0, 1, 2]]
+    assert campaign.shares([0, 1, 2], groups=3, workers=1) == [[0, 1, 2]]
+
+
+def test_shared_loads_give_the_same_numbers(swept: Path, tmp_path: Path, monkeypatch) -> None:
+    """The mesh is made again in each process: three of them here, one a group in `swept`."""
+    monkeypatch.setattr(pool, "workers", lambda ranks: 3)
+    over = ("--over", "load=50kN,80kN,110kN", "--set", "wheel.rolling_radius=420mm")
+    out = ("--no-pictures", "--out", str(tmp_path / "out"))
+    assert sweep(*ROLLER, *over, *out) == 0
+    alone = [row for row in rows(swept) if row[KEYS["wheel.rolling_radius"]] == "420.0"]
+    for one, other in zip(alone, rows(tmp_path / "out"), strict=True):
+        assert one["unknowns"] == other["unknowns"]
+        for name in ("p_max [MPa]", "area [mm2]", "a [mm]", "tau_max [MPa]", "found approach [mm]"):
+            assert float(one[name]) == pytest.approx(float(other[name]), rel=1e-10), name
+
+
+def steps(collection: Path) -> dict[float, Path]:
+    """Files by time, as ParaView reads a .pvd file."""
+    sets = ElementTree.parse(collection).getroot().findall("Collection/DataSet")
+    return {float(each.attrib["timestep"]): collection.parent / each.attrib["file"]
+            for each in sets}  # fmt: skip
+
+
+def test_a_sweep_opens_as_time_steps(tmp_path: Path) -> None:
+    """Meshes that differ; what does not pass is left out, also after --resume."""
+    out, over = tmp_path / "out", ("--over", "wheel.rolling_radius=420mm,460mm,500mm", "--vtu")
+    command = (*ROLLER, *over, "--no-pictures", "--out", str(out))
+    assert sweep(*command) == 0
+    for name in ("solution", "contact"):
+        reader = pyvista.PVDReader(out / f"{name}.pvd")
+        assert reader.time_values == [420.0, 460.0, 500.0]
+        files = steps(out / f"{name}.pvd")
+        sizes = {pyvista.read(file).n_points for file in files.values()}
+        assert len(sizes) > 1 or name == "contact"
+        for radius, file in files.items():
+            number = [420.0, 460.0, 500.0].index(radius)
+            top = float(rows(out)[number]["p_max [MPa]"])
+            if name == "contact":
+                assert pyvista.read(file)["pressure"].max() == pytest.approx(top, rel=0.01)
+    (out / "records" / "00001.json").write_text('{"fault": "gmsh: no"}')
+    (out / "records" / "00002.json").unlink()
+    assert sweep(*command, "--resume") == 1
+    assert list(steps(out / "contact.pvd")) == [420.0, 500.0]
+    assert sorted(os.listdir(out)) == sorted(
+        [".railhead", "contact.pvd", "records", "solution.pvd", "sweep.csv", "sweep.json", "vtu"]
+    )
+    assert sweep(*command) == 0  # again, in its place
+
+
+def test_files_for_paraview_are_part_of_what_was_asked(swept: Path, capsys) -> None:
+    same = ("--over", "load=50kN,80kN,110kN", "--over", "wheel.rolling_radius=420mm,460mm")
+    assert sweep(*ROLLER, *same, "--vtu", "--out", str(swept), "--resume") == 2
+    assert "vtu not given and not True" in capsys.readouterr().err
+
+
+def test_several_keys_are_counted(tmp_path: Path) -> None:
+    scene = rh.find("long_roller")
+
+    def times(*texts: str) -> list[float]:
+        over = combinations.written(texts)
+        made = combinations.scenes(scene, over)
+        return campaign.Campaign(scene, made, list(over), tmp_path).times
+
+    assert times("load=25kN,50kN") == [25e3, 50e3]
+    assert times("load=25kN,50kN", "wheel.rolling_radius=420,460") == [0, 1, 2, 3]
+    assert times("wheel.rolling_radius=420,inf") == [0, 1]
+    assert times("solver.method=penalty,nitsche") == [0, 1]
+
+
 def test_another_sweep_is_not_gone_on_with(swept: Path, capsys, tmp_path: Path) -> None:
     before = (swept / "sweep.csv").read_bytes()
     out = ("--out", str(swept), "--resume")
@@ -244,7 +320,7 @@ def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypa
 
     @contextmanager
     def one_process(ranks: int) -> Iterator[pool.Submit]:
-        def submit(work, folder, group, scenes, wanted) -> Future:
+        def submit(work, folder, group, scenes, wanted, vtu) -> Future:
             asked.append([group[each] for each in wanted])
             future: Future = Future()
             if group[0] != 1:
@@ -256,6 +332,7 @@ def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypa
         yield submit
 
     monkeypatch.setattr(pool, "submitting", one_process)
+    monkeypatch.setattr(pool, "workers", lambda ranks: 1)
     found = campaign.run(made, resume=False, pictures=False, quiet=True)
     assert asked == [[0, 1, 2], [1], [2]]
     assert found == [f"NOT SOLVED: {why}" for why in
@@ -263,6 +340,19 @@ def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypa
     asked.clear()
     campaign.run(made, resume=True, pictures=False, quiet=True)
     assert asked == [[1], [1]]  # on the mesh of all three, and by itself
+
+
+def test_what_has_no_memory_now_is_tried_again_by_resume(tmp_path: Path, monkeypatch) -> None:
+    """It has a row that says why, and no record."""
+    scene = rh.find("sphere_on_plane")
+    (tmp_path / "records").mkdir()
+    monkeypatch.setattr("railhead.refine.machine.free_memory", lambda: 0)
+    short = campaign._solve(tmp_path, [7], [scene], [0], False)
+    assert list(short) == [7] and "GB free" in short[7]
+    assert records.done(tmp_path) == set()
+    monkeypatch.undo()
+    assert campaign._solve(tmp_path, [7], [scene], [0], False) == {}
+    assert records.done(tmp_path) == {7}
 
 
 def test_the_bar_says_how_long_it_takes(capsys) -> None:

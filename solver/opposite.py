@@ -1,0 +1,53 @@
+"""The contact surface of the master: what a solution says at its nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.solver.cells import Array
+from railhead.solver.facets import FacetSet, facet_closure
+from railhead.solver.interface import Gap
+from railhead.solver.pairing import pair
+
+
+@dataclass(frozen=True)
+class Opposite:
+    """n nodes on f facets of the master that face the slave all over: facet_nodes (f, k), nodes of
+    each facet in `Fields.points`, corners first, basix order; nodes (n,) of all of them; gap (n,)
+    mm between the deformed surfaces, along the slave's normal."""
+
+    facet_nodes: NDArray[np.int64]
+    nodes: NDArray[np.int64]
+    gap: Array
+
+
+def outer_nodes(facets: FacetSet) -> NDArray[np.int64]:
+    """(m, k) nodes of each facet, corners first, basix order."""
+    closure = facet_closure(facets.cell, facets.degree)
+    return np.take_along_axis(facets.dofs, closure[facets.local_facet], axis=1)
+
+
+def opposite(
+    slave: FacetSet, master: FacetSet, exact: Gap, points: Array, displacement: Array
+) -> Opposite:
+    """g0 + n . (u_master - u_slave), the pairing of `interface.build` from the other side.
+
+    slave, master: facets of all ranks. points, displacement (n, 3) of all nodes, in space, mm.
+    """
+    faces = outer_nodes(master)
+    nodes = np.unique(faces)
+    gap, normals = exact(points[nodes])
+    kinematics = slave.kinematics
+    placed = kinematics.flatten(points[nodes] - np.array(kinematics.offset))
+    partner, xi = pair(placed, kinematics.flatten(normals), slave)
+    seen = np.isfinite(gap) & (partner >= 0)
+    nodes, partner, xi = nodes[seen], partner[seen], xi[seen]
+    phi, _ = slave.basis(partner, slave.reference(partner, xi))
+    other = np.einsum("nd,ndc->nc", phi, displacement[slave.dofs[partner]])
+    moved = np.einsum("nc,nc->n", normals[seen], displacement[nodes] - other)
+    faces = faces[np.isin(faces, nodes).all(axis=1)]
+    used = np.isin(nodes, faces)
+    return Opposite(faces, nodes[used], (gap[seen] + moved)[used])
