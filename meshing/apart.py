@@ -18,15 +18,20 @@ class ApartError(RuntimeError):
     """The process gave nothing; the text says why, in one line."""
 
 
-def run(work: Callable[..., Any], *arguments: Any, seconds: float) -> Any:
+def run(
+    work: Callable[..., Any], *arguments: Any, seconds: float,
+    meanwhile: Callable[[], object] = lambda: None,
+) -> Any:  # fmt: skip
     """What `work` gives in a child of this process. ApartError where it raises, crashes, or takes
-    more than so many seconds. (Not by pebble, whose thread tells of a child that a signal ends
+    more than so many seconds; meanwhile: what this
+    process does until it waits. (Not by pebble, whose thread tells of a child that a signal ends
     together with its parent by a traceback.)"""
     mine, its = _context.Pipe()
     process = _context.Process(target=_serve, args=(its, work, arguments), daemon=True)
     process.start()
     its.close()
     try:
+        meanwhile()
         if not mine.poll(seconds):
             raise ApartError(f"not done after {seconds:.0f} s")
         found, problem = mine.recv()

@@ -16,10 +16,9 @@ from numpy.typing import NDArray
 
 from railhead.meshing import dialects
 from railhead.meshing.dialects import NUMBER, SHOWN, InstrumentError, Table
+from railhead.meshing.suffixes import BODIES
 
 Array = NDArray[np.float64]
-BODIES = {".ban": "rail", ".whl": "wheel", ".prr": "rail", ".prw": "wheel"}
-SUFFIXES = (".csv", ".txt", ".dat", ".asc", ".tsv", *BODIES)
 LEAST_POINTS = 12
 BLANKS = r"[\s,;]+"
 

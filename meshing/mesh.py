@@ -48,9 +48,9 @@ def generate(
 
     Raises MeshError (on every rank) when gmsh fails or an element is inverted or nearly flat.
     """
-    from railhead.solver import compat
-
     if comm.rank:
+        from railhead.solver import compat
+
         _raise_together(comm, None)
         quality, count = comm.bcast(None)
         return ContactMesh(*compat.model_to_mesh(None, comm, options.dim), quality, count)
@@ -62,19 +62,28 @@ def generate(
     for share in RETRIES:
         finer = replace(grading, size=share * grading.size)
         try:
-            found, shapes = apart.run(_meshed, bodies, finer, options, save, seconds=seconds)
+            found, shapes = apart.run(
+                _meshed, bodies, finer, options, save, seconds=seconds, meanwhile=_load_solver
+            )  # fmt: skip
             _check(shapes)
         except apart.ApartError as error:
             problem = MeshError(f"gmsh: {error}")
         except MeshError as error:
             problem = error
         else:
+            from railhead.solver import compat
+
             with blocks.rebuilt(found) as model:
                 _raise_together(comm, None)
                 quality, count = comm.bcast((float(shapes.min()), len(shapes)))
                 return ContactMesh(*compat.model_to_mesh(model, comm, options.dim), quality, count)
     _raise_together(comm, str(problem))
     raise problem
+
+
+def _load_solver() -> None:
+    """Importing dolfinx takes about as long as gmsh takes for a small mesh."""
+    from railhead.solver import compat  # noqa: F401
 
 
 def _meshed(

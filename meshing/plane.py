@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import gmsh
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,6 +17,8 @@ Array = NDArray[np.float64]
 
 def wire(body: Body, *, flat: bool = False) -> list[int]:
     """Closed chain of gmsh curves of the body's section; flat: in gmsh's plane z = 0."""
+    import gmsh
+
     occ = gmsh.model.occ
 
     def point(yz: Array) -> int:
@@ -41,6 +42,8 @@ def wire(body: Body, *, flat: bool = False) -> list[int]:
 
 def surface(body: Body, options: Options, groups: dict[tuple[int, int], list[int]]) -> None:
     """Add the section of a body in gmsh's plane z = 0, with the tags of its edges."""
+    import gmsh
+
     curves = wire(body, flat=True)
     loop = gmsh.model.occ.addCurveLoop(curves)
     groups.setdefault((2, body.tag), []).append(gmsh.model.occ.addPlaneSurface([loop]))

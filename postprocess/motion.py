@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from railhead.meshing.tags import RAIL
 from railhead.postprocess.findings import Array, Frame, OnePatch
-from railhead.solver.gather import Fields
 from railhead.theory.halfspace import boussinesq_displacement
+
+if TYPE_CHECKING:
+    from railhead.solver.gather import Fields
 
 RING = (2.5, 5.0)  # over the longest half length of a patch: nodes that tell the motion
 

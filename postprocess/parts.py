@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
@@ -11,7 +12,9 @@ from scipy.sparse.csgraph import connected_components
 
 from railhead.meshing.tags import RAIL
 from railhead.postprocess.findings import Array, Frame
-from railhead.solver.gather import Fields
+
+if TYPE_CHECKING:
+    from railhead.solver.gather import Fields
 
 SMALLEST = 0.002  # share of the force; below it a few open-and-shut points, not a patch
 

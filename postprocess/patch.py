@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,7 +22,9 @@ from railhead.postprocess.reconstruct import (
 )
 from railhead.postprocess.shape import Shape, trace
 from railhead.postprocess.surface import Surfaces, both
-from railhead.solver.gather import Fields
+
+if TYPE_CHECKING:
+    from railhead.solver.gather import Fields
 
 HERTZIAN = 0.02  # largest deviation of the fourth moments from those of a semi-ellipsoid, and ...
 ELLIPTIC = 0.01  # ... that up to which nothing but Hertz's ellipsoid is read

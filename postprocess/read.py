@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from railhead.postprocess import inside, patch, quality, section
 from railhead.postprocess.findings import Findings, Frame
 from railhead.postprocess.parts import parts
 from railhead.postprocess.patch import Moments
-from railhead.solver.gather import Fields
+
+if TYPE_CHECKING:
+    from railhead.solver.gather import Fields
 
 
 def moments(fields: Fields, frame: Frame) -> Moments:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from railhead.solver.solution import Rubbing
+if TYPE_CHECKING:
+    from railhead.solver.solution import Rubbing
+
 
 MOTION = {True: ("creepage_along", "creepage_across", "spin_per_mm"),
           False: ("shift_along_mm", "shift_across_mm", "turn_rad")}  # fmt: skip

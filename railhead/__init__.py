@@ -7,8 +7,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from railhead.api import Result, find, plan, solve
+    from railhead.api import find, plan, solve
     from railhead.meshing.mesh import MeshError
+    from railhead.result import Result
     from railhead.scene.scene import (
         Effects,
         Friction,
@@ -30,7 +31,8 @@ __all__ = [
 ]  # fmt: skip
 _HOMES = dict.fromkeys(__all__, "railhead.scene.scene") | {
     "MeshError": "railhead.meshing.mesh",
-    **dict.fromkeys(("Result", "find", "plan", "solve"), "railhead.api"),
+    **dict.fromkeys(("find", "plan", "solve"), "railhead.api"),
+    "Result": "railhead.result",
     **dict.fromkeys(("Sweep", "sweep"), "railhead.sweeping"),
 }
 

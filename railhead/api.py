@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
-
-from railhead import refine, screen
+from railhead import screen
 from railhead.catalogue import find
 from railhead.planning import machine
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
-from railhead.result import Result
 from railhead.scene.scene import Scene, checked
 
-__all__ = ["Planned", "Result", "find", "plan", "solve"]
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from railhead.result import Result
+
+__all__ = ["Planned", "find", "plan", "solve"]
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,8 @@ def plan(
     """
     decided = planning.make(asked(scene, accuracy, budget))
     if not machine.known():
+        from railhead import refine
+
         with refine.telling(quiet=quiet) as progress:
             progress.stage("measuring this machine's speed, once")
             refine.measure_speed()
@@ -71,6 +75,8 @@ def solve(
     """Solve a scene. accuracy: asked relative error, e.g. "1%"; budget: best accuracy for that
     time, e.g. "30 s". What it does goes to standard error (of rank 0) unless quiet. Raises
     SceneError for a scene that makes no contact problem, MeshError."""
+    from railhead import refine
+
     scene = asked(scene, accuracy, budget)
     with refine.telling(quiet=quiet) as progress:
         return refine.run(scene, progress)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mpi4py import MPI
 
@@ -13,11 +14,9 @@ from railhead.meshing.sizing import Grading
 from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, WHEEL
 from railhead.planning.effects import EFFECTS
 from railhead.planning.plan import Plan
-from railhead.solver.contact import ContactModel
-from railhead.solver.laws import Law
-from railhead.solver.rubbing import RubbingModel, YieldingRubbingModel
-from railhead.solver.setup import Setup, Side
-from railhead.solver.yielding import YieldingModel
+
+if TYPE_CHECKING:
+    from railhead.solver.contact import ContactModel
 
 
 def parts(plan: Plan) -> list[Body]:
@@ -38,6 +37,12 @@ def generate(
 
 def model(plan: Plan, made: mesh.ContactMesh) -> ContactModel:
     """Assemble the contact model of a plan on its mesh."""
+    from railhead.solver.contact import ContactModel
+    from railhead.solver.laws import Law
+    from railhead.solver.rubbing import RubbingModel, YieldingRubbingModel
+    from railhead.solver.setup import Setup, Side
+    from railhead.solver.yielding import YieldingModel
+
     scene = plan.scene
 
     def side(tag: int) -> Side:

@@ -18,7 +18,6 @@ from railhead.level import Level
 from railhead.meshing.tags import BODIES
 from railhead.planning.laws import RANGE
 from railhead.planning.plan import LINEAR_REFINEMENT
-from railhead.postprocess.flux import through_slab
 
 ROUGH = 0.05  # relative: what a number without an asked accuracy may be off by at most
 BALANCE = 1e-6  # relative: what equations solved to 1e-8 leave
@@ -216,6 +215,8 @@ def _touching_nodes(level: Level) -> int:
 
 
 def _physics(level: Level) -> list[Check]:
+    from railhead.postprocess.flux import through_slab
+
     plan, found, solution, result = level.plan, level.findings, level.solution, level.result
     assert found is not None and level.fields is not None and result is not None
     allowed = max(ROUGH, plan.scene.accuracy or 0.0)

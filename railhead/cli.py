@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import click
-from rich.console import Console
 
 from railhead import __version__, catalogue, process
 from railhead.scene.scene import Scene, SceneError
@@ -130,7 +129,7 @@ def run(
             problem = error
     if first:
         if not result.passed:
-            report.show_failure(result.summary, Console(stderr=True))
+            report.show_failure(result.summary, screen.errors())
         if as_json:
             click.echo(results.as_json(result), nl=False)
         elif not quiet:

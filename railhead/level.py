@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from mpi4py import MPI
@@ -21,16 +21,18 @@ from railhead.planning.effects import After, friction
 from railhead.planning.forecast import Forecast, Nearest, Zone
 from railhead.planning.laws import Family, Setting
 from railhead.planning.plan import Plan
-from railhead.postprocess import compare, plastic, read, traction
+from railhead.postprocess import compare, traction
 from railhead.postprocess.findings import Findings, Frame
 from railhead.postprocess.parts import parts
-from railhead.postprocess.patch import Moments
-from railhead.postprocess.plastic import Left
 from railhead.progress import Progress
-from railhead.solver.contact import ContactModel
-from railhead.solver.gather import Fields, gather
-from railhead.solver.solution import Solution
 from railhead.theory.contacts import Hertz
+
+if TYPE_CHECKING:
+    from railhead.postprocess.patch import Moments
+    from railhead.postprocess.plastic import Left
+    from railhead.solver.contact import ContactModel
+    from railhead.solver.gather import Fields
+    from railhead.solver.solution import Solution
 
 OUTGROWN = 1.25  # patch over the finely meshed ellipse, either way, that calls for a new mesh
 MAX_MESHES = 3
@@ -121,6 +123,8 @@ def solve_level(
         progress.stage(f"meshing ({grading.size:.3g} mm in the patch)")
         mesh = build.generate(plan, grading, comm)
         clock.lap("mesh")
+        from railhead.solver.gather import gather
+
         progress.stage("assembling")
         model = build.model(plan, mesh)
         clock.lap("assemble")
@@ -160,6 +164,8 @@ def solve_on(
     frame = Frame(plan.contact.origin, plan.contact.touch.angle)
     solution = solve(plan, model, frame, progress.newton)
     clock.lap("solve")
+    from railhead.solver.gather import gather
+
     fields, grading = gather(model, solution), plan.grading()
     better = comm.bcast(None if fields is None else _regrade(plan, grading, fields, frame))
     if better is not None or not solution.newton.converged:
@@ -184,6 +190,8 @@ def _read(
     findings = result = None
     if fields is not None and np.any(fields.contact.pressure > 0):
         frame = Frame(plan.contact.origin, plan.contact.touch.angle)
+        from railhead.postprocess import read
+
         findings = read.findings(fields, frame)
         result = compare.from_findings(findings, solution.load, solution.approach)
         if solution.rubbing is not None:
@@ -210,6 +218,9 @@ def _left(
     """What the load leaves where something yields (rank 0; collective)."""
     if solution.yielding is None:
         return None
+    from railhead.postprocess import plastic
+    from railhead.solver.gather import gather
+
     unloaded = solution.yielding.unloaded
     residual = None if unloaded is None else gather(model, unloaded)
     return None if fields is None else plastic.left(solution.yielding, fields, residual, frame)
@@ -257,6 +268,8 @@ def _regrade(
     """A mesh around the patch that was found, where it is not the one that was predicted."""
     if not np.any(fields.contact.pressure > 0):
         return None
+    from railhead.postprocess import read
+
     found = read.moments(fields, frame)
     x, s, a, b = plan.forecast.moments
     fits = all(1 / OUTGROWN < ratio < OUTGROWN for ratio in (found.a / a, found.b / b))

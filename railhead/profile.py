@@ -16,6 +16,7 @@ from railhead import report, results
 from railhead.geometry import solid
 from railhead.meshing import instruments, orientation, wear
 from railhead.meshing.measured import Measured, smoothness
+from railhead.meshing.suffixes import BODIES
 from railhead.meshing.wear import Wear
 from railhead.scene.scene import Scene, SceneError
 
@@ -49,7 +50,7 @@ class Examined:
 def examine(path: Path, body: str | None, assignments: Sequence[str]) -> Examined:
     """The profile of a file; body: 'rail' or 'wheel', found out if None; assignments: keys of that
     body, as in a scene (`rail.profile_unit=inch`). Raises SceneError."""
-    kind = body or instruments.BODIES.get(path.suffix.lower()) or _kind(path)
+    kind = body or BODIES.get(path.suffix.lower()) or _kind(path)
     scene = Scene.from_mapping({"load": 1.0, kind: {"profile": str(path)}}).replace(assignments)
     found = solid.from_file(scene, kind)
     return Examined(found, wear.nearest(found))

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 from railhead import screen
 from railhead.display import Units
 from railhead.level import Level
-from railhead.solver import compat
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -135,6 +134,8 @@ class Result:
     @property
     def displacement(self) -> Any:
         """A dolfinx Function on `mesh`, mm."""
+        from railhead.solver import compat
+
         return compat.function(self.level.space, self.level.solution.displacement)
 
     def save(
@@ -145,14 +146,18 @@ class Result:
         units; whole: .vtu files of the whole model, with the images of what symmetry left out.
         Under MPI to be called on all ranks. Raises SceneError for a folder with other files,
         OSError where it cannot be written."""
-        from railhead import page, results
+        from railhead import results
 
         problem: Exception | None = None
         comm = self.mesh.comm
         if comm.rank == 0:
             try:
                 results.check_folder(Path(folder))
-                more = partial(page.write, self, units or Units()) if report and pictures else None
+                more = None
+                if report and pictures:
+                    from railhead import page
+
+                    more = partial(page.write, self, units or Units())
                 results.write(self, Path(folder), pictures=pictures, page=more, whole=whole)
             except Exception as error:  # whatever it is, the other ranks wait for it
                 problem = error

@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from railhead.shearing import Patch
-from railhead.solver.solution import Rubbing
 from railhead.theory import unlike
 from railhead.theory.driven import under
 from railhead.theory.rolling import Creepage, HalfSpaceFriction, Sheared
 from railhead.theory.tangential import Pair
+
+if TYPE_CHECKING:
+    from railhead.solver.solution import Rubbing
 
 Array = NDArray[np.float64]
 LIKE = 1e-9  # |K/G| that is rounding

@@ -16,6 +16,11 @@ def standard() -> Console:
     return console if console.is_terminal else Console(width=WIDTH)
 
 
+def errors() -> Console:
+    """Standard error."""
+    return Console(stderr=True)
+
+
 def text(show: Callable[[Console], None]) -> str:
     """What `show` prints."""
     console = _recording()

@@ -123,7 +123,7 @@ class Legs:
         share = np.clip(pressure / pressure[touches].max(), 0.0, 1.0)
         r = np.where(touches, np.sqrt(1 - share**2), 1.0)
         edge = np.min(r[touches & ~before], initial=1.0)
-        return np.clip((r - edge) / max(1 - edge, LEAST), 0.0, 1.0)
+        return np.asarray(np.clip((r - edge) / max(1 - edge, LEAST), 0.0, 1.0))
 
     def _place(self) -> Array:
         """Where the wheel's surface is over the rail's, mm (n, k)."""
@@ -181,11 +181,12 @@ def slips(rub: Rub, contact: Condensed) -> Array:
     ])  # fmt: skip
 
 
-def known(rub: Rub, contact: Condensed, rigid: Array, motion: ArrayLike) -> Array:
+def known(rub: Rub, contact: Condensed, rigid: Array, motion: Array | Sequence[float]) -> Array:
     """Rigid slip (n, k) of a motion (3,) along, across and in spin, with what lies beyond it;
     rigid: of `slips`."""
     return np.asarray(
-        np.tensordot(motion, rigid, axes=1) + beyond(rub, contact)[:, None] * rigid[0]
+        np.tensordot(np.asarray(motion), rigid, axes=1)
+        + beyond(rub, contact)[:, None] * rigid[0]
     )
 
 

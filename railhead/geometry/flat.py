@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,9 +22,11 @@ from railhead.meshing.profiles import Profile
 from railhead.meshing.surfaces import ExactGap, ParabolicGap, RailSurface
 from railhead.meshing.tags import RAIL, WHEEL
 from railhead.scene.scene import Scene, SceneError
-from railhead.solver.kinematics import Kinematics
 from railhead.theory import line
 from railhead.theory.line import LineContact
+
+if TYPE_CHECKING:
+    from railhead.solver.kinematics import Kinematics
 
 ANY_RADIUS = 1e4  # mm: the section across a straight bar does not depend on it
 WIDE = 1e4  # mm: what is flat across has no end in a section
@@ -58,6 +61,8 @@ class FlatContact(Contact):
     @property
     def kinematics(self) -> Kinematics:
         """What the section's coordinates stand for."""
+        from railhead.solver.kinematics import Kinematics
+
         first = [0.0, 1.0, 0.0] if self.plane == "yz" else [1.0, 0.0, 0.0]
         return Kinematics(
             np.array([first, [0.0, 0.0, 1.0]]),

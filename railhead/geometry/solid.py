@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,9 @@ from railhead.meshing.tags import RAIL
 from railhead.meshing.wheelset import Placed, Track
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.scene.sections import from_file as is_file
-from railhead.solver.kinematics import SOLID, Kinematics
+
+if TYPE_CHECKING:
+    from railhead.solver.kinematics import Kinematics
 
 Array = NDArray[np.float64]
 RAIL_HALF_WIDTH = 35.0  # mm, of a head given by a single radius
@@ -112,6 +115,8 @@ class Contact:
     @property
     def kinematics(self) -> Kinematics:
         """What the coordinates of the mesh stand for."""
+        from railhead.solver.kinematics import SOLID
+
         return SOLID
 
     @property

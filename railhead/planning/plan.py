@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,9 +26,11 @@ from railhead.planning.ridges import ridges
 from railhead.planning.uncertainty import Uncertainty
 from railhead.scene.scene import Scene
 from railhead.scene.sections import Rail, Wheel
-from railhead.solver.elasticity import Material
 from railhead.theory import contacts
 from railhead.theory.contacts import Hertz
+
+if TYPE_CHECKING:
+    from railhead.solver.elasticity import Material
 
 ELEMENTS_PER_SEMI_AXIS = 6.0  # default patch resolution for quadratic cells
 LINEAR_REFINEMENT = 2.0  # linear cells are made so much smaller
@@ -198,11 +200,16 @@ class Plan:
     @property
     def poisson_ratios(self) -> dict[str, float]:
         """Of the bodies that are meshed, by name, the one shown first."""
-        return {BODIES[tag]: self.material(tag).poisson_ratio for tag in self.deformable}
+        return {BODIES[tag]: self._part(tag).poisson_ratio for tag in self.deformable}
+
+    def _part(self, body: int) -> Rail | Wheel:
+        return self.scene.rail if body == RAIL else self.scene.wheel
 
     def material(self, body: int) -> Material:
         """Elastic constants of RAIL or WHEEL as simulated."""
-        part = self.scene.rail if body == RAIL else self.scene.wheel
+        from railhead.solver.elasticity import Material
+
+        part = self._part(body)
         young = part.young_modulus if body in self.deformable else math.inf
         return Material(young, part.poisson_ratio)
 

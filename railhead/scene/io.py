@@ -8,7 +8,7 @@ from typing import Any
 
 import tomli_w
 
-from railhead.meshing import instruments
+from railhead.meshing.suffixes import SUFFIXES
 from railhead.scene.scene import Scene, SceneError
 
 
@@ -52,7 +52,7 @@ def read_scene(path: str | Path) -> Scene:
     data.setdefault("name", re.sub(r"[^A-Za-z0-9_.-]", "_", path.stem)[:100])
     for section in filter(lambda table: isinstance(table, dict), data.values()):
         profile = section.get("profile")
-        if isinstance(profile, str) and profile.lower().endswith(instruments.SUFFIXES):
+        if isinstance(profile, str) and profile.lower().endswith(SUFFIXES):
             section["profile"] = str(path.parent / profile)
     return Scene.from_mapping(data)
 

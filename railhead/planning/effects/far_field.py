@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from railhead.meshing.tags import RAIL
 from railhead.planning import exact
 from railhead.planning.effects.base import Context, Effect
-from railhead.solver.setup import Setup
 from railhead.theory import contacts, halfspace
 
 if TYPE_CHECKING:
     from railhead.planning.plan import Plan
+    from railhead.solver.setup import Setup
 
 
 def decide(context: Context) -> Effect:

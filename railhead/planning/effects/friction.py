@@ -18,7 +18,6 @@ from railhead.planning.effects.base import After, Context, Effect
 from railhead.planning.effects.far_field import CerrutiFarField
 from railhead.postprocess.findings import Findings, Frame
 from railhead.scene.scene import Scene, SceneError
-from railhead.solver.setup import Rub, Setup
 from railhead.theory import hertz, kalker
 from railhead.theory.hertz import Ellipse
 from railhead.theory.rolling import Creepage
@@ -26,6 +25,7 @@ from railhead.theory.rolling import Creepage
 if TYPE_CHECKING:
     from railhead.planning.forecast import Zone
     from railhead.planning.plan import Plan
+    from railhead.solver.setup import Setup
 
 NO_MISMATCH = 1e-9  # |beta| that is rounding
 GROWTH = 8  # steps in which a patch of unlike bodies grows
@@ -88,6 +88,8 @@ def decide(context: Context) -> Effect:
 
 def apply(setup: Setup, plan: Plan) -> Setup:
     """The coefficient and the wheel's motion."""
+    from railhead.solver.setup import Rub
+
     scene, contact = plan.scene, plan.contact
     frame = Frame(contact.origin, contact.touch.angle)
     rolling, friction = scene.rolling, scene.friction

@@ -6,10 +6,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from railhead.planning.effects.base import Context, Effect
-from railhead.solver.setup import Setup
 
 if TYPE_CHECKING:
     from railhead.planning.plan import Plan
+    from railhead.solver.setup import Setup
 
 LARGEST_RATIO = 0.45  # Poisson's ratio above which ordinary cells begin to lock
 #: The same in a meridian section: there the largest of the rms errors of pressure, area and shear

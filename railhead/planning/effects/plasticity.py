@@ -16,13 +16,13 @@ from railhead.postprocess.findings import Array, Findings
 from railhead.scene import steels
 from railhead.scene.scene import Scene, SceneError
 from railhead.scene.sections import Part
-from railhead.solver.hardening import Hardening
-from railhead.solver.setup import LoadPath, Setup, Side
 from railhead.theory import indentation
 
 if TYPE_CHECKING:
     from railhead.planning.forecast import Zone
     from railhead.planning.plan import Plan
+    from railhead.solver.hardening import Hardening
+    from railhead.solver.setup import Setup, Side
 
 STEPS = 4  # from first yield to the load: the centre pressure is within 1.5 % of many steps
 LINE_STEPS = 16  # the same of a line, where four leave the strain 20 % and more too large
@@ -59,6 +59,8 @@ def decide(context: Context) -> Effect:
 
 def apply(setup: Setup, plan: Plan) -> Setup:
     """Hardening of the bodies that yield, and the way of the load."""
+    from railhead.solver.setup import LoadPath
+
     scene = plan.scene
 
     def yielding(side: Side) -> Side:
@@ -92,6 +94,8 @@ def check(context: Context, effect: Effect, found: Findings) -> After | None:
 
 def hardening(part: Part) -> Hardening:
     """How a body that yields does."""
+    from railhead.solver.hardening import Hardening
+
     share = part.kinematic_fraction or 0.0
     if part.yield_stress is not None:
         return Hardening.linear(part.yield_stress, part.hardening_modulus or 0.0, share)
