@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 Place = tuple[float, float, float]
 FLAT = 0.01  # relative
 RIVAL = 0.005  # relative: which of two hills is higher is not known below it
+NO_DEPTH = 1e-9  # of a semi-axis: rounding at the surface
 PEAK_SAMPLES = 8  # either side of the largest one
 
 

@@ -16,7 +16,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
-from railhead.postprocess.findings import RIVAL, Array, Peak
+from railhead.postprocess.findings import NO_DEPTH, RIVAL, Array, Peak
 from railhead.postprocess.recovery import Polynomial, Recovery
 from railhead.postprocess.solid import Solid
 from railhead.solver.cells import Index, tabulate
@@ -173,4 +173,5 @@ class Search:
         contact = self._fields.contact
         nearest = int(np.argmin(((contact.points - place) ** 2).sum(axis=1)))
         depth = abs((place - contact.points[nearest]) @ contact.normals[nearest])
+        depth = depth if depth > NO_DEPTH * self._size else 0.0
         return Peak(value, float(depth), (float(place[0]), float(place[1]), float(place[2])))

@@ -117,7 +117,8 @@ def _solve_all(
     while pending:
         ended, pending = wait(pending, POLL, FIRST_COMPLETED)
         for job in ended:
-            faults |= dict.fromkeys(jobs[job], pool.outcome(job).fault)
+            attempt = pool.outcome(job)
+            faults |= dict.fromkeys(jobs[job], attempt.fault) | (attempt.found or {})
         bar.reach(len(records.done(folder)))
     return {number: faults[number] for number in faults.keys() - records.done(folder)}
 
@@ -131,14 +132,20 @@ def shares(wanted: Sequence[int], groups: int, workers: int) -> list[Sequence[in
 
 def _solve(
     folder: Path, group: Sequence[int], scenes: Sequence[Scene], wanted: Sequence[int], vtu: bool
-) -> None:
-    """In a process of its own: solve and keep a record of each, after its files."""
+) -> dict[int, str]:
+    """In a process of its own: solve and keep a record of each, after its files; why some of them
+    have none."""
+    short: dict[int, str] = {}
     for place, found in loads.run(scenes, wanted, Progress(quiet=True), MPI.COMM_SELF):
         if vtu and not isinstance(found, Exception):
             target = records.grids(folder, group[place])
             target.mkdir(exist_ok=True)
             results.write_grids(found, target)
+        if isinstance(found, refine.NoMemoryError):  # another time it may fit
+            short[group[place]] = str(found)
+            continue
         records.write(folder, group[place], sweep_table.record(found))
+    return short
 
 
 def _write(campaign: Campaign, faults: Mapping[int, str], *, pictures: bool) -> list[str]:

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
 NAME = "report.html"
 LARGE = 300_000  # bytes
-NO_DEPTH = 1e-9  # of the patch: rounding at the surface
 CAPTIONS = {
     "patch": "Contact pressure over the patch, seen from above.",
     "patch_on_rail": "The patch on the running surface, with its mesh.",
@@ -104,8 +103,6 @@ def answer_rows(summary: Mapping[str, Any], units: Units, found: Findings | None
         cells = []
         for name in columns:
             value = row[name]
-            if path[-1].endswith("depth_mm") and isinstance(value, float) and name != "estimate":
-                value = 0.0 if value < NO_DEPTH * result["patch"]["a_mm"] else value
             text = report.cell(name, value, unit, units)
             cells.append(f"\u00b1 {text}" if name == "estimate" and text else names.get(text, text))
         rows.append((label.strip(), units.unit(unit), ".".join(path), cells))

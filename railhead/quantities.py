@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from railhead.postprocess.findings import NO_DEPTH
+
 Cell = float | str | None
 Row = dict[str, Cell]
 """Cells by column: "quantity", "unit", "FE" and what stands beside it; None where there is none."""
@@ -72,8 +74,9 @@ def contact(summary: Mapping[str, Any]) -> list[Row]:
 
 
 def _row(summary: Mapping[str, Any], label: str, unit: str, path: tuple[str, ...]) -> Row:
+    least = NO_DEPTH * summary["result"]["patch"]["a_mm"] if path[-1].endswith("depth_mm") else 0.0
     fe, exact, thesis, half = (
-        _get(summary[key], path) for key in ("result", "hertz", "thesis", "half_space")
+        _get(summary[key], path, least) for key in ("result", "hertz", "thesis", "half_space")
     )
     row: Row = {
         "quantity": label,
@@ -87,7 +90,7 @@ def _row(summary: Mapping[str, Any], label: str, unit: str, path: tuple[str, ...
         "thesis - Hertz": _relative(thesis, exact),
     }
     if kind := plain(summary):
-        row[f"{kind} FE"] = _get(summary[kind], path)
+        row[f"{kind} FE"] = _get(summary[kind], path, least)
     return row
 
 
@@ -132,11 +135,14 @@ def everything(summary: Mapping[str, Any]) -> Iterator[Row]:
         yield {**named, "quantity": name}
 
 
-def _get(values: Mapping[str, Any] | None, path: tuple[str, ...]) -> Cell:
+def _get(values: Mapping[str, Any] | None, path: tuple[str, ...], least: float = 0.0) -> Cell:
+    """A number or word; 0 for a number below the least that is none of rounding."""
     inner: Any = values
     for key in path:
         inner = None if inner is None else inner.get(key)
-    return inner if inner is None or isinstance(inner, str) else float(inner)
+    if inner is None or isinstance(inner, str):
+        return inner
+    return float(inner) if not 0 < inner < least else 0.0
 
 
 def _relative(value: Cell, exact: Cell) -> float | None:

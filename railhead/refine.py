@@ -181,11 +181,15 @@ def _next(levels: list[Level], worst: float, wanted: float) -> tuple[float, bool
     return wanted, known.covers(wanted, [each.resolution for each in levels])
 
 
+class NoMemoryError(SceneError):
+    """A mesh does not fit into the memory that is free now."""
+
+
 def _check_memory(plan: Plan, free: int) -> None:
     """Refuse a first mesh that would not fit into the free memory (bytes)."""
     need = machine.memory(plan.unknowns)
     if need > MEMORY_SHARE * free:
-        raise SceneError(
+        raise NoMemoryError(
             "mesh.patch_size",
             f"{plan.patch_size:.3g} mm makes about {plan.unknowns:.2g} unknowns, which need "
             f"{need / 1e9:.3g} GB of {free / 1e9:.3g} GB free; give a larger one",

@@ -342,6 +342,19 @@ def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypa
     assert asked == [[1], [1]]  # on the mesh of all three, and by itself
 
 
+def test_what_has_no_memory_now_is_tried_again_by_resume(tmp_path: Path, monkeypatch) -> None:
+    """It has a row that says why, and no record."""
+    scene = rh.find("sphere_on_plane")
+    (tmp_path / "records").mkdir()
+    monkeypatch.setattr("railhead.refine.machine.free_memory", lambda: 0)
+    short = campaign._solve(tmp_path, [7], [scene], [0], False)
+    assert list(short) == [7] and "GB free" in short[7]
+    assert records.done(tmp_path) == set()
+    monkeypatch.undo()
+    assert campaign._solve(tmp_path, [7], [scene], [0], False) == {}
+    assert records.done(tmp_path) == {7}
+
+
 def test_the_bar_says_how_long_it_takes(capsys) -> None:
     with Bar(4, done=1) as bar:
         bar.reach(1)

@@ -79,6 +79,18 @@ def test_result_csv_is_the_printed_table(tmp_path) -> None:
     assert float(rows["load"]["value"]) == result.load
 
 
+def test_rounding_is_no_depth() -> None:
+    """What lies at the surface has depth 0 in the table, by every method."""
+    result = rh.solve(rh.find("long_roller").replace(["mesh.patch_size=0.4"]), quiet=True)
+    summary = json.loads(json.dumps(result.as_dict()))
+    for method in ("result", "hertz"):
+        summary[method]["stress"]["tau_max_depth_mm"] = 9e-18
+    row = quantities.contact(summary)[7]
+    assert row["quantity"].strip() == "its depth" and row["FE"] == row["Hertz"] == 0.0
+    summary["result"]["stress"]["tau_max_depth_mm"] = 1e-3
+    assert quantities.contact(summary)[7]["FE"] == 1e-3
+
+
 def test_friction_is_in_the_table_too() -> None:
     summary = rh.solve(
         rh.find("long_roller").replace(

@@ -354,7 +354,7 @@ def test_the_files_show_stick_slip_and_tractions(tmp_path) -> None:
     points = meshio.read(tmp_path / "out" / "traction.vtu").point_data
     size = np.linalg.norm(points["traction"], axis=1)
     assert (size <= MU * points["pressure"] * (1 + 1e-9)).all()
-    slips = points["status"] == 0
+    slips = points["sticks"] == 0
     assert size[slips] == pytest.approx(MU * points["pressure"][slips])
     assert (
         np.abs(points["slip"][slips, 0]) > 10 * np.abs(points["slip"][~slips, 0]).max()

@@ -1,0 +1,72 @@
+"""Images of what symmetry left out, against exact fields on whole blocks."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import pyvista as pv
+from scipy.spatial import cKDTree
+
+from railhead.postprocess import export
+from railhead.postprocess.mirror import whole_grid
+
+KINDS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)]
+
+
+def made_whole(case: Any) -> Any:
+    grid = export.volume_grid(case.fields, case.stress)
+    return pv.from_meshio(whole_grid(grid, case.fields.mirrors))
+
+
+@pytest.mark.parametrize(("cell", "degree"), KINDS)
+def test_images_are_upright_and_fill_the_blocks(
+    blocks: Callable[..., Any], cell: str, degree: int
+) -> None:
+    """Nodes on the planes are shared, so nothing lies twice; edges keep their middles."""
+    case = blocks(cell, degree)
+    grid = made_whole(case)
+    volume = grid.compute_cell_sizes(length=False, area=False)["Volume"]
+    assert volume.min() > 0
+    size = np.ptp(case.fields.points, axis=0) * [2, 2, 1]
+    assert volume.sum() == pytest.approx(size.prod(), rel=1e-12)
+    below = grid.extract_cells(grid["body"] == 1).points
+    assert len(np.unique(below.round(9), axis=0)) == len(below)
+    for number in (0, 17, grid.n_cells // 3, grid.n_cells - 1):
+        found = grid.get_cell(number)
+        for edge in found.edges if degree == 2 else ():
+            assert edge.points[2] == pytest.approx(edge.points[:2].mean(0), abs=1e-12)
+        if (cell, degree) == ("hexahedron", 2):
+            for face in found.faces:
+                assert face.points[8] == pytest.approx(face.points[:4].mean(0), abs=1e-12)
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+def test_images_hold_the_exact_fields(blocks: Callable[..., Any], degree: int) -> None:
+    """Every component at every node inside the rail's block is that of the closed form there."""
+    case = blocks("hexahedron", degree, cut=False)
+    exact = pv.from_meshio(export.volume_grid(case.fields, case.stress))
+    exact, found = (
+        grid.extract_cells(grid["body"] == 1)
+        for grid in (exact, made_whole(blocks("hexahedron", degree)))
+    )
+    assert len(found.points) == len(exact.points)
+    off, partner = cKDTree(exact.points).query(found.points)
+    assert off.max() < 1e-9
+    assert {-1.0, 1.0} <= set(np.sign(found.points[:, 0] * found.points[:, 1]))
+    p0 = case.ellipse.p0
+    for name, scale in (("stress", p0), ("displacement", 0.1), ("principal_stresses", p0),
+                        ("von_mises", p0), ("max_shear", p0)):  # fmt: skip
+        assert found[name] == pytest.approx(exact[name][partner], abs=1e-9 * scale), name
+    tensor = found["stress"].reshape(-1, 3, 3)
+    for k in range(3):
+        along = found[f"principal_direction_{k + 1}"]
+        pulled = np.einsum("nij,nj->ni", tensor, along)
+        value = found["principal_stresses"][:, [k]]
+        assert pulled == pytest.approx(value * along, abs=1e-9 * p0)
+
+
+def test_what_is_whole_stays_as_it_is(blocks: Callable[..., Any]) -> None:
+    case = blocks("hexahedron", 1, cut=False)
+    grid = export.volume_grid(case.fields, case.stress)
+    assert whole_grid(grid, case.fields.mirrors) is grid

@@ -1,0 +1,107 @@
+"""The files for ParaView against solutions without symmetry, and both surfaces of a contact."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import pyvista as pv
+from scipy.interpolate import LinearNDInterpolator
+
+import railhead as rh
+
+ODD = 0.4  # relative: two coarse meshes differ by half of it, a wrong sign by 2
+
+
+def coarse(*changes: str) -> rh.Scene:
+    return rh.find("hertz_ellipse").replace(["mesh.patch_size=1.5", *changes])
+
+
+def saved(scene: rh.Scene, folder: Path, *, whole: bool = True) -> Path:
+    rh.solve(scene, quiet=True).save(folder, pictures=False, whole=whole)
+    return folder
+
+
+def off(found: Any, expected: Any) -> Any:
+    """Relative L2 difference of each component."""
+    size = np.linalg.norm(expected, axis=0)
+    return np.linalg.norm(found - expected, axis=0) / np.maximum(size, 1e-300)
+
+
+def test_mirrored_fields_are_those_of_a_whole_model(tmp_path: Path) -> None:
+    """At points of three quarters that were not solved, in both bodies: all components."""
+    quarter = pv.read(saved(coarse(), tmp_path / "quarter") / "solution.vtu")
+    whole = pv.read(saved(coarse("effects.symmetry=off"), tmp_path / "whole") / "solution.vtu")
+    assert quarter.bounds == pytest.approx(whole.bounds)
+    corner = np.random.default_rng(1).uniform([0, 0, 1], [4, 3.4, 4], (800, 3))
+    for signs in ((-1, 1, 1), (1, -1, -1), (-1, -1, 1), (-1, -1, -1)):
+        places = pv.PolyData(corner * signs)
+        one, other = places.sample(quarter), places.sample(whole)
+        assert off(one["stress"], other["stress"]).max() < ODD
+        assert off(one["displacement"], other["displacement"]).max() < ODD / 2
+
+
+def test_mirrored_friction_is_that_of_a_whole_model(tmp_path: Path) -> None:
+    """Rolling along: slip and tractions along the rail are even across it, slip across is odd."""
+    rolls = ("friction.coefficient=0.3", "rolling.creepage_along=0.1%")
+    half = saved(coarse(*rolls), tmp_path / "half")
+    whole = saved(coarse(*rolls, "effects.symmetry_y=off"), tmp_path / "whole")
+    one, other = (pv.read(folder / "traction.vtu") for folder in (half, whole))
+    here = one.points[:, 1] < 0
+    assert here.sum() == len(here) / 2
+    for name, columns in (("slip", [0, 1]), ("traction", [0])):
+        exact = LinearNDInterpolator(other.points[:, :2], other[name])(one.points[:, :2])
+        seen = here & np.isfinite(exact[:, 0])
+        assert off(one[name][seen], exact[seen])[columns].max() < ODD
+
+
+def surfaces(folder: Path) -> dict[int, Any]:
+    """By body."""
+    file = pv.read(folder / "contact.vtu")
+    return {
+        int(body): file.extract_cells(file["body"] == body).extract_surface(
+            nonlinear_subdivision=0, algorithm="dataset_surface"
+        )
+        for body in np.unique(file["body"])
+    }
+
+
+def carried(surface: Any) -> float:
+    """N, down."""
+    cells = surface.point_data_to_cell_data().compute_cell_sizes(length=False, volume=False)
+    down = np.abs(surface.compute_normals(point_normals=False)["Normals"][:, 2])
+    return float(cells["pressure"] @ (cells["Area"] * down))
+
+
+def test_both_surfaces_meet_under_the_same_pressure(tmp_path: Path) -> None:
+    """A 54E1 head and a wheel, warped by their displacement: 22 um apart before."""
+    scene = rh.find("uic54_thesis").replace(["mesh.patch_size=1.2"])
+    found = surfaces(saved(scene, tmp_path / "out"))
+    assert set(found) == {1, 2}
+    rail, wheel = (found[body].warp_by_vector("displacement") for body in (1, 2))
+    for surface in (rail, wheel):
+        assert carried(surface) == pytest.approx(25e3, rel=0.02)
+        on = surface["status"] == 1
+        assert np.array_equal(on, surface["pressure"] > 0)
+        assert np.abs(surface["gap"][on]).max() < 3e-4
+        assert surface["gap"].min() > -3e-4
+    assert rail["pressure"].max() == pytest.approx(wheel["pressure"].max(), rel=0.01)
+    for one, other in ((rail, wheel), (wheel, rail)):
+        near = one["gap"] < 0.05
+        apart = pv.PolyData(one.points[near]).compute_implicit_distance(other)
+        assert np.abs(apart["implicit_distance"]) == pytest.approx(one["gap"][near], abs=1e-3)
+
+
+def test_lines_and_rigid_bodies(tmp_path: Path) -> None:
+    """A section has two lines; of a rigid plane there is no surface."""
+    strip = pv.read(saved(rh.find("long_roller"), tmp_path / "strip") / "contact.vtu")
+    parts = [strip.extract_cells(strip["body"] == body) for body in (1, 2)]
+    assert strip.celltypes.tolist() == [pv.CellType.LINE] * strip.n_cells
+    tops = [part["pressure"].max() for part in parts]
+    assert tops[0] == pytest.approx(tops[1], rel=1e-3)
+    for part in parts:
+        assert part.bounds[0] == pytest.approx(-part.bounds[1])
+        on = part["status"] == 1
+        assert np.abs(part["gap"][on]).max() < 1e-4 < part["gap"].max()
+    sphere = saved(rh.find("sphere_on_plane"), tmp_path / "sphere", whole=False)
+    assert set(pv.read(sphere / "contact.vtu")["body"]) == {2}
