@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from railhead.solver.cells import Array
 from railhead.solver.condensed import Condensed, Condenser
@@ -185,8 +185,7 @@ def known(rub: Rub, contact: Condensed, rigid: Array, motion: Array | Sequence[f
     """Rigid slip (n, k) of a motion (3,) along, across and in spin, with what lies beyond it;
     rigid: of `slips`."""
     return np.asarray(
-        np.tensordot(np.asarray(motion), rigid, axes=1)
-        + beyond(rub, contact)[:, None] * rigid[0]
+        np.tensordot(np.asarray(motion), rigid, axes=1) + beyond(rub, contact)[:, None] * rigid[0]
     )
 
 
