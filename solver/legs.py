@@ -129,7 +129,8 @@ class Legs:
         """Where the wheel's surface is over the rail's, mm (n, k)."""
         contact = self.contact
         given = (contact.movement @ self.nodal).reshape(contact.moved.shape)
-        return contact.moved + given + np.tensordot(self.motion, self.rigid, axes=1)
+        rigid: Array = np.asarray(np.tensordot(self.motion, self.rigid, axes=1))
+        return contact.moved + given + rigid
 
     def _force(self) -> Array:
         """Along and across (2,), N; mirror images cancel what a plane of symmetry turns."""
