@@ -11,7 +11,17 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from railhead import __version__, loads, pool, records, refine, results, spreadsheet, sweep_table
+from railhead import (
+    __version__,
+    loads,
+    pool,
+    process,
+    records,
+    refine,
+    results,
+    spreadsheet,
+    sweep_table,
+)
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
 from railhead.progress import Bar, Progress
@@ -145,6 +155,7 @@ def _solve(
             short[group[place]] = str(found)
             continue
         records.write(folder, group[place], sweep_table.record(found))
+    process.trim()
     return short
 
 
