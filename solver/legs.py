@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from railhead.solver.cells import Array
 from railhead.solver.condensed import Condensed, Condenser
@@ -129,7 +128,8 @@ class Legs:
         """Where the wheel's surface is over the rail's, mm (n, k)."""
         contact = self.contact
         given = (contact.movement @ self.nodal).reshape(contact.moved.shape)
-        return contact.moved + given + np.tensordot(self.motion, self.rigid, axes=1)
+        rigid = np.tensordot(self.motion, self.rigid, axes=1)
+        return np.asarray(contact.moved + given + rigid)
 
     def _force(self) -> Array:
         """Along and across (2,), N; mirror images cancel what a plane of symmetry turns."""
@@ -181,12 +181,11 @@ def slips(rub: Rub, contact: Condensed) -> Array:
     ])  # fmt: skip
 
 
-def known(rub: Rub, contact: Condensed, rigid: Array, motion: ArrayLike) -> Array:
-    """Rigid slip (n, k) of a motion (3,) along, across and in spin, with what lies beyond it;
-    rigid: of `slips`."""
-    return np.asarray(
-        np.tensordot(motion, rigid, axes=1) + beyond(rub, contact)[:, None] * rigid[0]
-    )
+def known(rub: Rub, contact: Condensed, rigid: Array, motion: tuple[float, float, float]) -> Array:
+    """Rigid slip (n, k) of a motion along, across and in spin, with what lies beyond it; rigid: of
+    `slips`."""
+    slip = np.asarray(np.tensordot(motion, rigid, axes=1))
+    return slip + beyond(rub, contact)[:, None] * rigid[0]
 
 
 def beyond(rub: Rub, contact: Condensed) -> Array:
