@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -41,7 +40,7 @@ class Legs:
         self.modes = [index for index, _ in self.rub.free]
         self.motion = np.array(self.rub.known)  # along, across and spin
         self.settled = None if self.rub.rolling else contact.moved
-        self.nodal: Array = np.zeros(contact.answer.shape[1])
+        self.nodal = np.zeros(contact.answer.shape[1])
         self.ends: list[Array] = []
         self.share, self.peaked = 1.0, False
         self.touched: Mask = np.zeros(len(contact.points), dtype=bool)
@@ -123,14 +122,14 @@ class Legs:
         share = np.clip(pressure / pressure[touches].max(), 0.0, 1.0)
         r = np.where(touches, np.sqrt(1 - share**2), 1.0)
         edge = np.min(r[touches & ~before], initial=1.0)
-        return np.asarray(np.clip((r - edge) / max(1 - edge, LEAST), 0.0, 1.0))
+        return np.clip((r - edge) / max(1 - edge, LEAST), 0.0, 1.0)
 
     def _place(self) -> Array:
         """Where the wheel's surface is over the rail's, mm (n, k)."""
         contact = self.contact
         given = (contact.movement @ self.nodal).reshape(contact.moved.shape)
-        rigid: Array = np.asarray(np.tensordot(self.motion, self.rigid, axes=1))
-        return contact.moved + given + rigid
+        rigid = np.tensordot(self.motion, self.rigid, axes=1)
+        return np.asarray(contact.moved + given + rigid)
 
     def _force(self) -> Array:
         """Along and across (2,), N; mirror images cancel what a plane of symmetry turns."""
@@ -182,12 +181,11 @@ def slips(rub: Rub, contact: Condensed) -> Array:
     ])  # fmt: skip
 
 
-def known(rub: Rub, contact: Condensed, rigid: Array, motion: Array | Sequence[float]) -> Array:
-    """Rigid slip (n, k) of a motion (3,) along, across and in spin, with what lies beyond it;
-    rigid: of `slips`."""
-    return np.asarray(
-        np.tensordot(np.asarray(motion), rigid, axes=1) + beyond(rub, contact)[:, None] * rigid[0]
-    )
+def known(rub: Rub, contact: Condensed, rigid: Array, motion: tuple[float, float, float]) -> Array:
+    """Rigid slip (n, k) of a motion along, across and in spin, with what lies beyond it; rigid: of
+    `slips`."""
+    slip = np.asarray(np.tensordot(motion, rigid, axes=1))
+    return slip + beyond(rub, contact)[:, None] * rigid[0]
 
 
 def beyond(rub: Rub, contact: Condensed) -> Array:

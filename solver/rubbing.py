@@ -20,9 +20,10 @@ from railhead.solver.yielding import State, YieldingModel
 
 class RubbingModel(ContactModel):
     """A contact model whose surfaces rub. tangential: force along and across that the far field
-    follows, N."""
+    follows, N; share: of it that acts now."""
 
     tangential: Array = np.zeros(2)
+    share: float = 1.0
 
     @property
     def rub(self) -> Rub:
@@ -32,7 +33,7 @@ class RubbingModel(ContactModel):
 
     def run(self, case: LoadCase) -> Solution:
         """Without friction, then with it, leg by leg."""
-        self.tangential = np.zeros(2)
+        self.tangential, self.share = np.zeros(2), 1.0
         pressed = found = self.press(case)
         if not pressed.newton.converged:
             return pressed
@@ -60,8 +61,8 @@ class RubbingModel(ContactModel):
     def prescribed(self, load: float, approach: float) -> PETSc.Vec:
         """With the far field of the tangential force."""
         values = super().prescribed(load, approach)
-        for share, far in zip(self.tangential, self.far, strict=False):
-            values.axpy(share, far)
+        for force, far in zip(self.share * self.tangential, self.far, strict=False):
+            values.axpy(force, far)
         return values
 
     @cached_property

@@ -45,9 +45,11 @@ class Released(PlasticProblem):
 
 
 class YieldingModel(ContactModel):
-    """A contact model whose bodies yield. loading: of the last load case that yielded."""
+    """A contact model whose bodies yield. loading: of the last load case that yielded; share: of
+    the load in its last step."""
 
     loading: Loading | None = None
+    share: float = 1.0
 
     def __init__(self, mesh: object, cell_tags: object, facet_tags: object, setup: Setup) -> None:
         super().__init__(mesh, cell_tags, facet_tags, setup)
@@ -70,7 +72,7 @@ class YieldingModel(ContactModel):
 
     def press(self, case: LoadCase) -> Solution:
         """The elastic solution, and from its first yield on the load in steps."""
-        self.loading = None
+        self.loading, self.share = None, 1.0
         elastic = super().press(case)
         over = self.over_first_yield(elastic, case.load, case.approach)
         if not elastic.newton.converged or over <= 1:
@@ -211,6 +213,7 @@ class Loading:
         model, problem, case = self.model, self.problem, self.case
         approach = share * case.approach
         force = None if case.force is None else case.force * float(share)
+        model.share = share
         prescribed = model.load(problem, share * case.load, approach, force)
         problem.stretched(prescribed)
         y = self.y

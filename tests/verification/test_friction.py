@@ -199,10 +199,10 @@ def test_a_patch_that_rolls_is_kalker_s(along: float, across: float, spin: float
 
 @pytest.mark.slow
 def test_a_rigid_wheel_rolls_as_on_a_half_space() -> None:
-    """Tractions change the pressure: by 3.7 % of the largest."""
-    found = rh.solve(
-        ellipse(rolling={"creepage_along": 1e-3}, wheel={"young_modulus": math.inf}), quiet=True
-    )
+    """Tractions change the pressure: by 3.7 % of the largest. On 4.3 elements a semi-axis: the
+    patch is smaller than that of two like bodies."""
+    scene = ellipse(rolling={"creepage_along": 1e-3}, mesh={"patch_size": 0.64})
+    found = rh.solve(scene.replace(wheel={"young_modulus": math.inf}), quiet=True)
     assert found.passed, found.failed
     second = found.as_dict()["half_space_friction"]["boundary elements"]
     force, limit = friction(found)["force_along_N"], friction(found)["limit_N"]
