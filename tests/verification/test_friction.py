@@ -13,9 +13,10 @@ from scipy.optimize import brentq
 from scipy.special import ellipk
 
 import railhead as rh
-from railhead import build, sweep_table
+from railhead import build, level, sweep_table
 from railhead.planning import plan as planning
 from railhead.planning.effects import friction as effect
+from railhead.postprocess.findings import Frame
 from railhead.postprocess.traction import quantities
 from railhead.scene.scene import SceneError
 from railhead.solver.condensed import tangents
@@ -127,6 +128,21 @@ def test_a_shift_makes_bodies_yield_further() -> None:
     assert np.all(size <= MU * rubbing.pressure * (1 + 1e-9))
     shear = found.level.solution.plastic.equivalent.max() / plain.plastic.equivalent.max()
     assert shear > 1.05  # the shift adds to what the load has done
+
+
+def test_unloaded_half_spaces_are_pulled_by_nothing() -> None:
+    """What lies beyond them followed the shift, and is back where it was."""
+    keys = ("mesh.patch_size=4", "load=80kN", "friction.coefficient=0.3")
+    scene = rh.find("hertz_ellipse").replace([*keys, "friction.force_along=8kN"])
+    plan = rh.plan(scene.replace(rail=STEEL), quiet=True).plan
+    model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_SELF))
+    found = level.solve(plan, model, Frame(plan.contact.origin, 0.0), lambda step, residual: None)
+    left = found.yielding.unloaded
+    assert left is not None and left.newton.converged
+    held = model.supports(model.bulk.space).fixed
+    for state, least, most in ((found, 1e-4, 1.0), (left, 0.0, 0.0)):
+        moved = abs(state.displacement.array.reshape(-1, 3)[held, 0]).max()
+        assert least <= moved <= most
 
 
 def test_a_shift_is_taken_in_steps_where_bodies_grow_or_yield() -> None:
