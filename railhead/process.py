@@ -38,6 +38,8 @@ def prepare() -> None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
     # Small dense blocks only: more BLAS threads cost more than they bring. Before numpy loads.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
+    # Alone (not under mpirun) Open MPI would start a daemon first, for processes that join later.
+    os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
     # What is alive at the end dies with the process: no search for cycles among it.
     atexit.register(gc.freeze)
     # Keep freed memory instead of returning it to the system for every temporary array: a fifth of

@@ -26,6 +26,13 @@ def test_what_the_work_gives_comes_back() -> None:
     assert apart.run(double, 21, seconds=60) == 42
 
 
+def test_the_parent_works_meanwhile() -> None:
+    """The child waits for a word that only the parent's own work gives."""
+    asked, told = os.pipe()
+    found = apart.run(os.read, asked, 1, seconds=20, meanwhile=lambda: os.write(told, b"y"))
+    assert found == b"y"
+
+
 @pytest.mark.parametrize(
     "work, arguments, seconds, why",
     [

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from railhead.scene import units
 from railhead.scene.scene import Effects, Mesh, Rail, Scene, SceneError, Solver, Wheel, Wheelset
 
 INF = math.inf
@@ -70,6 +71,16 @@ def value_of(whole: Scene, key: str) -> object:
 )
 def test_units_are_converted_exactly(key: str, text: object, number: float) -> None:
     assert value_of(scene(**{key: text}), key) == number
+
+
+@pytest.mark.parametrize("base", units._USUAL)
+@pytest.mark.parametrize(
+    "number", ["25", "0.42", "-1.1", "2.1e5", "0.1", "1e-3", "123456.789012345"]
+)
+def test_usual_units_are_those_of_pint(base: str, number: str, monkeypatch) -> None:
+    usual = {unit: units._physical(number, unit, base=base) for unit in units._USUAL[base]}
+    monkeypatch.setattr(units, "_USUAL", {})
+    assert usual == {unit: units._physical(number, unit, base=base) for unit in usual}
 
 
 def test_aliases_name_the_standard_profile() -> None:
