@@ -48,6 +48,10 @@ def page(
     """The whole page."""
     seen = medians(runs)
     own = [run for run in runs if run.code == OURS and not run.failure]
+    repeated = [
+        [run.cpu_seconds for run in own if run.setting == setting and run.cpu_seconds]
+        for setting in {run.setting for run in own}
+    ]
     forces = [run.force / 1e3 for run in runs if run.code != OURS and run.force]
     waited = [run.seconds / run.cpu_seconds for run in runs if run.seconds and run.cpu_seconds]
     return tables.render(
@@ -59,7 +63,8 @@ def page(
         forces=(min(forces), max(forces)) if forces else None,
         limit=f"{running.LIMIT:g}",
         waited=median(waited) if waited else None,
-        repeats=max((sum(run.setting == one.setting for run in own) for one in own), default=0),
+        repeats=max((len(each) for each in repeated), default=0),
+        spread=max((max(each) / min(each) for each in repeated), default=1.0),
         peers=[
             {
                 "title": peer.TITLE, "version": versions[peer.TITLE], "method": peer.METHOD,

@@ -183,7 +183,11 @@ def test_the_page_has_medians_reasons_and_what_failed() -> None:
         "-0.02",
         "-",
     ]
-    assert "ran 3 times in between" in text and "(24.0 to 24.0 kN)" in text
+    assert (
+        "ran 3 times in between (medians; the" in text
+        and "factor 4.50)" in text
+        and "(24.0 to 24.0 kN)" in text
+    )
     assert "- Gone: no command gone" in text
     assert "- Code, 0.1 mm: singular matrix" in text
     assert "shared with other work" in text  # clock over processor: 2
