@@ -1,4 +1,4 @@
-.PHONY: run test test-all setup lint docs
+.PHONY: run test test-all setup lint docs peers
 STUDIES = accuracy-cost error-bounds load-sweep scaling thesis effects plasticity creep profiles hard-cases fuzz
 
 run: setup
@@ -25,6 +25,12 @@ docs: setup
 	.venv/bin/python -P tests/pages.py docs/tutorial.md docs/nitsche.md
 	.venv/bin/railhead run uic54_thesis
 	cp results/uic54_thesis/wheel_rail.png docs/uic54_thesis.png
+
+# docs/peers.md: installs other codes (2.6 GB, in results/peers/venv and from Debian), so `docs` has it not.
+peers: setup
+	.venv/bin/railhead study peers --install
+	cp results/peers/page.md docs/peers.md
+	cp results/peers/peers.csv results/peers/peers.png docs/
 
 lint: setup
 	.venv/bin/ruff check .

@@ -269,17 +269,20 @@ def profile(
 @click.argument("name", required=False)
 @click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<study>].")
 @click.option("--quick", is_flag=True, help="Only a small part of the study.")
-def study(name: str | None, out: Path | None, quick: bool) -> None:
+@click.option("--install", is_flag=True, help="First install the programs that `peers` measures.")
+def study(name: str | None, out: Path | None, quick: bool, install: bool) -> None:
     """Run a study: CSV, picture and page. Without a name: list the studies."""
     from railhead import study as studying
 
     if name is None:
-        if out is not None or quick:
-            raise SceneError("study", "--out and --quick need the name of a study; give one")
+        if out is not None or quick or install:
+            raise SceneError(
+                "study", "--out, --quick and --install need the name of a study; give one"
+            )
         for known in studying.names():
             click.echo(f"{known:22s} {studying.load(known).STUDY}")
         return
-    folder, page = studying.run(name, out, quick=quick)
+    folder, page = studying.run(name, out, quick=quick, install=install)
     click.echo(page)
     click.echo(f"written to {folder}/")
 

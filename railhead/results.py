@@ -9,7 +9,7 @@ import shutil
 import signal
 import tempfile
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -40,14 +40,14 @@ def foreign(folder: Path) -> list[str]:
     return sorted(names - own)
 
 
-def check_folder(folder: Path) -> None:
+def check_folder(folder: Path, keeps: Collection[str] = ()) -> None:
     """Raise SceneError if results cannot go to `folder`, before anything is computed.
 
     A result takes the place of an earlier one as a whole, so the folder must be new, empty, or
-    hold nothing else; a link to one is followed.
+    hold nothing else (but what it `keeps`); a link to one is followed.
     """
     try:
-        problem = _obstacle(folder)
+        problem = _obstacle(folder, keeps)
     except OSError as error:
         problem = f"{str(folder)!r}: {error.strerror}"
     except ValueError as error:  # a null character
@@ -56,7 +56,7 @@ def check_folder(folder: Path) -> None:
         raise SceneError("--out", f"{problem}; give another folder")
 
 
-def _obstacle(folder: Path) -> str:
+def _obstacle(folder: Path, keeps: Collection[str]) -> str:
     """Why results cannot go to a folder; empty if they can."""
     name = repr(str(folder))
     with suppress(FileNotFoundError, NotADirectoryError):
@@ -69,7 +69,7 @@ def _obstacle(folder: Path) -> str:
         if folder.samefile(os.curdir) or os.path.ismount(folder):
             kind = "a mount point" if os.path.ismount(folder) else "the working directory"
             return f"{name} is {kind}, which cannot be replaced"
-        if others := foreign(folder):
+        if others := [other for other in foreign(folder) if other not in keeps]:
             return f"{name} holds {others[0]!r}, which is no result"
     parent = folder.resolve().parent
     while not parent.exists():

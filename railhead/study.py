@@ -1,7 +1,8 @@
 """Studies: entry points of the group railhead.studies, modules with a line STUDY and a function
 `main(out, *, quick)`.
 
-A study writes a CSV, a picture and a page into a folder that appears complete or not at all.
+A study writes a CSV, a picture and a page into a folder that appears complete or not at all. One
+that needs other programs has `install()` too, and KEEPS: names in its folder that a new run leaves.
 """
 
 from __future__ import annotations
@@ -46,22 +47,29 @@ def canonical(name: str) -> str:
     raise SceneError("study", f"{name!r} is unknown; {hint}give one of {', '.join(known)}")
 
 
-def run(name: str, folder: Path | None, *, quick: bool) -> tuple[Path, str]:
-    """Run a study; returns its folder [results/<study>] and the text of its page.
+def run(name: str, folder: Path | None, *, quick: bool, install: bool = False) -> tuple[Path, str]:
+    """Run a study; returns its folder [results/<study>] and the text of its page. install: first
+    what it needs of other programs.
 
-    Raises SceneError for an unknown name, a folder that holds something else, or several ranks.
+    Raises SceneError for an unknown name, a folder that holds something else, several ranks, or
+    `install` where a study needs nothing.
     """
     name = canonical(name)
     folder = folder if folder is not None else Path("results") / name
+    study = load(name)
+    if install and not hasattr(study, "install"):
+        raise SceneError("--install", f"{name} needs no other programs; leave it out")
 
     from railhead import results
 
-    results.check_folder(folder)
+    results.check_folder(folder, getattr(study, "KEEPS", ()))
 
     from mpi4py import MPI
 
     if MPI.COMM_WORLD.size > 1:
         raise SceneError("study", f"{name} measures one process; start it without mpirun")
+    if install:
+        study.install()  # type: ignore[attr-defined]
     with results.replacing(folder) as work:
-        load(name).main(work, quick=quick)
+        study.main(work, quick=quick)
     return folder, (folder / PAGE).read_text(encoding="utf-8")

@@ -1,0 +1,137 @@
+"""CalculiX: finite elements by an input deck (Debian; GPL-2.0)."""
+
+import re
+import subprocess
+from pathlib import Path
+
+import numpy as np
+
+TITLE = "CalculiX"
+METHOD = "finite elements"
+SETTINGS = """`LINMORTAR` on C3D8 (penalty 1000 E per mm; SPOOLES; springs of 1e8 N/mm instead of
+symmetry conditions on the dependent nodes, where ccx stops with a singular matrix) and the penalty
+from surface to surface on C3D10 (50 E per mm; iterative Cholesky). Pressure: CPRESS at the node."""
+PIP = ()
+DEBIAN = ("calculix-ccx", "python3-numpy")
+_MORTAR = {"element": "C3D8", "contact": "LINMORTAR", "penalty": 1000, "solver": "SPOOLES"}
+_PENALTY = {
+    "element": "C3D10", "contact": "SURFACE TO SURFACE", "penalty": 50,
+    "solver": "ITERATIVE CHOLESKY",
+}  # fmt: skip
+RUNS = {
+    f"mortar, C3D8, {size} mm": {"mesh": ["hexahedron", 1, size], **_MORTAR}
+    for size in (1.0, 0.7, 0.5)
+} | {
+    f"penalty, C3D10, {size} mm": {"mesh": ["tetrahedron", 2, size], **_PENALTY}
+    for size in (1.0, 0.5)
+}
+NEAR = {"rail": 7.0, "wheel": 11.0}  # mm around the centre where contact is looked for
+
+
+def version() -> str:
+    """What `ccx -v` says (with status 201)."""
+    try:
+        said = subprocess.run(["ccx", "-v"], capture_output=True, text=True, check=False).stdout
+    except FileNotFoundError:
+        raise FileNotFoundError("no command ccx") from None
+    return said.partition("Version ")[2].split()[0]
+
+
+def solve(case, mesh, element, contact, penalty, solver):
+    """Deck, ccx, and what it printed."""
+    Path("job.inp").write_text(deck(case, mesh, element, contact, penalty, solver))
+    done = subprocess.run(["ccx", "-i", "job"], capture_output=True, text=True, check=False)
+    if done.returncode or "*ERROR" in done.stdout:
+        said = [line.strip() for line in done.stdout.splitlines() if line.strip()]
+        wrong = [line for line in said if "*ERROR" in line] or said[-1:]
+        raise RuntimeError(f"ccx: {' '.join(wrong[:1])}")
+    return read(mesh, Path("job.dat").read_text(), Path("job.frd").read_text())
+
+
+def deck(case, mesh, element, contact, penalty, solver) -> str:
+    """The wheel's far end is moved down on the clamped rail, in one step."""
+    first_node = {"rail": 1, "wheel": 1 + len(mesh["rail_points"])}
+    first_cell = {"rail": 1, "wheel": 1 + len(mesh["rail_cells"])}
+    lines = ["*NODE"]
+    for body, first in first_node.items():
+        for number, point in enumerate(mesh[f"{body}_points"], first):
+            lines.append(_row([number, *(f"{x:.10g}" for x in point)]))
+    for body, first in first_cell.items():
+        lines.append(f"*ELEMENT, TYPE={element}, ELSET={body}")
+        for number, cell in enumerate(mesh[f"{body}_cells"] + first_node[body], first):
+            lines.append(_row([number, *cell]))
+    for body, first in first_cell.items():
+        corners = mesh[f"{body}_points"][mesh[f"{body}_corners"]]
+        near = np.hypot(*corners.mean(axis=1)[:, :2].T) < NEAR[body]
+        lines.append(f"*SURFACE, NAME=S{body}, TYPE=ELEMENT")
+        lines += [f"{first + cell}, S{side + 1}" for cell, side in mesh[f"{body}_sides"][near]]
+    lines += ["*MATERIAL, NAME=STEEL", "*ELASTIC", f"{case['young']}, {case['poisson']}"]
+    lines += [f"*SOLID SECTION, ELSET={body}, MATERIAL=STEEL" for body in first_cell]
+    lines += [
+        "*SURFACE INTERACTION, NAME=TOUCH",
+        "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
+        f"{penalty * case['young']:g}",
+        f"*CONTACT PAIR, INTERACTION=TOUCH, TYPE={contact}",
+        "Srail, Swheel",
+    ]
+    springs = len(mesh["rail_cells"]) + len(mesh["wheel_cells"])
+    for body, first in first_node.items():
+        for name, direction in (("x0", 1), ("y0", 2)):
+            held = mesh[f"{body}_{name}"]
+            if body == "rail" and contact == "LINMORTAR":
+                dependent = np.intersect1d(held, mesh["rail_contact"])
+                lines.append(f"*ELEMENT, TYPE=SPRING1, ELSET=K{name}")
+                lines += [f"{springs + 1 + i}, {n + first}" for i, n in enumerate(dependent)]
+                lines += [f"*SPRING, ELSET=K{name}", f"{direction}", "1.e8"]
+                springs += len(dependent)
+                held = np.setdiff1d(held, dependent)
+            lines += ["*BOUNDARY", *(f"{n + first}, {direction}" for n in held)]
+        lines += [f"*NSET, NSET=FAR{body}", *(f"{n + first}," for n in mesh[f"{body}_far"])]
+    lines += ["*BOUNDARY", "FARrail, 1, 3", "FARwheel, 1, 2"]
+    lines += ["*STEP, INC=200", f"*STATIC, SOLVER={solver}", "1., 1."]
+    lines += ["*BOUNDARY", f"FARwheel, 3, 3, {-case['travel']}"]
+    lines += ["*NODE PRINT, NSET=FARrail, TOTALS=ONLY", "RF"]
+    lines += ["*EL FILE", "S", "*CONTACT FILE", "CSTR", "*END STEP", ""]
+    return "\n".join(lines)
+
+
+def read(mesh, dat: str, frd: str):
+    """The reaction from job.dat, pressures and stresses from the last blocks of job.frd."""
+    force = re.findall(r"total force .*\n\s*\n?\s*(\S+)\s+(\S+)\s+(\S+)", dat)[-1][2]
+    blocks: dict[str, dict[int, list[float]]] = {}
+    block = None
+    for line in frd.splitlines():
+        if line.startswith(" -4"):
+            block = blocks[line.split()[1]] = {}
+        elif line.startswith(" -1") and block is not None:
+            ends = range(13, len(line.rstrip()), 12)
+            block[int(line[3:13])] = [float(line[at : at + 12]) for at in ends]
+        elif line.startswith(" -3"):
+            block = None
+    points, corners = mesh["rail_points"], np.unique(mesh["rail_corners"])
+    at = {node: values[3] for node, values in blocks["CONTACT"].items()}  # CPRESS
+    pressure = np.array([at.get(node + 1, 0.0) for node in corners])
+    x, y = points[corners, :2].T
+    axis = np.flatnonzero((np.hypot(*points[:, :2].T) < 1e-6) & (points[:, 2] > -5))
+    return {
+        "unknowns": 3 * (len(points) + len(mesh["wheel_points"])),
+        "force": 4 * abs(float(force)),
+        "pressure_max": pressure[np.argmin(np.hypot(x, y))],
+        "x": x,
+        "y": y,
+        "pressure": pressure,
+        "tau_max": max(_tresca(blocks["STRESS"][node + 1]) for node in axis),
+    }
+
+
+def _tresca(s) -> float:
+    """Largest shear stress of xx, yy, zz, xy, yz, zx."""
+    values = np.linalg.eigvalsh([[s[0], s[3], s[5]], [s[3], s[1], s[4]], [s[5], s[4], s[2]]])
+    return (values[2] - values[0]) / 2
+
+
+def _row(values) -> str:
+    """At most eleven entries a line."""
+    return ", ".join(map(str, values[:11])) + (
+        ",\n" + ", ".join(map(str, values[11:])) if len(values) > 11 else ""
+    )

@@ -1,0 +1,277 @@
+"""The study of other codes: meshes, accounting, reading, page; codes that are absent or made up."""
+
+import csv
+import importlib.util
+import os
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from railhead import cli, results, study
+from railhead.studies.peers import blocks, install, page, peer, reading, running
+from railhead.studies.peers import study as peers_study
+from railhead.studies.peers.codes import calculix
+from railhead.theory import hertz, subsurface
+
+CASE = {"load": 25e3, "travel": 0.04, "rail_radius": 300.0, "wheel_radius": 420.0,
+        "young": 207e3, "poisson": 0.3}  # fmt: skip
+EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))  # of VTK's quadratic tetrahedra
+COST = running.Cost(4.0, 2.0, 10**8)
+CODE = """
+TITLE, METHOD, SETTINGS = "{title}", "finite elements", "As it is."
+PIP, DEBIAN = (), ("python3-numpy",)
+RUNS = {{"fine": {{"factor": 1.0}}, "never": {{"factor": None}}}}
+
+
+def version():
+    {version}
+
+
+def solve(case, mesh, factor):
+    x, y = [0.0, 2.0, 0.0, 2.0, 1.0, 3.0], [0.0, 0.0, 2.0, 2.0, 1.0, 0.5]
+    p = [800 * (1 - (a / 4.3) ** 2 - (b / 3.4) ** 2) ** 0.5 for a, b in zip(x, y)]
+    return {{"unknowns": 7, "force": case["load"], "pressure_max": 800.0 * factor,
+            "x": x, "y": y, "pressure": p}}
+"""
+
+
+def exact(load: float = 25e3) -> hertz.Ellipse:
+    return hertz.point_contact(
+        1 / 420, 1 / 300, hertz.contact_modulus(207e3, 0.3, 207e3, 0.3), load
+    )
+
+
+def found(**changes: object) -> dict:
+    """Exact Hertz at 24 kN as a code would give it."""
+    ellipse = exact(24e3)
+    x, y = (grid.ravel() for grid in np.meshgrid(np.linspace(0, 5, 11), np.linspace(0, 4, 9)))
+    return {"unknowns": 12, "force": 24e3, "pressure_max": ellipse.p0, "x": x.tolist(),
+            "y": y.tolist(), "pressure": ellipse.pressure(x, y).tolist(), **changes}  # fmt: skip
+
+
+def made_up(folder: Path, title: str, version: str = "return '1.0'") -> ModuleType:
+    file = folder / f"{title}.py"
+    file.write_text(CODE.format(title=title, version=version))
+    spec = importlib.util.spec_from_file_location(title, file)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_errors_are_against_hertz_at_the_force_that_a_run_carries() -> None:
+    shear = subsurface.axis_extrema(exact(24e3), 0.3).tau_max
+    run = reading.Run("code", "finite elements", "1 mm")
+    read = reading.fitted_run(run, COST, CASE, found(tau_max=1.02 * shear))
+    for name in ("p_max", "p_fit", "a", "b", "area"):
+        assert getattr(read, f"error_{name}") == pytest.approx(0, abs=1e-9)
+    assert read.error_tau_max == pytest.approx(0.02)
+    assert read.error_approach is None
+    assert (read.seconds, read.cpu_seconds, read.peak_bytes) == (4.0, 2.0, 10**8)
+    off = reading.fitted_run(run, COST, CASE, found(pressure_max=1.01 * exact(24e3).p0))
+    assert off.error_p_max == pytest.approx(0.01)
+
+
+def test_a_fit_has_the_axes_in_their_order_and_refuses_what_is_no_ellipse() -> None:
+    x, y = (grid.ravel() for grid in np.meshgrid(np.linspace(0, 3, 8), np.linspace(0, 2, 8)))
+    p = 5 * np.sqrt(np.maximum(0, 1 - (x / 3) ** 2 - (y / 2) ** 2))
+    assert reading.fitted(x, y, p) == pytest.approx((5, 3, 2))
+    for flat in (np.ones_like(p), np.zeros_like(p), 1 + x):
+        with pytest.raises(ValueError, match="no ellipse"):
+            reading.fitted(x, y, flat)
+
+
+def test_calculix_s_files_are_read(tmp_path) -> None:
+    points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, -2.0]])
+    mesh = {"rail_points": points, "wheel_points": points, "rail_corners": np.array([[0, 1, 2, 3]])}
+    said = " total force (fx,fy,fz) for set FARRAIL and time  0.1000000E+01"
+    dat = f"\n{said}\n\n  1.0E-12 2.0E-12 6.25E+03\n"
+    lines = [" -1         1    1    0    1", " -4  STRESS      6    1"]
+    for node, shear in ((1, 3.0), (5, 8.0)):
+        values = [-100.0, -100.0, -100.0 - 2 * shear, 0, 0, 0]
+        lines.append(f" -1{node:10d}" + "".join(f"{value:12.5E}" for value in values))
+    lines += [" -3", " -4  CONTACT     6    1"]
+    for node, pressure in ((1, 790.0), (2, 700.0)):
+        values = [0, 0, 0, pressure, 0, 0]
+        lines.append(f" -1{node:10d}" + "".join(f"{value:12.5E}" for value in values))
+    read = calculix.read(mesh, dat, "\n".join([*lines, " -3", ""]))
+    assert read["unknowns"] == 30 and read["force"] == pytest.approx(25000)
+    assert read["pressure_max"] == 790 and list(read["pressure"]) == [790, 700, 0, 0]
+    assert read["tau_max"] == pytest.approx(8)
+
+
+@pytest.mark.parametrize("cell, order", [("hexahedron", 1), ("tetrahedron", 2)])
+def test_blocks_lie_on_their_arcs_and_show_their_faces(cell, order, tmp_path) -> None:
+    blocks.write(tmp_path / "mesh.npz", CASE, cell, order, 4.0)
+    mesh = dict(np.load(tmp_path / "mesh.npz"))
+    for body, sign in (("rail", 1), ("wheel", -1)):
+        points, corners = mesh[f"{body}_points"], mesh[f"{body}_corners"]
+        x, y, z = points[mesh[f"{body}_contact"]].T
+        centre = (np.hypot(y, z + 300) - 300) if body == "rail" else (np.hypot(x, z - 420) - 420)
+        assert np.abs(centre).max() < 1e-9 and z.min() >= -6 and z.max() <= 6
+        a, b, c = points[corners[:, :3]].transpose(1, 0, 2)
+        assert (np.sign(np.cross(b - a, c - a)[:, 2]) == sign).all()
+        for (owner, side), face in zip(mesh[f"{body}_sides"], corners, strict=True):
+            local = blocks.FACES[cell][side]
+            assert set(mesh[f"{body}_cells"][owner][local]) == set(face)
+        whole = points[mesh[f"{body}_cells"]]
+        for middle, (one, other) in enumerate(EDGES if order == 2 else (), start=4):
+            away = whole[:, middle] - (whole[:, one] + whole[:, other]) / 2
+            assert np.abs(away).max() < 0.3  # the arc's height
+        edges = whole[:, [1, 3, 4] if cell == "hexahedron" else [1, 2, 3]] - whole[:, :1]
+        assert (np.linalg.det(edges) > 0).all()
+        assert (np.abs(points[mesh[f"{body}_x0"], 0]) < 1e-9).all()
+        assert np.abs(points[mesh[f"{body}_far"], 2]) == pytest.approx(60)
+
+
+def test_the_cost_is_of_the_process_and_what_it_waits_for(tmp_path) -> None:
+    work = "import subprocess, sys; b = bytearray(80_000_000); b[::4096] = b'x' * len(b[::4096])"
+    child = "import time; t = time.process_time()\nwhile time.process_time() < t + 0.3: pass"
+    code = f"{work}; subprocess.run([sys.executable, '-c', {child!r}])"
+    cost = running.run([sys.executable, "-c", code], tmp_path)
+    assert 0.3 < cost.cpu_seconds < 3 and cost.seconds >= cost.cpu_seconds * 0.9
+    assert 80e6 < cost.peak_bytes < 130e6
+    small = running.run([sys.executable, "-c", ""], tmp_path)
+    assert small.peak_bytes < 40e6  # not that of the test
+
+
+def test_a_failing_command_says_its_last_line_and_a_late_one_is_ended(tmp_path) -> None:
+    with pytest.raises(running.FailedError, match=r"^RuntimeError: singular matrix$"):
+        running.run([sys.executable, "-c", "raise RuntimeError('singular  matrix')"], tmp_path)
+    with pytest.raises(running.FailedError, match="not back after 1 s"):
+        running.run([sys.executable, "-c", "import time; time.sleep(60)"], tmp_path, limit=1.0)
+
+
+def test_an_earlier_cost_is_not_that_of_a_command_that_never_ran(tmp_path) -> None:
+    running.run([sys.executable, "-c", ""], tmp_path)
+    with pytest.raises(running.FailedError, match="FileNotFoundError"):
+        running.run(["no-such-program"], tmp_path)
+    with pytest.raises(running.FailedError, match="status -9"):
+        running.run([sys.executable, "-c", "import os; os.kill(os.getpid(), 9)"], tmp_path)
+
+
+def test_each_code_is_whole_and_needs_one_kind_of_package() -> None:
+    known = peer.peers()
+    assert len({each.TITLE for each in known}) == len(known) >= 6
+    for each in known:
+        assert bool(each.PIP) != bool(each.DEBIAN)
+        assert each.METHOD in ("finite elements", "boundary elements")
+        for run in each.RUNS.values():
+            assert "mesh" not in run or run["mesh"][0] in blocks.FACES
+        assert each.SETTINGS and each.RUNS and callable(each.solve) and callable(each.version)
+
+
+def test_the_page_has_medians_reasons_and_what_failed() -> None:
+    own = [
+        reading.Run(page.OURS, "finite elements", "default", s, s / 2, 2 * 10**8, 9, 3, 25e3,
+                    -2e-4, None, 1e-4, 1e-4, 2e-4, 1e-4, 3e-4)
+        for s in (2.0, 9.0, 3.0)
+    ]  # fmt: skip
+    other = reading.fitted_run(reading.Run("Code", "finite elements", "1 mm"), COST, CASE, found())
+    lost = reading.Run("Code", "finite elements", "0.1 mm", failure="singular matrix")
+    text = page.page([own[0], other, own[1], lost, own[2]], [], {}, {"Gone": "no command gone"})
+    row = next(line for line in text.splitlines() if line.startswith("| railhead | default"))
+    assert [cell.strip() for cell in row.split("|")][3:9] == [
+        "9",
+        "1.5",
+        "3.0",
+        "200",
+        "-0.02",
+        "-",
+    ]
+    assert (
+        "ran 3 times in between (medians; the" in text
+        and "factor 4.50)" in text
+        and "(24.0 to 24.0 kN)" in text
+    )
+    assert "- Gone: no command gone" in text
+    assert "- Code, 0.1 mm: singular matrix" in text
+    assert "shared with other work" in text  # clock over processor: 2
+
+
+def test_without_other_codes_there_is_a_page_with_reasons_and_our_rows(
+    tmp_path, monkeypatch
+) -> None:
+    """Nothing installed but one made-up code, of which a run fails."""
+    monkeypatch.chdir(tmp_path)
+    codes = [made_up(tmp_path, "absent", "raise ImportError('no module absent')"),
+             made_up(tmp_path, "there")]  # fmt: skip
+    known = [each for each in peer.peers() if each.PIP]
+    monkeypatch.setattr(peers_study, "peers", lambda: [*known, *codes])
+    folder, text = study.run("peers", None, quick=True)
+    assert sorted(os.listdir(folder)) == [".railhead", "page.md", "peers.csv", "peers.png"]
+    assert "- absent: ImportError: no module absent (apt-get install python3-numpy)" in text
+    for each in known:
+        assert f"- {each.TITLE}: not installed (pip install {each.PIP[0]}" in text
+    with (folder / "peers.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [(row["code"], row["setting"]) for row in rows] == [
+        ("there", "fine"), ("railhead", "coarse"),
+    ]  # fmt: skip
+    assert float(rows[0]["error_p_max"]) == pytest.approx(800 / exact().p0 - 1)
+    assert float(rows[0]["error_a"]) == pytest.approx(4.3 / exact().a - 1)
+    assert abs(float(rows[1]["error_p_max"])) < 0.02
+    assert 1 < float(rows[1]["cpu_seconds"]) < 60 and float(rows[1]["peak_bytes"]) > 1e8
+
+
+def test_a_solve_that_raises_is_a_row_without_numbers(tmp_path) -> None:
+    code = made_up(tmp_path, "there")
+    run = peers_study._solve(code, "never", code.RUNS["never"], CASE, {}, tmp_path)
+    assert run.failure.startswith("TypeError") and run.error_p_max is None
+
+
+@pytest.mark.parametrize("arguments", [["study", "--install"], ["study", "scaling", "--install"]])
+def test_install_where_there_is_nothing_to_install_is_one_line(arguments, tmp_path) -> None:
+    with CliRunner().isolated_filesystem(tmp_path):
+        done = CliRunner().invoke(cli.railhead, arguments)
+        assert isinstance(done.exception, cli.SceneError)
+        assert "--install" in str(done.exception) and "\n" not in str(done.exception)
+        assert os.listdir() == []
+
+
+def test_what_a_study_keeps_stays_in_its_folder(tmp_path) -> None:
+    folder = tmp_path / "peers"
+    (folder / "venv").mkdir(parents=True)
+    (folder / "venv" / "file").write_text("kept")
+    with pytest.raises(cli.SceneError, match="venv"):
+        results.check_folder(folder)
+    results.check_folder(folder, peers_study.KEEPS)
+    for text in ("first", "second"):
+        with results.replacing(folder) as work:
+            (work / "page.md").write_text(text)
+        assert (folder / "page.md").read_text() == text
+        assert (folder / "venv" / "file").read_text() == "kept"
+        results.check_folder(folder, peers_study.KEEPS)
+
+
+def test_what_cannot_be_installed_is_noted_and_the_others_follow(
+    tmp_path, monkeypatch, capsys
+) -> None:
+    asked: list[list[str]] = []
+
+    def failure(command) -> str:
+        asked.append(list(command))
+        return "no such release" if command[-1] == "b" or command[0] == "dpkg" else ""
+
+    codes = []
+    for name in ("a", "b", "c"):
+        codes.append(made_up(tmp_path, name))
+        codes[-1].PIP, codes[-1].DEBIAN = (name,), ()
+    codes.append(made_up(tmp_path, "d"))
+    monkeypatch.setattr(install, "_failure", failure)
+    monkeypatch.setattr(os, "geteuid", lambda: 1000)
+    venv = tmp_path / "venv"
+    (venv / "bin").mkdir(parents=True)
+    (venv / "bin" / "python").touch()
+    with install.Progress(quiet=True) as progress:
+        install.install(codes, venv, progress)
+    assert [command[-1] for command in asked] == ["a", "b", "c", "python3-numpy"]
+    assert [install.reason(code, venv, "no module") for code in codes] == [
+        "no module (pip install a)", "pip install b: no such release",
+        "no module (pip install c)", "apt-get install python3-numpy: only root can",
+    ]  # fmt: skip
+    assert capsys.readouterr().err.count("railhead: not installed: ") == 2
