@@ -14,7 +14,7 @@ import psutil
 from railhead import process
 from railhead.planning import plan as planning
 from railhead.planning.price import price
-from railhead.scene.scene import Scene
+from railhead.scene.scene import Scene, SceneError
 
 WORTH = 75_000  # unknowns a process: with fewer, starting it costs more than it brings
 INSIDE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")  # what launchers of MPI leave behind
@@ -39,7 +39,10 @@ def suited(scene: Scene) -> int:
 
 def again(ranks: int, arguments: Sequence[str]) -> int:
     """Run the same command in so many processes under mpirun; its exit status. A signal ends them
-    all. OSError where there is no mpirun."""
+    all. Raises SceneError for more than there are processors, OSError where there is no mpirun."""
+    processors = psutil.cpu_count() or 1
+    if ranks > processors:
+        raise SceneError("--ranks", f"{ranks} is not allowed; give at most {processors}")
     environment = dict(os.environ)
     if os.geteuid() == 0:  # what is not harmful for one process is not for two
         environment |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}

@@ -15,7 +15,7 @@ THESIS = catalogue.find("hertz_ellipse")
 @pytest.fixture
 def eight(monkeypatch) -> None:
     """A machine with eight cores, none of them started by MPI."""
-    monkeypatch.setattr(psutil, "cpu_count", lambda logical: 8)
+    monkeypatch.setattr(psutil, "cpu_count", lambda logical=True: 8)
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(8)))
     for name in launch.INSIDE:
         monkeypatch.delenv(name, raising=False)
@@ -43,6 +43,15 @@ def test_what_mpi_started_starts_no_more(eight, monkeypatch) -> None:
     assert not launch.started()
     monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "2")
     assert launch.started()
+
+
+def test_no_more_than_there_are_processors(eight, capsys, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(psutil, "cpu_count", lambda logical=True: 4)
+    with pytest.raises(SystemExit) as ended:
+        main(["run", "long_roller", "--ranks", "1000"])
+    assert ended.value.code == 2 and os.listdir(tmp_path) == []
+    assert capsys.readouterr().err == "railhead: --ranks: 1000 is not allowed; give at most 4\n"
 
 
 def test_two_ranks_on_request(eight, tmp_path, monkeypatch) -> None:
