@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import shutil
 import signal
 import sys
+import textwrap
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -35,8 +37,9 @@ def railhead() -> None:
 @railhead.command("list")
 def list_cases() -> None:
     """List the cases that ship."""
+    width = shutil.get_terminal_size().columns
     for name, text in catalogue.shipped().items():
-        click.echo(f"{name:22s} {text}")
+        click.echo(textwrap.fill(f"{name:24s} {text}", width, subsequent_indent=25 * " "))
 
 
 @railhead.command()

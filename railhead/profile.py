@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from railhead import report, results
+from railhead import report, results, screen
 from railhead.geometry import solid
 from railhead.meshing import instruments, orientation, wear
 from railhead.meshing.measured import Measured, smoothness
@@ -103,4 +103,4 @@ def show(examined: Examined, console: Console) -> None:
         f"mm, {worn.area:.3g} mm2 of the section",
     ]
     for line in lines:
-        console.print(line, markup=False, highlight=False, soft_wrap=True)
+        screen.labelled(console, line)

@@ -10,7 +10,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from railhead import quantities
+from railhead import quantities, screen
 from railhead.display import Units
 from railhead.planning.effects import Effect
 from railhead.planning.plan import Plan
@@ -44,9 +44,9 @@ def show_plan(plan: Plan, console: Console) -> None:
         f"predicted  {plan.unknowns} unknowns, {plan.seconds:.1f} s",
     )
     for line in (*lines, *profile_lines(plan.profiles)):
-        console.print(line, markup=False)
+        screen.labelled(console, line)
     if plan.uncertainty:
-        console.print(_uncertainty_line(vars(plan.uncertainty)), markup=False)
+        screen.labelled(console, _uncertainty_line(vars(plan.uncertainty)))
     if plan.forecast.reason:
         console.print(f"The patch is forecast as Hertz's: {plan.forecast.reason}.", markup=False)
     _show_prices(said["prices"], console)
@@ -149,9 +149,9 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAUL
                 highlight=False,
             )
     for line in profile_lines(summary["plan"]["profiles"]):
-        console.print(line, markup=False, highlight=False)
+        screen.labelled(console, line)
     if found := summary["plan"]["profile_uncertainty"]:
-        console.print(_uncertainty_line(found), markup=False, highlight=False)
+        screen.labelled(console, _uncertainty_line(found))
     if other := summary["plan"]["chosen"]:
         console.print(
             f"Another problem was chosen ({', '.join(other)}): estimates are about that one, and "

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import io
+import textwrap
 from collections.abc import Callable
 
 from rich.console import Console
 
-WIDTH = 120  # characters where there is no terminal
+WIDTH = 80  # characters where there is no terminal
 
 
 def standard() -> Console:
@@ -19,6 +20,16 @@ def standard() -> Console:
 def errors() -> Console:
     """Standard error."""
     return Console(stderr=True)
+
+
+def labelled(console: Console, line: str, indent: int = 11) -> None:
+    """Print a line that begins with a label; what does not fit stands below its text."""
+    below = " " * indent
+    said = textwrap.fill(
+        line, console.width, subsequent_indent=below, break_long_words=False,
+        break_on_hyphens=False,
+    )  # fmt: skip
+    console.print(said, markup=False, highlight=False, soft_wrap=True)
 
 
 def text(show: Callable[[Console], None]) -> str:

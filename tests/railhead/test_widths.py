@@ -1,0 +1,30 @@
+"""What the command prints fits 80 columns where there is no terminal."""
+
+import pytest
+
+from railhead.cli import main
+
+COMMANDS = {
+    "list": ["list"],
+    "plan": ["plan", "uic54_22t5_axle"],
+    "locate": ["locate", "s1002_60e1", "--shift", "3mm", "--no-pictures"],
+}
+
+
+@pytest.mark.parametrize("arguments", COMMANDS.values(), ids=COMMANDS)
+def test_lines_fit_eighty_columns(arguments: list[str], capsys) -> None:
+    with pytest.raises(SystemExit):
+        main(arguments)
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) > 5 and max(map(len, lines)) <= 80
+
+
+def test_a_profile_is_told_in_eighty_columns(tmp_path, capsys) -> None:
+    file = tmp_path / "a_long_name_of_a_file_of_points_on_a_rail_head.csv"
+    points = [f"{0.5 * y},{-((0.5 * y) ** 2) / 600}" for y in range(-60, 61)]
+    file.write_text("y (mm),z (mm)\n" + "\n".join(points))
+    with pytest.raises(SystemExit) as ended:
+        main(["profile", str(file), "--no-pictures"])
+    lines = capsys.readouterr().out.splitlines()
+    assert ended.value.code == 0 and max(map(len, lines)) <= 80
+    assert any(line.startswith(11 * " ") for line in lines)
