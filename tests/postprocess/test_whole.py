@@ -9,7 +9,8 @@ import pyvista as pv
 from scipy.spatial import cKDTree
 
 from railhead.postprocess import export
-from railhead.postprocess.mirror import whole_grid
+from railhead.postprocess.findings import Surface
+from railhead.postprocess.mirror import whole, whole_grid
 
 KINDS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)]
 
@@ -70,3 +71,15 @@ def test_what_is_whole_stays_as_it_is(blocks: Callable[..., Any]) -> None:
     case = blocks("hexahedron", 1, cut=False)
     grid = export.volume_grid(case.fields, case.stress)
     assert whole_grid(grid, case.fields.mirrors) is grid
+
+
+def test_a_surface_moves_as_its_image_does() -> None:
+    """A quarter of a dome under displacements u = (x, 2 y, 3): four quarters of the same field."""
+    x = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
+    points = np.column_stack([x, -(x**2).sum(axis=1)])
+    moved = np.column_stack([x * [1.0, 2.0], np.full(4, 3.0)])
+    pieces = np.array([[0, 1, 2], [1, 3, 2]])
+    found = whole(Surface(points, x, pieces, np.arange(4.0), np.zeros(4), moved))
+    assert len(found.points) == 16 and len(found.triangles) == 8
+    expected = np.column_stack([found.points[:, :2] * [1.0, 2.0], np.full(16, 3.0)])
+    np.testing.assert_array_equal(found.displacement, expected)
