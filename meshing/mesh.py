@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -43,12 +44,15 @@ def generate(
     options: Options,
     comm: MPI.Intracomm,
     save: Path | None = None,
+    meanwhile: Callable[[], object] = lambda: None,
 ) -> ContactMesh:
-    """Mesh on rank 0 and distribute. save: also write the gmsh file (.msh, readable by meshio).
+    """Mesh on rank 0 and distribute. save: also write the gmsh file (.msh, readable by meshio);
+    meanwhile: what every rank does while gmsh works.
 
     Raises MeshError (on every rank) when gmsh fails or an element is inverted or nearly flat.
     """
     if comm.rank:
+        meanwhile()
         from railhead.solver import compat
 
         _raise_together(comm, None)
@@ -63,7 +67,7 @@ def generate(
         finer = replace(grading, size=share * grading.size)
         try:
             found, shapes = apart.run(
-                _meshed, bodies, finer, options, save, seconds=seconds, meanwhile=_load_solver
+                _meshed, bodies, finer, options, save, seconds=seconds, meanwhile=meanwhile
             )  # fmt: skip
             _check(shapes)
         except apart.ApartError as error:
@@ -79,11 +83,6 @@ def generate(
                 return ContactMesh(*compat.model_to_mesh(model, comm, options.dim), quality, count)
     _raise_together(comm, str(problem))
     raise problem
-
-
-def _load_solver() -> None:
-    """Importing dolfinx takes about as long as gmsh takes for a small mesh."""
-    from railhead.solver import compat  # noqa: F401
 
 
 def _meshed(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from mpi4py import MPI
 
+from railhead import process
 from railhead.geometry import bodies, flat
 from railhead.meshing import mesh
 from railhead.meshing.bodies import Body
@@ -32,7 +33,15 @@ def generate(
     plan: Plan, grading: Grading, comm: MPI.Intracomm, save: Path | None = None
 ) -> mesh.ContactMesh:
     """Mesh the bodies of a plan."""
-    return mesh.generate(parts(plan), grading, plan.options, comm, save)
+    return mesh.generate(parts(plan), grading, plan.options, comm, save, _load_solver)
+
+
+def _load_solver() -> None:
+    """Importing it takes about as long as gmsh takes for a small mesh. Half imported libraries turn
+    what a signal raises into errors of their own."""
+    with process.deferring():
+        from railhead.postprocess import read  # noqa: F401
+        from railhead.solver import gather  # noqa: F401
 
 
 def model(plan: Plan, made: mesh.ContactMesh) -> ContactModel:

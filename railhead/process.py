@@ -28,6 +28,7 @@ PATIENCE = 2.0  # seconds until the process is killed
 BEGUN, ENDED = b"\xfe", b"\xff"  # of a folder, whose path follows; other bytes are signals
 SHOW_CURSOR = b"\x1b[?25h"
 _undo: list[Callable[[], None]] = []
+_deferred: list[int] | None = None  # signals that were heard in a block of `deferring`
 _tell: int | None = None  # the end of the pipe to the process beside this one
 
 
@@ -66,6 +67,19 @@ def undoing(action: Callable[[], None]) -> Iterator[None]:
         yield
     finally:
         _undo.remove(action)
+
+
+@contextmanager
+def deferring() -> Iterator[None]:
+    """A signal inside the block is obeyed when it ends."""
+    global _deferred
+    heard = _deferred = []
+    try:
+        yield
+    finally:
+        _deferred = None
+    if heard:
+        _handle(heard[0], None)
 
 
 @contextmanager
@@ -116,6 +130,9 @@ def prompt() -> Iterator[None]:
 
 
 def _handle(number: int, _: object) -> None:
+    if _deferred is not None:
+        _deferred.append(number)
+        return
     if not _undo:
         os._exit(128 + number)
     raise SystemExit(128 + number)
