@@ -80,7 +80,7 @@ class Stiffness:
         if self.border is None:
             return
         here = self.approach >= 0
-        local = [self.border.array @ x.array, x.array[self.approach] if here else 0.0]
+        local = [self.border.array @ x.array_r, x.array_r[self.approach] if here else 0.0]
         force, moved = self.comm.tompi4py().allreduce(np.array(local))
         out.axpy(moved, self.border)
         if here:

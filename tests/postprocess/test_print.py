@@ -83,7 +83,7 @@ def test_all_patches_are_in_every_picture(
     case = blocks(cut=False)
     found = two_patches(case)
     volume = export.volume_grid(case.fields, case.stress)
-    grid = export.contact_grid(case.fields, found.surface)
+    grid = export.contact_grid({1: found.surface})
     render.wheel_rail(volume, found, tmp_path / "w.png")
     render.patch_on_rail(grid, found, None, tmp_path / "o.png")
     render.stress_cut(volume, found, tmp_path / "s.png")
