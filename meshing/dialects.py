@@ -111,8 +111,8 @@ def table(name: str, lines: Sequence[str]) -> Table:
             raise InstrumentError(name, i, text)
     values = np.array([[row[column] for column in columns] for _, row in points])
     remarks = () if columns == (0, 1) else (f"columns {columns[0] + 1} and {columns[1] + 1}",)
-    unit, where = _unit(name, header, separator, columns), tuple(i for i, _ in points)
-    return Table(values, unit, "", f"table by {words}", remarks, where)
+    unit, at = _unit(name, header, separator, columns), tuple(i for i, _ in points)
+    return Table(values, unit, "", f"table by {words}", remarks, at)
 
 
 def _columns(
