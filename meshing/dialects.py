@@ -15,14 +15,21 @@ Array = NDArray[np.float64]
 NAMED_UNITS = {
     "mm": "mm", "millimetre": "mm", "millimeter": "mm", "millimetres": "mm", "millimeters": "mm",
     "m": "m", "metre": "m", "meter": "m", "metres": "m", "meters": "m",
-    "in": "inch", "inch": "inch", "inches": "inch",
+    "in": "inch", "inch": "inch", "inches": "inch", '"': "inch", "″": "inch",
+    "cm": "cm", "centimetre": "cm", "centimeter": "cm", "centimetres": "cm", "centimeters": "cm",
+    "um": "um", "µm": "um", "μm": "um", "micron": "um", "microns": "um",
+    "ft": "ft", "foot": "ft", "feet": "ft",
 }  # fmt: skip
+OTHER_UNITS = ("km", "dm", "nm", "yd", "yard", "yards", "mil", "mils", "thou", "px", "pixel")
 ACROSS, UP = ("y", "lateral", "across", "quer"), ("z", "height", "vertical", "hoehe", "höhe")
 COMMENT = re.compile(r"""#|%|!|//|\*|;|"(?![^"]*")|'(?![^']*')""")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
-UNIT = re.compile(
-    r"[\[(]\s*([a-z]+)\s*[\])]|[/_]\s*([a-z]+)\b|\b(mm)\b|\bunits?\s*[:=]?\s*([a-z]+)"
-    r"|\bin\s+([a-z]+)",
+WORD = r"([a-zµμ]+|\"|″)"
+NAMED = rf"[\[(]\s*{WORD}\s*[\])]|(?:^|[\W_])(?!m?m/|k?n/)[^\W\d_]+\d*\s*[/_]\s*{WORD}(?!\w)"
+COLUMN = re.compile(rf"{NAMED}|^[\s\"']*{WORD}[\s\"']*$", re.IGNORECASE)  # y [mm], y/mm, mm
+PROSE = re.compile(
+    rf"{NAMED}|(?<!\d)(?<!\d\s)\b(mm)\b|\bunits?\s*[:=]?\s*{WORD}"
+    rf"|\bin\s+{WORD}(?=\s*(?:$|[,;.:)\]]))",
     re.IGNORECASE,
 )
 TWICE = re.compile(r"\s*-?\d+,\d+,-?\d+,\d+\s*")  # 1,5,2,5
@@ -40,13 +47,14 @@ class InstrumentError(ValueError):
 class Table:
     """points (n, 2): first across, then up or down, in the order of the file and in its unit; unit:
     that the file states, '' where it states none; body: 'rail', 'wheel' or '' where the file does
-    not say; format and remarks: in words."""
+    not say; format and remarks: in words; lines: of the file where the points stand, if known."""
 
     points: Array
     unit: str
     body: str
     format: str
     remarks: tuple[str, ...] = ()
+    lines: tuple[int, ...] = ()
 
 
 def fields(line: str, separator: str, decimal: str) -> list[float] | None:
@@ -94,16 +102,17 @@ def table(name: str, lines: Sequence[str]) -> Table:
         if row is None and i > first:
             text = "is no point; give two numbers y, z, or begin a comment with #"
             raise InstrumentError(name, i, f"{line.strip()[:SHOWN]!r} {text}")
-    header = [line for i, line in full if i < first]
+    header = [(i, line) for i, line in full if i < first]
     points = [(i, row) for i, _, row in rows if row]
-    columns = _columns(header, separator, [row for _, row in points])
+    columns = _columns([line for _, line in header], separator, [row for _, row in points])
     for i, row in points:
         if len(row) <= max(columns):
             text = f"has no number in column {max(columns) + 1}; give as many as in other lines"
             raise InstrumentError(name, i, text)
     values = np.array([[row[column] for column in columns] for _, row in points])
     remarks = () if columns == (0, 1) else (f"columns {columns[0] + 1} and {columns[1] + 1}",)
-    return Table(values, _unit(header), "", f"table by {words}", remarks)
+    unit, at = _unit(name, header, separator, columns), tuple(i for i, _ in points)
+    return Table(values, unit, "", f"table by {words}", remarks, at)
 
 
 def _columns(
@@ -111,7 +120,7 @@ def _columns(
 ) -> tuple[int, int]:
     """Which are across and up: by their names, else the first two behind a running number."""
     for line in header:
-        cells = re.split(separator, line.strip("#%!;*/\"' \n"))
+        cells = _cells(line.rstrip("\"' \n"), separator)
         names = [re.split(r"\W|_", cell.strip("\"' ").lower())[0] for cell in cells]
         across = [i for i, name in enumerate(names) if name in ACROSS]
         up = [i for i, name in enumerate(names) if name in UP]
@@ -121,11 +130,37 @@ def _columns(
     return (1, 2) if numbered else (0, 1)
 
 
-def _unit(header: Sequence[str]) -> str:
-    """That lines before the points state."""
-    for line in header:
-        for match in UNIT.finditer(line):
-            word = next(filter(None, match.groups())).lower()
+def _cells(line: str, separator: str) -> list[str]:
+    """Of a line before the points; a bracket belongs to the word before it."""
+    return re.split(separator, re.sub(r"\s+(?=[\[(])", "", line.lstrip("#%!;*/ ").rstrip()))
+
+
+def _unit(
+    name: str, header: Sequence[tuple[int, str]], separator: str, columns: tuple[int, int]
+) -> str:
+    """That lines before the points state: first those that head the two columns."""
+    allowed = ", ".join(dict.fromkeys(NAMED_UNITS.values()))
+    for i, line in header:
+        ways = (_cells(line, each) for each in (separator, r"[;,\t]"))
+        cells = next((way for way in ways if len(way) > max(columns)), [])
+        texts = [cells[column].strip() for column in columns] if cells else []
+        if any(NUMBER.fullmatch(text) for text in texts):
+            continue
+        words = [word for text in texts for word in _words(COLUMN, text)]
+        units = list(dict.fromkeys(NAMED_UNITS.get(word, word) for word in words))
+        if len(units) > 1 or any(unit in OTHER_UNITS for unit in units):
+            text = f"the columns are in {' and '.join(units)}; give both in one of {allowed}"
+            raise InstrumentError(name, i, text)
+        if units:
+            return units[0]
+    for _, line in header:
+        for word in _words(PROSE, line):
             if word in NAMED_UNITS:
                 return NAMED_UNITS[word]
     return ""
+
+
+def _words(pattern: re.Pattern[str], text: str) -> list[str]:
+    """Units that a text names in that way."""
+    found = (next(filter(None, match.groups())).lower() for match in pattern.finditer(text))
+    return [word for word in found if word in NAMED_UNITS or word in OTHER_UNITS]

@@ -64,7 +64,7 @@ def _miniprof(name: str, lines: Sequence[str]) -> Table:
     if not header:
         text = "is no header; give MiniProf's lines key=value and an empty line before the points"
         raise InstrumentError(name, 1, text)
-    points, out = _points(name, lines, empty, len(lines), '"!%#')
+    points, where, out = _points(name, lines, empty, len(lines), '"!%#')
     names = [column.strip().upper() for column in header.get("ColumnDef", "X,Y").split(",")]
     columns = [names.index(column) for column in ("X", "Y") if column in names]
     if len(columns) < 2 or max(columns) >= points.shape[1]:
@@ -73,7 +73,7 @@ def _miniprof(name: str, lines: Sequence[str]) -> Table:
     count = header.get("XYPoints", "").strip()
     if count.isdigit() and int(count) not in (len(points), len(points) + out):
         remarks.append(f"the header says {count} points")
-    return Table(points[:, columns], "mm", "", "MiniProf", tuple(remarks))
+    return Table(points[:, columns], "mm", "", "MiniProf", tuple(remarks), tuple(where))
 
 
 def _simpack(name: str, lines: Sequence[str]) -> Table:
@@ -99,7 +99,8 @@ def _simpack(name: str, lines: Sequence[str]) -> Table:
             raise InstrumentError(name, line, f"{key} = {text[:SHOWN]!r}; give a number")
         return float(text)
 
-    points, out = _points(name, lines, begin + 1, end, "!")
+    points, where_points, out = _points(name, lines, begin + 1, end, "!")
+    at = np.array(where_points)
     points = points[:, :2] + [number("shift.y"), number("shift.z")]
     turn = number("rotate") / number("units.ang.f", 1.0)
     c, s = math.cos(turn), math.sin(turn)
@@ -107,7 +108,8 @@ def _simpack(name: str, lines: Sequence[str]) -> Table:
     for axis, letter in enumerate("yz"):
         low, high = number(f"bound.{letter}.min", 1.0), number(f"bound.{letter}.max")
         if low < high:
-            points = points[(points[:, axis] >= low) & (points[:, axis] <= high)]
+            inside = (points[:, axis] >= low) & (points[:, axis] <= high)
+            points, at = points[inside], at[inside]
         if number(f"mirror.{letter}"):
             points[:, axis] *= -1
     unit = {1000: "mm", 1: "m", 39: "inch"}.get(int(number("units.len.f", 1000.0)), "")
@@ -115,14 +117,14 @@ def _simpack(name: str, lines: Sequence[str]) -> Table:
     done = [f"{key} done" for key in ("shift.y", "shift.z", "rotate", "mirror.y", "mirror.z")
             if number(key)]  # fmt: skip
     remarks = [f"{out} {'line' if out == 1 else 'lines'} commented out"] if out else []
-    return Table(points, unit, body, "Simpack", (*remarks, *done))
+    return Table(points, unit, body, "Simpack", (*remarks, *done), tuple(at.tolist()))
 
 
 def _points(
     name: str, lines: Sequence[str], start: int, end: int, comment: str
-) -> tuple[Array, int]:
-    """Rows of numbers (n, m) between two lines, and how many were commented out."""
-    rows, out = [], 0
+) -> tuple[Array, list[int], int]:
+    """Rows of numbers (n, m) between two lines, their lines, and how many were commented out."""
+    rows, where, out = [], [], 0
     for i in range(start, end):
         line = lines[i].strip()
         if line and line[0] in comment:
@@ -133,8 +135,9 @@ def _points(
                 text = f"{line[:SHOWN]!r} is no point; give two numbers y, z"
                 raise InstrumentError(name, i + 1, text)
             rows.append(row)
+            where.append(i + 1)
     if not rows:
         text = "no points follow; give two numbers y, z a line"
         raise InstrumentError(name, min(start + 1, len(lines)), text)
     width = min(map(len, rows))
-    return np.array([row[:width] for row in rows]), out
+    return np.array([row[:width] for row in rows]), where, out

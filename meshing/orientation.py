@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.meshing.dialects import Table
+from railhead.meshing.smoothing import PointError
 
 Array = NDArray[np.float64]
-UNITS = {"mm": 1.0, "m": 1000.0, "inch": 25.4}
+UNITS = {"mm": 1.0, "m": 1000.0, "inch": 25.4, "cm": 10.0, "um": 1e-3, "ft": 304.8}
 WIDTHS = {"mm": (7.5, 300.0), "inch": (1.0, 7.5), "m": (0.0, 0.3)}  # what is that wide, in it
 FLANGE, PROTRUDES = 10.0, 1.5  # mm above the tread, and times what lies below it, at least
 TIP, NEAR_TIP = -55.0, 8.0  # mm, y of the flange's tip, give or take
@@ -36,14 +37,15 @@ class Choices:
 def turned(table: Table, body: str, choices: Choices) -> tuple[Array, list[str]]:
     """Points (n, 2) in the axes of profiles, mm, and what was done to them, in words.
 
-    Raises ValueError where no unit, or not the one that is given, fits the width.
+    Raises PointError, of the outermost point in the axes of the table, where no unit, or not the
+    one that is given, fits the width.
     """
     unit = choices.unit if choices.unit != "auto" else table.unit or _unit(table.points)
     points = UNITS[unit] * table.points
     width, (least, most) = float(np.ptp(points[:, 0])), WIDTHS["mm"]
     if not least < width <= most:
-        raise ValueError(f"is {width:.4g} mm wide in {unit}; give its profile_unit, in which it is "
-                         f"{least:g} to {most:g} mm wide")  # fmt: skip
+        raise PointError(f"is {width:.4g} mm wide in {unit}; give its profile_unit, in which it is "
+                         f"{least:g} to {most:g} mm wide", _outermost(table.points))  # fmt: skip
     said = [f"in {unit}" + _why(choices.unit, "as the file says" if table.unit else "by its width")]
     upside, why = _upside_down(points, body)
     if (choices.flip == "on") if choices.flip != "auto" else upside:
@@ -75,7 +77,12 @@ def _unit(points: Array) -> str:
         if least < width <= most:
             return unit
     allowed = ", ".join(f"{low:g} to {high:g} in {unit}" for unit, (low, high) in WIDTHS.items())
-    raise ValueError(f"is {width:g} wide, which no unit fits ({allowed}); give its profile_unit")
+    text = f"is {width:g} wide, which no unit fits ({allowed}); give its profile_unit"
+    raise PointError(text, _outermost(points))
+
+
+def _outermost(points: Array) -> Array:
+    return np.asarray(points[np.argmax(np.abs(points[:, 0] - np.median(points[:, 0])))])
 
 
 def _flange(points: Array) -> tuple[float, float] | None:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
 from scipy.linalg import cho_factor, cho_solve
-from scipy.ndimage import gaussian_filter1d, median_filter
+from scipy.ndimage import gaussian_filter1d, maximum_filter1d, median_filter
 from scipy.sparse import csr_array, diags
 
 Array = NDArray[np.float64]
@@ -39,6 +39,14 @@ BENDING = 1.2  # times the wavelength that suits heights is one that suits curva
 # the worn pairs of the study)
 UPDATES, SETTLED = 60, 0.02
 FINE = 20  # samples a point, where a curve is measured or bent open
+
+
+class PointError(ValueError):
+    """Points are no profile: the text says why, place (2,) where, in their axes."""
+
+    def __init__(self, text: str, place: Array) -> None:
+        super().__init__(text)
+        self.place = place
 
 
 @dataclass(frozen=True)
@@ -93,12 +101,28 @@ def noise(points: Array) -> Array:
     return np.maximum(np.pad(sigma, ends, mode="edge"), LEAST_NOISE)
 
 
+def standing_off(points: Array) -> Array:
+    """How far (n,) points (n, 2) in the order of the curve are off the cubic through the two on
+    either side, mm; zero but where that is the farthest among these five, and for the outermost
+    two: its neighbours' cubics are spoilt by a point that errs."""
+    s, off = _chord(points), np.zeros(len(points))
+    for i in range(2, len(points) - 2):
+        others = [i - 2, i - 1, i + 1, i + 2]
+        apart = s[others][:, None] - s[others] + np.eye(4)
+        reach = (s[i] - s[others])[None, :] * (1 - np.eye(4)) + np.eye(4)
+        weights = reach.prod(axis=1) / apart.prod(axis=1)
+        chord = points[i + 2] - points[i - 2]
+        error = points[i] - weights @ points[others]
+        off[i] = abs(_cross(chord[None], error[None])[0]) / np.linalg.norm(chord)
+    return np.where(off == maximum_filter1d(off, 5), off, 0.0)
+
+
 def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0) -> Smoothed:
     """The curve through points (n, 2) in their order along it, mm.
 
     wavelength: of waves that keep half of their height, mm, everywhere; None: chosen by the noise,
-    from place to place. stretch: a factor to it. Raises ValueError for fewer than 12 points, or a
-    gap of more than 5 mm between them.
+    from place to place. stretch: a factor to it. Raises ValueError for fewer than 12 points, and
+    PointError for a gap of more than 5 mm between them.
     """
     points = _averaged(points)
     if len(points) < LEAST_POINTS:
@@ -108,8 +132,8 @@ def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0)
     apart = np.diff(s)
     if apart.max() > GAP:
         y, z = points[int(np.argmax(apart))]
-        raise ValueError(f"has a gap of {apart.max():.3g} mm behind the point {y:.4g}, {z:.4g}; "
-                         f"give points at most {GAP:g} mm apart")  # fmt: skip
+        raise PointError(f"has a gap of {apart.max():.3g} mm behind the point {y:.4g}, {z:.4g}; "
+                         f"give points at most {GAP:g} mm apart", np.array([y, z]))  # fmt: skip
     spacing = s[-1] / (len(s) - 1)
     for _ in range(2):
         pilot = _Fit.of(s)

@@ -56,6 +56,7 @@ GOOD = {
     "words": "measured by hand\nleft rail\n\ny z\n" + written(" "),
     "a running number": numbered(";"),
     "named columns": "no,y,z\n" + numbered(","),
+    "names and units, blanks": "y [mm] z [mm]\n" + written(" "),
     "columns the other way": "z;y\n" + swapped(";"),
     "comments beside points": written(" ").replace("\n", "  # fine\n"),
 }
@@ -80,7 +81,11 @@ def test_other_codings_are_read(coding: str, tmp_path) -> None:
     [
         ("y [mm], z [mm]", "mm"), ("y (m), z (m)", "m"), ("y/inch, z/inch", "inch"),
         ("y_mm,z_mm", "mm"), ("# unit: inches", "inch"), ("# all lengths in metres", "m"),
+        ("y (cm), z (cm)", "cm"), ("Y [µm],Z [µm]", "um"), ("y (ft),z (ft)", "ft"),
+        ("y (in),z (in)", "inch"), ('y ["],z ["]', "inch"), ("y;z\ncm;cm", "cm"),
+        ("y,z (um)", "um"), ("x [m]\ny [mm], z [mm]", "mm"), ("# gauge 1435 mm\ny/m,z/m", "m"),
         ("y,z", ""), ("# measured in March (in a tunnel)", ""),
+        ("# at 12.5 km, measured in metre gauge network\ny,z", ""), ("# 1435 mm gauge", ""),
     ],
 )  # fmt: skip
 def test_units_are_taken_from_headers(header: str, unit: str, tmp_path) -> None:
@@ -100,6 +105,9 @@ BAD = {
     "a column too few": ("z,no,y\n" + "\n".join(f"1,{i},2" for i in range(20)) + "\n1,2", 22,
                          "column 3"),
     "binary": ("\0\1\2" * 50, 1, "no text"),
+    "two units": ("rail\ny/mm,z/um\n" + written(","), 2, "in mm and um; give both in one of mm, m"),
+    "two units, blanks": ("y [mm] z [m]\n" + written(" "), 1, "in mm and m; give"),
+    "unknown unit": ("y (yd),z (yd)\n" + written(","), 1, "in yd; give both in one of mm, m, inch"),
 }  # fmt: skip
 
 

@@ -156,3 +156,23 @@ def test_a_foreign_origin_is_moved_to_the_crown_or_the_tape_circle() -> None:
     found, said = orientation.turned(Table(back, "mm", "", "table"), "wheel", Choices())
     np.testing.assert_allclose(found, points, atol=0.1)
     assert any("tape circle" in each for each in said)
+
+
+def test_a_wheel_cut_short_of_the_flange_back_is_placed_by_its_tip() -> None:
+    wheel = profiles.s1002()
+    y = np.linspace(orientation.TIP - 6, wheel.domain[1], 300)
+    points = np.column_stack([y, wheel.height(y)])
+    table = Table(points + [200.0, 0.0], "mm", "", "table")
+    found, _ = orientation.turned(table, "wheel", Choices())
+    np.testing.assert_allclose(found[:, 0], y, atol=1.0)  # 9 mm off by the flange back
+
+
+def test_lines_of_points_are_known() -> None:
+    """Those that are commented out leave holes."""
+    for file in (BAN, PRW):
+        table, lines = instruments.read(file), file.read_text().splitlines()
+        assert len(table.lines) == len(table.points)
+        for i in (0, len(table.lines) // 2, -1):
+            assert [float(each) for each in lines[table.lines[i] - 1].split()[:2]]
+    first = (BAN.read_text().splitlines()[instruments.read(BAN).lines[0] - 1]).split()
+    np.testing.assert_allclose(instruments.read(BAN).points[0], [float(first[0]), float(first[1])])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from railhead.meshing import measured, profiles, smoothing, wear
+from railhead.meshing.dialects import InstrumentError
 from railhead.meshing.measured import Measured
 
 
@@ -195,3 +196,63 @@ def test_the_wear_of_a_wheel_is_against_s1002(tmp_path) -> None:
     assert found.largest == pytest.approx(2.0, abs=0.05)
     assert found.at == pytest.approx(0.0, abs=1.0)
     assert found.area == pytest.approx(2.0 * 15 * np.sqrt(2 * np.pi), rel=0.05)
+
+
+def refused(tmp_path, points: np.ndarray) -> str:
+    with pytest.raises(InstrumentError) as caught:
+        read(tmp_path, points, "rail")
+    return str(caught.value)
+
+
+def test_a_scan_there_and_back_is_refused(tmp_path) -> None:
+    """It was taken for noise, and for wear of 0.2 mm."""
+    points = rail()
+    back = points[::-1] + [0, 0.003]
+    message = refused(tmp_path, np.concatenate([points, back]))
+    line = int(message.split("line ")[1].split(":")[0])
+    assert "same place twice" in message and len(points) < line <= 2 * len(points)
+    message = refused(tmp_path, np.concatenate([points, points + [0.01, 0.003]]))
+    assert "same place twice" in message
+
+
+def test_points_at_the_same_y_are_averaged(tmp_path) -> None:
+    """Each twice, 10 um apart in height: the mean is the profile."""
+    points = rail()
+    apart = np.tile([[0, 0.01], [0, 0]], (len(points), 1))
+    found = read(tmp_path, np.repeat(points, 2, axis=0) + apart, "rail")
+    assert len(found.points) == len(points)
+    assert f"averaged to {len(points)}" in " ".join(found.said)
+    y = np.linspace(-25, 25, 51)
+    truth = profiles.rail_head("60E1").height(y) + 0.005
+    np.testing.assert_allclose(found.profile.height(y), truth, atol=1e-3)
+    assert np.isfinite(found.sharpest).all()
+
+
+def test_y_in_whole_millimetres_is_refused(tmp_path) -> None:
+    points = rail()
+    points[:, 0] = np.round(points[:, 0])
+    message = refused(tmp_path, points)
+    assert "line " in message and "rounded y" in message and "give more digits" in message
+
+
+@pytest.mark.parametrize("slope", [0.0, 1 / 40])
+def test_a_point_that_stands_off_is_kept_and_said(slope: float, tmp_path) -> None:
+    points = noisy(rail(), 0.002, 8)
+    file = tmp_path / "rail.csv"
+    np.savetxt(file, points, delimiter=",")
+    assert "WARNING" not in " ".join(measured.read(file, "rail", slope=slope).said)
+    points[len(points) // 2, 1] += 0.5
+    spiky = tmp_path / "spiky.csv"
+    np.savetxt(spiky, points, delimiter=",", header="y,z")
+    found = measured.read(spiky, "rail", slope=slope)
+    assert len(found.points) == len(points)
+    said = f"WARNING: 1 point stands off by 0.5 mm at y = {found.points[len(points) // 2, 0]:.1f}, "
+    assert f"{said}line {len(points) // 2 + 2}: taken for shape" in found.said
+
+
+def test_refusals_name_the_line_of_the_point(tmp_path) -> None:
+    points = rail()
+    gap = np.delete(points, slice(100, 130), axis=0)
+    assert "rail.csv, line 100: has a gap of 7.75 mm" in refused(tmp_path, gap)
+    points[70] = [1e300, 1e300]
+    assert "rail.csv, line 71: is 1e+300 wide" in refused(tmp_path, points)
