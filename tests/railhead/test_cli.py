@@ -40,7 +40,7 @@ def test_list_names_every_case(tmp_path) -> None:
 def test_plan_solves_and_writes_nothing(tmp_path) -> None:
     done = railhead("plan", "uic54_22t5_axle", cwd=tmp_path)
     assert done.returncode == 0
-    assert "symmetry_x" in done.stdout and "wheel cone20 on rail 54E1" in done.stdout
+    assert "symmetry_x" in done.stdout and "wheel cone20 on rail" in done.stdout
     assert "unknowns" in done.stdout
     assert files(tmp_path) == []
 
