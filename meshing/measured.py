@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from railhead.meshing import instruments, orientation, smoothing
+from railhead.meshing import instruments, orientation, scans, smoothing
 from railhead.meshing.dialects import InstrumentError, Table
 from railhead.meshing.orientation import Choices
 from railhead.meshing.profiles import Profile, Spline
@@ -26,11 +26,6 @@ Array = NDArray[np.float64]
 STEEP = 0.045  # of dy over ds: steeper faces than those of a standard rail's corners are cut off
 SAMPLE = 0.1  # mm between the points of a profile's spline
 AUTOMATIC = Choices()
-SPIKE, APART = 20.0, 0.05  # times the noise, and mm, that a point stands off at least ...
-BEND = 0.1  # ... and times the squared distance to its neighbours: 1/mm, an edge of R1.25
-REPEATED = 0.75  # of the y in the middle half are different, at least, or y repeats ...
-COARSE = 0.1  # mm: ... and is too coarse where the points at one y are farther apart in height
-PASS = 20  # points between two turns of a gauge that goes there and back, at least
 EDGE = 0.02  # of the width at either end that the report leaves out
 
 
@@ -112,7 +107,7 @@ def from_points(
     points = np.asarray(points, dtype=float)
     if not np.isfinite(points).all():
         raise ValueError("holds points that are not finite; give finite numbers")
-    smoothed = smoothing.smooth(_in_order(points), wavelength, stretch)
+    smoothed = smoothing.smooth(scans.in_order(points), wavelength, stretch)
     s = np.linspace(0, smoothed.length, max(2, math.ceil(smoothed.length / SAMPLE)) + 1)
     tangent = smoothed.curve(s, 1)
     faces = tangent[:, 0] > STEEP * np.linalg.norm(tangent, axis=1)
@@ -150,7 +145,7 @@ def _read(
     points = table.points
     try:
         points, found = orientation.turned(table, body, choices)
-        kept = _once(points)
+        kept = scans.once(points)
         cosine = math.cos(math.atan(slope))
         roll = cosine * np.array([[1.0, slope], [-slope, 1.0]])
         points = points @ roll
@@ -164,8 +159,7 @@ def _read(
         found.append(f"points at the same y averaged to {len(kept)}")
     said = (f"{table.format}, {len(table.points)} points", *found, *table.remarks)
     measured = Measured(path, body, said, smoothed, profile)
-    spikes = _spikes(measured, table, points)
-    return replace(measured, said=(*said, *spikes))
+    return replace(measured, said=(*said, *_warnings(measured, table, points)))
 
 
 def _line(table: Table, points: Array, place: Array) -> int:
@@ -174,62 +168,15 @@ def _line(table: Table, points: Array, place: Array) -> int:
     return table.lines[nearest] if table.lines else nearest + 1
 
 
-def _spikes(measured: Measured, table: Table, points: Array) -> list[str]:
+def _warnings(measured: Measured, table: Table, points: Array) -> list[str]:
     """Points that stand off where their neighbours are, in words: they are kept."""
-    smoothed = measured.smoothed
-    off = smoothing.standing_off(smoothed.points) * measured.facing
-    spacing = smoothed.length / (len(smoothed.points) - 1)
-    found = np.flatnonzero(off > max(SPIKE * smoothed.noise, APART, BEND * spacing**2))
-    if not len(found):
+    found = scans.spikes(measured.smoothed, measured.facing)
+    if found is None:
         return []
-    worst = smoothed.points[np.argmax(off)]
-    count = "1 point stands" if len(found) == 1 else f"{len(found)} points stand"
-    up_to = "" if len(found) == 1 else "up to "
-    return [f"WARNING: {count} off by {up_to}{off.max():.2g} mm at y = {worst[0]:.1f}, "
-            f"line {_line(table, points, worst)}: taken for shape"]  # fmt: skip
-
-
-def _once(points: Array) -> Array:
-    """Points (n, 2) with those that follow each other at the same y averaged if y repeats: in the
-    middle half of the width, where no face is vertical, too few are different. Raises PointError
-    where such points are far apart in height: y is rounded too coarsely."""
-    y = points[:, 0]
-    middle = y[np.abs(y - (y.min() + y.max()) / 2) < np.ptp(y) / 4]
-    if len(np.unique(middle)) >= REPEATED * len(middle):
-        return points
-    starts = np.flatnonzero(np.concatenate([[True], np.diff(y) != 0]))
-    counts = np.diff(np.append(starts, len(y)))
-    high, low = (each.reduceat(points[:, 1], starts) for each in (np.maximum, np.minimum))
-    if np.quantile(high - low, 0.9) > COARSE:
-        text = "has rounded y: points at the same y are up to "
-        worst = int(np.argmax(high - low))
-        raise PointError(f"{text}{(high - low)[worst]:.2g} mm apart in height; give more digits",
-                         points[starts[worst]])  # fmt: skip
-    return np.asarray(np.add.reduceat(points, starts) / counts[:, None])
-
-
-def _in_order(points: Array) -> Array:
-    """As in the file, or by y where that is the shorter way; from left to right."""
-    order = np.argsort(points[:, 0], kind="stable")
-    ways = (points, points[order])
-    lengths = [np.linalg.norm(np.diff(way, axis=0), axis=1).sum() for way in ways]
-    if lengths[1] < lengths[0]:
-        _refuse_passes(points, order)
-    way = ways[int(lengths[1] < lengths[0])]
-    return way if way[-1, 0] > way[0, 0] else way[::-1]
-
-
-def _refuse_passes(points: Array, order: NDArray[np.intp]) -> None:
-    """A gauge that went there and back: few turns, but most neighbours across are of two passes.
-    Raises PointError."""
-    y = points[:, 0]
-    low, high = np.quantile(y, (0.25, 0.75))
-    outer = np.flatnonzero((y < low) | (y > high))
-    turns = outer[1:][np.diff(np.sign(y[outer] - (low + high) / 2)) != 0]
-    mixed = np.mean(np.abs(np.diff(order)) > 1) > 0.5
-    if mixed and 2 <= len(turns) <= len(y) / PASS:
-        text = "runs over the same place twice, at the latest here; give one pass"
-        raise PointError(text, points[turns[1]])
+    count, off, (y, z) = found
+    stand = "1 point stands off by" if count == 1 else f"{count} points stand off by up to"
+    line = _line(table, points, np.array([y, z]))
+    return [f"WARNING: {stand} {off:.2g} mm at y = {y:.1f}, line {line}: taken for shape"]
 
 
 def _longest(faces: NDArray[np.bool_]) -> slice:

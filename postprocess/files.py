@@ -9,7 +9,7 @@ import meshio
 
 from railhead.meshing.tags import BODIES
 from railhead.postprocess import export
-from railhead.postprocess.findings import Findings
+from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.mirror import whole_grid
 from railhead.postprocess.stress import nodal
 from railhead.solver.gather import Fields
@@ -17,12 +17,13 @@ from railhead.solver.solution import Rubbing
 
 
 def write(
-    fields: Fields, found: Findings, residual: Fields | None, rubbing: Rubbing | None,
-    folder: Path, *, whole: bool = False,
+    fields: Fields, stress: Array, found: Findings, residual: Fields | None,
+    rubbing: Rubbing | None, folder: Path, *, whole: bool = False,
 ) -> None:  # fmt: skip
     """solution.vtu and contact.vtu; with the state after the load residual.vtu and solution.pvd,
-    with friction traction.vtu. whole: with the images of what symmetry left out. OSError."""
-    for name, grid in _grids(fields, found, residual, rubbing):
+    with friction traction.vtu. stress (n, 6): of the fields, as `stress.nodal` reads it; whole:
+    with the images of what symmetry left out. OSError."""
+    for name, grid in _grids(fields, stress, found, residual, rubbing):
         shown = whole_grid(grid, fields.mirrors) if whole else grid
         export.write(shown, folder / f"{name}.vtu")
     if residual is not None:
@@ -31,7 +32,11 @@ def write(
 
 
 def _grids(
-    fields: Fields, found: Findings, residual: Fields | None, rubbing: Rubbing | None
+    fields: Fields,
+    stress: Array,
+    found: Findings,
+    residual: Fields | None,
+    rubbing: Rubbing | None,
 ) -> Iterator[tuple[str, meshio.Mesh]]:
     """One after the other, by name."""
     surfaces = {fields.slave: found.surface}
@@ -39,7 +44,7 @@ def _grids(
         (master,) = BODIES.keys() - surfaces.keys()
         surfaces[master] = found.opposite
     yield "contact", export.contact_grid(surfaces)
-    yield "solution", export.volume_grid(fields, nodal(fields))
+    yield "solution", export.volume_grid(fields, stress)
     if residual is not None:
         yield "residual", export.volume_grid(residual, nodal(residual))
     if rubbing is not None:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import meshio
 
-from railhead.postprocess import export, plots, render, section_plots, stress
-from railhead.postprocess.findings import Findings
+from railhead.postprocess import export, plots, render, section_plots
+from railhead.postprocess.findings import Array, Findings
 from railhead.solver.gather import Fields
 from railhead.theory import thesis
 from railhead.theory.contacts import Hertz
@@ -17,14 +17,15 @@ from railhead.theory.line import LineContact
 
 def draw(
     fields: Fields,
+    stresses: Array,
     found: Findings,
     ellipse: Hertz,
     poisson: float,
     folder: Path,
 ) -> tuple[meshio.Mesh, meshio.Mesh]:
-    """Write the PNG files: six, four of a section. Returns what they show: cells, and the surface
+    """Write the PNG files: six, four of a section. stresses (n, 6): of the fields, as
+    `stress.nodal` reads them. Returns what they show: cells, and the surface
     that the pressure was found on."""
-    stresses = stress.nodal(fields)
     volume = export.volume_grid(fields, stresses)
     contact = export.contact_grid({fields.slave: found.surface})
     # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.

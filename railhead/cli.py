@@ -111,15 +111,21 @@ def run(
     folder = out if out is not None else Path("results") / scene.name
     results.check_folder(folder)
 
-    from railhead import api, launch, refine, report, screen
+    from railhead import api, launch
+    from railhead.planning import plan as planning
 
+    start = time.perf_counter()
+    planned = planning.make(api.asked(scene, accuracy, budget))
     if not launch.started():
-        count = ranks or launch.suited(api.asked(scene, accuracy, budget))
+        count = ranks or launch.suited(planned)
         if count > 1:
             return launch.again(count, arguments)
+
+    from railhead import refine, report, screen
+
     quiet = quiet or as_json
-    start = time.perf_counter()
-    result = api.solve(scene, accuracy=accuracy, budget=budget, quiet=quiet)
+    with refine.telling(quiet=quiet, since=start) as progress:
+        result = refine.solve(planned, progress)
     first, problem = result.mesh.comm.rank == 0, None
     with refine.telling(quiet=quiet, since=start) as progress:
         progress.stage("writing files" + ("" if no_pictures else " and pictures"))

@@ -12,9 +12,9 @@ from contextlib import suppress
 import psutil
 
 from railhead import process
-from railhead.planning import plan as planning
+from railhead.planning.plan import Plan
 from railhead.planning.price import price
-from railhead.scene.scene import Scene, SceneError
+from railhead.scene.scene import SceneError
 
 WORTH = 75_000  # unknowns a process: with fewer, starting it costs more than it brings
 INSIDE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")  # what launchers of MPI leave behind
@@ -25,13 +25,12 @@ def started() -> bool:
     return any(name in os.environ for name in INSIDE)
 
 
-def suited(scene: Scene) -> int:
-    """Processes for the finest mesh of a scene, on the physical cores that this one may use; one
-    where there is no mpirun. Raises SceneError."""
+def suited(plan: Plan) -> int:
+    """Processes for the finest mesh of a plan, on the physical cores that this one may use; one
+    where there is no mpirun."""
     cores = min(psutil.cpu_count(logical=False) or 1, len(os.sched_getaffinity(0)))
     if cores == 1 or shutil.which("mpirun") is None:
         return 1
-    plan = planning.make(scene)
     asked = plan.scene.accuracy is not None
     unknowns = price(plan, plan.resolution)[0] if asked else plan.unknowns
     return max(1, min(cores, unknowns // WORTH))

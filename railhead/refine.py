@@ -32,8 +32,11 @@ def run(
     scene: Scene, progress: Progress | None = None, comm: MPI.Intracomm = MPI.COMM_WORLD
 ) -> Result:
     """Solve a scene. Raises SceneError for a scene that makes no contact problem, MeshError."""
-    progress = progress or Progress(quiet=True)
-    plan = planning.make(scene)
+    return solve(planning.make(scene), progress or Progress(quiet=True), comm)
+
+
+def solve(plan: Plan, progress: Progress, comm: MPI.Intracomm = MPI.COMM_WORLD) -> Result:
+    """Solve what is planned. Raises SceneError for a mesh that does not fit, MeshError."""
     levels, ending = _solve(plan, progress, comm)
     if why := unforeseen(levels[-1], comm):
         levels, ending = _solve(plan.turned_on("plasticity", why), progress, comm)

@@ -22,7 +22,7 @@ from railhead.scene.scene import SceneError
 if TYPE_CHECKING:
     import meshio
 
-    from railhead.postprocess.findings import Findings
+    from railhead.postprocess.findings import Array, Findings
     from railhead.result import Result
 
 Page = Callable[[Path, "Findings | None", "tuple[meshio.Mesh, meshio.Mesh] | None"], None]
@@ -141,15 +141,18 @@ def _exchange(one: Path, other: Path) -> None:
     os.rename(aside, one)
 
 
-def write_grids(result: Result, folder: Path, *, whole: bool = False) -> None:
-    """Write the files for ParaView, of which there are none where nothing touches."""
-    from railhead.postprocess import files
+def write_grids(result: Result, folder: Path, *, whole: bool = False) -> Array | None:
+    """Write the files for ParaView and return the stresses at the nodes (n, 6), MPa; None, and
+    no files, where nothing touches."""
+    from railhead.postprocess import files, stress
 
-    left, found = result.level.left, result.findings
-    if result.fields is not None and found is not None:
-        residual = None if left is None else left.residual
-        rubbing = result.level.solution.rubbing
-        files.write(result.fields, found, residual, rubbing, folder, whole=whole)
+    left, found, fields = result.level.left, result.findings, result.fields
+    if fields is None or found is None:
+        return None
+    residual = None if left is None else left.residual
+    stresses, rubbing = stress.nodal(fields), result.level.solution.rubbing
+    files.write(fields, stresses, found, residual, rubbing, folder, whole=whole)
+    return stresses
 
 
 def write(
@@ -168,12 +171,12 @@ def write(
                 f"{name.replace('_', ' ')}: {each.why}" for name, each in after if each.needed
             )
             found = replace(found, notes=needed, subject=subject(result.plan, result.load))
-        write_grids(result, work, whole=whole)
+        stresses = write_grids(result, work, whole=whole)
         left, rubbing, fields = result.level.left, result.level.solution.rubbing, result.fields
         residual = None if left is None else left.residual
-        if fields is not None and found is not None and pictures:
+        if fields is not None and found is not None and stresses is not None and pictures:
             poisson, elastic = result.plan.shown.poisson_ratio, result.level.plain
-            grids = gallery.draw(fields, found, result.ellipse, poisson, work)
+            grids = gallery.draw(fields, stresses, found, result.ellipse, poisson, work)
             if residual is not None and elastic is not None and elastic.findings:
                 exact = result.ellipse if len(found.patch.each) < 2 else None
                 plastic_plots.draw(

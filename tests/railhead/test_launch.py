@@ -3,11 +3,13 @@
 import json
 import os
 
+import outside
 import psutil
 import pytest
 
 from railhead import catalogue, launch
 from railhead.cli import main
+from railhead.planning import plan
 
 THESIS = catalogue.find("hertz_ellipse")
 
@@ -17,9 +19,8 @@ def eight(monkeypatch) -> None:
     """A machine with eight cores, none of them started by MPI."""
     monkeypatch.setattr(psutil, "cpu_count", lambda logical=True: 8)
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(8)))
-    for name in list(os.environ):  # a process that has initialised MPI leaves more than INSIDE
-        if name.startswith(("OMPI_", "PMIX_", "ORTE_")):
-            monkeypatch.delenv(name)
+    for name in os.environ.keys() - outside.environment().keys():
+        monkeypatch.delenv(name)
 
 
 @pytest.mark.parametrize(
@@ -29,11 +30,11 @@ def eight(monkeypatch) -> None:
     ids=["default", "fine", "accurate", "finer"],
 )  # fmt: skip
 def test_large_meshes_are_worth_more_processes(eight, asked, least, most) -> None:
-    assert least <= launch.suited(THESIS.replace(asked)) <= most
+    assert least <= launch.suited(plan.make(THESIS.replace(asked))) <= most
 
 
 def test_no_more_than_the_process_may_use(eight, monkeypatch) -> None:
-    fine = THESIS.replace(["mesh.patch_size=0.1"])
+    fine = plan.make(THESIS.replace(["mesh.patch_size=0.1"]))
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {3, 4, 5})
     assert launch.suited(fine) == 3
     monkeypatch.setattr(launch.shutil, "which", lambda _: None)

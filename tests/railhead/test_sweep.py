@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from xml.etree import ElementTree
 
+import outside
 import pytest
 import pyvista
 
@@ -27,7 +28,6 @@ SHIFTS = "wheelset.shift=0:10:0.5mm"
 ROLLER = ("long_roller", "--set", "mesh.patch_size=0.4", "--quiet")
 COMMAND = [sys.executable, "-c", "from railhead.cli import main; main()", "sweep"]
 KEYS = {"load": "load [N]", "wheel.rolling_radius": "wheel.rolling_radius [mm]"}
-ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 
 
 def sweep(*arguments: str) -> int:
@@ -394,12 +394,12 @@ def test_a_kill_loses_only_what_was_running(tmp_path: Path) -> None:
 
 def test_two_ranks_give_the_same_table(swept: Path, tmp_path: Path) -> None:
     """The first gives the work, the other does it."""
-    own = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_"))}
     over = ("--over", "load=50kN,80kN,110kN", "--over", "wheel.rolling_radius=420mm,460mm")
     done = subprocess.run(
         ["mpirun", "--oversubscribe", "-n", "2", *COMMAND, *ROLLER, *over, "--no-pictures",
          "--out", str(tmp_path / "out")],
-        env=own | ROOT, capture_output=True, text=True, timeout=300, check=False,
+        env=outside.environment() | outside.ROOT, capture_output=True, text=True, timeout=300,
+        check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     for one, two in zip(rows(swept), rows(tmp_path / "out"), strict=True):

@@ -1,17 +1,15 @@
 """One rank and two give the same numbers."""
 
 import json
-import os
 import subprocess
 import sys
 from pathlib import Path
 
+import outside
 import pytest
 
 
 def solved(ranks: int, folder: Path, *assignments: str, case: str = "uic54_thesis") -> dict:
-    own = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_"))}
-    root = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
     command = [
         *(["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []),
         sys.executable, "-c", "from railhead.cli import main; main()",
@@ -19,8 +17,9 @@ def solved(ranks: int, folder: Path, *assignments: str, case: str = "uic54_thesi
         *(part for text in assignments for part in ("--set", text)),
     ]  # fmt: skip
     done = subprocess.run(
-        command, cwd=folder, env=own | root, capture_output=True, timeout=300, check=False
-    )
+        command, cwd=folder, env=outside.environment() | outside.ROOT, capture_output=True,
+        timeout=300, check=False,
+    )  # fmt: skip
     assert done.returncode == 0, done.stderr
     return json.loads((folder / f"ranks{ranks}" / "summary.json").read_text())
 

@@ -7,6 +7,7 @@ import sys
 import time
 from pathlib import Path
 
+import outside
 import pytest
 
 COMMAND = "from railhead.start import main; main()"
@@ -45,9 +46,9 @@ FINE = ["run", "hertz_ellipse", "--set", "mesh.patch_size=0.2", "--no-pictures"]
 
 
 def start(folder: Path, script: str, *arguments: str) -> subprocess.Popen[str]:
-    own = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "ORTE_"))}
     return subprocess.Popen(
-        [sys.executable, "-c", script, *arguments, "--out", str(folder / "out")], env=own,
+        [sys.executable, "-c", script, *arguments, "--out", str(folder / "out")],
+        env=outside.environment(),
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=folder,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a job in the background
     )  # fmt: skip

@@ -1,0 +1,69 @@
+"""What gauges do that is no shape: places scanned twice, y too coarse, points that stand off."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.meshing.smoothing import PointError, Smoothed, standing_off
+
+Array = NDArray[np.float64]
+SPIKE, APART = 20.0, 0.05  # times the noise, and mm, that a point stands off at least ...
+BEND = 0.1  # ... and times the squared distance to its neighbours: 1/mm, an edge of R1.25
+REPEATED = 0.75  # of the y in the middle half are different, at least, or y repeats ...
+COARSE = 0.1  # mm: ... and is too coarse where the points at one y are farther apart in height
+PASS = 20  # points between two turns of a gauge that goes there and back, at least
+
+
+def once(points: Array) -> Array:
+    """Points (n, 2) with those that follow each other at the same y averaged if y repeats: in the
+    middle half of the width, where no face is vertical, too few are different. Raises PointError
+    where such points are far apart in height: y is rounded too coarsely."""
+    y = points[:, 0]
+    middle = y[np.abs(y - (y.min() + y.max()) / 2) < np.ptp(y) / 4]
+    if len(np.unique(middle)) >= REPEATED * len(middle):
+        return points
+    starts = np.flatnonzero(np.concatenate([[True], np.diff(y) != 0]))
+    counts = np.diff(np.append(starts, len(y)))
+    high, low = (each.reduceat(points[:, 1], starts) for each in (np.maximum, np.minimum))
+    if np.quantile(high - low, 0.9) > COARSE:
+        text = "has rounded y: points at the same y are up to "
+        worst = int(np.argmax(high - low))
+        raise PointError(f"{text}{(high - low)[worst]:.2g} mm apart in height; give more digits",
+                         points[starts[worst]])  # fmt: skip
+    return np.asarray(np.add.reduceat(points, starts) / counts[:, None])
+
+
+def in_order(points: Array) -> Array:
+    """As in the file, or by y where that is the shorter way; from left to right."""
+    order = np.argsort(points[:, 0], kind="stable")
+    ways = (points, points[order])
+    lengths = [np.linalg.norm(np.diff(way, axis=0), axis=1).sum() for way in ways]
+    if lengths[1] < lengths[0]:
+        _refuse_passes(points, order)
+    way = ways[int(lengths[1] < lengths[0])]
+    return way if way[-1, 0] > way[0, 0] else way[::-1]
+
+
+def _refuse_passes(points: Array, order: NDArray[np.intp]) -> None:
+    """A gauge that went there and back: few turns, but most neighbours across are of two passes.
+    Raises PointError."""
+    y = points[:, 0]
+    low, high = np.quantile(y, (0.25, 0.75))
+    outer = np.flatnonzero((y < low) | (y > high))
+    turns = outer[1:][np.diff(np.sign(y[outer] - (low + high) / 2)) != 0]
+    mixed = np.mean(np.abs(np.diff(order)) > 1) > 0.5
+    if mixed and 2 <= len(turns) <= len(y) / PASS:
+        text = "runs over the same place twice, at the latest here; give one pass"
+        raise PointError(text, points[turns[1]])
+
+
+def spikes(smoothed: Smoothed, facing: NDArray[np.bool_]) -> tuple[int, float, Array] | None:
+    """How many of the points that take part, `facing` (n,), stand off where their neighbours are,
+    by how much at most (mm), and where that one is (2,); None where none does."""
+    off = standing_off(smoothed.points) * facing
+    spacing = smoothed.length / (len(smoothed.points) - 1)
+    count = np.count_nonzero(off > max(SPIKE * smoothed.noise, APART, BEND * spacing**2))
+    if not count:
+        return None
+    return count, float(off.max()), smoothed.points[np.argmax(off)]
