@@ -11,6 +11,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 from petsc4py import PETSc
 
+from railhead.solver import compat
 from railhead.solver.problem import ContactProblem, Mask
 
 DIRECT_BELOW = 12_000  # unknowns; below, a factorisation is the cheapest preconditioner
@@ -33,8 +34,8 @@ class Preconditioner(ABC):
     change of the active area since the set-up, over that area, that calls for a new one.
     """
 
-    pc: PETSc.PC
-    operator: PETSc.Mat
+    pc: PETSc.PC | None = None
+    operator: PETSc.Mat | None = None
     flexible: bool = False
     stale: float = 0.1
 
@@ -54,7 +55,9 @@ class Preconditioner(ABC):
         return True
 
     def renew(self, active: Mask) -> None:
-        """Set up for exactly these active points."""
+        """Set up for exactly these active points; the last set-up is given back before."""
+        self.pc = self.operator = None
+        compat.collect(self.problem.stiffness.comm.tompi4py())
         self.set_up(active)
         self.active = active
 
@@ -154,4 +157,5 @@ def solve(
         fresh = True
     if iterations > MANY:
         preconditioner.active = None
+    compat.collect(problem.stiffness.comm.tompi4py())
     return iterations

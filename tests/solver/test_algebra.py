@@ -1,5 +1,6 @@
 """Constraints, transfer, tangent, energy, preconditioners: the algebra of the contact problem."""
 
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -236,6 +237,32 @@ def test_a_preconditioner_that_is_not_definite_is_no_reason_to_stall(models) -> 
     product = rhs.duplicate()
     problem.tangent(active).mult(out, product)
     assert (product - rhs).norm() < 1e-7 * rhs.norm()
+
+
+def test_a_set_up_is_given_back_before_the_next_one(models) -> None:
+    """However often a preconditioner is renewed, one set-up is in memory."""
+    alive: weakref.WeakSet[object] = weakref.WeakSet()
+    before = []
+
+    class Held:
+        def apply(self, _: PETSc.PC, x: PETSc.Vec, y: PETSc.Vec) -> None:
+            x.copy(y)
+
+    class Counted(linear.Preconditioner):
+        def set_up(self, active) -> None:
+            before.append(len(alive))
+            alive.add(held := Held())
+            self.operator = self.problem.tangent(active)
+            self.pc = PETSc.PC().create(self.operator.comm)
+            self.pc.setType("python")
+            self.pc.setPythonContext(held)
+            self.pc.setOperators(self.operator)
+
+    preconditioner = Counted(models(linear="direct").problem)
+    radius = np.linalg.norm(models().interface.points, axis=1)
+    for limit in (1.0, 3.0, 1.0, 3.0):
+        assert preconditioner.suit(radius < limit)
+    assert before == [0, 0, 0, 0]
 
 
 @pytest.mark.parametrize(
