@@ -7,6 +7,7 @@ ones to p-multigrid (`solver.multigrid`).
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 
 import numpy as np
 from petsc4py import PETSc
@@ -115,9 +116,25 @@ def krylov(problem: ContactProblem, preconditioner: Preconditioner) -> PETSc.KSP
     return ksp
 
 
+class _Enough:
+    """Convergence test of conjugate gradients, whose solution is at hand in every iteration."""
+
+    def __init__(self, least: float, enough: Callable[[PETSc.Vec], float]) -> None:
+        self.least, self.enough = least, enough
+
+    def __call__(self, ksp: PETSc.KSP, iteration: int, residual: float) -> int:
+        reason = PETSc.KSP.ConvergedReason
+        if not np.isfinite(residual):
+            return int(reason.DIVERGED_NANORINF)
+        if residual <= self.least or (iteration and residual <= self.enough(ksp.getSolution())):
+            return int(reason.CONVERGED_RTOL)
+        return int(reason.ITERATING)
+
+
 def general(ksp: PETSc.KSP) -> None:
     """From conjugate gradients to GMRES, which needs no definite preconditioner."""
     ksp.setType("fgmres")
+    ksp.setConvergenceTest(None)
     ksp.setPCSide(PETSc.PC.Side.RIGHT)
 
 
@@ -128,16 +145,20 @@ def solve(
     rhs: PETSc.Vec,
     out: PETSc.Vec,
     rtol: float,
+    enough: Callable[[PETSc.Vec], float] | None = None,
 ) -> int:
     """Solve with the tangent at these active points; returns the Krylov iterations.
 
-    Raises StalledError where even a preconditioner for exactly these points does not get there.
+    enough: x -> a residual (N) that conjugate gradients need not fall below at x. Raises
+    StalledError where even a preconditioner for exactly these points does not get there.
     """
     fresh = preconditioner.suit(active)
     operator = problem.tangent(active)
     ksp = krylov(problem, preconditioner)
     iterations = 0
     ksp.setTolerances(rtol=rtol, atol=0.0, max_it=KRYLOV_LIMIT)
+    if enough is not None and problem.symmetric:
+        ksp.setConvergenceTest(_Enough(rtol * rhs.norm(), enough))
     while True:
         ksp.setPC(preconditioner.pc)
         ksp.setOperators(operator, preconditioner.operator)

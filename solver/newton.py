@@ -17,8 +17,10 @@ from railhead.solver.linear import Preconditioner, StalledError
 from railhead.solver.problem import ContactProblem, Mask
 
 ROUNDING = 100 * np.finfo(float).eps  # of diag(K) y: what the residual cannot fall below
-FIRST, LOOSE = 1e-4, 1e-2  # tolerances of the first linear solve and of those far from the solution
-FAR = 3e-3  # residual below which the active set hardly changes: the next linear solve is the last
+FIRST, LOOSE = 1e-4, 1e-2  # where the tangent changes within an active set: tolerances of the first
+# linear solve and of those far from the solution, ...
+FAR = 3e-3  # ... which are those with a larger residual than this
+TIGHT = 0.3  # of what is left to reach, that a linear solve may leave
 OVERSHOOT = 0.3  # slope past the minimum, relative to the slope at the start, that is let pass
 CYCLES = 3  # times an active set may come back before the method gives up
 CONVERGED = "residual below tolerance"
@@ -85,11 +87,11 @@ def solve(
 ) -> NewtonResult:
     """Solve R(y) = 0 from a state, or from the linear problem in which exactly `active` touches.
 
-    rtol: residual over the contact force. Only the linear system of the last step is solved to
-    full accuracy: what the others leave is small against the change of the active set, and against
-    the square of the step where the tangent changes between two sets. The
-    symmetric methods have a convex energy, along which an exact line search stops overshoots; the
-    others halve their steps when an active set comes back.
+    rtol: residual over the contact force. No linear system is solved further than to what the
+    change of the active set by its solution leaves in R (inexact Newton), nor, where the tangent
+    changes within a set, than to the square of the step. The symmetric methods have a convex
+    energy, along which an exact line search stops overshoots; the others halve their steps when an
+    active set comes back.
     """
     comm = problem.stiffness.comm.tompi4py()
     result = NewtonResult(problem.force.duplicate(), np.zeros(len(active)), "too many Newton steps")
@@ -103,10 +105,12 @@ def solve(
             start.copy(y)
         else:
             iterations = linear.solve(
-                problem, preconditioner, active, problem.predictor(active), y, FIRST
-            )
+                problem, preconditioner, active, problem.predictor(active), y,
+                FIRST if problem.curved else TIGHT * rtol, problem.changes(active, -problem.offset),
+            )  # fmt: skip
         for step in range(1, max_steps + 1):
-            result.pressure = pressure = problem.pressure(y)
+            indicator = problem.indicator(y)
+            result.pressure = pressure = np.maximum(indicator, 0.0)
             residual = problem.residual(y, pressure)
             scale = problem.contact_force(pressure)
             norm = residual.norm() / scale if scale else float("inf")
@@ -133,13 +137,14 @@ def solve(
                 return result
             if step == max_steps:
                 return result
-            near = norm if problem.curved else 0.0
-            tolerance = max(0.3 * rtol / norm, LOOSE if norm > FAR else near)
+            tolerance = TIGHT * rtol / norm
+            if problem.curved:
+                tolerance = max(tolerance, LOOSE if norm > FAR else norm)
             increment = problem.force.duplicate()
             iterations = linear.solve(
-                problem, preconditioner, active, residual, increment, tolerance
-            )
-            increment.scale(-1.0)
+                problem, preconditioner, active, -residual, increment, tolerance,
+                problem.changes(active, indicator),
+            )  # fmt: skip
             if problem.law.symmetric:
                 length = line_search(problem, y, increment)
             else:

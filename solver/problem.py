@@ -174,6 +174,18 @@ class ContactProblem:
         add_transposed(self.test_trace, self.weight * pressure, force)
         return float(force.norm())
 
+    def changes(self, active: Mask, indicator: Array) -> Callable[[PETSc.Vec], float]:
+        """x -> |Bt^T w (p - A q)|, N: what R(y + x) holds for other points than the active ones
+        touching at y + x. indicator (n,): q = -(B y + c) at y."""
+
+        def left(x: PETSc.Vec) -> float:
+            q = indicator - (self.trace * x).array
+            out = self.stiffness.vector()
+            add_transposed(self.test_trace, self.weight * (np.maximum(q, 0.0) - active * q), out)
+            return float(out.norm())
+
+        return left
+
     def tangent(self, active: Mask) -> PETSc.Mat:
         """The tangent as an operator (nothing is assembled)."""
         return self.shell(Tangent(self, active))

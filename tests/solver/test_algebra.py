@@ -93,6 +93,39 @@ def test_tangent_is_the_derivative_of_the_residual(models, law) -> None:
 
 
 @pytest.mark.parametrize("law", LAWS, ids=IDS)
+def test_what_other_points_leave_is_the_error_of_the_linear_problem(models, law) -> None:
+    """|R(y + x) - R(y) - T x| where points change sides along x."""
+    problem, solution = loaded(models(law))
+    y = solution.newton.y
+    x = -0.3 * y
+    indicator = problem.indicator(y)
+    active = indicator > 0
+    moved = y + x
+    after = problem.indicator(moved)
+    assert np.any((after > 0) != active)
+    linearised = problem.residual(y, problem.pressure(y)) + problem.tangent(active) * x
+    error = problem.residual(moved, problem.pressure(moved)) - linearised
+    left = problem.changes(active, indicator)(x)
+    assert left > 0
+    assert abs(left - error.norm()) < 1e-8 * error.norm()
+
+
+def test_a_linear_solve_ends_where_it_is_enough(models) -> None:
+    """At the residual that is asked for, at the latest at the tolerance."""
+    problem, _ = loaded(model := models(linear="multigrid"))
+    active = np.linalg.norm(model.interface.points, axis=1) < 3.0
+    rhs, out = problem.predictor(active), problem.force.duplicate()
+    left = []
+    for enough in (1e-2, 1e-4, 0.0):
+        limit = enough * rhs.norm()
+        linear.solve(problem, model.preconditioner, active, rhs, out, 1e-7, lambda _, a=limit: a)
+        left.append((problem.tangent(active) * out - rhs).norm() / rhs.norm())
+    assert left[0] <= 1e-2 < 1e3 * left[0]
+    assert left[1] <= 1e-4 < 1e3 * left[1]
+    assert left[2] <= 1e-7
+
+
+@pytest.mark.parametrize("law", LAWS, ids=IDS)
 def test_coarse_tangent_is_the_galerkin_product(models, law) -> None:
     """Filled anew for another active set, it is Q^T T Q of the assembled tangent T."""
     model = models(law, linear="multigrid")
