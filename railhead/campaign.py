@@ -23,6 +23,7 @@ from railhead import (
     sweep_table,
 )
 from railhead.planning import plan as planning
+from railhead.planning import price
 from railhead.planning.plan import Plan
 from railhead.progress import Bar, Progress
 from railhead.scene.scene import Scene, SceneError
@@ -151,7 +152,7 @@ def _solve(
             target = records.grids(folder, group[place])
             target.mkdir(exist_ok=True)
             results.write_grids(found, target)
-        if isinstance(found, refine.NoMemoryError):  # another time it may fit
+        if isinstance(found, price.NoMemoryError):  # another time it may fit
             short[group[place]] = str(found)
             continue
         records.write(folder, group[place], sweep_table.record(found))

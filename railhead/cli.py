@@ -112,11 +112,14 @@ def run(
     results.check_folder(folder)
 
     from railhead import api, launch
+    from railhead.planning import machine, price
     from railhead.planning import plan as planning
 
     start = time.perf_counter()
     planned = planning.make(api.asked(scene, accuracy, budget))
     if not launch.started():
+        if planned.scene.one_mesh:
+            price.check_memory(planned, machine.free_memory())
         count = ranks or launch.suited(planned)
         if count > 1:
             return launch.again(count, arguments)
@@ -331,18 +334,25 @@ def _status(arguments: Sequence[str] | None) -> int:
 
         if not isinstance(error, MeshError):
             raise
-        click.echo(f"railhead: NOT MESHED: {error}", err=True)
+        _say(f"NOT MESHED: {error}")
         return CHECK_FAILED
 
 
+def _say(text: str) -> None:
+    """To standard error, once by all processes of MPI."""
+    mpi = sys.modules.get("mpi4py.MPI")
+    if mpi is None or mpi.COMM_WORLD.rank == 0:
+        click.echo(f"railhead: {text}", err=True)
+
+
 def _refuse(text: str) -> int:
-    click.echo(f"railhead: {' '.join(text.split())}", err=True)
+    _say(" ".join(text.split()))
     return WRONG_INPUT
 
 
 def _not_written(error: OSError) -> int:
     where = f"{error.filename}: " if error.filename else ""
-    click.echo(f"railhead: NOT WRITTEN: {where}{error.strerror or error}", err=True)
+    _say(f"NOT WRITTEN: {where}{error.strerror or error}")
     return CHECK_FAILED
 
 

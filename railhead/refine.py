@@ -9,13 +9,12 @@ from mpi4py import MPI
 
 from railhead import estimates
 from railhead.level import Level, solve_level
-from railhead.planning import laws, machine
+from railhead.planning import laws, machine, price
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
-from railhead.planning.price import affordable
 from railhead.progress import Progress
 from railhead.result import Result
-from railhead.scene.scene import Rail, Scene, SceneError, Wheel
+from railhead.scene.scene import Rail, Scene, Wheel
 from railhead.summary import Ending, summarise
 
 MAX_LEVELS = 5
@@ -25,7 +24,6 @@ STEP_ERROR = 2.5  # times the change with twice the load steps: at order 0.86, w
 # from 4 to 64 steps (largest pressure of a sphere at five times its first-yield load), 2.2
 STEPPING = 0.4  # of the asked accuracy: what load steps may take
 MOST_STEPS = 16  # times the usual number
-MEMORY_SHARE = 0.8  # of the free memory that a run may take
 
 
 def run(
@@ -50,8 +48,8 @@ def result(levels: list[Level], ending: Ending, comm: MPI.Intracomm) -> Result:
 
 
 def _solve(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[Level], Ending]:
-    if plan.scene.accuracy is None and plan.scene.budget is None:
-        _check_memory(plan, comm.bcast(machine.free_memory()))
+    if plan.scene.one_mesh:
+        price.check_memory(plan, comm.bcast(machine.free_memory()))
         return [solve_level(plan, plan.grading(), progress, comm)], Ending(ONE_MESH)
     return _refine(plan, progress, comm)
 
@@ -96,7 +94,7 @@ def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[L
     scene, known = plan.scene, plan.family
     wanted = plan.resolution
     if scene.budget is not None:
-        wanted = affordable(plan, wanted)
+        wanted = price.affordable(plan, wanted)
     low = laws.RANGE[0] * (planning.LINEAR_REFINEMENT if plan.order == 1 else 1.0)
     coarse = max(wanted / laws.STEP ** (1 if known else 2), low)
     least = 2
@@ -184,24 +182,9 @@ def _next(levels: list[Level], worst: float, wanted: float) -> tuple[float, bool
     return wanted, known.covers(wanted, [each.resolution for each in levels])
 
 
-class NoMemoryError(SceneError):
-    """A mesh does not fit into the memory that is free now."""
-
-
-def _check_memory(plan: Plan, free: int) -> None:
-    """Refuse a first mesh that would not fit into the free memory (bytes)."""
-    need = machine.memory(plan.unknowns)
-    if need > MEMORY_SHARE * free:
-        raise NoMemoryError(
-            "mesh.patch_size",
-            f"{plan.patch_size:.3g} mm makes about {plan.unknowns:.2g} unknowns, which need "
-            f"{need / 1e9:.3g} GB of {free / 1e9:.3g} GB free; give a larger one",
-        )
-
-
 def _obstacle(scene: Scene, cost: tuple[int, float], spent: float) -> str:
     """Why a mesh of that cost (unknowns, seconds) is not solved; empty if it is."""
-    if machine.memory(cost[0]) > MEMORY_SHARE * machine.free_memory():
+    if machine.memory(cost[0]) > price.MEMORY_SHARE * machine.free_memory():
         return f"memory: the next mesh needs about {machine.memory(cost[0]) / 1e9:.1f} GB"
     if scene.budget is not None and spent and machine.START + spent + cost[1] > scene.budget:
         return f"budget: the next mesh needs about {cost[1]:.0f} s"

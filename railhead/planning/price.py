@@ -4,8 +4,25 @@ from __future__ import annotations
 
 from railhead.planning import laws, machine
 from railhead.planning.plan import Plan
+from railhead.scene.scene import SceneError
 
 BUDGET_SHARE = 0.85  # of the budget that the prediction may fill
+MEMORY_SHARE = 0.8  # of the free memory that a run may take
+
+
+class NoMemoryError(SceneError):
+    """A mesh does not fit into the memory that is free now."""
+
+
+def check_memory(plan: Plan, free: int) -> None:
+    """Refuse a first mesh that would not fit into the free memory (bytes): NoMemoryError."""
+    need = machine.memory(plan.unknowns)
+    if need > MEMORY_SHARE * free:
+        raise NoMemoryError(
+            "mesh.patch_size",
+            f"{plan.patch_size:.3g} mm makes about {plan.unknowns:.2g} unknowns, which need "
+            f"{need / 1e9:.3g} GB of {free / 1e9:.3g} GB free; give a larger one",
+        )
 
 
 def price(plan: Plan, n: float) -> tuple[int, float]:

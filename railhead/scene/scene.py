@@ -138,6 +138,11 @@ class Scene(Section):
         return self
 
     @property
+    def one_mesh(self) -> bool:
+        """Whether nothing asks for finer ones."""
+        return self.accuracy is None and self.budget is None
+
+    @property
     def tangential(self) -> tuple[str, float, float]:
         """Table and components of the given tangential forces, N."""
         if self.rolling.given:

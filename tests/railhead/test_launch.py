@@ -2,6 +2,8 @@
 
 import json
 import os
+import subprocess
+import sys
 
 import outside
 import psutil
@@ -54,6 +56,24 @@ def test_no_more_than_there_are_processors(eight, capsys, tmp_path, monkeypatch)
         main(["run", "long_roller", "--ranks", "1000"])
     assert ended.value.code == 2 and os.listdir(tmp_path) == []
     assert capsys.readouterr().err == "railhead: --ranks: 1000 is not allowed; give at most 4\n"
+
+
+def test_processes_of_mpi_refuse_in_one_line() -> None:
+    program = "from mpi4py import MPI; from railhead.cli import main; main(['run', 'nosuch'])"
+    command = ["mpirun", "--quiet", "--oversubscribe", "-n", "2", sys.executable, "-c", program]
+    done = subprocess.run(
+        command, capture_output=True, text=True, env=outside.environment() | outside.ROOT
+    )
+    assert done.returncode == 2
+    assert len(done.stderr.strip().splitlines()) == 1
+
+
+def test_a_mesh_that_does_not_fit_starts_no_processes(eight, capsys, monkeypatch) -> None:
+    monkeypatch.setattr(launch, "again", lambda *_: pytest.fail("started"))
+    with pytest.raises(SystemExit) as ended:
+        main(["run", "hertz_ellipse", "--set", "mesh.patch_size=0.002"])
+    assert ended.value.code == 2
+    assert "GB free" in capsys.readouterr().err
 
 
 def test_two_ranks_on_request(eight, tmp_path, monkeypatch) -> None:
