@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from railhead.studies import calibrate, error_bounds, scaling
+from railhead.studies import calibrate, error_bounds, ranks, scaling
 from railhead.studies.accuracy_cost import page as accuracy_page
 from railhead.studies.hard import page as hard_page
 from railhead.studies.hard.case import Case, Deviation, Measured, Outcome
@@ -128,6 +128,24 @@ def test_scaling_page_says_how_time_grows() -> None:
     text = scaling.page([small, large])
     assert "From 1000 to 10000 unknowns the time per unknown grows by a factor 1.50" in text
     assert "costs 1.60 to 2.00 times one linear elastic solve" in text
+
+
+def test_ranks_page_forecasts_what_is_shared_and_what_is_not() -> None:
+    """Amdahl: of 10 s two take 6, so that 8 are shared; what takes longer with two is not."""
+    one = ranks.Record(1000, 1, 3, 20, 15.0, 2.0, 3.0, 0.0, 10.0, 0.0, 8e6, 0.0)
+    two = ranks.Record(1000, 2, 3, 20, 12.0, 3.0, 3.0, 0.0, 6.0, 0.0, 4e6, 1e5)
+    parts = ranks.forecast(one, two, 8)
+    assert parts == {"start": 2.0, "mesh": 3.0, "assemble": 0.0, "solve": 3.0, "postprocess": 0.0}
+    text = ranks.page([one, two])
+    row = next(line for line in text.splitlines() if line.startswith("| 8 "))
+    cells = [cell.strip() for cell in row.strip("|").split("|")]
+    assert cells == ["8", "2.0", "3.0", "0.0", "3.0", "0.0", "8.0", "1.9", "1", "75"]
+
+
+def test_cut_of_cubes_against_that_of_halves() -> None:
+    assert ranks.cut(2) == 1.0
+    assert ranks.cut(8) == pytest.approx(3 / 4)  # three faces of a quarter of the section
+    assert ranks.cut(64) == pytest.approx(4.5 / 16)
 
 
 def test_hard_cases_page_names_what_fails_and_what_is_refused() -> None:
