@@ -27,6 +27,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from railhead.solver import compat
 from railhead.solver.cells import Array, Index
 from railhead.solver.facets import FacetSet
 from railhead.solver.linear import factorise
@@ -164,6 +165,8 @@ class Condenser:
             for found, matrix in zip(answers, reduced, strict=True):
                 product = matrix.matMult(x)  # which its array does not keep alive
                 found.append(product.getDenseArray().copy())
+            del x, product
+            compat.collect(self.comm)
         answer, movement, closing = (self._all(np.hstack(found)) for found in answers)
         values = (self.x, weights, self.tangents, problem.tau[self.own])
         points, weights, along, tau = (self._all(each) for each in values)
