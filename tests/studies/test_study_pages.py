@@ -123,11 +123,12 @@ def test_verdict_on_estimates_counts_what_holds_and_what_is_missing() -> None:
 
 
 def test_scaling_page_says_how_time_grows() -> None:
-    small = scaling.Record(0.5, 1000, 1.0, 3, 20, 0.5, 1.0, 400_000_000)
-    large = scaling.Record(0.2, 10_000, 15.0, 3, 24, 5.0, 8.0, 500_000_000)
+    small = scaling.Record(0.5, 1000, 1.0, 3, 20, 0.5, 0.8, 1.0, 400_000_000)
+    large = scaling.Record(0.2, 10_000, 15.0, 3, 24, 5.0, 6.4, 8.0, 500_000_000)
     text = scaling.page([small, large])
     assert "From 1000 to 10000 unknowns the time per unknown grows by a factor 1.50" in text
     assert "costs 1.60 to 2.00 times one linear elastic solve" in text
+    assert "1.25 to 1.25 times one to the residual" in text
 
 
 def test_ranks_page_forecasts_what_is_shared_and_what_is_not() -> None:
