@@ -159,6 +159,7 @@ def depth(
         )
         if ellipse is not None:
             name = f"exact Hertz, {_kind(ellipse)}"
+            name += ", no friction" if findings.subject.rubs else ""
             normal = contacts.axis_stress(ellipse, poisson, fine)
             exact = contacts.axis_extrema(ellipse, poisson)
             peak = exact.tau_max_depth, exact.tau_max

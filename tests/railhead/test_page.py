@@ -78,6 +78,7 @@ def test_one_file_without_a_network(folder: Path) -> None:
     assert all(address.startswith("data:image/png;base64,") for address in found.addresses)
     assert not re.search(r"@import|url\(\s*['\"]?https?:|<link|<script[^>]+src", text)
     assert {"answer", "friction", "checks", "scene", "plan", "left_out"} <= set(found.tables)
+    assert "of the checks is in mm, N and MPa, whatever" in text
     assert not results.foreign(folder)
 
 
