@@ -30,7 +30,7 @@ def subject(plan: Plan, load: float) -> Subject:
     rubs = plan.effects["friction"].on
     end = ", as half-spaces" if contact.half_space else ""
     if rubs:
-        end += f", friction {scene.friction.coefficient:g}"
+        end += f", friction\N{NO-BREAK SPACE}{scene.friction.coefficient:g}"
     along, across = "in the rolling direction", "along the axis" if roller else "across"
     if bar:
         along, across = "along the axes", "across the axes"

@@ -16,7 +16,6 @@ from matplotlib.text import Text
 from railhead.postprocess import (
     export,
     fringes,
-    locate_plot,
     plastic_plots,
     plots,
     render,
@@ -249,4 +248,4 @@ def test_a_strip_of_patches_holds_the_key_with_more_values(
 
 
 def test_signs_are_those_of_the_axes() -> None:
-    assert locate_plot._minus("y = -12.67 mm") == "y = \N{MINUS SIGN}12.67 mm"
+    assert plots.minus("y = -12.67 mm") == "y = \N{MINUS SIGN}12.67 mm"
