@@ -11,7 +11,7 @@ import numpy as np
 from railhead.meshing.placement import Pair, Touch
 from railhead.meshing.wheelset import Placed, Side
 from railhead.postprocess.findings import Array
-from railhead.postprocess.plots import new_figure
+from railhead.postprocess.plots import minus, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,7 +42,7 @@ def profiles(pair: Pair, placed: Placed, path: Path, title: str = "") -> None:
                 colour = FURTHER if number else MARK
                 ax.plot(flip * touch.y, touch.z, "o", color=colour)
                 ax.annotate(
-                    _minus(
+                    minus(
                         f"{'further' if number else 'first'} contact: y = {touch.y:.2f} mm, "
                         f"{np.degrees(touch.angle):.2f}°"
                     ),
@@ -54,7 +54,7 @@ def profiles(pair: Pair, placed: Placed, path: Path, title: str = "") -> None:
                     arrowprops={"arrowstyle": "-", "color": colour},
                 )
             ax.xaxis.set_major_formatter(
-                FuncFormatter(lambda v, _, flip=flip: _minus(f"{flip * v + 0.0:g}"))
+                FuncFormatter(lambda v, _, flip=flip: minus(f"{flip * v + 0.0:g}"))
             )
             for place, align, text in ((0.01, "left", -flip), (0.99, "right", flip)):
                 word = "field side" if text > 0 else "gauge side"
@@ -65,11 +65,6 @@ def profiles(pair: Pair, placed: Placed, path: Path, title: str = "") -> None:
             ax.set_ylim(-36, 34)
         axes[0].set_ylabel("z, mm")
         axes[0].legend(loc="upper left")
-
-
-def _minus(text: str) -> str:
-    """With the sign that axes have."""
-    return text.replace("-", "\N{MINUS SIGN}")
 
 
 def positions(

@@ -126,7 +126,8 @@ def _pressure(axes: Axes, findings: Findings, ellipse: Hertz | None, axis: int, 
     axes.plot(*loaded(line), "o-", color=FE, lw=0.8, ms=3.5, label=name)
     axes.set_xlabel(findings.subject.label(axis))
     if not findings.subject.revolved:
-        axes.set_title(f"cut at {'sx'[axis]} = {line.at + 0.0:.3g} mm", fontsize=11)
+        half = (findings.patch.b, findings.patch.a)[axis]
+        axes.set_title(f"cut at {'sx'[axis]} = {rounded(line.at, half)} mm", fontsize=11)
     if ellipse is not None:
         half = (ellipse.a, ellipse.b)[axis]
         t = half * np.cos(np.linspace(0, np.pi, 181))  # dense at the steep edges
@@ -159,6 +160,7 @@ def depth(
         )
         if ellipse is not None:
             name = f"exact Hertz, {_kind(ellipse)}"
+            name += ", no friction" if findings.subject.rubs else ""
             normal = contacts.axis_stress(ellipse, poisson, fine)
             exact = contacts.axis_extrema(ellipse, poisson)
             peak = exact.tau_max_depth, exact.tau_max
@@ -180,6 +182,16 @@ def depth(
         handles, labels = panels[1].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
     return figure
+
+
+def minus(text: str) -> str:
+    """With the sign that axes have."""
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def rounded(place: float, size: float) -> str:
+    """To three digits, or to 1e-3 of a size, mm."""
+    return minus(f"{place if abs(place) > 1e-3 * size else 0.0:.3g}")
 
 
 def _kind(ellipse: Hertz) -> str:
@@ -235,7 +247,7 @@ def mark_largest(axes: Axes, findings: Findings, across: int) -> None:
         deep = "at the surface" if peak.depth < SURFACE * half else f"{peak.depth:.3g} mm deep"
         label = rf"$\tau_{{max}}$ in the {name}: {peak.value:.4g} MPa, {deep}"
         if across and abs(local[0]) > OFF_CUT * peak.depth:
-            label += f", {local[0]:+.2g} mm {findings.subject.along}"
+            label += minus(f", {local[0]:+.2g} mm ") + findings.subject.along
         marker = "v" if body == "rail" else "^"
         look: dict[str, Any] = {"ms": 10, "mfc": "white", "mec": "black", "ls": "none"}
         axes.plot(local[across], local[2], marker, label=label, **look)

@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 BODIES = {1: "rail", 2: "wheel"}
 COLOURS = {"rail": "#b4c3d3", "wheel": "#dcc9a3"}
 FREE_SURFACE, EDGE, CONTACT = "#d9dfe5", "#5a6570", "#b2182b"
-BESIDE = 0.15  # of half the picture: from a dimension line to its words, at least
+NEAR = 0.1  # of the patch's half length: a plane of the mesh so near to the contact will do
+BESIDE = 0.15  # of half the picture: from a patch to a dimension line, and to its words, at least
 MESH = {"show_edges": True, "edge_color": EDGE, "edge_opacity": 0.6, "line_width": 0.8}
 SHADE = {"ambient": 0.45, "diffuse": 0.6}
 
@@ -37,7 +38,7 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
     from matplotlib.patches import Patch as Swatch
 
     frame, patch = findings.frame, findings.patch
-    halves = {name: behind(part, frame) for name, part in bodies_of(grid).items()}
+    halves = {name: behind(part, findings) for name, part in bodies_of(grid).items()}
     meshes = [(half, {"color": COLOURS[name], **MESH, **SHADE}) for name, half in halves.items()]
     corners = np.concatenate([half.points for half in halves.values()])
     general = _around(corners, np.array([1.0, 0.5, 0.35]))
@@ -177,15 +178,29 @@ def mirrored(surface: Any, axes: list[int]) -> Any:
     return surface
 
 
-def behind(part: Any, frame: Frame) -> Any:
+def behind(part: Any, findings: Findings) -> Any:
     """Skin of the half of a body at x below that of the contact."""
+    frame = findings.frame
     cut = cut_axes(frame.local(part.points))
     if 0 in cut:
         half = outer(part)
         half.points[:, 0] *= -1
     else:
-        half = outer(part.clip(normal="x", origin=frame.origin))
+        half = outer(_half(part, frame.origin[0], NEAR * findings.patch.a))
     return mirrored(half, [axis for axis in cut if axis == 1])
+
+
+def _half(part: Any, at: float, reach: float) -> Any:
+    """Cells at x below `at`, mm, or, within reach of it, below 0. To clip along faces of cells or
+    close to them leaves slivers, so a mesh that has them there is parted between them."""
+    x = part.points[:, 0]
+    rounding = 1e-9 * np.ptp(x)
+    for plane in (at, 0.0 if abs(at) < reach else at):
+        sides = (way * (x - plane) < rounding for way in (1, -1))
+        below, above = (part.extract_points(side, adjacent_cells=False) for side in sides)
+        if below.n_cells + above.n_cells == part.n_cells:
+            return below
+    return part.clip(normal="x", origin=(at, 0.0, 0.0))
 
 
 def _section(part: Any, frame: Frame, offset: float) -> Any:
@@ -208,7 +223,7 @@ def _dimensions(axes: Axes, camera: Camera, findings: Findings) -> None:
     which, and where it rolls."""
     frame, patch, subject = findings.frame, findings.patch, findings.subject
     (x0, s0), (x1, s1) = patch.main.min(axis=0), patch.main.max(axis=0)
-    away = 0.2 * max(x1 - x0, s1 - s0)
+    away = max(0.2 * max(x1 - x0, s1 - s0), BESIDE * camera.half_width)
     lines = {
         f"2a = {2 * patch.a:.4g} mm\n(x, {subject.along})": [
             [x0, s0 - away, 0],

@@ -11,20 +11,21 @@ import numpy as np
 from railhead.postprocess.plots import FE, HERTZ, THESIS, new_figure
 from railhead.theory import shakedown
 
-FRICTION = np.linspace(0.0, 0.6, 25)
-HIGH = 6.0  # p0/k
+WIDE, HIGH = 0.6, 6.0  # traction coefficient and p0/k, at least
+POINTS = 61
 
 
 def draw(friction: Mapping[str, Any], poisson: float, path: Path, title: str = "") -> None:
     """`friction` of a result in summary.json, with p0_over_k; limits of a line under full slip."""
     used, ratio = friction["traction_coefficient"], friction["p0_over_k"]
+    shares = np.linspace(0.0, max(WIDE, 1.1 * used), POINTS)
     with new_figure(path, 7, 4.8, title) as figure:
         axes = figure.subplots()
-        limits = [shakedown.shakedown_limit(each) for each in FRICTION]
-        elastic = [shakedown.elastic_limit(each, poisson) for each in FRICTION]
-        axes.plot(FRICTION, limits, color=HERTZ, label="shakedown limit of a line")
-        axes.plot(FRICTION, elastic, "--", color=HERTZ, label="elastic limit of a line")
-        sliding = FRICTION[FRICTION > 1 / (2 * HIGH)]
+        limits = [shakedown.shakedown_limit(each) for each in shares]
+        elastic = [shakedown.elastic_limit(each, poisson) for each in shares]
+        axes.plot(shares, limits, color=HERTZ, label="shakedown limit of a line")
+        axes.plot(shares, elastic, "--", color=HERTZ, label="elastic limit of a line")
+        sliding = shares[shares > 1 / (2 * HIGH)]
         axes.plot(
             sliding,
             1 / sliding,
@@ -50,7 +51,7 @@ def draw(friction: Mapping[str, Any], poisson: float, path: Path, title: str = "
             clip_on=False,
         )  # fmt: skip
         axes.set(
-            xlim=(0, max(FRICTION[-1], 1.1 * used)), ylim=(0, max(HIGH, 1.1 * ratio)),
+            xlim=(0, shares[-1]), ylim=(0, max(HIGH, 1.1 * ratio)),
             xlabel="traction coefficient: tangential over normal force",
             ylabel="largest pressure over shear yield, p0/k",
         )  # fmt: skip

@@ -14,7 +14,7 @@ def _rail_and_wheel() -> Mapping[str, str]:
 class Subject:
     """title: case, load and pair, above every picture; names: of the bodies by the scene's; along,
     across: where x and s run; gauge: negative s is the gauge side; rolls: towards positive x;
-    revolved: a meridian section; thesis: the pair is the thesis's."""
+    rubs: with friction; revolved: a meridian section; thesis: the pair is the thesis's."""
 
     title: str = ""
     names: Mapping[str, str] = field(default_factory=_rail_and_wheel)
@@ -22,8 +22,14 @@ class Subject:
     across: str = "across the rail"
     gauge: bool = False
     rolls: bool = False
+    rubs: bool = False
     revolved: bool = False
     thesis: bool = False
+
+    @property
+    def y(self) -> str:
+        """Of the axis of the scene that s is projected on."""
+        return "y, mm" if self.revolved else f"y, {self.across}, mm"
 
     def label(self, axis: int) -> str:
         """Of an axis of x (0) or s (1)."""

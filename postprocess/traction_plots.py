@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.postprocess.findings import Array, Findings
-from railhead.postprocess.plots import FE, HERTZ, new_figure
+from railhead.postprocess.plots import FE, HERTZ, new_figure, rounded
 from railhead.solver.solution import Rubbing
 
 if TYPE_CHECKING:
@@ -48,7 +48,8 @@ def draw(
             s = patch.centre[1]
             middle = np.abs(local[:, 1] - s) < THIN * patch.b
             middle &= np.abs(local[:, 0] - patch.centre[0]) < 1.5 * patch.a
-            axes.set_title(f"within {THIN * patch.b:.2g} mm of s = {s:.3g} mm", fontsize=11)
+            near = THIN * patch.b
+            axes.set_title(f"within {near:.2g} mm of s = {rounded(s, near)} mm", fontsize=11)
         x, limit = local[middle, 0], coefficient * pressure[middle]
         name = r"friction times pressure, $\pm\mu p$"
         axes.plot(np.r_[x, x], np.r_[limit, -limit], ".", color=HERTZ, ms=2.5, label=name)
@@ -79,7 +80,7 @@ def _map(axes: Axes, local: Array, traction: Array, sticks: NDArray[np.bool_]) -
     arrows = axes.quiver(*local[few].T, *traction[few].T, color=FE, width=0.004, **longest)
     shown = float(f"{largest:.1g}")
     axes.quiverkey(arrows, 0.72, 1.05, shown, f"traction {shown:g} MPa", labelpos="E")
-    axes.set_aspect("equal")
+    axes.set_aspect("equal", adjustable="datalim")  # else the legend has no room over a tall map
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, markerscale=2)
 
 

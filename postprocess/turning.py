@@ -57,7 +57,7 @@ def views(
         solids, hill = _swept_bodies(fields, findings, volume), _swept_hill(fields, findings)
         towards = np.array([0.45, -1.0, 0.35] if _axis(fields) == 0 else [1.0, 0.45, 0.35])
     else:
-        solids = [behind(part, findings.frame) for part in bodies_of(volume).values()]
+        solids = [behind(part, findings) for part in bodies_of(volume).values()]
         hill, towards = _hill(findings, contact), np.array([1.0, 0.5, 0.35])
     low, high = findings.patch.main.min(axis=0), findings.patch.main.max(axis=0)
     if fields.kinematics.dim == 2 and not fields.kinematics.revolved:

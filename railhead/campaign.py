@@ -27,6 +27,7 @@ from railhead.planning import price
 from railhead.planning.plan import Plan
 from railhead.progress import Bar, Progress
 from railhead.scene.scene import Scene, SceneError
+from railhead.subject import shared_y
 
 POLL = 0.5  # s between looks at what is done
 TABLE = "sweep.csv"
@@ -83,10 +84,12 @@ def run(campaign: Campaign, *, resume: bool, pictures: bool, quiet: bool) -> lis
     anything is solved, OSError where nothing can be written."""
     comm = MPI.COMM_WORLD
     groups: list[list[int]] = []
+    y = ""
     problem: Exception | None = None
     if comm.rank == 0:
         try:
-            groups = loads.groups(_plans(campaign, quiet))
+            plans = _plans(campaign, quiet)
+            groups, y = loads.groups(plans), shared_y(plans)
             records.begin(campaign.folder, campaign.asked, resume=resume)
         except (SceneError, OSError) as error:
             problem = error
@@ -103,7 +106,7 @@ def run(campaign: Campaign, *, resume: bool, pictures: bool, quiet: bool) -> lis
             lost = [[number] for group in groups if len(group) > 1 for number in group]
             again = [each for each in lost if each[0] in faults]
             faults |= _solve_all(campaign, again, workers, submit, bar)
-    return _write(campaign, faults, pictures=pictures)
+    return _write(campaign, faults, y, pictures=pictures)
 
 
 def _solve_all(
@@ -160,8 +163,8 @@ def _solve(
     return short
 
 
-def _write(campaign: Campaign, faults: Mapping[int, str], *, pictures: bool) -> list[str]:
-    """Table and pictures, beside the records; faults: of what may have none."""
+def _write(campaign: Campaign, faults: Mapping[int, str], y: str, *, pictures: bool) -> list[str]:
+    """Table and pictures, beside the records; faults: of what may have none; y: its label."""
     from railhead.postprocess import sweep_plots
 
     done = records.done(campaign.folder)
@@ -179,9 +182,9 @@ def _write(campaign: Campaign, faults: Mapping[int, str], *, pictures: bool) -> 
         if pictures and 1 <= len(campaign.keys) <= 2:
             columns = [sweep_table.column(key) for key in campaign.keys]
             title = f"sweep of {campaign.scenes[0].name} over {' and '.join(campaign.keys)}"
-            sweep_plots.curves(columns, rows, work / "sweep.png", title)
+            sweep_plots.curves(columns, rows, work / "sweep.png", y, title)
             outlines: list[Any] = [each.get("outlines", []) for each in kept]
-            sweep_plots.patches(columns, rows, outlines, work / "patches.png", title)
+            sweep_plots.patches(columns, rows, outlines, work / "patches.png", y, title)
     return [row[sweep_table.CHECKS] for row in rows]
 
 

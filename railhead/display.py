@@ -37,15 +37,16 @@ class Units:
         return cls(chosen)
 
     def unit(self, unit: str) -> str:
-        """What is written for mm, mm2, mm3, N, N mm, 1/mm, MPa; others stay."""
+        """What is written for mm, mm2, mm3, N, N mm, N/mm2, 1/mm, MPa; others stay."""
         return _FACTOR.sub(lambda each: self.chosen.get(each[1], each[1]) + each[2], unit)
 
     def value(self, value: float, unit: str) -> float:
         """A number in that unit, in the reader's."""
-        for name, power in _FACTOR.findall(unit):
-            if name in self.chosen:
-                factor = to_reader(name, self.chosen[name]) ** int(power or 1)
-                value = value / factor if unit.startswith("1/") else value * factor
+        over, _, under = unit.partition("/")
+        for part, sign in ((over, 1), (under, -1)):
+            for name, power in _FACTOR.findall(part):
+                if name in self.chosen:
+                    value *= to_reader(name, self.chosen[name]) ** (sign * int(power or 1))
         return value
 
     @property

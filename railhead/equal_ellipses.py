@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,19 +19,27 @@ Array = NDArray[np.float64]
 SLENDER = 20.0  # axis ratio up to which the linear theory is known
 
 
-def fastsim(
-    patches: Sequence[Patch], limit: float, pair: Pair, motion: ArrayLike
-) -> tuple[Array, float]:
-    """Forces along and across, N, and moment, N mm, (3,), and the share of the area that sticks,
-    at creepages and a spin (3,); limit: mu N, N, of all. ValueError: an ellipse too slender."""
-    total, sticks, touches = np.zeros(3), 0.0, 0.0
+class Rolled(NamedTuple):
+    """Forces along and across, N, and moment, N mm, (3,); the share of the area that sticks; the
+    energy dissipated per rolled length, N."""
+
+    forces: Array
+    stick_share: float
+    t_gamma: float
+
+
+def fastsim(patches: Sequence[Patch], limit: float, pair: Pair, motion: ArrayLike) -> Rolled:
+    """At creepages and a spin (3,); limit: mu N, N, of all. A patch's forces do work on what it
+    creeps beyond that motion, too. ValueError: an ellipse too slender."""
+    total, wear, sticks, touches = np.zeros(3), 0.0, 0.0, 0.0
     whole = sum(each.pressed.force for each in patches)
     for patch, a, b, linear, local in _ellipses(patches, pair, motion):
         carried = limit * patch.pressed.force / whole
         *forces, stick = followed(a, b, carried, pair.shear_modulus, linear, local)
-        total += _shared(patch, forces)
+        shared = _shared(patch, forces)
+        total, wear = total + shared, wear + float(shared @ _moved(patch, motion))
         sticks, touches = sticks + stick * a * b, touches + a * b
-    return total, sticks / touches
+    return Rolled(total, sticks / touches, wear)
 
 
 def linear(patches: Sequence[Patch], pair: Pair, motion: ArrayLike) -> Array:
@@ -45,14 +54,19 @@ def _ellipses(
     patches: Sequence[Patch], pair: Pair, motion: ArrayLike
 ) -> Iterator[tuple[Patch, float, float, Coefficients, Creepage]]:
     """Each with its half lengths, mm, coefficients and motion at its middle in its own plane."""
-    given = np.asarray(motion, dtype=float)
     for patch in (part for each in patches for part in each.parts()):
         a, b = patch.pressed.semi_axes
         if not 1 / SLENDER < a / b < SLENDER:
             raise ValueError(f"the linear theory's tables end before an axis ratio of {a / b:.3g}")
-        along, across = (given + [patch.beyond, 0.0, 0.0]) @ patch.middle
-        local = Creepage(along, across, given[2] * patch.turn)
+        moved = _moved(patch, motion)
+        along, across = moved @ patch.middle
+        local = Creepage(along, across, moved[2] * patch.turn)
         yield patch, a, b, kalker.coefficients(a / b, pair.poisson), local
+
+
+def _moved(patch: Patch, motion: ArrayLike) -> Array:
+    """The motion (3,) with what this patch creeps along beyond it."""
+    return np.asarray(motion, dtype=float) + [patch.beyond, 0.0, 0.0]
 
 
 def _shared(patch: Patch, forces: Sequence[float]) -> Array:

@@ -92,8 +92,8 @@ def _known(method: Callable[[], dict[str, Any]]) -> dict[str, Any]:
 
 def _fastsim(asked: Asked, patches: Sequence[Patch]) -> dict[str, Any]:
     found = asked.found
-    forces, stick = equal_ellipses.fastsim(patches, found.limit, asked.pair, found.motion)
-    return {**named(forces, stick), "t_gamma_N": float(forces @ found.motion)}
+    rolled = equal_ellipses.fastsim(patches, found.limit, asked.pair, found.motion)
+    return {**named(rolled.forces, rolled.stick_share), "t_gamma_N": rolled.t_gamma}
 
 
 def _mindlin(asked: Asked, ellipse: Ellipse) -> dict[str, Any]:

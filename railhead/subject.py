@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from pathlib import Path
 
 from railhead import catalogue
@@ -26,22 +27,33 @@ def subject(plan: Plan, load: float) -> Subject:
     long = _said(long[0], scene.rail), _said(long[1], scene.wheel)
     real = scene.rail.profile != "arc" and not contact.half_space
     force = f"{load / 1e3:.5g} kN" if load >= 1e3 else f"{load:.5g} N"
-    spaces = ", as half-spaces" if contact.half_space else ""
+    rubs = plan.effects["friction"].on
+    end = ", as half-spaces" if contact.half_space else ""
+    if rubs:
+        end += f", friction\N{NO-BREAK SPACE}{scene.friction.coefficient:g}"
     along, across = "in the rolling direction", "along the axis" if roller else "across"
     if bar:
         along, across = "along the axes", "across the axes"
     if short[0] == "rail":
         along, across = "along the rail", "across the rail"
     return Subject(
-        f"{scene.name}: {force}, {long[1]} on {long[0]}{spaces}",
+        f"{scene.name}: {force}, {long[1]} on {long[0]}{end}",
         dict(zip(("rail", "wheel"), short, strict=True)),
-        along, across, gauge=real, rolls=scene.rolling.given and plan.effects["friction"].on,
+        along, across, gauge=real, rolls=scene.rolling.given and rubs, rubs=rubs,
         revolved=contact.revolved, thesis=_thesis(scene.rail, scene.wheel),
     )  # fmt: skip
 
 
+def shared_y(plans: Iterable[Plan]) -> str:
+    """What y is called in a picture of all of them: where it runs, if all say the same."""
+    words = {subject(plan, 0.0).y for plan in plans}
+    return words.pop() if len(words) == 1 else "y, mm"
+
+
 def _said(text: str, body: Rail | Wheel) -> str:
-    return f"{text.rstrip(',')} (rigid)" if math.isinf(body.young_modulus) else text
+    if not math.isinf(body.young_modulus):
+        return text
+    return f"a rigid {text[2:]}" if text.startswith("a ") else f"rigid {text}"
 
 
 def _rail(rail: Rail, bar: bool, half_space: bool) -> tuple[str, str]:

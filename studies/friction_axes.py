@@ -22,7 +22,7 @@ STEEL = "#d9dde2"
 
 def draw(path: Path) -> None:
     """The wheel from the front and the patch from above."""
-    with new_figure(path, 12, 4.6) as figure:
+    with new_figure(path, 12, 4.1) as figure:
         front, above = figure.subplots(1, 2, width_ratios=(1, 1.05))
         _front(front)
         _above(above)
@@ -48,7 +48,7 @@ def _front(axes: Axes) -> None:
     axes.plot(*at, "o", color=FE, ms=11, mfc="white", mew=2)
     axes.plot(*at, "o", color=FE, ms=4)
     _note(axes, "x: to where the wheel rolls,\nout of the page", at, (at[0] + 12, at[1] - 20))
-    _arrow(axes, (20.0, 32.0), (34.0, 32.0), HERTZ, "wheelset.shift")
+    _arrow(axes, (-62.0, 32.0), (-48.0, 32.0), HERTZ, "wheelset.shift")
     axes.text(-40, -37, "gauge side", color=THESIS, ha="right")
     axes.text(42, -37, "field side", color=THESIS)
     axes.set(xlim=(-75, 75), ylim=(-42, 42), title="From the front")
@@ -64,7 +64,7 @@ def _above(axes: Axes) -> None:
     axes.plot(0, 0, "o", color=FE, ms=4)
     _note(axes, "normal, out of the page", origin, (-6.0, 6.2))
     _arrow(axes, (0.8, 0.9), (3.6, 0.9), HERTZ)
-    _note(axes, "creepage along, force along", (3.2, 0.9), (8.4, 2.8), HERTZ)
+    _note(axes, "creepage along, force along", (3.2, 0.9), (10.4, 2.8), HERTZ)
     _arrow(axes, (0.8, 1.5), (0.8, 3.8), HERTZ)
     _note(axes, "creepage across, force across", (0.8, 3.4), (8.0, 5.4), HERTZ)
     arc = np.radians(np.linspace(200, 340, 60))

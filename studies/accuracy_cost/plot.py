@@ -48,6 +48,8 @@ def draw(rows: Sequence[Row], path: Path) -> None:
 
 
 def _panel(axes: Axes, rows: Sequence[Row]) -> None:
+    from matplotlib import patheffects
+
     solved = [row for row in rows if row["converged"] and row["asked"] is None]
     for element, colour in COLOURS.items():
         for method, style in LINES.items():
@@ -71,13 +73,16 @@ def _panel(axes: Axes, rows: Sequence[Row]) -> None:
             where="post", solid_capstyle="round", solid_joinstyle="round", label="Pareto front",
             zorder=1,
         )  # fmt: skip
-    for row in (row for row in rows if row["asked"] is not None):
+    halo = [patheffects.withStroke(linewidth=3, foreground="white")]
+    for number, row in enumerate(row for row in rows if row["asked"] is not None):
         at = (row["seconds"], 100 * row["error"])
+        side = 1 if number % 2 == 0 else -1  # above and below by turns: neighbours may be close
         axes.plot(
             *at, "*", color=STAR, mec="black", ms=15, lw=0, label="asked accuracy", zorder=5
         )  # fmt: skip
         axes.annotate(
-            f"{100 * row['asked']:g} %", at, xytext=(9, 4), textcoords="offset points", zorder=6
+            f"{100 * row['asked']:g} %", at, xytext=(0, 15 * side), textcoords="offset points",
+            ha="center", va="center", path_effects=halo, zorder=6,
         )  # fmt: skip
 
 

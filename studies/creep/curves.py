@@ -163,7 +163,7 @@ def _others(plan: Plan, curve: Curve) -> Iterator[Point]:
         ]
         exactly = np.sum([each.forces for each in sheared], axis=0)
         sticks, touches = np.sum([each.areas for each in sheared], axis=0)
-        quick, stick = equal_ellipses.fastsim(patches, limit, pair, given)
+        quick, stick, _ = equal_ellipses.fastsim(patches, limit, pair, given)
         straight = equal_ellipses.linear(patches, pair, given)
         for by, forces, sticking in (
             ("boundary elements", exactly, float(sticks / touches)),

@@ -36,9 +36,9 @@ def maps(outcomes: Sequence[Outcome]) -> list[Map]:
     poisson = [f"{value:g}" for value in POISSON]
     return [
         Map("Contact laws on the thesis ellipse, four elements per semi-axis", laws, factors,
-            "solver.gamma_factor", cells(FACTOR_MAP, laws, factors)),
+            "solver.gamma_factor", "", cells(FACTOR_MAP, laws, factors)),
         Map("Rail of any stiffness under a steel wheel, quadratic tetrahedra", poisson, ratios,
-            "E of the rail over E of the wheel (rows: Poisson's ratio of the rail)",
+            "E of the rail over E of the wheel", "Poisson's ratio of the rail",
             cells(MATERIAL_MAP, poisson, ratios)),
     ]  # fmt: skip
 

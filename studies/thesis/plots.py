@@ -76,7 +76,7 @@ def patch(case: Case, fe: Sampled | None, path: Path) -> None:
     points = np.column_stack((x.ravel(), y.ravel(), np.zeros(x.size)))
     exact = principal(stress(c, case.poisson, points)).reshape(*x.shape, 3)
     printed = thesis_axis_stress(case.p_max, case.a, case.poisson, 0.0)[0]
-    with new_figure(path, 13.5, 4.4) as figure:
+    with new_figure(path, 13.5, 3.8) as figure:
         for i, axes in enumerate(figure.subplots(1, 3, sharey=True)):
             levels = np.arange(-800, 101, 100) if i < 2 else np.arange(-800, 1, 100)
             if fe is None:
@@ -92,8 +92,8 @@ def patch(case: Case, fe: Sampled | None, path: Path) -> None:
             axes.set(xlabel="x, along the rail, mm", aspect="equal", xlim=(-5.6, 5.6),
                      ylim=(-4.5, 4.5))  # fmt: skip
             axes.set_title(
-                f"6.{i + 1}: {LABELS[i]}; centre: exact {exact[65, 65, i]:.0f}, "
-                f"thesis {printed[i]:.0f} MPa", fontsize=11,
+                f"6.{i + 1}: {LABELS[i]}\ncentre: exact ${exact[65, 65, i]:.0f}$, "
+                f"thesis ${printed[i]:.0f}$ MPa", fontsize=11,
             )  # fmt: skip
             figure.colorbar(bands, ax=axes, label="MPa", shrink=0.8)
         figure.axes[0].set_ylabel("y, across the rail, mm")
@@ -113,7 +113,7 @@ def lines(case: Case, fe: Sampled | None, path: Path) -> None:
             left.plot(t, values, **ROUTES[look][1])
         if fe is not None:
             left.plot(fe.pressure.coordinate, -fe.pressure.pressure, **MARKS)
-        left.set(title=r"6.4: $\sigma_3$ along the major radius", xlabel="x, mm", ylabel="MPa")
+        left.set(title=r"6.4: $\sigma_3$ along the major radius", xlabel="x, mm")
         right_half = t >= 0
         _four(middle, t[right_half], surface[right_half], 1)
         _four(middle, t[right_half], mistaken[right_half], 2)
@@ -125,6 +125,8 @@ def lines(case: Case, fe: Sampled | None, path: Path) -> None:
             _four(right, fe.axis.depth[::5], fe.axis.stress[::5], 0)
         middle.set(title="6.5, 6.6: on the surface along the major radius", xlabel="x, mm")
         right.set(title="6.7: below the centre", xlabel="depth, mm")
+        for axes in (left, middle, right):
+            axes.set_ylabel("stress, MPa")
         for axes in (left, middle):
             axes.axvline(c.a, color="black", lw=0.8, ls=":")
         _legend(figure, fe is not None)

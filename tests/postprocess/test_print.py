@@ -16,7 +16,6 @@ from matplotlib.text import Text
 from railhead.postprocess import (
     export,
     fringes,
-    locate_plot,
     plastic_plots,
     plots,
     render,
@@ -214,8 +213,8 @@ def test_sweeps_and_the_shakedown_map_say_what_they_are_of(
     rows = [{"load [N]": n, "checks": "passed"} | dict.fromkeys(sweep_plots.PANELS, float(n))
             for n in (1, 2)]  # fmt: skip
     circle = [[[np.cos(t), np.sin(t)] for t in np.linspace(0, 6, 20)]]
-    sweep_plots.curves(["load [N]"], rows, tmp_path / "c.png", TITLE)
-    sweep_plots.patches(["load [N]"], rows, [circle, circle], tmp_path / "p.png", TITLE)
+    sweep_plots.curves(["load [N]"], rows, tmp_path / "c.png", "y, mm", TITLE)
+    sweep_plots.patches(["load [N]"], rows, [circle, circle], tmp_path / "p.png", "y, mm", TITLE)
     friction = {"traction_coefficient": 0.1, "p0_over_k": 3.0, "first_yield_p0_over_k": 3.2,
                 "shakedown": "elastic", "surface_fatigue_index": -0.2}  # fmt: skip
     shakedown_plot.draw(friction, 0.3, tmp_path / "s.png", TITLE)
@@ -225,5 +224,28 @@ def test_sweeps_and_the_shakedown_map_say_what_they_are_of(
         assert not cut_off(figure)
 
 
+def test_values_beside_narrow_patches_do_not_run_into_each_other(
+    sheets: list[Figure], tmp_path: Path
+) -> None:
+    """Two strips of a roller, 70 mm long and 4 mm wide, of which either load is five letters."""
+    rows = [{"load [N]": load, "checks": "passed"} for load in (50000, 110000)]
+    strip = [[[-2.0, -35.0], [2.0, -35.0], [2.0, 35.0], [-2.0, 35.0]]]
+    sweep_plots.patches(["load [N]"], rows, [strip, strip], tmp_path / "p.png", "y, mm")
+    (figure,) = sheets
+    first, second = (text.get_window_extent() for text in figure.axes[0].get_xticklabels())
+    assert first.x1 < second.x0
+    assert not cut_off(figure)
+
+
+def test_a_strip_of_patches_holds_the_key_with_more_values(
+    sheets: list[Figure], tmp_path: Path
+) -> None:
+    circle = [[[np.cos(t), np.sin(t)] for t in np.linspace(0, 6, 20)]]
+    rows = [{"shift": shift, "load": load, "checks": "passed"}
+            for shift in (0.0, 1.0, 2.0) for load in (1.0, 2.0)]  # fmt: skip
+    sweep_plots.patches(["shift", "load"], rows, [circle] * 6, tmp_path / "p.png", "y, mm")
+    assert [axes.get_title(loc="left") for axes in sheets[0].axes] == ["load: 1", "load: 2"]
+
+
 def test_signs_are_those_of_the_axes() -> None:
-    assert locate_plot._minus("y = -12.67 mm") == "y = \N{MINUS SIGN}12.67 mm"
+    assert plots.minus("y = -12.67 mm") == "y = \N{MINUS SIGN}12.67 mm"

@@ -156,8 +156,9 @@ def test_the_ellipse_of_an_ellipse_is_itself() -> None:
     patch = hertz(plan, 64)
     np.testing.assert_allclose(equal_ellipses.linear(patch, pair, motion), known, rtol=5e-3)
     followed = fastsim(exactly.a, exactly.b, 7500.0, pair.shear_modulus, linear, Creepage(*motion))
-    forces, stick = equal_ellipses.fastsim(patch, 7500.0, pair, motion)
+    forces, stick, wear = equal_ellipses.fastsim(patch, 7500.0, pair, motion)
     np.testing.assert_allclose([*forces, stick], followed, rtol=5e-3)
+    assert wear == pytest.approx(forces @ motion)
 
 
 def test_two_patches_roll_as_their_ellipses_nearly_do(
@@ -167,11 +168,30 @@ def test_two_patches_roll_as_their_ellipses_nearly_do(
     for motion in ((1e-4, 0.0, 0.0), (1e-3, 5e-4, 1e-4), (0.0, -3e-3, 0.0)):
         given = Asked(found(limit, motion), MU, exact.tangential_pair(two.scene), True, False)
         answer = opinion(given, lambda cells: patches, (16, 32))
-        forces, _ = equal_ellipses.fastsim(patches, limit, given.pair, motion)
-        for name, other in zip(("force_along_N", "force_across_N"), forces, strict=False):
+        rolled = equal_ellipses.fastsim(patches, limit, given.pair, motion)
+        for name, other in zip(("force_along_N", "force_across_N"), rolled.forces, strict=False):
             assert answer[name] == pytest.approx(other, abs=0.05 * limit)
     with pytest.raises(ValueError, match=SEVERAL[:20]):
         opinion(replace(given, rolling=False), lambda cells: patches, (16, 32))
+
+
+def test_each_patch_dissipates_what_it_would_alone(
+    two: planning.Plan, patches: list[Patch]
+) -> None:
+    """A patch on another radius creeps beyond the shared motion and does work on that, too."""
+    pair, motion = exact.tangential_pair(two.scene), np.array([1e-3, 5e-4, 1e-4])
+    normal = [each.pressed.force for each in patches]
+    alone = [
+        equal_ellipses.fastsim(
+            [replace(each, beyond=0.0)], MU * force, pair, motion + [each.beyond, 0.0, 0.0]
+        )
+        for each, force in zip(patches, normal, strict=True)
+    ]
+    rolled = equal_ellipses.fastsim(patches, MU * sum(normal), pair, motion)
+    assert rolled.t_gamma == pytest.approx(sum(each.t_gamma for each in alone), rel=1e-9)
+    given = Asked(found(MU * sum(normal), tuple(motion)), MU, pair, True, False)
+    exactly = opinion(given, lambda cells: patches, (16, 32))["t_gamma_N"]
+    assert rolled.t_gamma == pytest.approx(exactly, rel=0.02)
 
 
 @pytest.mark.parametrize("wheel", [math.inf, 3000.0])

@@ -78,6 +78,7 @@ def test_one_file_without_a_network(folder: Path) -> None:
     assert all(address.startswith("data:image/png;base64,") for address in found.addresses)
     assert not re.search(r"@import|url\(\s*['\"]?https?:|<link|<script[^>]+src", text)
     assert {"answer", "friction", "checks", "scene", "plan", "left_out"} <= set(found.tables)
+    assert "of the checks is in mm, N and MPa, whatever" in text
     assert not results.foreign(folder)
 
 
@@ -133,6 +134,7 @@ def test_units_are_the_readers() -> None:
     assert (units.unit("mm2"), units.unit("N mm"), units.unit("MPa")) == ("in2", "N in", "ksi")
     assert units.value(645.16, "mm2") == pytest.approx(1.0)
     assert units.value(1.0, "1/mm") == pytest.approx(25.4)
+    assert units.value(1.0, "N/mm2") == pytest.approx(645.16)
     assert units.value(6.894757293, "MPa") == pytest.approx(1.0)
     assert Units().value(3.0, "mm") == 3.0
     for wrong in ("mm,furlong", "", "kN,N", "kg"):

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from railhead.catalogue import find
 from railhead.planning import plan
-from railhead.subject import subject
+from railhead.subject import shared_y, subject
 
 
 def test_bodies_have_names_of_their_own() -> None:
@@ -17,7 +17,7 @@ def test_bodies_have_names_of_their_own() -> None:
     assert found["sphere_on_plane"].revolved
     assert "1 kN" in found["long_roller"].title
     assert found["long_roller"].names == {"rail": "block", "wheel": "roller"}
-    assert found["sphere_on_plane"].title.endswith("on a plane (rigid), as half-spaces")
+    assert found["sphere_on_plane"].title.endswith("sphere R 8 mm on a rigid plane, as half-spaces")
     assert not any(each.gauge or each.thesis for each in found.values())
 
 
@@ -34,6 +34,21 @@ def test_a_straight_bar_keeps_its_profile() -> None:
     found = subject(plan.make(scene), 1.0)
     assert "straight bar, profile cylinder, on rail 54E1" in found.title
     assert found.names["wheel"] == "bar" and found.gauge
+
+
+def test_a_rigid_wheel_is_called_so_and_friction_is_said() -> None:
+    keys = "wheel.young_modulus=inf", "friction.coefficient=0.3", "rolling.creepage_along=0.1%"
+    found = subject(plan.make(find("uic54_thesis").replace(keys)), 25e3)
+    end = "rigid wheel R 420 mm, tread cylinder, on rail 54E1, friction\N{NO-BREAK SPACE}0.3"
+    assert found.title.endswith(end)
+    assert found.rolls and found.rubs
+
+
+def test_y_is_called_what_all_scenes_of_a_sweep_call_it() -> None:
+    plans = [plan.make(find(name)) for name in ("uic54_thesis", "long_roller", "sphere_on_plane")]
+    alone = [shared_y([each]) for each in plans]
+    assert alone == ["y, across the rail, mm", "y, along the axis, mm", "y, mm"]
+    assert shared_y(plans[:1] * 2) == alone[0] and shared_y(plans) == "y, mm"
 
 
 def test_a_file_is_called_by_its_name() -> None:

@@ -306,7 +306,7 @@ def test_a_process_that_crashes_leaves_the_others(tmp_path: Path, monkeypatch) -
     )
     records.begin(made.folder, made.asked, resume=False)
     records.write(made.folder, 1, {"fault": "gmsh: no"})
-    found = campaign._write(made, {0: "the process crashed"}, pictures=True)
+    found = campaign._write(made, {0: "the process crashed"}, "y, mm", pictures=True)
     assert found == ["NOT SOLVED: the process crashed", "NOT SOLVED: gmsh: no"]
     assert records.done(made.folder) == {1}
     assert [row["load [N]"] for row in rows(made.folder)] == ["100.0", "200.0"]
