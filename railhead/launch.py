@@ -32,7 +32,7 @@ def suited(plan: Plan) -> int:
     if cores == 1 or shutil.which("mpirun") is None:
         return 1
     asked = plan.scene.accuracy is not None
-    unknowns = price(plan, plan.resolution)[0] if asked else plan.unknowns
+    unknowns = price(plan, plan.resolution).unknowns if asked else plan.unknowns
     return max(1, min(cores, unknowns // WORTH))
 
 

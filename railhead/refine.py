@@ -119,7 +119,7 @@ def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[L
         finer, grading = done.finer(n)
         cost = finer.unknowns, finer.solving
         # The second mesh was priced beforehand.
-        stop = comm.bcast(_obstacle(scene, cost, spent if len(levels) > 1 else 0.0))
+        stop = comm.bcast(_obstacle(finer, spent if len(levels) > 1 else 0.0))
         if not covered:
             stop = stop or "the error laws end at coarser meshes"
         if stop or len(levels) == MAX_LEVELS:
@@ -182,10 +182,11 @@ def _next(levels: list[Level], worst: float, wanted: float) -> tuple[float, bool
     return wanted, known.covers(wanted, [each.resolution for each in levels])
 
 
-def _obstacle(scene: Scene, cost: tuple[int, float], spent: float) -> str:
-    """Why a mesh of that cost (unknowns, seconds) is not solved; empty if it is."""
-    if machine.memory(cost[0]) > price.MEMORY_SHARE * machine.free_memory():
-        return f"memory: the next mesh needs about {machine.memory(cost[0]) / 1e9:.1f} GB"
-    if scene.budget is not None and spent and machine.START + spent + cost[1] > scene.budget:
-        return f"budget: the next mesh needs about {cost[1]:.0f} s"
+def _obstacle(plan: Plan, spent: float) -> str:
+    """Why the mesh of a plan is not solved; empty if it is."""
+    if plan.memory > price.MEMORY_SHARE * machine.free_memory():
+        return f"memory: the next mesh needs about {plan.memory / 1e9:.1f} GB"
+    budget = plan.scene.budget
+    if budget is not None and spent and machine.START + spent + plan.solving > budget:
+        return f"budget: the next mesh needs about {plan.solving:.0f} s"
     return ""

@@ -329,8 +329,27 @@ class Plan:
         """Predicted for one mesh without the start of the process, s."""
         more = plasticity.WORK * self.load_steps if self.effects["plasticity"].on else 0.0
         if self.effects["friction"].on and not self.section:
-            more += friction.WORK * math.sqrt(self.unknowns / friction.AT)
-        return machine.seconds(self.unknowns) * (1 + more)
+            more += friction.WORK * self.unknowns / friction.AT
+        return self.cost.time(self.unknowns) * (1 + more)
+
+    @property
+    def cost(self) -> machine.Cost:
+        """What an unknown of this kind of model takes without yield and friction."""
+        if self.section:
+            return machine.SECTION
+        kind = self.scene.mesh.cell, self.order
+        known = machine.HALF_SPACES if self.contact.half_space else machine.PROFILES
+        return machine.OTHER.get(kind, known)
+
+    @property
+    def memory(self) -> int:
+        """Predicted peak, bytes."""
+        each = self.cost.bytes
+        if self.effects["plasticity"].on:
+            each += plasticity.BYTES
+        if self.effects["friction"].on:
+            each += friction.BYTES
+        return machine.BASE_BYTES + each * self.unknowns
 
     def summary(self) -> dict[str, Any]:
         """As in summary.json."""

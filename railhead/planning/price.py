@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from railhead.planning import laws, machine
 from railhead.planning.plan import Plan
 from railhead.scene.scene import SceneError
@@ -16,7 +18,7 @@ class NoMemoryError(SceneError):
 
 def check_memory(plan: Plan, free: int) -> None:
     """Refuse a first mesh that would not fit into the free memory (bytes): NoMemoryError."""
-    need = machine.memory(plan.unknowns)
+    need = plan.memory
     if need > MEMORY_SHARE * free:
         raise NoMemoryError(
             "mesh.patch_size",
@@ -25,10 +27,18 @@ def check_memory(plan: Plan, free: int) -> None:
         )
 
 
-def price(plan: Plan, n: float) -> tuple[int, float]:
-    """Predicted unknowns of the fine mesh and seconds of the whole process at resolution n."""
+class Price(NamedTuple):
+    """Predicted unknowns and peak memory (bytes) of the fine mesh, seconds of the whole process."""
+
+    unknowns: int
+    seconds: float
+    memory: int
+
+
+def price(plan: Plan, n: float) -> Price:
+    """Of two meshes, the finer one at resolution n."""
     fine, coarse = plan.at_resolution(n), plan.at_resolution(n / laws.STEP)
-    return fine.unknowns, machine.START + fine.solving + coarse.solving
+    return Price(fine.unknowns, machine.START + fine.solving + coarse.solving, fine.memory)
 
 
 def affordable(plan: Plan, wanted: float) -> float:
@@ -39,6 +49,6 @@ def affordable(plan: Plan, wanted: float) -> float:
     if plan.scene.accuracy is None:
         known = plan.family
         limit = laws.STEP * known.resolution[1] if known else laws.RANGE[1]
-    while n <= limit and price(plan, n)[1] <= budget:
+    while n <= limit and price(plan, n).seconds <= budget:
         best, n = n, 1.05 * n
     return best

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from railhead.planning import machine
 from railhead.planning.plan import Plan
 from railhead.planning.price import price
 
@@ -52,12 +51,12 @@ def prices(plan: Plan) -> list[dict[str, Any]] | None:
         row = dict.fromkeys(("patch_size_mm", "unknowns", "seconds", "memory_MB"))
         if plan.hidden < value and family.reaches(value - plan.left_out):
             n = family.finest(value - plan.left_out)
-            unknowns, seconds = price(plan, n)
+            unknowns, seconds, memory = price(plan, n)
             row = {
                 "patch_size_mm": plan.at_resolution(n).patch_size,
                 "unknowns": unknowns,
                 "seconds": seconds,
-                "memory_MB": machine.memory(unknowns) / 1e6,
+                "memory_MB": memory / 1e6,
             }
         rows.append({"accuracy": value, **row})
     return rows

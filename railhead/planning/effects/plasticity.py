@@ -28,6 +28,7 @@ STEPS = 4  # from first yield to the load: the centre pressure is within 1.5 % o
 LINE_STEPS = 16  # the same of a line, where four leave the strain 20 % and more too large
 WORK = 1.1  # times an elastic run that a load step costs, its share of unloading included: 0.8 to
 # 1.3 on a solid of 10 000 to 48 000 unknowns and a section
+BYTES = 6_000  # an unknown, beside those of an elastic run: 4 500 to 5 500 were measured
 REACH = 3.0  # half lengths of the patch around it in which yield is followed
 USUAL = "R260"  # rail steel that a scene without one is held against
 
