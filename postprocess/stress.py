@@ -91,11 +91,10 @@ def _strain(
     kinematics = fields.kinematics
     at, u = fields.points[fields.cells[cells]], fields.displacement[fields.cells[cells]]
     nodes, u = kinematics.flatten(at), kinematics.flatten(u)
-    jacobian = np.einsum("jd,mdk->mkj", phi[1:], nodes)
-    gradient = np.einsum("jd,mjk->mdk", phi[1:], np.linalg.inv(jacobian))
-    grad_u = np.einsum("mdi,mdk->mik", u, gradient)
+    jacobian = (phi[1:] @ nodes).transpose(0, 2, 1)
+    grad_u = (phi[1:] @ u).transpose(0, 2, 1) @ np.linalg.inv(jacobian)
     strain = 0.5 * (grad_u + grad_u.transpose(0, 2, 1))
-    x = np.einsum("d,mdk->mk", phi[0], at)
+    x = phi[0] @ at
     if kinematics.dim == 2:
         strain = kinematics.axes.T @ strain @ kinematics.axes
     if kinematics.revolved:
