@@ -16,7 +16,7 @@ from railhead import launch, study
 from railhead.studies import tables
 
 STUDY = "one process against two, by parts of a run, and a forecast for more"
-SIZES = (0.4, 0.28, 0.22, 0.172, 0.142, 0.112)  # mm in the patch of hertz_ellipse
+SIZES = (0.4, 0.28, 0.22, 0.142, 0.112)  # mm in the patch of hertz_ellipse
 PARTS = ("start", "mesh", "assemble", "solve", "postprocess")
 FORECAST = (2, 8, 64)
 BLOCK = 3 * 3 * 8 + 4  # bytes of a block of K and of its column
@@ -139,15 +139,15 @@ def _forecast_row(one: Record, two: Record, ranks: int) -> tuple[str, ...]:
     return (
         str(ranks), *(f"{value:.1f}" for value in parts.values()), f"{whole:.1f}",
         f"{one.whole / whole:.1f}", f"{one.product / ranks / 1e6:.0f}",
-        f"{two.halo * cut(ranks) / 1e3:.0f}",
+        f"{halo(one.unknowns, ranks) / 1e3:.0f}",
     )  # fmt: skip
 
 
-def cut(ranks: int) -> float:
-    """Area that one part of a cube shares with others, over the cube's section: of halves, else the
-    mean of k^3 cubes, 6 (k - 1) / k / k^2."""
-    edge = ranks ** (1 / 3)
-    return 1.0 if ranks == 2 else 6 * (edge - 1) / edge**3
+def halo(unknowns: int, ranks: int) -> float:
+    """Bytes that a process is sent for a product: the faces 6 (k - 1) / k that a cube among k^3 of
+    a body has with others, k^3 = ranks / 2, by the nodes of a face, those of the cube to 2/3."""
+    edge = (ranks / 2) ** (1 / 3)
+    return 6 * (edge - 1) / edge * (unknowns / 3 / ranks) ** (2 / 3) * NODE
 
 
 if __name__ == "__main__":

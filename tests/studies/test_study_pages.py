@@ -140,13 +140,13 @@ def test_ranks_page_forecasts_what_is_shared_and_what_is_not() -> None:
     text = ranks.page([one, two])
     row = next(line for line in text.splitlines() if line.startswith("| 8 "))
     cells = [cell.strip() for cell in row.strip("|").split("|")]
-    assert cells == ["8", "2.0", "3.0", "0.0", "3.0", "0.0", "8.0", "1.9", "1", "75"]
+    assert cells == ["8", "2.0", "3.0", "0.0", "3.0", "0.0", "8.0", "1.9", "1", "1"]
 
 
-def test_cut_of_cubes_against_that_of_halves() -> None:
-    assert ranks.cut(2) == 1.0
-    assert ranks.cut(8) == pytest.approx(3 / 4)  # three faces of a quarter of the section
-    assert ranks.cut(64) == pytest.approx(4.5 / 16)
+def test_halo_of_bodies_that_are_shared() -> None:
+    assert ranks.halo(24_000_000, 2) == 0.0  # a body each
+    # Eight cubes a body: three faces of (24e6 / 3 / 16)^(2/3) nodes with 24 B
+    assert ranks.halo(24_000_000, 16) == pytest.approx(3 * 500_000 ** (2 / 3) * 24)
 
 
 def test_hard_cases_page_names_what_fails_and_what_is_refused() -> None:
