@@ -89,6 +89,7 @@ def measure(patch_size: float) -> Record:
         start = time.perf_counter()
         linear.solve(problem, preconditioner, active, rhs, out, tolerance)
         solving.append(setting + time.perf_counter() - start)
+    elastic, equal = solving
 
     return Record(
         patch_size,
@@ -96,7 +97,8 @@ def measure(patch_size: float) -> Record:
         built + contact + finding,
         len(solution.newton.history),
         sum(step.linear_iterations for step in solution.newton.history),
-        *solving,
+        elastic,
+        equal,
         contact,
         peak,
     )
