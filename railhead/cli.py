@@ -118,8 +118,7 @@ def run(
     start = time.perf_counter()
     planned = planning.make(api.asked(scene, accuracy, budget))
     if not launch.started():
-        if planned.scene.one_mesh:
-            price.check_memory(planned, machine.free_memory())
+        price.check_memory(planned, machine.free_memory())
         count = ranks or launch.suited(planned)
         if count > 1:
             return launch.again(count, arguments)

@@ -6,7 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 
 import psutil
@@ -37,18 +37,26 @@ def suited(plan: Plan) -> int:
     return max(1, min(cores, unknowns // WORTH))
 
 
+def under_mpirun(ranks: int, environment: Mapping[str, str]) -> tuple[list[str], dict[str, str]]:
+    """What starts a command in so many processes: words before it, none for one process, and the
+    environment, in which root may do that, too."""
+    if ranks == 1:
+        return [], dict(environment)
+    allowed = dict(environment)
+    if os.geteuid() == 0:  # what is not harmful for one process is not for two
+        allowed |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    return ["mpirun", "--quiet", "--oversubscribe", "-n", str(ranks)], allowed
+
+
 def again(ranks: int, arguments: Sequence[str]) -> int:
     """Run the same command in so many processes under mpirun; its exit status. A signal ends them
     all. Raises SceneError for more than there are processors, OSError where there is no mpirun."""
     processors = psutil.cpu_count() or 1
     if ranks > processors:
         raise SceneError("--ranks", f"{ranks} is not allowed; give at most {processors}")
-    environment = dict(os.environ)
-    if os.geteuid() == 0:  # what is not harmful for one process is not for two
-        environment |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-    command = ["mpirun", "--quiet", "--oversubscribe", "-n", str(ranks)]
+    launcher, environment = under_mpirun(ranks, os.environ)
     program = [sys.executable, "-c", "from railhead.start import main; main()"]
-    started = subprocess.Popen([*command, *program, *arguments], env=environment)
+    started = subprocess.Popen([*launcher, *program, *arguments], env=environment)
     with process.undoing(started.terminate):
         try:
             return started.wait()

@@ -48,8 +48,8 @@ def result(levels: list[Level], ending: Ending, comm: MPI.Intracomm) -> Result:
 
 
 def _solve(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[Level], Ending]:
+    price.check_memory(plan, comm.bcast(machine.free_memory()))
     if plan.scene.one_mesh:
-        price.check_memory(plan, comm.bcast(machine.free_memory()))
         return [solve_level(plan, plan.grading(), progress, comm)], Ending(ONE_MESH)
     return _refine(plan, progress, comm)
 
@@ -184,7 +184,7 @@ def _next(levels: list[Level], worst: float, wanted: float) -> tuple[float, bool
 
 def _obstacle(plan: Plan, spent: float) -> str:
     """Why the mesh of a plan is not solved; empty if it is."""
-    if plan.memory > price.MEMORY_SHARE * machine.free_memory():
+    if not price.fits(plan, machine.free_memory()):
         return f"memory: the next mesh needs about {plan.memory / 1e9:.1f} GB"
     budget = plan.scene.budget
     if budget is not None and spent and machine.START + spent + plan.solving > budget:

@@ -51,17 +51,16 @@ def measure(patch_size: float) -> dict[str, float]:
 
     from railhead import catalogue, refine
     from railhead.progress import Progress
+    from railhead.solver import compat
 
     scene = catalogue.find("hertz_ellipse").replace([f"mesh.patch_size={patch_size}"])
     result = refine.run(scene, Progress(quiet=True))
     comm, end = MPI.COMM_WORLD, time.time()
-    dofmap = result.level.space.dofmap
-    cells = np.asarray(dofmap.list.array if hasattr(dofmap.list, "array") else dofmap.list)
-    nodes = cells.reshape(-1, dofmap.dof_layout.num_dofs)
-    owned, ghosts = dofmap.index_map.size_local, dofmap.index_map.num_ghosts
+    space = result.level.space
+    nodes, places = compat.cell_dofs(space), space.dofmap.index_map
     rows = np.repeat(np.arange(len(nodes)), nodes.shape[1])
     touching = sp.csr_matrix((np.ones(nodes.size, np.int8), (rows, nodes.ravel())))
-    blocks = (touching.T[:owned].astype(bool) @ touching.astype(bool)).nnz
+    blocks = (touching.T[: places.size_local].astype(bool) @ touching.astype(bool)).nnz
     cost = result.summary["cost"]
     return {
         "first": comm.rank == 0,
@@ -69,15 +68,13 @@ def measure(patch_size: float) -> dict[str, float]:
         **{key: cost[key] for key in ("dofs", "newton_iterations", "linear_iterations")},
         **cost["seconds"],
         "product": comm.allreduce(BLOCK * blocks) / comm.size,
-        "halo": comm.allreduce(NODE * ghosts) / comm.size,
+        "halo": comm.allreduce(NODE * places.num_ghosts) / comm.size,
     }
 
 
 def _record(patch_size: float, ranks: int) -> Record:
     command = [sys.executable, "-m", "railhead.studies.ranks", str(patch_size)]
-    launcher = ["mpirun", "--quiet", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
-    allowed = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-    environment = os.environ | allowed | {"OMP_NUM_THREADS": "1"}
+    launcher, environment = launch.under_mpirun(ranks, os.environ | {"OMP_NUM_THREADS": "1"})
     begin = time.time()
     done = subprocess.run(
         [*launcher, *command], capture_output=True, text=True, check=True, env=environment

@@ -16,14 +16,19 @@ class NoMemoryError(SceneError):
     """A mesh does not fit into the memory that is free now."""
 
 
+def fits(plan: Plan, free: int) -> bool:
+    """Whether the mesh of a plan may take what it needs of the free memory (bytes)."""
+    return plan.memory <= MEMORY_SHARE * free
+
+
 def check_memory(plan: Plan, free: int) -> None:
-    """Refuse a first mesh that would not fit into the free memory (bytes): NoMemoryError."""
-    need = plan.memory
-    if need > MEMORY_SHARE * free:
+    """Refuse the only mesh of a scene that does not fit into the free memory (bytes):
+    NoMemoryError. Where there are several, the first is coarse, and a finer one is left out."""
+    if plan.scene.one_mesh and not fits(plan, free):
         raise NoMemoryError(
             "mesh.patch_size",
             f"{plan.patch_size:.3g} mm makes about {plan.unknowns:.2g} unknowns, which need "
-            f"{need / 1e9:.3g} GB of {free / 1e9:.3g} GB free; give a larger one",
+            f"{plan.memory / 1e9:.3g} GB of {free / 1e9:.3g} GB free; give a larger one",
         )
 
 

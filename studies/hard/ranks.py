@@ -10,25 +10,25 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from railhead import launch
 from railhead.studies.hard.case import Deviation, Measured
 from railhead.studies.hard.scenes import HALF_SPACE, off, quantities
 
 SAME = 1e-6  # what solutions to 1e-8 of the force may differ by
-ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 TRACES = ("OMPI_", "PMIX_", "ORTE_", "OPAL_")
 
 
 def summary(ranks: int, folder: Path) -> dict[str, Any]:
     """`railhead run uic54_thesis` on a coarse mesh; its summary.json."""
+    # A process that has started MPI leaves its traces in the environment, which mpirun refuses.
+    clean = {key: text for key, text in os.environ.items() if not key.startswith(TRACES)}
+    launcher, environment = launch.under_mpirun(ranks, clean)
     command = [
-        *(["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []),
-        sys.executable, "-c", "from railhead.cli import main; main()",
+        *launcher, sys.executable, "-c", "from railhead.cli import main; main()",
         "run", "uic54_thesis", "--quiet", "--no-pictures", "--out", f"ranks{ranks}",
         "--set", "mesh.patch_size=1.0",
     ]  # fmt: skip
-    # A process that has started MPI leaves its traces in the environment, which mpirun refuses.
-    clean = {key: text for key, text in os.environ.items() if not key.startswith(TRACES)}
-    subprocess.run(command, cwd=folder, env=clean | ROOT, check=True, capture_output=True)
+    subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True)
     text = (folder / f"ranks{ranks}" / "summary.json").read_text(encoding="utf-8")
     found: dict[str, Any] = json.loads(text)
     return found

@@ -31,11 +31,8 @@ NO_MISMATCH = 1e-9  # |beta| that is rounding
 GROWTH = 8  # steps in which a patch of unlike bodies grows
 CYCLE = (0.0, 1.0, -1.0, 1.0)  # shares of the force, there, back and there
 SHIFT = 4  # steps from one of them to the next where bodies yield: strain within 2 % of twice them
-WORK, AT = (
-    5.5,
-    46_000,
-)  # times an elastic run of so many unknowns, and in proportion to them: 4 to 17
-# times were measured from 28 000 to 140 000
+WORK = 5.5  # times an elastic run of AT unknowns, and in proportion to them: 4 to 17 times were
+AT = 46_000  # measured from 28 000 to 140 000
 BYTES = 26_000  # an unknown, beside those of an elastic run: 13 000 to 24 000 were measured there
 
 
