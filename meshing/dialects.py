@@ -46,8 +46,9 @@ class InstrumentError(ValueError):
 @dataclass(frozen=True)
 class Table:
     """points (n, 2): first across, then up or down, in the order of the file and in its unit; unit:
-    that the file states, '' where it states none; body: 'rail', 'wheel' or '' where the file does
-    not say; format and remarks: in words; lines: of the file where the points stand, if known."""
+    that the file states, '' where it states none, any text where another one overrules it; body:
+    'rail', 'wheel' or '' where the file does not say; format and remarks: in words; lines: of the
+    file where the points stand, if known."""
 
     points: Array
     unit: str
@@ -83,8 +84,9 @@ DIALECTS = (
 )  # fmt: skip
 
 
-def table(name: str, lines: Sequence[str]) -> Table:
-    """The points in the lines of a file of that name. Raises InstrumentError."""
+def table(name: str, lines: Sequence[str], overruled: bool = False) -> Table:
+    """The points in the lines of a file of that name; overruled: the unit is given otherwise, so
+    that none which the file states is refused. Raises InstrumentError."""
     full = [(i, line) for i, line in enumerate(lines, 1) if line.strip()]
     parts = [(i, line) for i, line in full if not COMMENT.match(line.lstrip())]
     separator, decimal, words = max(
@@ -111,7 +113,7 @@ def table(name: str, lines: Sequence[str]) -> Table:
             raise InstrumentError(name, i, text)
     values = np.array([[row[column] for column in columns] for _, row in points])
     remarks = () if columns == (0, 1) else (f"columns {columns[0] + 1} and {columns[1] + 1}",)
-    unit, at = _unit(name, header, separator, columns), tuple(i for i, _ in points)
+    unit, at = _unit(name, header, separator, columns, overruled), tuple(i for i, _ in points)
     return Table(values, unit, "", f"table by {words}", remarks, at)
 
 
@@ -136,8 +138,9 @@ def _cells(line: str, separator: str) -> list[str]:
 
 
 def _unit(
-    name: str, header: Sequence[tuple[int, str]], separator: str, columns: tuple[int, int]
-) -> str:
+    name: str, header: Sequence[tuple[int, str]], separator: str, columns: tuple[int, int],
+    overruled: bool,
+) -> str:  # fmt: skip
     """That lines before the points state: first those that head the two columns."""
     allowed = ", ".join(dict.fromkeys(NAMED_UNITS.values()))
     for i, line in header:
@@ -148,11 +151,11 @@ def _unit(
             continue
         words = [word for text in texts for word in _words(COLUMN, text)]
         units = list(dict.fromkeys(NAMED_UNITS.get(word, word) for word in words))
-        if len(units) > 1 or any(unit in OTHER_UNITS for unit in units):
+        if not overruled and (len(units) > 1 or any(unit in OTHER_UNITS for unit in units)):
             text = f"the columns are in {' and '.join(units)}; give both in one of {allowed}"
             raise InstrumentError(name, i, text)
         if units:
-            return units[0]
+            return " and ".join(units)
     for _, line in header:
         for word in _words(PROSE, line):
             if word in NAMED_UNITS:

@@ -23,19 +23,19 @@ LEAST_POINTS = 12
 BLANKS = r"[\s,;]+"
 
 
-def read(path: Path) -> Table:
-    """The points of a file. Raises InstrumentError, OSError."""
+def read(path: Path, overruled: bool = False) -> Table:
+    """The points of a file; overruled: as in `dialects.table`. Raises InstrumentError, OSError."""
     lines, suffix = _text(path).splitlines(), path.suffix.lower()
-    found = _read(path.name, lines, suffix)
+    found = _read(path.name, lines, suffix, overruled)
     if len(found.points) < LEAST_POINTS:
         text = f"ends after {len(found.points)} points; give at least {LEAST_POINTS}"
         raise InstrumentError(path.name, len(lines), text)
     return found
 
 
-def _read(name: str, lines: Sequence[str], suffix: str) -> Table:
+def _read(name: str, lines: Sequence[str], suffix: str, overruled: bool) -> Table:
     if suffix not in BODIES:
-        return dialects.table(name, lines)
+        return dialects.table(name, lines, overruled)
     instrument = _miniprof if suffix in (".ban", ".whl") else _simpack
     found = instrument(name, lines)
     if found.body and found.body != BODIES[suffix]:

@@ -139,7 +139,7 @@ def _read(
     path: Path, _: int, body: str, choices: Choices, wavelength: float | None,
     slope: float, stretch: float,
 ) -> Measured:  # fmt: skip
-    table = instruments.read(path)
+    table = instruments.read(path, overruled=choices.unit != "auto")
     if table.body and table.body != body:
         raise InstrumentError(path.name, 1, f"is a {table.body}'s; give one of a {body}")
     points = table.points

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from railhead.meshing import layout
 from railhead.meshing.dialects import Table
 from railhead.meshing.smoothing import PointError
 
@@ -37,16 +38,12 @@ class Choices:
 def turned(table: Table, body: str, choices: Choices) -> tuple[Array, list[str]]:
     """Points (n, 2) in the axes of profiles, mm, and what was done to them, in words.
 
-    Raises PointError, of the outermost point in the axes of the table, where no unit, or not the
-    one that is given, fits the width.
+    Raises PointError, of a point in the axes of the table, as `in_mm` and `layout.check_head`.
     """
-    unit = choices.unit if choices.unit != "auto" else table.unit or _unit(table.points)
-    points = UNITS[unit] * table.points
-    width, (least, most) = float(np.ptp(points[:, 0])), WIDTHS["mm"]
-    if not least < width <= most:
-        raise PointError(f"is {width:.4g} mm wide in {unit}; give its profile_unit, in which it is "
-                         f"{least:g} to {most:g} mm wide", _outermost(table.points))  # fmt: skip
-    said = [f"in {unit}" + _why(choices.unit, "as the file says" if table.unit else "by its width")]
+    points, unit = in_mm(table, choices.unit)
+    if body == "rail":
+        layout.check_head(points, table.points)
+    said = [unit]
     upside, why = _upside_down(points, body)
     if (choices.flip == "on") if choices.flip != "auto" else upside:
         points = points * [1, -1]
@@ -65,6 +62,25 @@ def turned(table: Table, body: str, choices: Choices) -> tuple[Array, list[str]]
             place = "crown centre" if body == "rail" else "tape circle"
             said.append(f"moved by {move[0]:.2f}, {move[1]:.2f} mm to the {place}")
     return points, said
+
+
+def in_mm(table: Table, choice: str) -> tuple[Array, str]:
+    """Points (n, 2) in mm, and of which unit they were and why; choice: as `Choices.unit`.
+
+    Raises PointError as `layout.check_across`, and of the outermost point in the axes of the table
+    where no unit, or not the one that is given, fits the width.
+    """
+    layout.check_across(table.points)
+    unit = choice if choice != "auto" else table.unit or _unit(table.points)
+    points = UNITS[unit] * table.points
+    width, (least, most) = float(np.ptp(points[:, 0])), WIDTHS["mm"]
+    if not least < width <= most:
+        raise PointError(f"is {width:.4g} mm wide in {unit}; give its profile_unit, in which it is "
+                         f"{least:g} to {most:g} mm wide", _outermost(table.points))  # fmt: skip
+    if choice == "auto":
+        return points, f"in {unit} ({'as the file says' if table.unit else 'by its width'})"
+    overruled = table.unit not in ("", unit)
+    return points, f"in {unit}" + (f" as given (the file says {table.unit})" if overruled else "")
 
 
 def _why(choice: str, found: str) -> str:

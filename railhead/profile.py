@@ -18,7 +18,7 @@ from railhead.meshing import instruments, orientation, wear
 from railhead.meshing.measured import Measured, smoothness
 from railhead.meshing.suffixes import BODIES
 from railhead.meshing.wear import Wear
-from railhead.scene.scene import Scene, SceneError
+from railhead.scene.scene import Scene
 
 WHEELS = (100.0, 200.0)  # mm: a table of points that wide is of a wheel
 STEP = 0.25  # mm between the rows of profile.csv
@@ -48,22 +48,25 @@ class Examined:
 
 
 def examine(path: Path, body: str | None, assignments: Sequence[str]) -> Examined:
-    """The profile of a file; body: 'rail' or 'wheel', found out if None; assignments: keys of that
-    body, as in a scene (`rail.profile_unit=inch`). Raises SceneError."""
-    kind = body or BODIES.get(path.suffix.lower()) or _kind(path)
+    """The profile of a file; body: 'rail' or 'wheel', if None that of the suffix or of the first
+    assignment, else found out; assignments: keys of that body, as in a scene
+    (`rail.profile_unit=inch`). Raises SceneError."""
+    named = (assignment.partition(".")[0] for assignment in assignments)
+    given = next((name for name in named if name in BODIES.values()), None)
+    kind = body or BODIES.get(path.suffix.lower()) or given or _kind(path)
     scene = Scene.from_mapping({"load": 1.0, kind: {"profile": str(path)}}).replace(assignments)
     found = solid.from_file(scene, kind)
     return Examined(found, wear.nearest(found))
 
 
 def _kind(path: Path) -> str:
-    """'wheel' for a table of points as wide as wheels are, else 'rail'."""
+    """'wheel' for a table of points as wide as wheels are, else 'rail': what is wrong with the file
+    is said where it is read."""
     checked = Scene.from_mapping({"load": 1.0, "rail": {"profile": str(path)}}).rail.profile
     try:
-        table = instruments.read(Path(checked))
-        points, _ = orientation.turned(table, "rail", orientation.Choices())
-    except (ValueError, OSError) as error:
-        raise SceneError("rail.profile", str(error)) from None
+        points, _ = orientation.in_mm(instruments.read(Path(checked)), "auto")
+    except (ValueError, OSError):
+        return "rail"
     return "wheel" if WHEELS[0] <= float(np.ptp(points[:, 0])) <= WHEELS[1] else "rail"
 
 

@@ -1,11 +1,14 @@
 """Smoothing along arc length, and the profile that comes of it."""
 
+import os
+
 import numpy as np
 import pytest
 
-from railhead.meshing import measured, profiles, smoothing, wear
+from railhead.meshing import measured, outlines, profiles, smoothing, wear
 from railhead.meshing.dialects import InstrumentError
 from railhead.meshing.measured import Measured
+from railhead.meshing.orientation import Choices
 
 
 def arc(radius: float, angle: float, spacing: float) -> np.ndarray:
@@ -147,8 +150,6 @@ def test_a_rolled_file_is_the_rolled_profile(tmp_path) -> None:
 
 
 def test_a_file_that_changes_is_read_again(tmp_path) -> None:
-    import os
-
     file = tmp_path / "rail.csv"
     np.savetxt(file, rail("54E1"), delimiter=",")
     before = measured.read(file, "rail")
@@ -198,9 +199,85 @@ def test_the_wear_of_a_wheel_is_against_s1002(tmp_path) -> None:
     assert found.area == pytest.approx(2.0 * 15 * np.sqrt(2 * np.pi), rel=0.05)
 
 
-def refused(tmp_path, points: np.ndarray) -> str:
+def with_faces() -> np.ndarray:
+    """The head of 60E1 with its sides and undersides."""
+    section = outlines.rail_section("60E1", "head", half=False)
+    ends = [curve.points[0] for curve in section if curve.role != "support"]
+    half = len(ends) // 2
+    corners = np.array([*ends[half:], *ends[:half]])
+    s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
+    even = np.arange(0, s[-1], 0.5)
+    return np.column_stack([np.interp(even, s, column) for column in corners.T])
+
+
+def wheel() -> np.ndarray:
+    y = np.linspace(-68, 59, 600)
+    return np.column_stack([y, profiles.s1002().height(y)])
+
+
+def shuffled(points: np.ndarray) -> np.ndarray:
+    return np.random.default_rng(9).permutation(points)
+
+
+SWAPPED = {
+    "top": (rail(), "rail"),
+    "crown": (rail()[100:-100], "rail"),
+    "head with faces": (with_faces(), "rail"),
+    "noisy, any order": (shuffled(noisy(rail(), 0.02, 1)), "rail"),
+    "wheel": (wheel(), "wheel"),
+    "tread, a single slope": (wheel()[270:], "wheel"),
+}
+
+
+@pytest.mark.parametrize(("points", "body"), SWAPPED.values(), ids=SWAPPED)
+def test_columns_the_other_way_are_refused_without_a_header(points, body, tmp_path) -> None:
+    straight = read(tmp_path, points, body).profile
+    message = refused(tmp_path, points[:, ::-1], body)
+    assert f"{body}.csv, line 1: goes " in message and "give y before z" in message
+    file = tmp_path / "named.csv"
+    np.savetxt(file, points[:, ::-1], delimiter=",", header="z,y", comments="")
+    found = measured.read(file, body).profile
+    y = np.linspace(*measured.inner(straight), 51)
+    np.testing.assert_allclose(found.height(y), straight.height(y), atol=1e-6)
+
+
+HALVES = {
+    "gauge side": with_faces()[: len(with_faces()) // 2],
+    "field side": with_faces()[len(with_faces()) // 2 :],
+    "a little more than half": rail()[rail()[:, 0] < 5],
+    "other columns": rail()[rail()[:, 0] < 0][:, ::-1],
+    "upside down": rail()[rail()[:, 0] > 0] * [1, -1],
+}
+
+
+@pytest.mark.parametrize("points", HALVES.values(), ids=HALVES)
+def test_half_a_head_is_refused(points: np.ndarray, tmp_path) -> None:
+    message = refused(tmp_path, points)
+    assert "line " in message and "both sides" in message
+    assert "is half a head: it falls" in message or "up or down from end to end" in message
+
+
+def test_a_crown_without_corners_is_no_half_head(tmp_path) -> None:
+    y = np.linspace(-25, 20, 181)
+    crown = np.column_stack([y, profiles.rail_head("60E1").height(y)])
+    assert read(tmp_path, crown, "rail").profile.domain == pytest.approx((-25, 20), abs=0.3)
+
+
+def test_a_unit_that_is_given_overrules_the_file_and_is_said(tmp_path) -> None:
+    points, file = rail(), tmp_path / "rail.csv"
+    y = np.linspace(-25, 25, 51)
+    truth = profiles.rail_head("60E1").height(y)
+    for header, named in (("y (yd),z (yd)", "yd"), ("y/mm,z/um", "mm and um"), ("y,z in m", "m")):
+        np.savetxt(file, points, delimiter=",", header=header, comments="")
+        os.utime(file, ns=(len(header), len(header)))
+        found = measured.read(file, "rail", Choices(unit="mm"))
+        assert f"in mm as given (the file says {named})" in found.said
+        np.testing.assert_allclose(found.profile.height(y), truth, atol=2e-3)
+
+
+def refused(tmp_path, points: np.ndarray, body: str = "rail") -> str:
     with pytest.raises(InstrumentError) as caught:
-        read(tmp_path, points, "rail")
+        read(tmp_path, points, body)
     return str(caught.value)
 
 

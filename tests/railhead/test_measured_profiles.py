@@ -184,6 +184,30 @@ def test_wrong_files_are_one_line_status_2_and_nothing_written(
     assert os.listdir(tmp_path) == [name]
 
 
+def test_a_half_head_is_refused_as_in_a_plan(worn: Scene, tmp_path, monkeypatch, capsys) -> None:
+    points = np.loadtxt(worn.rail.profile, delimiter=",")
+    half = tmp_path / "half.csv"
+    np.savetxt(half, points[points[:, 0] < 0], delimiter=",")
+    monkeypatch.chdir(tmp_path)
+    assert command("half.csv") == 2
+    printed = capsys.readouterr().err.strip()
+    with pytest.raises(SceneError) as caught:
+        api.plan(worn.replace([f"rail.profile={half}"]))
+    assert printed == f"railhead: {caught.value}" and "half a head" in printed
+    assert os.listdir(tmp_path) == ["half.csv"]
+
+
+def test_command_takes_the_unit_that_is_typed(worn: Scene, tmp_path, capsys) -> None:
+    """Of a header whose unit is refused; the key tells the body too."""
+    points = np.loadtxt(worn.rail.profile, delimiter=",")
+    file = tmp_path / "yards.csv"
+    np.savetxt(file, points, delimiter=",", header="y (yd),z (yd)", comments="")
+    assert command(str(file), "--no-pictures") == 2
+    assert "in yd; give both in one of" in capsys.readouterr().err
+    assert command(str(file), "--no-pictures", "--set", "rail.profile_unit=mm") == 0
+    assert "in mm as given (the file says yd)" in " ".join(capsys.readouterr().out.split())
+
+
 def test_quick_study_writes_its_page(tmp_path) -> None:
     study.main(tmp_path, quick=True)
     assert {path.name for path in tmp_path.iterdir()} == {"page.md", "profiles.csv"}
