@@ -208,6 +208,15 @@ def test_command_takes_the_unit_that_is_typed(worn: Scene, tmp_path, capsys) -> 
     assert "in mm as given (the file says yd)" in " ".join(capsys.readouterr().out.split())
 
 
+def test_a_key_of_the_command_tells_the_body(tmp_path, capsys) -> None:
+    """Of a file whose width in its own unit tells none."""
+    wheel = solid.from_file(Scene.from_mapping({"load": 1, "wheel": {"profile": PRW}}), "wheel")
+    file = tmp_path / "yards.csv"
+    np.savetxt(file, wheel.points, delimiter=",", header="y (yd),z (yd)", comments="")
+    assert command(str(file), "--json", "--no-pictures", "--set", "wheel.profile_unit=mm") == 0
+    assert json.loads(capsys.readouterr().out)["standard"] == "S1002"
+
+
 def test_quick_study_writes_its_page(tmp_path) -> None:
     study.main(tmp_path, quick=True)
     assert {path.name for path in tmp_path.iterdir()} == {"page.md", "profiles.csv"}
