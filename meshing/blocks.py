@@ -19,7 +19,6 @@ from railhead.meshing.tags import BODIES, CONTACT, SUPPORT, SYMMETRY_X, SYMMETRY
 Array = NDArray[np.float64]
 REPAIR_BELOW = 0.1  # quality of a curved tetrahedron that is straightened
 STRAIGHTENING_PASSES = 5
-ELEMENTS_PER_TURN = 6  # on fillets
 EDGES = {  # of simplices, in gmsh's order of the middle nodes
     2: ((0, 1), (1, 2), (2, 0)),
     3: ((0, 1), (1, 2), (2, 0), (3, 0), (2, 3), (1, 3)),
@@ -172,7 +171,7 @@ def _mesh(grading: Grading, options: Options) -> None:
     gmsh.model.mesh.field.setAsBackgroundMesh(field)
     gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
     gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
-    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 0 if hexahedra else ELEMENTS_PER_TURN)
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 0 if hexahedra else options.per_turn)
     gmsh.option.setNumber("Mesh.MeshSizeMin", 0.2 * grading.size)
     gmsh.option.setNumber("Mesh.MeshSizeMax", grading.coarsest)
     if hexahedra:

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from railhead.meshing.outlines import Curve
 from railhead.meshing.pose import Pose, upright
 
+ELEMENTS_PER_TURN = 6  # on fillets
+
 
 @dataclass(frozen=True)
 class Body:
@@ -30,13 +32,15 @@ class Options:
     """cell 'tetrahedron' or 'hexahedron', degree 1 or 2 of the geometry, half: only x >= 0.
 
     plane: '' sweeps the sections; 'xz' or 'yz' meshes them as they are, in the plane along or
-    across the rail, with triangles or quadrilaterals.
+    across the rail, with triangles or quadrilaterals. per_turn: tetrahedra or triangles on a full
+    turn of a fillet, at least.
     """
 
     cell: str
     geometry_degree: int
     half: bool
     plane: str = ""
+    per_turn: int = ELEMENTS_PER_TURN
 
     @property
     def dim(self) -> int:

@@ -25,6 +25,11 @@ class Curve:
     role: str
     centre: Array | None = None
 
+    @property
+    def radius(self) -> float:
+        """Of an arc in mm; infinite for others."""
+        return math.inf if self.centre is None else math.dist(self.points[0], self.centre)
+
     def mirrored(self) -> Curve:
         """Reflected at y = 0, with its direction kept around the section."""
         flip = np.array([-1.0, 1.0])
@@ -65,6 +70,26 @@ def rail_section(name: str, extent: str, *, half: bool) -> list[Curve]:
     if half:
         return [*curves, _line(axis, np.zeros(2), "symmetry")]
     return [*curves, *(curve.mirrored() for curve in reversed(curves))]
+
+
+def sharpened(section: list[Curve], radius: float) -> list[Curve]:
+    """The same closed section with a sharp corner in place of each arc between two lines that has a
+    smaller radius (mm).
+
+    A corner of radius r that turns by t gains the area r^2 (tan(t/2) - t/2).
+    """
+    made = list(section)
+    for index, curve in enumerate(section):
+        if curve.centre is None or curve.radius >= radius:
+            continue
+        before, after = index - 1, (index + 1) % len(section)
+        if made[before].centre is None and made[after].centre is None:
+            middle = curve.points.mean(axis=0) - curve.centre
+            corner = curve.centre + middle * curve.radius**2 / (middle @ middle)
+            made[before] = _line(made[before].points[0], corner, made[before].role)
+            made[after] = _line(corner, made[after].points[1], made[after].role)
+            made[index] = replace(curve, points=np.empty((0, 2)))
+    return [curve for curve in made if len(curve.points)]
 
 
 def head_depth(name: str) -> float:

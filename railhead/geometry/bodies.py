@@ -18,6 +18,9 @@ from railhead.scene.scene import Scene, SceneError
 HEAD_DEPTH = 50.0  # mm, of a block below a single-radius or measured crown
 RIM_DEPTH = 60.0  # mm
 MOST_SLENDER = 9.0  # half length of the wheel's segment over its thickness; gmsh fails on thinner
+# Corners of a whole section with a smaller radius (mm), far below the elements there, are left out:
+# area +0.13 %, second moments +0.2 % (vertical bending) and +0.9 % (lateral).
+SHARP_BELOW = 5.0
 TWIST_REACH = 500.0  # mm, half length of a whole section that can twist: it decays over about 300
 
 
@@ -62,6 +65,8 @@ def _rail(contact: Contact, reach: float, *, whole_section: bool, half: bool) ->
     if scene.rail.profile in profiles.STANDARD_RAILS:
         extent = "section" if whole_section else "head"
         section = outlines.rail_section(scene.rail.profile, extent, half=half)
+        if whole_section:
+            section = outlines.sharpened(section, SHARP_BELOW)
         angle = math.atan(scene.rail.inclination)
         c, s = math.cos(angle), math.sin(angle)
         section = [curve.moved(np.array([[c, -s], [s, c]]), np.zeros(2)) for curve in section]

@@ -3,15 +3,17 @@
 import numpy as np
 import pytest
 
+from railhead.geometry import bodies
 from railhead.meshing import measured, outlines, profiles
 
 HEIGHT = {"54E1": 159.0, "60E1": 172.0}
 
 
-def polygon(name: str) -> np.ndarray:
+def polygon(name: str, sharp_below: float = 0.0) -> np.ndarray:
     """Fine polygon (n, 2) of the whole section, y to the right and z from the foot bottom."""
     points = []
-    for curve in outlines.rail_section(name, "section", half=False):
+    section = outlines.rail_section(name, "section", half=False)
+    for curve in outlines.sharpened(section, sharp_below):
         start, end = curve.points
         if curve.centre is None:
             points.append(np.linspace(start, end, 50)[:-1])
@@ -44,6 +46,29 @@ def test_section_has_the_published_area_centroid_and_inertia(name: str) -> None:
     assert zc == pytest.approx(published["yc_mm"], rel=5e-4)
     assert ix / 1e4 == pytest.approx(published["Ix_cm4"], rel=5e-4)
     assert iy / 1e4 == pytest.approx(published["Iy_cm4"], rel=5e-4)
+
+
+@pytest.mark.parametrize("name", ["54E1", "60E1"])
+def test_sharp_corners_leave_the_section_as_stiff(name: str) -> None:
+    before = section_properties(polygon(name))
+    after = section_properties(polygon(name, bodies.SHARP_BELOW))
+    gain = dict(zip(("area", "centroid", "ix", "iy"), np.divide(after, before) - 1, strict=True))
+    corners = ((3, 72.896), (4, 85.91), (2, 90))  # radius and turn of the drawing, on both sides
+    turns = [(r, np.radians(t) / 2) for r, t in corners]
+    gained = 2 * sum(r**2 * (np.tan(t) - t) for r, t in turns)
+    assert after[0] - before[0] == pytest.approx(gained, rel=1e-2)
+    assert abs(gain["centroid"]) < 1e-3
+    assert 0 < gain["ix"] < 0.002 and 0 < gain["iy"] < 0.01
+
+
+def test_only_arcs_between_lines_become_sharp() -> None:
+    section = outlines.rail_section("54E1", "section", half=False)
+    assert len(section) - len(outlines.sharpened(section, 5.0)) == 6
+    sharp = outlines.sharpened(section, 100.0)
+    kept = {round(curve.radius) for curve in sharp if curve.centre is not None}
+    assert {13, 80, 300, 508} <= kept  # the contact, and fillets beside the web's arc
+    for one, two in zip(sharp, [*sharp[1:], sharp[0]], strict=True):
+        np.testing.assert_allclose(one.points[-1], two.points[0], atol=1e-6)
 
 
 @pytest.mark.parametrize("name", ["54E1", "60E1"])
