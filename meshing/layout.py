@@ -46,4 +46,4 @@ def check_head(points: Array, listed: Array) -> None:
 def _way(points: Array) -> Array:
     """Points (n, 2) in their order, or in that of a column where that is the shorter way."""
     ways = (points, *(points[np.argsort(column, kind="stable")] for column in points.T))
-    return min(ways, key=lambda way: float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum()))
+    return min(ways, key=lambda way: float(np.hypot(*np.diff(way, axis=0).T).sum()))

@@ -27,7 +27,7 @@ def decide(context: Context) -> Effect:
         return Effect(False, False, why, {"on": why})
     reach = MARGIN * context.hertz.b * math.cos(contact.touch.angle)
     called, why = _leaves(contact, contact.touch.y - reach, contact.touch.y + reach)
-    return Effect(called, called, f"{MARGIN} of the predicted patch, {why}")
+    return Effect(called, called, f"{MARGIN} times the predicted patch, {why}")
 
 
 def check(context: Context, effect: Effect, found: Findings) -> After | None:
@@ -61,7 +61,7 @@ def _leaves(contact: Contact, low: float, high: float) -> tuple[bool, str]:
         piece = next(p for p in profile.pieces if p.end >= contact.touch.y - shift)
         straight = isinstance(piece, Polynomial) and len(piece.coefficients) <= 2
         if not (isinstance(piece, Arc) or straight):
-            return True, f"touches the {body}'s {profile.name} where it is no arc"
+            return True, f"on the {body}'s {profile.name} where it is no arc"
         for joint in profile.joints:
             if abs(joint + shift - contact.touch.y) < abs(nearest - contact.touch.y):
                 nearest, owner = joint + shift, body
