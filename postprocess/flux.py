@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import basix
 import numpy as np
+from numpy.typing import NDArray
 
 from railhead.meshing.tags import RAIL
 from railhead.postprocess.solid import Solid
 from railhead.postprocess.stress import at_reference
 from railhead.solver.gather import Fields
 
-DEGREE = 4  # of the rule in a cell: the weight over the slab bends within cells
+BENT, EVEN = (
+    4,
+    2,
+)  # degree of the rule in a cell where the weight over the slab bends, and elsewhere
 
 
 def through_slab(fields: Fields, body: int, distance: float, thickness: float) -> float:
@@ -32,12 +36,24 @@ def through_slab(fields: Fields, body: int, distance: float, thickness: float) -
     start = touching.min() if body == RAIL else touching.max()
     middle, half = start + depth * into[2], 0.5 * thickness * depth
     z = fields.points[fields.cells[cells], 2]
-    cells = cells[(z.min(axis=1) < middle + half) & (z.max(axis=1) > middle - half)]
+    low, high = z.min(axis=1), z.max(axis=1)
+    bends = middle + half * np.array([[-1.0], [0.0], [1.0]])
+    bent = np.any((low < bends) & (high > bends), axis=0)
+    even = ~bent & (low < middle + half) & (high > middle - half)
+    total = _weighted(fields, cells[bent], BENT, middle, half)
+    total += _weighted(fields, cells[even], EVEN, middle, half)
+    return -total * (1 if fields.kinematics.revolved else 2 ** len(fields.mirrors))
+
+
+def _weighted(
+    fields: Fields, cells: NDArray[np.int64], degree: int, middle: float, half: float
+) -> float:
+    """int w sigma_zz over some cells, with a rule of that degree."""
     kinematics, total = fields.kinematics, 0.0
-    rule = basix.make_quadrature(getattr(basix.CellType, fields.cell), DEGREE)
+    rule = basix.make_quadrature(getattr(basix.CellType, fields.cell), degree)
     for reference, weight in zip(*rule, strict=True):
         x, stress, size = at_reference(fields, cells, reference)
         size = size * kinematics.measure(kinematics.flatten(x))
         away = np.abs(x[:, 2] - middle) / half
         total += float((weight * size * np.maximum(1.0 - away, 0.0) / half) @ stress[:, 2])
-    return -total * (1 if kinematics.revolved else 2 ** len(fields.mirrors))
+    return total

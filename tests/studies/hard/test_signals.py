@@ -106,8 +106,15 @@ def test_a_library_that_keeps_the_lock_is_killed_and_leaves_nothing(number, tmp_
     assert os.listdir(tmp_path) == []
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-@pytest.mark.parametrize("seconds", [0.0, 0.05, 0.35, 0.65, 1.05, 1.55, 2.15])
+@pytest.mark.parametrize(
+    "seconds, number",
+    [(0.0, signal.SIGTERM), (0.05, signal.SIGINT), (0.35, signal.SIGTERM), (0.65, signal.SIGINT),
+     (1.05, signal.SIGTERM), (1.55, signal.SIGINT), (2.15, signal.SIGTERM),
+     *(pytest.param(seconds, number, marks=pytest.mark.slow)
+       for number, several in ((signal.SIGTERM, (0.05, 0.65, 1.55)),
+                               (signal.SIGINT, (0.0, 0.35, 1.05, 2.15)))
+       for seconds in several)],
+)  # fmt: skip
 def test_imports_end_silently(seconds: float, number: signal.Signals, tmp_path: Path) -> None:
     running = start(tmp_path, COMMAND, *FINE)
     wait_until_heard(running)
