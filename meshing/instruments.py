@@ -117,7 +117,7 @@ def _simpack(name: str, lines: Sequence[str]) -> Table:
     done = [f"{key} done" for key in ("shift.y", "shift.z", "rotate", "mirror.y", "mirror.z")
             if number(key)]  # fmt: skip
     remarks = [f"{out} {'line' if out == 1 else 'lines'} commented out"] if out else []
-    return Table(points, unit, body, "Simpack", (*remarks, *done), tuple(at.tolist()))
+    return Table(points, unit, body, "Simpack", (*remarks, *done), tuple(int(i) for i in at))
 
 
 def _points(

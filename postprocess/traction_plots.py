@@ -39,7 +39,8 @@ def draw(
     flat = np.ptp(local[:, 1]) < 1e-9
     with new_figure(path, 7 if flat else 12, 5.4, findings) as figure:
         panels = figure.subplots(1, 1 if flat else 2, squeeze=False)[0]
-        axes, middle = panels[-1], np.ones(len(local), dtype=bool)
+        axes = panels[-1]
+        middle: NDArray[np.bool_] = np.ones(len(local), dtype=bool)
         if not flat:
             _map(panels[0], local, traction, sticks)
             for line in patch.outlines:

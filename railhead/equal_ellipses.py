@@ -31,7 +31,8 @@ class Rolled(NamedTuple):
 def fastsim(patches: Sequence[Patch], limit: float, pair: Pair, motion: ArrayLike) -> Rolled:
     """At creepages and a spin (3,); limit: mu N, N, of all. A patch's forces do work on what it
     creeps beyond that motion, too. ValueError: an ellipse too slender."""
-    total, wear, sticks, touches = np.zeros(3), 0.0, 0.0, 0.0
+    wear, sticks, touches = 0.0, 0.0, 0.0
+    total: Array = np.zeros(3)
     whole = sum(each.pressed.force for each in patches)
     for patch, a, b, linear, local in _ellipses(patches, pair, motion):
         carried = limit * patch.pressed.force / whole

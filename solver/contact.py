@@ -129,7 +129,7 @@ class ContactModel:
 
     def prescribed(self, load: float, approach: float) -> PETSc.Vec:
         """u0: far field of the load and, under approach control, the rigid motion of the hub."""
-        values = np.zeros((self.owned, self.setup.kinematics.dim))
+        values: Array = np.zeros((self.owned, self.setup.kinematics.dim))
         if self.setup.far_field is not None and load:
             values = self.following(partial(self.setup.far_field, load))
         supports = self.supports(self.bulk.space)

@@ -40,7 +40,7 @@ class Legs:
         self.modes = [index for index, _ in self.rub.free]
         self.motion = np.array(self.rub.known)  # along, across and spin
         self.settled = None if self.rub.rolling else contact.moved
-        self.nodal = np.zeros(contact.answer.shape[1])
+        self.nodal: Array = np.zeros(contact.answer.shape[1])
         self.ends: list[Array] = []
         self.share, self.peaked = 1.0, False
         self.touched: Mask = np.zeros(len(contact.points), dtype=bool)

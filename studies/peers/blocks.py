@@ -30,7 +30,7 @@ def write(path: Path, case: Mapping[str, float], cell: str, order: int, size: fl
     order; x0, y0, far, contact: points of the symmetry planes, the far end and the arc; sides
     (f, 2): cell and face (from 0) on the arc; corners (f, 3 or 4) of them, outwards."""
     make = {"hexahedron": _hexahedra, "tetrahedron": _tetrahedra}[cell]
-    arrays: dict[str, Array] = {}
+    arrays: dict[str, Any] = {}
     for body, sign, coarser in (("rail", -1, 1.0), ("wheel", 1, WHEEL_COARSER)):
         flat, cells = make(size * coarser, order, sign)
         sides, corners = _faces(flat, cells, cell)
