@@ -5,6 +5,8 @@ No other module asks for a version. Tested with those of Debian 12, Debian 13 an
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -35,24 +37,34 @@ def model_to_mesh(model: Any, comm: MPI.Comm, dim: int = 3) -> tuple[Any, Any, A
     return data.mesh, data.cell_tags, data.facet_tags
 
 
-def _alone(mesh: Any) -> Any:
-    """Context in which forms and elements are compiled."""
+@contextmanager
+def _compiling(mesh: Any, **options: Any) -> Iterator[dict[str, Any]]:
+    """Be alone to compile forms and elements; how, as keywords. The folder is this program's: it
+    removes what is half compiled, and others take no notice of its lock."""
     chosen = jit.get_parameters() if _OLD else jit.get_options()
-    return compiling.alone(mesh.comm, Path(chosen["cache_dir"]))
+    folder = Path(chosen["cache_dir"]) / "railhead"
+    with compiling.alone(mesh.comm, folder):
+        yield {"jit_params" if _OLD else "jit_options": {"cache_dir": folder, **options}}
 
 
 def vector_space(mesh: Any, degree: int) -> Any:
     """Continuous Lagrange space of vectors with as many components as the mesh has coordinates."""
-    with _alone(mesh):
-        if _OLD:
-            return fem.VectorFunctionSpace(mesh, ("Lagrange", degree))
-        return fem.functionspace(mesh, ("Lagrange", degree, (mesh.geometry.dim,)))
+    kind = ("Lagrange", degree, (mesh.geometry.dim,))
+    if _OLD:
+        kind = ufl.VectorElement("Lagrange", mesh.ufl_cell(), degree)
+    return _space(mesh, kind)
+
+
+def _space(mesh: Any, kind: Any) -> Any:
+    if VERSION >= (0, 11):
+        return fem.functionspace(mesh, kind)  # which compiles nothing
+    with _compiling(mesh) as how:
+        return (fem.FunctionSpace if _OLD else fem.functionspace)(mesh, kind, **how)
 
 
 def cellwise_constant(mesh: Any, values: NDArray[np.float64]) -> Any:
     """DG0 function with one value for each local cell (ghosts included)."""
-    with _alone(mesh):
-        space = (fem.FunctionSpace if _OLD else fem.functionspace)(mesh, ("DG", 0))
+    space = _space(mesh, ("DG", 0))
     function = fem.Function(space)
     dofs = _rows(space.dofmap.list, 1).reshape(-1)
     function.x.array[dofs] = values
@@ -61,11 +73,8 @@ def cellwise_constant(mesh: Any, values: NDArray[np.float64]) -> Any:
 
 def form(expression: ufl.Form, mesh: Any) -> Any:
     """Compile a form on a mesh with the C compiler's optimiser on."""
-    options = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
-    with _alone(mesh):
-        if _OLD:
-            return fem.form(expression, jit_params=options)
-        return fem.form(expression, jit_options=options)
+    with _compiling(mesh, cffi_extra_compile_args=["-O3", "-march=native"]) as how:
+        return fem.form(expression, **how)
 
 
 def collect(comm: MPI.Comm) -> None:

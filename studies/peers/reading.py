@@ -50,7 +50,8 @@ def fitted(x: ArrayLike, y: ArrayLike, pressure: ArrayLike) -> tuple[float, floa
     high = p > LEAST * p.max(initial=0.0)
     terms = np.column_stack([np.ones(high.sum()), -(x[high] ** 2), -(y[high] ** 2)])
     (c, along, across), _, rank, _ = np.linalg.lstsq(terms, p[high] ** 2, rcond=None)
-    if rank < 3 or min(c, along, across) <= 0:
+    flat = 1e-9 * c  # rounding, where the pressure does not fall along an axis
+    if rank < 3 or c <= 0 or min(along * np.ptp(x) ** 2, across * np.ptp(y) ** 2) <= flat:
         raise ValueError("its pressures lie on no ellipse")
     return float(np.sqrt(c)), float(np.sqrt(c / along)), float(np.sqrt(c / across))
 

@@ -55,10 +55,14 @@ def test_images_hold_the_exact_fields(blocks: Callable[..., Any], degree: int) -
     off, partner = cKDTree(exact.points).query(found.points)
     assert off.max() < 1e-9
     assert {-1.0, 1.0} <= set(np.sign(found.points[:, 0] * found.points[:, 1]))
-    p0 = case.ellipse.p0
+    x, y, z = found.points.T
+    p0, edge = case.ellipse.p0, (x / case.ellipse.a) ** 2 + (y / case.ellipse.b) ** 2
+    smooth = (z < 0) | (np.abs(edge - 1) > 1e-6)  # at the edge they rise like a square root
+    assert 0 < np.sum(~smooth) < 20
     for name, scale in (("stress", p0), ("displacement", 0.1), ("principal_stresses", p0),
                         ("von_mises", p0), ("max_shear", p0)):  # fmt: skip
-        assert found[name] == pytest.approx(exact[name][partner], abs=1e-9 * scale), name
+        expected = exact[name][partner][smooth]
+        assert found[name][smooth] == pytest.approx(expected, abs=1e-9 * scale), name
     tensor = found["stress"].reshape(-1, 3, 3)
     for k in range(3):
         along = found[f"principal_direction_{k + 1}"]
