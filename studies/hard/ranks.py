@@ -31,6 +31,8 @@ def summary(ranks: int, folder: Path) -> dict[str, Any]:
     subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True)
     text = (folder / f"ranks{ranks}" / "summary.json").read_text(encoding="utf-8")
     found: dict[str, Any] = json.loads(text)
+    if found["cost"]["ranks"] != ranks:
+        raise RuntimeError(f"{found['cost']['ranks']} processes solved it, not {ranks}")
     return found
 
 
