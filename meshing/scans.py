@@ -66,4 +66,4 @@ def spikes(smoothed: Smoothed, facing: NDArray[np.bool_]) -> tuple[int, float, A
     count = np.count_nonzero(off > max(SPIKE * smoothed.noise, APART, BEND * spacing**2))
     if not count:
         return None
-    return count, float(off.max()), smoothed.points[np.argmax(off)]
+    return int(count), float(off.max()), smoothed.points[np.argmax(off)]

@@ -10,7 +10,13 @@ from railhead.studies.tables import render
 Row = Mapping[str, Any]
 """One run with the fields of the study's CSV, without units."""
 JUDGED = ("p_max", "area", "tau_max")
-REDUCTIONS = ("symmetry", "symmetry_x", "symmetry_y")  # on is the cheaper state
+REDUCTIONS = (
+    "symmetry",
+    "symmetry_x",
+    "symmetry_y",
+    "axisymmetry",
+    "plane_strain",
+)  # on is cheaper
 NOISE = 0.1  # relative difference of two median times that is none
 
 
@@ -36,26 +42,35 @@ def page(runs: Sequence[Row], bare: Sequence[Row]) -> str:
 def wrong(runs: Sequence[Row]) -> list[Row]:
     """Runs which show that the plan left out too much: an effect left off, or a reduction used,
     that changes a judged quantity by more than the accuracy."""
-    return [
-        row for row in runs if row["effect"] and _left_out(row) and _change(row) > row["accuracy"]
-    ]
+    return [row for row in _left(runs) if _change(row) > row["accuracy"]]
 
 
 def verdict(runs: Sequence[Row]) -> str:
     """In words, with the numbers that decide."""
-    left = [row for row in runs if row["effect"] and _left_out(row)]
-    kept = [row for row in runs if row["effect"] and not _left_out(row)]
+    left = _left(runs)
+    kept = [row for row in runs if row["effect"] and not _simulates_more(row)]
+    overruled = [row for row in runs if row["effect"] and _overruled(row)]
     small = [row for row in kept if _change(row) <= row["accuracy"]]
     worst = max(left, key=_change, default=None)
     return render(
         "effects_verdict", change=_change, limit=runs[0]["accuracy"], wrong=wrong(runs),
         left=len(left), worst=worst, kept=len(kept), small=small,
+        overruled=overruled,
     )  # fmt: skip
 
 
-def _left_out(row: Row) -> bool:
-    """Whether this run simulates more than the plan did."""
+def _left(runs: Sequence[Row]) -> list[Row]:
+    """Runs that simulate more than the plan did, of its own accord."""
+    return [r for r in runs if r["effect"] and _simulates_more(r) and not _overruled(r)]
+
+
+def _simulates_more(row: Row) -> bool:
     return bool(row["on"] != (row["effect"] in REDUCTIONS))
+
+
+def _overruled(row: Row) -> bool:
+    """Whether the plan called for the state of this run, and the scene chose the other one."""
+    return bool(row["on"] == row["called_for"])
 
 
 def _change(row: Row) -> float:

@@ -39,7 +39,7 @@ def test_what_the_plan_leaves_out_is_below_the_accuracy_and_pays(quick) -> None:
 
 def run(effect: str, on: bool, change: float) -> dict:
     return {
-        "scene": "made_up", "effect": effect, "on": on, "called_for": True, "accuracy": 0.01,
+        "scene": "made_up", "effect": effect, "on": on, "called_for": not on, "accuracy": 0.01,
         "unknowns": 100, "seconds": 2.0, "p_max": 1.0, "area": 1.0, "tau_max": 1.0, "approach": 1.0,
         "change_p_max": change, "change_area": 0.0, "change_tau_max": 0.0, "change_approach": 0.0,
     }  # fmt: skip
@@ -52,6 +52,14 @@ def test_verdict_names_what_was_wrongly_left_out() -> None:
     bad = [*fine, run("rail_section", True, 0.03), run("symmetry_y", False, -0.02)]
     assert [row["effect"] for row in effects_page.wrong(bad)] == ["rail_section", "symmetry_y"]
     assert effects_page.verdict(bad).startswith("**No.**")
+
+
+def test_what_the_scene_switched_off_is_no_fault_of_the_plan() -> None:
+    overruled = {**run("plasticity", True, 0.3), "called_for": True}
+    assert effects_page.wrong([run("", True, 0.0), overruled]) == []
+    told = effects_page.verdict([run("", True, 0.0), run("friction", True, 0.001), overruled])
+    assert told.startswith("Yes: of 1 effects")
+    assert "called for `plasticity` of made_up, which the scene switches off: 30 %" in told
 
 
 def test_an_effect_kept_without_need_is_named_too() -> None:

@@ -120,7 +120,7 @@ def read(mesh, dat: str, frd: str):
         "x": x,
         "y": y,
         "pressure": pressure,
-        "tau_max": max(_tresca(blocks["STRESS"][node + 1]) for node in axis),
+        "tau_max": max(_tresca(blocks["STRESS"][int(node) + 1]) for node in axis),
     }
 
 
