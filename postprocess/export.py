@@ -9,7 +9,9 @@ from xml.etree import ElementTree
 
 import meshio
 import numpy as np
+from numpy.typing import NDArray
 
+from railhead.meshing.tags import RAIL
 from railhead.postprocess.findings import Array, Surface
 from railhead.solver.gather import Fields
 from railhead.solver.solution import Rubbing
@@ -94,7 +96,7 @@ def series(files: Mapping[float, str], path: Path) -> None:
 
 def contact_grid(surfaces: Mapping[int, Surface]) -> meshio.Mesh:
     """Triangles (of a section: lines) of modelled contact surfaces, by tag of their body,
-    undeformed.
+    undeformed, wound so that they look out of it.
 
     Point data: displacement (n, 3) mm; pressure (n,) MPa; gap (n,) mm between the deformed
     surfaces; status (n,), 1 where it touches, 0 where it is open. Cell data: body, as in
@@ -102,7 +104,8 @@ def contact_grid(surfaces: Mapping[int, Surface]) -> meshio.Mesh:
     """
     each = list(surfaces.values())
     first = np.cumsum([0, *(len(one.points) for one in each)])
-    cells = np.concatenate([one.triangles + at for one, at in zip(each, first, strict=False)])
+    pieces = [_outwards(one, tag) for tag, one in surfaces.items()]
+    cells = np.concatenate([one + at for one, at in zip(pieces, first, strict=False)])
     pressure = np.concatenate([one.pressure for one in each])
     body = np.repeat(list(surfaces), [len(one.triangles) for one in each])
     return meshio.Mesh(
@@ -116,6 +119,16 @@ def contact_grid(surfaces: Mapping[int, Surface]) -> meshio.Mesh:
         },
         cell_data={"body": [body.astype(np.int32)]},
     )
+
+
+def _outwards(surface: Surface, tag: int) -> NDArray[np.int64]:
+    """Its triangles (t, 3), looking up from the rail and down from the wheel; lines as they are."""
+    triangles = surface.triangles
+    if triangles.shape[1] < 3:
+        return triangles
+    a, b, c = surface.points[triangles].transpose(1, 0, 2)
+    inwards = (np.cross(b - a, c - a)[:, 2] > 0) != (tag == RAIL)
+    return np.where(inwards[:, None], triangles[:, ::-1], triangles)
 
 
 def traction_points(found: Rubbing) -> meshio.Mesh:

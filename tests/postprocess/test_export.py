@@ -96,7 +96,8 @@ def test_contact_file_holds_pressure_and_gap(blocks: Callable[..., Any], tmp_pat
     export.write(export.contact_grid({1: surface}), tmp_path / "contact.vtu")
     back = pv.read(tmp_path / "contact.vtu")
     assert np.array_equal(back.points, surface.points)
-    assert np.array_equal(back.cells.reshape(-1, 4)[:, 1:], surface.triangles)
+    found = np.sort(back.cells.reshape(-1, 4)[:, 1:], axis=1)
+    assert np.array_equal(found, np.sort(surface.triangles, axis=1))
     assert np.array_equal(back["pressure"], surface.pressure)
     assert np.array_equal(back["gap"], surface.gap)
     assert set(back["body"]) == {case.fields.slave}
@@ -108,6 +109,18 @@ def test_contact_file_holds_pressure_and_gap(blocks: Callable[..., Any], tmp_pat
     assert {name: label and label.strip() for name, label in labels.items()} == {
         "pressure": "MPa", "gap": "mm", "status": None
     }  # fmt: skip
+
+
+def test_triangles_look_out_of_their_body(blocks: Callable[..., Any]) -> None:
+    """So that pressure times normal is the force on each body, with its sign."""
+    surface = blocks().findings.surface
+    mixed = surface.triangles.copy()
+    mixed[::2] = mixed[::2, ::-1]
+    grid = export.contact_grid({1: surface, 2: replace(surface, triangles=mixed)})
+    a, b, c = grid.points[grid.cells[0].data].transpose(1, 0, 2)
+    up = np.cross(b - a, c - a)[:, 2]
+    body = grid.cell_data["body"][0]
+    assert np.all(up[body == 1] > 0) and np.all(up[body == 2] < 0)
 
 
 def test_wrong_input_is_refused(blocks: Callable[..., Any], tmp_path: Path) -> None:
