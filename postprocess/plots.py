@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 FE, HERTZ, THESIS = "#1f4e79", "#c8502d", "#7a7a7a"
 BANDS = 10
 CENTRED = 0.01  # of a half length: that near to the first contact is at it
+OFF_AXIS = 0.01  # of the largest shear stress on the axis: one higher by that is named beside it
 SURFACE = 1e-3  # of the smaller half length: a depth below it is none
 SEEN = 0.98  # of the largest pressure: a cut that reaches it goes through the peak
 OFF_CUT = 0.2  # of its depth: from there on a point is said to lie off the cut
@@ -161,6 +162,7 @@ def depth(
         if ellipse is not None:
             name = f"exact Hertz, {_kind(ellipse)}"
             name += ", no friction" if findings.subject.rubs else ""
+            name += "" if _centred(findings) else ", below its own centre"
             normal = contacts.axis_stress(ellipse, poisson, fine)
             exact = contacts.axis_extrema(ellipse, poisson)
             peak = exact.tau_max_depth, exact.tau_max
@@ -175,7 +177,8 @@ def depth(
             ylabel=f"depth in the {names[axis.body]}{_below(findings)}, mm",
         )
         panels[1].set(
-            xlabel="largest shear stress $\\tau$, MPa\n(+ its peak on this line)",
+            xlabel="largest shear stress $\\tau$, MPa\n"
+            f"(+ its peak on this line{_elsewhere(findings)})",
             ylim=(axis.depth.max(), 0),
         )
         panels[1].set_xlim(0, 1.08 * panels[1].dataLim.x1)  # a cross is not cut
@@ -200,10 +203,25 @@ def _kind(ellipse: Hertz) -> str:
     return "circular" if math.isclose(ellipse.a, ellipse.b, rel_tol=1e-6) else "elliptic"
 
 
-def _below(findings: Findings) -> str:
-    """Where the axis starts, unless it is the origin."""
+def _centred(findings: Findings) -> bool:
+    """Whether the axis starts at the origin, below which Hertz's patch lies."""
     (x, s), patch = findings.patch.centre, findings.patch
-    if max(abs(x) / patch.a, abs(s) / patch.b) < CENTRED:
+    return max(abs(x) / patch.a, abs(s) / patch.b) < CENTRED
+
+
+def _elsewhere(findings: Findings) -> str:
+    """The body's largest shear stress, if it is not on the axis."""
+    axis = findings.axis
+    largest = findings.largest[axis.body].tau.value
+    if largest < (1 + OFF_AXIS) * axis.peak(max_shear(axis.stress))[1]:
+        return ""
+    return f";\n{largest:.4g} MPa elsewhere in the {findings.subject.names[axis.body]}"
+
+
+def _below(findings: Findings) -> str:
+    """Where the axis starts."""
+    x, s = findings.patch.centre
+    if _centred(findings):
         return ", below the first contact"
     return f", below x = {x:.2g} mm, s = {s:.2g} mm"
 

@@ -29,6 +29,7 @@ COLOURS = {"rail": "#b4c3d3", "wheel": "#dcc9a3"}
 FREE_SURFACE, EDGE, CONTACT = "#d9dfe5", "#5a6570", "#b2182b"
 NEAR = 0.1  # of the patch's half length: a plane of the mesh so near to the contact will do
 BESIDE = 0.15  # of half the picture: from a patch to a dimension line, and to its words, at least
+LABELS = 0.83, 0.92  # of half the picture: the middles of words stay within, none is cut
 MESH = {"show_edges": True, "edge_color": EDGE, "edge_opacity": 0.6, "line_width": 0.8}
 SHADE = {"ambient": 0.45, "diffuse": 0.6}
 
@@ -237,13 +238,14 @@ def _dimensions(axes: Axes, camera: Camera, findings: Findings) -> None:
     middle = camera.project(_global(frame, [[(x0 + x1) / 2, (s0 + s1) / 2, 0]]))[0]
     box = {"fc": "white", "ec": "none", "alpha": 0.85, "pad": 2}
     look: dict[str, Any] = {"ha": "center", "va": "center", "bbox": box, "clip_on": True}
+    inside = LABELS * np.array([camera.half_width, camera.half_height])
     for text, ends in lines.items():
         start, stop = camera.project(_global(frame, ends))
         arrow = {"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, "lw": 1.5}
         axes.annotate("", tuple(start), tuple(stop), arrowprops=arrow)
         outwards = (start + stop) / 2 - middle
         beside = max(away, BESIDE * camera.half_width) * outwards / np.linalg.norm(outwards)
-        right, upwards = (start + stop) / 2 + beside
+        right, upwards = np.clip((start + stop) / 2 + beside, -inside, inside)
         axes.text(right, upwards, text, **look)
     beyond = {"gauge side": (x0 - away, s0 - away / 2), "field side": (x0 - away, s1 + away / 2)}
     sides = beyond if subject.gauge else {}

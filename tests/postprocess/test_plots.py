@@ -125,3 +125,21 @@ def test_nothing_touches_the_edge_and_no_setting_stays(
         rim = np.ones(image(tmp_path / f"{name}.png").shape[:2], dtype=bool)
         rim[2:-2, 2:-2] = False
         assert image(tmp_path / f"{name}.png")[rim].min() == 1.0
+
+
+def test_depths_below_two_places_say_so(blocks: Callable[..., Any], tmp_path: Path) -> None:
+    """Hertz below its own centre beside elements below the patch's, and a peak off both."""
+    case = blocks()
+    findings, patch = case.findings, case.findings.patch
+    of_rail = findings.largest["rail"]
+    more = replace(of_rail, tau=replace(of_rail.tau, value=1.1 * of_rail.tau.value))
+    moved = replace(
+        findings,
+        patch=replace(patch, centre=(0.0, 0.2 * patch.b)),
+        largest=findings.largest | {"rail": more},
+    )
+    for shown, apart in ((findings, False), (moved, True)):
+        figure = plots.depth(shown, case.ellipse, 0.3, tmp_path / "depth.png")
+        words = [text.get_text() for text in figure.legends[0].get_texts()]
+        assert any("below its own centre" in each for each in words) is apart
+        assert (f"{more.tau.value:.4g} MPa elsewhere" in figure.axes[1].get_xlabel()) is apart

@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 from matplotlib.image import imread
 
 from railhead.postprocess import export, render
@@ -122,3 +124,23 @@ def test_pressure_has_the_colours_of_the_bar(blocks: Callable[..., Any], tmp_pat
     assert darkest[~bar].sum() > 500
     black = [(each.max(axis=2) < 0.05).sum() for each in (with_it, without)]
     assert black[0] > black[1] + 1000
+
+
+def test_words_at_the_edge_are_whole(blocks: Callable[..., Any]) -> None:
+    """The words below a patch that is three times as long across the rail as along it."""
+    findings = blocks().findings
+    patch = findings.patch
+    slender = replace(findings, patch=replace(patch, outlines=[patch.outlines[0] * [0.3, 1.0]]))
+    camera = render.camera_over(slender)
+    figure = Figure(figsize=(10, 6.8))
+    axes = figure.add_axes((0.0, 0.0, 0.84, 0.9))
+    camera.show(axes, np.full((10, 14, 3), 255, dtype=np.uint8))
+    render._dimensions(axes, camera, slender)
+    FigureCanvasAgg(figure).draw()
+    frame = axes.get_window_extent()
+    for text in axes.texts:
+        words = text.get_window_extent()
+        assert frame.x0 <= words.x0
+        assert words.x1 <= frame.x1
+        assert frame.y0 <= words.y0
+        assert words.y1 <= frame.y1
