@@ -23,7 +23,7 @@ RUNS = {
     for size in (1.0, 0.7, 0.5)
 } | {
     f"penalty, C3D10, {size} mm": {"mesh": ["tetrahedron", 2, size], **_PENALTY}
-    for size in (1.0, 0.5)
+    for size in (1.0, 0.5, 0.35)
 }
 NEAR = {"rail": 7.0, "wheel": 11.0}  # mm around the centre where contact is looked for
 
