@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from railhead.scene.sections import SceneError
@@ -12,7 +12,7 @@ from railhead.scene.units import to_reader
 ALLOWED = {
     "mm": ("mm", "um", "m", "in"),
     "N": ("N", "kN", "lbf"),
-    "MPa": ("MPa", "GPa", "ksi", "psi"),
+    "MPa": ("MPa", "GPa", "Pa", "ksi", "psi"),
 }
 _FACTOR = re.compile(r"([A-Za-z]+)(\d?)")
 
@@ -49,7 +49,22 @@ class Units:
                     value *= to_reader(name, self.chosen[name]) ** (sign * int(power or 1))
         return value
 
+    def text(self, value: float, unit: str) -> str:
+        """A number in that unit -> four digits and the reader's unit."""
+        return f"{brief(self.value(value, unit))} {self.unit(unit)}"
+
+    def place(self, point: Sequence[float]) -> str:
+        """(3,) mm -> "(x, y, z) mm" in the reader's unit."""
+        inside = ", ".join(f"{self.value(each, 'mm'):.4g}" for each in point)
+        return f"({inside}) {self.unit('mm')}"
+
     @property
     def others(self) -> str:
         """Those that are not the files', as said beside the pictures."""
         return ", ".join(to for base, to in self.chosen.items() if base != to)
+
+
+def brief(value: float) -> str:
+    """Four digits, without powers of ten where that is readable."""
+    rounded = float(f"{value:.4g}")
+    return f"{rounded:.0f}" if 1e4 <= abs(rounded) < 1e7 else f"{rounded:.4g}"

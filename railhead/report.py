@@ -120,12 +120,12 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAUL
             )
         _show_rows(title, quantities.contact(summary), console, units)
         if plastic := summary["result"].get("plastic"):
-            _show_plastic(plastic, console)
+            _show_plastic(plastic, console, units)
         if friction := summary["result"].get("friction"):
             _show_rows("friction", quantities.friction(summary), console, units)
             console.print(
                 "Forces are those of the wheel on the rail; mu N = "
-                f"{friction['limit_N']:.5g} N, of which estimates of forces are shares.",
+                f"{units.text(friction['limit_N'], 'N')}, of which estimates of forces are shares.",
                 highlight=False,
             )
             for name, each in (summary.get("half_space_friction") or {}).items():
@@ -142,10 +142,10 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAUL
                 "Hertz is what the formula would have said."
             )
         for edge in summary["result"]["stress"]["at_edges"]:
-            place = ", ".join(f"{v:.4g}" for v in edge["place_mm"])
             console.print(
-                f"Left out: {edge['quantity']} {edge['value_MPa']:.4g} in the {edge['body']} at "
-                f"({place}) mm, at a sharp edge or held face, where it depends on the mesh.",
+                f"Left out: {edge['quantity']} {units.text(edge['value_MPa'], 'MPa')} in the "
+                f"{edge['body']} at {units.place(edge['place_mm'])}, at a sharp edge or held face, "
+                "where it depends on the mesh.",
                 highlight=False,
             )
     for line in profile_lines(summary["plan"]["profiles"]):
@@ -171,23 +171,23 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAUL
     )
 
 
-def _show_plastic(plastic: Mapping[str, Any], console: Console) -> None:
-    place = ", ".join(f"{v:.4g}" for v in plastic["place_mm"])
+def _show_plastic(plastic: Mapping[str, Any], console: Console, units: Units) -> None:
     lines = [
         f"Yields from {1 / plastic['load_over_first_yield']:.3g} of the load on: plastic strain up "
-        f"to {plastic['strain_max']:.3g} in the {plastic['body']} at ({place}) mm, in "
-        f"{plastic['volume_mm3']:.4g} mm3 between {plastic['top_mm']:.3g} and "
-        f"{plastic['depth_mm']:.3g} mm deep."
+        f"to {plastic['strain_max']:.3g} in the {plastic['body']} at "
+        f"{units.place(plastic['place_mm'])}, in {units.text(plastic['volume_mm3'], 'mm3')} "
+        f"between {units.text(plastic['top_mm'], 'mm')} and "
+        f"{units.text(plastic['depth_mm'], 'mm')} deep."
     ]
     if plastic["residual_von_mises_max_MPa"] is not None:
         depths = ", ".join(
-            f"the {body} {plastic[key] * 1e3:.3g} um"
+            f"the {body} {units.text(plastic[key], 'mm')}"
             for body in ("rail", "wheel")
             if (key := f"residual_depth_{body}_mm") in plastic
         )
         lines.append(
             f"Unloaded: {depths} deep, von Mises stress up to "
-            f"{plastic['residual_von_mises_max_MPa']:.4g} MPa."
+            f"{units.text(plastic['residual_von_mises_max_MPa'], 'MPa')}."
         )
     if plastic["load_over_first_yield"] > PAIRED:
         lines.append(

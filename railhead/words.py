@@ -65,12 +65,6 @@ def check(name: str) -> str:
     return CHECKS.get(name, name.replace("_", " "))
 
 
-def brief(value: float) -> str:
-    """Four digits, without powers of ten where that is readable."""
-    rounded = float(f"{value:.4g}")
-    return f"{rounded:.0f}" if 1e4 <= abs(rounded) < 1e7 else f"{rounded:.4g}"
-
-
 def scene_rows(scene: Scene, units: Units) -> Iterator[tuple[str, str]]:
     """What was asked, in words and with units; what the plan decides by itself is left out."""
     for key, value in scene:

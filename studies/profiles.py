@@ -226,5 +226,5 @@ def page(rows: Sequence[Row]) -> str:
     return tables.render(
         "profiles", rows=lines, judged=len(judged), within=sum(not missed(r) for r in judged),
         seeds=max(r.seeds for r in rows), limits=LIMITS, area=AREA_LIMIT,
-        held=float(np.mean([r.held for r in rows])),
+        held=float(np.average([r.held for r in rows], weights=[r.seeds for r in rows])),
     )  # fmt: skip

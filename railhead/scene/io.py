@@ -3,13 +3,14 @@
 import re
 import stat
 import tomllib
+import unicodedata
 from pathlib import Path
 from typing import Any
 
 import tomli_w
 
 from railhead.meshing.suffixes import SUFFIXES
-from railhead.scene.scene import Scene, SceneError
+from railhead.scene.scene import NAME_BYTES, Scene, SceneError
 
 
 def _read_text(path: Path) -> str:
@@ -49,7 +50,9 @@ def read_scene(path: str | Path) -> Scene:
     """
     path = Path(path)
     data = _read_toml(path)
-    data.setdefault("name", re.sub(r"[^A-Za-z0-9_.-]", "_", path.stem)[:100])
+    stem = unicodedata.normalize("NFC", path.stem)  # else an accent is a character of its own
+    short = re.sub(r"[^\w.-]", "_", stem).encode()[:NAME_BYTES].decode(errors="ignore")
+    data.setdefault("name", short)
     for section in filter(lambda table: isinstance(table, dict), data.values()):
         profile = section.get("profile")
         if isinstance(profile, str) and profile.lower().endswith(SUFFIXES):

@@ -41,6 +41,8 @@ NOMINAL_RADIUS = {"54E1": 300.0, "60E1": 300.0} | dict.fromkeys(
 )
 #: Keys whose values are words, even where they look like numbers: TOML reads 54E1 as 540.0.
 _WORDS = ("name", "rail.profile", "wheel.profile")
+#: Of a name, at most: it is a folder's as well, and such have 255.
+NAME_BYTES = 100
 #: Setting the key on the left drops the one on the right, but for one value.
 _DROPS = {
     "load": ("approach", None),
@@ -53,9 +55,14 @@ OTHER_NAMES = {"friction.tangential_load": "friction.force_along"}
 
 
 def _name(value: object) -> str:
-    if isinstance(value, str) and re.fullmatch(r"(?!\.+$)[A-Za-z0-9_.-]{1,100}", value):
+    if (
+        isinstance(value, str)
+        and re.fullmatch(r"(?!\.+$)[\w.-]+", value)
+        and len(value.encode()) <= NAME_BYTES
+    ):
         return value
-    raise ValueError(f"{show(value)} is not allowed; give 1 to 100 letters, digits, _, - or .")
+    allowed = f"give 1 to {NAME_BYTES} letters, digits, _, - or ."
+    raise ValueError(f"{show(value)} is not allowed; {allowed} (of others than a to z fewer)")
 
 
 def assignment(text: str) -> tuple[str, object]:

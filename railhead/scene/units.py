@@ -23,7 +23,7 @@ _NUMBER = r"[+-]?(?:inf|(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
 _TEXT = re.compile(rf"({_NUMBER})\s*(.*)", re.DOTALL)
 _RUN = re.compile(rf"[:/]\s*({_NUMBER})")  # what follows the 1 in 1:20
 _POWER = r"[A-Za-z\u00b5\u03bc]+(?:(?:\*\*|\^)-?[1-9]|[²³])?"  # either micro sign
-_UNIT = re.compile(rf"{_POWER}(?:\s*[*/]\s*{_POWER})*")
+_UNIT = re.compile(rf"(?:1\s*/\s*)?{_POWER}(?:\s*[*/]\s*{_POWER})*")  # 1/m as well
 # The usual ones, by base unit: pint has all of them, but to import it takes a tenth of a short run.
 _USUAL = {
     "N": {"N": 1, "kN": 1000},
@@ -65,6 +65,8 @@ def _physical(number: str, unit: str, *, base: str) -> float:
     """Convert exactly, in decimals, so that "0.42 m" is the same float as 420."""
     if factor := _USUAL.get(base, {}).get(unit):
         return float(Decimal(number) * factor)
+    if unit.startswith("/"):
+        unit = f"1{unit}"
     if not _UNIT.fullmatch(unit):
         raise ValueError(unit)
     registry = _registry()

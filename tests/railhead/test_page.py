@@ -137,6 +137,7 @@ def test_units_are_the_readers() -> None:
     assert units.value(1.0, "N/mm2") == pytest.approx(645.16)
     assert units.value(6.894757293, "MPa") == pytest.approx(1.0)
     assert Units().value(3.0, "mm") == 3.0
+    assert Units.parse("m,Pa").text(1.5, "MPa") == "1500000 Pa"
     for wrong in ("mm,furlong", "", "kN,N", "kg"):
         with pytest.raises(SceneError, match="--units"):
             Units.parse(wrong)

@@ -2,6 +2,7 @@
 
 import math
 import pickle
+import re
 import subprocess
 import sys
 from typing import Any
@@ -174,3 +175,20 @@ def test_numbers_do_not_load_pint() -> None:
     code = "import sys; from railhead import Scene; Scene(load=1); print('pint' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
+
+
+def test_what_a_message_gives_as_an_example_is_read() -> None:
+    """By the very key that names it."""
+    read = 0
+    for name, kind in vars(units).items():
+        for validator in getattr(kind, "__metadata__", ()):
+            quantity = getattr(validator, "func", None)
+            if not isinstance(quantity, units.Quantity):
+                continue
+            for words in (quantity.dimension.hint, quantity.words):
+                examples = re.split(r", | or ", words.partition("e.g. ")[2])
+                for example in filter(None, examples):
+                    number = units.to_base(example.strip('"'), quantity.dimension)
+                    assert math.isfinite(number), (name, example)
+                    read += 1
+    assert read > 50

@@ -62,6 +62,7 @@ WRONG: list[tuple[str, object, str]] = [
     ("accuracy", "21%", "'21%' is not allowed; give a fraction from 0.0005 to 0.2"),
     ("accuracy", "1 deg", "'1 deg' is not a fraction"),
     ("name", "a/b", "'a/b' is not allowed; give 1 to 100 letters"),
+    ("name", "\u8f2a" * 34, "is not allowed; give 1 to 100 letters"),
     ("name", "..", "'..' is not allowed"),
     ("name", "", "'' is not allowed"),
     ("name", "a\n", "is not allowed"),

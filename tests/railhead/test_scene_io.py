@@ -54,7 +54,7 @@ wheels = table(
     **material(modulus | st.just(math.inf)),
 )
 rest = {
-    "name": st.from_regex(r"[A-Za-z0-9_-][A-Za-z0-9_.-]{0,20}", fullmatch=True),
+    "name": st.from_regex(r"[\w-][\w.-]{0,20}", fullmatch=True),
     "accuracy": st.floats(0.0005, 0.2),
     "budget": number,
     "rail": rails,
@@ -201,7 +201,7 @@ def test_unreadable_file_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.parametrize(
-    ("file", "name"), [("thesis.toml", "thesis"), ("my scene.toml", "my_scene"), ("é.toml", "_")]
+    ("file", "name"), [("thesis.toml", "thesis"), ("my scene.toml", "my_scene"), ("é.toml", "é")]
 )
 def test_name_defaults_to_the_file(tmp_path: Path, file: str, name: str) -> None:
     (tmp_path / file).write_text("load = 1")
@@ -223,3 +223,18 @@ def test_profile_path_starts_at_the_file(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.chdir("/")
     path.write_text(to_toml(scene))
     assert read_scene(path) == scene
+
+
+@pytest.mark.parametrize(
+    ("stem", "name"),
+    [
+        ("\u043c\u043e\u0439", "\u043c\u043e\u0439"),
+        ("e\u0301t\u00e9", "\u00e9t\u00e9"),  # an accent of its own, as macOS writes
+        ("<b> 1", "_b__1"),
+        ("\u8f2a" * 60, "\u8f2a" * 33),  # of three bytes each
+    ],
+)
+def test_a_scene_takes_the_letters_of_its_file(tmp_path: Path, stem: str, name: str) -> None:
+    path = tmp_path / f"{stem}.toml"
+    path.write_text('load = "25 kN"', encoding="utf-8")
+    assert read_scene(path).name == name

@@ -12,6 +12,7 @@ from rich.console import Console
 
 import railhead as rh
 from railhead import quantities, report, spreadsheet
+from railhead.display import Units
 
 
 @pytest.fixture(scope="module")
@@ -24,9 +25,9 @@ def full() -> dict:
     return {**summary, **beside, "result": result, "accuracy": {"bound": {"max_MPa": 0.0123}}}
 
 
-def printed(summary: dict, width: int) -> list[str]:
+def printed(summary: dict, width: int, units: Units | None = None) -> list[str]:
     out = io.StringIO()
-    report.show_result(summary, Console(file=out, width=width))
+    report.show_result(summary, Console(file=out, width=width), units or Units())
     return out.getvalue().splitlines()
 
 
@@ -44,6 +45,26 @@ def test_no_number_is_cut(full: dict, width: int) -> None:
     table = [line for line in lines if line.startswith(("largest pressure", "quantity", "──"))]
     assert len(table) > 3 and max(map(len, table)) <= min(width, report.WIDEST)
     assert all(label in text for label, *_ in quantities.ROWS)
+
+
+def test_sentences_are_in_the_readers_units(full: dict) -> None:
+    """What yields, and what was left out at an edge."""
+    plastic = {
+        "load_over_first_yield": 2.0, "strain_max": 1e-3, "body": "rail",
+        "place_mm": (0.0, 25.4, -50.8), "volume_mm3": 25.4**3, "top_mm": 2.54, "depth_mm": 5.08,
+        "residual_von_mises_max_MPa": 68.94757293, "residual_depth_rail_mm": 0.0254,
+        "elastic_p0_over_k": 4.0,
+    }  # fmt: skip
+    edge = {
+        "quantity": "tau_max", "value_MPa": 689.4757293, "body": "rail",
+        "place_mm": (25.4, 0.0, 0.0),
+    }  # fmt: skip
+    stress = {**full["result"]["stress"], "at_edges": [edge]}
+    result = {**full["result"], "plastic": plastic, "stress": stress}
+    text = "\n".join(printed({**full, "result": result}, 400, Units.parse("in,ksi")))
+    assert "rail at (0, 1, -2) in, in 1 in3 between 0.1 in and 0.2 in deep" in text
+    assert "the rail 0.001 in deep, von Mises stress up to 10 ksi" in text
+    assert "tau_max 100 ksi in the rail at (1, 0, 0) in" in text
 
 
 def test_the_command_prints_at_most_eighty_columns(tmp_path) -> None:
@@ -98,7 +119,10 @@ def test_friction_is_in_the_table_too() -> None:
         ),
         quiet=True,
     ).summary
-    rows = {row["quantity"]: row for row in quantities.everything(summary)}
+    table = list(quantities.everything(summary))
+    rows = {row["quantity"]: row for row in table}
+    assert len(rows) == len(table)
+    assert rows["where von Mises stress is largest"]["value"] == "below"
     assert rows["force along the rail"]["value"] == pytest.approx(1e4)
     assert rows["force along the rail"]["Carter"] == pytest.approx(1e4, rel=0.1)
     assert "frictionless FE" in rows["largest pressure"]
