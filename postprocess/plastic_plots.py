@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 THIN = 0.12  # of the smaller half length: points nearer than this to a plane are shown on it
+ROUNDING = 1e-6  # of the largest height: what stays of a body that did not yield
 SPAN = 2.2  # half lengths of the patch that are shown
 
 
@@ -97,21 +98,32 @@ def _pressures(
 
 
 def _left(axes: Axes, residual: Fields, pressed: Fields, found: Findings, half: float) -> None:
-    """Displacement into the body of the nodes of the contact surface, along both axes, um."""
+    """Height of the nodes of both contact surfaces, along both axes, um; of a body that stays as it
+    was no line."""
     frame, subject = found.frame, found.subject
-    nodes = np.unique(pressed.contact.facet_nodes)
-    local = frame.local(residual.points[nodes])
-    rise = 1e3 * residual.displacement[nodes] @ frame.axes[2]
-    for axis, name, colour in ((0, subject.along, FE), (1, subject.across, HERTZ)):
-        other = 1 - axis
-        near = (np.abs(local[:, other]) < THIN * half) & (np.abs(local[:, axis]) < SPAN * half)
-        t, height = local[near, axis], rise[near]
-        if axis in cut_axes(local):
-            t, height = np.r_[t, -t], np.r_[height, height]
-        order = np.argsort(t)
-        if len(order) > 1 and np.ptp(t) > 0:  # a section has one of them
-            label = f"{subject.names[BODIES[pressed.slave]]}, {name}"
-            axes.plot(t[order], height[order], ".-", lw=0.8, color=colour, label=label)
-    axes.set(xlabel="distance from the contact, mm",
+    surfaces = {pressed.slave: np.unique(pressed.contact.facet_nodes)}
+    if pressed.opposite is not None:
+        (master,) = BODIES.keys() - surfaces.keys()
+        surfaces[master] = pressed.opposite.nodes
+    rises = {
+        tag: 1e3 * residual.displacement[nodes] @ frame.axes[2] for tag, nodes in surfaces.items()
+    }
+    least = ROUNDING * max(float(np.abs(rise).max()) for rise in rises.values())
+    for tag, rise in rises.items():
+        if np.abs(rise).max() <= least:
+            continue
+        local = frame.local(residual.points[surfaces[tag]])
+        style = ".-" if tag == pressed.slave else ".--"
+        for axis, name, colour in ((0, subject.along, FE), (1, subject.across, HERTZ)):
+            other = 1 - axis
+            near = (np.abs(local[:, other]) < THIN * half) & (np.abs(local[:, axis]) < SPAN * half)
+            t, height = local[near, axis], rise[near]
+            if axis in cut_axes(local):
+                t, height = np.r_[t, -t], np.r_[height, height]
+            order = np.argsort(t)
+            if len(order) > 1 and np.ptp(t) > 0:  # a section has one of them
+                label = f"{subject.names[BODIES[tag]]}, {name}"
+                axes.plot(t[order], height[order], style, lw=0.8, color=colour, label=label)
+    axes.set(xlabel="x or s, distance from the contact, mm",
              ylabel="height of the surface after the load, um")  # fmt: skip
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)

@@ -128,7 +128,10 @@ def _pressure(axes: Axes, findings: Findings, ellipse: Hertz | None, axis: int, 
     axes.set_xlabel(findings.subject.label(axis))
     if not findings.subject.revolved:
         half = (findings.patch.b, findings.patch.a)[axis]
-        axes.set_title(f"cut at {'sx'[axis]} = {rounded(line.at, half)} mm", fontsize=11)
+        title = f"cut at {'sx'[axis]} = {rounded(line.at, half)} mm"
+        if (count := len(findings.patch.each)) > 1:
+            title += f", most loaded of {count} patches"
+        axes.set_title(title, fontsize=11)
     if ellipse is not None:
         half = (ellipse.a, ellipse.b)[axis]
         t = half * np.cos(np.linspace(0, np.pi, 181))  # dense at the steep edges

@@ -30,6 +30,7 @@ FREE_SURFACE, EDGE, CONTACT = "#d9dfe5", "#5a6570", "#b2182b"
 NEAR = 0.1  # of the patch's half length: a plane of the mesh so near to the contact will do
 BESIDE = 0.15  # of half the picture: from a patch to a dimension line, and to its words, at least
 LABELS = 0.83, 0.92  # of half the picture: the middles of words stay within, none is cut
+SEVERAL = 1.2  # times as much is seen of several patches: the lines stand beside one of them
 MESH = {"show_edges": True, "edge_color": EDGE, "edge_opacity": 0.6, "line_width": 0.8}
 SHADE = {"ambient": 0.45, "diffuse": 0.6}
 
@@ -134,7 +135,7 @@ def camera_over(findings: Findings) -> Camera:
     """Sees the whole patch obliquely from above."""
     frame = findings.frame
     low, high = findings.patch.box
-    reach = (high - low).max()
+    reach = (high - low).max() * (SEVERAL if len(findings.patch.outlines) > 1 else 1.0)
     middle = _global(frame, [[*(low + high) / 2, 0.0]])[0]
     towards = np.array([-0.3, -0.6, 1.0]) @ frame.axes
     return Camera(middle, towards, reach, 0.72 * reach, frame.axes[2])
@@ -225,11 +226,10 @@ def _dimensions(axes: Axes, camera: Camera, findings: Findings) -> None:
     frame, patch, subject = findings.frame, findings.patch, findings.subject
     (x0, s0), (x1, s1) = patch.main.min(axis=0), patch.main.max(axis=0)
     away = max(0.2 * max(x1 - x0, s1 - s0), BESIDE * camera.half_width)
+    low, high = patch.box[0][1], patch.box[1][1]
+    beyond = s1 + away if high - s1 < s0 - low else s0 - away  # off other patches
     lines = {
-        f"2a = {2 * patch.a:.4g} mm\n(x, {subject.along})": [
-            [x0, s0 - away, 0],
-            [x1, s0 - away, 0],
-        ],
+        f"2a = {2 * patch.a:.4g} mm\n(x, {subject.along})": [[x0, beyond, 0], [x1, beyond, 0]],
         f"2b = {2 * patch.b:.4g} mm\n(s, {subject.across})": [
             [x0 - away, s0, 0],
             [x0 - away, s1, 0],
@@ -239,18 +239,18 @@ def _dimensions(axes: Axes, camera: Camera, findings: Findings) -> None:
     box = {"fc": "white", "ec": "none", "alpha": 0.85, "pad": 2}
     look: dict[str, Any] = {"ha": "center", "va": "center", "bbox": box, "clip_on": True}
     inside = LABELS * np.array([camera.half_width, camera.half_height])
-    for text, ends in lines.items():
-        start, stop = camera.project(_global(frame, ends))
+    for text, line in lines.items():
+        start, stop = camera.project(_global(frame, line))
         arrow = {"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, "lw": 1.5}
         axes.annotate("", tuple(start), tuple(stop), arrowprops=arrow)
         outwards = (start + stop) / 2 - middle
         beside = max(away, BESIDE * camera.half_width) * outwards / np.linalg.norm(outwards)
         right, upwards = np.clip((start + stop) / 2 + beside, -inside, inside)
         axes.text(right, upwards, text, **look)
-    beyond = {"gauge side": (x0 - away, s0 - away / 2), "field side": (x0 - away, s1 + away / 2)}
-    sides = beyond if subject.gauge else {}
+    ends = {"gauge side": (x0 - away, s0 - away / 2), "field side": (x0 - away, s1 + away / 2)}
+    sides = ends if subject.gauge else {}
     if subject.rolls:
-        sides["rolls"] = (x1 + away / 2, s0 - away)
+        sides["rolls"] = (x1 + away / 2, beyond)
     for text, at in sides.items():
         right, upwards = camera.project(_global(frame, [[*at, 0.0]]))[0]
         axes.text(right, upwards, text, style="italic", **look)

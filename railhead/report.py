@@ -18,6 +18,7 @@ from railhead.planning.told import told
 
 WIDEST = 80  # characters of a table of numbers, which are never cut: it goes on below
 DEFAULT = Units()
+ROUNDING = 1e-6  # of the deeper one: less deep is the surface of a body that did not yield
 PAIRED = 30.0  # times first yield beyond which the pairing of the surfaces is felt
 
 
@@ -119,6 +120,12 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAUL
                 effect for effect, key in both if key in summary["result"]
             )
         _show_rows(title, quantities.contact(summary), console, units)
+        if len(patches := summary["result"]["patches"]) > 1:
+            most = 100 * max(patch["load_share"] for patch in patches)
+            console.print(
+                f"{len(patches)} separate patches: a and b are those of the most loaded one "
+                f"({most:.3g} % of the load), area and stresses of all.", highlight=False,
+            )  # fmt: skip
         if plastic := summary["result"].get("plastic"):
             _show_plastic(plastic, console, units)
         if friction := summary["result"].get("friction"):
@@ -180,14 +187,15 @@ def _show_plastic(plastic: Mapping[str, Any], console: Console, units: Units) ->
         f"{units.text(plastic['depth_mm'], 'mm')} deep."
     ]
     if plastic["residual_von_mises_max_MPa"] is not None:
+        left = {body: plastic.get(f"residual_depth_{body}_mm", 0.0) for body in ("rail", "wheel")}
         depths = ", ".join(
-            f"the {body} {units.text(plastic[key], 'mm')}"
-            for body in ("rail", "wheel")
-            if (key := f"residual_depth_{body}_mm") in plastic
+            f"the {body} {units.text(depth, 'mm')}"
+            for body, depth in left.items()
+            if depth > ROUNDING * max(left.values())
         )
         lines.append(
-            f"Unloaded: {depths} deep, von Mises stress up to "
-            f"{units.text(plastic['residual_von_mises_max_MPa'], 'MPa')}."
+            f"Unloaded: {f'{depths} deep' if depths else 'nothing pushed in'}, von Mises stress "
+            f"up to {units.text(plastic['residual_von_mises_max_MPa'], 'MPa')}."
         )
     if plastic["load_over_first_yield"] > PAIRED:
         lines.append(

@@ -69,6 +69,12 @@ def test_usual_dialects_give_the_same_points(text: str, tmp_path) -> None:
     np.testing.assert_allclose(instruments.read(file).points, POINTS, atol=1e-9)
 
 
+def test_three_columns_begin_with_a_number_only_where_it_runs(tmp_path) -> None:
+    file = tmp_path / "rail.csv"
+    file.write_text("\n".join(f"{y:.5f},{z:.5f},{0.5 * y:.2f}" for y, z in POINTS))
+    np.testing.assert_allclose(instruments.read(file).points, POINTS)
+
+
 @pytest.mark.parametrize("coding", ["utf-16", "latin-1"])
 def test_other_codings_are_read(coding: str, tmp_path) -> None:
     file = tmp_path / "rail.txt"
@@ -105,6 +111,7 @@ BAD = {
     "a column too few": ("z,no,y\n" + "\n".join(f"1,{i},2" for i in range(20)) + "\n1,2", 22,
                          "column 3"),
     "binary": ("\0\1\2" * 50, 1, "no text"),
+    "points in thousands": (written(";", comma=True).replace("35,", "1.035,"), 15, "no point"),
     "two units": ("rail\ny/mm,z/um\n" + written(","), 2, "in mm and um; give both in one of mm, m"),
     "two units, blanks": ("y [mm] z [m]\n" + written(" "), 1, "in mm and m; give"),
     "unknown unit": ("y (yd),z (yd)\n" + written(","), 1, "in yd; give both in one of mm, m, inch"),

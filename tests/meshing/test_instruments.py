@@ -132,6 +132,32 @@ def test_what_is_found_is_overridden_by_what_is_chosen() -> None:
         turned(true, unit="m")
     with pytest.raises(ValueError, match="no unit fits"):
         turned(true / 100)
+    with pytest.raises(ValueError, match="7.2 mm wide in mm; give its profile_unit"):
+        turned(true * 7.2 / np.ptp(true[:, 0]), unit="mm")
+
+
+@pytest.mark.parametrize("mirror", [1, -1])
+@pytest.mark.parametrize("flip", [1, -1])
+def test_a_wheel_is_turned_by_its_flange(mirror: int, flip: int) -> None:
+    wheel = profiles.s1002()
+    y = np.linspace(*wheel.domain, 300)
+    true = np.column_stack([y, wheel.height(y)])
+    table = Table(true * [mirror, flip], "mm", "", "table")
+    found, said = orientation.turned(table, "wheel", Choices())
+    np.testing.assert_allclose(found, true, atol=0.2)
+    assert ("mirrored (by its flange)" in said) == (mirror < 0)
+    assert ("turned upside down (by its flange)" in said) == (flip < 0)
+
+
+@pytest.mark.parametrize(("above", "side"), [(14.0, 0.0), (16.0, 1.0)])
+def test_a_flange_stands_out_half_as_much_again_as_what_lies_below(
+    above: float, side: float
+) -> None:
+    """12 mm above the tread and 10 below it, say, is a tread that is tilted."""
+    y = np.linspace(-60.0, 60.0, 241)
+    z = np.interp(y, [-60, -50, -40, 50, 60], [above, above, 0.0, 0.0, -10.0])
+    found = orientation._flange(np.column_stack([y, z]))
+    assert (found[1] if found else 0.0) == side
 
 
 def test_an_upright_unworn_head_shows_no_side() -> None:

@@ -1,14 +1,16 @@
 """Smoothing along arc length, and the profile that comes of it."""
 
 import os
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
 
-from railhead.meshing import measured, outlines, profiles, smoothing, wear
+from railhead.meshing import layout, measured, outlines, profiles, smoothing, wear
 from railhead.meshing.dialects import InstrumentError
 from railhead.meshing.measured import Measured
 from railhead.meshing.orientation import Choices
+from railhead.meshing.smoothing import PointError
 
 
 def arc(radius: float, angle: float, spacing: float) -> np.ndarray:
@@ -255,6 +257,21 @@ def test_half_a_head_is_refused(points: np.ndarray, tmp_path) -> None:
     message = refused(tmp_path, points)
     assert "line " in message and "both sides" in message
     assert "is half a head: it falls" in message or "up or down from end to end" in message
+
+
+@pytest.mark.parametrize(("rises", "is_refused"), [(1.9, False), (2.1, True)])
+def test_twice_as_far_up_as_across_is_no_profile(rises: float, is_refused: bool) -> None:
+    points = np.linspace([0.0, 0.0], [10.0, 10.0 * rises], 20)
+    with pytest.raises(PointError, match="up or down") if is_refused else nullcontext():
+        layout.check_across(points)
+
+
+@pytest.mark.parametrize(("falls", "is_refused"), [(0.9, True), (1.1, False)])
+def test_a_head_falls_a_millimetre_on_both_sides(falls: float, is_refused: bool) -> None:
+    y = np.linspace(-np.sqrt(600 * 3.1), np.sqrt(600 * falls), 200)
+    points = np.column_stack([y, -(y**2) / 600])
+    with pytest.raises(PointError, match="half a head") if is_refused else nullcontext():
+        layout.check_head(points, points)
 
 
 def test_a_crown_without_corners_is_no_half_head(tmp_path) -> None:

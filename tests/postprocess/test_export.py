@@ -1,9 +1,11 @@
 """The files open in pyvista and hold what was put in, on the real cells."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ import pyvista as pv
 from vtkmodules.vtkCommonCore import vtkDataArray
 
 from railhead.postprocess import export
+from railhead.solver.solution import Plastic, Rubbing
 from railhead.theory.subsurface import axis_stress
 
 UNITS_LABEL = vtkDataArray.UNITS_LABEL()
@@ -135,3 +138,38 @@ def test_wrong_input_is_refused(blocks: Callable[..., Any], tmp_path: Path) -> N
         export.volume_grid(replace(case.fields, degree=3), case.stress)
     with pytest.raises(OSError):
         export.write(export.contact_grid({1: case.findings.surface}), tmp_path / "no" / "x")
+
+
+def test_cells_hold_the_mean_of_their_plastic_strains(blocks: Callable[..., Any]) -> None:
+    case = blocks("hexahedron", 1)
+    count = len(case.fields.cells)
+    strain = np.random.default_rng(0).random((count, 8, 3, 3))
+    plastic = Plastic(strain, strain[..., 0, 0])
+    fields = replace(case.fields, plastic=plastic)
+    data = export.volume_grid(fields, case.stress).cell_data
+    np.testing.assert_allclose(data["plastic_strain"][0].reshape(-1, 3, 3), strain.mean(axis=1))
+    found = data["equivalent_plastic_strain"][0]
+    np.testing.assert_allclose(found, strain[..., 0, 0].mean(axis=1))
+
+
+def test_traction_points_are_those_that_touch() -> None:
+    number = np.arange(4.0)
+    vectors = np.column_stack([number, number, number])
+    found = SimpleNamespace(
+        pressure=np.array([1.0, 0.0, 2.0, 0.0]), points=vectors, traction=10 * vectors,
+        slip=100 * vectors, sticks=np.array([True, True, False, False]),
+    )  # fmt: skip
+    grid = export.traction_points(cast(Rubbing, found))
+    assert grid.points[:, 0].tolist() == [0.0, 2.0]
+    assert grid.point_data["traction"][:, 0].tolist() == [0.0, 20.0]
+    assert grid.point_data["slip"][:, 0].tolist() == [0.0, 200.0]
+    assert grid.point_data["sticks"].tolist() == [1, 0]
+    assert grid.point_data["pressure"].tolist() == [1.0, 2.0]
+
+
+def test_a_series_is_in_the_order_of_time(tmp_path: Path) -> None:
+    export.series({2.0: "c.vtu", 0.0: "a.vtu", 1.0: "b.vtu"}, tmp_path / "all.pvd")
+    text = (tmp_path / "all.pvd").read_text()
+    assert re.findall(r'timestep="([^"]+)".*?file="([^"]+)"', text) == [
+        ("0.0", "a.vtu"), ("1.0", "b.vtu"), ("2.0", "c.vtu"),
+    ]  # fmt: skip

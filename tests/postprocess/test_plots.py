@@ -12,6 +12,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
 from railhead.postprocess import plots
+from railhead.postprocess.findings import OnePatch
 from railhead.postprocess.mirror import cut_axes, whole
 
 
@@ -143,3 +144,14 @@ def test_depths_below_two_places_say_so(blocks: Callable[..., Any], tmp_path: Pa
         words = [text.get_text() for text in figure.legends[0].get_texts()]
         assert any("below its own centre" in each for each in words) is apart
         assert (f"{more.tau.value:.4g} MPa elsewhere" in figure.axes[1].get_xlabel()) is apart
+
+
+def test_a_cut_through_one_of_several_patches_says_so(blocks: Callable[..., Any]) -> None:
+    case = blocks()
+    patch = case.findings.patch
+    of = {"centre": (0.0, 0.0, 0.0), "angle": 0.0, "a": 1.0, "b": 1.0, "area": 1.0}
+    one = OnePatch(**of, max_pressure=patch.max_pressure, share=0.5)
+    two = replace(case.findings, patch=replace(patch, each=(one, one)))
+    for shown, count in ((case.findings, 0), (two, 2)):
+        titles = [axes.get_title() for axes in plots.pressure(shown, None).axes]
+        assert sum("most loaded of 2 patches" in title for title in titles) == count

@@ -25,6 +25,8 @@ from railhead.postprocess import (
 )
 from railhead.postprocess.findings import AxisPressure, OnePatch
 from railhead.postprocess.subject import Subject
+from railhead.solver.gather import ContactFields
+from railhead.solver.opposite import Opposite
 
 TITLE = "a case of many words: 110.3 kN, wheel R 420 mm, tread cone20, on rail 54E1, half-spaces"
 
@@ -205,6 +207,32 @@ def test_no_yield_is_said_and_coloured_as_none(blocks: Callable[..., Any]) -> No
         assert axes.get_title() == "none here"
         shown = np.asarray(axes.collections[0].get_offsets())[:, 0]
         assert shown.min() < -1.5 * case.ellipse.b  # below the other patch too
+
+
+@pytest.mark.parametrize("yields", [1, 2])
+def test_the_surface_that_yields_is_drawn_whichever_it_is(
+    blocks: Callable[..., Any], yields: int
+) -> None:
+    """The other one, which came back but for rounding, is left out."""
+    case = blocks(cut=False)
+    fields = case.fields
+    top = np.flatnonzero(np.abs(fields.points[:, 2]) < 1e-9)
+    nodes = {body: np.intersect1d(top, fields.cells[fields.body == body]) for body in (1, 2)}
+    pressed = replace(
+        fields,
+        contact=cast(ContactFields, SimpleNamespace(facet_nodes=nodes[1][None])),
+        opposite=cast(Opposite, SimpleNamespace(nodes=nodes[2])),
+    )
+    moved = np.full(fields.points.shape, 1e-15)
+    moved[nodes[yields], 2] = 2e-3
+    residual = replace(fields, displacement=moved)
+    with plots.new_figure(None, 5, 5) as figure:
+        axes = figure.add_subplot()
+        plastic_plots._left(axes, residual, pressed, case.findings, case.ellipse.b)
+    name = case.findings.subject.names["rail" if yields == 1 else "wheel"]
+    assert [line.get_label().split(",")[0] for line in axes.lines] == [name, name]
+    assert all(np.ptp(line.get_ydata()) < 1e-9 for line in axes.lines)
+    assert axes.lines[0].get_ydata()[0] == pytest.approx(2.0)
 
 
 def test_sweeps_and_the_shakedown_map_say_what_they_are_of(

@@ -126,21 +126,29 @@ def test_pressure_has_the_colours_of_the_bar(blocks: Callable[..., Any], tmp_pat
     assert black[0] > black[1] + 1000
 
 
-def test_words_at_the_edge_are_whole(blocks: Callable[..., Any]) -> None:
-    """The words below a patch that is three times as long across the rail as along it."""
+@pytest.mark.parametrize("apart", [0.0, 3.0, -3.0])
+def test_dimensions_are_whole_and_off_the_patches(blocks: Callable[..., Any], apart: float) -> None:
+    """Beside a patch three times as long across the rail, and beside one of two."""
     findings = blocks().findings
     patch = findings.patch
-    slender = replace(findings, patch=replace(patch, outlines=[patch.outlines[0] * [0.3, 1.0]]))
-    camera = render.camera_over(slender)
+    main = patch.outlines[0] * [0.3, 1.0]
+    outlines = [main] if not apart else [main, main + [0.0, apart * patch.b]]
+    shown = replace(findings, patch=replace(patch, outlines=outlines))
+    camera = render.camera_over(shown)
     figure = Figure(figsize=(10, 6.8))
     axes = figure.add_axes((0.0, 0.0, 0.84, 0.9))
     camera.show(axes, np.full((10, 14, 3), 255, dtype=np.uint8))
-    render._dimensions(axes, camera, slender)
+    render._dimensions(axes, camera, shown)
     FigureCanvasAgg(figure).draw()
     frame = axes.get_window_extent()
-    for text in axes.texts:
+    seen = [
+        axes.transData.transform(camera.project(np.column_stack((line, 0 * line[:, 0]))))
+        for line in outlines
+    ]
+    for text in filter(lambda each: each.get_text(), axes.texts):
         words = text.get_window_extent()
         assert frame.x0 <= words.x0
         assert words.x1 <= frame.x1
         assert frame.y0 <= words.y0
         assert words.y1 <= frame.y1
+        assert not any(words.contains(*point) for line in seen for point in line)

@@ -87,3 +87,15 @@ def test_a_surface_moves_as_its_image_does() -> None:
     assert len(found.points) == 16 and len(found.triangles) == 8
     expected = np.column_stack([found.points[:, :2] * [1.0, 2.0], np.full(16, 3.0)])
     np.testing.assert_array_equal(found.displacement, expected)
+
+
+def test_plastic_strains_are_reflected_too(blocks: Callable[..., Any]) -> None:
+    """Of a tensor of cells: what has one index across the plane turns its sign."""
+    case = blocks("hexahedron", 1)
+    grid = export.volume_grid(case.fields, case.stress)
+    count = len(case.fields.cells)
+    strain = np.arange(1.0, 1 + 9 * count).reshape(count, 9)
+    grid.cell_data["plastic_strain"] = [strain]
+    made = whole_grid(grid, [(1.0, 0.0, 0.0)]).cell_data["plastic_strain"][0]
+    np.testing.assert_array_equal(made[:count], strain)
+    np.testing.assert_array_equal(made[count:], strain * [1, -1, -1, -1, 1, 1, -1, 1, 1])

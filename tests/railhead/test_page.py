@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 import subprocess
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -127,6 +128,25 @@ def test_a_failed_check_comes_first(result: Any) -> None:
     rows = page._checks(failed)
     assert [row[3] for row in rows] == [False, *[True] * (len(rows) - 1)]
     assert rows[0][5] == "do better"
+
+
+def test_the_verdict_is_of_what_holds(
+    result: Any, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One patch or two; that a patch is no ellipse only where the mesh can tell."""
+    monkeypatch.setattr(turning, "views", lambda *_: ())
+    summary = result.summary
+    no_ellipse = {**summary["checks"], "hertzian": False, "passed": True}
+    two = {**summary["result"], "patches": [{"load_share": 0.5}] * 2}
+
+    def said(**changed: Any) -> str:
+        shown = replace(result, summary={**summary, **changed})
+        return page.render(shown, Units(), folder, result.findings, None)
+
+    assert "The patch is no ellipse" in said(checks=no_ellipse)
+    assert "The patch is no ellipse" not in said(checks={**no_ellipse, "passed": False})
+    assert re.search(r"The contact patch\s+is", said())
+    assert "touch in 2 patches; the most loaded one" in said(result=two)
 
 
 def test_units_are_the_readers() -> None:

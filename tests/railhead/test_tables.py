@@ -53,6 +53,7 @@ def test_sentences_are_in_the_readers_units(full: dict) -> None:
         "load_over_first_yield": 2.0, "strain_max": 1e-3, "body": "rail",
         "place_mm": (0.0, 25.4, -50.8), "volume_mm3": 25.4**3, "top_mm": 2.54, "depth_mm": 5.08,
         "residual_von_mises_max_MPa": 68.94757293, "residual_depth_rail_mm": 0.0254,
+        "residual_depth_wheel_mm": 1e-15,
         "elastic_p0_over_k": 4.0,
     }  # fmt: skip
     edge = {
@@ -61,9 +62,13 @@ def test_sentences_are_in_the_readers_units(full: dict) -> None:
     }  # fmt: skip
     stress = {**full["result"]["stress"], "at_edges": [edge]}
     result = {**full["result"], "plastic": plastic, "stress": stress}
+    assert "separate patches" not in "\n".join(printed(full, 400))
+    result["patches"] = [{"load_share": 0.75}, {"load_share": 0.25}]
     text = "\n".join(printed({**full, "result": result}, 400, Units.parse("in,ksi")))
+    assert "2 separate patches: a and b are those of the most loaded one (75 % of the load)" in text
     assert "rail at (0, 1, -2) in, in 1 in3 between 0.1 in and 0.2 in deep" in text
-    assert "the rail 0.001 in deep, von Mises stress up to 10 ksi" in text
+    assert "Unloaded: the rail 0.001 in deep, von Mises stress up to 10 ksi" in text
+    assert "Yields from 0.5 of the load on" in text
     assert "tau_max 100 ksi in the rail at (1, 0, 0) in" in text
 
 
