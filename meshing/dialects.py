@@ -24,11 +24,12 @@ OTHER_UNITS = ("km", "dm", "nm", "yd", "yard", "yards", "mil", "mils", "thou", "
 ACROSS, UP = ("y", "lateral", "across", "quer"), ("z", "height", "vertical", "hoehe", "höhe")
 COMMENT = re.compile(r"""#|%|!|//|\*|;|"(?![^"]*")|'(?![^']*')""")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
+RATE = r"(?:m?m|[km]?n|k?g|t|lbs?)"  # of a unit, as in 60 kg/m: names no column
 WORD = r"([a-zµμ]+|\"|″)"
-NAMED = rf"[\[(]\s*{WORD}\s*[\])]|(?:^|[\W_])(?!m?m/|k?n/)[^\W\d_]+\d*\s*[/_]\s*{WORD}(?!\w)"
+NAMED = rf"[\[(]\s*{WORD}\s*[\])]|(?:^|[\W_])(?!{RATE}/)[^\W\d_]+\d*\s*[/_]\s*{WORD}(?!\w)"
 COLUMN = re.compile(rf"{NAMED}|^[\s\"']*{WORD}[\s\"']*$", re.IGNORECASE)  # y [mm], y/mm, mm
 PROSE = re.compile(
-    rf"{NAMED}|(?<!\d)(?<!\d\s)\b(mm)\b|\bunits?\s*[:=]?\s*{WORD}"
+    rf"{NAMED}|(?<![\d/])(?<!\d\s)\b(mm)\b|\bunits?\s*[:=]?\s*{WORD}"
     rf"|\bin\s+{WORD}(?=\s*(?:$|[,;.:)\]]))",
     re.IGNORECASE,
 )

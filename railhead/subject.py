@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from railhead import catalogue
+from railhead.display import brief
 from railhead.planning.plan import Plan
 from railhead.postprocess.subject import Subject
 from railhead.scene.sections import Rail, Wheel
@@ -26,7 +27,7 @@ def subject(plan: Plan, load: float) -> Subject:
         short = f"lower {short[0]}", f"upper {short[1]}"
     long = _said(long[0], scene.rail), _said(long[1], scene.wheel)
     real = scene.rail.profile != "arc" and not contact.half_space
-    force = f"{load / 1e3:.5g} kN" if load >= 1e3 else f"{load:.5g} N"
+    force = f"{brief(load / 1e3)} kN" if load >= 1e3 else f"{brief(load)} N"
     rubs = plan.effects["friction"].on
     end = ", as half-spaces" if contact.half_space else ""
     if rubs:

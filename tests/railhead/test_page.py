@@ -1,5 +1,7 @@
 """report.html: one file, complete, with the numbers of summary.json, that a browser can draw."""
 
+import base64
+import io
 import json
 import re
 import shutil
@@ -12,8 +14,9 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from PIL import Image
 
-from railhead import api, page, quantities, results
+from railhead import api, page, quantities, results, words
 from railhead.display import Units
 from railhead.postprocess import turning
 from railhead.scene.sections import SceneError
@@ -143,10 +146,44 @@ def test_the_verdict_is_of_what_holds(
         shown = replace(result, summary={**summary, **changed})
         return page.render(shown, Units(), folder, result.findings, None)
 
+    after = {"plasticity": {"needed": True, "why": "it yields <b>here</b>"}}
+    told = f"What was left out matters: {words.effect('plasticity')}.</b> it yields &lt;b&gt;here"
+    assert told in said(effects_after=after)
+    assert "matters" not in said()
+
     assert "The patch is no ellipse" in said(checks=no_ellipse)
     assert "The patch is no ellipse" not in said(checks={**no_ellipse, "passed": False})
     assert re.search(r"The contact patch\s+is", said())
     assert "touch in 2 patches; the most loaded one" in said(result=two)
+
+
+def test_estimates_are_give_or_take(result: Any) -> None:
+    summary = {**result.summary, "accuracy": {"bound": {"max_MPa": 0.0123}}}
+    table = page.answer_rows(summary, Units(), result.findings)
+    column = table["columns"].index("within")
+    cells = {key: cells[column] for _, _, key, cells in table["rows"]}
+    assert cells["pressure.max_MPa"] == "\u00b1 1.23%"
+    assert {text for key, text in cells.items() if key != "pressure.max_MPa"} == {""}
+
+
+def test_large_pictures_keep_their_colours() -> None:
+    noise = np.random.default_rng(0).integers(0, 256, (400, 400, 3), dtype=np.uint8)
+    written = io.BytesIO()
+    Image.fromarray(noise).save(written, format="png")
+    assert len(written.getvalue()) > page.LARGE
+    small = base64.b64decode(page._picture(written.getvalue()))
+    assert len(small) < len(written.getvalue()) / 2
+    assert len(np.unique(np.asarray(Image.open(io.BytesIO(small))))) > 200
+
+
+def test_files_that_a_scene_needs_are_named() -> None:
+    scene = api.find("hertz_ellipse")
+    assert words.files(scene) == []
+    needs = scene.model_copy(
+        update={"rail": scene.rail.model_copy(update={"profile": "/a/worn.ban"}),
+                "wheel": scene.wheel.model_copy(update={"stress_strain": "/b/er7.csv"})}
+    )  # fmt: skip
+    assert words.files(needs) == ["worn.ban", "er7.csv"]
 
 
 def test_units_are_the_readers() -> None:
@@ -183,3 +220,13 @@ def test_a_browser_draws_it(folder: Path, tmp_path: Path) -> None:
     browse(f"--print-to-pdf={paper}", file=folder / page.NAME)
     assert paper.read_bytes().startswith(b"%PDF")
     assert paper.stat().st_size > 100_000
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
+def test_without_webgl_the_views_are_pictures(folder: Path) -> None:
+    address = (folder / page.NAME).as_uri()
+    flat = ["--disable-gpu", "--disable-software-rasterizer", "--disable-3d-apis"]
+    for options, shown in ((HEADLESS, False), ((*HEADLESS[:2], *flat), True)):
+        command = [str(CHROMIUM), *options, "--dump-dom", address]
+        done = subprocess.run(command, capture_output=True, timeout=120, text=True, check=True)
+        assert ('<body class="flat">' in done.stdout) is shown

@@ -72,6 +72,11 @@ def test_sentences_are_in_the_readers_units(full: dict) -> None:
     assert "tau_max 100 ksi in the rail at (1, 0, 0) in" in text
 
 
+def test_columns_without_a_value_are_left_out(full: dict) -> None:
+    assert "half-space" in "\n".join(printed(full, 120))
+    assert "half-space" not in "\n".join(printed({**full, "half_space": None}, 120))
+
+
 def test_the_command_prints_at_most_eighty_columns(tmp_path) -> None:
     """Of the table also where there is no terminal."""
     environment = {key: value for key, value in os.environ.items() if key != "COLUMNS"}
@@ -131,6 +136,9 @@ def test_friction_is_in_the_table_too() -> None:
     assert rows["force along the rail"]["value"] == pytest.approx(1e4)
     assert rows["force along the rail"]["Carter"] == pytest.approx(1e4, rel=0.1)
     assert "frictionless FE" in rows["largest pressure"]
+    bound = {"accuracy": {**summary["accuracy"], "bound": {"creepage_along": 0.01}}}
+    table = quantities.friction({**summary, **bound})
+    assert [row["quantity"] for row in table if row["estimate"]] == ["creepage along"]
 
 
 def test_rows_with_other_columns_make_one_table() -> None:
