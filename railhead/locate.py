@@ -131,7 +131,7 @@ def show(location: Location, console: Console) -> None:
     console.print(
         f"shift {scene.wheelset.shift:g} mm, yaw {1e3 * scene.wheelset.yaw:g} mrad: roll "
         f"{1e3 * summary['roll_rad']:.4g} mrad, rolling radius difference "
-        f"{summary['rolling_radius_difference_mm']:.4g} mm; {len(summary['left'])} contacts left, "
+        f"{summary['rolling_radius_difference_mm']:.4g} mm; contacts: {len(summary['left'])} left, "
         f"{len(summary['right'])} right (gap below {CLEARANCE:g} mm); y to the field side",
         highlight=False,
     )

@@ -66,6 +66,18 @@ def test_simpack_headers_shift_rotate_and_mirror(tmp_path) -> None:
     assert (found.unit, found.body) == ("m", "rail")
 
 
+def test_simpack_bounds_and_inches(tmp_path) -> None:
+    """Bounds are of the points as they are turned, before they are mirrored."""
+    y = np.linspace(-1.2, 1.2, 25)
+    points = np.column_stack([y, -0.2 * y**2])
+    file = tmp_path / "rail.prr"
+    keys = "units.len.f = 39\nbound.y.min = -0.65\nbound.y.max = 0.95\nmirror.y = 1"
+    file.write_text(simpack(keys, points))
+    found = instruments.read(file)
+    assert found.unit == "inch"
+    np.testing.assert_allclose(found.points[:, 0], -y[6:22], atol=1e-6)
+
+
 @pytest.mark.parametrize(
     ("text", "line", "words"),
     [

@@ -113,6 +113,29 @@ def test_dense_points_are_averaged_and_repeated_ones_dropped() -> None:
     np.testing.assert_allclose(repeated.height(y), truth, atol=1e-3)
 
 
+@pytest.mark.parametrize(("slope", "is_kept"), [(12.0, True), (40.0, False)])
+def test_faces_are_kept_up_to_a_limit(slope: float, is_kept: bool) -> None:
+    """The limit is 1:22."""
+    points = rail()[8:-8]
+    down = np.arange(0.25, 15.0, 0.25)
+    left = np.column_stack([points[0, 0] - down / slope, points[0, 1] - down])[::-1]
+    right = np.column_stack([points[-1, 0] + down / slope, points[-1, 1] - down])
+    _, profile = measured.from_points("rail", np.concatenate([left, points, right]))
+    reach = 14.0 / slope if is_kept else 0.0
+    assert profile.domain[1] - points[-1, 0] == pytest.approx(reach, abs=0.15)
+
+
+@pytest.mark.parametrize(
+    ("off", "noise", "is_said"), [(0.04, 0.0, False), (0.06, 0.0, True), (0.15, 0.01, False)]
+)
+def test_a_point_stands_off_from_20_noises_and_50_um_on(
+    off: float, noise: float, is_said: bool, tmp_path
+) -> None:
+    points = noisy(rail(), noise, 4)
+    points[len(points) // 2, 1] += off
+    assert ("WARNING" in " ".join(read(tmp_path, points, "rail").said)) is is_said
+
+
 def test_undercut_sides_are_cut_off() -> None:
     """A head with vertical and undercut sides keeps the part that faces upwards."""
     points = rail()
