@@ -238,7 +238,7 @@ def _dimensions(axes: Axes, camera: Camera, findings: Findings) -> None:
     middle = camera.project(_global(frame, [[(x0 + x1) / 2, (s0 + s1) / 2, 0]]))[0]
     box = {"fc": "white", "ec": "none", "alpha": 0.85, "pad": 2}
     look: dict[str, Any] = {"ha": "center", "va": "center", "bbox": box, "clip_on": True}
-    inside = LABELS * np.array([camera.half_width, camera.half_height])
+    inside = np.array([camera.half_width, camera.half_height]) * LABELS
     for text, line in lines.items():
         start, stop = camera.project(_global(frame, line))
         arrow = {"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, "lw": 1.5}
