@@ -20,9 +20,12 @@ ASKED, RECORDS, GRIDS = "sweep.json", "records", "vtu"
 
 def begin(folder: Path, asked: Mapping[str, Any], *, resume: bool) -> None:
     """Make the folder of a new sweep, in the place of an earlier result; or go on with the one that
-    is there. Raises SceneError where another sweep is, OSError where nothing can be written."""
+    is there. Raises SceneError where another sweep is or a file of this one is broken, OSError
+    where nothing can be written."""
     if resume and folder.is_dir() and os.listdir(folder):
         _same(folder, json.loads(results.to_json(dict(asked))))
+        for number in done(folder):
+            read(folder, number)  # one that is broken is said before anything runs
         return
     with results.replacing(folder) as work:
         (work / RECORDS).mkdir()
@@ -33,7 +36,7 @@ def begin(folder: Path, asked: Mapping[str, Any], *, resume: bool) -> None:
 
 def _same(folder: Path, asked: dict[str, Any]) -> None:
     try:
-        there = json.loads((folder / ASKED).read_text(encoding="utf-8"))
+        there = _loaded(folder / ASKED)
     except FileNotFoundError:
         raise SceneError("--resume", f"{str(folder)!r} holds no sweep; leave it out") from None
     here, other = _flat(asked), _flat(there)
@@ -68,9 +71,17 @@ def write(folder: Path, number: int, record: Mapping[str, Any]) -> None:
 
 
 def read(folder: Path, number: int) -> dict[str, Any]:
-    """A record that is done."""
-    text = (folder / RECORDS / f"{number:05d}.json").read_text(encoding="utf-8")
-    found: dict[str, Any] = json.loads(text)
+    """A record that is done. SceneError: its file is broken."""
+    return _loaded(folder / RECORDS / f"{number:05d}.json")
+
+
+def _loaded(path: Path) -> dict[str, Any]:
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError:
+        found = None
+    if not isinstance(found, dict):
+        raise SceneError("--resume", f"{str(path)!r} is broken; delete it and resume again")
     return found
 
 

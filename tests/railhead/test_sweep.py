@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -280,6 +281,18 @@ def test_another_sweep_is_not_gone_on_with(swept: Path, capsys, tmp_path: Path) 
     rh.solve(rh.find("sphere_on_plane"), quiet=True).save(single, pictures=False)
     assert sweep(*ROLLER, *same, "--out", str(single), "--resume") == 2
     assert "holds no sweep" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["sweep.json", "records/00000.json"])
+def test_a_broken_file_is_said(swept: Path, name: str, capsys, tmp_path: Path) -> None:
+    folder = tmp_path / "sweep"
+    shutil.copytree(swept, folder)
+    (folder / name).write_bytes((folder / name).read_bytes()[:100])
+    over = ("--over", "load=50kN,80kN,110kN", "--over", "wheel.rolling_radius=420mm,460mm")
+    assert sweep(*ROLLER, *over, "--out", str(folder), "--resume") == 2
+    err = capsys.readouterr().err
+    assert len(err.splitlines()) == 1
+    assert f"{name}' is broken; delete it and resume again" in err
 
 
 def test_one_that_does_not_converge_leaves_the_others(tmp_path: Path, capsys) -> None:
