@@ -84,8 +84,9 @@ def against_boundary_elements(
 ) -> dict[str, Deviation]:
     """other: "half_space" of a summary, with its grid error and its allowance for the bodies."""
     unknown = {
-        name: other["allowance"][name]["total"] + other["grid_error"][name]
-        for name in other["allowance"]
+        name: other["allowance"][name]["total"] + error
+        for name, error in other["grid_error"].items()
+        if name in other["allowance"]
     }
     return deviations(summary, estimates.flat(other), unknown, limit, unknown)
 
