@@ -21,7 +21,9 @@ NAMED_UNITS = {
     "ft": "ft", "foot": "ft", "feet": "ft",
 }  # fmt: skip
 OTHER_UNITS = ("km", "dm", "nm", "yd", "yard", "yards", "mil", "mils", "thou", "px", "pixel")
-ACROSS, UP = ("y", "lateral", "across", "quer"), ("z", "height", "vertical", "hoehe", "höhe")
+ACROSS = ("y", "lateral", "lat", "across", "quer")
+UP = ("z", "height", "vertical", "vert", "hoehe", "höhe")
+RUNS = 0.9  # of the way up and down a column that it goes from end to end: it runs one way
 COMMENT = re.compile(r"""#|%|!|//|\*|;|"(?![^"]*")|'(?![^']*')""")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
 RATE = r"(?:m?m|[km]?n|k?g|t|lbs?)"  # of a unit, as in 60 kg/m: names no column
@@ -107,30 +109,54 @@ def table(name: str, lines: Sequence[str], overruled: bool = False) -> Table:
             raise InstrumentError(name, i, f"{line.strip()[:SHOWN]!r} {text}")
     header = [(i, line) for i, line in full if i < first]
     points = [(i, row) for i, _, row in rows if row]
-    columns = _columns([line for _, line in header], separator, [row for _, row in points])
+    columns = _columns(name, header, separator, [row for _, row in points], first)
     for i, row in points:
         if len(row) <= max(columns):
             text = f"has no number in column {max(columns) + 1}; give as many as in other lines"
             raise InstrumentError(name, i, text)
     values = np.array([[row[column] for column in columns] for _, row in points])
-    remarks = () if columns == (0, 1) else (f"columns {columns[0] + 1} and {columns[1] + 1}",)
+    most = max(len(row) for _, row in points)
+    remarks = (f"columns {columns[0] + 1} and {columns[1] + 1} of {most}",)
+    remarks = () if columns == (0, 1) and most == 2 else remarks
     unit, at = _unit(name, header, separator, columns, overruled), tuple(i for i, _ in points)
     return Table(values, unit, "", f"table by {words}", remarks, at)
 
 
 def _columns(
-    header: Sequence[str], separator: str, rows: Sequence[Sequence[float]]
-) -> tuple[int, int]:
-    """Which are across and up: by their names, else the first two behind a running number."""
-    for line in header:
+    name: str, header: Sequence[tuple[int, str]], separator: str,
+    rows: Sequence[Sequence[float]], first: int,
+) -> tuple[int, int]:  # fmt: skip
+    """Which are across and up: by their names, else the first two, or those behind a running
+    number. Raises InstrumentError, of the header or the first line of points, where either could be
+    meant."""
+    count = min(map(len, rows))
+    for i, line in header:
         cells = _cells(line.rstrip("\"' \n"), separator)
         names = [re.split(r"\W|_", cell.strip("\"' ").lower())[0] for cell in cells]
         across = [i for i, name in enumerate(names) if name in ACROSS]
         up = [i for i, name in enumerate(names) if name in UP]
         if len(across) == 1 and len(up) == 1:
             return across[0], up[0]
-    numbered = min(map(len, rows)) > 2 and all(np.diff([row[0] for row in rows]) == 1)
-    return (1, 2) if numbered else (0, 1)
+        if len(cells) != count or count < 3:
+            continue  # words, not names
+        if max(len(across), len(up)) > 1:
+            text = "names several columns across, or up; give one of each, y and z"
+            raise InstrumentError(name, i, text)
+        if up and not across:  # which stands beside it
+            return (max(up[0] - 1, 0), up[0]) if up[0] else (1, 0)
+    if count < 3:
+        return 0, 1
+    left, right = (np.array([row[column] for row in rows]) for column in (0, 1))
+    if not (_runs(left) and _runs(right)):
+        return 0, 1
+    if left[0] >= 0 and left[0].is_integer() and (np.diff(left) == 1).all():
+        return 1, 2
+    text = "begins two columns that run one way, so that either may be y; give a header that names"
+    raise InstrumentError(name, first, f"{text} y and z")
+
+
+def _runs(column: Array) -> bool:
+    return abs(column[-1] - column[0]) > RUNS * float(np.abs(np.diff(column)).sum())
 
 
 def _cells(line: str, separator: str) -> list[str]:

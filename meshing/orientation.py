@@ -14,7 +14,9 @@ from railhead.meshing.smoothing import PointError
 
 Array = NDArray[np.float64]
 UNITS = {"mm": 1.0, "m": 1000.0, "inch": 25.4, "cm": 10.0, "um": 1e-3, "ft": 304.8}
-WIDTHS = {"mm": (7.5, 300.0), "inch": (1.0, 7.5), "m": (0.0, 0.3)}  # what is that wide, in it
+WIDTHS = 7.5, 300.0  # mm of any profile, ...
+USUAL = {"rail": (25.0, 100.0), "wheel": (60.0, 150.0)}  # ... and of one whose unit nobody says
+GUESSED = ("mm", "inch", "m")  # units that are told apart by these
 FLANGE, PROTRUDES = 10.0, 1.5  # mm above the tread, and times what lies below it, at least
 TIP, NEAR_TIP = -55.0, 8.0  # mm, y of the flange's tip, give or take
 BACK = -70.0  # mm, y of the flange back
@@ -40,7 +42,7 @@ def turned(table: Table, body: str, choices: Choices) -> tuple[Array, list[str]]
 
     Raises PointError, of a point in the axes of the table, as `in_mm` and `layout.check_head`.
     """
-    points, unit = in_mm(table, choices.unit)
+    points, unit = in_mm(table, body, choices.unit)
     if body == "rail":
         layout.check_head(points, table.points)
     said = [unit]
@@ -64,16 +66,17 @@ def turned(table: Table, body: str, choices: Choices) -> tuple[Array, list[str]]
     return points, said
 
 
-def in_mm(table: Table, choice: str) -> tuple[Array, str]:
-    """Points (n, 2) in mm, and of which unit they were and why; choice: as `Choices.unit`.
+def in_mm(table: Table, body: str, choice: str) -> tuple[Array, str]:
+    """Points (n, 2) of a 'rail' or 'wheel' in mm, and of which unit they were and why; choice: as
+    `Choices.unit`.
 
     Raises PointError as `layout.check_across`, and of the outermost point in the axes of the table
     where no unit, or not the one that is given, fits the width.
     """
     layout.check_across(table.points)
-    unit = choice if choice != "auto" else table.unit or _unit(table.points)
+    unit = choice if choice != "auto" else table.unit or _unit(table.points, body)
     points = UNITS[unit] * table.points
-    width, (least, most) = float(np.ptp(points[:, 0])), WIDTHS["mm"]
+    width, (least, most) = float(np.ptp(points[:, 0])), WIDTHS
     if not least < width <= most:
         raise PointError(f"is {width:.4g} mm wide in {unit}; give its profile_unit, in which it is "
                          f"{least:g} to {most:g} mm wide", _outermost(table.points))  # fmt: skip
@@ -87,13 +90,15 @@ def _why(choice: str, found: str) -> str:
     return "" if choice != "auto" or not found else f" ({found})"
 
 
-def _unit(points: Array) -> str:
-    width = float(np.ptp(points[:, 0]))
-    for unit, (least, most) in WIDTHS.items():
-        if least < width <= most:
+def _unit(points: Array, body: str) -> str:
+    width, (least, most) = float(np.ptp(points[:, 0])), USUAL[body]
+    for unit in GUESSED:
+        if least <= width * UNITS[unit] <= most:
             return unit
-    allowed = ", ".join(f"{low:g} to {high:g} in {unit}" for unit, (low, high) in WIDTHS.items())
-    text = f"is {width:g} wide, which no unit fits ({allowed}); give its profile_unit"
+    text = (
+        f"is {width:g} wide, no {body}'s {least:g} to {most:g} mm in {', '.join(GUESSED)}; give "
+        "its profile_unit, or name it in a header"
+    )
     raise PointError(text, _outermost(points))
 
 

@@ -20,7 +20,7 @@ from railhead.meshing.suffixes import BODIES
 from railhead.meshing.wear import Wear
 from railhead.scene.scene import Scene
 
-WHEELS = (100.0, 200.0)  # mm: a table of points that wide is of a wheel
+WHEELS = (100.0, 150.0)  # mm: a table of points that wide is of a wheel
 STEP = 0.25  # mm between the rows of profile.csv
 
 
@@ -64,7 +64,7 @@ def _kind(path: Path) -> str:
     is said where it is read."""
     checked = Scene.from_mapping({"load": 1.0, "rail": {"profile": str(path)}}).rail.profile
     try:
-        points, _ = orientation.in_mm(instruments.read(Path(checked)), "auto")
+        points, _ = orientation.in_mm(instruments.read(Path(checked)), "wheel", "auto")
     except (ValueError, OSError):
         return "rail"
     return "wheel" if WHEELS[0] <= float(np.ptp(points[:, 0])) <= WHEELS[1] else "rail"

@@ -69,10 +69,31 @@ def test_usual_dialects_give_the_same_points(text: str, tmp_path) -> None:
     np.testing.assert_allclose(instruments.read(file).points, POINTS, atol=1e-9)
 
 
-def test_three_columns_begin_with_a_number_only_where_it_runs(tmp_path) -> None:
+@pytest.mark.parametrize("step", [1.0, 5.0])
+@pytest.mark.parametrize("extra", ["0", "7.5", "y"])
+def test_a_third_column_is_no_part_of_the_points(step: float, extra: str, tmp_path) -> None:
+    """Not even where y goes up by 1 as a running number does."""
+    points = POINTS * [step / 5, 1]
     file = tmp_path / "rail.csv"
-    file.write_text("\n".join(f"{y:.5f},{z:.5f},{0.5 * y:.2f}" for y, z in POINTS))
-    np.testing.assert_allclose(instruments.read(file).points, POINTS)
+    rows = (f"{y:.5f},{z:.5f},{y if extra == 'y' else extra}" for y, z in points)
+    file.write_text("\n".join(rows))
+    found = instruments.read(file)
+    np.testing.assert_allclose(found.points, points)
+    assert found.remarks == ("columns 1 and 2 of 3",)
+
+
+@pytest.mark.parametrize(
+    ("header", "columns"),
+    [
+        ("Position;Hoehe;Extra", (0, 1)), ("No;Position;z", (1, 2)), ("z;Position;Extra", (1, 0)),
+        ("t [s];lat [mm];vert [mm]", (1, 2)), ("x;y;z", (1, 2)),
+    ],
+)  # fmt: skip
+def test_one_name_tells_where_the_other_is(header: str, columns: tuple, tmp_path) -> None:
+    numbers = np.random.default_rng(3).uniform(-9, 9, (15, 3)).round(3)
+    file = tmp_path / "rail.csv"
+    file.write_text(header + "\n" + "\n".join(";".join(map(str, row)) for row in numbers))
+    np.testing.assert_allclose(instruments.read(file).points, numbers[:, list(columns)])
 
 
 @pytest.mark.parametrize("coding", ["utf-16", "latin-1"])
@@ -114,6 +135,9 @@ BAD = {
     "binary": ("\0\1\2" * 50, 1, "no text"),
     "points in thousands": (written(";", comma=True).replace("35,", "1.035,"), 15, "no point"),
     "beyond numbers": (written(",").replace("-15.00000", "1e999", 1), 5, "no point"),
+    "a time": ("\n".join(f"{0.1 * i:.2f};{y};{z}" for i, (y, z) in enumerate(POINTS)), 1,
+               "either may be y"),
+    "two heights": ("rail\ny;z_nominal;z_worn\n" + "1;2;3\n" * 15, 2, "several columns"),
     "two units": ("rail\ny/mm,z/um\n" + written(","), 2, "in mm and um; give both in one of mm, m"),
     "two units, blanks": ("y [mm] z [m]\n" + written(" "), 1, "in mm and m; give"),
     "unknown unit": ("y (yd),z (yd)\n" + written(","), 1, "in yd; give both in one of mm, m, inch"),

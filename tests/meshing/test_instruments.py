@@ -157,10 +157,20 @@ def test_what_is_found_is_overridden_by_what_is_chosen() -> None:
     np.testing.assert_allclose(found, -true)
     with pytest.raises(ValueError, match="mm wide in m; give its profile_unit"):
         turned(true, unit="m")
-    with pytest.raises(ValueError, match="no unit fits"):
+    with pytest.raises(ValueError, match="wide, no rail.s 25 to 100 mm in mm, inch, m"):
         turned(true / 100)
     with pytest.raises(ValueError, match="7.2 mm wide in mm; give its profile_unit"):
         turned(true * 7.2 / np.ptp(true[:, 0]), unit="mm")
+
+
+@pytest.mark.parametrize("unit", [10.0, 100.0, 304.8], ids=["cm", "dm", "ft"])
+def test_units_that_nobody_says_are_not_taken_for_others(unit: float) -> None:
+    """A head in cm is as wide as one of 7 inches would be, a wheel in cm as a strip of 13 mm."""
+    wheel = profiles.s1002()
+    y = np.linspace(*wheel.domain, 300)
+    for points, body in ((head(), "rail"), (np.column_stack([y, wheel.height(y)]), "wheel")):
+        with pytest.raises(ValueError, match="give its profile_unit, or name it in a header"):
+            orientation.in_mm(Table(points / unit, "", "", "table"), body, "auto")
 
 
 @pytest.mark.parametrize("mirror", [1, -1])
