@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.meshing import layout
+from railhead.meshing import layout, scans
 from railhead.meshing.dialects import Table
 from railhead.meshing.smoothing import PointError
 
@@ -18,9 +18,12 @@ WIDTHS = 7.5, 300.0  # mm of any profile, ...
 USUAL = {"rail": (25.0, 100.0), "wheel": (60.0, 150.0)}  # ... and of one whose unit nobody says
 GUESSED = ("mm", "inch", "m")  # units that are told apart by these
 FLANGE, PROTRUDES = 10.0, 1.5  # mm above the tread, and times what lies below it, at least
+FACES = 3.0  # mm from the outermost points: what lies there may be a face of the rim
 TIP, NEAR_TIP = -55.0, 8.0  # mm, y of the flange's tip, give or take
 BACK = -70.0  # mm, y of the flange back
+UPRIGHT = 2.5  # mm up in the first one across: S1002 rises by 6.3 from its back, 1.6 from 2 mm on
 SIDES = (17.0, 30.0)  # mm below the top: the faces whose lean is that of the head
+TAPER, CLEAR = 0.125, 0.1  # a head gets wider by 1:10 where they are not worn; between their slopes
 CORNER = (3.0, 13.0)  # and where its corners are worn
 LEANS, WORN = 0.01, 0.3  # slope and mm: less says nothing of the side
 NEAR_TOP, NEAR_ZERO = 2.0, 5.0  # mm: the origin lies where profiles have theirs
@@ -40,9 +43,15 @@ class Choices:
 def turned(table: Table, body: str, choices: Choices) -> tuple[Array, list[str]]:
     """Points (n, 2) in the axes of profiles, mm, and what was done to them, in words.
 
-    Raises PointError, of a point in the axes of the table, as `in_mm` and `layout.check_head`.
+    Raises PointError, of a point in the axes of the table, as `in_mm`, `scans.in_order`,
+    `scans.check_wild` and `layout.check_head`.
     """
     points, unit = in_mm(table, body, choices.unit)
+    try:
+        scans.check_wild(scans.in_order(points))
+    except PointError as error:
+        nearest = np.argmin(np.linalg.norm(points - error.place, axis=1))
+        raise PointError(str(error), table.points[nearest]) from None
     if body == "rail":
         layout.check_head(points, table.points)
     said = [unit]
@@ -109,8 +118,9 @@ def _outermost(points: Array) -> Array:
 def _flange(points: Array) -> tuple[float, float] | None:
     """y of the flange's tip and the side of the tread that it is on, +1 or -1; None without one."""
     y, z = points.T
-    away = z - np.median(z)
-    above, below = float(away.max()), float(-away.min())
+    inner = (y > y.min() + FACES) & (y < y.max() - FACES)
+    away = z - np.median(z[inner])
+    above, below = float(away[inner].max()), float(-away[inner].min())
     if max(above, below) < max(FLANGE, PROTRUDES * min(above, below)):
         return None
     tip = int(np.argmax(away) if above > below else np.argmin(away))
@@ -133,13 +143,19 @@ def _mirrored(points: Array, body: str) -> tuple[bool, str]:
         if flange is None:
             return False, ""
         return bool(flange[0] > np.median(points[:, 0])), "by its flange"
-    middles = [(depth, (left + right) / 2) for depth, left, right in _widths(points)]
-    if not middles:
+    found = list(_widths(points))
+    if not found:
         return False, ""
-    depth, middle = np.array(middles).T
+    depth, left, right = np.array(found).T
+    middle = (left + right) / 2
     faces = (depth >= SIDES[0]) & (depth <= SIDES[1])
-    if faces.sum() >= 10:
-        lean = -float(np.polyfit(depth[faces], middle[faces], 1)[0])
+    if faces.sum() >= 10:  # medians, as wear may reach down to the faces
+        steps = np.diff(depth[faces])
+        out, away = (float(np.median(np.diff(y[faces]) / steps)) for y in (left, right))
+        lean = -(out + away) / 2
+        if away - out > TAPER:
+            clear = abs(away + out) > CLEAR
+            return clear and away + out > 0, "by its worn face" if clear else ""
         if abs(lean) > LEANS:
             return lean > 0, f"its head leans 1:{1 / abs(lean):.0f} to the gauge side"
     corner = (depth >= CORNER[0]) & (depth <= CORNER[1])
@@ -166,6 +182,14 @@ def _face(y: Array, down: Array, side: NDArray[np.bool_], depth: float) -> float
     return float(np.interp(depth, down[side][order], y[side][order]))
 
 
+def _upright(points: Array, left: float) -> bool:
+    """Whether a wheel begins with its flange back, or where the round before it is nearly so."""
+    first = points[points[:, 0] < left + 0.5, 1]
+    second = points[(points[:, 0] >= left + 0.5) & (points[:, 0] < left + 1.0), 1]
+    high = first.max(initial=-np.inf) if not len(second) else second.max()
+    return bool(high - first.min() > UPRIGHT)
+
+
 def _origin(points: Array, body: str) -> Array:
     """What brings the crown centre or the tape circle to the origin, where the file has another."""
     y, z = points.T
@@ -180,7 +204,7 @@ def _origin(points: Array, body: str) -> Array:
             widths = list(_widths(points))
             move[0] = -sum(widths[-1][1:]) / 2 if widths else -y[np.argmax(z)]
     elif flange := _flange(points):
-        behind = y.min() < flange[0] - NEAR_TIP
+        behind = y.min() < flange[0] - NEAR_TIP and _upright(points, float(y.min()))
         if abs(flange[0] - TIP) > NEAR_TIP:
             move[0] = BACK - y.min() if behind else TIP - flange[0]
     elif not inside:

@@ -10,6 +10,7 @@ from railhead.meshing.smoothing import PointError, Smoothed, standing_off
 Array = NDArray[np.float64]
 SPIKE, APART = 20.0, 0.05  # times the noise, and mm, that a point stands off at least ...
 BEND = 0.1  # ... and times the squared distance to its neighbours: 1/mm, an edge of R1.25
+WILD, STEEP = 0.3, 3.0  # mm, and times the way to its neighbours: a point that far off is none
 REPEATED = 0.75  # of the y in the middle half are different, at least, or y repeats ...
 COARSE = 0.1  # mm: ... and is too coarse where the points at one y are farther apart in height
 PASS = 20  # points between two turns of a gauge that goes there and back, at least
@@ -43,6 +44,19 @@ def in_order(points: Array) -> Array:
         _refuse_passes(points, order)
     way = ways[int(lengths[1] < lengths[0])]
     return way if way[-1, 0] > way[0, 0] else way[::-1]
+
+
+def check_wild(points: Array) -> None:
+    """Points (n, 2) in the order of the curve, mm. Raises PointError of one that stands so far off
+    its neighbours that the curve would turn back on itself."""
+    off = standing_off(points)
+    beside = np.full(len(points), np.inf)
+    beside[1:-1] = np.linalg.norm(points[2:] - points[:-2], axis=1) / 2
+    wild = np.where(off > np.maximum(WILD, STEEP * beside), off, 0.0)
+    if wild.any():
+        worst = int(np.argmax(wild))
+        text = f"stands off its neighbours by {wild[worst]:.2g} mm; delete it, or give more points"
+        raise PointError(text, points[worst])
 
 
 def _refuse_passes(points: Array, order: NDArray[np.intp]) -> None:

@@ -48,12 +48,15 @@ def _values(key: str, item: str) -> Iterator[str]:
             key, f"{item!r} is no range; write first:last:step, one unit at the end, 0:10:0.5mm"
         )
     first, last, step = (Decimal(number) for number in found.groups()[:3])
-    if not step or (last - first) / step < 0:
+    if not step or (last != first and (last > first) != (step > 0)):
         raise SceneError(key, f"{item!r} never gets to its end; give a step towards it")
-    count = int((last - first) / step) + 1
-    if count > MOST:
-        raise SceneError(key, f"{item!r} has {count} values; give at most {MOST}")
-    for number in range(count):
+    try:
+        count = (last - first) / step
+    except ArithmeticError:  # too large for a number
+        count = Decimal("inf")
+    if count >= MOST:
+        raise SceneError(key, f"{item!r} has too many values; give at most {MOST}")
+    for number in range(int(count) + 1):
         yield f"{first + number * step}{found[4]}"
 
 

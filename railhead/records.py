@@ -48,6 +48,11 @@ def _same(folder: Path, asked: dict[str, Any]) -> None:
                 f"and not {here.get(key, 'left out')}; give the same, or another --out",
             )
 
+    if list(here) != list(other):  # and so do the numbers of the combinations
+        raise SceneError(
+            "--resume", f"{str(folder)!r} holds this sweep with --over in another order; keep that"
+        )
+
 
 def _flat(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
     found: dict[str, Any] = {}
@@ -72,7 +77,11 @@ def write(folder: Path, number: int, record: Mapping[str, Any]) -> None:
 
 def read(folder: Path, number: int) -> dict[str, Any]:
     """A record that is done. SceneError: its file is broken."""
-    return _loaded(folder / RECORDS / f"{number:05d}.json")
+    path = folder / RECORDS / f"{number:05d}.json"
+    found = _loaded(path)
+    if not found.get("fault") and "summary" not in found:
+        raise _broken(path)
+    return found
 
 
 def _loaded(path: Path) -> dict[str, Any]:
@@ -81,8 +90,12 @@ def _loaded(path: Path) -> dict[str, Any]:
     except ValueError:
         found = None
     if not isinstance(found, dict):
-        raise SceneError("--resume", f"{str(path)!r} is broken; delete it and resume again")
+        raise _broken(path)
     return found
+
+
+def _broken(path: Path) -> SceneError:
+    return SceneError("--resume", f"{str(path)!r} is broken; delete it and resume again")
 
 
 def grids(folder: Path, number: int) -> Path:

@@ -192,9 +192,89 @@ def test_a_flange_stands_out_half_as_much_again_as_what_lies_below(
 ) -> None:
     """12 mm above the tread and 10 below it, say, is a tread that is tilted."""
     y = np.linspace(-60.0, 60.0, 241)
-    z = np.interp(y, [-60, -50, -40, 50, 60], [above, above, 0.0, 0.0, -10.0])
+    z = np.interp(y, [-60, -50, -40, 40, 55], [above, above, 0.0, 0.0, -10.0])
     found = orientation._flange(np.column_stack([y, z]))
     assert (found[1] if found else 0.0) == side
+
+
+def outline(worn: float, degrees: float, deepest: float) -> np.ndarray:
+    """A 60E1 head, symmetric, sides 1:20 down to 36 mm; its gauge face (y < 0) worn by a plane of
+    that inclination, that much (mm) 14 mm below the top."""
+    profile = profiles.rail_head("60E1")
+    y = np.linspace(*profile.domain, 700)
+    z = profile.height(y)
+    down = np.arange(0.2, 36 + z[0], 0.2)
+    right = np.column_stack([y[-1] + down / 20, z[-1] - down])
+    points = np.concatenate([(right * [-1, 1])[::-1], np.column_stack([y, z]), right])
+    plane = -36.0 + worn + np.tan(np.radians(degrees)) * (points[:, 1] + 14)
+    cut = (points[:, 0] < plane) & (points[:, 1] > -deepest)
+    points[cut, 0] = plane[cut]
+    return points
+
+
+@pytest.mark.parametrize("worn", [2.0, 3.0, 6.0, 10.0])
+@pytest.mark.parametrize("degrees", [5.0, 15.0, 26.0])
+@pytest.mark.parametrize("deepest", [14.0, 20.0, 30.0])
+def test_a_worn_face_is_no_lean(worn: float, degrees: float, deepest: float) -> None:
+    """The gauge side is the worn one, or nobody says."""
+    points = outline(worn, degrees, deepest)
+    for sign in (1, -1):
+        found, said = turned(points * [sign, 1])
+        if "shows no gauge side" in said:
+            assert deepest == 30.0 and degrees < 26
+        else:
+            assert ("mirrored" in said) is (sign < 0)
+            np.testing.assert_allclose(np.abs(found[:, 0] - points[:, 0]).max(), 0.0, atol=0.1)
+
+
+@pytest.mark.parametrize("lean", [1 / 20, 1 / 40])
+def test_a_leaning_head_tells_its_side_though_it_is_worn(lean: float) -> None:
+    """Lean to the gauge side, y < 0."""
+    points = outline(2.0, 26.0, 20.0) @ np.array([[1.0, lean], [-lean, 1.0]])
+    for sign in (1, -1):
+        _, said = turned(points * [sign, 1])
+        assert ("mirrored (its head leans" in said) is (sign < 0)
+
+
+@pytest.mark.parametrize(("off", "is_refused"), [(0.6, False), (1.0, True), (-3.0, True)])
+def test_a_wild_point_is_refused(off: float, is_refused: bool) -> None:
+    """The curve would turn back at it, and the profile end there. Points are 0.25 mm apart."""
+    profile = profiles.rail_head("60E1")
+    y = np.arange(-30.0, 30.0, 0.25)
+    points = np.column_stack([y, profile.height(y)])
+    points[90, 1] += off
+    if is_refused:
+        with pytest.raises(ValueError, match="stands off its neighbours by .* mm; delete it"):
+            turned(points / 25.4, unit="inch")
+    else:
+        turned(points / 25.4, unit="inch")
+
+
+@pytest.mark.parametrize("deep", [10.0, 40.0, 60.0])
+@pytest.mark.parametrize("flip", [1, -1])
+def test_faces_of_a_rim_are_no_flange(deep: float, flip: int) -> None:
+    wheel = profiles.s1002()
+    y = np.linspace(*wheel.domain, 300)
+    true = np.column_stack([y, wheel.height(y)])
+    down = np.arange(0.5, deep, 0.5)
+    rim = np.column_stack([np.full(len(down), y[-1]), true[-1, 1] - down])
+    back = np.column_stack([np.full(len(down), y[0]), true[0, 1] - down])[::-1]
+    points = np.concatenate([back, true, rim])
+    table = Table(points * [-1, flip], "mm", "", "table")
+    found, said = orientation.turned(table, "wheel", Choices())
+    np.testing.assert_allclose(found, points, atol=0.1)
+    assert "mirrored (by its flange)" in said
+
+
+@pytest.mark.parametrize("left", [-70.0, -66.0, -64.0, -60.0])
+def test_a_foreign_origin_is_found_wherever_a_wheel_begins(left: float) -> None:
+    """By the back of the flange where it is there, else by the tip."""
+    wheel = profiles.s1002()
+    y = np.linspace(left, wheel.domain[1], 400)
+    points = np.column_stack([y, wheel.height(y)])
+    table = Table(points + [200.0, 0.0], "mm", "", "table")
+    found, _ = orientation.turned(table, "wheel", Choices())
+    np.testing.assert_allclose(found[:, 0], y, atol=0.5)
 
 
 def test_an_upright_unworn_head_shows_no_side() -> None:
