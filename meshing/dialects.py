@@ -116,10 +116,10 @@ def table(name: str, lines: Sequence[str], overruled: bool = False) -> Table:
             raise InstrumentError(name, i, text)
     values = np.array([[row[column] for column in columns] for _, row in points])
     most = max(len(row) for _, row in points)
-    remarks = (f"columns {columns[0] + 1} and {columns[1] + 1} of {most}",)
-    remarks = () if columns == (0, 1) and most == 2 else remarks
+    remark = f"columns {columns[0] + 1} and {columns[1] + 1} of {most}"
     unit, at = _unit(name, header, separator, columns, overruled), tuple(i for i, _ in points)
-    return Table(values, unit, "", f"table by {words}", remarks, at)
+    plain = columns == (0, 1) and most == 2
+    return Table(values, unit, "", f"table by {words}", () if plain else (remark,), at)
 
 
 def _columns(
