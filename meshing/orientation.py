@@ -19,6 +19,7 @@ USUAL = {"rail": (25.0, 100.0), "wheel": (60.0, 150.0)}  # ... and of one whose 
 GUESSED = ("mm", "inch", "m")  # units that are told apart by these
 FLANGE, PROTRUDES = 10.0, 1.5  # mm above the tread, and times what lies below it, at least
 FACES = 3.0  # mm from the outermost points: what lies there may be a face of the rim
+EVENLY = 500  # places across at which heights are compared
 TIP, NEAR_TIP = -55.0, 8.0  # mm, y of the flange's tip, give or take
 BACK = -70.0  # mm, y of the flange back
 UPRIGHT = 2.5  # mm up in the first one across: S1002 rises by 6.3 from its back, 1.6 from 2 mm on
@@ -44,10 +45,11 @@ def turned(table: Table, body: str, choices: Choices) -> tuple[Array, list[str]]
     """Points (n, 2) in the axes of profiles, mm, and what was done to them, in words.
 
     Raises PointError, of a point in the axes of the table, as `in_mm`, `scans.in_order`,
-    `scans.check_wild` and `layout.check_head`.
+    `scans.check_digits`, `scans.check_wild` and `layout.check_head`.
     """
     points, unit = in_mm(table, body, choices.unit)
     try:
+        scans.check_digits(points)
         scans.check_wild(scans.in_order(points))
     except PointError as error:
         nearest = np.argmin(np.linalg.norm(points - error.place, axis=1))
@@ -117,10 +119,10 @@ def _outermost(points: Array) -> Array:
 
 def _flange(points: Array) -> tuple[float, float] | None:
     """y of the flange's tip and the side of the tread that it is on, +1 or -1; None without one."""
-    y, z = points.T
-    inner = (y > y.min() + FACES) & (y < y.max() - FACES)
-    away = z - np.median(z[inner])
-    above, below = float(away[inner].max()), float(-away[inner].min())
+    y, z = points[np.argsort(points[:, 0], kind="stable")].T
+    inner = np.interp(np.linspace(y[0] + FACES, y[-1] - FACES, EVENLY), y, z)
+    tread = float(np.median(inner))  # by width, as points may be dense at the flange
+    away, above, below = z - tread, inner.max() - tread, tread - inner.min()
     if max(above, below) < max(FLANGE, PROTRUDES * min(above, below)):
         return None
     tip = int(np.argmax(away) if above > below else np.argmin(away))
@@ -142,7 +144,7 @@ def _mirrored(points: Array, body: str) -> tuple[bool, str]:
         flange = _flange(points)
         if flange is None:
             return False, ""
-        return bool(flange[0] > np.median(points[:, 0])), "by its flange"
+        return bool(flange[0] > (points[:, 0].min() + points[:, 0].max()) / 2), "by its flange"
     found = list(_widths(points))
     if not found:
         return False, ""

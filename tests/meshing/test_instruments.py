@@ -266,6 +266,34 @@ def test_faces_of_a_rim_are_no_flange(deep: float, flip: int) -> None:
     assert "mirrored (by its flange)" in said
 
 
+@pytest.mark.parametrize("mirror", [1, -1])
+def test_points_may_be_dense_at_the_flange(mirror: int) -> None:
+    """As chords of one tolerance make them: most points are not on the tread."""
+    wheel = profiles.s1002()
+    y = np.concatenate([np.linspace(-70.0, -38.0, 500), np.linspace(-37.0, 60.0, 60)])
+    points = np.column_stack([y, wheel.height(y)])
+    table = Table(points * [mirror, 1], "mm", "", "table")
+    found, said = orientation.turned(table, "wheel", Choices())
+    np.testing.assert_allclose(found, points, atol=0.1)
+    assert ("mirrored (by its flange)" in said) is (mirror < 0)
+
+
+@pytest.mark.parametrize(
+    ("digits", "unit", "is_refused"),
+    [(1, "mm", True), (2, "mm", False), (3, "inch", True), (4, "inch", False)],
+)
+def test_heights_in_stairs_are_refused(digits: int, unit: str, is_refused: bool) -> None:
+    profile = profiles.rail_head("60E1")
+    y = np.arange(-30.0, 30.0, 0.25)
+    points = np.column_stack([y, profile.height(y)]) / orientation.UNITS[unit]
+    points[:, 1] = np.round(points[:, 1], digits)
+    if is_refused:
+        with pytest.raises(ValueError, match="heights rounded to .* mm; give more digits"):
+            turned(points, unit=unit)
+    else:
+        turned(points, unit=unit)
+
+
 @pytest.mark.parametrize("left", [-70.0, -66.0, -64.0, -60.0])
 def test_a_foreign_origin_is_found_wherever_a_wheel_begins(left: float) -> None:
     """By the back of the flange where it is there, else by the tip."""

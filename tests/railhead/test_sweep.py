@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from xml.etree import ElementTree
 
+import numpy as np
 import outside
 import pytest
 import pyvista
@@ -305,6 +306,23 @@ def test_a_broken_file_is_said(
         assert f"{name}' is broken; delete it and resume again" in err
     else:
         assert "holds another sweep" in err
+
+
+def test_another_profile_under_the_same_name_is_another_sweep(capsys, tmp_path: Path) -> None:
+    """Else old numbers and new ones would stand in one table."""
+    y = np.linspace(-30.0, 30.0, 121)
+    file, out = tmp_path / "p.csv", tmp_path / "out"
+    scene = tmp_path / "scene.toml"
+    scene.write_text('load = "25 kN"\n[rail]\nprofile = "p.csv"\n')
+    asked = (str(scene), "--over", "load=25kN,30kN", "--set", "mesh.patch_size=2mm", "--quiet",
+             "--no-pictures", "--out", str(out))  # fmt: skip
+    np.savetxt(file, np.column_stack([y, -(y**2) / 600]), delimiter=",")
+    assert sweep(*asked) in (0, 1)
+    capsys.readouterr()
+    np.savetxt(file, np.column_stack([y, -(y**2) / 400]), delimiter=",")
+    assert sweep(*asked, "--resume") == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "holds another sweep, with files." in line and "p.csv" in line
 
 
 def test_one_that_does_not_converge_leaves_the_others(tmp_path: Path, capsys) -> None:
