@@ -10,7 +10,7 @@ from railhead.meshing.smoothing import PointError, Smoothed, standing_off
 Array = NDArray[np.float64]
 SPIKE, APART = 20.0, 0.05  # times the noise, and mm, that a point stands off at least ...
 BEND = 0.1  # ... and times the squared distance to its neighbours: 1/mm, an edge of R1.25
-ROUNDED = 0.02  # mm: heights in steps above it make contacts that are not there
+ROUNDED = 0.01  # mm: heights in steps above it make contacts that are not there
 EXACT, UNEVEN = 1e-9, 1e-3  # relative: heights that are the same, and steps that are not
 WILD, STEEP = 0.3, 3.0  # mm, and times the way to its neighbours: a point that far off is none
 REPEATED = 0.75  # of the y in the middle half are different, at least, or y repeats ...
@@ -57,7 +57,10 @@ def check_digits(points: Array) -> None:
     if not len(steps) or len(steps) + 1 > REPEATED * len(z):
         return
     least = float(steps.min())
-    if least > ROUNDED and np.abs(steps / least - np.round(steps / least)).max() < UNEVEN:
+    if (
+        least > ROUNDED * (1 + UNEVEN)
+        and np.abs(steps / least - np.round(steps / least)).max() < UNEVEN
+    ):
         text = f"has heights rounded to {least:.2g} mm; give more digits, {ROUNDED:g} mm at least"
         raise PointError(text, points[0])
 

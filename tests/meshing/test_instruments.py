@@ -280,7 +280,7 @@ def test_points_may_be_dense_at_the_flange(mirror: int) -> None:
 
 @pytest.mark.parametrize(
     ("digits", "unit", "is_refused"),
-    [(1, "mm", True), (2, "mm", False), (3, "inch", True), (4, "inch", False)],
+    [(1, "mm", True), (2, "mm", False), (2, "cm", True), (3, "inch", True), (4, "inch", False)],
 )
 def test_heights_in_stairs_are_refused(digits: int, unit: str, is_refused: bool) -> None:
     profile = profiles.rail_head("60E1")
