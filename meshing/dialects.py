@@ -115,11 +115,11 @@ def table(name: str, lines: Sequence[str], overruled: bool = False) -> Table:
             text = f"has no number in column {max(columns) + 1}; give as many as in other lines"
             raise InstrumentError(name, i, text)
     values = np.array([[row[column] for column in columns] for _, row in points])
-    most = max(len(row) for _, row in points)
-    remark = f"columns {columns[0] + 1} and {columns[1] + 1} of {most}"
+    most, remarks = max(len(row) for _, row in points), []
+    if columns != (0, 1) or most > 2:
+        remarks = [f"columns {columns[0] + 1} and {columns[1] + 1} of {most}"]
     unit, at = _unit(name, header, separator, columns, overruled), tuple(i for i, _ in points)
-    plain = columns == (0, 1) and most == 2
-    return Table(values, unit, "", f"table by {words}", () if plain else (remark,), at)
+    return Table(values, unit, "", f"table by {words}", tuple(remarks), at)
 
 
 def _columns(
@@ -130,20 +130,19 @@ def _columns(
     number. Raises InstrumentError, of the header or the first line of points, where either could be
     meant."""
     count = min(map(len, rows))
-    for i, line in header:
+    for at, line in header:
         cells = _cells(line.rstrip("\"' \n"), separator)
-        names = [re.split(r"\W|_", cell.strip("\"' ").lower())[0] for cell in cells]
-        across = [i for i, name in enumerate(names) if name in ACROSS]
-        up = [i for i, name in enumerate(names) if name in UP]
+        heads = [re.split(r"\W|_", cell.strip("\"' ").lower())[0] for cell in cells]
+        across, up = ([i for i, head in enumerate(heads) if head in each] for each in (ACROSS, UP))
         if len(across) == 1 and len(up) == 1:
             return across[0], up[0]
         if len(cells) != count or count < 3:
             continue  # words, not names
         if max(len(across), len(up)) > 1:
             text = "names several columns across, or up; give one of each, y and z"
-            raise InstrumentError(name, i, text)
+            raise InstrumentError(name, at, text)
         if up and not across:  # which stands beside it
-            return (max(up[0] - 1, 0), up[0]) if up[0] else (1, 0)
+            return (up[0] - 1, up[0]) if up[0] else (1, 0)
     if count < 3:
         return 0, 1
     left, right = (np.array([row[column] for row in rows]) for column in (0, 1))

@@ -184,14 +184,6 @@ def _face(y: Array, down: Array, side: NDArray[np.bool_], depth: float) -> float
     return float(np.interp(depth, down[side][order], y[side][order]))
 
 
-def _upright(points: Array, left: float) -> bool:
-    """Whether a wheel begins with its flange back, or where the round before it is nearly so."""
-    first = points[points[:, 0] < left + 0.5, 1]
-    second = points[(points[:, 0] >= left + 0.5) & (points[:, 0] < left + 1.0), 1]
-    high = first.max(initial=-np.inf) if not len(second) else second.max()
-    return bool(high - first.min() > UPRIGHT)
-
-
 def _origin(points: Array, body: str) -> Array:
     """What brings the crown centre or the tape circle to the origin, where the file has another."""
     y, z = points.T
@@ -206,7 +198,8 @@ def _origin(points: Array, body: str) -> Array:
             widths = list(_widths(points))
             move[0] = -sum(widths[-1][1:]) / 2 if widths else -y[np.argmax(z)]
     elif flange := _flange(points):
-        behind = y.min() < flange[0] - NEAR_TIP and _upright(points, float(y.min()))
+        upright = np.ptp(z[y < y.min() + 1.0]) > UPRIGHT  # as the flange back and the round at it
+        behind = upright and y.min() < flange[0] - NEAR_TIP
         if abs(flange[0] - TIP) > NEAR_TIP:
             move[0] = BACK - y.min() if behind else TIP - flange[0]
     elif not inside:

@@ -4,3 +4,8 @@ RAIL, WHEEL = 1, 2
 BODIES = {RAIL: "rail", WHEEL: "wheel"}
 CONTACT, SUPPORT = 10, 20  # facet tag of a body's face: CONTACT + RAIL and so on
 SYMMETRY_X, SYMMETRY_Y = 31, 32
+
+
+def other(tag: int) -> int:
+    """Of the two bodies."""
+    return RAIL if tag == WHEEL else WHEEL

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import meshio
 
-from railhead.meshing.tags import BODIES
+from railhead.meshing.tags import other
 from railhead.postprocess import export
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.mirror import whole_grid
@@ -41,8 +41,7 @@ def _grids(
     """One after the other, by name."""
     surfaces = {fields.slave: found.surface}
     if found.opposite is not None:
-        (master,) = BODIES.keys() - surfaces.keys()
-        surfaces[master] = found.opposite
+        surfaces[other(fields.slave)] = found.opposite
     yield "contact", export.contact_grid(surfaces)
     yield "solution", export.volume_grid(fields, stress)
     if residual is not None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railhead.meshing.tags import BODIES
+from railhead.meshing.tags import BODIES, other
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.mirror import cut_axes
 from railhead.postprocess.plots import FE, HERTZ, loaded, new_figure
@@ -103,8 +103,7 @@ def _left(axes: Axes, residual: Fields, pressed: Fields, found: Findings, half: 
     frame, subject = found.frame, found.subject
     surfaces = {pressed.slave: np.unique(pressed.contact.facet_nodes)}
     if pressed.opposite is not None:
-        (master,) = BODIES.keys() - surfaces.keys()
-        surfaces[master] = pressed.opposite.nodes
+        surfaces[other(pressed.slave)] = pressed.opposite.nodes
     rises = {
         tag: 1e3 * residual.displacement[nodes] @ frame.axes[2] for tag, nodes in surfaces.items()
     }
@@ -115,8 +114,8 @@ def _left(axes: Axes, residual: Fields, pressed: Fields, found: Findings, half: 
         local = frame.local(residual.points[surfaces[tag]])
         style = ".-" if tag == pressed.slave else ".--"
         for axis, name, colour in ((0, subject.along, FE), (1, subject.across, HERTZ)):
-            other = 1 - axis
-            near = (np.abs(local[:, other]) < THIN * half) & (np.abs(local[:, axis]) < SPAN * half)
+            off, along = np.abs(local[:, 1 - axis]), np.abs(local[:, axis])
+            near = (off < THIN * half) & (along < SPAN * half)
             t, height = local[near, axis], rise[near]
             if axis in cut_axes(local):
                 t, height = np.r_[t, -t], np.r_[height, height]

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -59,22 +59,16 @@ class Campaign:
 
     @property
     def asked(self) -> dict[str, Any]:
-        """All that decides what is kept of a combination."""
+        """All that decides what is kept of a combination. OSError: a file cannot be read."""
         over = {key: [each.value(key) for each in self.scenes] for key in self.keys}
+        files = {path for scene in self.scenes for path in scene.files}
         return {
             "railhead": __version__,
             "scene": self.base.model_dump(exclude_none=True),
             "over": {key: list(dict.fromkeys(values)) for key, values in over.items()},
-            "files": {str(path): digest(path) for path in self._files},
+            "files": {str(path): sha256(path.read_bytes()).hexdigest() for path in sorted(files)},
             **({"vtu": True} if self.vtu else {}),
         }
-
-    @property
-    def _files(self) -> list[Path]:
-        """Of profiles and of curves of yield."""
-        bodies = [body for scene in self.scenes for body in (scene.rail, scene.wheel)]
-        given = [each for body in bodies for each in (body.profile, body.stress_strain)]
-        return sorted({Path(each) for each in given if each and Path(each).is_file()})
 
     @property
     def times(self) -> list[float]:
@@ -144,11 +138,6 @@ def _solve_all(
             faults |= dict.fromkeys(jobs[job], attempt.fault) | (attempt.found or {})
         bar.reach(len(records.done(folder)))
     return {number: faults[number] for number in faults.keys() - records.done(folder)}
-
-
-def digest(path: Path) -> str:
-    """Of a file's bytes. OSError."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def shares(wanted: Sequence[int], groups: int, workers: int) -> list[Sequence[int]]:

@@ -70,7 +70,7 @@ def render(
         scene_toml=(folder / "scene.toml").read_text(encoding="utf-8"),
         answer=answer_rows(summary, units, found),
         friction=_friction(summary, units),
-        profiles=words.files(scene),
+        files=[path.name for path in scene.files],
         left_out={name: each for name, each in effects.items() if not each["on"]},
         check_rows=_checks(summary["checks"]),
         pictures=[

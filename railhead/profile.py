@@ -20,7 +20,7 @@ from railhead.meshing.suffixes import BODIES
 from railhead.meshing.wear import Wear
 from railhead.scene.scene import Scene
 
-WHEELS = (100.0, 150.0)  # mm: a table of points that wide is of a wheel
+WHEEL = 100.0  # mm: a table of points that wide or wider is of a wheel
 STEP = 0.25  # mm between the rows of profile.csv
 
 
@@ -67,7 +67,8 @@ def _kind(path: Path) -> str:
         points, _ = orientation.in_mm(instruments.read(Path(checked)), "wheel", "auto")
     except (ValueError, OSError):
         return "rail"
-    return "wheel" if WHEELS[0] <= float(np.ptp(points[:, 0])) <= WHEELS[1] else "rail"
+    width, most = float(np.ptp(points[:, 0])), orientation.USUAL["wheel"][1]
+    return "wheel" if WHEEL <= width <= most else "rail"
 
 
 def write(examined: Examined, folder: Path) -> None:

@@ -47,7 +47,6 @@ def _same(folder: Path, asked: dict[str, Any]) -> None:
                 f"{str(folder)!r} holds another sweep, with {key} {other.get(key, 'not given')} "
                 f"and not {here.get(key, 'left out')}; give the same, or another --out",
             )
-
     if list(here) != list(other):  # and so do the numbers of the combinations
         raise SceneError(
             "--resume", f"{str(folder)!r} holds this sweep with --over in another order; keep that"

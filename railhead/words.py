@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 from railhead.display import Units
@@ -77,13 +76,6 @@ def scene_rows(scene: Scene, units: Units) -> Iterator[tuple[str, str]]:
     for name, state in scene.effects:
         if state != "auto":
             yield f"effect: {name.replace('_', ' ')}", str(state)
-
-
-def files(scene: Scene) -> list[str]:
-    """Names of the files that the scene takes profiles and curves from."""
-    bodies = scene.rail, scene.wheel
-    given = [path for body in bodies for path in (body.profile, body.stress_strain)]
-    return [Path(path).name for path in given if path and Path(path).suffix]
 
 
 def _row(key: str, value: Any, units: Units) -> Iterator[tuple[str, str]]:

@@ -11,6 +11,7 @@ import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from functools import reduce
 from operator import getitem
+from pathlib import Path
 from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, model_validator
@@ -187,6 +188,13 @@ class Scene(Section):
                 )
             unused.refuse(self, self._half_space)
         return self
+
+    @property
+    def files(self) -> list[Path]:
+        """That profiles and curves of yield are taken from."""
+        bodies = self.rail, self.wheel
+        given = [path for body in bodies for path in (body.profile, body.stress_strain)]
+        return [path for path in map(Path, filter(None, given)) if path.suffix]
 
     @property
     def _half_space(self) -> str:

@@ -131,6 +131,12 @@ def head() -> np.ndarray:
     return np.concatenate([left, np.column_stack([y, z]), right])
 
 
+def wheel(y: np.ndarray | None = None) -> np.ndarray:
+    """Points of S1002, which reaches from -70 to 60 mm."""
+    y = np.linspace(-70.0, 60.0, 300) if y is None else y
+    return np.column_stack([y, profiles.s1002().height(y)])
+
+
 def turned(points: np.ndarray, **choices: str) -> tuple[np.ndarray, str]:
     found, said = orientation.turned(Table(points, "", "", "table"), "rail", Choices(**choices))
     return found, ", ".join(said)
@@ -166,9 +172,7 @@ def test_what_is_found_is_overridden_by_what_is_chosen() -> None:
 @pytest.mark.parametrize("unit", [10.0, 100.0, 304.8], ids=["cm", "dm", "ft"])
 def test_units_that_nobody_says_are_not_taken_for_others(unit: float) -> None:
     """A head in cm is as wide as one of 7 inches would be, a wheel in cm as a strip of 13 mm."""
-    wheel = profiles.s1002()
-    y = np.linspace(*wheel.domain, 300)
-    for points, body in ((head(), "rail"), (np.column_stack([y, wheel.height(y)]), "wheel")):
+    for points, body in ((head(), "rail"), (wheel(), "wheel")):
         with pytest.raises(ValueError, match="give its profile_unit, or name it in a header"):
             orientation.in_mm(Table(points / unit, "", "", "table"), body, "auto")
 
@@ -176,9 +180,7 @@ def test_units_that_nobody_says_are_not_taken_for_others(unit: float) -> None:
 @pytest.mark.parametrize("mirror", [1, -1])
 @pytest.mark.parametrize("flip", [1, -1])
 def test_a_wheel_is_turned_by_its_flange(mirror: int, flip: int) -> None:
-    wheel = profiles.s1002()
-    y = np.linspace(*wheel.domain, 300)
-    true = np.column_stack([y, wheel.height(y)])
+    true = wheel()
     table = Table(true * [mirror, flip], "mm", "", "table")
     found, said = orientation.turned(table, "wheel", Choices())
     np.testing.assert_allclose(found, true, atol=0.2)
@@ -253,13 +255,9 @@ def test_a_wild_point_is_refused(off: float, is_refused: bool) -> None:
 @pytest.mark.parametrize("deep", [10.0, 40.0, 60.0])
 @pytest.mark.parametrize("flip", [1, -1])
 def test_faces_of_a_rim_are_no_flange(deep: float, flip: int) -> None:
-    wheel = profiles.s1002()
-    y = np.linspace(*wheel.domain, 300)
-    true = np.column_stack([y, wheel.height(y)])
-    down = np.arange(0.5, deep, 0.5)
-    rim = np.column_stack([np.full(len(down), y[-1]), true[-1, 1] - down])
-    back = np.column_stack([np.full(len(down), y[0]), true[0, 1] - down])[::-1]
-    points = np.concatenate([back, true, rim])
+    true, down = wheel(), np.arange(0.5, deep, 0.5)
+    back, rim = (np.column_stack([np.full(len(down), y), z - down]) for y, z in true[[0, -1]])
+    points = np.concatenate([back[::-1], true, rim])
     table = Table(points * [-1, flip], "mm", "", "table")
     found, said = orientation.turned(table, "wheel", Choices())
     np.testing.assert_allclose(found, points, atol=0.1)
@@ -269,9 +267,7 @@ def test_faces_of_a_rim_are_no_flange(deep: float, flip: int) -> None:
 @pytest.mark.parametrize("mirror", [1, -1])
 def test_points_may_be_dense_at_the_flange(mirror: int) -> None:
     """As chords of one tolerance make them: most points are not on the tread."""
-    wheel = profiles.s1002()
-    y = np.concatenate([np.linspace(-70.0, -38.0, 500), np.linspace(-37.0, 60.0, 60)])
-    points = np.column_stack([y, wheel.height(y)])
+    points = wheel(np.concatenate([np.linspace(-70, -38, 500), np.linspace(-37, 60, 60)]))
     table = Table(points * [mirror, 1], "mm", "", "table")
     found, said = orientation.turned(table, "wheel", Choices())
     np.testing.assert_allclose(found, points, atol=0.1)
@@ -297,12 +293,10 @@ def test_heights_in_stairs_are_refused(digits: int, unit: str, is_refused: bool)
 @pytest.mark.parametrize("left", [-70.0, -66.0, -64.0, -60.0])
 def test_a_foreign_origin_is_found_wherever_a_wheel_begins(left: float) -> None:
     """By the back of the flange where it is there, else by the tip."""
-    wheel = profiles.s1002()
-    y = np.linspace(left, wheel.domain[1], 400)
-    points = np.column_stack([y, wheel.height(y)])
+    points = wheel(np.linspace(left, 60.0, 400))
     table = Table(points + [200.0, 0.0], "mm", "", "table")
     found, _ = orientation.turned(table, "wheel", Choices())
-    np.testing.assert_allclose(found[:, 0], y, atol=0.5)
+    np.testing.assert_allclose(found[:, 0], points[:, 0], atol=0.5)
 
 
 def test_an_upright_unworn_head_shows_no_side() -> None:
@@ -320,9 +314,7 @@ def test_a_foreign_origin_is_moved_to_the_crown_or_the_tape_circle() -> None:
     assert float(found[:, 1].max()) == pytest.approx(0.0, abs=0.1)
     kept, _ = turned(true + [100.0, 172.0], origin="file")
     np.testing.assert_allclose(kept, true + [100.0, 172.0])
-    wheel = profiles.s1002()
-    y = np.linspace(*wheel.domain, 300)
-    points = np.column_stack([y, wheel.height(y)])
+    points = wheel()
     back = points + [70.0, -30.0]  # from the flange back
     found, said = orientation.turned(Table(back, "mm", "", "table"), "wheel", Choices())
     np.testing.assert_allclose(found, points, atol=0.1)
@@ -330,12 +322,10 @@ def test_a_foreign_origin_is_moved_to_the_crown_or_the_tape_circle() -> None:
 
 
 def test_a_wheel_cut_short_of_the_flange_back_is_placed_by_its_tip() -> None:
-    wheel = profiles.s1002()
-    y = np.linspace(orientation.TIP - 6, wheel.domain[1], 300)
-    points = np.column_stack([y, wheel.height(y)])
+    points = wheel(np.linspace(orientation.TIP - 6, 60.0, 300))
     table = Table(points + [200.0, 0.0], "mm", "", "table")
     found, _ = orientation.turned(table, "wheel", Choices())
-    np.testing.assert_allclose(found[:, 0], y, atol=1.0)  # 9 mm off by the flange back
+    np.testing.assert_allclose(found[:, 0], points[:, 0], atol=1.0)  # 9 mm off by the flange back
 
 
 def test_lines_of_points_are_known() -> None:

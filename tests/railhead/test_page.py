@@ -178,12 +178,12 @@ def test_large_pictures_keep_their_colours() -> None:
 
 def test_files_that_a_scene_needs_are_named() -> None:
     scene = api.find("hertz_ellipse")
-    assert words.files(scene) == []
+    assert scene.files == []
     needs = scene.model_copy(
         update={"rail": scene.rail.model_copy(update={"profile": "/a/worn.ban"}),
                 "wheel": scene.wheel.model_copy(update={"stress_strain": "/b/er7.csv"})}
     )  # fmt: skip
-    assert words.files(needs) == ["worn.ban", "er7.csv"]
+    assert [path.name for path in needs.files] == ["worn.ban", "er7.csv"]
 
 
 def test_units_are_the_readers() -> None:
