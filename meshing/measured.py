@@ -25,6 +25,7 @@ from railhead.meshing.smoothing import PointError, Smoothed
 Array = NDArray[np.float64]
 STEEP = 0.045  # of dy over ds: steeper faces than those of a standard rail's corners are cut off
 SAMPLE = 0.1  # mm between the points of a profile's spline
+FOLD, LOST = 20.0, 2.0  # mm along a curve that turns back, at most, and across that is cut off by it
 AUTOMATIC = Choices()
 EDGE = 0.02  # of the width at either end that the report leaves out
 
@@ -51,6 +52,10 @@ class Measured:
         start, end = inner(self.profile)
         y = self.points[:, 0]
         return np.asarray((y > start) & (y < end))
+
+    def evenly(self, step: float) -> Array:
+        """Points (n, 2) of the smoothed curve that far apart, mm."""
+        return np.asarray(self.smoothed.curve(np.arange(step / 2, self.smoothed.length, step)))
 
     @property
     def sharpest(self) -> tuple[float, float]:
@@ -111,7 +116,13 @@ def from_points(
     s = np.linspace(0, smoothed.length, max(2, math.ceil(smoothed.length / SAMPLE)) + 1)
     tangent = smoothed.curve(s, 1)
     faces = tangent[:, 0] > STEEP * np.linalg.norm(tangent, axis=1)
-    y, z = smoothed.curve(s[_longest(faces)]).T
+    runs = _runs(faces)
+    if not len(runs):
+        raise ValueError("has no part that faces upwards; give points across the running surface")
+    longest = int(np.argmax(np.diff(runs)))
+    curve = smoothed.curve(s)
+    _refuse_folds(curve, s, runs, longest)
+    y, z = curve[slice(*runs[longest])].T
     if len(y) < 4:
         raise ValueError("has no part that faces upwards; give points across the running surface")
     return smoothed, Profile(name, (Spline(float(y[0]), float(y[-1]), CubicSpline(y, z)),))
@@ -170,23 +181,35 @@ def _line(table: Table, points: Array, place: Array) -> int:
 
 def _warnings(measured: Measured, table: Table, points: Array) -> list[str]:
     """Points that stand off where their neighbours are, in words: they are kept."""
-    found = scans.spikes(measured.smoothed, measured.facing)
-    if found is None:
-        return []
-    count, off, (y, z) = found
-    stand = "1 point stands off by" if count == 1 else f"{count} points stand off by up to"
-    line = _line(table, points, np.array([y, z]))
-    return [f"WARNING: {stand} {off:.2g} mm at y = {y:.1f}, line {line}: taken for shape"]
+    found = []
+    if spikes := scans.spikes(measured.smoothed, measured.facing):
+        count, off, place = spikes
+        stand = "1 point stands off by" if count == 1 else f"{count} points stand off by up to"
+        found.append((f"{stand} {off:.2g} mm", place))
+    if bend := scans.bend(measured.smoothed, *inner(measured.profile)):
+        found.append((f"it bends by {bend[0]:.0f} deg and back within {scans.WAVE:g} mm", bend[1]))
+    return [
+        f"WARNING: {what} at y = {place[0]:.1f}, line {_line(table, points, place)}: taken for shape"
+        for what, place in found
+    ]
 
 
-def _longest(faces: NDArray[np.bool_]) -> slice:
-    """The longest run of True."""
+def _runs(faces: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """First and behind the last (k, 2) of the runs of True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], faces, [False]]).astype(int)))
-    runs = edges.reshape(-1, 2)
-    if not len(runs):
-        return slice(0, 0)
-    start, end = runs[np.argmax(runs[:, 1] - runs[:, 0])]
-    return slice(int(start), int(end))
+    return edges.reshape(-1, 2)
+
+
+def _refuse_folds(curve: Array, s: Array, runs: NDArray[np.intp], longest: int) -> None:
+    """Points of a curve (n, 2) at lengths s (n,): what faces upwards beside the longest run is not
+    cut off by a fold, as points that stand off make one. Raises PointError."""
+    start, end = runs[longest]
+    for first, behind in runs:
+        gap = (behind, start) if behind <= start else (end, first)
+        near = first != start and s[gap[1]] - s[gap[0] - 1] < FOLD
+        if near and np.ptp(curve[first:behind, 0]) > LOST:
+            text = "bends back on itself here; delete the points that stand off"
+            raise PointError(text, curve[sum(gap) // 2])
 
 
 @dataclass(frozen=True)

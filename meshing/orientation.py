@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.meshing import layout, scans
+from railhead.meshing import layout, scans, wear
 from railhead.meshing.dialects import Table
 from railhead.meshing.smoothing import PointError
 
@@ -25,8 +25,7 @@ BACK = -70.0  # mm, y of the flange back
 UPRIGHT = 2.5  # mm up in the first one across: S1002 rises by 6.3 from its back, 1.6 from 2 mm on
 SIDES = (17.0, 30.0)  # mm below the top: the faces whose lean is that of the head
 TAPER, CLEAR = 0.125, 0.1  # a head gets wider by 1:10 where they are not worn; between their slopes
-CORNER = (3.0, 13.0)  # and where its corners are worn
-LEANS, WORN = 0.01, 0.3  # slope and mm: less says nothing of the side
+LEANS = 0.01  # slope: less says nothing of the side
 NEAR_TOP, NEAR_ZERO = 2.0, 5.0  # mm: the origin lies where profiles have theirs
 
 
@@ -145,27 +144,25 @@ def _mirrored(points: Array, body: str) -> tuple[bool, str]:
         if flange is None:
             return False, ""
         return bool(flange[0] > (points[:, 0].min() + points[:, 0].max()) / 2), "by its flange"
-    found = list(_widths(points))
-    if not found:
+    right, why = _by_faces(points)
+    if why:
+        return right, why
+    return wear.nearest(scans.evenly(points, wear.STEP), "rail").gauge_side()
+
+
+def _by_faces(points: Array) -> tuple[bool, str]:
+    """As `_mirrored` of a rail, by the faces below its head."""
+    found = np.array(list(_widths(points))).reshape(-1, 3)
+    depth, left, right = found[(found[:, 0] >= SIDES[0]) & (found[:, 0] <= SIDES[1])].T
+    if len(depth) < 10:
         return False, ""
-    depth, left, right = np.array(found).T
-    middle = (left + right) / 2
-    faces = (depth >= SIDES[0]) & (depth <= SIDES[1])
-    if faces.sum() >= 10:  # medians, as wear may reach down to the faces
-        steps = np.diff(depth[faces])
-        out, away = (float(np.median(np.diff(y[faces]) / steps)) for y in (left, right))
-        lean = -(out + away) / 2
-        if away - out > TAPER:
-            clear = abs(away + out) > CLEAR
-            return clear and away + out > 0, "by its worn face" if clear else ""
-        if abs(lean) > LEANS:
-            return lean > 0, f"its head leans 1:{1 / abs(lean):.0f} to the gauge side"
-    corner = (depth >= CORNER[0]) & (depth <= CORNER[1])
-    if corner.any():
-        pulled = float(np.mean(middle[corner]) - middle[-1])
-        if abs(pulled) > WORN:
-            return pulled < 0, "by its worn corner"
-    return False, ""
+    steps = np.diff(depth)  # medians, as wear may reach down to the faces
+    out, away = (float(np.median(np.diff(y) / steps)) for y in (left, right))
+    if away - out > TAPER:
+        clear = abs(away + out) > CLEAR
+        return (away + out > 0, "by its worn face") if clear else (False, "")
+    lean = -(out + away) / 2
+    return (lean > 0, wear.leaning(lean)) if abs(lean) > LEANS else (False, "")
 
 
 def _widths(points: Array) -> Iterator[tuple[float, float, float]]:

@@ -13,6 +13,7 @@ BEND = 0.1  # ... and times the squared distance to its neighbours: 1/mm, an edg
 ROUNDED = 0.01  # mm: heights in steps above it make contacts that are not there
 EXACT, UNEVEN = 1e-9, 1e-3  # relative: heights that are the same, and steps that are not
 WILD, STEEP = 0.3, 3.0  # mm, and times the way to its neighbours: a point that far off is none
+WAVE, STRIDE, BENT = 4.0, 0.1, 10.0  # mm, mm and deg: sound profiles bend to and fro by 2 to 4
 REPEATED = 0.75  # of the y in the middle half are different, at least, or y repeats ...
 COARSE = 0.1  # mm: ... and is too coarse where the points at one y are farther apart in height
 PASS = 20  # points between two turns of a gauge that goes there and back, at least
@@ -48,6 +49,15 @@ def in_order(points: Array) -> Array:
     return way if way[-1, 0] > way[0, 0] else way[::-1]
 
 
+def evenly(points: Array, step: float) -> Array:
+    """Points (m, 2) that far apart on the straight lines through points (n, 2), from left to right
+    along them, mm."""
+    points = in_order(points)
+    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    places = np.arange(step / 2, s[-1], step)
+    return np.column_stack([np.interp(places, s, column) for column in points.T])
+
+
 def check_digits(points: Array) -> None:
     """Points (n, 2) mm. Raises PointError, of the first one, where heights repeat because they are
     rounded: their stairs are no noise that could be smoothed away."""
@@ -66,16 +76,27 @@ def check_digits(points: Array) -> None:
 
 
 def check_wild(points: Array) -> None:
-    """Points (n, 2) in the order of the curve, mm. Raises PointError of one that stands so far off
-    its neighbours that the curve would turn back on itself."""
-    off = standing_off(points)
-    beside = np.full(len(points), np.inf)
+    """Points (n, 2) in the order of the curve, mm, five at least. Raises PointError of one that
+    stands so far off its neighbours that the curve would turn back on itself."""
+    off, beside = standing_off(points), np.zeros(len(points))
     beside[1:-1] = np.linalg.norm(points[2:] - points[:-2], axis=1) / 2
+    for end in (slice(0, 5), slice(-1, -6, -1)):
+        off[end][:2], beside[end][:2] = _off_end(points[end]), beside[end][3]
     wild = np.where(off > np.maximum(WILD, STEEP * beside), off, 0.0)
     if wild.any():
         worst = int(np.argmax(wild))
         text = f"stands off its neighbours by {wild[worst]:.2g} mm; delete it, or give more points"
         raise PointError(text, points[worst])
+
+
+def _off_end(points: Array) -> Array:
+    """How far (2,) the first two of five points (5, 2) are off the way that the others lead to
+    them, mm: by more than 60 deg aside, less may be an edge, or the second beyond the first."""
+    way = (points[2] - points[4]) / np.linalg.norm(points[2] - points[4])
+    reach = np.linalg.norm(points[:2] - points[2], axis=1)
+    off = np.linalg.norm(points[:2] - points[2] - reach[:, None] * way, axis=1)
+    beyond = float((points[1] - points[0]) @ way)
+    return np.maximum(np.where(off > reach, off, 0.0), [0.0, beyond])
 
 
 def _refuse_passes(points: Array, order: NDArray[np.intp]) -> None:
@@ -89,6 +110,20 @@ def _refuse_passes(points: Array, order: NDArray[np.intp]) -> None:
     if mixed and 2 <= len(turns) <= len(y) / PASS:
         text = "runs over the same place twice, at the latest here; give one pass"
         raise PointError(text, points[turns[1]])
+
+
+def bend(smoothed: Smoothed, start: float, end: float) -> tuple[float, Array] | None:
+    """The largest angle (deg) by which the curve bends one way and back within WAVE between two y,
+    and where (2,), if that is no running surface's any more."""
+    s = np.arange(0.0, smoothed.length, STRIDE)
+    dy, dz = smoothed.curve(s, 1).T
+    angle, curve = np.degrees(np.unwrap(np.arctan2(dz, dy))), smoothed.curve(s)
+    angles = np.lib.stride_tricks.sliding_window_view(angle, round(WAVE / STRIDE) + 1)
+    back = np.ptp(angles, axis=1) - np.abs(angles[:, -1] - angles[:, 0])
+    middle = curve[round(WAVE / STRIDE) // 2 :][: len(back)]
+    back = np.where((middle[:, 0] > start) & (middle[:, 0] < end), back, 0.0)
+    worst = int(np.argmax(back))
+    return (float(back[worst]), middle[worst]) if back[worst] > BENT else None
 
 
 def spikes(smoothed: Smoothed, facing: NDArray[np.bool_]) -> tuple[int, float, Array] | None:

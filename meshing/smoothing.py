@@ -111,9 +111,7 @@ def standing_off(points: Array) -> Array:
         apart = s[others][:, None] - s[others] + np.eye(4)
         reach = (s[i] - s[others])[None, :] * (1 - np.eye(4)) + np.eye(4)
         weights = reach.prod(axis=1) / apart.prod(axis=1)
-        chord = points[i + 2] - points[i - 2]
-        error = points[i] - weights @ points[others]
-        off[i] = abs(_cross(chord[None], error[None])[0]) / np.linalg.norm(chord)
+        off[i] = np.linalg.norm(points[i] - weights @ points[others])
     return np.where(off == maximum_filter1d(off, 5), off, 0.0)
 
 
@@ -276,6 +274,7 @@ def _lengths(curve: BSpline, s: Array, points: Array) -> Array:
     tangent, _ = _frame(curve, s)
     speed = np.linalg.norm(curve(s, 1), axis=1)
     nearest = s + np.einsum("nd,nd->n", points - curve(s), tangent) / speed
+    nearest = np.clip(nearest, 2 * s[0] - s[1], 2 * s[-1] - s[-2])  # no farther off the ends
     nearest = np.maximum.accumulate(nearest - nearest[0])
     fine = np.linspace(0, nearest[-1], FINE * len(s))
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve(fine), axis=0), axis=1))])

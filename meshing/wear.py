@@ -10,6 +10,7 @@ displacement.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,6 @@ from scipy.optimize import least_squares
 from scipy.spatial import cKDTree
 
 from railhead.meshing import outlines, profiles
-from railhead.meshing.measured import Measured
 
 Array = NDArray[np.float64]
 STANDARDS = {"rail": profiles.STANDARD_RAILS, "wheel": ("S1002",)}
@@ -25,6 +25,8 @@ STEP = 0.25  # mm between places that are compared
 FINE = 0.02  # mm between points of the standard
 SCALE = 0.05  # mm of loss from which on it weighs less than its square
 OUTSIDE = 5.0  # times as much weighs what stands out
+UNWORN, STANDS_OUT = 0.05, 0.15  # mm: of a side that is the standard's, and of the whole, at most
+CLEAR, LEANS = 2.0, 0.005  # mm2 and rad: less says nothing of the side
 
 
 @dataclass(frozen=True)
@@ -41,15 +43,38 @@ class Wear:
     at: float
     area: float
     misfit: float
+    turn: float
+
+    def gauge_side(self) -> tuple[bool, str]:
+        """Whether that of a rail lies at y > 0, and by what; '' where nothing tells.
+
+        It is the side that has lost more, else that to which the head leans; but only where the
+        other side is the standard's, as it lies arbitrarily on a profile that is none.
+        """
+        middle = self.outline[len(self.outline) // 2, 0]
+        known = np.isfinite(self.loss)
+        sides = [known & (self.y < middle), known & (self.y >= middle)]
+        if not all(side.any() for side in sides) or np.nanmin(self.loss) < -STANDS_OUT:
+            return False, ""
+        off = [float(np.sqrt(np.mean(self.loss[side] ** 2))) for side in sides]
+        left, right = (STEP * float(np.maximum(self.loss[side], 0).sum()) for side in sides)
+        wears, leans = abs(right - left) > CLEAR, abs(self.turn) > LEANS
+        if min(off) > UNWORN or wears and leans and (right > left) is (self.turn > 0):
+            return False, ""
+        if wears:
+            return right > left, "by its worn side"
+        return (self.turn < 0, leaning(self.turn)) if leans else (False, "")
 
 
-def nearest(found: Measured) -> Wear:
-    """Against the standard profile of its kind that fits best."""
-    smoothed = found.smoothed
-    s = np.arange(STEP / 2, smoothed.length, STEP)
-    points = smoothed.curve(s)
-    turns = found.body == "rail"
-    worn = [_against(name, points, _outline(name), turns) for name in STANDARDS[found.body]]
+def leaning(slope: float) -> str:
+    """In words."""
+    return f"its head leans 1:{1 / abs(slope):.0f} to the gauge side"
+
+
+def nearest(points: Array, body: str) -> Wear:
+    """Of points (n, 2) of a 'rail' or 'wheel', STEP apart from left to right, mm, against the
+    standard profile that fits best."""
+    worn = [_against(name, points, _outline(name), body == "rail") for name in STANDARDS[body]]
     return min(worn, key=lambda each: each.misfit)
 
 
@@ -82,7 +107,7 @@ def _against(name: str, points: Array, outline: Array, turns: bool) -> Wear:
     return Wear(
         name, laid, points[:, 0], depth,
         float(lost[worst]), float(points[worst, 0]), float(lost.sum() * STEP),
-        float(fit.cost) / len(points),
+        float(fit.cost) / len(points), -float(fit.x[2]) if turns else 0.0,
     )  # fmt: skip
 
 
@@ -101,6 +126,7 @@ def _middle(points: Array) -> float:
     return float((points[:, 0].min() + points[:, 0].max()) / 2)
 
 
+@lru_cache
 def _outline(name: str) -> Array:
     """Points (m, 2) of a standard profile from left to right, FINE apart, mm."""
     if name in profiles.STANDARD_RAILS:

@@ -56,7 +56,7 @@ def examine(path: Path, body: str | None, assignments: Sequence[str]) -> Examine
     kind = body or BODIES.get(path.suffix.lower()) or given or _kind(path)
     scene = Scene.from_mapping({"load": 1.0, kind: {"profile": str(path)}}).replace(assignments)
     found = solid.from_file(scene, kind)
-    return Examined(found, wear.nearest(found))
+    return Examined(found, wear.nearest(found.evenly(wear.STEP), kind))
 
 
 def _kind(path: Path) -> str:

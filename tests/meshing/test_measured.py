@@ -196,7 +196,7 @@ def test_wear_is_what_the_nearest_standard_has_more(tmp_path) -> None:
     depth = points @ towards
     cut = depth.max() - 1.5
     worn = points - np.maximum(depth - cut, 0)[:, None] * towards
-    found = wear.nearest(read(tmp_path, worn, "rail"))
+    found = wear.nearest(read(tmp_path, worn, "rail").evenly(wear.STEP), "rail")
     chord = points[depth > cut]
     segment = np.trapezoid if hasattr(np, "trapezoid") else np.trapz
     along = chord @ np.array([1.0, 1.0]) / np.sqrt(2)
@@ -208,7 +208,7 @@ def test_wear_is_what_the_nearest_standard_has_more(tmp_path) -> None:
 @pytest.mark.parametrize("name", ["54E1", "60E1"])
 def test_an_unworn_canted_head_has_no_wear(name: str, tmp_path) -> None:
     points = noisy(rail(name), 0.005, 7) @ np.array([[0.9997, 0.025], [-0.025, 0.9997]])
-    found = wear.nearest(read(tmp_path, points, "rail"))
+    found = wear.nearest(read(tmp_path, points, "rail").evenly(wear.STEP), "rail")
     assert found.standard == name
     assert found.largest < 0.02
 
@@ -217,7 +217,7 @@ def test_the_wear_of_a_wheel_is_against_s1002(tmp_path) -> None:
     profile = profiles.s1002()
     y = np.linspace(-68, 59, 600)
     worn = profile.height(y) - 2.0 * np.exp(-((y / 15) ** 2) / 2)
-    found = wear.nearest(read(tmp_path, np.column_stack([y, worn]), "wheel"))
+    found = wear.nearest(read(tmp_path, np.column_stack([y, worn]), "wheel").evenly(wear.STEP), "wheel")
     assert found.standard == "S1002"
     assert found.largest == pytest.approx(2.0, abs=0.05)
     assert found.at == pytest.approx(0.0, abs=1.0)
