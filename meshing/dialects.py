@@ -35,7 +35,11 @@ PROSE = re.compile(
     rf"|\bin\s+{WORD}(?=\s*(?:$|[,;.:)\]]))",
     re.IGNORECASE,
 )
-TWICE = re.compile(r"\s*-?\d+,\d+,-?\d+,\d+\s*")  # 1,5,2,5
+TWICE = re.compile(r"\s*-?\d+(,\d+)?,-?\d{1,3}(,\d+)?\s*")  # 1,5,2,5 or 1,2,5
+DECIMALS = re.compile(r"([^,]*,){3}|.*,.*,\d{3,}\s*$")  # four numbers, or many digits in the third
+NOMINAL = re.compile(r"nom|soll|ref|theo|target|design")  # columns of what should be
+NUMBERED = 150  # points and more are no whole millimetres across a wheel, ...
+EVEN, WIDE = 3.0, 25.0  # nor is what goes beside them in steps as even, and as far, a height
 SHOWN = 40  # characters of a wrong line
 
 
@@ -100,7 +104,9 @@ def table(name: str, lines: Sequence[str], overruled: bool = False) -> Table:
     if not first:
         where = parts[0][0] if parts else 1
         raise InstrumentError(name, where, "is no point; give two numbers y, z a line")
-    if separator == "," and all(TWICE.fullmatch(line) for _, line, row in rows if row):
+    lined = [line for _, line, row in rows if row]
+    twice = all(map(TWICE.fullmatch, lined)) and any(map(DECIMALS.match, lined))
+    if separator == "," and twice:
         text = "commas separate and are decimal marks too; separate by semicolons, tabs or blanks"
         raise InstrumentError(name, first, text)
     for i, line, row in rows:
@@ -132,7 +138,8 @@ def _columns(
     count = min(map(len, rows))
     for at, line in header:
         cells = _cells(line.rstrip("\"' \n"), separator)
-        heads = [re.split(r"\W|_", cell.strip("\"' ").lower())[0] for cell in cells]
+        names = [cell.strip("\"' ").lower() for cell in cells]
+        heads = ["" if NOMINAL.search(name) else re.split(r"\W|_", name)[0] for name in names]
         across, up = ([i for i, head in enumerate(heads) if head in each] for each in (ACROSS, UP))
         if len(across) == 1 and len(up) == 1:
             return across[0], up[0]
@@ -143,12 +150,17 @@ def _columns(
             raise InstrumentError(name, at, text)
         if up and not across:  # which stands beside it
             return (up[0] - 1, up[0]) if up[0] else (1, 0)
+        if across and not up:
+            return (across[0], across[0] + 1) if across[0] + 1 < count else (across[0], 0)
     if count < 3:
         return 0, 1
     left, right = (np.array([row[column] for row in rows]) for column in (0, 1))
     if not (_runs(left) and _runs(right)):
         return 0, 1
-    if left[0] >= 0 and left[0].is_integer() and (np.diff(left) == 1).all():
+    steps = np.abs(np.diff(right))
+    across_it = steps.max() < EVEN * np.median(steps) and steps.sum() >= WIDE
+    counts = left[0] in (0, 1) and (np.diff(left) == 1).all()
+    if counts and (len(left) > NUMBERED or across_it):
         return 1, 2
     text = "begins two columns that run one way, so that either may be y; give a header that names"
     raise InstrumentError(name, first, f"{text} y and z")

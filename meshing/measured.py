@@ -25,7 +25,10 @@ from railhead.meshing.smoothing import PointError, Smoothed
 Array = NDArray[np.float64]
 STEEP = 0.045  # of dy over ds: steeper faces than those of a standard rail's corners are cut off
 SAMPLE = 0.1  # mm between the points of a profile's spline
-FOLD, LOST = 20.0, 2.0  # mm along a curve that turns back, at most, and across that is cut off by it
+FOLD, LOST = (
+    20.0,
+    2.0,
+)  # mm along a curve that turns back, at most, and across that is cut off by it
 AUTOMATIC = Choices()
 EDGE = 0.02  # of the width at either end that the report leaves out
 
@@ -188,9 +191,10 @@ def _warnings(measured: Measured, table: Table, points: Array) -> list[str]:
         found.append((f"{stand} {off:.2g} mm", place))
     if bend := scans.bend(measured.smoothed, *inner(measured.profile)):
         found.append((f"it bends by {bend[0]:.0f} deg and back within {scans.WAVE:g} mm", bend[1]))
+    lines = [_line(table, points, place) for _, place in found]
     return [
-        f"WARNING: {what} at y = {place[0]:.1f}, line {_line(table, points, place)}: taken for shape"
-        for what, place in found
+        f"WARNING: {what} at y = {place[0]:.1f}, line {line}: taken for shape"
+        for (what, place), line in zip(found, lines, strict=True)
     ]
 
 

@@ -17,6 +17,7 @@ UNITS = {"mm": 1.0, "m": 1000.0, "inch": 25.4, "cm": 10.0, "um": 1e-3, "ft": 304
 WIDTHS = 7.5, 300.0  # mm of any profile, ...
 USUAL = {"rail": (25.0, 100.0), "wheel": (60.0, 150.0)}  # ... and of one whose unit nobody says
 GUESSED = ("mm", "inch", "m")  # units that are told apart by these
+FALLS = 4.0  # mm that a head of 60 mm and more falls at its sides, at least
 FLANGE, PROTRUDES = 10.0, 1.5  # mm above the tread, and times what lies below it, at least
 FACES = 3.0  # mm from the outermost points: what lies there may be a face of the rim
 EVENLY = 500  # places across at which heights are compared
@@ -26,6 +27,7 @@ UPRIGHT = 2.5  # mm up in the first one across: S1002 rises by 6.3 from its back
 SIDES = (17.0, 30.0)  # mm below the top: the faces whose lean is that of the head
 TAPER, CLEAR = 0.125, 0.1  # a head gets wider by 1:10 where they are not worn; between their slopes
 LEANS = 0.01  # slope: less says nothing of the side
+AT_END = 1.0  # mm from the first point: what is highest there may go on
 NEAR_TOP, NEAR_ZERO = 2.0, 5.0  # mm: the origin lies where profiles have theirs
 
 
@@ -44,15 +46,14 @@ def turned(table: Table, body: str, choices: Choices) -> tuple[Array, list[str]]
     """Points (n, 2) in the axes of profiles, mm, and what was done to them, in words.
 
     Raises PointError, of a point in the axes of the table, as `in_mm`, `scans.in_order`,
-    `scans.check_digits`, `scans.check_wild` and `layout.check_head`.
+    `scans.check_digits`, `scans.check_wild`, `layout.check_head` and `_origin`.
     """
     points, unit = in_mm(table, body, choices.unit)
     try:
         scans.check_digits(points)
         scans.check_wild(scans.in_order(points))
     except PointError as error:
-        nearest = np.argmin(np.linalg.norm(points - error.place, axis=1))
-        raise PointError(str(error), table.points[nearest]) from None
+        raise _listed(error, points, table) from None
     if body == "rail":
         layout.check_head(points, table.points)
     said = [unit]
@@ -68,11 +69,17 @@ def turned(table: Table, body: str, choices: Choices) -> tuple[Array, list[str]]
         side = "gauge side" if body == "rail" else "flange"
         said.append(f"sides as in the file: it shows no {side}")
     if choices.origin == "auto":
-        move = _origin(points, body)
+        try:
+            move = _origin(points, body)
+        except PointError as error:
+            raise _listed(error, points, table) from None
         if move.any():
             points = points + move
             place = "crown centre" if body == "rail" else "tape circle"
-            said.append(f"moved by {move[0]:.2f}, {move[1]:.2f} mm to the {place}")
+            warning = ""
+            if body == "wheel" and move[0] and flange(points) is None:
+                warning, place = "WARNING: ", "middle of its width, as it shows no flange"
+            said.append(f"{warning}moved by {move[0]:.2f}, {move[1]:.2f} mm to the {place}")
     return points, said
 
 
@@ -96,18 +103,28 @@ def in_mm(table: Table, body: str, choice: str) -> tuple[Array, str]:
     return points, f"in {unit}" + (f" as given (the file says {table.unit})" if overruled else "")
 
 
+def _listed(error: PointError, points: Array, table: Table) -> PointError:
+    """In the axes of the table an error in those of points (n, 2)."""
+    nearest = np.argmin(np.linalg.norm(points - error.place, axis=1))
+    return PointError(str(error), table.points[nearest])
+
+
 def _why(choice: str, found: str) -> str:
     return "" if choice != "auto" or not found else f" ({found})"
 
 
 def _unit(points: Array, body: str) -> str:
+    """By the width; a crown in cm is no whole head in inches, which falls at its sides."""
     width, (least, most) = float(np.ptp(points[:, 0])), USUAL[body]
+    y, z = points[np.argsort(points[:, 0], kind="stable")].T
+    bulge = float(np.abs(z - np.interp(y, y[[0, -1]], z[[0, -1]])).max())
     for unit in GUESSED:
-        if least <= width * UNITS[unit] <= most:
+        wide, fitting = least <= width * UNITS[unit] <= most, bulge * UNITS[unit] >= FALLS
+        if wide and (unit == "mm" or body == "wheel" or fitting):
             return unit
     text = (
-        f"is {width:g} wide, no {body}'s {least:g} to {most:g} mm in {', '.join(GUESSED)}; give "
-        "its profile_unit, or name it in a header"
+        f"is {width:g} wide and {bulge:.2g} high, no {body} of {least:g} to {most:g} mm in "
+        f"{', '.join(GUESSED)}; give its profile_unit, or name it in a header"
     )
     raise PointError(text, _outermost(points))
 
@@ -116,7 +133,7 @@ def _outermost(points: Array) -> Array:
     return np.asarray(points[np.argmax(np.abs(points[:, 0] - np.median(points[:, 0])))])
 
 
-def _flange(points: Array) -> tuple[float, float] | None:
+def flange(points: Array) -> tuple[float, float] | None:
     """y of the flange's tip and the side of the tread that it is on, +1 or -1; None without one."""
     y, z = points[np.argsort(points[:, 0], kind="stable")].T
     inner = np.interp(np.linspace(y[0] + FACES, y[-1] - FACES, EVENLY), y, z)
@@ -131,8 +148,8 @@ def _flange(points: Array) -> tuple[float, float] | None:
 def _upside_down(points: Array, body: str) -> tuple[bool, str]:
     """A rail is convex upwards; a wheel's flange makes it larger."""
     if body == "wheel":
-        flange = _flange(points)
-        return (flange[1] < 0, "by its flange") if flange else (False, "")
+        found = flange(points)
+        return (found[1] < 0, "by its flange") if found else (False, "")
     y, z = points.T
     return bool(np.polyfit(y - y.mean(), z, 2)[0] > 0), "by its crown"
 
@@ -140,14 +157,14 @@ def _upside_down(points: Array, body: str) -> tuple[bool, str]:
 def _mirrored(points: Array, body: str) -> tuple[bool, str]:
     """Whether the gauge side lies at y > 0, and by what; '' where nothing tells."""
     if body == "wheel":
-        flange = _flange(points)
-        if flange is None:
+        tip = flange(points)
+        if tip is None:
             return False, ""
-        return bool(flange[0] > (points[:, 0].min() + points[:, 0].max()) / 2), "by its flange"
+        return bool(tip[0] > (points[:, 0].min() + points[:, 0].max()) / 2), "by its flange"
     right, why = _by_faces(points)
     if why:
         return right, why
-    return wear.nearest(scans.evenly(points, wear.STEP), "rail").gauge_side()
+    return wear.gauge_side(scans.evenly(points, wear.STEP))
 
 
 def _by_faces(points: Array) -> tuple[bool, str]:
@@ -182,7 +199,8 @@ def _face(y: Array, down: Array, side: NDArray[np.bool_], depth: float) -> float
 
 
 def _origin(points: Array, body: str) -> Array:
-    """What brings the crown centre or the tape circle to the origin, where the file has another."""
+    """What brings the crown centre or the tape circle to the origin, where the file has another.
+    Raises PointError of the first point of a wheel that begins in its flange."""
     y, z = points.T
 
     def height(at: float) -> float:
@@ -194,11 +212,15 @@ def _origin(points: Array, body: str) -> Array:
         if not inside or height(0.0) < z.max() - NEAR_TOP:
             widths = list(_widths(points))
             move[0] = -sum(widths[-1][1:]) / 2 if widths else -y[np.argmax(z)]
-    elif flange := _flange(points):
+    elif tip := flange(points):
         upright = np.ptp(z[y < y.min() + 1.0]) > UPRIGHT  # as the flange back and the round at it
-        behind = upright and y.min() < flange[0] - NEAR_TIP
-        if abs(flange[0] - TIP) > NEAR_TIP:
-            move[0] = BACK - y.min() if behind else TIP - flange[0]
+        behind = upright and y.min() < tip[0] - NEAR_TIP
+        if abs(tip[0] - TIP) > NEAR_TIP:
+            if not behind and tip[0] < y.min() + AT_END:
+                text = "begins in its flange, so that nothing tells where the tape circle is; give "
+                text += "points from the flange back on, or its profile_origin"
+                raise PointError(text, points[np.argmin(y)])
+            move[0] = BACK - y.min() if behind else TIP - tip[0]
     elif not inside:
         move[0] = -(y.min() + y.max()) / 2
     level = height(-move[0])

@@ -45,25 +45,36 @@ class Wear:
     misfit: float
     turn: float
 
-    def gauge_side(self) -> tuple[bool, str]:
-        """Whether that of a rail lies at y > 0, and by what; '' where nothing tells.
+    @property
+    def sides(self) -> list[NDArray[np.bool_]]:
+        """Which points (n,) lie at y < 0 and y > 0 of the standard's middle and have a loss."""
+        known, middle = np.isfinite(self.loss), self.outline[len(self.outline) // 2, 0]
+        return [known & (self.y < middle), known & (self.y >= middle)]
 
-        It is the side that has lost more, else that to which the head leans; but only where the
-        other side is the standard's, as it lies arbitrarily on a profile that is none.
-        """
-        middle = self.outline[len(self.outline) // 2, 0]
-        known = np.isfinite(self.loss)
-        sides = [known & (self.y < middle), known & (self.y >= middle)]
-        if not all(side.any() for side in sides) or np.nanmin(self.loss) < -STANDS_OUT:
-            return False, ""
-        off = [float(np.sqrt(np.mean(self.loss[side] ** 2))) for side in sides]
-        left, right = (STEP * float(np.maximum(self.loss[side], 0).sum()) for side in sides)
-        wears, leans = abs(right - left) > CLEAR, abs(self.turn) > LEANS
-        if min(off) > UNWORN or wears and leans and (right > left) is (self.turn > 0):
-            return False, ""
-        if wears:
-            return right > left, "by its worn side"
-        return (self.turn < 0, leaning(self.turn)) if leans else (False, "")
+    @property
+    def kept(self) -> float:
+        """How far (rms, mm) the side that is more alike is off the standard."""
+        squares = (self.loss[side] ** 2 for side in self.sides if side.any())
+        return min((float(np.sqrt(square.mean())) for square in squares), default=np.inf)
+
+
+def gauge_side(points: Array) -> tuple[bool, str]:
+    """Whether that of a rail, points (n, 2) as for `nearest`, lies at y > 0, and by what; '' where
+    nothing tells.
+
+    It is the side that has lost more, else that to which the head leans; but only where the other
+    side is a standard's, which lies arbitrarily on a profile that is none.
+    """
+    laid = min(_all(points, "rail"), key=lambda each: each.kept)
+    if laid.kept > UNWORN or np.nanmin(laid.loss) < -STANDS_OUT:
+        return False, ""
+    left, right = (STEP * float(np.maximum(laid.loss[side], 0).sum()) for side in laid.sides)
+    wears, leans = abs(right - left) > CLEAR, abs(laid.turn) > LEANS
+    if wears and leans and (right > left) is (laid.turn > 0):
+        return False, ""
+    if wears:
+        return right > left, "by its worn side"
+    return (laid.turn < 0, leaning(laid.turn)) if leans else (False, "")
 
 
 def leaning(slope: float) -> str:
@@ -74,8 +85,11 @@ def leaning(slope: float) -> str:
 def nearest(points: Array, body: str) -> Wear:
     """Of points (n, 2) of a 'rail' or 'wheel', STEP apart from left to right, mm, against the
     standard profile that fits best."""
-    worn = [_against(name, points, _outline(name), body == "rail") for name in STANDARDS[body]]
-    return min(worn, key=lambda each: each.misfit)
+    return min(_all(points, body), key=lambda each: each.misfit)
+
+
+def _all(points: Array, body: str) -> list[Wear]:
+    return [_against(name, points, _outline(name), body == "rail") for name in STANDARDS[body]]
 
 
 def _against(name: str, points: Array, outline: Array, turns: bool) -> Wear:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
+from contextlib import ExitStack
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -32,6 +33,7 @@ from railhead.subject import shared_y
 
 POLL = 0.5  # s between looks at what is done
 TABLE = "sweep.csv"
+GONE = "its record is gone: something else has written into the folder"
 PASSED = sweep_table.PASSED
 
 
@@ -89,27 +91,30 @@ def run(campaign: Campaign, *, resume: bool, pictures: bool, quiet: bool) -> lis
     groups: list[list[int]] = []
     y = ""
     problem: Exception | None = None
-    if comm.rank == 0:
-        try:
-            plans = _plans(campaign, quiet)
-            groups, y = loads.groups(plans), shared_y(plans)
-            records.begin(campaign.folder, campaign.asked, resume=resume)
-        except (SceneError, OSError) as error:
-            problem = error
-    if (problem := comm.bcast(problem)) is not None:
-        raise problem
-    with pool.submitting(comm.size) as submit:
-        if submit is None:
-            return None
-        workers = pool.workers(comm.size)
-        finished = len(records.done(campaign.folder))
-        with Bar(len(campaign.scenes), done=finished, quiet=quiet) as bar:
-            faults = _solve_all(campaign, groups, workers, submit, bar)
-            # What was to be solved after the one that crashed, each by itself.
-            lost = [[number] for group in groups if len(group) > 1 for number in group]
-            again = [each for each in lost if each[0] in faults]
-            faults |= _solve_all(campaign, again, workers, submit, bar)
-    return _write(campaign, faults, y, pictures=pictures)
+    with ExitStack() as claim:
+        if comm.rank == 0:
+            try:
+                plans = _plans(campaign, quiet)
+                groups, y = loads.groups(plans), shared_y(plans)
+                records.begin(campaign.folder, campaign.asked, resume=resume)
+                claim.enter_context(records.claimed(campaign.folder))
+                records.check(campaign.folder, lambda kept: sweep_table.row({}, kept))
+            except (SceneError, OSError) as error:
+                problem = error
+        if (problem := comm.bcast(problem)) is not None:
+            raise problem
+        with pool.submitting(comm.size) as submit:
+            if submit is None:
+                return None
+            workers = pool.workers(comm.size)
+            finished = len(records.done(campaign.folder))
+            with Bar(len(campaign.scenes), done=finished, quiet=quiet) as bar:
+                faults = _solve_all(campaign, groups, workers, submit, bar)
+                # What was to be solved after the one that crashed, each by itself.
+                lost = [[number] for group in groups if len(group) > 1 for number in group]
+                again = [each for each in lost if each[0] in faults]
+                faults |= _solve_all(campaign, again, workers, submit, bar)
+        return _write(campaign, faults, y, pictures=pictures)
 
 
 def _solve_all(
@@ -137,7 +142,7 @@ def _solve_all(
             attempt = pool.outcome(job)
             faults |= dict.fromkeys(jobs[job], attempt.fault) | (attempt.found or {})
         bar.reach(len(records.done(folder)))
-    return {number: faults[number] for number in faults.keys() - records.done(folder)}
+    return {number: faults[number] or GONE for number in faults.keys() - records.done(folder)}
 
 
 def shares(wanted: Sequence[int], groups: int, workers: int) -> list[Sequence[int]]:

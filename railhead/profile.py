@@ -18,7 +18,7 @@ from railhead.meshing import instruments, orientation, wear
 from railhead.meshing.measured import Measured, smoothness
 from railhead.meshing.suffixes import BODIES
 from railhead.meshing.wear import Wear
-from railhead.scene.scene import Scene
+from railhead.scene.scene import Scene, SceneError
 
 WHEEL = 100.0  # mm: a table of points that wide or wider is of a wheel
 STEP = 0.25  # mm between the rows of profile.csv
@@ -53,22 +53,29 @@ def examine(path: Path, body: str | None, assignments: Sequence[str]) -> Examine
     (`rail.profile_unit=inch`). Raises SceneError."""
     named = (assignment.partition(".")[0] for assignment in assignments)
     given = next((name for name in named if name in BODIES.values()), None)
-    kind = body or BODIES.get(path.suffix.lower()) or given or _kind(path)
-    scene = Scene.from_mapping({"load": 1.0, kind: {"profile": str(path)}}).replace(assignments)
-    found = solid.from_file(scene, kind)
+    said = body or BODIES.get(path.suffix.lower()) or given
+    guessed = "" if said else _kind(path)
+    kind = said or guessed or "rail"
+    try:
+        scene = Scene.from_mapping({"load": 1.0, kind: {"profile": str(path)}}).replace(assignments)
+        found = solid.from_file(scene, kind)
+    except SceneError as error:
+        told = f" (taken for a {kind}'s by its shape: --body says whose it is)" if guessed else ""
+        raise SceneError(error.key, error.text + told) from None
     return Examined(found, wear.nearest(found.evenly(wear.STEP), kind))
 
 
 def _kind(path: Path) -> str:
-    """'wheel' for a table of points as wide as wheels are, else 'rail': what is wrong with the file
-    is said where it is read."""
+    """'wheel' for a table of points as wide as wheels are or with a flange, else 'rail'; '' where
+    it cannot be read: what is wrong is said later."""
     checked = Scene.from_mapping({"load": 1.0, "rail": {"profile": str(path)}}).rail.profile
     try:
         points, _ = orientation.in_mm(instruments.read(Path(checked)), "wheel", "auto")
     except (ValueError, OSError):
-        return "rail"
+        return ""
     width, most = float(np.ptp(points[:, 0])), orientation.USUAL["wheel"][1]
-    return "wheel" if WHEEL <= width <= most else "rail"
+    wide = width <= most and (width >= WHEEL or orientation.flange(points) is not None)
+    return "wheel" if wide else "rail"
 
 
 def write(examined: Examined, folder: Path) -> None:

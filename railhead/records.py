@@ -5,10 +5,12 @@ A record appears whole or not at all, so a sweep that is killed loses what it wa
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -24,14 +26,29 @@ def begin(folder: Path, asked: Mapping[str, Any], *, resume: bool) -> None:
     where nothing can be written."""
     if resume and folder.is_dir() and os.listdir(folder):
         _same(folder, json.loads(results.to_json(dict(asked))))
-        for number in done(folder):
-            read(folder, number)  # one that is broken is said before anything runs
         return
+    if (folder / ASKED).is_file():
+        with claimed(folder):
+            pass
     with results.replacing(folder) as work:
         (work / RECORDS).mkdir()
         if asked.get("vtu"):
             (work / GRIDS).mkdir()
         (work / ASKED).write_text(results.to_json(dict(asked)), encoding="utf-8")
+
+
+@contextmanager
+def claimed(folder: Path) -> Iterator[None]:
+    """Keep other sweeps out of a sweep's folder. Raises SceneError where one is at work there."""
+    with open(folder / ASKED) as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            text = f"{str(folder)!r} is in use by a sweep that runs; wait for it, or give another"
+            raise SceneError("--out", text) from None
+        except OSError:
+            pass  # a disk that knows no locks
+        yield
 
 
 def _same(folder: Path, asked: dict[str, Any]) -> None:
@@ -68,7 +85,7 @@ def done(folder: Path) -> set[int]:
 
 def write(folder: Path, number: int, record: Mapping[str, Any]) -> None:
     """Keep what became of a combination."""
-    path = folder / RECORDS / f"{number:05d}.json"
+    path = _record(folder, number)
     half = path.with_name(f".{path.name}.{os.getpid()}")
     half.write_text(results.to_json(dict(record)), encoding="utf-8")
     half.replace(path)
@@ -76,11 +93,11 @@ def write(folder: Path, number: int, record: Mapping[str, Any]) -> None:
 
 def read(folder: Path, number: int) -> dict[str, Any]:
     """A record that is done. SceneError: its file is broken."""
-    path = folder / RECORDS / f"{number:05d}.json"
-    found = _loaded(path)
-    if not found.get("fault") and "summary" not in found:
-        raise _broken(path)
-    return found
+    return _loaded(_record(folder, number))
+
+
+def _record(folder: Path, number: int) -> Path:
+    return folder / RECORDS / f"{number:05d}.json"
 
 
 def _loaded(path: Path) -> dict[str, Any]:
@@ -91,6 +108,15 @@ def _loaded(path: Path) -> dict[str, Any]:
     if not isinstance(found, dict):
         raise _broken(path)
     return found
+
+
+def check(folder: Path, known: Callable[[dict[str, Any]], object]) -> None:
+    """Raises SceneError of a record that is broken, or that `known` raises for."""
+    for number in done(folder):
+        try:
+            known(read(folder, number))
+        except (LookupError, TypeError, ValueError, AttributeError):
+            raise _broken(_record(folder, number)) from None
 
 
 def _broken(path: Path) -> SceneError:

@@ -86,7 +86,8 @@ def test_a_third_column_is_no_part_of_the_points(step: float, extra: str, tmp_pa
     ("header", "columns"),
     [
         ("Position;Hoehe;Extra", (0, 1)), ("No;Position;z", (1, 2)), ("z;Position;Extra", (1, 0)),
-        ("t [s];lat [mm];vert [mm]", (1, 2)), ("x;y;z", (1, 2)),
+        ("t [s];lat [mm];vert [mm]", (1, 2)), ("x;y;z", (1, 2)), ("y;a;b", (0, 1)),
+        ("a;b;y", (2, 0)), ("z_nom;y;z", (1, 2)), ("z;y;z soll", (1, 0)), ("y;Design-z;z", (0, 2)),
     ],
 )  # fmt: skip
 def test_one_name_tells_where_the_other_is(header: str, columns: tuple, tmp_path) -> None:
@@ -137,7 +138,17 @@ BAD = {
     "beyond numbers": (written(",").replace("-15.00000", "1e999", 1), 5, "no point"),
     "a time": ("\n".join(f"{0.1 * i:.2f};{y};{z}" for i, (y, z) in enumerate(POINTS)), 1,
                "either may be y"),
-    "two heights": ("rail\ny;z_nominal;z_worn\n" + "1;2;3\n" * 15, 2, "several columns"),
+    "two heights": ("rail\ny;z_left;z_worn\n" + "1;2;3\n" * 15, 2, "several columns"),
+    "decimal commas, y in whole mm": (
+        "\n".join(f"{y:.0f},{z:.4f}".replace(".", ",") for y, z in POINTS), 1, "decimal marks"
+    ),
+    "whole mm from a flange's tip": (
+        "\n".join(f"{15 + i};{28 - i**1.1 / 4:.4f};{i / 3:.4f}" for i in range(80)), 1,
+        "either may be y",
+    ),
+    "whole mm from 0 along a tread": (
+        "\n".join(f"{i};{3 - i / 20:.4f};{i / 3:.4f}" for i in range(80)), 1, "either may be y"
+    ),
     "two units": ("rail\ny/mm,z/um\n" + written(","), 2, "in mm and um; give both in one of mm, m"),
     "two units, blanks": ("y [mm] z [m]\n" + written(" "), 1, "in mm and m; give"),
     "unknown unit": ("y (yd),z (yd)\n" + written(","), 1, "in yd; give both in one of mm, m, inch"),

@@ -1,5 +1,6 @@
 """Files of instruments, two real ones among them, and their axes."""
 
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from railhead.meshing import instruments, measured, orientation, profiles
 from railhead.meshing.dialects import InstrumentError, Table
 from railhead.meshing.orientation import Choices
+from railhead.meshing.smoothing import PointError
 
 DATA = Path(__file__).parent / "data"
 BAN, PRW = DATA / "MBench_UIC60_v3.ban", DATA / "MBench_S1002_v3.prw"
@@ -163,7 +165,7 @@ def test_what_is_found_is_overridden_by_what_is_chosen() -> None:
     np.testing.assert_allclose(found, -true)
     with pytest.raises(ValueError, match="mm wide in m; give its profile_unit"):
         turned(true, unit="m")
-    with pytest.raises(ValueError, match="wide, no rail.s 25 to 100 mm in mm, inch, m"):
+    with pytest.raises(ValueError, match="0.25 high, no rail of 25 to 100 mm in mm, inch, m"):
         turned(true / 100)
     with pytest.raises(ValueError, match="7.2 mm wide in mm; give its profile_unit"):
         turned(true * 7.2 / np.ptp(true[:, 0]), unit="mm")
@@ -195,7 +197,7 @@ def test_a_flange_stands_out_half_as_much_again_as_what_lies_below(
     """12 mm above the tread and 10 below it, say, is a tread that is tilted."""
     y = np.linspace(-60.0, 60.0, 241)
     z = np.interp(y, [-60, -50, -40, 40, 55], [above, above, 0.0, 0.0, -10.0])
-    found = orientation._flange(np.column_stack([y, z]))
+    found = orientation.flange(np.column_stack([y, z]))
     assert (found[1] if found else 0.0) == side
 
 
@@ -250,6 +252,70 @@ def test_a_wild_point_is_refused(off: float, is_refused: bool) -> None:
             turned(points / 25.4, unit="inch")
     else:
         turned(points / 25.4, unit="inch")
+
+
+@pytest.mark.parametrize("place", [0, 1, -2, -1])
+@pytest.mark.parametrize("off", [[0, 3], [0, -3], [0, 1], [3, 0], [-3, 0]])
+def test_a_wild_point_at_an_end_is_refused(place: int, off: list[float]) -> None:
+    """The curve through it may run off for kilometres; one that is farther along it is none."""
+    points = outline(0.0, 0.0, 0.0)
+    points = points[points[:, 1] > -16]
+    points[place] += off
+    along = off == [0, -3] and place in (0, -1)  # down the face
+    with nullcontext() if along else pytest.raises(ValueError, match="stands off"):
+        turned(points)
+
+
+@pytest.mark.parametrize("unit", [10.0, 304.8], ids=["cm", "ft"])
+@pytest.mark.parametrize("half", [13.0, 15.0, 18.0])
+def test_a_narrow_crown_is_no_head_in_inches(unit: float, half: float) -> None:
+    y = np.arange(-half, half, 0.25)
+    points = np.column_stack([y, profiles.rail_head("60E1").height(y)])
+    turned(points)
+    with pytest.raises(ValueError, match="give its profile_unit"):
+        turned(points / unit)
+
+
+@pytest.mark.parametrize("slope", [0.0, 1 / 40, 1 / 20])
+@pytest.mark.parametrize(("worn", "degrees"), [(1.0, 3.0), (2.0, 0.0), (4.0, 8.0), (4.0, 15.0)])
+@pytest.mark.parametrize("depth", [16.0, 20.0, 32.0])
+def test_a_worn_side_is_the_gauge_side(
+    slope: float, worn: float, degrees: float, depth: float
+) -> None:
+    """In shallow scans too; a face worn parallel to itself was taken for that of a worn corner on
+    the other side."""
+    points = outline(worn, degrees, 30.0)
+    points = points[points[:, 1] > -depth] @ np.array([[1.0, slope], [-slope, 1.0]])
+    for sign in (1, -1):
+        _, said = turned(points * [sign, 1])
+        assert "shows no gauge side" not in said
+        assert ("mirrored" in said) is (sign < 0)
+
+
+@pytest.mark.parametrize("wide", [0.9, 1.1])
+def test_a_rail_that_is_no_standard_one_tells_no_side_by_its_wear(wide: float) -> None:
+    points = outline(2.0, 26.0, 16.0)
+    points = points[points[:, 1] > -16] * [wide, 1]
+    for sign in (1, -1):
+        assert "shows no gauge side" in turned(points * [sign, 1])[1]
+
+
+def test_a_tread_with_a_foreign_origin_is_warned_of() -> None:
+    points = wheel(np.linspace(-30.0, 50.0, 300))
+    for origin, is_said in ((0.0, False), (200.0, True)):
+        table = Table(points + [origin, 0.0], "mm", "", "table")
+        _, said = orientation.turned(table, "wheel", Choices())
+        assert ("WARNING: moved by -210.00, " in " ".join(said)) is is_said
+
+
+@pytest.mark.parametrize("left", [-54.0, -50.0, -45.0])
+def test_a_wheel_that_begins_in_its_flange_has_no_known_origin(left: float) -> None:
+    points = wheel(np.linspace(left, 60.0, 400)) + [200.0, 0.0]
+    table = Table(points[::-1], "mm", "", "table", (), tuple(range(400)))
+    with pytest.raises(PointError, match="begins in its flange") as caught:
+        orientation.turned(table, "wheel", Choices())
+    np.testing.assert_allclose(caught.value.place, points[0])
+    orientation.turned(table, "wheel", Choices(origin="file"))
 
 
 @pytest.mark.parametrize("deep", [10.0, 40.0, 60.0])

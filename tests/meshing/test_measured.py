@@ -217,7 +217,9 @@ def test_the_wear_of_a_wheel_is_against_s1002(tmp_path) -> None:
     profile = profiles.s1002()
     y = np.linspace(-68, 59, 600)
     worn = profile.height(y) - 2.0 * np.exp(-((y / 15) ** 2) / 2)
-    found = wear.nearest(read(tmp_path, np.column_stack([y, worn]), "wheel").evenly(wear.STEP), "wheel")
+    found = wear.nearest(
+        read(tmp_path, np.column_stack([y, worn]), "wheel").evenly(wear.STEP), "wheel"
+    )
     assert found.standard == "S1002"
     assert found.largest == pytest.approx(2.0, abs=0.05)
     assert found.at == pytest.approx(0.0, abs=1.0)
@@ -365,6 +367,47 @@ def test_a_point_that_stands_off_is_kept_and_said(slope: float, tmp_path) -> Non
     assert len(found.points) == len(points)
     said = f"WARNING: 1 point stands off by 0.5 mm at y = {found.points[len(points) // 2, 0]:.1f}, "
     assert f"{said}line {len(points) // 2 + 2}: taken for shape" in found.said
+
+
+@pytest.mark.parametrize("count", [2, 3, 5, 9])
+@pytest.mark.parametrize("off", [-3.0, -1.0, -0.4, 0.4, 1.0, 3.0])
+@pytest.mark.parametrize("spacing", [0.1, 0.25])
+def test_wild_points_side_by_side_are_refused_or_said(
+    count: int, off: float, spacing: float, tmp_path
+) -> None:
+    """They hide each other: the curve turned back at them and half the head was lost."""
+    points = rail(spacing=spacing)
+    first = int(np.argmin(np.abs(points[:, 0] + 20)))
+    points[first : first + count, 1] += off
+    try:
+        found = read(tmp_path, points, "rail")
+    except InstrumentError as error:
+        line = int(str(error).split("line ")[1].split(":")[0])
+        assert "delete" in str(error) and abs(line - first) < 25
+    else:
+        assert np.ptp(found.profile.domain) > 0.98 * np.ptp(points[:, 0])
+        assert any("WARNING" in said and "taken for shape" in said for said in found.said)
+
+
+@pytest.mark.parametrize("sigma", [0.0, 0.02])
+@pytest.mark.parametrize("spacing", [0.1, 0.25, 0.5, 1.0])
+@pytest.mark.parametrize("body", ["rail", "wheel"])
+def test_sound_profiles_are_not_warned_of(
+    body: str, spacing: float, sigma: float, tmp_path
+) -> None:
+    points = rail(spacing=spacing) if body == "rail" else wheel()[:: max(1, int(spacing / 0.21))]
+    found = read(tmp_path, noisy(points, sigma, 3), body)
+    assert not any("WARNING" in said for said in found.said)
+
+
+@pytest.mark.parametrize(("deep", "is_said"), [(0.05, False), (0.6, True)])
+def test_a_step_to_and_fro_is_said(deep: float, is_said: bool, tmp_path) -> None:
+    """A hollow 3 mm long, whose sides fall by 3 or 32 deg and rise again."""
+    points = rail()
+    hollow = np.abs(points[:, 0]) < 1.5
+    points[hollow, 1] -= deep / 2 * (1 + np.cos(2 * np.pi * points[hollow, 0] / 3))
+    said = " ".join(read(tmp_path, points, "rail").said)
+    assert ("deg and back within 4 mm at y = " in said) is is_said
 
 
 def test_refusals_name_the_line_of_the_point(tmp_path) -> None:

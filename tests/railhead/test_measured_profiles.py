@@ -162,6 +162,23 @@ def test_command_tells_a_wheel_by_its_width(tmp_path, capsys) -> None:
     assert os.listdir(tmp_path) == ["wheel.txt"]
 
 
+@pytest.mark.parametrize(("start", "status"), [(-70.0, 0), (-35.0, 2)])
+def test_a_narrow_wheel_is_told_by_its_flange_or_by_body(start, status, tmp_path, capsys) -> None:
+    """95 mm wide with the flange; without it is half a rail's head, which only --body mends."""
+    points = solid.from_file(Scene.from_mapping(
+        {"load": 1, "wheel": {"profile": PRW}}), "wheel").points  # fmt: skip
+    y = points[:, 0]
+    np.savetxt(tmp_path / "wheel.txt", points[(y > start) & (y < start + 94)])
+    arguments = (str(tmp_path / "wheel.txt"), "--json", "--no-pictures")
+    assert command(*arguments) == status
+    printed = capsys.readouterr()
+    if status:
+        assert "(taken for a rail's by its shape: --body says whose it is)" in printed.err
+        assert command(*arguments, "--body", "wheel") == 0
+        printed = capsys.readouterr()
+    assert json.loads(printed.out)["body"] == "wheel"
+
+
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [

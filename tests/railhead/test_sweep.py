@@ -289,7 +289,10 @@ def test_another_sweep_is_not_gone_on_with(swept: Path, capsys, tmp_path: Path) 
     assert "holds no sweep" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("content", [None, "{}", '{"fault": ""}', "[]"])
+@pytest.mark.parametrize("content", [
+    None, "{}", '{"fault": ""}', "[]", '{"fault": "", "summary": {}}',
+    '{"fault": "", "summary": null}', '{"fault": "", "summary": {"checks": {"converged": true}}}',
+])  # fmt: skip
 @pytest.mark.parametrize("name", ["sweep.json", "records/00000.json"])
 def test_a_broken_file_is_said(
     swept: Path, name: str, content: str | None, capsys, tmp_path: Path
@@ -306,6 +309,34 @@ def test_a_broken_file_is_said(
         assert f"{name}' is broken; delete it and resume again" in err
     else:
         assert "holds another sweep" in err
+
+
+@pytest.mark.parametrize("more", [(), ("--resume",)])
+def test_a_folder_in_use_is_left_alone(swept: Path, more: tuple, capsys, tmp_path: Path) -> None:
+    """The second sweep threw the first one's records away."""
+    folder = tmp_path / "sweep"
+    shutil.copytree(swept, folder)
+    before = {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
+    over = ("--over", "load=50kN,80kN,110kN", "--over", "wheel.rolling_radius=420mm,460mm")
+    with records.claimed(folder):
+        assert sweep(*ROLLER, *over, "--out", str(folder), *more) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "--out: " in line and "in use by a sweep that runs; wait for it" in line
+    assert before == {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
+    with records.claimed(folder):
+        pass
+
+
+def test_a_record_that_goes_while_a_sweep_runs_is_said(tmp_path: Path, monkeypatch) -> None:
+    scenes = [rh.find("long_roller").replace(load=load) for load in (50e3, 80e3)]
+    made = campaign.Campaign(scenes[0], scenes, ["load"], tmp_path / "sweep")
+    monkeypatch.setattr(campaign, "_solve", _nothing)
+    found = campaign.run(made, resume=False, pictures=False, quiet=True)
+    assert found == [f"NOT SOLVED: {campaign.GONE}"] * 2
+
+
+def _nothing(*_: object) -> dict[int, str]:
+    return {}
 
 
 def test_another_profile_under_the_same_name_is_another_sweep(capsys, tmp_path: Path) -> None:
