@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from railhead.meshing import layout, scans, wear
 from railhead.meshing.dialects import Table
-from railhead.meshing.smoothing import PointError
+from railhead.meshing.smoothing import GAP, PointError
 
 Array = NDArray[np.float64]
 UNITS = {"mm": 1.0, "m": 1000.0, "inch": 25.4, "cm": 10.0, "um": 1e-3, "ft": 304.8}
@@ -146,11 +146,18 @@ def flange(points: Array) -> tuple[float, float] | None:
 
 
 def _upside_down(points: Array, body: str) -> tuple[bool, str]:
-    """A rail is convex upwards; a wheel's flange makes it larger."""
+    """A rail is open below, or narrow above; a wheel's flange makes it larger."""
     if body == "wheel":
         found = flange(points)
         return (found[1] < 0, "by its flange") if found else (False, "")
-    y, z = points.T
+    way = scans.in_order(points)
+    if (
+        np.linalg.norm(way[-1] - way[0]) > GAP
+    ):  # it ends below, though a head may have its underside
+        return bool(
+            way[[0, -1], 1].mean() > scans.evenly(way, wear.STEP)[:, 1].mean()
+        ), "by its ends"
+    y, z = scans.evenly(way, wear.STEP).T
     return bool(np.polyfit(y - y.mean(), z, 2)[0] > 0), "by its crown"
 
 

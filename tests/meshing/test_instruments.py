@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from railhead.meshing import instruments, measured, orientation, profiles
+from railhead.meshing import instruments, measured, orientation, outlines, profiles, wear
 from railhead.meshing.dialects import InstrumentError, Table
 from railhead.meshing.orientation import Choices
 from railhead.meshing.smoothing import PointError
@@ -298,6 +298,31 @@ def test_a_rail_that_is_no_standard_one_tells_no_side_by_its_wear(wide: float) -
     points = points[points[:, 1] > -16] * [wide, 1]
     for sign in (1, -1):
         assert "shows no gauge side" in turned(points * [sign, 1])[1]
+
+
+@pytest.mark.parametrize("flip", [1, -1])
+@pytest.mark.parametrize("name", profiles.STANDARD_RAILS)
+def test_a_head_with_its_underside_stands_upright(name: str, flip: int) -> None:
+    """Few points on the crown, as chords of one tolerance make them: it was turned upside down."""
+    outline = wear._outline(name)
+    crown = outline[:, 1] > -3
+    every = np.arange(len(outline)) % np.where(crown, 200, 10) == 0
+    points = outline[every]
+    _, said = turned(points * [1, flip], unit="mm")
+    assert ("turned upside down" in said) is (flip < 0)
+
+
+@pytest.mark.parametrize("flip", [1, -1])
+@pytest.mark.parametrize("begin", [0.0, 0.3, 0.5, 0.8])
+def test_a_closed_section_stands_upright_wherever_it_begins(begin: float, flip: int) -> None:
+    curves = outlines.rail_section("60E1", "section", half=False)
+    points = np.concatenate([wear._sampled(curve) for curve in curves])
+    s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    even = np.arange(0, s[-1], 1.0)
+    points = np.column_stack([np.interp(even, s, column) for column in points.T])
+    points = np.roll(points, int(begin * len(points)), axis=0)
+    _, said = turned(points * [1, flip], unit="mm")
+    assert ("turned upside down" in said) is (flip < 0)
 
 
 def test_a_tread_with_a_foreign_origin_is_warned_of() -> None:
