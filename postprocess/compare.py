@@ -17,6 +17,8 @@ from railhead.theory.half_space_patch import PatchSolution
 from railhead.theory.hertz import Ellipse
 from railhead.theory.line import LineContact
 
+PLACES = ("_point_mm", "_place_mm")  # ends of names of coordinates
+
 Quantities = dict[str, Any]
 """Nested as under "result" in summary.json; None where a route has no answer."""
 
@@ -167,9 +169,13 @@ def from_thesis(ellipse: Ellipse, poisson: Mapping[str, float]) -> Quantities:
 
 
 def difference(result: Any, exact: Any) -> Any:
-    """(result - exact) / exact, nested alike; None where there is none, as of words."""
+    """(result - exact) / exact, nested alike; None where there is none, as of words and places."""
     if isinstance(result, dict):
-        return {key: difference(value, exact[key]) for key, value in result.items() if key in exact}
+        return {
+            key: None if key.endswith(PLACES) else difference(value, exact[key])
+            for key, value in result.items()
+            if key in exact
+        }
     if isinstance(result, list):
         return [difference(a, b) for a, b in zip(result, exact, strict=True)]
     if result is None or exact is None or isinstance(result, str) or exact == 0:

@@ -177,7 +177,8 @@ def _next(levels: list[Level], worst: float, wanted: float) -> tuple[float, bool
         wanted = estimates.next_resolution(n, worst, asked or worst)
     else:
         if asked is not None and level.plan.scene.budget is None:
-            wanted = known.finest(_asked(level.plan))
+            found = estimates.reading(level.findings) if level.findings is not None else {}
+            wanted = known.read_no_better(n, found).finest(_asked(level.plan))
         wanted = max(wanted, 1.25 * n)
     return wanted, known.covers(wanted, [each.resolution for each in levels])
 

@@ -21,6 +21,7 @@ from railhead.postprocess.findings import FLAT
 
 T = TypeVar("T")
 STEP = 1.6  # refinement from one mesh of a sequence to the next
+TINY = 1e-12  # of a reading: divides nothing
 AIM = 0.9  # of the asked accuracy: what the mesh may take, the rest is for the other parts
 RANGE = (3.0, 60.0)  # elements per semi-axis that are considered
 PLACES = ("tau_max_depth_mm",)
@@ -132,6 +133,16 @@ class Family:
             lost(self.mesh(name, n)) if name in PLACES else self.mesh(name, n) + read(n)
             for name, read in self.reading.items()
         )
+
+    def read_no_better(self, n: float, found: Mapping[str, float]) -> Family:
+        """Where the readings' parts that were found at n are above the middle, theirs."""
+        worse = {
+            name: max(1.0, found.get(name, 0.0) / max(law(n), TINY))
+            for name, law in self.reading.items()
+        }
+        laws = {name: replace(law, value=law.value * worse[name])
+                for name, law in self.reading.items()}  # fmt: skip
+        return replace(self, reading=laws)
 
     def reaches(self, accuracy: float) -> bool:
         """Whether a resolution that the laws cover is expected to meet the accuracy."""

@@ -105,6 +105,7 @@ def test_summary_keeps_the_contract(result) -> None:
     a, exact = summary["result"]["patch"]["a_mm"], summary["hertz"]["patch"]["a_mm"]
     assert summary["difference"]["patch"]["a_mm"] == pytest.approx((a - exact) / exact)
     assert exact == pytest.approx(4.33609754384)
+    assert summary["difference"]["contact_point_mm"] is None  # coordinates have none
 
 
 def test_scene_toml_runs_the_case_again(result, tmp_path) -> None:

@@ -54,6 +54,22 @@ def test_the_resolution_meets_the_accuracy_or_is_out_of_reach() -> None:
             assert known.expected(n) <= asked or not known.reaches(asked)
 
 
+def test_a_mesh_that_was_read_worse_than_the_middle_asks_for_a_finer_one() -> None:
+    """Else the finer one misses the accuracy by that, and a third is taken."""
+    known = next(each for each in laws.families() if each.name == "ellipse")
+    middle = {name: law(4.0) for name, law in known.reading.items()}
+    assert known.read_no_better(4.0, {}) == known
+    assert known.read_no_better(4.0, middle) == known
+    assert known.read_no_better(4.0, {name: each / 2 for name, each in middle.items()}) == known
+    worse = known.read_no_better(4.0, {name: 3 * each for name, each in middle.items()})
+    for name, law in worse.reading.items():
+        assert law(8.0) == pytest.approx(3 * known.reading[name](8.0))
+    accuracy = known.expected(6.0) / laws.AIM
+    n = worse.finest(accuracy)
+    assert n > known.finest(accuracy) == pytest.approx(6.0)
+    assert worse.expected(n) == pytest.approx(laws.AIM * accuracy)
+
+
 def test_two_meshes_confirm_a_law_or_deny_it() -> None:
     assert estimates.mesh_parts([(6.0, {"max_MPa": 100.0}, {})], KNOWN, {})[0] == {"max_MPa": 0.01}
     coarse, fine = (5.0, {"max_MPa": 102.0}, {}), (8.0, {"max_MPa": 100.0}, {})
