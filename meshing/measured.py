@@ -124,7 +124,7 @@ def from_points(
         raise ValueError("has no part that faces upwards; give points across the running surface")
     longest = int(np.argmax(np.diff(runs)))
     curve = smoothed.curve(s)
-    _refuse_folds(curve, float(s[1]), runs, longest)
+    _refuse_folds(curve, float(s[1]), runs, longest, smoothed.points)
     y, z = curve[slice(*runs[longest])].T
     if len(y) < 4:
         raise ValueError("has no part that faces upwards; give points across the running surface")
@@ -204,16 +204,19 @@ def _runs(faces: NDArray[np.bool_]) -> NDArray[np.intp]:
     return edges.reshape(-1, 2)
 
 
-def _refuse_folds(curve: Array, step: float, runs: NDArray[np.intp], longest: int) -> None:
+def _refuse_folds(
+    curve: Array, step: float, runs: NDArray[np.intp], longest: int, points: Array
+) -> None:
     """Points of a curve (n, 2) that far apart, mm: what faces upwards beside the longest run is not
-    cut off by a fold, as points that stand off make one. Raises PointError."""
+    cut off by a fold, as points (m, 2) that stand off make one. Raises PointError of the one where
+    they turn most."""
     start, end = runs[longest]
     for first, behind in runs:
         gap = (behind, start) if behind <= start else (end, first)
         near = first != start and step * (gap[1] - gap[0] + 1) < FOLD
         if near and np.ptp(curve[first:behind, 0]) > LOST:
-            text = "bends back on itself here; delete the points that stand off"
-            raise PointError(text, curve[sum(gap) // 2])
+            text = "bends back on itself; delete the points that stand off here"
+            raise PointError(text, points[1 + int(np.argmax(smoothing.turns(points)))])
 
 
 @dataclass(frozen=True)

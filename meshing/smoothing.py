@@ -115,6 +115,12 @@ def standing_off(points: Array) -> Array:
     return np.where(off == maximum_filter1d(off, 5), off, 0.0)
 
 
+def turns(points: Array) -> Array:
+    """Angles (n - 2,) by which the way through points (n, 2) turns at the inner ones, rad."""
+    one, two = np.diff(points, axis=0)[:-1], np.diff(points, axis=0)[1:]
+    return np.asarray(np.arctan2(np.abs(_cross(one, two)), np.einsum("nd,nd->n", one, two)))
+
+
 def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0) -> Smoothed:
     """The curve through points (n, 2) in their order along it, mm.
 
