@@ -25,10 +25,7 @@ from railhead.meshing.smoothing import PointError, Smoothed
 Array = NDArray[np.float64]
 STEEP = 0.045  # of dy over ds: steeper faces than those of a standard rail's corners are cut off
 SAMPLE = 0.1  # mm between the points of a profile's spline
-FOLD, LOST = (
-    20.0,
-    2.0,
-)  # mm along a curve that turns back, at most, and across that is cut off by it
+FOLD, LOST = 20.0, 2.0  # mm along a part that turns back, at most, and across that it cuts off
 AUTOMATIC = Choices()
 EDGE = 0.02  # of the width at either end that the report leaves out
 
@@ -120,14 +117,11 @@ def from_points(
     tangent = smoothed.curve(s, 1)
     faces = tangent[:, 0] > STEEP * np.linalg.norm(tangent, axis=1)
     runs = _runs(faces)
-    if not len(runs):
+    if np.diff(runs).max(initial=0) < 4:
         raise ValueError("has no part that faces upwards; give points across the running surface")
-    longest = int(np.argmax(np.diff(runs)))
-    curve = smoothed.curve(s)
+    longest, curve = int(np.argmax(np.diff(runs))), smoothed.curve(s)
     _refuse_folds(curve, float(s[1]), runs, longest, smoothed.points)
     y, z = curve[slice(*runs[longest])].T
-    if len(y) < 4:
-        raise ValueError("has no part that faces upwards; give points across the running surface")
     return smoothed, Profile(name, (Spline(float(y[0]), float(y[-1]), CubicSpline(y, z)),))
 
 
@@ -150,9 +144,30 @@ def read(
 
 @lru_cache(maxsize=16)
 def _read(
-    path: Path, _: int, body: str, choices: Choices, wavelength: float | None,
+    path: Path, changed: int, body: str, choices: Choices, wavelength: float | None,
     slope: float, stretch: float,
 ) -> Measured:  # fmt: skip
+    table, points, kept, found = _turned(path, changed, body, choices)
+    cosine = math.cos(math.atan(slope))
+    roll = cosine * np.array([[1.0, slope], [-slope, 1.0]])
+    points = points @ roll
+    try:
+        smoothed, profile = from_points(path.stem, kept @ roll, wavelength, stretch)
+    except PointError as error:
+        raise _refused(path, table, points, error) from None
+    except ValueError as error:
+        raise ValueError(f"{path.name} {error}") from None
+    said = (f"{table.format}, {len(table.points)} points", *found, *table.remarks)
+    measured = Measured(path, body, said, smoothed, profile)
+    return replace(measured, said=(*said, *_warnings(measured, table, points)))
+
+
+@lru_cache(maxsize=16)
+def _turned(
+    path: Path, _: int, body: str, choices: Choices
+) -> tuple[Table, Array, Array, tuple[str, ...]]:
+    """What a file holds, its points in the axes of profiles, those that are kept of them, and what
+    was done to them: the same for all smoothing."""
     table = instruments.read(path, overruled=choices.unit != "auto")
     if table.body and table.body != body:
         raise InstrumentError(path.name, 1, f"is a {table.body}'s; give one of a {body}")
@@ -160,20 +175,16 @@ def _read(
     try:
         points, found = orientation.turned(table, body, choices)
         kept = scans.once(points)
-        cosine = math.cos(math.atan(slope))
-        roll = cosine * np.array([[1.0, slope], [-slope, 1.0]])
-        points = points @ roll
-        smoothed, profile = from_points(path.stem, kept @ roll, wavelength, stretch)
     except PointError as error:
-        line = _line(table, points, error.place)
-        raise InstrumentError(path.name, line, str(error)) from None
-    except ValueError as error:
-        raise ValueError(f"{path.name} {error}") from None
+        raise _refused(path, table, points, error) from None
     if len(kept) < len(points):
         found.append(f"points at the same y averaged to {len(kept)}")
-    said = (f"{table.format}, {len(table.points)} points", *found, *table.remarks)
-    measured = Measured(path, body, said, smoothed, profile)
-    return replace(measured, said=(*said, *_warnings(measured, table, points)))
+    return table, points, kept, tuple(found)
+
+
+def _refused(path: Path, table: Table, points: Array, error: PointError) -> InstrumentError:
+    """Points (n, 2): the table's, in the axes of the error's place."""
+    return InstrumentError(path.name, _line(table, points, error.place), str(error))
 
 
 def _line(table: Table, points: Array, place: Array) -> int:
@@ -191,10 +202,10 @@ def _warnings(measured: Measured, table: Table, points: Array) -> list[str]:
         found.append((f"{stand} {off:.2g} mm", place))
     if bend := scans.bend(measured.smoothed, *inner(measured.profile)):
         found.append((f"it bends by {bend[0]:.0f} deg and back within {scans.WAVE:g} mm", bend[1]))
-    lines = [_line(table, points, place) for _, place in found]
     return [
-        f"WARNING: {what} at y = {place[0]:.1f}, line {line}: taken for shape"
-        for (what, place), line in zip(found, lines, strict=True)
+        f"WARNING: {what} at y = {place[0]:.1f}, "
+        f"line {_line(table, points, place)}: taken for shape"
+        for what, place in found
     ]
 
 

@@ -151,13 +151,10 @@ def _upside_down(points: Array, body: str) -> tuple[bool, str]:
         found = flange(points)
         return (found[1] < 0, "by its flange") if found else (False, "")
     way = scans.in_order(points)
-    if (
-        np.linalg.norm(way[-1] - way[0]) > GAP
-    ):  # it ends below, though a head may have its underside
-        return bool(
-            way[[0, -1], 1].mean() > scans.evenly(way, wear.STEP)[:, 1].mean()
-        ), "by its ends"
-    y, z = scans.evenly(way, wear.STEP).T
+    even = scans.evenly(way, wear.STEP)
+    if np.linalg.norm(way[-1] - way[0]) > GAP:  # a head may have its underside
+        return bool(way[[0, -1], 1].mean() > even[:, 1].mean()), "by its ends"
+    y, z = even.T
     return bool(np.polyfit(y - y.mean(), z, 2)[0] > 0), "by its crown"
 
 
@@ -171,7 +168,7 @@ def _mirrored(points: Array, body: str) -> tuple[bool, str]:
     right, why = _by_faces(points)
     if why:
         return right, why
-    return wear.gauge_side(scans.evenly(points, wear.STEP))
+    return wear.gauge_side(scans.evenly(scans.in_order(points), wear.STEP))
 
 
 def _by_faces(points: Array) -> tuple[bool, str]:

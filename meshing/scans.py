@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.meshing.smoothing import PointError, Smoothed, standing_off
+from railhead.meshing.smoothing import PointError, Smoothed, chord_lengths, standing_off
 
 Array = NDArray[np.float64]
 SPIKE, APART = 20.0, 0.05  # times the noise, and mm, that a point stands off at least ...
@@ -50,10 +50,8 @@ def in_order(points: Array) -> Array:
 
 
 def evenly(points: Array, step: float) -> Array:
-    """Points (m, 2) that far apart on the straight lines through points (n, 2), from left to right
-    along them, mm."""
-    points = in_order(points)
-    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    """Points (m, 2) that far apart on the straight lines through points (n, 2), mm."""
+    s = chord_lengths(points)
     places = np.arange(step / 2, s[-1], step)
     return np.column_stack([np.interp(places, s, column) for column in points.T])
 

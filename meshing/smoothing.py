@@ -86,7 +86,7 @@ def noise(points: Array) -> Array:
     that errs in height errs less across a steep face.
     """
     count = DIFFERENCE + 1
-    s = _chord(points)
+    s = chord_lengths(points)
     windows = np.lib.stride_tricks.sliding_window_view(np.arange(len(s)), count)
     at = s[windows]
     apart = at[:, :, None] - at[:, None, :] + np.eye(count)
@@ -105,7 +105,7 @@ def standing_off(points: Array) -> Array:
     """How far (n,) points (n, 2) in the order of the curve are off the cubic through the two on
     either side, mm; zero but where that is the farthest among these five, and for the outermost
     two: its neighbours' cubics are spoilt by a point that errs."""
-    s, off = _chord(points), np.zeros(len(points))
+    s, off = chord_lengths(points), np.zeros(len(points))
     for i in range(2, len(points) - 2):
         others = [i - 2, i - 1, i + 1, i + 2]
         apart = s[others][:, None] - s[others] + np.eye(4)
@@ -132,7 +132,7 @@ def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0)
     if len(points) < LEAST_POINTS:
         raise ValueError(f"has {len(points)} points; give at least {LEAST_POINTS}")
     sigma = noise(points)
-    s = _chord(points)
+    s = chord_lengths(points)
     apart = np.diff(s)
     if apart.max() > GAP:
         y, z = points[int(np.argmax(apart))]
@@ -255,7 +255,8 @@ def _cross(one: Array, other: Array) -> Array:
     return np.asarray(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
 
 
-def _chord(points: Array) -> Array:
+def chord_lengths(points: Array) -> Array:
+    """Lengths (n,) along the straight lines through points (n, 2), from the first one on."""
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
 
 
@@ -283,8 +284,7 @@ def _lengths(curve: BSpline, s: Array, points: Array) -> Array:
     nearest = np.clip(nearest, 2 * s[0] - s[1], 2 * s[-1] - s[-2])  # no farther off the ends
     nearest = np.maximum.accumulate(nearest - nearest[0])
     fine = np.linspace(0, nearest[-1], FINE * len(s))
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve(fine), axis=0), axis=1))])
-    return np.asarray(np.interp(nearest, fine, along))
+    return np.asarray(np.interp(nearest, fine, chord_lengths(curve(fine))))
 
 
 def _developed(curve: BSpline, s: Array) -> CubicSpline:

@@ -136,13 +136,11 @@ class Family:
 
     def read_no_better(self, n: float, found: Mapping[str, float]) -> Family:
         """Where the readings' parts that were found at n are above the middle, theirs."""
-        worse = {
-            name: max(1.0, found.get(name, 0.0) / max(law(n), TINY))
+        reading = {
+            name: replace(law, value=law.value * max(1.0, found.get(name, 0.0) / max(law(n), TINY)))
             for name, law in self.reading.items()
         }
-        laws = {name: replace(law, value=law.value * worse[name])
-                for name, law in self.reading.items()}  # fmt: skip
-        return replace(self, reading=laws)
+        return replace(self, reading=reading)
 
     def reaches(self, accuracy: float) -> bool:
         """Whether a resolution that the laws cover is expected to meet the accuracy."""
