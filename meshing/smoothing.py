@@ -242,13 +242,20 @@ class _Fit:
 
 
 def _averaged(points: Array) -> Array:
-    """Groups of points that are nearer than CLOSE, as one each; of those at one place the first."""
+    """Groups of points that are nearer than CLOSE, as one each; of those at one place the first.
+    Where points are farther apart than most, they stay."""
     apart = np.linalg.norm(np.diff(points, axis=0), axis=1)
     points, apart = points[np.concatenate([[True], apart > 0])], apart[apart > 0]
     near = float(np.median(apart)) if len(apart) else CLOSE
     group = math.ceil(CLOSE / near) if near < CLOSE / 1.5 else 1
-    whole = len(points) // group * group
-    return np.asarray(points[:whole].reshape(-1, group, 2).mean(axis=1))
+    kept = []
+    for first in range(0, len(points), group):
+        part = points[first : first + group]
+        if chord_lengths(part)[-1] > 2 * CLOSE:
+            kept.append(part)
+        elif len(part) == group:
+            kept.append(part.mean(axis=0, keepdims=True))
+    return np.concatenate(kept)
 
 
 def _cross(one: Array, other: Array) -> Array:
