@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from railhead.meshing.columns import ColumnError, chosen
+
 Array = NDArray[np.float64]
 NAMED_UNITS = {
     "mm": "mm", "millimetre": "mm", "millimeter": "mm", "millimetres": "mm", "millimeters": "mm",
@@ -20,14 +22,14 @@ NAMED_UNITS = {
     "um": "um", "µm": "um", "μm": "um", "micron": "um", "microns": "um",
     "ft": "ft", "foot": "ft", "feet": "ft",
 }  # fmt: skip
-OTHER_UNITS = ("km", "dm", "nm", "yd", "yard", "yards", "mil", "mils", "thou", "px", "pixel")
-ACROSS = ("y", "lateral", "lat", "across", "quer")
-UP = ("z", "height", "vertical", "vert", "hoehe", "höhe")
-RUNS = 0.9  # of the way up and down a column that it goes from end to end: it runs one way
+OTHER_UNITS = (
+    "km", "dm", "nm", "yd", "yard", "yards", "mil", "mils", "thou", "px", "pixel",
+    "deg", "degree", "degrees", "°", "rad", "radian", "radians", "grad", "gon",
+)  # fmt: skip
 COMMENT = re.compile(r"""#|%|!|//|\*|;|"(?![^"]*")|'(?![^']*')""")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
 RATE = r"(?:m?m|[km]?n|k?g|t|lbs?)"  # of a unit, as in 60 kg/m: names no column
-WORD = r"([a-zµμ]+|\"|″)"
+WORD = r"([a-zµμ]+|\"|″|°)"
 NAMED = rf"[\[(]\s*{WORD}\s*[\])]|(?:^|[\W_])(?!{RATE}/)[^\W\d_]+\d*\s*[/_]\s*{WORD}(?!\w)"
 COLUMN = re.compile(rf"{NAMED}|^[\s\"']*{WORD}[\s\"']*$", re.IGNORECASE)  # y [mm], y/mm, mm
 PROSE = re.compile(
@@ -37,9 +39,6 @@ PROSE = re.compile(
 )
 TWICE = re.compile(r"\s*-?\d+(,\d+)?,-?\d{1,3}(,\d+)?\s*")  # 1,5,2,5 or 1,2,5
 DECIMALS = re.compile(r"([^,]*,){3}|.*,.*,\d{3,}\s*$")  # four numbers, or many digits in the third
-NOMINAL = re.compile(r"nom|soll|ref|theo|target|design")  # columns of what should be
-NUMBERED = 150  # points and more are no whole millimetres across a wheel, ...
-EVEN, WIDE = 3.0, 25.0  # nor is what goes beside them in steps as even, and as far, a height
 SHOWN = 40  # characters of a wrong line
 
 
@@ -132,42 +131,13 @@ def _columns(
     name: str, header: Sequence[tuple[int, str]], separator: str,
     rows: Sequence[Sequence[float]], first: int,
 ) -> tuple[int, int]:  # fmt: skip
-    """Which are across and up: by their names, else the first two, or those behind a running
-    number. Raises InstrumentError, of the header or the first line of points, where either could be
-    meant."""
+    """Of y and z. Raises InstrumentError, of the header or the first line of points."""
     count = min(map(len, rows))
-    for at, line in header:
-        cells = _cells(line.rstrip("\"' \n"), separator)
-        names = [cell.strip("\"' ").lower() for cell in cells]
-        heads = ["" if NOMINAL.search(name) else re.split(r"\W|_", name)[0] for name in names]
-        across, up = ([i for i, head in enumerate(heads) if head in each] for each in (ACROSS, UP))
-        if len(across) == 1 and len(up) == 1:
-            return across[0], up[0]
-        if len(cells) != count or count < 3:
-            continue  # words, not names
-        if max(len(across), len(up)) > 1:
-            text = "names several columns across, or up; give one of each, y and z"
-            raise InstrumentError(name, at, text)
-        if up and not across:  # which stands beside it
-            return (up[0] - 1, up[0]) if up[0] else (1, 0)
-        if across and not up:
-            return (across[0], across[0] + 1) if across[0] + 1 < count else (across[0], 0)
-    if count < 3:
-        return 0, 1
-    left, right = (np.array([row[column] for row in rows]) for column in (0, 1))
-    if not (_runs(left) and _runs(right)):
-        return 0, 1
-    steps = np.abs(np.diff(right))
-    across_it = steps.max() < EVEN * np.median(steps) and steps.sum() >= WIDE
-    counts = left[0] in (0, 1) and (np.diff(left) == 1).all()
-    if counts and (len(left) > NUMBERED or across_it):
-        return 1, 2
-    text = "begins two columns that run one way, so that either may be y; give a header that names"
-    raise InstrumentError(name, first, f"{text} y and z")
-
-
-def _runs(column: Array) -> bool:
-    return abs(column[-1] - column[0]) > RUNS * float(np.abs(np.diff(column)).sum())
+    cells = [(at, _cells(line.rstrip("\"' \n"), separator)) for at, line in header]
+    try:
+        return chosen(cells, np.array([row[:count] for row in rows]))
+    except ColumnError as error:
+        raise InstrumentError(name, error.at or first, str(error)) from None
 
 
 def _cells(line: str, separator: str) -> list[str]:

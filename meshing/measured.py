@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
+from scipy.spatial import cKDTree
 
-from railhead.meshing import instruments, orientation, scans, smoothing
+from railhead.meshing import instruments, orientation, scans, smoothing, wear
 from railhead.meshing.dialects import InstrumentError, Table
 from railhead.meshing.orientation import Choices
 from railhead.meshing.profiles import Profile, Spline
@@ -25,6 +26,7 @@ from railhead.meshing.smoothing import PointError, Smoothed
 Array = NDArray[np.float64]
 STEEP = 0.045  # of dy over ds: steeper faces than those of a standard rail's corners are cut off
 SAMPLE = 0.1  # mm between the points of a profile's spline
+LOOSE = 1.0  # mm beyond half a step between points, and farther off is no curve through them
 FOLD, LOST = 20.0, 2.0  # mm along a part that turns back, at most, and across that it cuts off
 AUTOMATIC = Choices()
 EDGE = 0.02  # of the width at either end that the report leaves out
@@ -119,7 +121,11 @@ def from_points(
     runs = _runs(faces)
     if np.diff(runs).max(initial=0) < 4:
         raise ValueError("has no part that faces upwards; give points across the running surface")
-    longest, curve = int(np.argmax(np.diff(runs))), smoothed.curve(s)
+    curve, spacing = smoothed.curve(s), np.linalg.norm(np.diff(smoothed.points, axis=0), axis=1)
+    off = cKDTree(smoothed.points).query(curve)[0]
+    if off.max() > spacing.max() / 2 + LOOSE:
+        raise smoothing.folded(smoothed.points)
+    longest = int(np.argmax(np.diff(runs)))
     _refuse_folds(curve, float(s[1]), runs, longest, smoothed.points)
     y, z = curve[slice(*runs[longest])].T
     return smoothed, Profile(name, (Spline(float(y[0]), float(y[-1]), CubicSpline(y, z)),))
@@ -174,11 +180,16 @@ def _turned(
     points = table.points
     try:
         points, found = orientation.turned(table, body, choices)
-        kept = scans.once(points)
+        part = orientation.part(points, body)
+        kept = scans.once(part)
     except PointError as error:
         raise _refused(path, table, points, error) from None
-    if len(kept) < len(points):
+    if len(part) < len(points):
+        found.append(f"cut off {scans.DEEP:g} mm below its top")
+    if len(kept) < len(part):
         found.append(f"points at the same y averaged to {len(kept)}")
+    if unlike := wear.unlike(scans.evenly(scans.in_order(kept), wear.STEP), body):
+        found.append(f"WARNING: {unlike}; look at its picture, its columns and their units")
     return table, points, kept, tuple(found)
 
 
@@ -226,8 +237,7 @@ def _refuse_folds(
         gap = (behind, start) if behind <= start else (end, first)
         near = first != start and step * (gap[1] - gap[0] + 1) < FOLD
         if near and np.ptp(curve[first:behind, 0]) > LOST:
-            text = "bends back on itself; delete the points that stand off here"
-            raise PointError(text, points[1 + int(np.argmax(smoothing.turns(points)))])
+            raise smoothing.folded(points)
 
 
 @dataclass(frozen=True)

@@ -61,7 +61,7 @@ def turned(table: Table, body: str, choices: Choices) -> tuple[Array, list[str]]
     if (choices.flip == "on") if choices.flip != "auto" else upside:
         points = points * [1, -1]
         said.append("turned upside down" + _why(choices.flip, why))
-    swapped, why = _mirrored(points, body)
+    swapped, why = _mirrored(part(points, body), body)
     if (choices.mirror == "on") if choices.mirror != "auto" else swapped:
         points = points * [-1, 1]
         said.append("mirrored" + _why(choices.mirror, why))
@@ -70,7 +70,7 @@ def turned(table: Table, body: str, choices: Choices) -> tuple[Array, list[str]]
         said.append(f"sides as in the file: it shows no {side}")
     if choices.origin == "auto":
         try:
-            move = _origin(points, body)
+            move = _origin(part(points, body), body)
         except PointError as error:
             raise _listed(error, points, table) from None
         if move.any():
@@ -81,6 +81,11 @@ def turned(table: Table, body: str, choices: Choices) -> tuple[Array, list[str]]
                 warning, place = "WARNING: ", "middle of its width, as it shows no flange"
             said.append(f"{warning}moved by {move[0]:.2f}, {move[1]:.2f} mm to the {place}")
     return points, said
+
+
+def part(points: Array, body: str) -> Array:
+    """Of points (n, 2) in the axes of profiles, mm, those of the profile (m, 2)."""
+    return scans.head(points) if body == "rail" else points
 
 
 def in_mm(table: Table, body: str, choice: str) -> tuple[Array, str]:

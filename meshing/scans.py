@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.meshing.smoothing import PointError, Smoothed, chord_lengths, standing_off
+from railhead.meshing.smoothing import GAP, PointError, Smoothed, chord_lengths, standing_off
 
 Array = NDArray[np.float64]
 SPIKE, APART = 20.0, 0.05  # times the noise, and mm, that a point stands off at least ...
@@ -16,6 +16,7 @@ WILD, STEEP = 0.3, 3.0  # mm, and times the way to its neighbours: a point that 
 WAVE, STRIDE, BENT = 4.0, 0.1, 10.0  # mm, mm and deg: sound profiles bend to and fro by 2 to 4
 REPEATED = 0.75  # of the y in the middle half are different, at least, or y repeats ...
 COARSE = 0.1  # mm: ... and is too coarse where the points at one y are farther apart in height
+DEEP = 45.0  # mm below the top at which a head ends
 PASS = 20  # points between two turns of a gauge that goes there and back, at least
 
 
@@ -39,14 +40,35 @@ def once(points: Array) -> Array:
 
 
 def in_order(points: Array) -> Array:
-    """As in the file, or by y where that is the shorter way; from left to right."""
+    """As in the file, or by y where that is the shorter way; from left to right, above where it
+    closes."""
     order = np.argsort(points[:, 0], kind="stable")
     ways = (points, points[order])
     lengths = [np.linalg.norm(np.diff(way, axis=0), axis=1).sum() for way in ways]
     if lengths[1] < lengths[0]:
         _refuse_passes(points, order)
     way = ways[int(lengths[1] < lengths[0])]
-    return way if way[-1, 0] > way[0, 0] else way[::-1]
+    y, z = way.T
+    if _closes(way):
+        return way if np.dot(y, np.roll(z, -1) - np.roll(z, 1)) < 0 else way[::-1]
+    return way if y[-1] > y[0] else way[::-1]
+
+
+def _closes(way: Array) -> bool:
+    return bool(np.linalg.norm(way[-1] - way[0]) < GAP)
+
+
+def head(points: Array) -> Array:
+    """Points (n, 2) of a rail, mm, its head upwards: those of the head (m, 2), where there is a web
+    or a foot too in their order along the curve."""
+    least = points[:, 1].max() - DEEP
+    if points[:, 1].min() >= least:
+        return points
+    way = in_order(points)
+    way = np.roll(way, -int(np.argmin(way[:, 1])), axis=0) if _closes(way) else way
+    top, low = int(np.argmax(way[:, 1])), np.flatnonzero(way[:, 1] < least)
+    start = max(low[low < top], default=-1) + 1
+    return way[start : min(low[low > top], default=len(way))]
 
 
 def evenly(points: Array, step: float) -> Array:

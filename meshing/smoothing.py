@@ -37,6 +37,7 @@ NEIGHBOURS = 1.2  # mm along which the roughness is taken for alike, as a standa
 BLENDING = 1.5  # mm over which wavelengths change into each other: sudden changes overshoot
 BENDING = 1.2  # times the wavelength that suits heights is one that suits curvatures (chosen on
 # the worn pairs of the study)
+LONGER = 1.2  # times the way through its points is no curve through them
 UPDATES, SETTLED = 60, 0.02
 FINE = 20  # samples a point, where a curve is measured or bent open
 
@@ -121,12 +122,18 @@ def turns(points: Array) -> Array:
     return np.asarray(np.arctan2(np.abs(_cross(one, two)), np.einsum("nd,nd->n", one, two)))
 
 
+def folded(points: Array) -> PointError:
+    """That no curve runs through points (n, 2), of the one where they turn most."""
+    text = "bends back on itself; delete the points that stand off here"
+    return PointError(text, points[1 + int(np.argmax(turns(points)))])
+
+
 def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0) -> Smoothed:
     """The curve through points (n, 2) in their order along it, mm.
 
     wavelength: of waves that keep half of their height, mm, everywhere; None: chosen by the noise,
     from place to place. stretch: a factor to it. Raises ValueError for fewer than 12 points, and
-    PointError for a gap of more than 5 mm between them.
+    PointError for a gap of more than 5 mm between them, and where they bend the curve back.
     """
     points = _averaged(points)
     if len(points) < LEAST_POINTS:
@@ -284,14 +291,18 @@ def _curvature(curve: BSpline, s: Array) -> Array:
 
 
 def _lengths(curve: BSpline, s: Array, points: Array) -> Array:
-    """Arc lengths (n,) of the curve's points that are nearest to the measured ones."""
+    """Arc lengths (n,) of the curve's points that are nearest to the measured ones. Raises
+    PointError where the curve has run away from them."""
     tangent, _ = _frame(curve, s)
     speed = np.linalg.norm(curve(s, 1), axis=1)
     nearest = s + np.einsum("nd,nd->n", points - curve(s), tangent) / speed
     nearest = np.clip(nearest, 2 * s[0] - s[1], 2 * s[-1] - s[-2])  # no farther off the ends
     nearest = np.maximum.accumulate(nearest - nearest[0])
     fine = np.linspace(0, nearest[-1], FINE * len(s))
-    return np.asarray(np.interp(nearest, fine, chord_lengths(curve(fine))))
+    lengths = np.interp(nearest, fine, chord_lengths(curve(fine)))
+    if lengths[-1] > LONGER * chord_lengths(points)[-1]:
+        raise folded(points)
+    return np.asarray(lengths)
 
 
 def _developed(curve: BSpline, s: Array) -> CubicSpline:

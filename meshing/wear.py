@@ -25,6 +25,10 @@ STEP = 0.25  # mm between places that are compared
 FINE = 0.02  # mm between points of the standard
 SCALE = 0.05  # mm of loss from which on it weighs less than its square
 OUTSIDE = 5.0  # times as much weighs what stands out
+FAR = 6.0  # mm: seven other rails are off theirs by up to 3.3, and wear takes 3
+LAID = 0.8  # of the width, along the standard, at least; a wheel without flange slips off it
+FLATTEST, CROWN = 1500.0, 10.0  # mm: radius of a crown over half the width, and its depth
+COMPARED = 20.0  # mm across that are laid on each other, at least
 UNWORN, STANDS_OUT = 0.05, 0.15  # mm: of a side that is the standard's, and of the whole, at most
 CLEAR, LEANS = 2.0, 0.005  # mm2 and rad: less says nothing of the side
 
@@ -88,6 +92,20 @@ def nearest(points: Array, body: str) -> Wear:
     return min(_all(points, body), key=lambda each: each.misfit)
 
 
+def unlike(points: Array, body: str) -> str:
+    """How a rail or wheel, points (n, 2) as for `nearest`, is none that looks like a standard one,
+    in words; '' where it does."""
+    laid = nearest(points, body)
+    width = STEP * np.count_nonzero(np.isfinite(laid.loss))
+    if width < LAID * np.ptp(points[:, 0]) or laid.largest > FAR:
+        return f"is far from {laid.standard}, the nearest standard {body}"
+    y, z = points[np.abs(points[:, 0] - _middle(points)) < np.ptp(points[:, 0]) / 4].T
+    y, z = y[z > z.max() - CROWN], z[z > z.max() - CROWN]
+    if body == "rail" and abs(2 * np.polyfit(y - y.mean(), z, 2)[0]) < 1 / FLATTEST:
+        return f"has a crown flatter than R{FLATTEST:g}"
+    return ""
+
+
 def _all(points: Array, body: str) -> list[Wear]:
     return [_against(name, points, _outline(name), body == "rail") for name in STANDARDS[body]]
 
@@ -116,12 +134,14 @@ def _against(name: str, points: Array, outline: Array, turns: bool) -> Wear:
     fit = least_squares(asymmetric, rough.x)
     depth = loss(fit.x, np.nan)
     lost = np.nan_to_num(np.maximum(depth, 0.0))
+    known = points[np.isfinite(depth), 0]
+    compared = len(known) and np.ptp(known) > COMPARED
     worst = int(np.argmax(lost))
     laid = (outline - fit.x[:2]) @ _turn(fit.x).T
     return Wear(
         name, laid, points[:, 0], depth,
         float(lost[worst]), float(points[worst, 0]), float(lost.sum() * STEP),
-        float(fit.cost) / len(points), -float(fit.x[2]) if turns else 0.0,
+        float(fit.cost) / len(points) if compared else np.inf, -float(fit.x[2]) if turns else 0.0,
     )  # fmt: skip
 
 

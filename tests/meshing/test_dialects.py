@@ -87,11 +87,11 @@ def test_a_third_column_is_no_part_of_the_points(step: float, extra: str, tmp_pa
     [
         ("Position;Hoehe;Extra", (0, 1)), ("No;Position;z", (1, 2)), ("z;Position;Extra", (1, 0)),
         ("t [s];lat [mm];vert [mm]", (1, 2)), ("x;y;z", (1, 2)), ("y;a;b", (0, 1)),
-        ("a;b;y", (2, 0)), ("z_nom;y;z", (1, 2)), ("z;y;z soll", (1, 0)), ("y;Design-z;z", (0, 2)),
+        ("z_nom;y;z", (1, 2)), ("z;y;z soll", (1, 0)), ("y;Design-z;z", (0, 2)),
     ],
 )  # fmt: skip
 def test_one_name_tells_where_the_other_is(header: str, columns: tuple, tmp_path) -> None:
-    numbers = np.random.default_rng(3).uniform(-9, 9, (15, 3)).round(3)
+    numbers = np.random.default_rng(3).uniform(-9, 9, (15, 3)).cumsum(axis=0).round(3)
     file = tmp_path / "rail.csv"
     file.write_text(header + "\n" + "\n".join(";".join(map(str, row)) for row in numbers))
     np.testing.assert_allclose(instruments.read(file).points, numbers[:, list(columns)])
@@ -151,6 +151,10 @@ BAD = {
     ),
     "two units": ("rail\ny/mm,z/um\n" + written(","), 2, "in mm and um; give both in one of mm, m"),
     "two units, blanks": ("y [mm] z [m]\n" + written(" "), 1, "in mm and m; give"),
+    "an angle": ("phi [deg],r [mm]\n" + written(","), 1, "an angle or a diameter"),
+    "degrees": ("a [deg],r [mm]\n" + written(","), 1, "in deg and mm; give both"),
+    "radians": ("a [°];r [mm]\n" + written(";"), 1, "in ° and mm; give both"),
+    "a flag": ("\n".join(f"{y};1;{z}" for y, z in POINTS), 1, "no height in column 2"),
     "unknown unit": ("y (yd),z (yd)\n" + written(","), 1, "in yd; give both in one of mm, m, inch"),
 }  # fmt: skip
 

@@ -1,0 +1,153 @@
+"""Whole sections, wild points near an end, uneven steps, and shapes that are no rail or wheel."""
+
+import numpy as np
+import pytest
+
+from railhead.meshing import measured, outlines, profiles, wear
+from railhead.meshing.dialects import InstrumentError
+from railhead.meshing.measured import Measured
+
+
+def even(points: np.ndarray, spacing: float) -> np.ndarray:
+    """Points (n, 2) that far apart along straight lines, mm."""
+    s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    places = np.arange(0, s[-1], spacing)
+    return np.column_stack([np.interp(places, s, column) for column in points.T])
+
+
+def section(spacing: float, begin: float = 0.0) -> np.ndarray:
+    """54E1 all round, clockwise from that part of its outline on."""
+    curves = outlines.rail_section("54E1", "section", half=False)
+    points = even(np.concatenate([wear._sampled(curve) for curve in curves]), spacing)
+    return np.roll(points, -int(begin * len(points)), axis=0)
+
+
+def head(spacing: float, deep: float = 14.0) -> np.ndarray:
+    outline = wear._outline("60E1")
+    return even(outline[outline[:, 1] > -deep], spacing)
+
+
+def wheel(spacing: float) -> np.ndarray:
+    return even(wear._outline("S1002"), spacing)
+
+
+def read(tmp_path, points: np.ndarray, body: str, header: str = "y [mm],z [mm]") -> Measured:
+    file = tmp_path / f"{body}.csv"
+    np.savetxt(file, points, delimiter=",", header=header, comments="")
+    return measured.read(file, body)
+
+
+Y = np.linspace(-30, 30, 121)
+
+
+@pytest.mark.parametrize("begin", [0.0, 0.1, 0.3, 0.5, 0.8])
+@pytest.mark.parametrize("back", [False, True])
+@pytest.mark.parametrize("flip", [1, -1])
+def test_the_profile_of_a_whole_section_is_its_head(
+    begin: float, back: bool, flip: int, tmp_path
+) -> None:
+    """The underside of the foot is longer, and the way round may run either way."""
+    points = section(0.5, begin)[:: -1 if back else 1] * [1, flip]
+    found = read(tmp_path, points, "rail")
+    truth = profiles.rail_head("54E1")
+    assert "cut off 45 mm below its top" in found.said
+    np.testing.assert_allclose(found.profile.height(Y), truth.height(Y), atol=5e-3)
+
+
+@pytest.mark.parametrize("deepest", [-60.0, -100.0, -147.0])
+def test_web_and_foot_are_cut_off(deepest: float, tmp_path) -> None:
+    points = section(0.5, 0.5)
+    found = read(tmp_path, points[points[:, 1] > deepest], "rail")
+    truth = profiles.rail_head("54E1")
+    np.testing.assert_allclose(found.profile.height(Y), truth.height(Y), atol=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("points", "body", "first", "count", "off"),
+    [
+        (wheel(0.25), "wheel", 5, 3, -2.0), (wheel(0.1), "wheel", 2, 3, 2.0),
+        (wheel(0.1), "wheel", 5, 8, 2.0), (head(0.5, 30.0), "rail", 0, 8, 2.0),
+        (head(0.25), "rail", 2, 8, 2.0), (head(0.5), "rail", 1, 3, -2.0),
+    ],
+)  # fmt: skip
+def test_wild_points_near_an_end_do_not_carry_the_curve_away(
+    points: np.ndarray, body: str, first: int, count: int, off: float, tmp_path
+) -> None:
+    """Its domain reached from there to 1e10 mm, or its matrix was singular."""
+    points = points.copy()
+    points[first : first + count, 1] += off
+    with pytest.raises(InstrumentError, match="delete") as caught:
+        read(tmp_path, points, body)
+    line = int(str(caught.value).split("line ")[1].split(":")[0])
+    assert line <= first + count + 8
+
+
+@pytest.mark.parametrize("dense", [0.02, 0.05])
+@pytest.mark.parametrize("sparse", [3.0, 4.9])
+def test_few_points_on_straight_parts_are_no_gap(dense: float, sparse: float, tmp_path) -> None:
+    """As chords of one tolerance make them: averaged over the dense ones' number they were."""
+    fine = head(dense, 30.0)
+    steep = np.flatnonzero(fine[:, 1] < -16)
+    stride = int(sparse / dense)
+    kept = np.setdiff1d(np.arange(len(fine)), steep)
+    points = fine[np.sort(np.concatenate([kept, steep[::stride]]))]
+    found = read(tmp_path, points, "rail")
+    truth = profiles.rail_head("60E1")
+    np.testing.assert_allclose(found.profile.height(Y), truth.height(Y), atol=2e-3)
+
+
+def cone(slope: float) -> np.ndarray:
+    y = np.linspace(-60, 60, 241)
+    return np.column_stack([y, -slope * y])
+
+
+@pytest.mark.parametrize(
+    ("points", "body"),
+    [
+        (head(0.5) * [1, 0.1], "rail"), (head(0.5) / [1, 25.4], "rail"),
+        (wheel(0.5) * [1, 0.1], "wheel"), (wheel(0.5) / [1, 25.4], "wheel"),
+        (wheel(0.5) / [1, 1000], "wheel"), (cone(0.05), "wheel"), (cone(0.0), "wheel"),
+    ],
+)  # fmt: skip
+def test_what_looks_like_no_standard_is_said(points: np.ndarray, body: str, tmp_path) -> None:
+    """Such as heights in another unit than what is across."""
+    assert "WARNING: is far from" in " ".join(read(tmp_path, points, body).said)
+
+
+@pytest.mark.parametrize("half", [15.0, 25.0, 32.0])
+@pytest.mark.parametrize(("scale", "is_said"), [(1.0, False), (0.5, False), (0.1, True)])
+def test_a_flat_crown_is_said(half: float, scale: float, is_said: bool, tmp_path) -> None:
+    """Heights in cm of a scan too narrow to be far from a standard."""
+    points = head(0.5)
+    points = points[np.abs(points[:, 0]) < half] * [1, scale]
+    said = " ".join(read(tmp_path, points, "rail").said)
+    assert ("WARNING: has a crown flatter than R1500" in said) is is_said
+
+
+def other(radii: tuple[float, ...], ends: tuple[float, ...], deep: float) -> np.ndarray:
+    """Half heads of arcs up to these y, mirrored, that deep."""
+    angle, at, points = 0.0, np.zeros(2), [np.zeros((1, 2))]
+    for radius, end in zip(radii, (*ends, None), strict=True):
+        centre = at - radius * np.array([np.sin(angle), np.cos(angle)])
+        stop = np.arctan(20.0) if end is None else np.arcsin((end - centre[0]) / radius)
+        turn = np.linspace(angle, stop, 200)
+        points.append(centre + radius * np.column_stack([np.sin(turn), np.cos(turn)]))
+        angle, at = stop, points[-1][-1]
+    half = np.concatenate(points)
+    half = half[half[:, 1] > -deep]
+    return even(np.concatenate([half[::-1] * [-1, 1], half]), 0.5)
+
+
+@pytest.mark.parametrize("deep", [8.0, 14.0])
+@pytest.mark.parametrize(
+    ("radii", "ends"),
+    [
+        ((300, 80, 13), (10.2, 23.5)), ((200, 70, 13), (12, 25.5)), ((305, 79.4, 12.7), (9.5, 23)),
+        ((254, 31.75, 14.3), (13, 31)), ((254, 31.75, 9.5), (12.5, 29.5)),
+    ],
+)  # fmt: skip
+def test_other_rails_look_like_one(radii, ends, deep: float, tmp_path) -> None:
+    """49E1, 60E2, 56E1, 136RE and 115RE, nearly, worn by 3 mm on one side."""
+    points = other(radii, ends, deep)
+    points[:, 1] -= 3.0 * np.exp(-(((points[:, 0] - 20) / 6) ** 2))
+    assert "is far from" not in " ".join(read(tmp_path, points, "rail").said)
