@@ -26,7 +26,7 @@ from railhead.meshing.smoothing import PointError, Smoothed
 Array = NDArray[np.float64]
 STEEP = 0.045  # of dy over ds: steeper faces than those of a standard rail's corners are cut off
 SAMPLE = 0.1  # mm between the points of a profile's spline
-LOOSE = 1.0  # mm beyond half a step between points, and farther off is no curve through them
+LOOSE = 1.0  # mm beyond half a step between points, or two usual ones: no curve through them
 FOLD, LOST = 20.0, 2.0  # mm along a part that turns back, at most, and across that it cuts off
 AUTOMATIC = Choices()
 EDGE = 0.02  # of the width at either end that the report leaves out
@@ -123,7 +123,7 @@ def from_points(
         raise ValueError("has no part that faces upwards; give points across the running surface")
     curve, spacing = smoothed.curve(s), np.linalg.norm(np.diff(smoothed.points, axis=0), axis=1)
     off = cKDTree(smoothed.points).query(curve)[0]
-    if off.max() > spacing.max() / 2 + LOOSE:
+    if off.max() > max(spacing.max() / 2, 2 * float(np.median(spacing))) + LOOSE:
         raise smoothing.folded(smoothed.points)
     longest = int(np.argmax(np.diff(runs)))
     _refuse_folds(curve, float(s[1]), runs, longest, smoothed.points)

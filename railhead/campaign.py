@@ -98,7 +98,7 @@ def run(campaign: Campaign, *, resume: bool, pictures: bool, quiet: bool) -> lis
                 groups, y = loads.groups(plans), shared_y(plans)
                 records.begin(campaign.folder, campaign.asked, resume=resume)
                 claim.enter_context(records.claimed(campaign.folder))
-                records.check(campaign.folder, lambda kept: sweep_table.row({}, kept))
+                records.check(campaign.folder, campaign.values, sweep_table.check)
             except (SceneError, OSError) as error:
                 problem = error
         if (problem := comm.bcast(problem)) is not None:
@@ -132,7 +132,7 @@ def _solve_all(
     for group, wanted in left:
         chosen = [scenes[number] for number in group]
         for part in shares(wanted, len(left), workers):
-            job = submit(_solve, folder, group, chosen, part, campaign.vtu)
+            job = submit(_solve, folder, campaign.keys, group, chosen, part, campaign.vtu)
             jobs[job] = [group[each] for each in part]
     faults: dict[int, str] = {}
     pending = set(jobs)
@@ -153,8 +153,9 @@ def shares(wanted: Sequence[int], groups: int, workers: int) -> list[Sequence[in
 
 
 def _solve(
-    folder: Path, group: Sequence[int], scenes: Sequence[Scene], wanted: Sequence[int], vtu: bool
-) -> dict[int, str]:
+    folder: Path, keys: Sequence[str], group: Sequence[int], scenes: Sequence[Scene],
+    wanted: Sequence[int], vtu: bool,
+) -> dict[int, str]:  # fmt: skip
     """In a process of its own: solve and keep a record of each, after its files; why some of them
     have none."""
     short: dict[int, str] = {}
@@ -166,7 +167,8 @@ def _solve(
         if isinstance(found, price.NoMemoryError):  # another time it may fit
             short[group[place]] = str(found)
             continue
-        records.write(folder, group[place], sweep_table.record(found))
+        over = {key: scenes[place].value(key) for key in keys}
+        records.write(folder, group[place], {"over": over, **sweep_table.record(found)})
     process.trim()
     return short
 
@@ -200,7 +202,7 @@ def _collect(campaign: Campaign, said: Sequence[str], work: Path) -> None:
     """The combinations that passed as time steps for ParaView."""
     from railhead.postprocess import export
 
-    for name in ("solution", "contact"):
+    for name in records.SERIES:
         files = {
             time: f"{records.grids(Path(), number)}/{name}.vtu"
             for number, (time, each) in enumerate(zip(campaign.times, said, strict=True))

@@ -340,7 +340,7 @@ def _status(arguments: Sequence[str] | None) -> int:
 def _say(text: str) -> None:
     """To standard error, once by all processes of MPI."""
     mpi = sys.modules.get("mpi4py.MPI")
-    if mpi is None or mpi.COMM_WORLD.rank == 0:
+    if (mpi.COMM_WORLD.rank if mpi else process.rank()) == 0:
         click.echo(f"railhead: {text}", err=True)
 
 

@@ -26,6 +26,7 @@ from pathlib import Path
 SIGNALS = (signal.SIGINT, signal.SIGTERM)  # in the order in which they are heard
 PATIENCE = 2.0  # seconds until the process is killed
 BEGUN, ENDED = b"\xfe", b"\xff"  # of a folder, whose path follows; other bytes are signals
+RANKS = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK")  # in the environment under mpirun
 SHOW_CURSOR = b"\x1b[?25h"
 _undo: list[Callable[[], None]] = []
 _deferred: list[int] | None = None  # signals that were heard in a block of `deferring`
@@ -50,6 +51,11 @@ def prepare() -> None:
     if hasattr(libc, "mallopt"):
         libc.mallopt(-1, 2**31 - 1)
         libc.mallopt(-3, 2**30)
+
+
+def rank() -> int:
+    """Of this process among those that a launcher of MPI started, before MPI is loaded."""
+    return next((int(os.environ[name]) for name in RANKS if name in os.environ), 0)
 
 
 def trim() -> None:

@@ -18,6 +18,8 @@ from railhead import results
 from railhead.scene.scene import SceneError
 
 ASKED, RECORDS, GRIDS = "sweep.json", "records", "vtu"
+NUMBER = "[0-9]" * 5
+SERIES = ("solution", "contact")  # of .vtu files
 
 
 def begin(folder: Path, asked: Mapping[str, Any], *, resume: bool) -> None:
@@ -26,6 +28,10 @@ def begin(folder: Path, asked: Mapping[str, Any], *, resume: bool) -> None:
     where nothing can be written."""
     if resume and folder.is_dir() and os.listdir(folder):
         _same(folder, json.loads(results.to_json(dict(asked))))
+        (folder / RECORDS).mkdir(exist_ok=True)
+        if asked.get("vtu"):
+            (folder / GRIDS).mkdir(exist_ok=True)
+            _forget_without_grids(folder)
         return
     if (folder / ASKED).is_file():
         with claimed(folder):
@@ -80,7 +86,7 @@ def _flat(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
 
 def done(folder: Path) -> set[int]:
     """Numbers of the combinations that have a record."""
-    return {int(path.stem) for path in (folder / RECORDS).glob("[0-9]*.json")}
+    return {int(path.stem) for path in (folder / RECORDS).glob(f"{NUMBER}.json")}
 
 
 def write(folder: Path, number: int, record: Mapping[str, Any]) -> None:
@@ -110,13 +116,28 @@ def _loaded(path: Path) -> dict[str, Any]:
     return found
 
 
-def check(folder: Path, known: Callable[[dict[str, Any]], object]) -> None:
-    """Raises SceneError of a record that is broken, or that `known` raises for."""
+def check(
+    folder: Path, over: Callable[[int], Mapping[str, Any]], known: Callable[[dict[str, Any]], None]
+) -> None:
+    """Raises SceneError of a record that is broken, or that `known` raises for, or of another
+    combination than has its number: `over` tells what changes in that."""
     for number in done(folder):
+        kept, wanted = read(folder, number), json.loads(results.to_json(dict(over(number))))
         try:
-            known(read(folder, number))
+            known(kept)
+            fits = kept["over"] == wanted
         except (LookupError, TypeError, ValueError, AttributeError):
-            raise _broken(_record(folder, number)) from None
+            fits = False
+        if not fits:
+            raise _broken(_record(folder, number))
+
+
+def _forget_without_grids(folder: Path) -> None:
+    """What is solved but has lost its .vtu files is solved again."""
+    for number in done(folder):
+        files = [grids(folder, number) / f"{name}.vtu" for name in SERIES]
+        if not read(folder, number).get("fault") and not all(map(Path.is_file, files)):
+            _record(folder, number).unlink()
 
 
 def _broken(path: Path) -> SceneError:

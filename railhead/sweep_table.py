@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from railhead.result import Result
 from railhead.scene.scene import unit
 
+BODY = "tau_max body"
 COLUMNS = {
     "p_max [MPa]": ("result", "pressure", "max_MPa"),
     "p_mean [MPa]": ("result", "pressure", "mean_MPa"),
@@ -16,7 +19,7 @@ COLUMNS = {
     "b [mm]": ("result", "patch", "b_mm"),
     "tau_max [MPa]": ("result", "stress", "tau_max_MPa"),
     "tau_max depth [mm]": ("result", "stress", "tau_max_depth_mm"),
-    "tau_max body": ("result", "stress", "tau_max_body"),
+    BODY: ("result", "stress", "tau_max_body"),
     "von_mises_max [MPa]": ("result", "stress", "von_mises_max_MPa"),
     "found approach [mm]": ("result", "approach_mm"),
     "found load [N]": ("result", "load_N"),
@@ -80,6 +83,15 @@ def row(values: Mapping[str, object], kept: Mapping[str, Any]) -> dict[str, Any]
     line |= {name: rubbed[key] for name, key in FRICTION.items() if key in rubbed}
     bound = summary["accuracy"]["bound"]
     return line | {name: bound.get(key) for name, key in BOUNDS.items()}
+
+
+def check(kept: Mapping[str, Any]) -> None:
+    """Raises LookupError, TypeError or ValueError where a record is none that `record` made."""
+    for name, value in row({}, kept).items():
+        if name in COLUMNS and name != BODY and not isinstance(value, int | float | None):
+            raise TypeError(f"{name} is no number")
+    for line in kept.get("outlines", []):
+        np.asarray(line, dtype=float).reshape(-1, 2)
 
 
 def status(kept: Mapping[str, Any]) -> str:

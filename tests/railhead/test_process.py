@@ -3,6 +3,10 @@
 import subprocess
 import sys
 
+import pytest
+
+from railhead import cli, process
+
 GIVEN_BACK = """
 import psutil
 from railhead import process
@@ -21,3 +25,13 @@ def test_free_memory_is_given_back() -> None:
         [sys.executable, "-c", GIVEN_BACK], capture_output=True, text=True, check=True
     )
     assert int(told.stdout) > 200e6
+
+
+@pytest.mark.parametrize("name", process.RANKS)
+def test_a_refusal_under_mpirun_is_said_once(name: str, monkeypatch, capsys) -> None:
+    """MPI is not loaded yet where input is read."""
+    monkeypatch.setitem(sys.modules, "mpi4py.MPI", None)
+    for rank, lines in (("0", 1), ("1", 0)):
+        monkeypatch.setenv(name, rank)
+        assert cli._refuse("no scene") == 2
+        assert len(capsys.readouterr().err.splitlines()) == lines

@@ -239,8 +239,10 @@ def test_a_sweep_opens_as_time_steps(tmp_path: Path) -> None:
             top = float(rows(out)[number]["p_max [MPa]"])
             if name == "contact":
                 assert pyvista.read(file)["pressure"].max() == pytest.approx(top, rel=0.01)
-    (out / "records" / "00001.json").write_text('{"fault": "gmsh: no"}')
+    fault = {"over": {"wheel.rolling_radius": 460.0}, "fault": "gmsh: no"}
+    (out / "records" / "00001.json").write_text(json.dumps(fault))
     (out / "records" / "00002.json").unlink()
+    (out / "vtu" / "00000" / "contact.vtu").unlink()
     assert sweep(*command, "--resume") == 1
     assert list(steps(out / "contact.pvd")) == [420.0, 500.0]
     assert sorted(os.listdir(out)) == sorted(
@@ -292,6 +294,7 @@ def test_another_sweep_is_not_gone_on_with(swept: Path, capsys, tmp_path: Path) 
 @pytest.mark.parametrize("content", [
     None, "{}", '{"fault": ""}', "[]", '{"fault": "", "summary": {}}',
     '{"fault": "", "summary": null}', '{"fault": "", "summary": {"checks": {"converged": true}}}',
+    '{"fault": "gmsh: no"}', '{"over": {}, "fault": "gmsh: no"}',
 ])  # fmt: skip
 @pytest.mark.parametrize("name", ["sweep.json", "records/00000.json"])
 def test_a_broken_file_is_said(
@@ -309,6 +312,52 @@ def test_a_broken_file_is_said(
         assert f"{name}' is broken; delete it and resume again" in err
     else:
         assert "holds another sweep" in err
+
+
+@pytest.mark.parametrize(
+    ("place", "value"),
+    [
+        (("outlines",), "abc"), (("outlines",), [[[0.0, 1.0, 2.0]]]),
+        (("summary", "result", "pressure", "max_MPa"), "abc"),
+        (("summary", "result", "contact_point_mm"), [0.0]), (("over", "load"), 80000.0),
+    ],
+)  # fmt: skip
+def test_a_record_that_is_none_of_its_combination_is_said(
+    swept: Path, place: tuple[str, ...], value: object, capsys, tmp_path: Path
+) -> None:
+    """As it would be by a hand, or copied from another combination."""
+    folder = tmp_path / "sweep"
+    shutil.copytree(swept, folder)
+    record = folder / "records" / "00000.json"
+    kept = json.loads(record.read_text())
+    inner = kept
+    for key in place[:-1]:
+        inner = inner[key]
+    inner[place[-1]] = value
+    record.write_text(json.dumps(kept))
+    over = ("--over", "load=50kN,80kN,110kN", "--over", "wheel.rolling_radius=420mm,460mm")
+    assert sweep(*ROLLER, *over, "--out", str(folder), "--resume") == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "00000.json' is broken; delete it and resume again" in line
+
+
+def test_what_else_lies_among_the_records_is_left_alone(swept: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "sweep"
+    shutil.copytree(swept, folder)
+    shutil.copy(folder / "records" / "00001.json", folder / "records" / "00001 (copy).json")
+    assert len(records.done(folder)) == 6
+    records.check(folder, lambda number: records.read(folder, number)["over"], sweep_table.check)
+
+
+def test_a_lost_folder_of_records_is_made_again(tmp_path: Path) -> None:
+    asked = {"vtu": True}
+    records.begin(tmp_path / "sweep", asked, resume=False)
+    shutil.rmtree(tmp_path / "sweep" / "records")
+    shutil.rmtree(tmp_path / "sweep" / "vtu")
+    records.begin(tmp_path / "sweep", asked, resume=True)
+    assert records.done(tmp_path / "sweep") == set()
+    records.write(tmp_path / "sweep", 0, {"fault": "gmsh: no"})
+    assert (tmp_path / "sweep" / "vtu").is_dir()
 
 
 @pytest.mark.parametrize("more", [(), ("--resume",)])
@@ -394,11 +443,12 @@ def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypa
 
     @contextmanager
     def one_process(ranks: int) -> Iterator[pool.Submit]:
-        def submit(work, folder, group, scenes, wanted, vtu) -> Future:
+        def submit(work, folder, keys, group, scenes, wanted, vtu) -> Future:
             asked.append([group[each] for each in wanted])
             future: Future = Future()
             if group[0] != 1:
-                records.write(folder, group[0], {"fault": "none of a test"})
+                over = {"load": scenes[0].load}
+                records.write(folder, group[0], {"over": over, "fault": "none of a test"})
             lost = "the process crashed" if 1 in group else ""
             future.set_result(pool.Attempt(None, 0.0, lost))
             return future
@@ -421,11 +471,11 @@ def test_what_has_no_memory_now_is_tried_again_by_resume(tmp_path: Path, monkeyp
     scene = rh.find("sphere_on_plane")
     (tmp_path / "records").mkdir()
     monkeypatch.setattr("railhead.refine.machine.free_memory", lambda: 0)
-    short = campaign._solve(tmp_path, [7], [scene], [0], False)
+    short = campaign._solve(tmp_path, [], [7], [scene], [0], False)
     assert list(short) == [7] and "GB free" in short[7]
     assert records.done(tmp_path) == set()
     monkeypatch.undo()
-    assert campaign._solve(tmp_path, [7], [scene], [0], False) == {}
+    assert campaign._solve(tmp_path, [], [7], [scene], [0], False) == {}
     assert records.done(tmp_path) == {7}
 
 
