@@ -224,6 +224,8 @@ def _elsewhere(findings: Findings) -> str:
 def _below(findings: Findings) -> str:
     """Where the axis starts."""
     x, s = findings.patch.centre
+    if findings.also:
+        return ", below the most loaded patch"
     if _centred(findings):
         return ", below the first contact"
     return f", below x = {x:.2g} mm, s = {s:.2g} mm"

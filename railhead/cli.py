@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import shutil
 import signal
 import sys
 import textwrap
 import time
 from collections.abc import Sequence
+from contextlib import redirect_stdout
 from pathlib import Path
 
 import click
@@ -16,6 +18,7 @@ from railhead import __version__, catalogue, process
 from railhead.scene.scene import Scene, SceneError
 
 SOLVED, CHECK_FAILED, WRONG_INPUT = 0, 1, 2
+ALIKE = ("list", "plan", "locate", "profile")  # done by all processes of MPI, said by the first
 
 _set = click.option(
     "--set", "assignments", multiple=True, metavar="KEY=VALUE", help="Change a key of the scene."
@@ -30,8 +33,11 @@ _without = click.option(
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__)
-def railhead() -> None:
+@click.pass_context
+def railhead(context: click.Context) -> None:
     """Wheel-rail contact by finite elements, held against exact Hertz."""
+    if context.invoked_subcommand in ALIKE and process.rank() > 0:
+        context.with_resource(redirect_stdout(io.StringIO()))
 
 
 @railhead.command("list")
@@ -315,7 +321,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _status(arguments: Sequence[str] | None) -> int:
-    given = list(sys.argv[1:] if arguments is None else arguments)
+    given = process.arguments() if arguments is None else list(arguments)
     try:
         code = railhead.main(given, prog_name="railhead", standalone_mode=False, obj=given)
         return int(code or SOLVED)
@@ -357,4 +363,4 @@ def _not_written(error: OSError) -> int:
 
 def run_case(scene: Scene) -> None:
     """What `python cases/<case>.py [options]` does: `railhead run` on that scene."""
-    main(["run", scene.name, *sys.argv[1:]])
+    main(["run", scene.name, *process.arguments()])

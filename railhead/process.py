@@ -58,6 +58,14 @@ def rank() -> int:
     return next((int(os.environ[name]) for name in RANKS if name in os.environ), 0)
 
 
+def arguments() -> list[str]:
+    """Of the command. They are taken away: dolfinx would read them too, and fails at what is no
+    UTF-8."""
+    given = sys.argv[1:]
+    del sys.argv[1:]
+    return given
+
+
 def trim() -> None:
     """Give memory that is free back to the system, where other processes look for it."""
     libc = ctypes.CDLL(None)

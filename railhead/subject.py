@@ -10,7 +10,7 @@ from railhead import catalogue
 from railhead.display import brief
 from railhead.planning.plan import Plan
 from railhead.postprocess.subject import Subject
-from railhead.scene.sections import Rail, Wheel
+from railhead.scene.sections import Rail, Wheel, Wheelset
 
 THESIS = "uic54_thesis"
 
@@ -30,6 +30,7 @@ def subject(plan: Plan, load: float) -> Subject:
     force = f"{brief(load / 1e3)} kN" if load >= 1e3 else f"{brief(load)} N"
     rubs = plan.effects["friction"].on
     end = ", as half-spaces" if contact.half_space else ""
+    end += _stands(scene.wheelset)
     if rubs:
         end += f", friction\N{NO-BREAK SPACE}{scene.friction.coefficient:g}"
     along, across = "in the rolling direction", "along the axis" if roller else "across"
@@ -43,6 +44,12 @@ def subject(plan: Plan, load: float) -> Subject:
         along, across, gauge=real, rolls=scene.rolling.given and rubs, rubs=rubs,
         revolved=contact.revolved, thesis=_thesis(scene.rail, scene.wheel),
     )  # fmt: skip
+
+
+def _stands(wheelset: Wheelset) -> str:
+    shift, yaw = wheelset.shift, 1e3 * wheelset.yaw
+    end = f", shifted\N{NO-BREAK SPACE}{brief(shift)}\N{NO-BREAK SPACE}mm" if shift else ""
+    return end + (f", yaw\N{NO-BREAK SPACE}{brief(yaw)}\N{NO-BREAK SPACE}mrad" if yaw else "")
 
 
 def shared_y(plans: Iterable[Plan]) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from railhead.result import Result
 from railhead.scene.scene import unit
 
-BODY = "tau_max body"
+BODY, ANGLE = "tau_max body", "contact angle [rad]"
 COLUMNS = {
     "p_max [MPa]": ("result", "pressure", "max_MPa"),
     "p_mean [MPa]": ("result", "pressure", "mean_MPa"),
@@ -23,7 +23,7 @@ COLUMNS = {
     "von_mises_max [MPa]": ("result", "stress", "von_mises_max_MPa"),
     "found approach [mm]": ("result", "approach_mm"),
     "found load [N]": ("result", "load_N"),
-    "contact angle [rad]": ("plan", "contact_angle_rad"),
+    ANGLE: ("plan", "contact_angle_rad"),
     "unknowns": ("cost", "dofs"),
 }
 FRICTION = {
@@ -78,7 +78,10 @@ def row(values: Mapping[str, object], kept: Mapping[str, Any]) -> dict[str, Any]
     line |= {name: _at(summary, path) for name, path in COLUMNS.items()}
     place = summary["result"]["contact_point_mm"]
     line |= {f"patch {axis} [mm]": value for axis, value in zip("xyz", place, strict=True)}
-    line["patches"] = max(1, len(summary["result"]["patches"]))
+    patches = summary["result"]["patches"]
+    line["patches"] = max(1, len(patches))
+    if patches:  # the most loaded one is the first, as for a, b and its place
+        line[ANGLE] = patches[0]["contact_angle_rad"]
     rubbed = summary["result"].get("friction") or {}
     line |= {name: rubbed[key] for name, key in FRICTION.items() if key in rubbed}
     bound = summary["accuracy"]["bound"]

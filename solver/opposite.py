@@ -12,10 +12,13 @@ from railhead.solver.facets import FacetSet, facet_closure
 from railhead.solver.interface import Gap
 from railhead.solver.pairing import pair
 
+ROUNDS = 4  # of following a normal
+MISSED, FACETED = 0.1, 0.02  # of the gap and of a facet, by which a normal may miss its node
+
 
 @dataclass(frozen=True)
 class Opposite:
-    """n nodes on f facets of the master that face the slave all over: facet_nodes (f, k), nodes of
+    """n nodes on f facets of the master at which normals of the slave end: facet_nodes (f, k), of
     each facet in `Fields.points`, corners first, basix order; nodes (n,) of all of them; gap (n,)
     mm between the deformed surfaces, along the slave's normal."""
 
@@ -33,21 +36,30 @@ def outer_nodes(facets: FacetSet) -> NDArray[np.int64]:
 def opposite(
     slave: FacetSet, master: FacetSet, exact: Gap, points: Array, displacement: Array
 ) -> Opposite:
-    """g0 + n . (u_master - u_slave), the pairing of `interface.build` from the other side.
+    """g0 + n . (u_master - u_slave) at the points of the slave whose normals end at the master's
+    nodes; these are found by following the normal that the slave has there, until it meets.
 
     slave, master: facets of all ranks. points, displacement (n, 3) of all nodes, in space, mm.
     """
     faces = outer_nodes(master)
     nodes = np.unique(faces)
-    gap, normals = exact(points[nodes])
     kinematics = slave.kinematics
     placed = kinematics.flatten(points[nodes] - np.array(kinematics.offset))
-    partner, xi = pair(placed, kinematics.flatten(normals), slave)
-    seen = np.isfinite(gap) & (partner >= 0)
-    nodes, partner, xi = nodes[seen], partner[seen], xi[seen]
+    gap, normals = exact(points[nodes])
+    for _ in range(ROUNDS):
+        partner, xi = pair(placed, kinematics.flatten(normals), slave)
+        seen = np.isfinite(gap) & (partner >= 0)
+        nodes, placed, partner, xi = nodes[seen], placed[seen], partner[seen], xi[seen]
+        below = slave.tangents(partner, xi)[0]
+        gap, normals = exact(kinematics.lift(below))
+    missed = placed - below - gap[:, None] * kinematics.flatten(normals)
+    size = np.linalg.norm(slave.vertices[partner, 1] - slave.vertices[partner, 0], axis=1)
+    seen = np.linalg.norm(missed, axis=1) < MISSED * gap + FACETED * size
+    nodes, gap, normals = nodes[seen], gap[seen], normals[seen]
+    partner, xi = partner[seen], xi[seen]
     phi, _ = slave.basis(partner, slave.reference(partner, xi))
     other = np.einsum("nd,ndc->nc", phi, displacement[slave.dofs[partner]])
-    moved = np.einsum("nc,nc->n", normals[seen], displacement[nodes] - other)
+    moved = np.einsum("nc,nc->n", normals, displacement[nodes] - other)
     faces = faces[np.isin(faces, nodes).all(axis=1)]
     used = np.isin(nodes, faces)
-    return Opposite(faces, nodes[used], (gap[seen] + moved)[used])
+    return Opposite(faces, nodes[used], (gap + moved)[used])

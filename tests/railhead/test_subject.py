@@ -56,3 +56,10 @@ def test_a_file_is_called_by_its_name() -> None:
     keys = {"profile": str(file), "inclination": 0}
     found = subject(plan.make(find("s1002_60e1").replace(rail=keys)), 1.0)
     assert found.title.endswith("on rail MBench_UIC60_v3.ban")
+
+
+def test_the_position_of_a_wheelset_is_said() -> None:
+    keys = "wheelset.shift=-3mm", "wheelset.yaw=2mrad"
+    found = subject(plan.make(find("s1002_60e1").replace(keys)), 1.0)
+    end = "on rail 60E1, inclined 1:40, shifted -3 mm, yaw 2 mrad"
+    assert found.title.replace("\N{NO-BREAK SPACE}", " ").endswith(end)

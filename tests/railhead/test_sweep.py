@@ -341,6 +341,16 @@ def test_a_record_that_is_none_of_its_combination_is_said(
     assert "00000.json' is broken; delete it and resume again" in line
 
 
+def test_the_angle_of_a_row_is_that_of_its_patch(swept: Path) -> None:
+    """Of several patches the most loaded one, which need not be where the plan saw the first."""
+    kept = records.read(swept, 0)
+    planned = sweep_table.row({}, kept)["contact angle [rad]"]
+    assert planned == kept["summary"]["plan"]["contact_angle_rad"]
+    kept["summary"]["result"]["patches"] = [{"contact_angle_rad": 0.1}, {"contact_angle_rad": 0.3}]
+    line = sweep_table.row({}, kept)
+    assert line["contact angle [rad]"] == 0.1 and line["patches"] == 2
+
+
 def test_what_else_lies_among_the_records_is_left_alone(swept: Path, tmp_path: Path) -> None:
     folder = tmp_path / "sweep"
     shutil.copytree(swept, folder)
@@ -550,11 +560,12 @@ def test_a_row_holds_what_its_columns_say() -> None:
     result = {
         "pressure": numbers, "patch": numbers, "stress": {**numbers, "tau_max_body": "rail"},
         "approach_mm": 9.0, "load_N": 10.0, "contact_point_mm": [11.0, 12.0, 13.0],
-        "patches": [{}, {}], "friction": {key: 20.0 + i for i, key in enumerate(forces)},
+        "patches": [{"contact_angle_rad": 14.0}, {}],
+        "friction": {key: 20.0 + i for i, key in enumerate(forces)},
     }  # fmt: skip
     summary = {
         "checks": {"converged": True, "passed": True}, "result": result,
-        "plan": {"contact_angle_rad": 14.0}, "cost": {"dofs": 15},
+        "plan": {"contact_angle_rad": 17.0}, "cost": {"dofs": 15},
         "accuracy": {"bound": {key: 40.0 + i for i, key in enumerate(bounds)}},
     }  # fmt: skip
     assert sweep_table.row({"load": 16.0}, {"fault": "", "summary": summary}) == {

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import pyvista as pv
 from scipy.interpolate import LinearNDInterpolator
+from scipy.spatial import cKDTree
 
 import railhead as rh
 
@@ -90,6 +91,23 @@ def test_both_surfaces_meet_under_the_same_pressure(tmp_path: Path) -> None:
         near = one["gap"] < 0.05
         apart = pv.PolyData(one.points[near]).compute_implicit_distance(other)
         assert np.abs(apart["implicit_distance"]) == pytest.approx(one["gap"][near], abs=1e-3)
+
+
+def test_gaps_far_from_the_contact_are_those_of_the_surfaces(tmp_path: Path) -> None:
+    """Of two cylinders side on, whose surfaces turn away from each other: no gap is less than the
+    distance to the other cylinder, nor falls away from the contact."""
+    found = pv.read(saved(rh.find("two_cylinders"), tmp_path / "out") / "contact.vtu")
+    moved = (found.points + found["displacement"])[:, 1:]
+    for body, other in ((1, 2), (2, 1)):
+        parts = [found.extract_cells(found["body"] == each) for each in (body, other)]
+        own, opposite = (np.unique(part["vtkOriginalPointIds"]) for part in parts)
+        line = moved[opposite[np.argsort(moved[opposite, 0])]]
+        y = np.linspace(line[0, 0], line[-1, 0], 4001)
+        apart = cKDTree(np.column_stack([y, np.interp(y, *line.T)])).query(moved[own])[0]
+        gap, away = found["gap"][own], np.abs(moved[own, 0])
+        assert (gap > 0.98 * apart - 0.01).all()
+        order = np.argsort(away)
+        assert np.diff(gap[order]).min() > -0.02 and away.max() > 5
 
 
 def test_lines_and_rigid_bodies(tmp_path: Path) -> None:
