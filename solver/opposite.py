@@ -52,6 +52,7 @@ def opposite(
         nodes, placed, partner, xi = nodes[seen], placed[seen], partner[seen], xi[seen]
         below = slave.tangents(partner, xi)[0]
         gap, normals = exact(kinematics.lift(below))
+    gap = np.where(np.isfinite(gap), gap, np.nan)
     missed = placed - below - gap[:, None] * kinematics.flatten(normals)
     size = np.linalg.norm(slave.vertices[partner, 1] - slave.vertices[partner, 0], axis=1)
     seen = np.linalg.norm(missed, axis=1) < MISSED * gap + FACETED * size
