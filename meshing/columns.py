@@ -14,6 +14,7 @@ UP = ("z", "height", "vertical", "vert", "hoehe", "höhe", "elevation", "elev", 
 ALONG = "x"  # beside z; without it x is across and y up
 NOMINAL = re.compile(r"nom|soll|ref|theo|target|design")  # columns of what should be
 OTHER = re.compile(r"(?<!\w)(phi|theta|alpha|angle|winkel)|diam|durchmesser")  # no y, no z
+VALUE = re.compile(r"[+-]?\.?\d")  # no name: a line of a key and its value
 RUNS = 0.9  # of the way up and down a column that it goes from end to end: it runs one way
 SECTION = 0.1  # of the way across that the points of one section go along the rail, at most
 NUMBERED = 150  # points and more are no whole millimetres across a wheel, ...
@@ -29,43 +30,67 @@ class ColumnError(ValueError):
         self.at = at
 
 
-def chosen(header: Sequence[tuple[int, Sequence[str]]], rows: Array) -> tuple[int, int]:
-    """Columns of y and z. header: lines before the points, as number and cells; rows (n, m).
-    Raises ColumnError where others could be meant."""
-    for at, cells in header:
-        names = [cell.strip("\"' ").lower() for cell in cells]
-        if len(names) < 2 or not (found := _named(at, names, rows)):
-            continue
-        for column in found:
-            if len(names) > column and OTHER.search(names[column]):
-                raise ColumnError(at, f"heads an angle or a diameter, {names[column]!r}")
-        return found
-    return _unnamed(rows)
+def chosen(header: Sequence[tuple[int, Sequence[str]]], rows: Array) -> tuple[int, int, int]:
+    """Columns of y and z, and the line that names them, 0 where none does. header: lines before the
+    points, as number and cells; rows (n, m). Raises ColumnError where others could be meant."""
+    lines = [(at, [cell.strip("\"' ").lower() for cell in cells]) for at, cells in header]
+    lines = [(at, names) for at, names in lines if not any(map(VALUE.match, names))]
+    lines.reverse()  # what stands above is about something else
+    for way in (_both_named, _one_named):
+        for at, names in lines:
+            if found := way(at, names, rows):
+                for column in found:
+                    if len(names) > column and OTHER.search(names[column]):
+                        raise ColumnError(at, f"heads an angle or a diameter, {names[column]!r}")
+                return *found, at
+    return *_unnamed(rows), 0
 
 
-def _named(at: int, names: Sequence[str], rows: Array) -> tuple[int, int] | None:
-    """By the names in a line; None where it has none. Raises ColumnError."""
-    heads = ["" if NOMINAL.search(name) else re.split(r"\W|_", name)[0] for name in names]
+def _heads(names: Sequence[str]) -> list[str]:
+    return ["" if NOMINAL.search(name) else re.split(r"\W|_", name)[0] for name in names]
+
+
+def _both_named(at: int, names: Sequence[str], rows: Array) -> tuple[int, int] | None:
+    """Where a line names one y and one z. Raises ColumnError where x may be across, too."""
+    heads = _heads(names)
     across, up = ([i for i, head in enumerate(heads) if head in each] for each in (ACROSS, UP))
-    count = rows.shape[1]
-    if len(across) == 1 and len(up) == 1:
-        _check_section(at, heads, across[0], rows)
-        return across[0], up[0]
+    if len(across) != 1 or len(up) != 1:
+        return None
+    present = range(rows.shape[1])
+    along = [i for i in present if heads[i] == ALONG] if across[0] in present else []
+    for column in along:
+        if _runs(rows[:, column]) and _far(rows, column, across[0]):
+            if _runs(rows[:, across[0]]) or _far(rows, across[0], column):
+                text = "names x and y, which both run, so that either may be across"
+                raise ColumnError(at, text)
+            return column, up[0]
+    return across[0], up[0]
+
+
+def _one_named(at: int, names: Sequence[str], rows: Array) -> tuple[int, int] | None:
+    """Where a line has a word for each column, of which one is known. Raises ColumnError."""
+    heads, count = _heads(names), rows.shape[1]
+    across, up = ([i for i, head in enumerate(heads) if head in each] for each in (ACROSS, UP))
     if len(names) != count:
         return None  # words
     if count == 2:
-        return 0, 1
+        return (0, 1) if any(map(OTHER.search, names)) else None
     if max(len(across), len(up)) > 1:
         raise ColumnError(at, "names several columns across, or up")
     if up:  # which stands beside it
         return (up[0] - 1, up[0]) if up[0] else (1, 0)
     if across and heads.count(ALONG) == 1:
         return heads.index(ALONG), across[0]
+    real = [i for i in range(count) if not NOMINAL.search(names[i])]
     if across:
         beside = [(across[0] + i) % count for i in range(1, count)]
-        height = next((i for i in beside if not NOMINAL.search(names[i])), beside[0])
+        height = next((i for i in beside if i in real), beside[0])
         _check_height(at, across[0], height, rows)
         return across[0], height
+    if len(real) < count:
+        if len(real) != 2:
+            raise ColumnError(at, "names nominal columns, and not two others")
+        return real[0], real[1]
     return None
 
 
@@ -86,20 +111,16 @@ def _unnamed(rows: Array) -> tuple[int, int]:
     return found
 
 
-def _check_section(at: int, heads: Sequence[str], across: int, rows: Array) -> None:
-    """Raises ColumnError where a column x runs too, so that it may be the one across."""
-    present = range(rows.shape[1])
-    along = [i for i in present if heads[i] == ALONG] if across in present else []
-    for column in (rows[:, i] for i in along):
-        if _runs(column) and np.ptp(column) > SECTION * np.ptp(rows[:, across]):
-            raise ColumnError(at, "names x and y, which both run, so that either may be across")
-
-
 def _check_height(at: int, across: int, up: int, rows: Array) -> None:
     """Raises ColumnError where what stands beside y is constant or scatters."""
     z = rows[np.argsort(rows[:, across], kind="stable"), up]
     if np.mean(np.diff(z) ** 2) >= SCATTER * np.var(z):
         raise ColumnError(at, f"has no height in column {up + 1}: it is constant or scatters")
+
+
+def _far(rows: Array, column: int, other: int) -> bool:
+    """Whether a column goes farther than that of the other that belongs to one section."""
+    return bool(np.ptp(rows[:, column]) > SECTION * np.ptp(rows[:, other]))
 
 
 def _runs(column: Array) -> bool:

@@ -32,11 +32,12 @@ RATE = r"(?:m?m|[km]?n|k?g|t|lbs?)"  # of a unit, as in 60 kg/m: names no column
 WORD = r"([a-zµμ]+|\"|″|°)"
 NAMED = rf"[\[(]\s*{WORD}\s*[\])]|(?:^|[\W_])(?!{RATE}/)[^\W\d_]+\d*\s*[/_]\s*{WORD}(?!\w)"
 COLUMN = re.compile(rf"{NAMED}|^[\s\"']*{WORD}[\s\"']*$", re.IGNORECASE)  # y [mm], y/mm, mm
-PROSE = re.compile(
-    rf"{NAMED}|(?<![\d/])(?<!\d\s)\b(mm)\b|\bunits?\s*[:=]?\s*{WORD}"
-    rf"|\bin\s+{WORD}(?=\s*(?:$|[,;.:)\]]))",
-    re.IGNORECASE,
+PLAIN = (
+    rf"(?<![\d/])(?<!\d\s)\b(mm)\b|\bunits?\s*[:=]?\s*{WORD}"
+    rf"|\bin\s+{WORD}(?=\s*(?:$|[,;.:)\]]))"
 )
+PROSE = re.compile(rf"(?:{NAMED})(?!\s*[:=,;]?\s*[-+]?\d)|{PLAIN}", re.IGNORECASE)
+HEADS = re.compile(PLAIN, re.IGNORECASE)  # where the brackets of other columns may stand
 TWICE = re.compile(r"\s*-?\d+(,\d+)?,-?\d{1,3}(,\d+)?\s*")  # 1,5,2,5 or 1,2,5
 DECIMALS = re.compile(r"([^,]*,){3}|.*,.*,\d{3,}\s*$")  # four numbers, or many digits in the third
 SHOWN = 40  # characters of a wrong line
@@ -114,24 +115,26 @@ def table(name: str, lines: Sequence[str], overruled: bool = False) -> Table:
             raise InstrumentError(name, i, f"{line.strip()[:SHOWN]!r} {text}")
     header = [(i, line) for i, line in full if i < first]
     points = [(i, row) for i, _, row in rows if row]
-    columns = _columns(name, header, separator, [row for _, row in points], first)
+    *columns, named = _columns(name, header, separator, [row for _, row in points], first)
     for i, row in points:
         if len(row) <= max(columns):
             text = f"has no number in column {max(columns) + 1}; give as many as in other lines"
             raise InstrumentError(name, i, text)
     values = np.array([[row[column] for column in columns] for _, row in points])
     most, remarks = max(len(row) for _, row in points), []
-    if columns != (0, 1) or most > 2:
+    if columns != [0, 1] or most > 2:
         remarks = [f"columns {columns[0] + 1} and {columns[1] + 1} of {most}"]
-    unit, at = _unit(name, header, separator, columns, overruled), tuple(i for i, _ in points)
+    unit = _unit(name, header, separator, columns, named, overruled)
+    at = tuple(i for i, _ in points)
     return Table(values, unit, "", f"table by {words}", tuple(remarks), at)
 
 
 def _columns(
     name: str, header: Sequence[tuple[int, str]], separator: str,
     rows: Sequence[Sequence[float]], first: int,
-) -> tuple[int, int]:  # fmt: skip
-    """Of y and z. Raises InstrumentError, of the header or the first line of points."""
+) -> tuple[int, int, int]:  # fmt: skip
+    """Of y and z, and the line that names them. Raises InstrumentError, of the header or the first
+    line of points."""
     count = min(map(len, rows))
     cells = [(at, _cells(line.rstrip("\"' \n"), separator)) for at, line in header]
     try:
@@ -146,12 +149,13 @@ def _cells(line: str, separator: str) -> list[str]:
 
 
 def _unit(
-    name: str, header: Sequence[tuple[int, str]], separator: str, columns: tuple[int, int],
-    overruled: bool,
+    name: str, header: Sequence[tuple[int, str]], separator: str, columns: Sequence[int],
+    named: int, overruled: bool,
 ) -> str:  # fmt: skip
-    """That lines before the points state: first those that head the two columns."""
+    """That lines before the points state: first those that head the two columns, from the one that
+    names them on."""
     allowed = ", ".join(dict.fromkeys(NAMED_UNITS.values()))
-    for i, line in header:
+    for i, line in [each for each in header if each[0] >= named]:
         ways = (_cells(line, each) for each in (separator, r"[;,\t]"))
         cells = next((way for way in ways if len(way) > max(columns)), [])
         texts = [cells[column].strip() for column in columns] if cells else []
@@ -164,8 +168,9 @@ def _unit(
             raise InstrumentError(name, i, text)
         if units:
             return " and ".join(units)
-    for _, line in header:
-        for word in _words(PROSE, line):
+    for i, line in header:
+        heads = i < named and len(re.split(r"[;,\t]", line)) > 1
+        for word in _words(HEADS if heads else PROSE, line):
             if word in NAMED_UNITS:
                 return NAMED_UNITS[word]
     return ""

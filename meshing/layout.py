@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from railhead.meshing.scans import closes
 from railhead.meshing.smoothing import PointError
 
 Array = NDArray[np.float64]
@@ -30,8 +31,10 @@ def check_across(points: Array) -> None:
 
 def check_head(points: Array, listed: Array) -> None:
     """Points (n, 2) of a rail, mm, and the same in other axes, listed (n, 2). Raises PointError, of
-    the top in these other axes, where the head has one side."""
+    the top in these other axes, where the head has one side; an outline that closes has both."""
     way = _way(points)
+    if closes(way):
+        return
     way = way - way[0]
     under = np.sum(way[:-1, 0] * way[1:, 1] - way[1:, 0] * way[:-1, 1]) * way[-1, 0]
     y, z = points[:, 0], points[:, 1] * (-1 if under > 0 else 1)  # above its chord

@@ -103,7 +103,10 @@ def in_mm(table: Table, body: str, choice: str) -> tuple[Array, str]:
         raise PointError(f"is {width:.4g} mm wide in {unit}; give its profile_unit, in which it is "
                          f"{least:g} to {most:g} mm wide", _outermost(table.points))  # fmt: skip
     if choice == "auto":
-        return points, f"in {unit} ({'as the file says' if table.unit else 'by its width'})"
+        usual = USUAL[body][0] <= width <= USUAL[body][1]
+        warning = "" if usual else f"; WARNING: {width:.3g} mm is no usual width of a {body}"
+        why = "as the file says" if table.unit else "by its width"
+        return points, f"in {unit} ({why}){warning}"
     overruled = table.unit not in ("", unit)
     return points, f"in {unit}" + (f" as given (the file says {table.unit})" if overruled else "")
 

@@ -49,23 +49,24 @@ def in_order(points: Array) -> Array:
         _refuse_passes(points, order)
     way = ways[int(lengths[1] < lengths[0])]
     y, z = way.T
-    if _closes(way):
+    if closes(way):
         return way if np.dot(y, np.roll(z, -1) - np.roll(z, 1)) < 0 else way[::-1]
     return way if y[-1] > y[0] else way[::-1]
 
 
-def _closes(way: Array) -> bool:
+def closes(way: Array) -> bool:
+    """Whether points (n, 2) in their order along a curve, mm, come back to where they begin."""
     return bool(np.linalg.norm(way[-1] - way[0]) < GAP)
 
 
 def head(points: Array) -> Array:
-    """Points (n, 2) of a rail, mm, its head upwards: those of the head (m, 2), where there is a web
-    or a foot too in their order along the curve."""
-    least = points[:, 1].max() - DEEP
-    if points[:, 1].min() >= least:
+    """Points (n, 2) of a rail, mm, its head upwards: those of the head (m, 2), in their order along
+    the curve where there is a web or a foot too, or where it closes."""
+    way, least = in_order(points), points[:, 1].max() - DEEP
+    if closes(way):
+        way = np.roll(way, -int(np.argmin(way[:, 1])), axis=0)
+    elif points[:, 1].min() >= least:
         return points
-    way = in_order(points)
-    way = np.roll(way, -int(np.argmin(way[:, 1])), axis=0) if _closes(way) else way
     top, low = int(np.argmax(way[:, 1])), np.flatnonzero(way[:, 1] < least)
     start = max(low[low < top], default=-1) + 1
     return way[start : min(low[low > top], default=len(way))]

@@ -27,11 +27,14 @@ def header(*names: str) -> list[tuple[int, list[str]]]:
         (("No", "y", "depth"), (NUMBER, Y, -Z), (1, 2)),
         (("x", "y", "z"), (0 * Y + 12.5, Y, Z), (1, 2)),
         (("x", "y", "z"), (0.01 * NUMBER, Y, Z), (1, 2)),
-        (("y", "radius"), (Y, 460 - Z), (0, 1)),
+        (("x", "y", "z"), (Y, 0 * Y + 5, Z), (0, 2)),
+        (("x", "y", "z"), (Y, 0.01 * RANDOM, Z), (0, 2)),
+        (("Position", "Nominal", "Measured"), (Y, Z, Z), (0, 2)),
+        (("Position", "Soll", "Ist"), (Y, Z, Z), (0, 2)),
     ],
 )
 def test_names_tell_y_and_z(names, columns, found) -> None:
-    assert chosen(header(*names), np.column_stack(columns)) == found
+    assert chosen(header(*names), np.column_stack(columns)) == (*found, 3)
 
 
 @pytest.mark.parametrize(
@@ -41,6 +44,7 @@ def test_names_tell_y_and_z(names, columns, found) -> None:
         (("y", "sigma", "value"), (Y, RANDOM, Z), "column 2: it is constant or scatters"),
         (("X", "Y", "Z"), (Y, 0.1 * NUMBER, Z), "x and y, which both run"),
         (("x", "y", "height"), (0.06 * NUMBER, Y, Z), "x and y, which both run"),
+        (("Position", "Soll", "Ist", "Winkel"), (Y, Z, Z, Z), "and not two others"),
         (("phi", "r"), (Y, Z), "an angle or a diameter, 'phi'"),
         (("y [mm]", "Diameter [mm]"), (Y, Z), "an angle or a diameter, 'diameter [mm]'"),
         (("No", "Winkel", "z"), (NUMBER, Y, Z), "an angle or a diameter, 'winkel'"),
@@ -69,4 +73,21 @@ def test_a_narrow_crown_with_noise_is_a_height(noise: float) -> None:
     y = np.arange(-12.5, 12.5, 0.1)
     z = -(y**2) / 1000 + rng.normal(0, noise, len(y))
     rows = rng.permutation(np.column_stack([y, z, 0 * y]))
-    assert chosen([], rows) == (0, 1)
+    assert chosen([], rows) == (0, 1, 0)
+
+
+@pytest.mark.parametrize(
+    "above", [("Wheel diameter [mm]", "920"), ("wheel", "diameter"), ("Winkel", "0"),
+              ("Rail", "60E1"), ("Date", "01.05.2024")]
+)  # fmt: skip
+@pytest.mark.parametrize(("names", "found"), [(("y", "z"), (0, 1)), (("z", "y"), (1, 0))])
+def test_lines_above_the_header_name_no_columns(above, names, found) -> None:
+    """They are about the whole: the header stands below them."""
+    rows = np.column_stack([Y, Z] if found == (0, 1) else [Z, Y])
+    assert chosen([(1, above), (2, names)], rows) == (*found, 2)
+
+
+def test_a_table_without_names_has_y_and_z() -> None:
+    rows = np.column_stack([Y, 460 - Z])
+    for names in (("y", "radius"), ("wheel", "left"), ("diameter", "920")):
+        assert chosen(header(*names), rows)[:2] == (0, 1)

@@ -114,6 +114,9 @@ def test_other_codings_are_read(coding: str, tmp_path) -> None:
         ("y,z (um)", "um"), ("x [m]\ny [mm], z [mm]", "mm"), ("# gauge 1435 mm\ny/m,z/m", "m"),
         ("# 60 kg/m", ""), ("# 133 lb/ft\ny,z", ""), ("# 0.1 mm/m, 5 kN/mm", ""), ("t/m", ""),
         ("y,z", ""), ("# measured in March (in a tunnel)", ""),
+        ("Chainage (m),Line\ny,z", ""), ("# station [m]: 1200", ""),
+        ("Station [m],Temp [deg]\ny,z", ""), ("# lengths in m, rail 12\ny,z", "m"),
+        ("Kilometer [km],Gleis\ny [mm],z [mm]", "mm"), ("# tape circle at 70 (mm)", "mm"),
         ("# at 12.5 km, measured in metre gauge network\ny,z", ""), ("# 1435 mm gauge", ""),
     ],
 )  # fmt: skip

@@ -54,6 +54,18 @@ def test_the_profile_of_a_whole_section_is_its_head(
     np.testing.assert_allclose(found.profile.height(Y), truth.height(Y), atol=5e-3)
 
 
+@pytest.mark.parametrize("begin", [0.0, 0.2, 0.6, 0.9])
+@pytest.mark.parametrize("back", [False, True])
+def test_the_profile_of_a_closed_head_is_its_top(begin: float, back: bool, tmp_path) -> None:
+    """Not the line that closes it below, which faces upwards on the way back."""
+    half = head(0.5, 30.0)
+    closed = even(np.concatenate([half, half[:1]]), 0.5)
+    points = np.roll(closed, -int(begin * len(closed)), axis=0)[:: -1 if back else 1]
+    found = read(tmp_path, points, "rail")
+    truth = profiles.rail_head("60E1")
+    np.testing.assert_allclose(found.profile.height(Y), truth.height(Y), atol=5e-3)
+
+
 @pytest.mark.parametrize("deepest", [-60.0, -100.0, -147.0])
 def test_web_and_foot_are_cut_off(deepest: float, tmp_path) -> None:
     points = section(0.5, 0.5)
@@ -151,3 +163,12 @@ def test_other_rails_look_like_one(radii, ends, deep: float, tmp_path) -> None:
     points = other(radii, ends, deep)
     points[:, 1] -= 3.0 * np.exp(-(((points[:, 0] - 20) / 6) ** 2))
     assert "is far from" not in " ".join(read(tmp_path, points, "rail").said)
+
+
+def test_a_standard_that_slips_off_is_not_the_nearest() -> None:
+    """Where nothing is compared nothing is off."""
+    points = other((80,), (), 30.0)
+    laid = wear._all(even(points, wear.STEP), "rail")
+    compared = [np.isfinite(each.loss).sum() * wear.STEP > 20 for each in laid]
+    assert not all(compared)
+    assert [np.isfinite(each.misfit) for each in laid] == compared

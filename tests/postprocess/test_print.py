@@ -277,3 +277,11 @@ def test_a_strip_of_patches_holds_the_key_with_more_values(
 
 def test_signs_are_those_of_the_axes() -> None:
     assert plots.minus("y = -12.67 mm") == "y = \N{MINUS SIGN}12.67 mm"
+
+
+def test_of_several_patches_the_depth_is_below_the_most_loaded_one() -> None:
+    """Its frame begins there, which need not be the plan's first contact."""
+    patch = SimpleNamespace(centre=(0.0, 0.0), a=2.0, b=1.0)
+    for also, said in (((), "first contact"), ((None,), "most loaded patch")):
+        found = cast(Any, SimpleNamespace(patch=patch, also=also))
+        assert plots._below(found) == f", below the {said}"

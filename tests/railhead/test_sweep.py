@@ -245,6 +245,7 @@ def test_a_sweep_opens_as_time_steps(tmp_path: Path) -> None:
     (out / "vtu" / "00000" / "contact.vtu").unlink()
     assert sweep(*command, "--resume") == 1
     assert list(steps(out / "contact.pvd")) == [420.0, 500.0]
+    assert all(Path(file).is_file() for file in steps(out / "contact.pvd").values())
     assert sorted(os.listdir(out)) == sorted(
         [".railhead", "contact.pvd", "records", "solution.pvd", "sweep.csv", "sweep.json", "vtu"]
     )
