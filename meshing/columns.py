@@ -46,14 +46,16 @@ def chosen(header: Sequence[tuple[int, Sequence[str]]], rows: Array) -> tuple[in
     return *_unnamed(rows), 0
 
 
-def _heads(names: Sequence[str]) -> list[str]:
-    return ["" if NOMINAL.search(name) else re.split(r"\W|_", name)[0] for name in names]
+def _known(names: Sequence[str]) -> tuple[list[str], list[int], list[int]]:
+    """First words of names, '' of nominal ones, and which of them are y and which z."""
+    heads = ["" if NOMINAL.search(name) else re.split(r"\W|_", name)[0] for name in names]
+    across, up = ([i for i, head in enumerate(heads) if head in each] for each in (ACROSS, UP))
+    return heads, across, up
 
 
 def _both_named(at: int, names: Sequence[str], rows: Array) -> tuple[int, int] | None:
     """Where a line names one y and one z. Raises ColumnError where x may be across, too."""
-    heads = _heads(names)
-    across, up = ([i for i, head in enumerate(heads) if head in each] for each in (ACROSS, UP))
+    heads, across, up = _known(names)
     if len(across) != 1 or len(up) != 1:
         return None
     present = range(rows.shape[1])
@@ -69,8 +71,7 @@ def _both_named(at: int, names: Sequence[str], rows: Array) -> tuple[int, int] |
 
 def _one_named(at: int, names: Sequence[str], rows: Array) -> tuple[int, int] | None:
     """Where a line has a word for each column, of which one is known. Raises ColumnError."""
-    heads, count = _heads(names), rows.shape[1]
-    across, up = ([i for i, head in enumerate(heads) if head in each] for each in (ACROSS, UP))
+    (heads, across, up), count = _known(names), rows.shape[1]
     if len(names) != count:
         return None  # words
     if count == 2:

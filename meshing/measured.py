@@ -121,7 +121,7 @@ def from_points(
     runs = _runs(faces)
     if np.diff(runs).max(initial=0) < 4:
         raise ValueError("has no part that faces upwards; give points across the running surface")
-    curve, spacing = smoothed.curve(s), np.linalg.norm(np.diff(smoothed.points, axis=0), axis=1)
+    curve, spacing = smoothed.curve(s), np.diff(smoothing.chord_lengths(smoothed.points))
     off = cKDTree(smoothed.points).query(curve)[0]
     if off.max() > max(spacing.max() / 2, 2 * float(np.median(spacing))) + LOOSE:
         raise smoothing.folded(smoothed.points)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from railhead.meshing import layout, scans, wear
 from railhead.meshing.dialects import Table
-from railhead.meshing.smoothing import GAP, PointError
+from railhead.meshing.smoothing import PointError
 
 Array = NDArray[np.float64]
 UNITS = {"mm": 1.0, "m": 1000.0, "inch": 25.4, "cm": 10.0, "um": 1e-3, "ft": 304.8}
@@ -160,7 +160,7 @@ def _upside_down(points: Array, body: str) -> tuple[bool, str]:
         return (found[1] < 0, "by its flange") if found else (False, "")
     way = scans.in_order(points)
     even = scans.evenly(way, wear.STEP)
-    if np.linalg.norm(way[-1] - way[0]) > GAP:  # a head may have its underside
+    if not scans.closes(way):  # a head may have its underside
         return bool(way[[0, -1], 1].mean() > even[:, 1].mean()), "by its ends"
     y, z = even.T
     return bool(np.polyfit(y - y.mean(), z, 2)[0] > 0), "by its crown"

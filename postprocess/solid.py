@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.postprocess.findings import Array
-from railhead.solver.cells import Index
+from railhead.solver.cells import Index, inverse
 from railhead.solver.gather import Fields
 
 SHARP = np.radians(75.0)  # between neighbouring facets; a fillet has six elements a turn at least
@@ -78,7 +78,7 @@ class Solid:
         """(s, n, d + 1) coordinates of points (n, 3) in the simplices of some cells."""
         nodes = self.corners[cells][:, self._simplices].reshape(-1, self._simplices.shape[1])
         corners = self._fields.points[nodes] @ self._axes.T
-        sides = np.linalg.inv(corners[:, 1:] - corners[:, :1])
+        sides, _ = inverse(corners[:, 1:] - corners[:, :1])
         inner = (points @ self._axes.T - corners[:, :1]) @ sides
         return np.concatenate([1 - inner.sum(axis=2, keepdims=True), inner], axis=2)
 

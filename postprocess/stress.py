@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.postprocess.findings import Array
-from railhead.solver.cells import middle, tabulate
+from railhead.solver.cells import inverse, middle, tabulate
 from railhead.solver.elasticity import quadrature_degree
 from railhead.solver.gather import Fields
 
@@ -92,14 +92,15 @@ def _strain(
     at, u = fields.points[fields.cells[cells]], fields.displacement[fields.cells[cells]]
     nodes, u = kinematics.flatten(at), kinematics.flatten(u)
     jacobian = (phi[1:] @ nodes).transpose(0, 2, 1)
-    grad_u = (phi[1:] @ u).transpose(0, 2, 1) @ np.linalg.inv(jacobian)
+    inverted, size = inverse(jacobian)
+    grad_u = (phi[1:] @ u).transpose(0, 2, 1) @ inverted
     strain = 0.5 * (grad_u + grad_u.transpose(0, 2, 1))
     x = phi[0] @ at
     if kinematics.dim == 2:
         strain = kinematics.axes.T @ strain @ kinematics.axes
     if kinematics.revolved:
         strain += _hoop(u[..., 0] @ phi[0], x[:, 0], grad_u[:, 0, 0])[:, None, None] * OUT
-    return x, strain, np.abs(np.linalg.det(jacobian))
+    return x, strain, np.abs(size)
 
 
 def _hoop(u: Array, r: Array, slope: Array) -> Array:

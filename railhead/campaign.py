@@ -99,6 +99,8 @@ def run(campaign: Campaign, *, resume: bool, pictures: bool, quiet: bool) -> lis
                 records.begin(campaign.folder, campaign.asked, resume=resume)
                 claim.enter_context(records.claimed(campaign.folder))
                 records.check(campaign.folder, campaign.values, sweep_table.check)
+                if campaign.vtu:
+                    records.forget_without_grids(campaign.folder)
             except (SceneError, OSError) as error:
                 problem = error
         if (problem := comm.bcast(problem)) is not None:

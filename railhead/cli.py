@@ -356,8 +356,13 @@ def _refuse(text: str) -> int:
 
 
 def _not_written(error: OSError) -> int:
-    where = f"{error.filename}: " if error.filename else ""
-    _say(f"NOT WRITTEN: {where}{error.strerror or error}")
+    from railhead.planning import machine
+
+    where, cache = str(error.filename or ""), machine.cache_file().parents[1]
+    hint = ""
+    if where and (cache.is_relative_to(where) or Path(where).is_relative_to(cache)):
+        hint = " (the cache of compiled forms; XDG_CACHE_HOME names another folder)"
+    _say(f"NOT WRITTEN: {where + ': ' if where else ''}{error.strerror or error}{hint}")
     return CHECK_FAILED
 
 

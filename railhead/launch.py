@@ -16,8 +16,8 @@ from railhead.planning.plan import Plan
 from railhead.planning.price import price
 from railhead.scene.scene import SceneError
 
-WORTH = 100_000  # unknowns a process: two take 0.95 of the time of one with 143 000, ...
-# ... 0.86 with 285 000 and 0.71 with a million (docs/ranks.md)
+WORTH = 100_000  # unknowns a process: two take 0.86 of the time of one with 143 000, ...
+# ... 0.77 with 285 000 and 0.67 with a million (docs/ranks.md)
 INSIDE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")  # what launchers of MPI leave behind
 
 QUIET = {"OMPI_MCA_orte_execute_quiet": "1"}  # Open MPI 4; 5 always tells of a status that is not 0
@@ -52,10 +52,12 @@ def under_mpirun(ranks: int, environment: Mapping[str, str]) -> tuple[list[str],
 
 def again(ranks: int, arguments: Sequence[str]) -> int:
     """Run the same command in so many processes under mpirun; its exit status. A signal ends them
-    all. Raises SceneError for more than there are processors, OSError where there is no mpirun."""
+    all. Raises SceneError for more than there are processors, and where there is no mpirun."""
     processors = psutil.cpu_count() or 1
     if ranks > processors:
         raise SceneError("--ranks", f"{ranks} is not allowed; give at most {processors}")
+    if shutil.which("mpirun") is None:
+        raise SceneError("--ranks", f"{ranks} is not allowed without mpirun, which was not found")
     launcher, environment = under_mpirun(ranks, os.environ)
     program = [sys.executable, "-c", "from railhead.start import main; main()"]
     started = subprocess.Popen([*launcher, *program, *arguments], env=environment)

@@ -18,7 +18,6 @@ from railhead import results
 from railhead.scene.scene import SceneError
 
 ASKED, RECORDS, GRIDS = "sweep.json", "records", "vtu"
-NUMBER = "[0-9]" * 5
 SERIES = ("solution", "contact")  # of .vtu files
 
 
@@ -31,7 +30,6 @@ def begin(folder: Path, asked: Mapping[str, Any], *, resume: bool) -> None:
         (folder / RECORDS).mkdir(exist_ok=True)
         if asked.get("vtu"):
             (folder / GRIDS).mkdir(exist_ok=True)
-            _forget_without_grids(folder)
         return
     if (folder / ASKED).is_file():
         with claimed(folder):
@@ -86,7 +84,8 @@ def _flat(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
 
 def done(folder: Path) -> set[int]:
     """Numbers of the combinations that have a record."""
-    return {int(path.stem) for path in (folder / RECORDS).glob(f"{NUMBER}.json")}
+    files = (folder / RECORDS).glob("*.json")
+    return {int(path.stem) for path in files if path.stem.isdecimal()}
 
 
 def write(folder: Path, number: int, record: Mapping[str, Any]) -> None:
@@ -132,8 +131,8 @@ def check(
             raise _broken(_record(folder, number))
 
 
-def _forget_without_grids(folder: Path) -> None:
-    """What is solved but has lost its .vtu files is solved again."""
+def forget_without_grids(folder: Path) -> None:
+    """What is solved but has lost its .vtu files is solved again. Raises SceneError as `read`."""
     for number in done(folder):
         files = [grids(folder, number) / f"{name}.vtu" for name in SERIES]
         if not read(folder, number).get("fault") and not all(map(Path.is_file, files)):

@@ -37,6 +37,21 @@ def tabulate(cell: str, degree: int, points: Array, *, geometry: bool = False) -
     return np.asarray(shape_functions(cell, degree, variant).tabulate(1, points))[..., 0]
 
 
+def inverse(matrices: Array) -> tuple[Array, Array]:
+    """Inverses (n, c, c) and determinants (n,) of matrices with two or three rows, by cofactors:
+    LAPACK is called matrix by matrix and takes sixteen times as long."""
+    a = np.ascontiguousarray(matrices.transpose(1, 2, 0))
+    if len(a) == 2:
+        adjugate = np.array([[a[1, 1], -a[0, 1]], [-a[1, 0], a[0, 0]]])
+    else:
+        adjugate = np.empty_like(a)
+        for i, k in np.ndindex(3, 3):
+            p, q, r, s = (k + 1) % 3, (k + 2) % 3, (i + 1) % 3, (i + 2) % 3
+            adjugate[i, k] = a[p, r] * a[q, s] - a[p, s] * a[q, r]
+    determinant = np.asarray((a[0] * adjugate[:, 0]).sum(axis=0))
+    return (adjugate / determinant).transpose(2, 0, 1), determinant
+
+
 @dataclass(frozen=True)
 class CellSet:
     """m cells with all that evaluates fields in them; c is the number of coordinates.
@@ -71,7 +86,7 @@ class CellSet:
         """Basis (n, d) and its gradient (n, d, c) in 1/mm at reference points of the cells."""
         phi = tabulate(self.cell, self.degree, points)
         _, jacobian = self._map(index, points)
-        return phi[0], np.einsum("jnd,njc->ndc", phi[1:], np.linalg.inv(jacobian))
+        return phi[0], np.einsum("jnd,njc->ndc", phi[1:], inverse(jacobian)[0])
 
     def divergence(self, index: Index, points: Array) -> Array:
         """tr eps (n, d, c) of the basis in 1/mm at reference points of the cells, or its mean over

@@ -20,6 +20,7 @@ from petsc4py import PETSc
 from railhead.solver.cells import Array, Index
 from railhead.solver.elasticity import quadrature_degree
 from railhead.solver.facets import FacetSet
+from railhead.solver.laws import Law
 from railhead.solver.operators import rows
 from railhead.solver.pairing import pair
 
@@ -37,8 +38,9 @@ class Interface:
     """n local quadrature points of the contact surface, and the two operators on all dofs.
 
     points (n, c) mm, weights (n,) mm2, initial_gap (n,) mm, normals (n, c), with c coordinates;
-    stiffness_bound (n,): the smallest stable Nitsche parameter of the facet, MPa/mm; facet (n,) and
-    xi (n, c - 1): place on the slave facets; master: None where it is rigid.
+    trace_bound (n,): sharp bound of a cell's normal stress on the facet, MPa/mm; layered: whether
+    cells lie in layers; facet (n,) and xi (n, c - 1): place on the slave facets; master: None where
+    it is rigid.
     """
 
     slave: FacetSet
@@ -47,11 +49,17 @@ class Interface:
     weights: Array
     initial_gap: Array
     normals: Array
-    stiffness_bound: Array
+    trace_bound: Array
+    layered: bool
     facet: Index
     xi: Array
     gap: PETSc.Mat
     stress: PETSc.Mat
+
+    def stiffness_bound(self, law: Law) -> Array:
+        """(n,) what the law's parameter is a multiple of, MPa/mm: for Nitsche's method the smallest
+        stable one. A penalty is stable at any, and twice as much makes its pressure waver more."""
+        return LAYERED * self.trace_bound if self.layered and law.sigma else self.trace_bound
 
 
 def build(
@@ -93,11 +101,10 @@ def build(
 
     traction = normal_stress(slave, facet, reference, normals)
     bound = trace_bound(slave, exact, 2 * slave.degree)[facet]
-    if slave.cell in ("hexahedron", "quadrilateral"):
-        bound = LAYERED * bound
     total = comm.allreduce(local_dofs)
     return Interface(
-        slave, master, points, weights, initial_gap, normals, bound, facet, xi,
+        slave, master, points, weights, initial_gap, normals, bound,
+        slave.cell in ("hexahedron", "quadrilateral"), facet, xi,
         rows(blocks, len(facet), local_dofs, total, comm),
         rows([(dofs, traction)], len(facet), local_dofs, total, comm),
     )  # fmt: skip

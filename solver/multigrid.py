@@ -24,6 +24,8 @@ SMOOTHING = 3  # steps of Chebyshev's method before and after
 PREFIX = "railhead_coarse_"  # of PETSc's options of the P1 level
 THRESHOLD = 0.01  # of strong couplings in GAMG: with all of them (its default) the P1 level of
 # `hertz_ellipse` with 374 000 unknowns takes 54 instead of 32 iterations to 1e-6
+AGGRESSIVE = 2  # levels coarsened by the squared graph: with one (its default) the next one is so
+# full that the set-up of 1 000 000 unknowns takes 3.7 instead of 2.2 s, for as many iterations
 SUBSET = PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN
 DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
 
@@ -81,7 +83,9 @@ class PMultigrid(Preconditioner):
             solver.setTolerances(rtol=0.1, max_it=10)
             solver.setOptionsPrefix(PREFIX)
             solver.getPC().setType("gamg")
-            PETSc.Options(PREFIX)["pc_gamg_threshold"] = THRESHOLD
+            options = PETSc.Options(PREFIX)
+            options["pc_gamg_threshold"] = THRESHOLD
+            options["pc_gamg_aggressive_coarsening"] = AGGRESSIVE
             solver.setFromOptions()
         self.pc.setUp()
 

@@ -35,10 +35,9 @@ class ContactProblem:
     """One load case at the n local contact points, in the free unknowns.
 
     stiffness K (`solver.stiffness`), gap N and stress S reduced; area W (n,) mm2; bound (n,):
-    smallest stable Nitsche parameter, MPa/mm; closing (n,): change of the gap with the approach of
-    a rigid counterface;
-    force f, N; start_gap g0 + N u0 (n,) mm and start_stress s0 (n,) MPa. `replace` with another law
-    shares the matrices.
+    what the law's parameter is a multiple of, MPa/mm; closing (n,): change of the gap with the
+    approach of a rigid counterface; force f, N; start_gap g0 + N u0 (n,) mm and start_stress s0
+    (n,) MPa. `replace` with another law shares the matrices.
     """
 
     law: Law
@@ -300,5 +299,6 @@ def reduce_problem(
     force = reduced.vector()
     return ContactProblem(
         law, reduced, gap, interface.stress.matMult(p), interface.weights,
-        interface.stiffness_bound, closing, force, interface.initial_gap, np.zeros_like(closing),
+        interface.stiffness_bound(law), closing, force, interface.initial_gap,
+        np.zeros_like(closing),
     )  # fmt: skip

@@ -58,6 +58,16 @@ def test_no_more_than_there_are_processors(eight, capsys, tmp_path, monkeypatch)
     assert capsys.readouterr().err == "railhead: --ranks: 1000 is not allowed; give at most 4\n"
 
 
+def test_ranks_without_mpirun_are_refused(eight, tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(launch.psutil, "cpu_count", lambda logical=True: 4)
+    monkeypatch.setattr(launch.shutil, "which", lambda name: None)
+    with pytest.raises(SystemExit) as ended:
+        main(["run", "long_roller", "--ranks", "2"])
+    assert ended.value.code == 2 and os.listdir(tmp_path) == []
+    assert "--ranks: 2 is not allowed without mpirun" in capsys.readouterr().err
+
+
 def test_processes_of_mpi_refuse_in_one_line() -> None:
     program = "from mpi4py import MPI; from railhead.cli import main; main(['run', 'nosuch'])"
     launcher, environment = launch.under_mpirun(2, outside.environment())

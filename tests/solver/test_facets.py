@@ -9,6 +9,7 @@ from railhead.solver import interface
 from railhead.solver.cells import tabulate
 from railhead.solver.contact import ContactModel
 from railhead.solver.facets import FacetSet, facet_closure, reference_facets
+from railhead.solver.laws import Law
 from railhead.solver.pairing import pair
 
 
@@ -16,6 +17,14 @@ from railhead.solver.pairing import pair
 def model(request, two_blocks) -> ContactModel:
     made, setup = two_blocks(cell=request.param)
     return ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+
+
+def test_only_nitsches_parameter_is_doubled_where_cells_lie_in_layers(model) -> None:
+    """A penalty needs no coercivity; doubled it put p_max of `uic54_thesis` off by 2.7 %."""
+    found = model.interface
+    times = 2 if surface(model, RAIL).cell == "hexahedron" else 1
+    assert found.stiffness_bound(Law("nitsche")) == pytest.approx(times * found.trace_bound)
+    assert found.stiffness_bound(Law("penalty")) == pytest.approx(found.trace_bound)
 
 
 def surface(model: ContactModel, tag: int) -> FacetSet:

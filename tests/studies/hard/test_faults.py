@@ -226,3 +226,17 @@ def test_many_replacements_at_once_leave_one_whole_result(tmp_path: Path) -> Non
     assert found.pop(results.MANIFEST) == b"one\ntwo\n"
     assert len(set(found.values())) == 1
     assert os.listdir(tmp_path) == ["result"]
+
+
+def test_a_cache_that_cannot_be_written_is_named(tmp_path) -> None:
+    file = tmp_path / "file"
+    file.write_text("no folder")
+    program = "from railhead.cli import main; main(['plan', 'hertz_ellipse'])"
+    running = subprocess.run(
+        [sys.executable, "-c", program],
+        env=os.environ | {"XDG_CACHE_HOME": str(file)},
+        capture_output=True, text=True, check=False, cwd=tmp_path,
+    )  # fmt: skip
+    last = running.stderr.splitlines()[-1]
+    assert running.returncode == 1
+    assert "the cache of compiled forms; XDG_CACHE_HOME names another folder" in last
