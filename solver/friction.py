@@ -24,9 +24,9 @@ from railhead.solver.cells import Array
 from railhead.solver.condensed import Condensed
 
 STEPS = 60  # of Newton's method
-HELD = 1e-3  # of the stiffness of all that sticks: holds motions where everything slips
+HELD = 1e-3  # of the stiffness of all that sticks: holds motions where nothing else converges
 LENGTHS = 1.0, 0.5  # of every other step: the one that leaves less
-TOLERANCE = 1e-8  # change of the tractions over the largest mu p
+TOLERANCE = 1e-8  # change of the tractions over the largest mu p; missing force over mu times load
 LEAST = 1e-300  # below it a vector has no direction
 
 
@@ -36,7 +36,8 @@ class Sheared:
     wheel over the rail: mm since `settled`, or, rolling, of 1; sticks (n,) of those with pressure
     (n,) MPa; nodal (m,): tractions at the nodes; motion (j,): what the given modes of rigid slip
     were multiplied with; slips (n,) and direction (n, k): where Newton's method ended; history:
-    change of the tractions in each of its steps, over the largest mu p."""
+    change of the tractions in each of its steps, over the largest mu p, or what is missing of given
+    forces, over mu times the load, if that is more."""
 
     traction: Array
     slip: Array
@@ -50,7 +51,7 @@ class Sheared:
 
     @property
     def converged(self) -> bool:
-        """Whether the last step changed nothing."""
+        """Whether the last step changed nothing and the forces are those given."""
         return self.history[-1] <= TOLERANCE
 
 
@@ -127,6 +128,7 @@ class Problem:
         contact, coefficient = self.friction.contact, self.friction.coefficient
         n, k, unknowns = self.pull.shape
         m, active, top = len(self.friction.mass), contact.touches, self.friction.top
+        limit = coefficient * float(contact.area[active] @ contact.pressure[active])
         x: Array = np.zeros(unknowns)
         slips: NDArray[np.bool_] = np.zeros(n, dtype=bool)
         direction: Array = np.zeros((n, k))
@@ -141,17 +143,24 @@ class Problem:
             now &= ~(slips & (np.einsum("nk,nk->n", unit, direction) < 0))
             residual, tangent = self.linear(x, now)
             tangent[m:, m:] = held * np.eye(len(self.rows))
-            try:
-                step = scipy.linalg.solve(tangent, -residual, check_finite=False)
-            except scipy.linalg.LinAlgError:  # everything slips under given forces
-                history.append(np.inf)
-                break
-            if len(history) % 2 == 0:  # always, it would hold up; never, it may go in circles
-                step *= min(LENGTHS, key=lambda length: self._off(x + length * step))
-            x = x + step
-            changed = float(np.abs(step[:m]).max()) / top
+            if k == len(self.rows) == 1 and np.array_equal(now, active):
+                step = np.append(scipy.linalg.solve(tangent[:m, :m], -residual[:m]), 0.0)
+                x = x + step
+                x[m] += self._turn(x)
+                unit = self._state(x)[3]
+            else:
+                try:
+                    step = scipy.linalg.solve(tangent, -residual, check_finite=False)
+                except scipy.linalg.LinAlgError:  # everything slips the way of the given forces
+                    history.append(np.inf)
+                    break
+                if len(history) % 2 == 0:  # always, it would hold up; never, it may go in circles
+                    step *= min(LENGTHS, key=lambda length: self._off(x + length * step))
+                x = x + step
+            missing = float(np.abs(self.rows @ x[:m] - self.forces).max(initial=0.0)) / limit
+            left = max(float(np.abs(step[:m]).max()) / top, missing)
             same = not first and np.array_equal(now, slips)
-            history.append(changed if same else max(changed, 2 * TOLERANCE))
+            history.append(left if same else max(left, 2 * TOLERANCE))
             slips, direction, first = now, unit, False
             if history[-1] <= TOLERANCE:
                 break
@@ -163,6 +172,19 @@ class Problem:
             np.where(active, bound / coefficient, 0.0), x[:m], x[m:], slips, direction,
             tuple(history),
         )  # fmt: skip
+
+    def _turn(self, x: Array) -> float:
+        """Everything slips along one tangent, and a motion changes no traction until points turn:
+        the one at which a point sticks and those on either side of it leave it the force."""
+        contact = self.friction.contact
+        q, bound, _, _ = self._state(x)
+        rate = self.pull[:, 0, -1]
+        turns = np.where(contact.touches, -q[:, 0] / rate, np.inf)
+        order = np.argsort(turns)[: contact.touches.sum()]
+        along = np.abs(rate) / (contact.tau * contact.step)  # of the tangent along the force
+        most = (contact.area * bound * along)[order]
+        reached = 2 * np.cumsum(most) - most.sum()
+        return float(turns[order[min(np.searchsorted(reached, self.forces[0]), len(order) - 1)]])
 
     def linear(self, x: Array, slips: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Residual (m + j,) and its derivative where some of the points slip and all others that

@@ -7,7 +7,7 @@ import pytest
 import scipy.sparse as sp
 
 from railhead.solver.condensed import Condensed
-from railhead.solver.friction import Friction, Problem, Sheared
+from railhead.solver.friction import Friction, Problem
 
 N, M, MU = 12, 8, 0.3  # points, unknown tractions
 
@@ -24,21 +24,43 @@ def contact(rng: np.random.Generator) -> Condensed:
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("free, tries", [(0, 1), (2, 2)])
-def test_motions_are_held_where_there_are_any(free: int, tries: int, monkeypatch: Any) -> None:
-    """What does not converge is tried with held motions, but where none is free nothing is."""
-    asked = []
+def pushed_apart(push: float) -> Condensed:
+    """Twelve points in a row with one tangent, driven apart so that all may slip; the right half is
+    pressed harder."""
+    x = np.linspace(-1.0, 1.0, 12)
+    n = len(x)
+    none: Any = np.zeros((n, 1))
+    along = np.broadcast_to(np.eye(3)[0], (n, 1, 3))
+    return Condensed(
+        np.stack([x, 0 * x, 0 * x], axis=1), np.full(n, 0.1), along, np.full(n, 40.0), 1.0,
+        sp.identity(n, format="csr"), -0.1 * np.eye(n), none, np.zeros((n, n)), 1,
+        np.ones(n, dtype=bool), push * x[:, None], none, 100 + 7 * x,
+    )  # fmt: skip
 
-    def lost(problem: Problem, begin: Sheared | None, held: float) -> Sheared:
-        asked.append(held)
-        none = np.zeros((N, 2))
-        return Sheared(none, none, none[:, 0] > 0, none[:, 0], none, none, none[:, 0] > 0, none,
-                       (1.0,))  # fmt: skip
 
-    monkeypatch.setattr(Problem, "solve", lost)
-    friction, modes = Friction(contact(np.random.default_rng(1)), MU), np.ones((free, N, 2))
-    friction.solve(np.zeros((N, 2)), modes, np.ones((free, 4)))
-    assert len(asked) == tries and asked[0] == 0.0 and all(held > 0 for held in asked[1:])
+def test_where_all_would_slip_the_force_decides_the_motion() -> None:
+    """Points driven apart carry no force along only if one of them hardly slips; rounding does not
+    choose how far they move."""
+    axis, modes = np.array([[1.0, 0.0, 0.0, 0.0]]), np.ones((1, 12, 1))
+    found = [
+        Friction(pushed_apart(push), MU).solve(np.zeros((12, 1)), modes, axis)
+        for push in (500.0, 500.0 * (1 + 1e-9))
+    ]
+    for each in found:
+        assert each.converged
+        assert each.traction.sum() == pytest.approx(0.0, abs=1e-6 * MU * 100)
+        assert each.sticks.sum() == 1
+    assert found[1].motion == pytest.approx(found[0].motion, rel=1e-6)
+
+
+def test_a_force_beyond_friction_is_not_converged() -> None:
+    """All slips, and the tractions no longer change, but the force is not reached."""
+    contact = pushed_apart(0.0)
+    limit = MU * float(contact.area @ contact.pressure)
+    for share, reached in ((0.99, True), (1.01, False)):
+        axis = np.array([[1.0, 0.0, 0.0, share * limit]])
+        found = Friction(contact, MU).solve(np.zeros((12, 1)), np.ones((1, 12, 1)), axis)
+        assert found.converged == reached
 
 
 def test_the_tangent_is_the_derivative_of_the_residual() -> None:
