@@ -7,7 +7,7 @@ import pytest
 import scipy.sparse as sp
 
 from railhead.solver.condensed import Condensed
-from railhead.solver.friction import Friction, Problem
+from railhead.solver.friction import Friction, Problem, Sheared
 
 N, M, MU = 12, 8, 0.3  # points, unknown tractions
 
@@ -22,6 +22,23 @@ def contact(rng: np.random.Generator) -> Condensed:
         rng.normal(size=(N, M)), 1, np.arange(N) % 4 > 0,
         rng.normal(size=(N, 2)) * 50, none, rng.random(N) * 100 + 50,
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("free, tries", [(0, 1), (2, 2)])
+def test_motions_are_held_where_there_are_any(free: int, tries: int, monkeypatch: Any) -> None:
+    """What does not converge is tried with held motions, but where none is free nothing is."""
+    asked = []
+
+    def lost(problem: Problem, begin: Sheared | None, held: float) -> Sheared:
+        asked.append(held)
+        none = np.zeros((N, 2))
+        return Sheared(none, none, none[:, 0] > 0, none[:, 0], none, none, none[:, 0] > 0, none,
+                       (1.0,))  # fmt: skip
+
+    monkeypatch.setattr(Problem, "solve", lost)
+    friction, modes = Friction(contact(np.random.default_rng(1)), MU), np.ones((free, N, 2))
+    friction.solve(np.zeros((N, 2)), modes, np.ones((free, 4)))
+    assert len(asked) == tries and asked[0] == 0.0 and all(held > 0 for held in asked[1:])
 
 
 def pushed_apart(push: float) -> Condensed:
