@@ -78,7 +78,9 @@ def _model(
 ) -> tuple[ContactMesh, ContactModel] | None:
     """Bodies as large as the largest load wants them; None where gmsh cannot mesh them."""
     largest = plans[-1]
-    first, *others = (plan.grading() for plan in plans)
+    # The patches ask for the smallest elements, the bodies for the largest: those of a small load's
+    # own block, throughout a large load's, would be most of the mesh.
+    first, *others = (replace(plan.grading(), coarsest=largest.coarsest) for plan in plans)
     progress.stage(f"meshing for {len(plans)} loads ({first.size:.3g} mm in the patch)")
     try:
         mesh = build.generate(largest, replace(first, also=(*first.also, *others)), comm)

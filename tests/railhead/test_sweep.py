@@ -175,6 +175,17 @@ def test_the_mesh_of_several_loads_is_no_coarser_than_their_own() -> None:
         assert 0 < off < result.estimate.a + one.estimate.a
 
 
+def test_loads_far_apart_share_a_mesh_smaller_than_their_own_together() -> None:
+    """The largest element follows the bodies, which are those of the largest load."""
+    scene, asked = rh.find("hertz_ellipse"), ["100N", "100kN"]
+    small, large = rh.sweep(scene, load=asked, quiet=True)
+    assert small.passed and large.passed
+    own = [planning.make(scene.replace(load=load)).unknowns for load in asked]
+    assert small.as_dict()["cost"]["dofs"] < sum(own)
+    ratio = large.pressure.max / small.pressure.max  # Hertz: load^(1/3)
+    assert ratio == pytest.approx(10, rel=small.estimate.pressure_max + large.estimate.pressure_max)
+
+
 def test_combinations_with_a_mesh_of_their_own_are_single_runs(tmp_path: Path) -> None:
     over = ("--over", "wheel.rolling_radius=420mm,460mm", "--no-pictures")
     assert sweep(*ROLLER, *over, "--out", str(tmp_path / "out")) == 0
