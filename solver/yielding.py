@@ -238,13 +238,17 @@ class Loading:
 
     def _nearer(self, y: PETSc.Vec, share: float) -> PETSc.Vec:
         """The solution of the linear problem in which the patch changes with the load as Hertz's
-        would. Before the last state is the history, that is with the tangent of yield that goes
-        on, behind it with that of unloading."""
+        would, or the last solution where that tangent is singular. Before the last state is the
+        history, that is with the tangent of yield that goes on, behind it with that of
+        unloading."""
         problem = self.problem
         indicator = problem.indicator(y)
         touching = self.model.within(indicator, share)
         residual, step = problem.residual(y, np.where(touching, indicator, 0.0)), y.duplicate()
-        linear.solve(problem, self.preconditioner, touching, residual, step, START)
+        try:
+            linear.solve(problem, self.preconditioner, touching, residual, step, START)
+        except linear.StalledError:
+            return y
         return y - step
 
 
