@@ -1,4 +1,5 @@
-"""Frictionless linear-elastic contact on dolfinx: knows nothing of scenes, files or pictures.
+"""Contact of elastic bodies on dolfinx, with yield and friction where asked: knows nothing of
+scenes, files or pictures.
 
 PETSc's signal handlers and the log handler that ffcx gives to the root logger belong to a program,
 not to a library: neither is left behind.

@@ -48,7 +48,8 @@ class LoadCase:
 
 class ContactModel:
     """Stiffness, interface, reduction and preconditioner of a Setup on a mesh (dolfinx, with
-    MeshTags of its cells and facets). ValueError for a tag that nothing carries."""
+    MeshTags of its cells and facets). ValueError for a tag that nothing carries, but the support of
+    the fixed body where there are planes, which may hold it."""
 
     def __init__(self, mesh: Any, cell_tags: Any, facet_tags: Any, setup: Setup) -> None:
         start = time.perf_counter()
@@ -61,6 +62,8 @@ class ContactModel:
             self._must_exist("contact facet", facet_tags, side.contact)
             if side is setup.moving or not setup.planes:  # planes may hold the other one
                 self._must_exist("support facet", facet_tags, side.support)
+        for tag, _ in setup.planes:
+            self._must_exist("plane facet", facet_tags, tag)
         self.materials = {side.tag: side.material for side in sides}
         self.bulk: Bulk
         self.bulk, stiffness = assemble(
@@ -161,7 +164,8 @@ class ContactModel:
         """Solve for one load (N, whole model) or approach (mm), starting from an active set.
 
         force: on the owned dofs of `bulk.space`, N, e.g. an assembled body force. ValueError for
-        the one of load and approach that the setup does not control.
+        the one of load and approach that the setup does not control; a far field takes a load
+        beside the approach.
         """
         if approach and self.setup.load_control:
             raise ValueError("approach is unknown under load control; give a load")

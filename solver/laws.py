@@ -46,7 +46,7 @@ class Law:
 
     @property
     def scale(self) -> float:
-        """tau over C (lambda + 2 mu)."""
+        """tau over the trace bound of a facet (`interface.trace_bound`)."""
         return self.gamma_factor * (1.0 if self.sigma else PENALTY_FACTOR)
 
     def suited(self, young_modulus: float, lame: tuple[float, float]) -> Law:

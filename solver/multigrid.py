@@ -43,8 +43,8 @@ class Hierarchy:
 
 class PMultigrid(Preconditioner):
     """Two levels; the coarse one is factorised, or given to algebraic multigrid where large. Set up
-    for the active points almost as they are: `s1002_60e1` takes 52 iterations where a tenth of them
-    may be gone, 37 with a thirtieth, 31 with a hundredth and one set-up more, worth five."""
+    for the active points almost as they are: `s1002_60e1` takes 54 iterations where a tenth of them
+    may be gone, 41 with a thirtieth, 32 with a hundredth and a third set-up, worth five."""
 
     stale = 0.03
 

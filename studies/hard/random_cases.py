@@ -10,7 +10,6 @@ from railhead.studies.hard.random_scenes import Seeded, plans, runnable, scene
 from railhead.studies.hard.scenes import Solve, against_half_space, against_hertz
 
 PLANS, RUNS, SEED = 500, 60, 54
-KNOWN = {2: "edge_distance"}  # a wheel at the edge of an arc as wide as a head
 
 
 def plan_cases() -> Iterator[Case]:
@@ -49,7 +48,6 @@ def run_cases() -> Iterator[Case]:
             "random", f"scene {index + 1}", "any half-spaces" if half_space else "any profiles",
             "exact Hertz" if half_space else "boundary elements",
             against(index, half_space=half_space), newton=30, seconds=240, quick=index < 4,
-            known=KNOWN.get(index + 1, ""),
         )  # fmt: skip
 
 

@@ -309,6 +309,7 @@ def test_a_set_up_is_given_back_before_the_next_one(models) -> None:
         (lambda setup: {"moving": replace(setup.moving, support=97)}, "no support facet carries"),
         (lambda setup: {"moving": replace(setup.moving, contact=98)}, "no contact facet carries"),
         (lambda setup: {"fixed": replace(setup.fixed, tag=9), "slave": 9}, "no cell carries"),
+        (lambda setup: {"planes": ((96, (0.0, 1.0, 0.0)),)}, "no plane facet carries the tag 96"),
     ],
 )
 def test_a_setup_that_does_not_fit_its_mesh_is_refused(two_blocks, make, said) -> None:
