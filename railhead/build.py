@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING
 from mpi4py import MPI
 
 from railhead import process
-from railhead.geometry import bodies, flat
 from railhead.meshing import mesh
-from railhead.meshing.bodies import Body
 from railhead.meshing.sizing import Grading
 from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, WHEEL
 from railhead.planning.effects import EFFECTS
@@ -20,20 +18,11 @@ if TYPE_CHECKING:
     from railhead.solver.contact import ContactModel
 
 
-def parts(plan: Plan) -> list[Body]:
-    """Sections and sweeps of the deformable bodies of a plan."""
-    contact = plan.contact
-    half = contact.revolved or (plan.half_x if contact.plane == "xz" else plan.half_y)
-    make = flat.bodies if contact.plane else bodies.bodies
-    whole = plan.effects["rail_section"].on
-    return make(contact, plan.reach, plan.deformable, whole_section=whole, half=half)
-
-
 def generate(
     plan: Plan, grading: Grading, comm: MPI.Intracomm, save: Path | None = None
 ) -> mesh.ContactMesh:
     """Mesh the bodies of a plan."""
-    return mesh.generate(parts(plan), grading, plan.options, comm, save, _load_solver)
+    return mesh.generate(plan.parts(), grading, plan.options, comm, save, _load_solver)
 
 
 def _load_solver() -> None:

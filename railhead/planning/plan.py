@@ -12,7 +12,7 @@ import numpy as np
 from railhead.geometry import bodies, dimension, flat
 from railhead.geometry import solid as geometry
 from railhead.geometry.solid import Contact
-from railhead.meshing.bodies import ELEMENTS_PER_TURN, Options
+from railhead.meshing.bodies import ELEMENTS_PER_TURN, Body, Options
 from railhead.meshing.profiles import data
 from railhead.meshing.sizing import Grading, suited_stretch
 from railhead.meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y, WHEEL
@@ -259,6 +259,14 @@ class Plan:
         per_turn = SECTION_PER_TURN if self.with_foot else ELEMENTS_PER_TURN
         return Options(cell, 2 if curved else 1, self.half_x, self.contact.plane, per_turn)
 
+    def parts(self) -> list[Body]:
+        """Sections and sweeps of the deformable bodies. Raises SceneError where they make none."""
+        contact = self.contact
+        half = contact.revolved or (self.half_x if contact.plane == "xz" else self.half_y)
+        make = flat.bodies if contact.plane else bodies.bodies
+        whole = self.effects["rail_section"].on
+        return make(contact, self.reach, self.deformable, whole_section=whole, half=half)
+
     @property
     def with_foot(self) -> bool:
         """The rail is meshed with web and foot."""
@@ -390,7 +398,8 @@ def unknowns_per_cell(kind: str, cell: str, order: int) -> float:
 
 
 def make(scene: Scene) -> Plan:
-    """Decide. Raises SceneError for a pair that cannot be solved as a point contact."""
+    """Decide. Raises SceneError for a pair that cannot be solved as a point contact, and for bodies
+    that cannot be built."""
     kind = dimension.choose(scene)
     contact = geometry.locate(scene) if kind.kind == "solid" else flat.locate(scene, kind)
     predicted = exact.finite(scene, contact)
@@ -405,6 +414,7 @@ def make(scene: Scene) -> Plan:
         reach = max(MIN_BODY_REACH, BODY_REACH * major)
     size = scene.mesh.patch_size or expected.minor
     plan = Plan(context, decided, order, size, reach, expected, plasticity.steps(context))
+    plan.parts()  # what cannot be built is refused here
     if scene.mesh.patch_size:
         return plan
     plan = plan.at_resolution(plan.default_resolution)

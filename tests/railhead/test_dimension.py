@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from railhead import build, catalogue
+from railhead import catalogue
 from railhead.geometry import dimension
 from railhead.planning import plan as planning
 from railhead.scene.scene import Scene, SceneError
@@ -80,7 +80,7 @@ REFUSED = {
 @pytest.mark.parametrize("assignments, words", REFUSED.values(), ids=REFUSED)
 def test_what_cannot_be_is_refused_in_one_line(assignments: list[str], words: str) -> None:
     with pytest.raises(SceneError) as caught:
-        build.parts(planning.make(scene(*assignments)))
+        planning.make(scene(*assignments))
     assert words in str(caught.value)
     assert len(str(caught.value).splitlines()) == 1
 

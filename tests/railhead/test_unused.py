@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from railhead import build, catalogue
+from railhead import catalogue
 from railhead.geometry import dimension
 from railhead.geometry.flat import FlatContact
 from railhead.meshing.tags import RAIL, WHEEL
@@ -69,8 +69,7 @@ def solved(made: plan.Plan) -> list[float]:
     """All numbers that meshing and solver get."""
     flat = isinstance(made.contact, FlatContact)
     bodies = [
-        (body.section, body.tag, body.pose, 0.0 if flat else body.reach)
-        for body in build.parts(made)
+        (body.section, body.tag, body.pose, 0.0 if flat else body.reach) for body in made.parts()
     ]
     x, y = (c.ravel() for c in np.meshgrid(np.linspace(-4, 4, 5), np.linspace(-4, 4, 5)))
     heights = np.full(len(x), made.contact.touch.z)
