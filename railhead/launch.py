@@ -59,6 +59,7 @@ def again(ranks: int, arguments: Sequence[str]) -> int:
     if shutil.which("mpirun") is None:
         raise SceneError("--ranks", f"{ranks} is not allowed without mpirun, which was not found")
     launcher, environment = under_mpirun(ranks, os.environ)
+    environment.setdefault("TTY_COMPATIBLE", str(int(sys.stdout.isatty())))
     program = [sys.executable, "-c", "from railhead.start import main; main()"]
     started = subprocess.Popen([*launcher, *program, *arguments], env=environment)
     with process.undoing(started.terminate):

@@ -42,6 +42,9 @@ def prepare() -> None:
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     # Alone (not under mpirun) Open MPI would start a daemon first, for processes that join later.
     os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
+    if any(name in os.environ for name in RANKS):
+        # Launchers of MPI give the first process a terminal of its own, whatever they write to.
+        os.environ.setdefault("TTY_COMPATIBLE", "0")
     # What is alive at the end dies with the process: no search for cycles among it.
     atexit.register(gc.freeze)
     # Keep freed memory instead of returning it to the system for every temporary array: a fifth of

@@ -68,6 +68,21 @@ def test_ranks_without_mpirun_are_refused(eight, tmp_path, monkeypatch, capsys) 
     assert "--ranks: 2 is not allowed without mpirun" in capsys.readouterr().err
 
 
+PLAN = "['plan', 'sphere_on_plane']"
+
+
+@pytest.mark.parametrize("by_hand", [True, False], ids=["mpirun", "--ranks"])
+def test_what_goes_into_a_file_is_plain_text(by_hand: bool) -> None:
+    """mpirun gives its first process a terminal."""
+    launcher, environment = launch.under_mpirun(2, outside.environment())
+    program = f"from railhead.cli import main; main({PLAN})"
+    if not by_hand:
+        launcher, program = [], f"from railhead import launch; launch.again(2, {PLAN})"
+    command = [*launcher, sys.executable, "-c", program]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, check=True)
+    assert "mean_dilatation" in done.stdout and "\x1b" not in done.stdout
+
+
 def test_processes_of_mpi_refuse_in_one_line() -> None:
     program = "from mpi4py import MPI; from railhead.cli import main; main(['run', 'nosuch'])"
     launcher, environment = launch.under_mpirun(2, outside.environment())
