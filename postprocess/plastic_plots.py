@@ -76,7 +76,8 @@ def _cut(
                         vmax=colour.max() or 1.0, linewidths=0)  # fmt: skip
     if not colour.any():
         axes.set_title("none here", fontsize=11)
-    figure.colorbar(dots, ax=axes, label=label)
+    # An inset stays beside the axes, whose shape follows from their equal scales.
+    figure.colorbar(dots, cax=axes.inset_axes((1.04, 0.0, 0.05, 1.0)), label=label)
     axes.set(xlabel=found.subject.label(across), ylabel="height over the contact, mm")
     axes.set_aspect("equal")
     axes.grid(False)

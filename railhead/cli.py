@@ -88,7 +88,7 @@ def plan(
 @click.option("--whole", is_flag=True, help="Write .vtu files of the whole model, mirrored.")
 @click.option("--units", help="Of the table and the report, e.g. mm,kN,MPa.")
 @click.option("--ranks", type=click.IntRange(1), help="Processes [as many as pay].")
-@click.option("--quiet", is_flag=True, help="Print nothing.")
+@click.option("--quiet", is_flag=True, help="Print only what fails.")
 @click.option("--json", "as_json", is_flag=True, help="Print summary.json and nothing else.")
 @click.pass_obj
 def run(
@@ -175,7 +175,7 @@ def run(
 @click.option("--resume", is_flag=True, help="Go on with the sweep that is in the folder.")
 @click.option("--vtu", is_flag=True, help="Write .vtu files of each combination, for ParaView.")
 @click.option("--no-pictures", is_flag=True, help="Write no PNG files.")
-@click.option("--quiet", is_flag=True, help="Print nothing.")
+@click.option("--quiet", is_flag=True, help="Print only what fails.")
 def sweep(
     case: str,
     lists: Sequence[str],

@@ -42,7 +42,7 @@ class Rubbing:
     the rail, mm in the last leg, or, rolling, of 1; sticks (n,) of those with pressure; motion:
     creepage, or shift in mm, along and across, and spin (1/mm); force along and across, N; moment
     N mm about the normal at the origin; limit mu N, N; legs (l, 4): force along and across (N) and
-    shift along and across (mm) at the end of each leg; energy: dissipated by slip after the force
+    motion along and across at the end of each leg; energy: dissipated by slip after the force
     was reached for the first time, N mm; passes: how often tractions and pressure were found in
     turn; beyond: work per rolled length that the motion does not tell, N (see `setup.Rub`);
     history: the longest of `solver.friction.Sheared`."""
