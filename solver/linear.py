@@ -21,7 +21,7 @@ FORCING = {"nitsche": 0.1, "penalty": 1e-3}  # what any linear solve must reach 
 # side: a penalty's tangent is stiffer, and with less it wanders from one active set to the next
 # (linear tetrahedra, 142 000 unknowns: 15 Newton steps and 329 Krylov iterations with a tenth, 5
 # and 137 with a thousandth)
-MANY = 30  # iterations after which the next linear solve gets a new set-up
+SLOWER = 2  # times the pace right after a set-up, beyond which the next linear solve gets a new one
 
 
 class StalledError(RuntimeError):
@@ -36,13 +36,15 @@ class Preconditioner(ABC):
     """Approximates the tangent of a problem at one active set; set up again when that is stale.
 
     operator: the matrix the PC was made for; flexible: it holds a Krylov method itself; stale:
-    change of the active area since the set-up, over that area, that calls for a new one.
+    change of the active area since the set-up, over that area, that calls for a new one; pace:
+    Krylov iterations a decade of the residual right after the set-up, at least one.
     """
 
     pc: PETSc.PC | None = None
     operator: PETSc.Mat | None = None
     flexible: bool = False
     stale: float = 0.1
+    pace: float = np.inf
 
     def __init__(self, problem: ContactProblem) -> None:
         self.problem = problem
@@ -163,8 +165,8 @@ def solve(
     ksp = krylov(problem, preconditioner)
     iterations = 0
     ksp.setTolerances(rtol=rtol, atol=0.0, max_it=KRYLOV_LIMIT)
+    norm = rhs.norm()
     if enough is not None and problem.symmetric:
-        norm = rhs.norm()
         ksp.setConvergenceTest(_Enough(rtol * norm, FORCING[problem.law.method] * norm, enough))
     while True:
         ksp.setPC(preconditioner.pc)
@@ -183,7 +185,11 @@ def solve(
             raise StalledError(iterations, "the linear solver stalls")
         preconditioner.renew(active)
         fresh = True
-    if iterations > MANY:
+    decades = np.log10(norm / ksp.getResidualNorm()) if iterations else np.inf
+    pace = max(1.0, iterations / decades)
+    if fresh:
+        preconditioner.pace = pace
+    elif pace > SLOWER * preconditioner.pace:
         preconditioner.active = None
     compat.collect(problem.stiffness.comm.tompi4py())
     return iterations

@@ -170,6 +170,21 @@ def test_a_preconditioner_follows_the_active_set(models) -> None:
     assert model.preconditioner.suit(radius < 5.0)
 
 
+def test_a_preconditioner_that_slows_down_is_set_up_again(models) -> None:
+    """The solve after the slow one begins with a new set-up, though the points stay; one that is
+    as slow as its set-up was does not."""
+    problem, _ = loaded(model := models(linear="multigrid"))
+    radius = np.linalg.norm(model.interface.points, axis=1)
+    preconditioner = model.new_preconditioner(problem)
+    preconditioner.stale = np.inf
+    made, out = [], problem.force.duplicate()
+    for limit in (1.0, 3.0, 3.0, 3.0, 3.0):
+        active = radius < limit
+        made.append(preconditioner.active is None)
+        linear.solve(problem, preconditioner, active, problem.predictor(active), out, 1e-8)
+    assert made == [True, False, True, False, False]
+
+
 @pytest.mark.parametrize("law", [LAWS[0], LAWS[3]], ids=[IDS[0], IDS[3]])
 def test_slope_along_a_line_is_residual_times_step(models, law) -> None:
     problem, solution = loaded(models(law))
