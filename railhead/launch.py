@@ -6,8 +6,8 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 
 import psutil
 
@@ -18,6 +18,10 @@ from railhead.scene.scene import SceneError
 
 WORTH = 100_000  # unknowns a process: two take 0.86 of the time of one with 143 000, ...
 # ... 0.77 with 285 000 and 0.67 with a million (docs/ranks.md)
+ROOM = (
+    32_000_000  # bytes of temporary files: Open MPI 4 takes 8.4 MB for two processes, and waits for
+)
+# ever where they are not there
 INSIDE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")  # what launchers of MPI leave behind
 
 QUIET = {"OMPI_MCA_orte_execute_quiet": "1"}  # Open MPI 4; 5 always tells of a status that is not 0
@@ -30,13 +34,17 @@ def started() -> bool:
 
 def suited(plan: Plan) -> int:
     """Processes for the finest mesh of a plan, on the physical cores that this one may use; one
-    where there is no mpirun."""
+    where there is no mpirun, or no room for its files."""
     cores = min(psutil.cpu_count(logical=False) or 1, len(os.sched_getaffinity(0)))
-    if cores == 1 or shutil.which("mpirun") is None:
+    if cores == 1 or shutil.which("mpirun") is None or not _room():
         return 1
     asked = plan.scene.accuracy is not None
     unknowns = price(plan, plan.resolution).unknowns if asked else plan.unknowns
     return max(1, min(cores, unknowns // WORTH))
+
+
+def _room() -> bool:
+    return shutil.disk_usage(tempfile.gettempdir()).free >= ROOM
 
 
 def under_mpirun(ranks: int, environment: Mapping[str, str]) -> tuple[list[str], dict[str, str]]:
@@ -58,7 +66,12 @@ def again(ranks: int, arguments: Sequence[str]) -> int:
         raise SceneError("--ranks", f"{ranks} is not allowed; give at most {processors}")
     if shutil.which("mpirun") is None:
         raise SceneError("--ranks", f"{ranks} is not allowed without mpirun, which was not found")
+    if not _room():
+        place = f"{tempfile.gettempdir()}; free some, or name another folder by TMPDIR"
+        text = f"{ranks} is not allowed with less than {ROOM / 1e6:.0f} MB free in {place}"
+        raise SceneError("--ranks", text)
     launcher, environment = under_mpirun(ranks, os.environ)
+    environment["TMPDIR"] = tempfile.gettempdir()
     environment.setdefault("TTY_COMPATIBLE", str(int(sys.stdout.isatty())))
     program = [sys.executable, "-c", "from railhead.start import main; main()"]
     started = subprocess.Popen([*launcher, *program, *arguments], env=environment)
@@ -67,5 +80,7 @@ def again(ranks: int, arguments: Sequence[str]) -> int:
             return started.wait()
         finally:
             started.terminate()
-            with suppress(subprocess.TimeoutExpired):  # mpirun ends the others on its own
-                started.wait(1.0)
+            try:
+                started.wait(1.0)  # mpirun ends the others on its own
+            except subprocess.TimeoutExpired:
+                started.kill()

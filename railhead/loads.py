@@ -26,6 +26,9 @@ from railhead.solver.contact import ContactModel
 from railhead.summary import Ending
 
 MOST = 30  # loads that share a mesh: gmsh weighs each at every point
+SPAN = 8.0  # largest over smallest of them: where elements in a patch are more than about twice as
+# long here as there, its reading suffers (S1002 on 60E1: 80 kN with 10 kN on one mesh a is 0.1 %
+# off, with 1 kN 0.7 %, with 100 N, too, 2.7 %)
 
 
 def groups(plans: Sequence[Plan]) -> list[list[int]]:
@@ -36,7 +39,13 @@ def groups(plans: Sequence[Plan]) -> list[list[int]]:
     made = []
     for group in found.values():
         group.sort(key=lambda index: plans[index].scene.load or 0.0)
-        made += [group[first : first + MOST] for first in range(0, len(group), MOST)]
+        first = 0
+        for place, index in enumerate(group):
+            least = plans[group[first]].scene.load or 0.0
+            if place - first == MOST or (plans[index].scene.load or 0.0) > SPAN * least:
+                made.append(group[first:place])
+                first = place
+        made.append(group[first:])
     return made
 
 

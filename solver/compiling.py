@@ -10,7 +10,7 @@ from __future__ import annotations
 import fcntl
 import logging
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from mpi4py import MPI
@@ -22,18 +22,30 @@ LOCK = "railhead.lock"
 def alone(comm: MPI.Comm, folder: Path) -> Iterator[None]:
     """Be the only one to compile into a cache folder (the others wait), without stale locks.
 
-    Of several ranks the first one compiles. A folder that cannot be written to is left as it is.
-    dolfinx 0.5 and setuptools log each form at INFO: not inside.
+    Of several ranks the first one compiles; its OSError is raised on all of them. A folder that
+    cannot be written to is left as it is. dolfinx 0.5 and setuptools log each form at INFO: not
+    inside.
     """
     disabled = logging.root.manager.disable
     with ExitStack() as held:
         held.callback(logging.disable, disabled)
         logging.disable(max(disabled, logging.INFO))
+        refused: OSError | None = None
         if comm.rank == 0:
-            with suppress(OSError):
+            try:
                 held.enter_context(_locked(folder))
                 _remove_unfinished(folder)
-        yield
+            except OSError as error:
+                refused = error
+        problem: Exception | None = None
+        try:
+            yield
+        except Exception as error:
+            problem = error
+        # Of several ranks dolfinx tells a RuntimeError only.
+        cause = problem if isinstance(problem, OSError) else problem and refused
+        if problem := comm.bcast(cause) or problem:
+            raise problem
 
 
 def _remove_unfinished(folder: Path) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 
@@ -81,6 +82,34 @@ def test_what_goes_into_a_file_is_plain_text(by_hand: bool) -> None:
     command = [*launcher, sys.executable, "-c", program]
     done = subprocess.run(command, capture_output=True, text=True, env=environment, check=True)
     assert "mean_dilatation" in done.stdout and "\x1b" not in done.stdout
+
+
+def test_without_room_for_temporary_files_there_is_one_process(
+    eight, tmp_path, monkeypatch, capsys
+) -> None:
+    """Open MPI would wait for ever."""
+    monkeypatch.chdir(tmp_path)
+    full = shutil.disk_usage(tmp_path)._replace(free=launch.ROOM - 1)
+    monkeypatch.setattr(launch.shutil, "disk_usage", lambda _: full)
+    assert launch.suited(plan.make(THESIS.replace(["mesh.patch_size=0.1"]))) == 1
+    with pytest.raises(SystemExit) as ended:
+        main(["run", "long_roller", "--ranks", "2"])
+    assert ended.value.code == 2 and os.listdir(tmp_path) == []
+    said = capsys.readouterr().err
+    assert "--ranks: 2 is not allowed with less than 32 MB free in" in said
+
+
+def test_a_cache_that_cannot_be_written_is_one_line_on_several_ranks(tmp_path) -> None:
+    (tmp_path / "file").touch()
+    program = "from railhead.cli import main; main(['run', 'sphere_on_plane', '--no-pictures'])"
+    launcher, environment = launch.under_mpirun(2, outside.environment())
+    environment["XDG_CACHE_HOME"] = str(tmp_path / "file")
+    done = subprocess.run(
+        [*launcher, sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True,
+        env=environment, timeout=120,
+    )  # fmt: skip
+    assert done.returncode == 1 and "Traceback" not in done.stderr
+    assert done.stderr.count("NOT WRITTEN") == 1
 
 
 def test_processes_of_mpi_refuse_in_one_line() -> None:

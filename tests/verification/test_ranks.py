@@ -31,9 +31,18 @@ def pair(ranks: int, folder: Path, *assignments: str, **case: str) -> tuple[dict
     return one, more
 
 
-@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
-def test_same_numbers_on_several_ranks(ranks: int, tmp_path) -> None:
-    one, more = pair(ranks, tmp_path, "mesh.patch_size=1.0")
+@pytest.mark.parametrize(
+    ("ranks", "mesh"),
+    [
+        (2, ("mesh.patch_size=1.0",)),
+        (2, ("mesh.patch_size=0.6", "mesh.cell=hexahedron")),
+        pytest.param(3, ("mesh.patch_size=1.0",), marks=pytest.mark.slow),
+    ],
+    ids=["2", "2, hexahedra", "3"],
+)
+def test_same_numbers_on_several_ranks(ranks: int, mesh: tuple[str, ...], tmp_path) -> None:
+    """Of hexahedra each rank has one body: no facets, or no slave."""
+    one, more = pair(ranks, tmp_path, *mesh)
     assert more["cost"]["ranks"] == ranks
     assert more["cost"]["dofs"] == one["cost"]["dofs"]
     for part in ("patch", "pressure", "stress"):
