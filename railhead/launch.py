@@ -13,7 +13,6 @@ import psutil
 
 from railhead import process
 from railhead.planning.plan import Plan
-from railhead.planning.price import price
 from railhead.scene.scene import SceneError
 
 WORTH = 100_000  # unknowns a process: two take 0.86 of the time of one with 143 000, ...
@@ -38,9 +37,7 @@ def suited(plan: Plan) -> int:
     cores = min(psutil.cpu_count(logical=False) or 1, len(os.sched_getaffinity(0)))
     if cores == 1 or shutil.which("mpirun") is None or not _room():
         return 1
-    asked = plan.scene.accuracy is not None
-    unknowns = price(plan, plan.resolution).unknowns if asked else plan.unknowns
-    return max(1, min(cores, unknowns // WORTH))
+    return max(1, min(cores, plan.unknowns // WORTH))
 
 
 def _room() -> bool:

@@ -17,6 +17,7 @@ from mpi4py import MPI
 from railhead import build, refine
 from railhead.level import solve_on
 from railhead.meshing.mesh import ContactMesh, MeshError
+from railhead.planning import machine, price
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
 from railhead.progress import Progress
@@ -85,8 +86,11 @@ def run(
 def _model(
     plans: Sequence[Plan], progress: Progress, comm: MPI.Intracomm
 ) -> tuple[ContactMesh, ContactModel] | None:
-    """Bodies as large as the largest load wants them; None where gmsh cannot mesh them."""
+    """Bodies as large as the largest load wants them; None where gmsh cannot mesh them, or where
+    they do not fit into the memory."""
     largest = plans[-1]
+    if not price.fits(largest, comm.bcast(machine.free_memory())):
+        return None
     # The patches ask for the smallest elements, the bodies for the largest: those of a small load's
     # own block, throughout a large load's, would be most of the mesh.
     first, *others = (replace(plan.grading(), coarsest=largest.coarsest) for plan in plans)

@@ -27,13 +27,13 @@ def eight(monkeypatch) -> None:
 
 
 @pytest.mark.parametrize(
-    ("asked", "least", "most"),
-    [([], 1, 1), (["mesh.patch_size=0.25"], 2, 4), (["accuracy=0.1%"], 1, 2),
-     (["mesh.patch_size=0.1"], 8, 8)],
-    ids=["default", "fine", "accurate", "finer"],
-)  # fmt: skip
-def test_large_meshes_are_worth_more_processes(eight, asked, least, most) -> None:
-    assert least <= launch.suited(plan.make(THESIS.replace(asked))) <= most
+    ("asked", "processes"),
+    [([], 1), (["mesh.patch_size=0.25"], 2), (["accuracy=0.06%"], 1), (["mesh.patch_size=0.1"], 8)],
+    ids=["default", "240 000", "190 000", "3 800 000"],
+)
+def test_large_meshes_are_worth_more_processes(eight, asked, processes) -> None:
+    """100 000 unknowns each."""
+    assert launch.suited(plan.make(THESIS.replace(asked))) == processes
 
 
 def test_no_more_than_the_process_may_use(eight, monkeypatch) -> None:

@@ -21,9 +21,20 @@ import pytest
 import pyvista
 
 import railhead as rh
-from railhead import campaign, cli, combinations, loads, pool, records, sweep_table
+from railhead import (
+    campaign,
+    cli,
+    combinations,
+    level,
+    loads,
+    pool,
+    records,
+    refine,
+    sweep_table,
+)
 from railhead.planning import plan as planning
-from railhead.progress import Bar
+from railhead.planning import price
+from railhead.progress import Bar, Progress
 from railhead.scene.scene import unit
 
 SHIFTS = "wheelset.shift=0:10:0.5mm"
@@ -180,6 +191,35 @@ def test_loads_far_apart_have_meshes_of_their_own() -> None:
     given = ["100N", "1kN", "799N", "801N", "10kN", "8kN"]
     plans = [planning.make(rh.find("s1002_60e1").replace(load=load)) for load in given]
     assert loads.groups(plans) == [[0, 2], [3, 1], [5, 4]]
+
+
+@pytest.mark.parametrize(
+    ("case", "key", "given"),
+    [("s1002_60e1", "wheelset.shift=6mm", ["1kN", "2kN"]),
+     ("uic54_22t5_axle", "rail.inclination=1:40", ["4kN", "8kN"])],
+    ids=["elements of another stretch", "the whole section"],
+)  # fmt: skip
+def test_loads_that_want_unlike_meshes_share_none(case: str, key: str, given: list[str]) -> None:
+    scene = rh.find(case).replace([key, "effects.plasticity=off"])
+    assert loads.groups([planning.make(scene.replace(load=load)) for load in given]) == [[0], [1]]
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "found"),
+    [(refine, "unforeseen", lambda level, comm: "it yields"),
+     (level, "_regrade", lambda plan, grading, fields, frame: grading),
+     (price, "fits", lambda plan, free: False)],
+    ids=["it yields", "another patch than the forecast one", "no memory"],
+)  # fmt: skip
+def test_what_the_shared_mesh_does_not_suit_is_solved_alone(
+    module, name: str, found, monkeypatch
+) -> None:
+    scene = rh.find("long_roller").replace(["mesh.patch_size=0.4"])
+    scenes = [scene.replace(load=load) for load in ("25kN", "50kN")]
+    monkeypatch.setattr(refine, "run", lambda *_: "alone")
+    assert "alone" not in [found for _, found in loads.run(scenes, [0, 1], Progress(quiet=True))]
+    monkeypatch.setattr(module, name, found)
+    assert [*loads.run(scenes, [0, 1], Progress(quiet=True))] == [(0, "alone"), (1, "alone")]
 
 
 def test_loads_share_a_mesh_smaller_than_their_own_together() -> None:

@@ -125,6 +125,16 @@ def test_a_linear_solve_ends_where_it_is_enough(models) -> None:
     assert left[2] <= 1e-7
 
 
+def test_a_linear_solve_reaches_what_any_must(models) -> None:
+    """However little is enough: of a penalty a thousandth of its right-hand side."""
+    problem, _ = loaded(model := models(Law("penalty"), linear="multigrid"))
+    active = np.linalg.norm(model.interface.points, axis=1) < 3.0
+    rhs, out = problem.predictor(active), problem.force.duplicate()
+    linear.solve(problem, model.preconditioner, active, rhs, out, 1e-7, lambda _: np.inf)
+    left = (problem.tangent(active) * out - rhs).norm() / rhs.norm()
+    assert 1e-7 < left <= linear.FORCING["penalty"]
+
+
 @pytest.mark.parametrize("law", LAWS, ids=IDS)
 def test_coarse_tangent_is_the_galerkin_product(models, law) -> None:
     """Filled anew for another active set, it is Q^T T Q of the assembled tangent T."""

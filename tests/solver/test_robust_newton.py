@@ -1,13 +1,14 @@
 """Newton's method off the beaten track: stiff and soft laws, stalled solves, cycles."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from mpi4py import MPI
 
 from railhead.solver import linear, newton
-from railhead.solver.contact import ContactModel
+from railhead.solver.contact import NEWTON_TOLERANCE, ContactModel
 from railhead.solver.elasticity import Material
 from railhead.solver.laws import Law
 
@@ -52,6 +53,39 @@ def test_the_parameter_does_not_grow_with_lambda() -> None:
         assert law.theta == -1
         scales.append(law.scale * (lam + 2 * mu))
     np.testing.assert_allclose(scales, 3000.0)
+
+
+class TwoRanks:
+    """Seen from the first one."""
+
+    def __init__(self, other: object) -> None:
+        self.other = other
+
+    def allgather(self, own: object) -> list[object]:
+        return [own, self.other]
+
+
+def test_an_active_set_is_that_of_all_ranks() -> None:
+    comm, active = TwoRanks(b"a"), np.array([True, False])
+    seen = newton._Seen(comm)
+    assert seen.count(active) == 0
+    comm.other = b"b"
+    assert seen.count(active) == 0
+    comm.other = b"a"
+    assert seen.count(active) == 1
+
+
+@pytest.mark.parametrize(("elsewhere", "count"), [(-1.0, 0), (99.0, 12)])
+def test_the_nearest_points_are_those_of_all_ranks(elsewhere: float, count: int) -> None:
+    interface = SimpleNamespace(initial_gap=np.arange(20.0))
+    model = SimpleNamespace(interface=interface, comm=TwoRanks(np.full(12, elsewhere)))
+    assert ContactModel._nearest(model).sum() == count
+
+
+def test_it_ends_with_the_residual_that_was_asked_for(model) -> None:
+    """1e-8 of the contact force, and no sooner."""
+    *before, last = press(model()).newton.history
+    assert last.residual <= NEWTON_TOLERANCE < min(step.residual for step in before)
 
 
 def test_stages_lead_up_to_a_stiff_law() -> None:
