@@ -1,8 +1,8 @@
 """Scenes that differ in their load alone: one mesh, stiffness, contact operators and
 preconditioner for all of them.
 
-The mesh is everywhere at least as fine as each load's own would be, so what is known of the errors
-of that one holds. Newton's method starts from the patch that is forecast for the load: from the one
+The mesh is in each patch at least as fine as that load's own would be, so what is known of the
+errors of that one holds. Newton's method starts from the patch that is forecast for the load: from the one
 found under the load before it takes two to three times the steps.
 """
 

@@ -228,7 +228,7 @@ def test_loads_share_a_mesh_smaller_than_their_own_together() -> None:
     small, large = rh.sweep(scene, load=asked, quiet=True)
     assert small.passed and large.passed
     own = [planning.make(scene.replace(load=load)).unknowns for load in asked]
-    assert small.as_dict()["cost"]["dofs"] < sum(own)
+    assert small.as_dict()["cost"]["dofs"] < 0.85 * sum(own)
     ratio = large.pressure.max / small.pressure.max  # Hertz: load^(1/3)
     assert ratio == pytest.approx(2, rel=small.estimate.pressure_max + large.estimate.pressure_max)
 
