@@ -2,8 +2,8 @@
 preconditioner for all of them.
 
 The mesh is in each patch at least as fine as that load's own would be, so what is known of the
-errors of that one holds. Newton's method starts from the patch that is forecast for the load: from the one
-found under the load before it takes two to three times the steps.
+errors of that one holds. Newton's method starts from the patch that is forecast for the load: from
+the one found under the load before it takes two to three times the steps.
 """
 
 from __future__ import annotations
