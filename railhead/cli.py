@@ -18,6 +18,8 @@ from railhead import __version__, catalogue, process
 from railhead.scene.scene import Scene, SceneError
 
 SOLVED, CHECK_FAILED, WRONG_INPUT = 0, 1, 2
+RANKS = click.IntRange(1)
+RANKS.name = "number of processes; give a whole number from 1 on"
 ALIKE = ("list", "plan", "locate", "profile")  # done by all processes of MPI, said by the first
 
 _set = click.option(
@@ -87,7 +89,7 @@ def plan(
 @click.option("--no-report", is_flag=True, help="Write no report.html.")
 @click.option("--whole", is_flag=True, help="Write .vtu files of the whole model, mirrored.")
 @click.option("--units", help="Of the table and the report, e.g. mm,kN,MPa.")
-@click.option("--ranks", type=click.IntRange(1), help="Processes [as many as pay].")
+@click.option("--ranks", type=RANKS, help="Processes [as many as pay].")
 @click.option("--quiet", is_flag=True, help="Print only what fails.")
 @click.option("--json", "as_json", is_flag=True, help="Print summary.json and nothing else.")
 @click.pass_obj

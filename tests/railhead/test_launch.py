@@ -59,6 +59,16 @@ def test_no_more_than_there_are_processors(eight, capsys, tmp_path, monkeypatch)
     assert capsys.readouterr().err == "railhead: --ranks: 1000 is not allowed; give at most 4\n"
 
 
+@pytest.mark.parametrize("ranks", ["1.5", "two", "0"])
+def test_ranks_are_whole_numbers(ranks: str, tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as ended:
+        main(["run", "long_roller", "--ranks", ranks])
+    assert ended.value.code == 2 and os.listdir(tmp_path) == []
+    said = capsys.readouterr().err
+    assert "--ranks" in said and ranks in said and ("from 1 on" in said or "x>=1" in said)
+
+
 def test_ranks_without_mpirun_are_refused(eight, tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(launch.psutil, "cpu_count", lambda logical=True: 4)
