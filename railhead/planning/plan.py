@@ -147,7 +147,7 @@ class Plan:
         if self.section and ("off" if effect.on else "on") in effect.refused:
             return self
         if name == "axisymmetry" and effect.called_for:
-            return make(self.scene.replace([f"effects.{name}={'off' if effect.on else 'on'}"]))
+            return _decided(self.scene.replace([f"effects.{name}={'off' if effect.on else 'on'}"]))
         return replace(self, effects={**self.effects, name: replace(effect, on=not effect.on)})
 
     def turned_on(self, name: str, why: str) -> Plan:
@@ -400,6 +400,13 @@ def unknowns_per_cell(kind: str, cell: str, order: int) -> float:
 def make(scene: Scene) -> Plan:
     """Decide. Raises SceneError for a pair that cannot be solved as a point contact, and for bodies
     that cannot be built."""
+    plan = _decided(scene)
+    plan.parts()
+    return plan
+
+
+def _decided(scene: Scene) -> Plan:
+    """Whether or not its bodies can be built."""
     kind = dimension.choose(scene)
     contact = geometry.locate(scene) if kind.kind == "solid" else flat.locate(scene, kind)
     predicted = exact.finite(scene, contact)
@@ -414,7 +421,6 @@ def make(scene: Scene) -> Plan:
         reach = max(MIN_BODY_REACH, BODY_REACH * major)
     size = scene.mesh.patch_size or expected.minor
     plan = Plan(context, decided, order, size, reach, expected, plasticity.steps(context))
-    plan.parts()  # what cannot be built is refused here
     if scene.mesh.patch_size:
         return plan
     plan = plan.at_resolution(plan.default_resolution)

@@ -40,7 +40,7 @@ def test_small_patch_in_large_bodies_needs_next_to_nothing() -> None:
 def test_finite_bodies_are_felt_as_the_cube_of_patch_over_size(
     key: str, thick: float, thin: float
 ) -> None:
-    block = ("rail.profile=arc", "rail.crown_radius=300", "rail.depth=1000", "rail.width=500")
+    block = ("rail.profile=arc", "rail.crown_radius=300", "rail.depth=1000", "rail.width=120")
     block += ("wheel.rim_depth=400", "wheel.width=120", "load=5kN")
     far, thicker, thinner = (
         thesis(*block, *more)["max_MPa"].size
