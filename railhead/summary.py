@@ -87,7 +87,7 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
             "ranks": level.ranks,
             "newton_iterations": len(newton.history),
             "linear_iterations": sum(step.linear_iterations for step in newton.history),
-            "peak_rss_MB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+            "peak_rss_MB": 1024e-6 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss,
             "seconds": _seconds(levels),
         },
     }
