@@ -18,8 +18,8 @@ from railhead import __version__, catalogue, process
 from railhead.scene.scene import Scene, SceneError
 
 SOLVED, CHECK_FAILED, WRONG_INPUT = 0, 1, 2
-RANKS = click.IntRange(1)
-RANKS.name = "number of processes; give a whole number from 1 on"
+PROCESSES = click.IntRange(1)
+PROCESSES.name = "number of processes; give a whole number from 1 on"
 ALIKE = ("list", "plan", "locate", "profile")  # done by all processes of MPI, said by the first
 
 _set = click.option(
@@ -89,7 +89,7 @@ def plan(
 @click.option("--no-report", is_flag=True, help="Write no report.html.")
 @click.option("--whole", is_flag=True, help="Write .vtu files of the whole model, mirrored.")
 @click.option("--units", help="Of the table and the report, e.g. mm,kN,MPa.")
-@click.option("--ranks", type=RANKS, help="Processes [as many as pay].")
+@click.option("--ranks", type=PROCESSES, help="Processes [as many as pay].")
 @click.option("--quiet", is_flag=True, help="Print only what fails.")
 @click.option("--json", "as_json", is_flag=True, help="Print summary.json and nothing else.")
 @click.pass_obj
@@ -125,7 +125,7 @@ def run(
 
     start = time.perf_counter()
     planned = planning.make(api.asked(scene, accuracy, budget))
-    if not launch.started():
+    if not process.started():
         price.check_memory(planned, machine.free_memory())
         count = ranks or launch.suited(planned)
         if count > 1:

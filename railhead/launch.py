@@ -17,18 +17,9 @@ from railhead.scene.scene import SceneError
 
 WORTH = 100_000  # unknowns a process: two take 0.86 of the time of one with 143 000, ...
 # ... 0.77 with 285 000 and 0.67 with a million (docs/ranks.md)
-ROOM = (
-    32_000_000  # bytes of temporary files: Open MPI 4 takes 8.4 MB for two processes, and waits for
-)
-# ever where they are not there
-INSIDE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")  # what launchers of MPI leave behind
-
+ROOM = 32_000_000  # bytes of temporary files: Open MPI 4 takes 8.4 MB for two processes, ...
+# ... and without them it waits for ever
 QUIET = {"OMPI_MCA_orte_execute_quiet": "1"}  # Open MPI 4; 5 always tells of a status that is not 0
-
-
-def started() -> bool:
-    """Whether a launcher of MPI started this process."""
-    return any(name in os.environ for name in INSIDE)
 
 
 def suited(plan: Plan) -> int:

@@ -37,16 +37,14 @@ def groups(plans: Sequence[Plan]) -> list[list[int]]:
     found: dict[str, list[int]] = {}
     for index, plan in enumerate(plans):
         found.setdefault(_alike(index, plan), []).append(index)
-    made = []
-    for group in found.values():
-        group.sort(key=lambda index: plans[index].scene.load or 0.0)
-        first = 0
-        for place, index in enumerate(group):
-            least = plans[group[first]].scene.load or 0.0
-            if place - first == MOST or (plans[index].scene.load or 0.0) > SPAN * least:
-                made.append(group[first:place])
-                first = place
-        made.append(group[first:])
+    load = [plan.scene.load or 0.0 for plan in plans]
+    made: list[list[int]] = []
+    for alike in found.values():
+        group: list[int] = []
+        for index in sorted(alike, key=load.__getitem__):
+            if not group or len(group) == MOST or load[index] > SPAN * load[group[0]]:
+                made.append(group := [])
+            group.append(index)
     return made
 
 
@@ -93,10 +91,11 @@ def _model(
         return None
     # The patches ask for the smallest elements, the bodies for the largest: those of a small load's
     # own block, throughout a large load's, would be most of the mesh.
-    first, *others = (replace(plan.grading(), coarsest=largest.coarsest) for plan in plans)
+    first, *others = (plan.grading() for plan in plans)
+    shared = replace(first, coarsest=largest.coarsest, also=(*first.also, *others))
     progress.stage(f"meshing for {len(plans)} loads ({first.size:.3g} mm in the patch)")
     try:
-        mesh = build.generate(largest, replace(first, also=(*first.also, *others)), comm)
+        mesh = build.generate(largest, shared, comm)
     except MeshError:
         return None
     progress.stage("assembling")

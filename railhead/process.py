@@ -26,6 +26,7 @@ from pathlib import Path
 SIGNALS = (signal.SIGINT, signal.SIGTERM)  # in the order in which they are heard
 PATIENCE = 2.0  # seconds until the process is killed
 BEGUN, ENDED = b"\xfe", b"\xff"  # of a folder, whose path follows; other bytes are signals
+INSIDE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")  # what launchers of MPI leave behind
 RANKS = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK")  # in the environment under mpirun
 SHOW_CURSOR = b"\x1b[?25h"
 _undo: list[Callable[[], None]] = []
@@ -42,7 +43,7 @@ def prepare() -> None:
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     # Alone (not under mpirun) Open MPI would start a daemon first, for processes that join later.
     os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
-    if any(name in os.environ for name in RANKS):
+    if started():
         # Launchers of MPI give the first process a terminal of its own, whatever they write to.
         os.environ.setdefault("TTY_COMPATIBLE", "0")
     # What is alive at the end dies with the process: no search for cycles among it.
@@ -54,6 +55,11 @@ def prepare() -> None:
     if hasattr(libc, "mallopt"):
         libc.mallopt(-1, 2**31 - 1)
         libc.mallopt(-3, 2**30)
+
+
+def started() -> bool:
+    """Whether a launcher of MPI started this process."""
+    return any(name in os.environ for name in INSIDE)
 
 
 def rank() -> int:

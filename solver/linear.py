@@ -22,6 +22,7 @@ FORCING = {"nitsche": 0.1, "penalty": 1e-3}  # what any linear solve must reach 
 # (linear tetrahedra, 142 000 unknowns: 15 Newton steps and 329 Krylov iterations with a tenth, 5
 # and 137 with a thousandth)
 SLOWER = 2  # times the pace right after a set-up, beyond which the next linear solve gets a new one
+EPSILON = np.finfo(float).eps  # of the right-hand side: a residual below it is rounding
 
 
 class StalledError(RuntimeError):
@@ -185,8 +186,9 @@ def solve(
             raise StalledError(iterations, "the linear solver stalls")
         preconditioner.renew(active)
         fresh = True
-    decades = np.log10(norm / ksp.getResidualNorm()) if iterations else np.inf
-    pace = max(1.0, iterations / decades)
+    taken = int(ksp.getIterationNumber())  # with the last set-up
+    decades = -np.log10(max(ksp.getResidualNorm() / norm, EPSILON)) if taken else np.inf
+    pace = max(1.0, taken / decades)
     if fresh:
         preconditioner.pace = pace
     elif pace > SLOWER * preconditioner.pace:

@@ -10,7 +10,7 @@ import outside
 import psutil
 import pytest
 
-from railhead import catalogue, launch
+from railhead import catalogue, launch, process
 from railhead.cli import main
 from railhead.planning import plan
 
@@ -45,9 +45,9 @@ def test_no_more_than_the_process_may_use(eight, monkeypatch) -> None:
 
 
 def test_what_mpi_started_starts_no_more(eight, monkeypatch) -> None:
-    assert not launch.started()
+    assert not process.started()
     monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "2")
-    assert launch.started()
+    assert process.started()
 
 
 def test_no_more_than_there_are_processors(eight, capsys, tmp_path, monkeypatch) -> None:
