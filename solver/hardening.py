@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 ROOT = np.sqrt(2.0 / 3.0)
-STEPS = 50  # of the local solve for the plastic strain, which needs one a segment of the curve
 
 
 @dataclass(frozen=True)
@@ -41,11 +40,16 @@ class Hardening:
         """Stress at which it begins to yield, MPa."""
         return self.stress[0]
 
+    @property
+    def segments(self) -> tuple[Array, Array, Array]:
+        """Plastic strain and stress (MPa) of the points (k,), and the slope behind each, MPa."""
+        strain, stress = np.array(self.strain), np.array(self.stress)
+        return strain, stress, np.append(np.diff(stress) / np.diff(strain), self.beyond)
+
     def at(self, plastic: Array) -> tuple[Array, Array]:
         """Stress of the curve and its slope, MPa, at equivalent plastic strains (n,)."""
-        strain, stress = np.array(self.strain), np.array(self.stress)
+        strain, stress, slopes = self.segments
         segment = np.searchsorted(strain, plastic, side="right") - 1
-        slopes = np.append(np.diff(stress) / np.diff(strain), self.beyond)
         return stress[segment] + slopes[segment] * (plastic - strain[segment]), slopes[segment]
 
 
@@ -112,23 +116,24 @@ def returned(
     mu, size = mu[yielding], size[yielding]
     normal = trial[yielding] / size[:, None]
     start, curve = before.equivalent[yielding], curve[yielding]
-    # size - 2 mu d - ROOT (share (k(q) - k(q0)) + radius(q)) = 0 with q = q0 + ROOT d: convex or
-    # concave piecewise straight, so Newton's method ends on the right segment.
-    step = np.zeros(len(yielding))
-    slope = hardening.at(start)[1]
-    for _ in range(STEPS):
-        now, slope = hardening.at(start + ROOT * step)
-        excess = size - 2 * mu * step - ROOT * (now - share * (curve - first))
-        change = excess / (2 * mu + 2 / 3 * slope)
-        step = np.maximum(step + change, 0.0)
-        if not np.any(np.abs(excess) > 1e-12 * size):
-            break
-    now, slope = hardening.at(start + ROOT * step)
+    # 2 mu q / ROOT + ROOT k(q) = reached, piecewise straight and growing with q: the segment by
+    # bisection of the points of the curve, then a linear equation.
+    strain_at, stress_at, slopes = hardening.segments
+    reached = size + 2 * mu * start / ROOT + ROOT * share * (curve - first)
+    low, high = np.zeros(len(yielding), dtype=int), np.full(len(yielding), len(strain_at))
+    for _ in range(len(strain_at).bit_length()):
+        middle = (low + high) // 2
+        beyond = 2 * mu * strain_at[middle] / ROOT + ROOT * stress_at[middle] <= reached
+        low, high = np.where(beyond, middle, low), np.where(beyond, high, middle)
+    slope = slopes[low]
+    excess = reached - 2 * mu * strain_at[low] / ROOT - ROOT * stress_at[low]
+    growth = np.maximum(strain_at[low] + excess / (2 * mu / ROOT + ROOT * slope) - start, 0.0)
+    step, now = growth / ROOT, hardening.at(start + growth)[0]
     plastic, back = before.plastic.copy(), before.back.copy()
     equivalent = before.equivalent.copy()
     plastic[yielding] += step[:, None] * normal
     back[yielding] += (ROOT * share * (now - curve))[:, None] * normal
-    equivalent[yielding] += ROOT * step
+    equivalent[yielding] += growth
     shear = 2 * mu * step / size
     along = 1 / (1 + slope / (3 * mu)) - shear
     return History(plastic, back, equivalent), Loss(yielding, shear, along, normal, mu)

@@ -114,7 +114,7 @@ class YieldingModel(ContactModel):
             if not side.rigid:
                 inwards = -moved if side.tag == self.setup.slave else moved
                 own = inwards[self._members(self.bulk.space, side.contact)]
-                found[side.tag] = float(max(self.comm.allgather(np.max(own, initial=0.0))))
+                found[side.tag] = float(max(self.comm.allgather(np.max(own, initial=-np.inf))))
         return found
 
     def within(self, indicator: Array, share: float) -> Mask:

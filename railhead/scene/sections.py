@@ -31,7 +31,8 @@ class SceneError(ValueError):
 
 
 class Section(BaseModel):
-    """A frozen table of keys; a wrong key or value raises `SceneError`."""
+    """A frozen table of keys; a wrong key or value raises `SceneError`. A key with the value
+    ``none`` has its default."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -40,6 +41,16 @@ class Section(BaseModel):
             super().__init__(**data)
         except ValidationError as error:
             raise self._first_problem(error) from None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _unset(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        return {
+            key: value for key, value in data.items()
+            if not (key in cls.model_fields and isinstance(value, str) and value == "none")
+        }  # fmt: skip
 
     @classmethod
     def _first_problem(cls, error: ValidationError) -> SceneError:

@@ -225,3 +225,11 @@ def test_any_text_is_read_or_refused_in_one_line(key: str, text: str) -> None:
         assert scene(**{key: text}).wheel == Wheel()
     except SceneError as error:
         assert len(str(error).splitlines()) == 1
+
+
+def test_none_gives_any_key_its_default() -> None:
+    given = scene(**{"rail.gauge": 1435, "rail.steel": "R260", "accuracy": 0.01})
+    assert given.replace(["rail.gauge=none", "rail.steel=none", "accuracy=none"]) == scene()
+    assert scene(**{"rail.profile": "none", "wheel.rolling_radius": "none"}) == scene()
+    with pytest.raises(SceneError, match="unknown key"):
+        scene(**{"rail.gouge": "none"})

@@ -80,3 +80,15 @@ def test_reversed_loading_yields_earlier_with_kinematic_hardening() -> None:
             low = top - share * width / 1.5
             strain = loaded.plastic + low / (2 * MU) * direction
             assert len(returned(strain, np.full(1, MU), loaded, curve)[1].points) == yields
+
+
+def test_a_steep_segment_between_flat_ones_is_met() -> None:
+    """Newton's method swings between the flat segments of such a curve without end."""
+    curve = Hardening((0.0, 0.002, 0.0021, 0.05), (400.0, 400.0, 900.0, 900.0))
+    strain = np.zeros((40, 6))
+    strain[:, 0], strain[:, 1] = np.linspace(0.001, 0.02, 40), -np.linspace(0.001, 0.02, 40)
+    after, loss = returned(strain, np.full(40, MU), History.virgin(40, 6), curve)
+    size = np.linalg.norm(2 * MU * (deviator(strain) - after.plastic), axis=1)
+    radius = ROOT * curve.at(after.equivalent)[0]
+    assert size[loss.points] == pytest.approx(radius[loss.points], rel=1e-10)
+    assert np.any((after.equivalent > 0.002) & (after.equivalent < 0.0021))

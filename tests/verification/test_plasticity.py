@@ -4,11 +4,13 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import meshio
 import numpy as np
 import pytest
+from mpi4py import MPI
 
 import railhead as rh
 from railhead import build, estimates, level
@@ -102,6 +104,23 @@ def test_a_load_step_whose_start_stalls_begins_from_the_last_one(five, monkeypat
     assert stalls and found.passed, found.failed
     assert found.approach == pytest.approx(five.approach, rel=1e-5)
     assert found.pressure.max == pytest.approx(five.pressure.max, rel=1e-4)
+
+
+@pytest.mark.parametrize("normal, depth", [(-1.0, 3e-3), (1.0, -1e-3)])
+def test_a_surface_that_bulges_everywhere_has_a_negative_depth(normal, depth) -> None:
+    """A depth cut off at zero says that nothing is left."""
+    model = YieldingModel.__new__(YieldingModel)
+    rail = SimpleNamespace(tag=RAIL, rigid=False, contact=0)
+    model.comm, model.materials = MPI.COMM_SELF, {}
+    model.setup = SimpleNamespace(
+        fixed=rail, moving=SimpleNamespace(rigid=True), slave=RAIL,
+        kinematics=SimpleNamespace(dim=2),
+    )  # fmt: skip
+    model.interface = SimpleNamespace(weights=np.ones(1), normals=np.array([[0.0, normal]]))
+    model.bulk = SimpleNamespace(space=None)
+    model._members = lambda *_: np.arange(2)
+    moved = SimpleNamespace(displacement=SimpleNamespace(array=np.array([0, 1e-3, 0, 3e-3])))
+    assert model._indentation(moved, np.ones(1)) == {RAIL: pytest.approx(depth)}
 
 
 def test_cycles_press_the_spot_as_often_as_asked() -> None:

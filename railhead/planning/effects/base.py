@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -89,14 +88,23 @@ class Context:
             return True
         return exact.parabolic(contact, hertz)
 
+    @cached_property
+    def elastic(self) -> Solution | str:
+        """Boundary elements where the patch is not Hertz's; else text, empty where it is his, or
+        the reason why boundary elements find no closed patch."""
+        if self.hertzian:
+            return ""
+        try:
+            return self.boundary_elements
+        except ValueError as error:
+            return str(error)
+
     def von_mises(self, poisson: float) -> float:
-        """The largest elastic one (MPa) below the contact: exact, or from the pressure of the
-        boundary elements where the patch is not Hertz's and they find one."""
-        if not self.hertzian:
-            with suppress(ValueError):
-                patches = self.boundary_elements.patches
-                return max(grid_stress.largest_von_mises(patch, poisson) for patch in patches)
-        return contacts.axis_extrema(self.hertz, poisson).von_mises_max
+        """Largest elastic von Mises stress (MPa) below the contact: from the pressure of the
+        boundary elements, or exact Hertz's without them."""
+        if isinstance(self.elastic, str):
+            return contacts.axis_extrema(self.hertz, poisson).von_mises_max
+        return max(grid_stress.largest_von_mises(each, poisson) for each in self.elastic.patches)
 
     @property
     def accuracy(self) -> float:

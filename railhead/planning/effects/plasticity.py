@@ -45,6 +45,8 @@ def decide(context: Context) -> Effect:
             "mesh.order",
             "1 is not allowed where a body yields: linear tetrahedra and triangles lock; give 2",
         )
+    if isinstance(context.elastic, str) and context.elastic:
+        why += f"; exact Hertz's, as no other is known: {context.elastic}"
     if yields:
         why += _expected(context, _over(context, stresses))
     refused = {} if stresses else {"on": "no body that deforms has a yield stress"}

@@ -7,6 +7,7 @@ from mpi4py import MPI
 
 from railhead import build, catalogue, level, refine
 from railhead.meshing.tags import RAIL, WHEEL
+from railhead.planning import developed
 from railhead.planning import plan as planning
 from railhead.progress import Progress
 from railhead.scene.scene import Effects, SceneError
@@ -116,6 +117,15 @@ def test_plasticity_begins_at_the_yield_load_of_the_ellipse(share: float, yields
         found = effect("plasticity", "hertz_ellipse", *given)
         assert (found.called_for, found.on) == (yields, yields)
         assert f"the yield 600 MPa of the {body}" in found.why
+
+
+def test_the_plan_says_where_yield_is_decided_by_hertz_for_want_of_a_patch(monkeypatch) -> None:
+    def nothing(*_: object) -> None:
+        raise ValueError("there is no closed patch")
+
+    monkeypatch.setattr(developed, "solve", nothing)
+    found = effect("plasticity", "s1002_60e1", "wheelset.shift=5mm", "rail.steel=R260")
+    assert "exact Hertz's, as no other is known: there is no closed patch" in found.why
 
 
 UNLIKE = "wheel.young_modulus=70000"
