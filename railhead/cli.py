@@ -129,7 +129,7 @@ def run(
         price.check_memory(planned, machine.free_memory())
         count = ranks or launch.suited(planned)
         if count > 1:
-            return launch.again(count, arguments)
+            launch.restart(count, arguments)
 
     from railhead import refine, report, screen
 

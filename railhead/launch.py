@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import os
 import shutil
-import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
+from typing import NoReturn
 
 import psutil
 
-from railhead import process
 from railhead.planning.plan import Plan
 from railhead.scene.scene import SceneError
 
@@ -46,9 +45,13 @@ def under_mpirun(ranks: int, environment: Mapping[str, str]) -> tuple[list[str],
     return ["mpirun", "--oversubscribe", "-n", str(ranks)], allowed
 
 
-def again(ranks: int, arguments: Sequence[str]) -> int:
-    """Run the same command in so many processes under mpirun; its exit status. A signal ends them
-    all. Raises SceneError for more than there are processors, and where there is no mpirun."""
+def restart(ranks: int, arguments: Sequence[str]) -> NoReturn:
+    """Put mpirun, which runs the same command in so many processes, in the place of this process: a
+    signal ends both or neither, and the exit status is that of the ranks.
+
+    Raises SceneError for more ranks than processors, without mpirun, and without free disk space
+    for its files.
+    """
     processors = psutil.cpu_count() or 1
     if ranks > processors:
         raise SceneError("--ranks", f"{ranks} is not allowed; give at most {processors}")
@@ -62,13 +65,5 @@ def again(ranks: int, arguments: Sequence[str]) -> int:
     environment["TMPDIR"] = tempfile.gettempdir()
     environment.setdefault("TTY_COMPATIBLE", str(int(sys.stdout.isatty())))
     program = [sys.executable, "-c", "from railhead.start import main; main()"]
-    started = subprocess.Popen([*launcher, *program, *arguments], env=environment)
-    with process.undoing(started.terminate):
-        try:
-            return started.wait()
-        finally:
-            started.terminate()
-            try:
-                started.wait(1.0)  # mpirun ends the others on its own
-            except subprocess.TimeoutExpired:
-                started.kill()
+    sys.stdout.flush()
+    os.execvpe(launcher[0], [*launcher, *program, *arguments], environment)

@@ -88,7 +88,7 @@ def test_what_goes_into_a_file_is_plain_text(by_hand: bool) -> None:
     launcher, environment = launch.under_mpirun(2, outside.environment())
     program = f"from railhead.cli import main; main({PLAN})"
     if not by_hand:
-        launcher, program = [], f"from railhead import launch; launch.again(2, {PLAN})"
+        launcher, program = [], f"from railhead import launch; launch.restart(2, {PLAN})"
     command = [*launcher, sys.executable, "-c", program]
     done = subprocess.run(command, capture_output=True, text=True, env=environment, check=True)
     assert "mean_dilatation" in done.stdout and "\x1b" not in done.stdout
@@ -134,24 +134,49 @@ def test_processes_of_mpi_refuse_in_one_line() -> None:
 
 
 def test_a_mesh_that_does_not_fit_starts_no_processes(eight, capsys, monkeypatch) -> None:
-    monkeypatch.setattr(launch, "again", lambda *_: pytest.fail("started"))
+    monkeypatch.setattr(launch, "restart", lambda *_: pytest.fail("started"))
     with pytest.raises(SystemExit) as ended:
         main(["run", "hertz_ellipse", "--set", "mesh.patch_size=0.002"])
     assert ended.value.code == 2
     assert "GB free" in capsys.readouterr().err
 
 
-def test_two_ranks_on_request(eight, tmp_path, monkeypatch) -> None:
+COMMAND = [sys.executable, "-c", "from railhead.start import main; main()", "run"]
+
+
+def test_two_ranks_on_request(tmp_path) -> None:
     """The command itself starts them; its numbers are those of one."""
-    monkeypatch.chdir(tmp_path)
     found = []
     for ranks in ("1", "2"):
-        with pytest.raises(SystemExit) as ended:
-            main(["run", "long_roller", "--no-pictures", "--quiet", "--ranks", ranks])
-        assert ended.value.code == 0
-        found.append(json.loads((tmp_path / "results/long_roller/summary.json").read_text()))
+        case = ["long_roller", "--no-pictures", "--json", "--ranks", ranks]
+        done = subprocess.run(
+            [*COMMAND, *case], cwd=tmp_path, env=outside.environment(), capture_output=True
+        )
+        assert done.returncode == 0, done.stderr
+        found.append(json.loads(done.stdout))
+        assert found[-1] == json.loads((tmp_path / "results/long_roller/summary.json").read_text())
     one, two = found
     assert (one["cost"]["ranks"], two["cost"]["ranks"]) == (1, 2)
     assert two["result"]["pressure"]["max_MPa"] == pytest.approx(
         one["result"]["pressure"]["max_MPa"], rel=1e-6
     )
+
+
+def test_a_killed_command_leaves_no_ranks(tmp_path) -> None:
+    """As a batch system or `timeout -s KILL` ends it."""
+    case = ["hertz_ellipse", "--set", "mesh.patch_size=0.2", "--no-pictures", "--ranks", "2"]
+    running = subprocess.Popen(
+        [*COMMAND, *case], cwd=tmp_path, env=outside.environment(), stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    assert running.stderr is not None
+    while "meshing" not in running.stderr.readline():
+        assert running.poll() is None
+    started = psutil.Process(running.pid).children(recursive=True)
+    assert len(started) >= 2
+    running.kill()
+    running.wait()
+    _, alive = psutil.wait_procs(started, timeout=5)
+    for rank in alive:
+        rank.kill()
+    assert alive == []
