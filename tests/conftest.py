@@ -1,14 +1,23 @@
-"""Small contact models on two blocks that the solver's and the verification tests share."""
+"""The process of the tests, and small contact models on two blocks that several of them share."""
+
+from railhead import process
+
+process.prepare()  # as the command does: one thread of BLAS, before numpy loads
 
 from collections.abc import Callable
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from railhead.meshing import mesh
 from railhead.solver.contact import ContactModel
 from railhead.solver.setup import Setup
 from railhead.studies.hard import blocks
+
+settings.register_profile("default", max_examples=20)
+settings.register_profile("thorough", max_examples=200)
+settings.load_profile("default")
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,7 @@
 """docs/design.md names every module in its room."""
 
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -22,3 +23,13 @@ def test_every_study_is_named() -> None:
     named = set(re.findall(r"\w+", ROOMS["studies"]))
     found = {path.stem for path in (ROOT / "studies").iterdir() if path.stem != "__init__"}
     assert found - named - {"__pycache__"} == set()
+
+
+def test_every_package_is_installed() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    setup = project["tool"]["setuptools"]
+    found = set()
+    for package, room in setup["package-dir"].items():
+        for marker in (ROOT / room).rglob("__init__.py"):
+            found.add(".".join([package, *marker.parent.relative_to(ROOT / room).parts]))
+    assert found == set(setup["packages"])

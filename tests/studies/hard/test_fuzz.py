@@ -18,7 +18,6 @@ from railhead.studies.hard.fuzz_scenes import Fuzzed, fuzz
 from railhead.studies.hard.random_scenes import plans
 
 patient = settings(
-    max_examples=50,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
