@@ -16,12 +16,13 @@ POINTS = 61
 
 
 def draw(friction: Mapping[str, Any], poisson: float, path: Path, title: str = "") -> None:
-    """`friction` of a result in summary.json, with p0_over_k; limits of a line under full slip."""
+    """`friction` of a result in summary.json, with p0_over_k; limits of a line
+    under full slip, and those of this patch."""
     used, ratio = friction["traction_coefficient"], friction["p0_over_k"]
     shares = np.linspace(0.0, max(WIDE, 1.1 * used), POINTS)
     with new_figure(path, 7, 4.8, title) as figure:
         axes = figure.subplots()
-        limits = [shakedown.shakedown_limit(each) for each in shares]
+        limits = [shakedown.shakedown_limit(each, poisson) for each in shares]
         elastic = [shakedown.elastic_limit(each, poisson) for each in shares]
         axes.plot(shares, limits, color=HERTZ, label="shakedown limit of a line")
         axes.plot(shares, elastic, "--", color=HERTZ, label="elastic limit of a line")
@@ -44,6 +45,10 @@ def draw(friction: Mapping[str, Any], poisson: float, path: Path, title: str = "
         axes.plot(
             used, friction["first_yield_p0_over_k"], "_", color=FE, ms=16, mew=2,
             label="this patch begins to yield",
+        )  # fmt: skip
+        axes.plot(
+            used, friction["shakedown_limit_p0_over_k"], "_", color=HERTZ, ms=16, mew=2,
+            label="its shakedown limit",
         )  # fmt: skip
         state, index = friction["shakedown"], friction["surface_fatigue_index"]
         axes.plot(

@@ -104,9 +104,13 @@ def _more(level: Level) -> dict[str, Any]:
     if level.result is not None and (found := level.result.get("friction")):
         plan = level.plan
         out["friction"] = found | damage.answers(
-            level.result, plan.scene.friction.coefficient, plasticity.shear_yield(plan.context),
-            rolling=plan.scene.rolling.given, line=plan.contact.line,
-        )  # fmt: skip
+            level.result,
+            plan.scene.friction.coefficient,
+            plasticity.shear_yield(plan.context),
+            poisson=min(plan.poisson_ratios.values()),
+            rolling=plan.scene.rolling.given,
+            line=plan.contact.line,
+        )
     return out
 
 

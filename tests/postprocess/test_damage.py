@@ -7,22 +7,27 @@ import pytest
 from railhead.postprocess.damage import answers
 
 MU = 0.4
+SHIFT = {"poisson": 0.3, "rolling": False, "line": False}
 
 
-def result(used: float, pressure: float, von_mises: float, depth: float = 2.0) -> dict:
-    """1000 N on 4 x 5 mm, half of the forces across."""
+def result(
+    used: float, pressure: float, von_mises: float, depth: float = 2.0, local: float | None = None,
+    mu: float = MU,
+) -> dict:  # fmt: skip
+    """1000 N on 4 x 5 mm, half of the forces across; local: largest traction over pressure."""
     force = used * 1000 / math.sqrt(2)
     return {
         "patch": {"a_mm": 5.0, "b_mm": 4.0, "area_mm2": 60.0},
         "pressure": {"max_MPa": pressure},
         "stress": {"von_mises_max_MPa": von_mises, "von_mises_max_depth_mm": depth},
-        "friction": {"force_along_N": force, "force_across_N": -force, "limit_N": MU * 1000,
-                     "t_gamma_N": 120.0},
+        "friction": {"force_along_N": force, "force_across_N": -force, "limit_N": mu * 1000,
+                     "t_gamma_N": 120.0,
+                     "traction_max_MPa": pressure * (used if local is None else local)},
     }  # fmt: skip
 
 
 def test_forces_of_both_ways_make_the_coefficient() -> None:
-    found = answers(result(0.3, 900.0, 560.0), MU, None, rolling=True, line=True)
+    found = answers(result(0.3, 900.0, 560.0), MU, None, poisson=0.3, rolling=True, line=True)
     assert found["traction_coefficient"] == pytest.approx(0.3)
     assert found["t_gamma_over_area_MPa"] == pytest.approx(2.0)
     assert found["wear_regime"] == "mild" and found["wear_regime_british_rail"] == "severe"
@@ -39,23 +44,37 @@ def test_forces_of_both_ways_make_the_coefficient() -> None:
         (0.1, 3.7, False, "open"),  # above a line's limit, the surface holds
         (0.1, 4.7, False, "ratchets"),  # above a circle's without friction
         (0.36, 2.9, False, "ratchets"),  # FI = 0.36 - 1/2.9
-        (0.36, 2.75, False, "open"),
+        (0.36, 2.7, False, "open"),
+        (0.36, 2.7, True, "ratchets"),  # below k/friction, but von Mises' limit is 2.55
     ],
 )
 def test_the_place_in_the_map_is_said(used: float, ratio: float, line: bool, state: str) -> None:
+    """All of the patch slips."""
     k = 300.0
-    given = result(used, ratio * k, ratio * k / 1.6)  # first yield at p0/k = 2.77 ...
+    given = result(used, ratio * k, ratio * k / 1.6, mu=used)  # first yield at p0/k = 2.77 ...
     if used > 0.2:
         given["stress"]["von_mises_max_MPa"] *= 1.3  # ... and 2.13
-    found = answers(given, MU, k, rolling=True, line=line)
+    found = answers(given, used, k, poisson=0.3, rolling=True, line=line)
     assert found["p0_over_k"] == pytest.approx(ratio)
     assert found["surface_fatigue_index"] == pytest.approx(used - 1 / ratio)
     assert found["shakedown"] == state
 
 
+@pytest.mark.parametrize("line, used, state", [
+    (True, 0.2, "ratchets"), (False, 0.2, "ratchets"), (False, 0.0, "ratchets"),
+])  # fmt: skip
+def test_a_traction_above_k_ratchets_whatever_the_force_is(line, used, state) -> None:
+    """A pure spin has no force at all; 3 k under 0.35 of the pressure are 1.05 k."""
+    given = result(used, 900.0, 900.0, local=0.35, mu=0.5)
+    found = answers(given, 0.5, 300.0, poisson=0.3, rolling=True, line=line)
+    assert found["shakedown_limit_p0_over_k"] < 1 / 0.35
+    assert found["surface_fatigue_index"] == pytest.approx(0.35 - 1 / 3)
+    assert found["shakedown"] == state
+
+
 def test_a_shift_wears_nothing_and_has_a_hardest_place() -> None:
-    found = answers(result(0.3, 900.0, 560.0, -0.3), MU, 300.0, rolling=False, line=False)
+    found = answers(result(0.3, 900.0, 560.0, -0.3), MU, 300.0, **SHIFT)
     assert found == {"von_mises_max_MPa": 560.0, "von_mises_max_depth_mm": 0.3,
                      "von_mises_max_at": "surface"}  # fmt: skip
-    deep = answers(result(0.3, 900.0, 560.0, 0.5), MU, 300.0, rolling=False, line=False)
+    deep = answers(result(0.3, 900.0, 560.0, 0.5), MU, 300.0, **SHIFT)
     assert deep["von_mises_max_at"] == "below"

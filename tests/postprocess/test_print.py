@@ -244,6 +244,7 @@ def test_sweeps_and_the_shakedown_map_say_what_they_are_of(
     sweep_plots.curves(["load [N]"], rows, tmp_path / "c.png", "y, mm", TITLE)
     sweep_plots.patches(["load [N]"], rows, [circle, circle], tmp_path / "p.png", "y, mm", TITLE)
     friction = {"traction_coefficient": 0.1, "p0_over_k": 3.0, "first_yield_p0_over_k": 3.2,
+                "shakedown_limit_p0_over_k": 3.5,
                 "shakedown": "elastic", "surface_fatigue_index": -0.2}  # fmt: skip
     shakedown_plot.draw(friction, 0.3, tmp_path / "s.png", TITLE)
     for figure in sheets:
