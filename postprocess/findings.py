@@ -229,10 +229,9 @@ class Findings:
 
     hertzian: whether the pressure is close enough to a semi-ellipsoid for the moments to give the
     semi-axes; shape_error: relative L2 distance of the pressure from that semi-ellipsoid; notes:
-    what every picture has to say below it; subject: what it is of. The next four are those of
+    what every picture has to say below it; subject: what it is of. The next three are those of
     `postprocess.quality`: noise, relative; elements_across: along and across the most loaded patch;
-    edge_distance of the patch over its smaller half length; reported_force: what the recovered
-    pressure carries along z, N. misfit: of the smooth stresses around the largest ones from
+    edge_distance of the patch over its smaller half length. misfit: of the smooth stresses around the largest ones from
     those of the elements, relative. opposite: as surface, of the other body, None where that is
     rigid.
     """
@@ -252,7 +251,6 @@ class Findings:
     noise: float = math.nan
     elements_across: tuple[float, float] = (math.nan, math.nan)
     edge_distance: float = math.nan
-    reported_force: float = math.nan
     misfit: float = math.nan
     opposite: Surface | None = None
 

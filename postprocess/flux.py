@@ -1,59 +1,71 @@
-"""The load that the elements' own stresses carry through a body, averaged over a slab of it."""
+"""The force that the elements' own stresses carry away from the contact in a body."""
 
 from __future__ import annotations
 
 import basix
 import numpy as np
-from numpy.typing import NDArray
 
 from railhead.meshing.tags import RAIL
+from railhead.postprocess.findings import Array
 from railhead.postprocess.solid import Solid
 from railhead.postprocess.stress import at_reference
 from railhead.solver.gather import Fields
 
-BENT, EVEN = (
-    4,
-    2,
-)  # degree of the rule in a cell where the weight over the slab bends, and elsewhere
+RULE = 6  # degree of the quadrature in a cell
+ROOM = 2.2  # semi-axis of the outer ellipsoid over the largest distance of a touching point
+WITHIN = 0.9  # of the depth of the body: where the outer ellipsoid ends
+SYMMETRIC = (0, 3, 4), (3, 1, 5), (4, 5, 2)  # places of a tensor in (xx, yy, zz, xy, xz, yz)
 
 
-def through_slab(fields: Fields, body: int, distance: float, thickness: float) -> float:
-    """-int w sigma_zz over one body, N, of the whole model; w rises and falls linearly over a
-    horizontal slab, with the integral 1 over its height.
+def contact_force(fields: Fields, body: int) -> Array:
+    """Force (3,) of the wheel on the rail, N, of the whole model, from the stresses of one body.
 
-    That is the mean of the load through the planes of the slab, which for a body with free sides is
-    the load through each of them (the divergence of the stress is 0). Its middle lies `distance`
-    (mm) below the lowest point with pressure in the rail, above the highest one in the wheel, or
-    half way through a body that is thinner there than twice that; it is so many times as thick as
-    its middle lies deep, 2 at most.
+    phi is 1 in an ellipsoid around all touching points and falls smoothly to 0 at one twice as
+    large. In equilibrium int sigma grad(phi) over the body is the force on its contact surface:
+    the other surfaces within the larger ellipsoid carry no traction. The equations are tested with
+    shape functions only, so the difference from the force is an error of the stresses.
     """
-    pressure, points = fields.contact.pressure, fields.contact.points
-    touching, cells = points[pressure > 0, 2], np.flatnonzero(fields.body == body)
-    height = float(np.ptp(fields.points[np.unique(fields.cells[cells]), 2]))
+    contact, cells = fields.contact, np.flatnonzero(fields.body == body)
+    touching = contact.points[contact.pressure > 0]
+    low, high = touching.min(axis=0), touching.max(axis=0)
+    for normal in fields.mirrors:
+        low = np.where(np.abs(normal) > 0.5, -high, low)  # the half at positive coordinates
+    centre = (low + high) / 2
+    away = touching - centre
+    reach = ROOM * float(np.hypot(away[:, 0], away[:, 1]).max())
     into = np.array([0.0, 0.0, -1.0 if body == RAIL else 1.0])
-    deepest = Solid(fields, cells).extent(points[np.argmax(pressure)], into, height)
-    depth = min(distance, 0.5 * deepest)
-    start = touching.min() if body == RAIL else touching.max()
-    middle, half = start + depth * into[2], 0.5 * thickness * depth
-    z = fields.points[fields.cells[cells], 2]
-    low, high = z.min(axis=1), z.max(axis=1)
-    bends = middle + half * np.array([[-1.0], [0.0], [1.0]])
-    bent = np.any((low < bends) & (high > bends), axis=0)
-    even = ~bent & (low < middle + half) & (high > middle - half)
-    total = _weighted(fields, cells[bent], BENT, middle, half)
-    total += _weighted(fields, cells[even], EVEN, middle, half)
-    return -total * (1 if fields.kinematics.revolved else 2 ** len(fields.mirrors))
+    height = float(np.ptp(fields.points[np.unique(fields.cells[cells]), 2]))
+    top = contact.points[np.argmax(contact.pressure)]
+    depth = min(reach, WITHIN * Solid(fields, cells).extent(top, into, height))
+    scale = 1 / np.array([reach, reach, depth])
+    scale /= max(1.0, ROOM * float(np.linalg.norm(away * scale, axis=1).max()))
 
-
-def _weighted(
-    fields: Fields, cells: NDArray[np.int64], degree: int, middle: float, half: float
-) -> float:
-    """int w sigma_zz over some cells, with a rule of that degree."""
-    kinematics, total = fields.kinematics, 0.0
-    rule = basix.make_quadrature(getattr(basix.CellType, fields.cell), degree)
+    radius = np.linalg.norm((fields.points[fields.cells[cells]] - centre) * scale, axis=2)
+    cells = cells[(radius.min(axis=1) < 1.0) & (radius.max(axis=1) > 0.5)]
+    kinematics, total = fields.kinematics, np.zeros(3)
+    rule = basix.make_quadrature(getattr(basix.CellType, fields.cell), RULE)
     for reference, weight in zip(*rule, strict=True):
         x, stress, size = at_reference(fields, cells, reference)
-        size = size * kinematics.measure(kinematics.flatten(x))
-        away = np.abs(x[:, 2] - middle) / half
-        total += float((weight * size * np.maximum(1.0 - away, 0.0) / half) @ stress[:, 2])
-    return total
+        size = weight * size * kinematics.measure(kinematics.flatten(x))
+        local = (x - centre) * scale
+        rho = np.linalg.norm(local, axis=1)
+        share = np.clip(2 * rho - 1, 0.0, 1.0)
+        slope = -12 * share * (1 - share) * size  # of 1 - 3 share^2 + 2 share^3
+        gradient = (slope / np.maximum(rho, 0.5))[:, None] * local * scale
+        total += np.einsum("nij,nj->i", stress[:, np.array(SYMMETRIC)], gradient)
+    return _whole(fields, total if body == RAIL else -total)
+
+
+def pressure_force(fields: Fields) -> Array:
+    """Force (3,) of the pressure on the rail, N, of the whole model."""
+    contact = fields.contact
+    total = (contact.weights * contact.pressure) @ contact.normals
+    return _whole(fields, -total if fields.slave == RAIL else total)
+
+
+def _whole(fields: Fields, force: Array) -> Array:
+    """The force (3,) on the whole model where that on the modelled part is known."""
+    for normal in fields.mirrors:
+        double = force if fields.kinematics.revolved else 2 * force
+        force = np.where(np.abs(normal) > 0.5, 0.0, double)
+    return force

@@ -19,14 +19,6 @@ def noise(fields: Fields, recovered: Array) -> float:
     return float(np.sqrt(square / (contact.weights @ contact.pressure**2)))
 
 
-def reported_force(fields: Fields, recovered: Array) -> float:
-    """int p_recovered n_z dA over the whole contact surface, N: what the reported pressure carries
-    of a load along z."""
-    contact = fields.contact
-    parts = 1 if fields.kinematics.revolved else 2 ** len(fields.mirrors)
-    return parts * float(abs((contact.weights * recovered) @ contact.normals[:, 2]))
-
-
 def elements_across(fields: Fields, frame: Frame, patch: Patch) -> tuple[float, float]:
     """Facets over the length and over the width of the (most loaded) patch, by their mean extents
     where there is pressure. Along a line contact there is one."""

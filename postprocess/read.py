@@ -47,7 +47,6 @@ def findings(fields: Fields, frame: Frame) -> Findings:
         noise=quality.noise(fields, recovered),
         elements_across=quality.elements_across(fields, frame, found),
         edge_distance=quality.edge_distance(fields, found, edges),
-        reported_force=quality.reported_force(fields, recovered),
         misfit=misfit,
         opposite=surfaces[1],
     )

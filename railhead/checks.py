@@ -7,7 +7,7 @@ been refused: that of the noise, and that of the flux with linear cells.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +18,7 @@ from railhead.level import Level
 from railhead.meshing.tags import BODIES
 from railhead.planning.laws import RANGE
 from railhead.planning.plan import LINEAR_REFINEMENT
+from railhead.postprocess.findings import Frame
 
 ROUGH = 0.05  # relative: what a number without an asked accuracy may be off by at most
 BALANCE = 1e-6  # relative: what equations solved to 1e-8 leave
@@ -39,6 +40,7 @@ OPINIONS = (
     "approach_mm",
 )
 """Quantities held against a second opinion, as far as it has them and knows what it leaves out."""
+HELD = "the shift of bodies that end depends on where they are held"
 READ = 0.01  # relative: what reading two largest values apart from each other may cost
 
 
@@ -70,14 +72,14 @@ SOLVER = (
 def run(
     level: Level,
     estimates: Mapping[str, Estimate],
-    second: Mapping[str, Any] | None,
+    second: Mapping[str, Any],
     *,
     reached: bool | None,
 ) -> list[Check]:
     """All checks of a solved mesh (rank 0).
 
-    second: quantities nested as "result" that another method found, with "allowance" and
-    "grid_error" as in `second_opinion.half_space`; reached: whether the asked accuracy was met,
+    second: quantities nested as "result" that another method computed, with "allowance" and
+    "grid_error" as in `second_opinion.half_space`, or the "reason" why there are none; reached: whether the asked accuracy was met,
     None without one.
     """
     checks = _equations(level)
@@ -96,24 +98,11 @@ def run(
 
 
 def friction(level: Level, second: Mapping[str, Mapping[str, Any]] | None) -> list[Check]:
-    """Of the tractions: no point above the law, given forces met, and half-spaces beside them."""
+    """Tangential forces against the stresses of the bodies, and against half-spaces."""
     found, scene = level.solution.rubbing, level.plan.scene
     if found is None or level.result is None:
         return []
-    size = np.linalg.norm(found.traction, axis=1)
-    above = np.max(size - scene.friction.coefficient * found.pressure, initial=0.0)
-    _, *given = scene.tangential
-    missed = [abs(force - asked) for force, asked in zip(found.force, given, strict=True) if asked]
-    out = [
-        Check(
-            "law_of_friction", float(above / size.max()) if size.max() else 0.0, BALANCE,
-            "no traction above mu p", "report it: this is a defect",
-        ),
-        Check(
-            "forces_met", max(missed, default=0.0) / found.limit, BALANCE,
-            "the given tangential forces, over mu N", "give a smaller force, or a creepage",
-        ),
-    ]  # fmt: skip
+    out = _tangential(level)
     other = (second or {}).get("boundary elements") or (second or {}).get("Carter") or {}
     both = list(zip(("along", "across"), found.force, found.motion, strict=False))
     off = [abs(force - other[name]) / found.limit
@@ -136,6 +125,27 @@ def friction(level: Level, second: Mapping[str, Mapping[str, Any]] | None) -> li
             )
         )  # fmt: skip
     return out
+
+
+def _tangential(level: Level) -> list[Check]:
+    """The tangential forces, given or found, against those that the stresses of each body carry."""
+    from railhead.postprocess.flux import contact_force, pressure_force
+
+    plan, found, fields = level.plan, level.solution.rubbing, level.fields
+    assert found is not None and fields is not None
+    axes = Frame(plan.contact.origin, plan.contact.touch.angle).axes[:2]
+    _, *given = plan.scene.tangential
+    wanted = [asked or force for asked, force in zip(given, found.force, strict=True)]
+    pressed = pressure_force(fields)
+    return [
+        Check(
+            f"tangential_flux_{BODIES[body]}",
+            float(np.linalg.norm(axes @ (contact_force(fields, body) - pressed) - wanted))
+            / found.limit,
+            ROUGH, "the tangential force, over mu N; as for the load", FINER,
+        )
+        for body in plan.deformable
+    ]  # fmt: skip
 
 
 def _equations(level: Level) -> list[Check]:
@@ -199,10 +209,6 @@ def _mesh(level: Level) -> list[Check]:
             "overlap over approach: it enters pressure and area in proportion",
             "give a larger solver.gamma_factor, or solver.method=nitsche",
         ),
-        Check(
-            "reported_force", _off(found.reported_force, solution.load), allowed,
-            "the load; the reported pressure is integrated", FINER,
-        ),
     ]  # fmt: skip
 
 
@@ -215,22 +221,17 @@ def _touching_nodes(level: Level) -> int:
 
 
 def _physics(level: Level) -> list[Check]:
-    from railhead.postprocess.flux import through_slab
+    from railhead.postprocess.flux import contact_force
 
     plan, found, solution, result = level.plan, level.findings, level.solution, level.result
     assert found is not None and level.fields is not None and result is not None
     allowed = max(ROUGH, plan.scene.accuracy or 0.0)
     if plan.order == 1:
         allowed *= LINEAR_REFINEMENT  # stresses are constant in linear cells
-    depth, thickness = math.inf, 1.0  # half way through a body, where stresses are smooth
-    if plan.effects["far_field"].on:  # sides of half-spaces carry load too
-        thickness = 2.0
-        depth = level.grading.a if plan.section else 2 * min(found.patch.a, found.patch.b)
     fluxes = [
         Check(
-            f"flux_{BODIES[body]}",
-            _off(through_slab(level.fields, body, depth, thickness), solution.load), allowed,
-            "the load; the elements' stresses are integrated over a slab below the patch", FINER,
+            f"flux_{BODIES[body]}", _off(-contact_force(level.fields, body)[2], solution.load),
+            allowed, "the load; the elements' stresses are integrated around the patch", FINER,
         )
         for body in plan.deformable
     ]  # fmt: skip
@@ -276,7 +277,7 @@ def _physics(level: Level) -> list[Check]:
 
 
 def _shape(level: Level, estimates: Mapping[str, Estimate]) -> list[Check]:
-    """Reported pressure, area and load against each other, where the pressure is a semi-ellipsoid
+    """Largest pressure, area and load against each other, where the pressure is a semi-ellipsoid
     (3/2 of the mean) or a semi-ellipse (4/pi)."""
     found, result = level.findings, level.result
     assert found is not None and result is not None
@@ -288,15 +289,7 @@ def _shape(level: Level, estimates: Mapping[str, Estimate]) -> list[Check]:
     peak = (4 / math.pi if line else 1.5) * mean
     names = ("max_MPa", "area_mm2")
     room = sum(_room(estimates, name) for name in names)
-    a, b = result["patch"]["a_mm"], result["patch"]["b_mm"]
-    axes = 4 * a * b if line else math.pi * a * b
-    known = [estimates[name].total for name in ("a_mm", "b_mm", "area_mm2") if name in estimates]
-    fits = MISS * sum(known) or ROUGH  # of a line one half length is given
     return [
-        Check(
-            "area_over_axes", _off(result["patch"]["area_mm2"], axes), fits,
-            f"{'4' if line else 'pi'} a b; the estimates of all three ({fits:.2g})", FINER,
-        ),
         Check(
             "pressure_over_mean", _off(result["pressure"]["max_MPa"], peak),
             room + found.shape_error,
@@ -307,11 +300,11 @@ def _shape(level: Level, estimates: Mapping[str, Estimate]) -> list[Check]:
 
 
 def _opinion(
-    level: Level, estimates: Mapping[str, Estimate], second: Mapping[str, Any] | None
+    level: Level, estimates: Mapping[str, Estimate], second: Mapping[str, Any]
 ) -> list[Check]:
     """Finite elements against the second opinion, within both errors and what it cannot know."""
-    if second is None or "reason" in second or "reason" in second["allowance"]:
-        return []  # what is not known is said beside the table
+    if _unknown(second):
+        return []  # `not_made` has the reason
     checks = []
     own, other = resolved(level), flat(second)
     for name in OPINIONS:
@@ -335,6 +328,42 @@ def _opinion(
     return checks
 
 
+def _unknown(second: Mapping[str, Any]) -> str:
+    """Why a second opinion cannot be compared; empty where it can."""
+    return str(second.get("reason") or second["allowance"].get("reason") or "")
+
+
+def not_made(
+    level: Level,
+    judged: Sequence[Check],
+    second: Mapping[str, Any],
+    rubbed: Mapping[str, Mapping[str, Any]] | None,
+) -> dict[str, str]:
+    """Why a second opinion is missing, by the name of the check that was not made of it; second and
+    rubbed as in `run` and `friction`."""
+    plain = level.plain or level
+    if plain.result is None:
+        return {}
+    made, out = {each.name for each in judged}, {}
+    if reason := _unknown(second):
+        out["second_opinion"] = reason
+    else:
+        other = flat(second)
+        out = {
+            f"second_opinion_{name}": "what half-spaces leave out of it is not known"
+            if name in other
+            else "the second method does not give it"
+            for name in OPINIONS
+            if name in resolved(plain) and f"second_opinion_{name}" not in made
+        }
+    if level.solution.rubbing is not None:
+        name = "friction" if level.plan.scene.rolling.given else "shift"
+        reasons = [each["reason"] for each in (rubbed or {}).values() if "reason" in each]
+        if f"second_opinion_{name}" not in made:
+            out[f"second_opinion_{name}"] = next(iter(reasons), HELD)
+    return out
+
+
 def _room(estimates: Mapping[str, Estimate], name: str) -> float:
     """What a signed number may be off by, relative."""
     return MISS * estimates[name].total if name in estimates else ROUGH
@@ -345,13 +374,15 @@ def _off(value: float, target: float) -> float:
     return abs(value / target - 1) if target else math.inf
 
 
-def summary(checks: list[Check]) -> dict[str, Any]:
-    """Value by name, limits with their sources, and what failed, as in summary.json."""
+def summary(checks: list[Check], missing: Mapping[str, str]) -> dict[str, Any]:
+    """Value by name, limits with their sources, what failed, and why others were not made
+    (missing), as in summary.json."""
     failed = [each.name for each in checks if not each.passed]
     return {
         **{each.name: each.value for each in checks if each.name != "converged"},
         "limits": {each.name: [each.limit, each.source] for each in checks},
         "advice": {each.name: each.advice for each in checks if not each.passed},
+        "not_made": dict(missing),
         "failed": failed,
         "passed": not failed,
     }

@@ -135,13 +135,12 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAUL
                 f"{units.text(friction['limit_N'], 'N')}, of which estimates of forces are shares.",
                 highlight=False,
             )
-            for name, each in (summary.get("half_space_friction") or {}).items():
-                if "reason" in each:
-                    console.print(f"No {name}: {each['reason']}.", markup=False, highlight=False)
             if rows := quantities.steel(summary):
                 _show_rows("what pressure and tractions do to the steel", rows, console, units)
-        if reason := (summary["half_space"] or {}).get("reason"):
-            console.print(f"No half-space column: {reason}.", markup=False, highlight=False)
+        missing = summary["checks"]["not_made"]
+        for reason in dict.fromkeys(missing.values()):
+            names = ", ".join(name for name in missing if missing[name] == reason)
+            console.print(f"Not checked: {names} ({reason}).", markup=False, highlight=False)
         if summary["checks"]["passed"] and not summary["checks"]["hertzian"]:
             console.print(
                 "The patch is no Hertz ellipse "
@@ -161,8 +160,8 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAUL
         screen.labelled(console, _uncertainty_line(found))
     if other := summary["plan"]["chosen"]:
         console.print(
-            f"Another problem was chosen ({', '.join(other)}): estimates are about that one, and "
-            "no second opinion checks it.", markup=False, highlight=False,
+            f"Another problem was chosen ({', '.join(other)}): estimates are about that one.",
+            markup=False, highlight=False,
         )  # fmt: skip
     if summary["scene"].get("budget"):
         console.print(f"Budget: {summary['accuracy']['reason']}.", highlight=False)

@@ -16,6 +16,9 @@ from railhead.postprocess import compare, damage
 from railhead.theory.hertz import Ellipse
 
 
+NO_SECTION = {"reason": "boundary elements know no section of bodies that end"}
+
+
 @dataclass(frozen=True)
 class Ending:
     """Why a sequence of meshes ended, and what the next one would have cost (unknowns, seconds)
@@ -44,12 +47,16 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
         second_opinion.half_space(level, solved),
         friction_opinion.opinions(level, solved),
     )
-    second = {**hertz, "allowance": {}} if plan.contact.half_space else profiles
+    second = {**hertz, "allowance": {}} if plan.contact.half_space else profiles or NO_SECTION
     if other := effects.chosen(plan.effects):
-        second = None  # it is about the scene
+        second = {
+            "reason": f"it is about the scene, and another problem was chosen: {', '.join(other)}"
+        }
         source = f"{source}; of the problem that was chosen ({', '.join(other)})"
     judged = checks.run(level, known, second, reached=reached)
-    judged += checks.friction(level, None if other else rubbed)
+    beside = {"scene": second} if other and rubbed else rubbed
+    judged += checks.friction(level, beside)
+    missing = checks.not_made(level, judged, second, beside)
     return {
         "case": scene.name,
         "scene": scene.model_dump(exclude_none=True),
@@ -73,7 +80,7 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
             "levels": [_trace(each) for each in levels],
         },
         "checks": {
-            **checks.summary(judged),
+            **checks.summary(judged, missing),
             "converged": newton.converged and found is not None,
             "max_penetration_mm": solution.penetration,
             "hertzian": None if found is None else found.hertzian,

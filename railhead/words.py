@@ -34,7 +34,6 @@ CHECKS = {
     "elements_across": "elements across the patch",
     "pressure_noise": "noise of the pressure",
     "penetration": "overlap of the bodies",
-    "reported_force": "the pressure carries the load",
     "flux_rail": "the stresses below the patch carry the load, rail",
     "flux_wheel": "the stresses above the patch carry the load, wheel",
     "stress_misfit": "smooth stresses against the elements' own",
@@ -43,10 +42,9 @@ CHECKS = {
     "mises_over_shear": "von Mises over shear stress, at most",
     "mises_over_shear_least": "von Mises over shear stress, at least",
     "edge_distance": "patch away from edges",
-    "area_over_axes": "area against length and width",
     "pressure_over_mean": "largest over mean pressure",
-    "law_of_friction": "no traction above friction times pressure",
-    "forces_met": "the given tangential forces are met",
+    "tangential_flux_rail": "the stresses below the patch carry the tangential force, rail",
+    "tangential_flux_wheel": "the stresses above the patch carry the tangential force, wheel",
     "accuracy": "the asked accuracy",
 }
 AGAINST = "second_opinion_"

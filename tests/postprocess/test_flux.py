@@ -1,59 +1,65 @@
-"""The flux of the elements' stresses through a slab is the load that the body carries."""
+"""The force that the elements' stresses carry around a contact is the one that acts on it."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from railhead.postprocess.flux import through_slab
+from railhead.postprocess.flux import contact_force, pressure_force
 from railhead.solver.gather import ContactFields
 
-YOUNG, POISSON = 1000.0, 0.25
+YOUNG, POISSON = 207000.0, 0.3
 LAME = (YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON)), YOUNG / (2 * (1 + POISSON)))
+TOUCHED = 2.0  # mm, radius of a disc on the common plane
 
 
-def squeezed(case, strain):
-    """Both blocks under a linear displacement, the lower one touched everywhere on its top."""
+def touching(case, displacement, pressure):
+    """The blocks with a displacement, touching where a pressure (x, y) is positive."""
     fields = case.fields
     top = fields.points[np.isclose(fields.points[:, 2], 0.0)]
-    zeros = np.zeros(len(top))
+    zeros, up = np.zeros(len(top)), np.tile([0.0, 0.0, 1.0], (len(top), 1))
     contact = ContactFields(
-        top, zeros, zeros + 1.0, zeros, zeros, top, zeros.astype(int), top[:, :2],
+        top, zeros + 1.0, pressure(*top[:, :2].T), zeros, zeros, up, zeros.astype(int), top[:, :2],
         np.zeros((0, 3), dtype=int),
     )  # fmt: skip
     lame = np.tile(LAME, (len(fields.cells), 1))
-    return replace(fields, displacement=fields.points @ strain.T, lame=lame, contact=contact)
+    return replace(fields, displacement=displacement, lame=lame, contact=contact)
 
 
 @pytest.mark.parametrize(
     ("cell", "degree"), [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1)]
 )
-@pytest.mark.parametrize("cut", [True, False])
-def test_uniform_stress_times_area(blocks, cell, degree, cut) -> None:
-    """But for the bend of the weight within cells that are half as thick as the slab."""
-    case = blocks(cell, degree, cut)
+def test_uniform_stress_times_the_area_of_the_weight(blocks, cell, degree) -> None:
+    """A disc of radius r with the weight 1, falling as a cubic to 0 at 2 r."""
+    case = blocks(cell, degree, cut=False)
     strain = np.array([[1.0, 0.2, 0.1], [0.2, -0.5, 0.3], [0.1, 0.3, -2.0]]) * 1e-3
-    fields = squeezed(case, strain)
-    stress = LAME[0] * np.trace(strain) + 2 * LAME[1] * strain[2, 2]
-    width = np.ptp(fields.points, axis=0) * (2 if cut else 1)
+    disc = lambda x, y: np.where(np.hypot(x, y) < TOUCHED, 1.0, 0.0)  # noqa: E731
+    fields = touching(case, case.fields.points @ strain.T, disc)
+    stress = LAME[0] * np.trace(strain) * np.eye(3) + 2 * LAME[1] * strain
+    touched = fields.contact.points[fields.contact.pressure > 0]
+    radius = 1.1 * np.hypot(*touched[:, :2].T).max()
+    t = (np.arange(1000) + 0.5) / 1000
+    area = np.pi * radius**2 * (1 + 2 * np.mean((1 + t) * (1 - 3 * t**2 + 2 * t**3)))
     for body in (1, 2):
-        found = through_slab(fields, body, 1.234, 2.0)
-        assert found == pytest.approx(-stress * width[0] * width[1], rel=0.04)
+        assert contact_force(fields, body) == pytest.approx(area * stress[:, 2], rel=0.02)
 
 
-def test_hertz_load_through_a_slab_below_the_patch(blocks) -> None:
-    """Exact displacements at the nodes: what is missing passes beside the block."""
-    case = blocks("tetrahedron", 2)
-    fields = squeezed(case, np.eye(3))
-    lame = np.tile((207000 * 0.3 / (1.3 * 0.4), 207000 / 2.6), (len(fields.cells), 1))
-    fields = replace(fields, displacement=case.fields.displacement, lame=lame)
-    b = case.ellipse.b
+@pytest.mark.parametrize("cut", [True, False])
+def test_hertz_load_around_the_patch(blocks, cut) -> None:
+    """Exact displacements at the nodes of half-spaces, sides of the blocks included."""
+    case = blocks("tetrahedron", 2, cut)
+    fields = touching(case, case.fields.displacement, case.ellipse.pressure)
     for body in (1, 2):
-        assert through_slab(fields, body, b, 2.0) == pytest.approx(case.ellipse.load, rel=0.06)
-        assert through_slab(fields, body, b, 2.0) < case.ellipse.load
+        along, across, force = contact_force(fields, body) / case.ellipse.load
+        assert force == pytest.approx(-1.0, rel=0.01)
+        assert abs(along) < 0.01 and abs(across) < 0.01
 
 
-def test_a_thin_body_is_cut_half_way_down(blocks) -> None:
-    fields = squeezed(blocks("tetrahedron", 1), np.diag([0.0, 0.0, -1e-3]))
-    half = -0.5 * fields.points[:, 2].min()
-    assert through_slab(fields, 1, 1e3, 1.0) == pytest.approx(through_slab(fields, 1, half, 1.0))
+@pytest.mark.parametrize("slave", [1, 2])
+def test_pressure_pushes_the_rail_away_from_the_wheel(blocks, slave) -> None:
+    case = blocks("tetrahedron", 1)
+    fields = touching(case, case.fields.displacement, lambda x, y: 0.0 * x + 2.0)
+    contact = replace(fields.contact, normals=(1.5 - slave) * 2 * fields.contact.normals)
+    fields = replace(fields, contact=contact, slave=slave)
+    total = 4 * 2.0 * len(contact.points)
+    assert pressure_force(fields) == pytest.approx([0.0, 0.0, -total])

@@ -231,14 +231,34 @@ def test_a_shift_beside_the_opinion_s_is_refused(strip: rh.Result) -> None:
     names = {
         each.name for each in checks.friction(strip.level, {"boundary elements": {"reason": ""}})
     }
-    assert names == {"law_of_friction", "forces_met"}
+    assert names == {"tangential_flux_rail", "tangential_flux_wheel"}
+
+
+@pytest.mark.parametrize("part", ["force", "traction"])
+def test_tangential_forces_that_the_stresses_do_not_carry_are_refused(
+    strip: rh.Result, part: str
+) -> None:
+    """A force that was given and missed by a tenth of mu N, or stresses without their shear."""
+    level = strip.level
+    judged = checks.friction(level, None)
+    assert all(check.passed and check.value < 1e-3 for check in judged if "flux" in check.name)
+    if part == "force":
+        scene = level.plan.scene.replace(["friction.force_along=13.3kN"])
+        context = replace(level.plan.context, scene=scene)
+        level = replace(level, plan=replace(level.plan, context=context))
+    else:
+        level = replace(level, fields=level.plain.fields)
+    failed = {check.name for check in checks.friction(level, None) if not check.passed}
+    assert failed == {"tangential_flux_rail", "tangential_flux_wheel"}
 
 
 def test_what_is_not_known_is_said_below_the_table(strip: rh.Result) -> None:
     second = {"boundary elements": {"reason": "no reason"}, "Cattaneo": {"stick_share": 0.8348}}
-    text = StringIO()
-    report.show_result(
-        {**strip.as_dict(), "half_space_friction": second}, Console(file=text, width=160)
-    )
-    assert "No boundary elements: no reason." in text.getvalue()
+    judged = checks.friction(strip.level, second)
+    missing = checks.not_made(strip.level, judged, {"reason": "a strip"}, second)
+    assert missing == {"second_opinion": "a strip", "second_opinion_shift": "no reason"}
+    text, summary = StringIO(), strip.as_dict()
+    summary |= {"half_space_friction": second, "checks": summary["checks"] | {"not_made": missing}}
+    report.show_result(summary, Console(file=text, width=160))
+    assert "Not checked: second_opinion_shift (no reason)." in text.getvalue()
     assert "0.8348" in text.getvalue()
