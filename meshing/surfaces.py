@@ -69,6 +69,15 @@ def along(surface: Surface, points: Array, directions: Array) -> Array:
     return np.where(np.abs(step) < CONVERGED, t, np.inf)
 
 
+def nearest(surface: Surface, points: Array) -> tuple[Array, Array]:
+    """Places (n, 3) on a surface nearest to points (n, 3) beside it, mm, and its unit normals
+    there; NaN beyond the profile."""
+    direction = _unit(surface.implicit(points)[1])
+    with np.errstate(invalid="ignore"):
+        places = points + along(surface, points, direction)[:, None] * direction
+        return places, _unit(surface.implicit(places)[1])
+
+
 @dataclass(frozen=True)
 class ExactGap:
     """Gap from `slave` along its outward normal to `master`."""
@@ -82,19 +91,12 @@ class ExactGap:
         The points are moved onto the slave first. The gap is infinite where the normal misses the
         master.
         """
-        nearest, normal = self._projected(points)
-        return along(self.master, nearest, normal), np.where(np.isfinite(normal), normal, 0.0)
+        places, normal = nearest(self.slave, points)
+        return along(self.master, places, normal), np.where(np.isfinite(normal), normal, 0.0)
 
     def off_surface(self, points: Array) -> Array:
         """Distance (n,) of points (n, 3) from the slave, mm."""
-        return np.asarray(np.linalg.norm(self._projected(points)[0] - points, axis=1))
-
-    def _projected(self, points: Array) -> tuple[Array, Array]:
-        """The points on the slave, and its unit normals there."""
-        direction = _unit(self.slave.implicit(points)[1])
-        with np.errstate(invalid="ignore"):
-            nearest = points + along(self.slave, points, direction)[:, None] * direction
-            return nearest, _unit(self.slave.implicit(nearest)[1])
+        return np.asarray(np.linalg.norm(nearest(self.slave, points)[0] - points, axis=1))
 
 
 def _unit(vectors: Array) -> Array:

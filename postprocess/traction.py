@@ -19,8 +19,8 @@ def quantities(
 ) -> dict[str, Any]:
     """As "friction" in summary.json: forces and moment of the wheel on the rail, N and N mm, with
     mu N; the wheel's motion over the rail; the share of the patch's area that sticks; the largest
-    traction, MPa. Rolling, T-gamma: the energy dissipated per rolled length, N, as forces times
-    creepages, of unlike bodies, which creep without a force, as tractions times slip; with a speed
+    traction, MPa. Rolling, T-gamma: the energy dissipated per rolled length, N, as tractions
+    times rigid slip, of unlike bodies, which creep without a force, times slip; with a speed
     in m/s the power in W. Of a cycle, the energy that slip dissipates in it, N mm."""
     touches = found.pressure > 0
     share = found.weights[found.sticks].sum() / found.weights[touches].sum()
@@ -38,7 +38,7 @@ def quantities(
     if cycle:
         out["energy_per_cycle_Nmm"] = found.energy
     if rolling:
-        wear = float(np.dot((*found.force, found.moment), found.motion)) + found.beyond
+        wear = found.work
         if not like:
             wear = float(found.weights @ np.einsum("nc,nc->n", found.traction, found.slip))
         out["t_gamma_N"] = wear

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from railhead.shearing import Patch
 from railhead.theory import kalker
@@ -28,49 +28,41 @@ class Rolled(NamedTuple):
     t_gamma: float
 
 
-def fastsim(patches: Sequence[Patch], limit: float, pair: Pair, motion: ArrayLike) -> Rolled:
-    """At creepages and a spin (3,); limit: mu N, N, of all. A patch's forces do work on what it
-    creeps beyond that motion, too. ValueError: an ellipse too slender."""
-    wear, sticks, touches = 0.0, 0.0, 0.0
-    total: Array = np.zeros(3)
+def fastsim(patches: Sequence[Patch], limit: float, pair: Pair, motion: Sequence[float]) -> Rolled:
+    """At creepages and a spin (3,); limit: mu N, N, of all. ValueError: an ellipse too slender."""
+    sticks, touches = 0.0, 0.0
+    total: Array = np.zeros(4)
     whole = sum(each.pressed.force for each in patches)
     for patch, a, b, linear, local in _ellipses(patches, pair, motion):
         carried = limit * patch.pressed.force / whole
         *forces, stick = followed(a, b, carried, pair.shear_modulus, linear, local)
-        shared = _shared(patch, forces)
-        total, wear = total + shared, wear + float(shared @ _moved(patch, motion))
+        total = total + _shared(patch, forces)
         sticks, touches = sticks + stick * a * b, touches + a * b
-    return Rolled(total, sticks / touches, wear)
+    return Rolled(total[:3], sticks / touches, float(total @ [*motion, 1.0]))
 
 
-def linear(patches: Sequence[Patch], pair: Pair, motion: ArrayLike) -> Array:
+def linear(patches: Sequence[Patch], pair: Pair, motion: Sequence[float]) -> Array:
     """The same forces (3,) of Kalker's linear theory. ValueError: an ellipse too slender."""
     return np.sum([
-        _shared(patch, known.forces(a, b, pair.shear_modulus, local))
+        _shared(patch, known.forces(a, b, pair.shear_modulus, local))[:3]
         for patch, a, b, known, local in _ellipses(patches, pair, motion)
     ], axis=0)  # fmt: skip
 
 
 def _ellipses(
-    patches: Sequence[Patch], pair: Pair, motion: ArrayLike
+    patches: Sequence[Patch], pair: Pair, motion: Sequence[float]
 ) -> Iterator[tuple[Patch, float, float, Coefficients, Creepage]]:
     """Each with its half lengths, mm, coefficients and motion at its middle in its own plane."""
     for patch in (part for each in patches for part in each.parts()):
         a, b = patch.pressed.semi_axes
         if not 1 / SLENDER < a / b < SLENDER:
             raise ValueError(f"the linear theory's tables end before an axis ratio of {a / b:.3g}")
-        moved = _moved(patch, motion)
-        along, across = moved @ patch.middle
-        local = Creepage(along, across, moved[2] * patch.turn)
+        moved = np.array([*motion, 1.0])
+        local = Creepage(*(moved @ patch.middle), moved @ patch.spin)
         yield patch, a, b, kalker.coefficients(a / b, pair.poisson), local
 
 
-def _moved(patch: Patch, motion: ArrayLike) -> Array:
-    """The motion (3,) with what this patch creeps along beyond it."""
-    return np.asarray(motion, dtype=float) + [patch.beyond, 0.0, 0.0]
-
-
 def _shared(patch: Patch, forces: Sequence[float]) -> Array:
-    """Of a patch's own forces and moment, those that do work on the motion that all share."""
+    """Work (4,) of a patch's own forces and moment on each mode."""
     along, across, moment = forces
-    return np.asarray(patch.middle @ [along, across] + [0.0, 0.0, moment * patch.turn])
+    return np.asarray(patch.middle @ [along, across] + moment * patch.spin)

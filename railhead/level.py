@@ -118,7 +118,7 @@ def solve_level(
     mesh again around it."""
     grading = grading or plan.grading()
     clock = _Clock()
-    frame = Frame(plan.contact.origin, plan.contact.touch.angle)
+    frame = plan.contact.frame
     for attempt in range(1, MAX_MESHES + 1):
         progress.stage(f"meshing ({grading.size:.3g} mm in the patch)")
         mesh = build.generate(plan, grading, comm)
@@ -161,7 +161,7 @@ def solve_on(
     None where that mesh does not suit what is found."""
     clock = _Clock()
     progress.stage(f"solving {model.unknowns} unknowns")
-    frame = Frame(plan.contact.origin, plan.contact.touch.angle)
+    frame = plan.contact.frame
     solution = solve(plan, model, frame, progress.newton)
     clock.lap("solve")
     from railhead.solver.gather import gather
@@ -189,7 +189,7 @@ def _read(
     """What a solution on a mesh tells; size: space of the displacement, and unknowns."""
     findings = result = None
     if fields is not None and np.any(fields.contact.pressure > 0):
-        frame = Frame(plan.contact.origin, plan.contact.touch.angle)
+        frame = plan.contact.frame
         from railhead.postprocess import read
 
         findings = read.findings(fields, frame)

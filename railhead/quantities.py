@@ -35,6 +35,7 @@ FRICTION = (
     ("creepage along", "", "creepage_along"),
     ("creepage across", "", "creepage_across"),
     ("spin", "1/mm", "spin_per_mm"),
+    ("axle", "", "axle"),
     ("shift along", "mm", "shift_along_mm"),
     ("shift across", "mm", "shift_across_mm"),
     ("share of the patch that sticks", "", "stick_share"),

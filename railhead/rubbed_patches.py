@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -80,14 +79,14 @@ def _on_grid(asked: Asked, patches: Sequence[Patch]) -> Opinion:
     scale = found.limit / limit  # the normal forces differ by what the finite bodies do
     along, across = (force / scale for force in found.force)
 
-    def shear(body: HalfSpaceFriction, beyond: float) -> Sheared:
+    def shear(body: HalfSpaceFriction) -> Sheared:
         if asked.rolling:
-            return body.at(Creepage(found.motion[0] + beyond, *found.motion[1:]))
+            return body.at(Creepage(*found.motion))
         return under([body], Creepage(), along=along, across=across)[0]
 
     sheared = [
         unlike.rubbed(
-            each.pressed, asked.pair, asked.friction, partial(shear, beyond=each.beyond),
+            each.pressed, asked.pair, asked.friction, shear,
             rolling=asked.rolling, modes=each.modes,
         )
         for each in patches
@@ -97,10 +96,7 @@ def _on_grid(asked: Asked, patches: Sequence[Patch]) -> Opinion:
     largest = max(float(np.linalg.norm(each.traction, axis=0).max()) for each in sheared)
     out = named(forces, sticks / touches) | {"traction_max_MPa": largest}
     if asked.rolling:
-        more = sum(
-            each.forces[0] * patch.beyond for each, patch in zip(sheared, patches, strict=True)
-        )
-        out["t_gamma_N"] = float(forces @ found.motion + scale * more)
+        out["t_gamma_N"] = scale * sum(each.t_gamma for each in sheared)
     elif asked.shifts:
         shift = sheared[0].creepage
         out |= {"shift_along_mm": scale * shift.along, "shift_across_mm": scale * shift.across}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from railhead.geometry import rolls
 from railhead.geometry.solid import Contact
 from railhead.planning import developed
-from railhead.postprocess.findings import Frame
 from railhead.theory import boundary_element
 from railhead.theory.boundary_element import Solution
 from railhead.theory.half_space_patch import Grid, PatchSolution
@@ -25,27 +24,33 @@ LENGTH, WIDER = 1e4, 1.25  # of a strip over its half width; its grid over it, a
 TOLERANCE = 1e-8  # of the displacement
 
 
+PLANE = np.array([[0.0] * 3, [0.0] * 3, [0.0, 0.0, 1.0], [0.0] * 3])
+
+
 @dataclass(frozen=True)
 class Patch:
-    """A pressed patch, or several close ones; modes (3, 2, nx, ns): rigid slip along the rail and
-    along its profile of creepages and a spin of 1 at the first contact; angle of that, rad; beyond:
-    what its middle creeps along beyond that motion, on another radius."""
+    """A pressed patch, or several close ones.
+
+    modes (4, 2, nx, ns): rigid slip along the rail and along its profile, see `RigidSlip`.
+    angular (4, 3): angular velocity of each mode in axes in which the normals are tilted by the
+    patch's angles, 1/mm.
+    """
 
     pressed: PatchSolution
     modes: Array
-    angle: float
-    beyond: float = 0.0
+    angular: Array = field(default_factory=lambda: PLANE)
 
     @property
     def middle(self) -> Array:
-        """The modes (3, 2) on the average over the pressure."""
+        """The modes (4, 2) on the average over the pressure."""
         weights = self.pressed.pressure / self.pressed.pressure.sum()
         return np.asarray((self.modes * weights).sum(axis=(2, 3)))
 
     @property
-    def turn(self) -> float:
-        """Spin in its own plane over that at the first contact."""
-        return math.cos(self.pressed.plane - self.angle)
+    def spin(self) -> Array:
+        """(4,) of each mode about the patch's own normal, 1/mm."""
+        plane = self.pressed.plane
+        return np.asarray(self.angular @ [0.0, -math.sin(plane), math.cos(plane)])
 
     def parts(self) -> Iterator[Patch]:
         """Each connected patch by itself, but the smallest."""
@@ -72,23 +77,18 @@ def patches(
             ellipse.contact_modulus, load=ellipse.load, cells=cells,
             half_size=(2 * ellipse.a, 2 * ellipse.b),
         )  # fmt: skip
-        return [Patch(pressed, plane_modes(pressed.x, pressed.s), 0.0)]
+        return [Patch(pressed, _modes(contact, pressed))]
     if isinstance(profiles, str):
         raise ValueError(profiles)
     known = None if profiles is None else profiles.coarse or profiles
     if known is None or known.windows[0].x.size != cells:
         known = developed.solve(contact, ellipse, load, cells)
-    pressing = [each for each in known.windows if each.force > LEAST * known.force]
-    angle = contact.touch.angle
-    found = []
-    for each in pressing:
-        points = _points(contact, each)
-        weights = each.pressure.ravel() / each.pressure.sum()
-        beyond = 0.0
-        if len(pressing) > 1:
-            beyond = float(rolls.off_plane(contact, (weights @ points)[None])[0])
-        found.append(Patch(each, _modes(contact, each, points), angle, beyond))
-    return found
+    angular = rolls.rigid_slip(contact).angular
+    return [
+        Patch(each, _modes(contact, each), angular)
+        for each in known.windows
+        if each.force > LEAST * known.force
+    ]
 
 
 def strip(contact: Strip, cells: int) -> list[Patch]:
@@ -102,20 +102,16 @@ def strip(contact: Strip, cells: int) -> list[Patch]:
         [Grid(x, s, np.zeros(2))], [gap], contact.contact_modulus,
         contact.load_per_length * length, None, TOLERANCE, None,
     )  # fmt: skip
-    return [Patch(pressed, plane_modes(x, s), 0.0)]
+    return [Patch(pressed, plane_modes(x, s))]
 
 
-def _points(contact: Contact, window: PatchSolution) -> Array:
-    """Places of the cells (n, 3), mm."""
+def _modes(contact: Contact, window: PatchSolution) -> Array:
+    """(4, 2, nx, ns); 0 beyond the profile, where nothing touches."""
+    if contact.half_space:
+        return plane_modes(window.x, window.s)
     x, s = (each.ravel() for each in np.meshgrid(window.x, window.s, indexing="ij"))
-    return np.nan_to_num(developed.develop(contact).points(x, s))  # beyond the profile: no patch
-
-
-def _modes(contact: Contact, window: PatchSolution, points: Array) -> Array:
-    frame = Frame(contact.origin, contact.touch.angle)
-    spun = np.cross(frame.axes[2], points - np.array(frame.origin))
-    motions = [*(np.broadcast_to(axis, spun.shape) for axis in frame.axes[:2]), spun]
-    slope = np.tile(window.angle, window.x.size)
-    across = np.column_stack([np.zeros_like(slope), np.cos(slope), np.sin(slope)])
-    modes = [[each[:, 0], np.einsum("nc,nc->n", each, across)] for each in motions]
-    return np.reshape(modes, (3, 2, *window.pressure.shape))
+    surface = developed.develop(contact)
+    slope, velocity = surface.angle(s), rolls.rigid_slip(contact)(surface.points(x, s))
+    across = np.cos(slope) * velocity[..., 1] + np.sin(slope) * velocity[..., 2]
+    modes = np.nan_to_num(np.stack([velocity[..., 0], across], axis=1))
+    return modes.reshape(4, 2, *window.pressure.shape)

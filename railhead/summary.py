@@ -110,14 +110,17 @@ def _more(level: Level) -> dict[str, Any]:
     out: dict[str, Any] = {} if level.left is None else {"plastic": _plastic(level)}
     if level.result is not None and (found := level.result.get("friction")):
         plan = level.plan
-        out["friction"] = found | damage.answers(
+        rolling = plan.scene.rolling
+        axle = {"axle": rolling.axle} if rolling.from_wheelset else {}
+        stresses = damage.answers(
             level.result,
             plan.scene.friction.coefficient,
             plasticity.shear_yield(plan.context),
             poisson=min(plan.poisson_ratios.values()),
-            rolling=plan.scene.rolling.given,
+            rolling=rolling.given,
             line=plan.contact.line,
         )
+        out["friction"] = found | axle | stresses
     return out
 
 

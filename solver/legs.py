@@ -36,9 +36,9 @@ class Legs:
         self.condenser = Condenser(model, pressed, rolling=self.rub.rolling)
         self.contact = contact = self.condenser.condense(pressed)
         self.rigid = slips(self.rub, contact)
-        self.known = known(self.rub, contact, self.rigid, self.rub.known)
+        self.motion = np.array([*self.rub.known, 1.0])  # multiples of the modes of rigid slip
+        self.known = np.tensordot(self.motion, self.rigid, axes=1)
         self.modes = [index for index, _ in self.rub.free]
-        self.motion = np.array(self.rub.known)  # along, across and spin
         self.settled = None if self.rub.rolling else contact.moved
         self.nodal: Array = np.zeros(contact.answer.shape[1])
         self.ends: list[Array] = []
@@ -151,8 +151,9 @@ class Legs:
         arm = contact.points - np.array(rub.origin)
         moment = float(area @ np.cross(arm, traction) @ rub.axes[2])
         force = self._force()
-        along, across, spin = (float(value) for value in self.motion)
-        work = float(area @ ((traction @ rub.axes[0]) * beyond(rub, contact)))
+        along, across, spin = (float(value) for value in self.motion[:3])
+        rigid = np.tensordot(self.motion, self.rigid, axes=1)
+        work = float(area @ (found.traction * rigid).sum(axis=1))
         return Rubbing(
             contact.points, area, found.pressure, traction, contact.in_space(found.slip),
             found.sticks, (along, across, spin), (float(force[0]), float(force[1])),
@@ -173,22 +174,5 @@ def mixed(tried: list[tuple[Array, Array]]) -> Array:
 
 
 def slips(rub: Rub, contact: Condensed) -> Array:
-    """Rigid slip (3, n, k) of motions of 1: along, across, and of a spin of 1/mm."""
-    spun = np.cross(rub.axes[2], contact.points - np.array(rub.origin))
-    motions = [np.broadcast_to(axis, spun.shape) for axis in rub.axes[:2]]
-    return np.stack([
-        np.einsum("nc,nkc->nk", motion, contact.tangents) for motion in (*motions, spun)
-    ])  # fmt: skip
-
-
-def known(rub: Rub, contact: Condensed, rigid: Array, motion: tuple[float, float, float]) -> Array:
-    """Rigid slip (n, k) of a motion along, across and in spin, with what lies beyond it; rigid: of
-    `slips`."""
-    slip = np.asarray(np.tensordot(motion, rigid, axes=1))
-    return slip + beyond(rub, contact)[:, None] * rigid[0]
-
-
-def beyond(rub: Rub, contact: Condensed) -> Array:
-    """What the points creep along beyond the motion (n,)."""
-    points = contact.points
-    return np.zeros(len(points)) if rub.beyond is None else rub.beyond(points)
+    """Modes of rigid slip (4, n, k), see `Rub`."""
+    return np.einsum("mnc,nkc->mnk", rub.slip(contact.points), contact.tangents)

@@ -48,22 +48,28 @@ class LoadPath:
 
 @dataclass(frozen=True)
 class Rub:
-    """The wheel over the rail. axes (3, 3): unit vectors along, across and out of the rail at the
-    origin (3,), mm; known: creepage along and across and spin (1/mm) where it rolls; free: index
-    (0 along, 1 across) of motions that follow from a force of the wheel on the rail, N; legs:
-    shares of the load and of these forces, one after the other; far: (0 or 1, body tag, points
-    (n, 3)) -> displacement (n, 3) of the supported faces under 1 N along or across, mm; beyond:
-    points (n, 3) -> creepage along (n,) beyond that motion."""
+    """The wheel over the rail.
+
+    coefficient: of friction.
+    axes (3, 3): unit vectors along, across and out of the rail at the origin (3,), mm.
+    slip: points (n, 3) -> rigid slip (4, n, 3) of creepages and a spin of 1 and, once, of what
+        turns about axes in the tangent plane at the origin.
+    known: creepage along and across and spin (1/mm) where it rolls.
+    free: index (0 along, 1 across) of motions that follow from a force of the wheel on the rail, N.
+    legs: shares of the load and of these forces, one after the other.
+    far: (0 or 1, body tag, points (n, 3)) -> displacement (n, 3) of the supported faces under 1 N
+        along or across, mm.
+    """
 
     coefficient: float
     rolling: bool
     axes: Array
     origin: tuple[float, float, float]
+    slip: Callable[[Array], Array]
     known: tuple[float, float, float]
     free: tuple[tuple[int, float], ...]
     legs: tuple[tuple[float, float], ...] = ((1.0, 1.0),)
     far: Callable[[int, int, Array], Array] | None = None
-    beyond: Callable[[Array], Array] | None = None
 
 
 @dataclass(frozen=True)

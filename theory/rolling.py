@@ -7,7 +7,9 @@ to the rail's over the rolling speed; spin turns about that normal:
 
     rigid slip = (along - spin y, across + spin x)
 
-or, on a surface that is not flat or whose motion is about another place, whatever its modes are.
+or, on a surface that is not flat or whose motion is about another place, whatever its modes are:
+four fields of rigid slip, those of creepages and a spin of 1 and, once, that of the wheel's turning
+about axes in the tangent plane, which adds nothing in a plane.
 Forces are those of the wheel on the rail and have the creepage's sign (Kalker's have the other
 one); each does the work of its creepage, so that the moment acts about the place of the spin.
 Lengths in mm, forces in N, stresses in MPa, spin in 1/mm.
@@ -15,7 +17,7 @@ Lengths in mm, forces in N, stresses in MPa, spin in 1/mm.
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,13 +38,17 @@ class Creepage:
     across: float = 0.0
     spin: float = 0.0
 
+    @property
+    def motion(self) -> Array:
+        """(4,) multiples of the modes of rigid slip."""
+        return np.array([self.along, self.across, self.spin, 1.0])
+
 
 @dataclass(frozen=True)
 class Sheared:
     """Tractions and slip (2, nx, ny) in MPa and, rolling, of 1 (of a shift, mm) under a creepage.
 
-    bound: mu p (nx, ny), MPa; x (nx,), y (ny,): cell centres, mm; modes (3, 2, nx, ny): rigid slip
-    of creepages and a spin of 1.
+    bound: mu p (nx, ny), MPa; x (nx,), y (ny,): cell centres, mm; modes (4, 2, nx, ny): see above.
     """
 
     x: Array
@@ -56,8 +62,13 @@ class Sheared:
     @property
     def forces(self) -> tuple[float, float, float]:
         """Along and across, N, and the moment, N mm."""
-        along, across, moment = self.cell * (self.modes * self.traction).sum(axis=(1, 2, 3))
+        along, across, moment, _ = self._works
         return float(along), float(across), float(moment)
+
+    @property
+    def _works(self) -> Array:
+        """(4,) of the tractions on each mode."""
+        return np.asarray(self.cell * (self.modes * self.traction).sum(axis=(1, 2, 3)))
 
     @property
     def cell(self) -> float:
@@ -85,9 +96,9 @@ class Sheared:
     @property
     def t_gamma(self) -> float:
         """Rolling, of like bodies: energy dissipated per rolled length, or power over speed, N:
-        forces times creepages. (Creepage counts from undeformed radii, which unlike bodies leave
+        tractions times rigid slip. (It counts from undeformed radii, which unlike bodies leave
         without it.)"""
-        return float(np.dot(self.forces, astuple(self.creepage)))
+        return float(self._works @ self.creepage.motion)
 
 
 class HalfSpaceFriction:
@@ -154,7 +165,7 @@ class HalfSpaceFriction:
 
     def _slip(self, creepage: Creepage) -> Array:
         """Without tractions, (2, nx, ny)."""
-        return np.asarray(np.tensordot(astuple(creepage), self._modes, axes=1) - self._drawn)
+        return np.asarray(np.tensordot(creepage.motion, self._modes, axes=1) - self._drawn)
 
     def _found(self, creepage: Creepage, slip: Array, start: Sheared | None) -> Sheared:
         guess = None if start is None else start.traction
@@ -164,7 +175,7 @@ class HalfSpaceFriction:
 
 
 def plane_modes(x: Array, y: Array) -> Array:
-    """Rigid slip (3, 2, nx, ny) of creepages and a spin of 1 in a plane, about x = y = 0."""
+    """Modes of rigid slip (4, 2, nx, ny) in a plane, about x = y = 0."""
     still = np.zeros((x.size, y.size))
     turned = [still - y, still + x[:, None]]
-    return np.array([[still + 1, still], [still, still + 1], turned])
+    return np.array([[still + 1, still], [still, still + 1], turned, [still, still]])

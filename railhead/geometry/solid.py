@@ -20,6 +20,7 @@ from railhead.meshing.profiles import Profile
 from railhead.meshing.surfaces import ExactGap, ParabolicGap, RailSurface, WheelSurface, along
 from railhead.meshing.tags import RAIL
 from railhead.meshing.wheelset import Placed, Track
+from railhead.postprocess.findings import Frame
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.scene.sections import from_file as is_file
 
@@ -133,6 +134,11 @@ class Contact:
     def origin(self) -> tuple[float, float, float]:
         """Contact point, mm."""
         return 0.0, self.touch.y, self.touch.z
+
+    @property
+    def frame(self) -> Frame:
+        """Axes along the rail, along the common tangent across it and out of the rail."""
+        return Frame(self.origin, self.touch.angle)
 
     @property
     def mirror_across(self) -> str | None:

@@ -108,7 +108,7 @@ def forecast(context: Context) -> Forecast:
     )
     return Forecast(
         kept,
-        _moments(Frame(contact.origin, contact.touch.angle).local(everything), force),
+        _moments(contact.frame.local(everything), force),
         Nearest(cKDTree(everything), force > 0, max(zone.b for zone in kept)),
         False,
     )
@@ -116,7 +116,7 @@ def forecast(context: Context) -> Forecast:
 
 def _hertz(contact: Contact, ellipse: Hertz) -> Forecast:
     """Of a line contact the zone is as wide as long: its section does not know the length."""
-    touch, frame = contact.touch, Frame(contact.origin, contact.touch.angle)
+    touch, frame = contact.touch, contact.frame
     touching = InEllipse(frame, ellipse.a, ellipse.b, touch.orientation)
     a, b = contacts.half_lengths(ellipse)
     zone = Zone(contact.origin, a, b, touch.angle)

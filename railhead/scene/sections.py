@@ -335,11 +335,12 @@ class Rolling(Section):
     surface relative to the rail's over the rolling speed) or a force of the wheel on the rail (N)
     to be met; ``spin`` in 1/mm about the normal out of the rail; ``speed`` in m/s is for the power
     alone. ``from_wheelset`` takes creepages and spin from where the wheelset stands; beside it a
-    torque may give ``force_along``.
+    torque may give ``force_along``, and ``axle`` says by which radius the axle turns: the mean of
+    both wheels' rolling radii (free) or wheel.rolling_radius (nominal).
     """
 
     from_wheelset: bool = False
-
+    axle: Literal["free", "nominal"] = "free"
     creepage_along: units.Creepage | None = None
     creepage_across: units.Creepage | None = None
     force_along: units.SignedForce | None = None
@@ -359,6 +360,8 @@ class Rolling(Section):
             for key in ("creepage_along", "creepage_across", "force_across", "spin"):
                 if getattr(self, key) != type(self).model_fields[key].default:
                     raise SceneError(key, "is not allowed beside from_wheelset, which gives it")
+        elif self.axle != "free":
+            raise SceneError("axle", f"{self.axle} is not allowed without from_wheelset")
         if self.speed is not None and not self.given:
             raise SceneError("speed", "is not allowed without a creepage, spin or force; give one")
         return self

@@ -16,7 +16,7 @@ from railhead.planning.plan import Plan
 from railhead.solver.condensed import Condenser
 from railhead.solver.contact import LoadCase
 from railhead.solver.friction import Friction
-from railhead.solver.legs import known, slips
+from railhead.solver.legs import slips
 from railhead.solver.rubbing import RubbingModel
 from railhead.theory.hertz import Ellipse
 from railhead.theory.rolling import Creepage, HalfSpaceFriction
@@ -109,7 +109,7 @@ def rolled(curve: Curve) -> tuple[list[Point], Cost]:
     limit = COEFFICIENT * float(area @ np.maximum(contact.pressure, 0.0))
     for motion in curve.motions:
         given = motion.along, motion.across, motion.spin
-        slip = known(model.rub, contact, rigid, given)
+        slip = np.tensordot(motion.motion, rigid, axes=1)
         found = problem.solve(slip, rigid[:0], np.zeros((0, 4)), start=found)
         along, across = (float(contact.force(axis) @ found.nodal) for axis in model.rub.axes[:2])
         forces = along / limit, 0.0 if plan.half_y else across / limit
@@ -157,10 +157,7 @@ def _others(plan: Plan, curve: Curve) -> Iterator[Point]:
     limit = COEFFICIENT * sum(each.pressed.force for each in patches)
     for motion in curve.motions:
         given = motion.along, motion.across, motion.spin
-        sheared = [
-            body.at(Creepage(motion.along + patch.beyond, motion.across, motion.spin))
-            for body, patch in zip(bodies, patches, strict=True)
-        ]
+        sheared = [body.at(motion) for body in bodies]
         exactly = np.sum([each.forces for each in sheared], axis=0)
         sticks, touches = np.sum([each.areas for each in sheared], axis=0)
         quick, stick, _ = equal_ellipses.fastsim(patches, limit, pair, given)

@@ -59,7 +59,10 @@ def hertz(plan: planning.Plan, cells: int) -> list[Patch]:
 @pytest.fixture(scope="module")
 def two() -> planning.Plan:
     """S1002 on 60E1, shifted by 5 mm: tread and gauge corner, 10 degrees apart."""
-    scene = rh.find("s1002_60e1").replace(wheelset={"shift": 5.0}, effects={"plasticity": "off"})
+    scene = rh.find("s1002_60e1").replace(
+        wheelset={"shift": 5.0}, effects={"plasticity": "off"}, rolling={"spin": 1e-4},
+        friction={"coefficient": MU},
+    )  # fmt: skip
     return planning.make(scene)
 
 
@@ -117,15 +120,20 @@ def test_unlike_bodies_are_extrapolated_and_say_how_far() -> None:
 
 
 def test_patches_share_one_motion(two: planning.Plan, patches: list[Patch]) -> None:
-    """Spin drags the far patch back by its distance; slip across lies in each tangent plane."""
-    tread, corner = sorted(patches, key=lambda each: abs(each.pressed.plane - each.angle))[::-1]
-    assert len(patches) == 2 and corner.turn == pytest.approx(1.0, abs=1e-4)
+    """Spin drags the far patch back by its distance; slip across lies in each tangent plane; what
+    turns about the tangents spins the far patch, and is faster where the radius is smaller."""
+    corner, tread = sorted(patches, key=lambda each: abs(each.pressed.plane - 0.2998))
+    assert len(patches) == 2 and corner.spin[2:] == pytest.approx([1.0, 0.0], abs=1e-4)
     (x, s), t = tread.pressed.centroid, two.contact.touch.angle
     place = developed.develop(two.contact).points(np.array([x]), np.array([s]))[0]
     away = (place - two.contact.origin) @ [0.0, math.cos(t), math.sin(t)]
     assert away == pytest.approx(11.0, abs=0.2)
     assert tread.middle[2, 0] == pytest.approx(-away, rel=0.01)
     assert tread.middle[1, 1] == pytest.approx(math.cos(0.2998 - 0.1273), abs=1e-3)
+    turn = math.cos(0.2998) / 460
+    assert tread.spin[3] == pytest.approx(turn * math.sin(0.2998 - 0.1273), rel=0.01)
+    height = (place - two.contact.origin) @ [0.0, -math.sin(t), math.cos(t)]
+    assert tread.middle[3, 0] == pytest.approx(turn * height, rel=0.02)
 
 
 def test_forces_of_patches_add_up_in_space(two: planning.Plan, patches: list[Patch]) -> None:
@@ -178,18 +186,17 @@ def test_two_patches_roll_as_their_ellipses_nearly_do(
 def test_each_patch_dissipates_what_it_would_alone(
     two: planning.Plan, patches: list[Patch]
 ) -> None:
-    """A patch on another radius creeps beyond the shared motion and does work on that, too."""
-    pair, motion = exact.tangential_pair(two.scene), np.array([1e-3, 5e-4, 1e-4])
+    """A patch on another radius creeps differently, and its forces do work on that."""
+    pair, motion = exact.tangential_pair(two.scene), (1e-3, 5e-4, 1e-4)
     normal = [each.pressed.force for each in patches]
     alone = [
-        equal_ellipses.fastsim(
-            [replace(each, beyond=0.0)], MU * force, pair, motion + [each.beyond, 0.0, 0.0]
-        )
+        equal_ellipses.fastsim([each], MU * force, pair, motion)
         for each, force in zip(patches, normal, strict=True)
     ]
     rolled = equal_ellipses.fastsim(patches, MU * sum(normal), pair, motion)
     assert rolled.t_gamma == pytest.approx(sum(each.t_gamma for each in alone), rel=1e-9)
-    given = Asked(found(MU * sum(normal), tuple(motion)), MU, pair, True, False)
+    assert rolled.t_gamma != pytest.approx(rolled.forces @ motion, rel=0.1)
+    given = Asked(found(MU * sum(normal), motion), MU, pair, True, False)
     exactly = opinion(given, lambda cells: patches, (16, 32))["t_gamma_N"]
     assert rolled.t_gamma == pytest.approx(exactly, rel=0.02)
 

@@ -1,21 +1,29 @@
 """Creepage from where the wheelset stands: against rigid kinematics and hand-made cases."""
 
+import math
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 import railhead as rh
+from railhead import shearing
 from railhead.geometry import rolls
-from railhead.geometry.solid import pair, place
-from railhead.meshing.placement import Touch
-from railhead.meshing.wheelset import Track
+from railhead.geometry import solid as geometry
+from railhead.geometry.solid import Contact, place
+from railhead.planning import developed, exact
 from railhead.planning import plan as planning
 from railhead.planning.effects import friction
+from railhead.rubbed_patches import Asked, opinion
 from railhead.scene.scene import SceneError
 from railhead.solver.setup import Setup, Side
-from railhead.theory.rolling import Creepage
+from railhead.solver.solution import Rubbing
+from railhead.theory.boundary_element import Solution
+from railhead.theory.half_space_patch import PatchSolution
+from railhead.theory.rolling import Creepage, HalfSpaceFriction, Sheared
 
-POSITIONS = [(0.0, 0.0), (4.0, 3e-3), (-4.0, -3e-3), (5.0, -8e-3), (-2.0, 1e-2)]
+MU = 0.3
+FORCES = "force_along_N", "force_across_N"
 
 
 def scene(shift: float = 0.0, yaw: float = 0.0, **more: object) -> rh.Scene:
@@ -46,57 +54,152 @@ def stands(of: rh.Scene) -> dict:
     return planning.make(of).summary()["wheelset"]
 
 
-def turned(touch: Touch, side: int, given: rh.Scene, roll: float, level: float) -> Creepage:
-    """Of the wheelset as a rigid body in space: where its particles at and beside the contact are a
-    moment later; side +1 as placed, -1 its mirror image in y = 0."""
-    mirror = np.array([1.0, side, 1.0])
-    axle = Rotation.from_euler("xz", [roll, given.wheelset.yaw]).apply([0.0, 1.0, 0.0])
-    centre = np.array([0.0, given.wheelset.shift, level])
-    crown = Track(given.wheelset.back_to_back, given.rail.gauge).crown(pair(given).rail)
-    point = np.array([touch.x, touch.y + crown, touch.z]) * mirror
-    c, s = np.cos(touch.angle), np.sin(touch.angle)
-    along, across = np.array([1.0, 0.0, 0.0]), np.array([0.0, c, s]) * mirror
-    step, nominal = 1e-4, given.wheel.rolling_radius  # of 1e-4 mm rolled
+def passing(contact: Contact, radius: float, points: np.ndarray) -> np.ndarray:
+    """Slip (n, 3) of the wheel's particles at points (n, 3) mm, by central differences of where
+    they are when the wheelset has moved along the track and turned about its axle."""
+    axle, centre = contact.pose.rotation[:, 1], contact.pose.origin
+    step = 1e-2
 
-    def slip(particle: np.ndarray) -> np.ndarray:
-        after, before = (
-            centre
-            + way * along
-            + Rotation.from_rotvec(axle * way / nominal).apply(particle - centre)
-            for way in (step, -step)
-        )
-        moved = (after - before) / (2 * step)
-        return np.array([moved @ along, moved @ across])
+    def after(way: float) -> np.ndarray:
+        turn = Rotation.from_rotvec(axle * way / radius)
+        return centre + [way, 0.0, 0.0] + turn.apply(points - centre)
 
-    here, ahead, beside = slip(point), slip(point + along), slip(point + across)
-    spin = ((ahead - here)[1] - (beside - here)[0]) / 2  # of (along - spin s, across + spin x)
-    return Creepage(here[0], here[1], spin)
+    return (after(step) - after(-step)) / (2 * step)
 
 
-@pytest.mark.parametrize("shift, yaw", POSITIONS)
-def test_both_wheels_creep_as_a_rigid_wheelset_does(shift: float, yaw: float) -> None:
-    given = scene(shift, yaw)
+def turning_radius(given: rh.Scene, axle: str) -> float:
     _, placed = place(given)
-    for side, found in ((1, placed.right), (-1, placed.left)):
-        touch = found.touches[0]
-        exact = turned(touch, side, given, placed.roll, placed.height)
-        first = rolls.creepage(touch, 460.0, side * yaw, side * placed.roll)
-        second_order = 2 * yaw**2 + 1e-9
-        assert first.along == pytest.approx(exact.along, abs=second_order)
-        assert first.across == pytest.approx(exact.across, abs=second_order + 0.01 * abs(yaw))
-        assert first.spin == pytest.approx(exact.spin, abs=second_order / 460)
+    both = [side.touches[0].radius for side in (placed.right, placed.left)]
+    return 460.0 if axle == "nominal" else sum(both) / 2
+
+
+@pytest.mark.parametrize("axle", ["free", "nominal"])
+def test_points_slip_as_those_of_a_rigid_wheelset(axle: str) -> None:
+    """21 shifts, yaw 0 to 50 mrad, every contact to 0.5 mm of clearance and places beside it."""
+    several = 0
+    for number, shift in enumerate(np.linspace(-4.0, 6.0, 21)):
+        given = scene(shift, 2.5e-3 * number, rolling={"from_wheelset": True, "axle": axle})
+        contact = geometry.locate(given)
+        moves = rolls.of(contact).creepage
+        touches = contact.touches(0.5)
+        several += len(touches) > 1
+        for touch in touches:
+            y = touch.y + np.array([0.0, 0.5, -0.5])
+            rail = contact.pair.rail
+            points = np.column_stack([touch.x + np.array([0.0, 3.0, -2.0]), y, rail.height(y)])
+            across = np.column_stack([0 * y, np.ones(3), rail.slope(y)])
+            across /= np.linalg.norm(across, axis=1)[:, None]
+            exact = passing(contact, turning_radius(given, axle), points)
+            slip = np.tensordot(moves.motion, rolls.rigid_slip(contact)(points), axes=1)
+            np.testing.assert_allclose(slip[:, 0], exact[:, 0], atol=1e-8)
+            along = [(each * across).sum(axis=1) for each in (slip, exact)]
+            np.testing.assert_allclose(*along, atol=1e-8)
+            out = np.column_stack([0 * y, -across[:, 2], across[:, 1]])
+            np.testing.assert_allclose((slip * out).sum(axis=1), 0.0, atol=1e-12)
+    assert several >= 5
+
+
+def test_an_axle_without_torque_drives_one_wheel_as_much_as_it_brakes_the_other() -> None:
+    for shift in (0.0, 3.0):
+        right, left = (stands(scene(way * shift)) for way in (1, -1))
+        assert right["axle"] == "free"
+        assert right["creepage_along"] == pytest.approx(-left["creepage_along"], abs=1e-5)
+    centred = stands(scene(rolling={"from_wheelset": True, "axle": "nominal"}))
+    assert centred["axle"] == "nominal" and centred["creepage_along"] > 1e-4
+
+
+@pytest.mark.parametrize("given", [{}, {"creepage_along": 1e-3}])
+def test_an_axle_is_not_said_where_the_wheelset_gives_nothing(given: dict) -> None:
+    with pytest.raises(SceneError) as refused:
+        scene(rolling={"from_wheelset": False, "axle": "nominal", **given})
+    assert str(refused.value) == "rolling.axle: nominal is not allowed without from_wheelset"
+
+
+def rolled_alone(contact: Contact, pressed: PatchSolution, slip: np.ndarray) -> Sheared:
+    """A patch of half-spaces under its pressure at a rigid slip (2, nx, ns)."""
+    modes = np.zeros((4, *slip.shape))
+    modes[3] = slip
+    pair = exact.tangential_pair(contact.scene)
+    body = HalfSpaceFriction(
+        pressed.x, pressed.s, pressed.pressure, MU, pair, rolling=True, modes=modes
+    )
+    return body.at(Creepage())
+
+
+def independent(contact: Contact, known: Solution, radius: float) -> dict[str, float]:
+    """Forces over mu N and T-gamma, N, of half-spaces under the pressures of a solution; places of
+    their cells on the rail's profile and their slip are made here."""
+    rail, touch = contact.pair.rail, contact.touch
+    y = np.linspace(touch.y - 40, touch.y + 40, 80_001)
+    y = y[np.isfinite(rail.height(y))]
+    s = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(y), np.diff(rail.height(y))))])
+    s -= np.interp(touch.y, y, s)
+    total, limit, work = np.zeros(3), 0.0, 0.0
+    for each in known.windows:
+        place = np.interp(each.s, s, y)
+        x = np.repeat(each.x, each.s.size)
+        places = np.tile(place, each.x.size)
+        points = np.column_stack([x, places, rail.height(places)])
+        across = np.column_stack([np.zeros(len(x)), np.ones(len(x)), rail.slope(places)])
+        across /= np.linalg.norm(across, axis=1)[:, None]
+        moved = passing(contact, radius, points)
+        slip = np.array([moved[:, 0], (moved * across).sum(axis=1)])
+        rolled = rolled_alone(contact, each, slip.reshape(2, *each.pressure.shape))
+        traction = rolled.traction.reshape(2, -1)
+        force = traction[0, :, None] * [1.0, 0.0, 0.0] + traction[1, :, None] * across
+        total += rolled.cell * force.sum(axis=0)
+        work += rolled.cell * float((traction * slip).sum())
+        limit += rolled.limit
+    along, aside = total[0], total[1:] @ [math.cos(touch.angle), math.sin(touch.angle)]
+    return {"force_along_N": along / limit, "force_across_N": aside / limit, "t_gamma_N": work}
+
+
+def loaded(shift: float, **more: object) -> planning.Plan:
+    rolling = {"from_wheelset": True, "axle": "nominal"}
+    given = rh.find("s1002_60e1").replace(
+        load=80e3, wheelset={"shift": shift}, friction={"coefficient": MU},
+        rolling=rolling, effects={"plasticity": "off"}, **more,
+    )  # fmt: skip
+    return planning.make(given)
+
+
+@pytest.mark.parametrize("shift, patches", [(5.0, 2), (6.26, 1)])
+def test_patches_and_a_flange_roll_as_half_spaces_do(shift: float, patches: int) -> None:
+    """Tread and gauge corner, and a flange root 25 degrees wide: the second opinion beside
+    half-spaces under the same pressures with a slip of their own."""
+    plan = loaded(shift)
+    known = developed.solve(plan.contact, plan.estimate, 80e3, 32)
+    rolled = independent(plan.contact, known, 460.0)
+    pressed = shearing.patches(
+        plan.contact, plan.estimate, hertzian=False, load=80e3, cells=32, profiles=known
+    )
+    assert len(pressed) == patches
+    moves = rolls.of(plan.contact).creepage
+    limit = MU * sum(each.pressed.force for each in pressed)
+    none = np.zeros((0, 3))
+    found = Rubbing(
+        none, none[:, 0], none[:, 0], none, none, none[:, 0] > 0, tuple(moves.motion[:3]),
+        (0.0, 0.0), 0.0, limit, none, 0.0, 1, 0.0, (),
+    )  # fmt: skip
+    asked = Asked(found, MU, exact.tangential_pair(plan.scene), True, False)
+    answer = opinion(asked, lambda cells: pressed, (16, 32))
+    for name in FORCES:
+        assert answer[name] / limit == pytest.approx(rolled[name], abs=0.002)
+    assert answer["t_gamma_N"] == pytest.approx(rolled["t_gamma_N"], rel=0.002)
 
 
 def test_a_cone_towards_its_flange_runs_on_a_larger_radius() -> None:
     """1:20 on a round rail: 2 mm are 0.1 mm of radius, which pulls the surface back; the roll adds
     a twentieth."""
-    here, there = stands(simple(shift=2.0)), stands(simple(shift=-2.0))
-    centred = stands(simple())
+    nominal = {"from_wheelset": True, "axle": "nominal"}
+    here, there, centred = (
+        stands(simple(shift=shift).replace(rolling=nominal)) for shift in (2.0, -2.0, 0.0)
+    )
     assert here["rolling_radius_mm"] - centred["rolling_radius_mm"] == pytest.approx(0.1, rel=0.07)
     assert here["creepage_along"] - centred["creepage_along"] == pytest.approx(-0.1 / 420, rel=0.07)
     assert there["creepage_along"] - centred["creepage_along"] == pytest.approx(0.1 / 420, rel=0.07)
-    assert here["creepage_along_without_torque"] == pytest.approx(-0.1 / 420, rel=0.07)
-    assert centred["creepage_along_without_torque"] == 0
+    assert stands(simple(shift=2.0))["creepage_along"] == pytest.approx(-0.1 / 420, rel=0.07)
+    assert stands(simple())["creepage_along"] == 0
 
 
 def test_a_cone_spins_by_its_angle_and_a_cylinder_not_at_all() -> None:
@@ -115,21 +218,27 @@ def test_yaw_pushes_the_surface_aside() -> None:
         assert found["creepage_along"] == pytest.approx(0.0, abs=1e-5)
 
 
-def test_the_plan_says_the_numbers_and_their_formulas() -> None:
-    plan = planning.make(scene(4.0, 3e-3))
-    why, numbers = plan.effects["friction"].why, plan.summary()["wheelset"]
-    for said in (
-        f"along (r0 - r)/r0 = {numbers['creepage_along']:.4g}",
-        f"across -yaw/cos(angle) = {numbers['creepage_across']:.4g}",
-        f"spin -sin(angle - roll)/r0 = {numbers['spin_per_mm']:.4g} 1/mm",
-    ):
-        assert said in why
-    by_hand = 3e-3 / np.cos(numbers["contact_angle_rad"])
-    assert numbers["creepage_across"] == pytest.approx(-by_hand)
-    by_hand = np.sin(numbers["contact_angle_rad"] - numbers["roll_rad"]) / 460
-    assert numbers["spin_per_mm"] == pytest.approx(-by_hand)
-    by_hand = (460 - numbers["rolling_radius_mm"]) / 460
-    assert numbers["creepage_along"] == pytest.approx(by_hand)
+def test_the_plan_says_the_numbers_and_the_axle() -> None:
+    """On an axle that turns by R, to first order in yaw: along 1 - r/R, across
+    -(r/R) yaw/cos(angle), spin -sin(angle - roll)/R."""
+    for axle in ("free", "nominal"):
+        plan = planning.make(scene(4.0, 3e-3, rolling={"from_wheelset": True, "axle": axle}))
+        why, numbers = plan.effects["friction"].why, plan.summary()["wheelset"]
+        radius, angle = numbers["axle_radius_mm"], numbers["contact_angle_rad"]
+        assert (radius == 460) == (axle == "nominal")
+        for said in (
+            f"creepage along {numbers['creepage_along']:.4g}",
+            f"across {numbers['creepage_across']:.4g}",
+            f"spin {numbers['spin_per_mm']:.4g} 1/mm",
+            f"on a {axle} axle, which turns by {radius:.6g} mm",
+        ):
+            assert said in why
+        ratio = numbers["rolling_radius_mm"] / radius
+        by_hand = -3e-3 * ratio / np.cos(angle)
+        assert numbers["creepage_across"] == pytest.approx(by_hand, rel=1e-4)
+        by_hand = np.sin(angle - numbers["roll_rad"]) / radius
+        assert numbers["spin_per_mm"] == pytest.approx(-by_hand, rel=1e-4)
+        assert numbers["creepage_along"] == pytest.approx(1 - ratio, abs=3e-3**2)
     assert "wheelset" not in rh.plan(simple().replace(rolling={"from_wheelset": False})).as_dict()
 
 
@@ -167,14 +276,15 @@ def test_without_a_wheelset_it_is_one_line(case: str, what: str) -> None:
 
 
 def test_a_further_contact_creeps_as_its_own_radius_says() -> None:
-    """Tread and flange root: the motion at the first, its spin and the height tell the second."""
-    given = scene(5.0)
-    contact = planning.make(given).contact
+    """Tread and flange root: along (r0 - r)/r0, spin -sin(angle - roll)/r0 of each."""
+    contact = planning.make(scene(5.0, rolling={"from_wheelset": True, "axle": "nominal"})).contact
     first, *others = contact.touches(0.05)
     assert others
-    known, angle = rolls.of(contact).creepage, first.angle
-    for other in others:
-        beside = np.cos(angle) * (other.y - first.y) + np.sin(angle) * (other.z - first.z)
-        place = np.array([[0.0, other.y, other.z]])
-        told = known.along - known.spin * beside + rolls.off_plane(contact, place)[0]
-        assert abs(told - (460 - other.radius) / 460) < 2e-6 < abs(rolls.off_plane(contact, place))
+    slip, known = rolls.rigid_slip(contact), rolls.of(contact).creepage
+    for touch in (first, *others):
+        moved = known.motion @ slip(np.array([[0.0, touch.y, touch.z]]))[:, 0]
+        above = (touch.gap + 1e-6) / 460  # the wheel's point over the rail's
+        assert moved[0] == pytest.approx((460 - touch.radius) / 460, abs=above)
+        normal = np.array([0.0, -np.sin(touch.angle), np.cos(touch.angle)])
+        spin = known.motion @ slip.angular @ normal
+        assert spin == pytest.approx(-np.sin(touch.angle - contact.placed.roll) / 460, rel=1e-6)

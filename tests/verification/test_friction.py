@@ -177,13 +177,19 @@ def test_yield_takes_shear_stress_at_the_surface(sheared: YieldingRubbingModel) 
     assert middle.sum() > 5 and lost[middle] == pytest.approx(level, rel=0.01)
 
 
-def test_a_patch_off_the_plane_creeps_by_its_own_radius() -> None:
-    """What lies beyond the motion acts as creepage along does, and its work counts."""
+def test_what_turns_about_the_tangents_acts_as_creepage_along_does() -> None:
+    """A wheel that turns by one motion and creeps by another: its tractions do work on both."""
     plan = planning.make(roller(rolling={"creepage_along": 0.0}, mesh={"patch_size": 0.5}))
     answers = []
-    for known, beyond in ((5e-4, None), (0.0, lambda points: np.full(len(points), 5e-4))):
+    for known, share in ((5e-4, 0.0), (2e-4, 3e-4)):
         model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
-        rub = replace(model.setup.rub, known=(known, 0.0, 0.0), beyond=beyond)
+        rub = model.setup.rub
+
+        def slip(points: np.ndarray, rub=rub, share=share) -> np.ndarray:
+            modes = rub.slip(points)
+            return np.array([*modes[:3], share * modes[0]])
+
+        rub = replace(rub, known=(known, 0.0, 0.0), slip=slip)
         model.setup = replace(model.setup, rub=rub)
         touching = plan.forecast.touching(model.setup.kinematics.lift(model.interface.points))
         found = model.solve(load=110e3, active=touching).rubbing

@@ -4,26 +4,21 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from railhead.geometry import rolls
-from railhead.geometry.rolls import Rolls
-from railhead.geometry.solid import Contact
+from railhead.geometry.rolls import Wheelset
 from railhead.planning import exact
 from railhead.planning.effects.base import After, Context, Effect
 from railhead.planning.effects.far_field import CerrutiFarField
-from railhead.postprocess.findings import Findings, Frame
+from railhead.postprocess.findings import Findings
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory import hertz, kalker
 from railhead.theory.hertz import Ellipse
 from railhead.theory.rolling import Creepage
 
 if TYPE_CHECKING:
-    from railhead.planning.forecast import Zone
     from railhead.planning.plan import Plan
     from railhead.solver.setup import Setup
 
@@ -92,7 +87,7 @@ def apply(setup: Setup, plan: Plan) -> Setup:
     from railhead.solver.setup import Rub
 
     scene, contact = plan.scene, plan.contact
-    frame = Frame(contact.origin, contact.touch.angle)
+    frame = contact.frame
     rolling, friction = scene.rolling, scene.friction
     given = rolling if rolling.given else friction
     moves = creepage(plan.context)
@@ -106,12 +101,11 @@ def apply(setup: Setup, plan: Plan) -> Setup:
         if not (still[index] or contact.revolved):
             free.append((index, float(getattr(given, f"force_{way}") or 0.0)))
     far = CerrutiFarField(plan) if contact.half_space and not contact.plane else None
-    zones = plan.forecast.zones
-    beyond = OffPlane(contact, zones) if rolling.given and len(zones) > 1 else None
     motion = known[0], known[1], known[2]
     rub = Rub(
-        friction.coefficient, rolling.given, frame.axes, frame.origin, motion, tuple(free),
-        legs(scene, line=contact.line, yields=plan.effects["plasticity"].on), far, beyond,
+        friction.coefficient, rolling.given, frame.axes, frame.origin, rolls.rigid_slip(contact),
+        motion, tuple(free), legs(scene, line=contact.line, yields=plan.effects["plasticity"].on),
+        far,
     )  # fmt: skip
     return replace(setup, rub=rub)
 
@@ -154,24 +148,6 @@ def mismatch(scene: Scene) -> float:
     )
 
 
-@dataclass(frozen=True)
-class OffPlane:
-    """What the points of each patch creep along beyond the motion at the first contact, as its
-    middle rolls on another radius; within a patch half-spaces know no such difference."""
-
-    contact: Contact
-    zones: tuple[Zone, ...]
-
-    def __call__(self, points: NDArray) -> NDArray:
-        """Points in space (n, 3), mm -> (n,)."""
-        distances = [
-            np.linalg.norm((points - np.array(zone.centre)) / [zone.a, zone.b, zone.b], axis=1)
-            for zone in self.zones
-        ]
-        middles = np.array([zone.centre for zone in self.zones])
-        return rolls.off_plane(self.contact, middles)[np.argmin(distances, axis=0)]
-
-
 def check(context: Context, effect: Effect, found: Findings) -> After | None:
     """Whether it was left out."""
     if not effect.called_for:
@@ -181,7 +157,7 @@ def check(context: Context, effect: Effect, found: Findings) -> After | None:
     )
 
 
-def rolled(context: Context) -> Rolls | None:
+def rolled(context: Context) -> Wheelset | None:
     """How the wheel creeps where it is the wheelset that says so. Raises SceneError."""
     if not context.scene.rolling.from_wheelset:
         return None
