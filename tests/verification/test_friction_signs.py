@@ -8,7 +8,7 @@ import pytest
 from friction_data import ENTRIES
 
 import railhead as rh
-from railhead import screen
+from railhead import quantities, screen, sweep_table
 from railhead.theory import sliding
 
 MU = 0.3
@@ -72,7 +72,11 @@ def test_a_yawed_wheelset_pushes_the_rail_aside() -> None:
         assert answer[name] == given[name]
     assert given["creepage_across"] == pytest.approx(-1e-3, rel=1e-3)
     assert forces(answer)[1] < -0.3 and abs(forces(answer)[0]) < OFF
-    assert "-yaw/cos(angle)" in found["plan"]["effects"]["friction"]["why"]
+    assert "on a free axle" in found["plan"]["effects"]["friction"]["why"]
+    assert {"quantity": "axle", "unit": "", "FE": "free"}.items() <= next(
+        row for row in quantities.friction(found) if row["quantity"] == "axle"
+    ).items()
+    assert sweep_table.row({}, {"fault": "", "summary": found})["axle"] == "free"
 
 
 @pytest.mark.slow
