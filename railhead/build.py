@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from mpi4py import MPI
 
-from railhead import process
 from railhead.meshing import mesh
 from railhead.meshing.sizing import Grading
 from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, WHEEL
@@ -26,11 +25,9 @@ def generate(
 
 
 def _load_solver() -> None:
-    """Importing it takes about as long as gmsh takes for a small mesh. Half imported libraries turn
-    what a signal raises into errors of their own."""
-    with process.deferring():
-        from railhead.postprocess import read  # noqa: F401
-        from railhead.solver import gather  # noqa: F401
+    """Importing it takes about as long as gmsh takes for a small mesh."""
+    from railhead.postprocess import read  # noqa: F401
+    from railhead.solver import gather  # noqa: F401
 
 
 def model(plan: Plan, made: mesh.ContactMesh) -> ContactModel:

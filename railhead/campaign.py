@@ -27,7 +27,7 @@ from railhead import (
 from railhead.planning import plan as planning
 from railhead.planning import price
 from railhead.planning.plan import Plan
-from railhead.progress import Bar, Progress
+from railhead.progress import Progress
 from railhead.scene.scene import Scene, SceneError
 from railhead.subject import shared_y
 
@@ -109,19 +109,19 @@ def run(campaign: Campaign, *, resume: bool, pictures: bool, quiet: bool) -> lis
             if submit is None:
                 return None
             workers = pool.workers(comm.size)
-            finished = len(records.done(campaign.folder))
-            with Bar(len(campaign.scenes), done=finished, quiet=quiet) as bar:
-                faults = _solve_all(campaign, groups, workers, submit, bar)
+            with Progress(quiet=quiet) as progress:
+                progress.jobs(len(records.done(campaign.folder)), len(campaign.scenes))
+                faults = _solve_all(campaign, groups, workers, submit, progress)
                 # What was to be solved after the one that crashed, each by itself.
                 lost = [[number] for group in groups if len(group) > 1 for number in group]
                 again = [each for each in lost if each[0] in faults]
-                faults |= _solve_all(campaign, again, workers, submit, bar)
+                faults |= _solve_all(campaign, again, workers, submit, progress)
         return _write(campaign, faults, y, pictures=pictures)
 
 
 def _solve_all(
     campaign: Campaign, groups: Sequence[Sequence[int]], workers: int, submit: pool.Submit,
-    bar: Bar,
+    progress: Progress,
 ) -> dict[int, str]:  # fmt: skip
     """Solve what has no record of groups that share a mesh; why some of them still have none."""
     folder, scenes = campaign.folder, campaign.scenes
@@ -143,7 +143,7 @@ def _solve_all(
         for job in ended:
             attempt = pool.outcome(job)
             faults |= dict.fromkeys(jobs[job], attempt.fault) | (attempt.found or {})
-        bar.reach(len(records.done(folder)))
+        progress.jobs(len(records.done(folder)), len(scenes))
     return {number: faults[number] or GONE for number in faults.keys() - records.done(folder)}
 
 

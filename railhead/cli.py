@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import shutil
-import signal
 import sys
 import textwrap
 import time
@@ -143,7 +142,6 @@ def run(
             result.save(
                 folder, pictures=not no_pictures, report=not no_report, whole=whole, units=shown
             )
-            signal.signal(signal.SIGTERM, signal.SIG_IGN)  # too late: the result is there
         except OSError as error:
             problem = error
     if first:
@@ -316,10 +314,9 @@ def _scene(case: str, assignments: Sequence[str], on: Sequence[str], off: Sequen
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command; exits with 0 (solved), 1 (a check failed, or the files could not be
-    written), 2 (wrong input) or 128 + number (a signal)."""
+    written) or 2 (wrong input)."""
     process.prepare()
-    with process.prompt():
-        sys.exit(_status(arguments))
+    sys.exit(_status(arguments))
 
 
 def _status(arguments: Sequence[str] | None) -> int:
@@ -370,4 +367,5 @@ def _not_written(error: OSError) -> int:
 
 def run_case(scene: Scene) -> None:
     """What `python cases/<case>.py [options]` does: `railhead run` on that scene."""
+    process.end_at_once()
     main(["run", scene.name, *process.arguments()])

@@ -3,42 +3,31 @@
 from __future__ import annotations
 
 import time
-from contextlib import ExitStack
-from types import TracebackType
+from datetime import timedelta
 from typing import Self
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
-from rich.progress import Progress as Bars
-
-from railhead import process
 
 
 class Progress:
-    """Stage and Newton step on standard error. Use as a context manager. since: when what it tells
-    of began (time.perf_counter), now unless given."""
+    """Stage, Newton step and jobs on standard error. Use as a context manager. since: when what it
+    tells of began (time.perf_counter), now unless given."""
 
     def __init__(self, *, quiet: bool, since: float | None = None) -> None:
         self._console = Console(stderr=True, quiet=quiet, highlight=False)
         self._live = self._console.is_terminal and not quiet
         self._status = self._console.status("")
         self._stage = ""
+        self._counts: list[tuple[int, float]] = []  # of jobs that are done, and when
         self._start = time.perf_counter() if since is None else since
-        self._running = ExitStack()
 
     def __enter__(self) -> Self:
         if self._live:
             self._status.start()
-        self._running.enter_context(process.undoing(self._status.stop))
+            self._console.show_cursor()  # nothing shows it again where a signal ends the process
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._running.close()
+    def __exit__(self, *_: object) -> None:
         self._status.stop()
 
     def _say(self, text: str) -> None:
@@ -57,44 +46,15 @@ class Progress:
         """A Newton step is done."""
         self._say(f"{self._stage}: Newton step {step}, residual {residual:.1e}")
 
-
-class Bar:
-    """How many of `total` jobs are done and how long the others will take: a bar on a terminal,
-    plain lines elsewhere, on standard error. Use as a context manager. done: before it began."""
-
-    def __init__(self, total: int, *, done: int = 0, quiet: bool = False) -> None:
-        console = Console(stderr=True, quiet=quiet, highlight=False)
-        self._console, self._live = console, console.is_terminal and not quiet
-        columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}"))
-        self._bars = Bars(*columns, console=console, disable=not self._live)
-        self._task = self._bars.add_task("", total=total, completed=done)
-        self._total, self._before, self._done = total, done, done
-        self._start = time.perf_counter()
-        self._running = ExitStack()
-
-    def __enter__(self) -> Self:
-        self._bars.start()
-        self._running.enter_context(process.undoing(self._bars.stop))
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._running.close()
-        self._bars.stop()
-
-    def reach(self, done: int) -> None:
-        """So many are done now."""
-        if done <= self._done:
+    def jobs(self, done: int, total: int) -> None:
+        """So many jobs are done: said where the number has grown, with the time that the others
+        will take at the pace since the first call."""
+        if self._counts and done <= self._counts[-1][0]:
             return
-        self._done = done
-        elapsed = time.perf_counter() - self._start
-        left = elapsed * (self._total - done) / (done - self._before)
-        said = f"{_duration(left)} left" if done < self._total else f"{_duration(elapsed)}"
-        self._bars.update(self._task, completed=done, description=said)
-        if not self._live:
-            self._console.print(f"[{elapsed:6.1f} s] {done} of {self._total}, {said}", markup=False)
-
-
-def _duration(seconds: float) -> str:
-    minutes, rest = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours} h {minutes} min" if hours else f"{minutes} min {rest} s"
+        self._counts.append((done, time.perf_counter()))
+        (first, start), (_, now) = self._counts[0], self._counts[-1]
+        text = f"{done} of {total} done"
+        if first < done < total:
+            left = (now - start) * (total - done) / (done - first)
+            text += f", {timedelta(seconds=round(left))} left"
+        self._say(text)

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-import ctypes
+import fcntl
+import glob
 import json
 import os
 import shutil
-import signal
 import tempfile
-import threading
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railhead import process, quantities, spreadsheet
+import psutil
+
+from railhead import quantities, spreadsheet
 from railhead.scene.io import to_toml
 from railhead.scene.scene import SceneError
 
@@ -60,22 +61,25 @@ def _obstacle(folder: Path, keeps: Collection[str]) -> str:
     """Why results cannot go to a folder; empty if they can."""
     name = repr(str(folder))
     with suppress(FileNotFoundError, NotADirectoryError):
-        folder.lstat()  # Python 3.14's `exists` hides that a name is too long
+        (folder.parent / (_prefix(folder) + 16 * "x")).lstat()  # raises if the name is too long
     if folder.is_symlink() and not folder.exists():
         return f"{name} is a link to nothing"
     if folder.exists() and not folder.is_dir():
         return f"{name} is a file"
+    target = folder.resolve()
+    parent = target.parent
+    while not parent.exists():
+        parent = parent.parent
+    if not parent.is_dir() or not os.access(parent, os.W_OK):
+        return f"{str(parent)!r} cannot be written to"
+    if target.parent.is_dir():
+        settle(target)
     if folder.is_dir():
         if folder.samefile(os.curdir) or os.path.ismount(folder):
             kind = "a mount point" if os.path.ismount(folder) else "the working directory"
             return f"{name} is {kind}, which cannot be replaced"
         if others := [other for other in foreign(folder) if other not in keeps]:
             return f"{name} holds {others[0]!r}, which is no result"
-    parent = folder.resolve().parent
-    while not parent.exists():
-        parent = parent.parent
-    if not parent.is_dir() or not os.access(parent, os.W_OK):
-        return f"{str(parent)!r} cannot be written to"
     return ""
 
 
@@ -83,62 +87,79 @@ def _obstacle(folder: Path, keeps: Collection[str]) -> str:
 def replacing(folder: Path) -> Iterator[Path]:
     """A temporary folder that takes the place of `folder` when the block ends without an error.
 
-    `folder` holds the earlier result or the new one, whole, at every moment; of two that end
-    together the later one stays. What somebody else put into it in the meantime is kept. A
-    termination signal that comes during the exchange is too late and is ignored. OSError: the
-    files cannot be written.
+    Two renames do it: the earlier result gets the name `.NAME.earlier`, then the new one its name.
+    Whenever the process is killed, one of both is there, whole; `settle` does the rest. Files that
+    others put into `folder` are kept. Of two results written at once, the later one stays.
+    OSError: the files cannot be written.
     """
     folder = folder.resolve()
     folder.parent.mkdir(parents=True, exist_ok=True)
-    work = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
-
-    def remove() -> None:
+    work = _temporary(folder)
+    try:
+        yield work
+        names = "".join(f"{name}\n" for name in sorted(os.listdir(work)))
+        (work / MANIFEST).write_text(names, encoding="utf-8")
+        work.chmod(0o755)
+        with _locked(folder.parent):
+            _settle(folder)
+            try:
+                if folder.is_dir():
+                    os.rename(folder, _earlier(folder))
+                os.rename(work, folder)
+            finally:
+                _settle(folder)
+    finally:
         shutil.rmtree(work, ignore_errors=True)
 
-    with process.undoing(remove), process.unfinished(work):
-        try:
-            yield work
-            names = "".join(f"{name}\n" for name in sorted(os.listdir(work)))
-            (work / MANIFEST).write_text(names, encoding="utf-8")
-            with _undisturbed():
-                work.chmod(0o755)
-                try:
-                    os.rename(work, folder)
-                except OSError:
-                    if not folder.is_dir():
-                        raise
-                    _exchange(work, folder)
-                    for name in foreign(work):
-                        os.rename(work / name, folder / name)
-        finally:
-            with _undisturbed():
-                remove()
+
+def settle(folder: Path) -> None:
+    """Finish what a process that was killed in `replacing` began, and remove its temporary folders.
+    OSError: it cannot."""
+    with _locked(folder.parent):
+        _settle(folder)
+        for work in folder.parent.glob(glob.escape(_prefix(folder)) + "*"):
+            process_id = work.name.removeprefix(_prefix(folder)).partition(".")[0]
+            if process_id.isdecimal() and not psutil.pid_exists(int(process_id)):
+                shutil.rmtree(work, ignore_errors=True)
+
+
+def _settle(folder: Path) -> None:
+    earlier = _earlier(folder)
+    if not earlier.is_dir():
+        return
+    if not folder.exists():
+        os.rename(earlier, folder)
+        return
+    for name in foreign(earlier):
+        os.rename(earlier / name, folder / name)
+    doomed = _temporary(folder)
+    os.rename(earlier, doomed)  # half of it must not be taken for files of others
+    shutil.rmtree(doomed, ignore_errors=True)
+
+
+def _earlier(folder: Path) -> Path:
+    return folder.parent / f".{folder.name}.earlier"
+
+
+def _prefix(folder: Path) -> str:
+    """Of the temporary folders that processes of this machine make; their number follows."""
+    return f".{folder.name}.{os.uname().nodename}."
+
+
+def _temporary(folder: Path) -> Path:
+    return Path(tempfile.mkdtemp(prefix=f"{_prefix(folder)}{os.getpid()}.", dir=folder.parent))
 
 
 @contextmanager
-def _undisturbed() -> Iterator[None]:
-    """Ignore signals that end the process for a moment; they reach the main thread only."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = {number: signal.signal(number, signal.SIG_IGN) for number in process.SIGNALS}
+def _locked(parent: Path) -> Iterator[None]:
+    """Let no other process exchange folders in this one; the system ends that with the process."""
+    handle = os.open(parent, os.O_RDONLY)
     try:
+        with suppress(OSError):  # a disk that knows no locks
+            fcntl.flock(handle, fcntl.LOCK_EX)
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-def _exchange(one: Path, other: Path) -> None:
-    """Swap two folders, on Linux in one step (renameat2 with RENAME_EXCHANGE)."""
-    swap = getattr(ctypes.CDLL(None), "renameat2", None)
-    here, exchange = -100, 2
-    if swap and swap(here, os.fsencode(one), here, os.fsencode(other), exchange) == 0:
-        return
-    aside = one.with_name(f"{one.name}.old")
-    os.rename(other, aside)
-    os.rename(one, other)
-    os.rename(aside, one)
+        os.close(handle)
 
 
 def write_grids(result: Result, folder: Path, *, whole: bool = False) -> Array | None:

@@ -1,11 +1,11 @@
-"""The command's entry: signals are heard before anything heavy is imported."""
+"""The command's entry: signals end the process at once from the first import on."""
 
-from railhead.process import prompt
+from railhead import process
 
 
 def main() -> None:
     """Run the command; see `railhead.cli.main`."""
-    with prompt():
-        from railhead import cli
+    process.end_at_once()
+    from railhead import cli
 
-        cli.main()
+    cli.main()

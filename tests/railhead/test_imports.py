@@ -49,16 +49,3 @@ def test_a_plan_imports_no_solver(case, tmp_path, monkeypatch) -> None:
 
 def test_the_solver_is_imported_while_gmsh_works() -> None:
     assert "dolfinx" not in loaded("from railhead import refine")
-
-
-def test_a_signal_while_libraries_load_is_obeyed_after_them() -> None:
-    code = (
-        "import os, signal\nfrom railhead import process\n"
-        "with process.prompt(), process.undoing(lambda: None):\n"
-        "    with process.deferring():\n"
-        "        os.kill(os.getpid(), signal.SIGTERM)\n"
-        "        print('loaded', flush=True)\n"
-        "    print('went on', flush=True)\n"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stdout, done.stderr) == (128 + 15, "loaded\n", "")

@@ -34,7 +34,7 @@ from railhead import (
 )
 from railhead.planning import plan as planning
 from railhead.planning import price
-from railhead.progress import Bar, Progress
+from railhead.progress import Progress
 from railhead.scene.scene import unit
 
 SHIFTS = "wheelset.shift=0:10:0.5mm"
@@ -549,13 +549,15 @@ def test_what_has_no_memory_now_is_tried_again_by_resume(tmp_path: Path, monkeyp
 
 
 def test_the_bar_says_how_long_it_takes(capsys) -> None:
-    with Bar(4, done=1) as bar:
-        bar.reach(1)
+    with Progress(quiet=False) as progress:
+        progress.jobs(1, 4)
         time.sleep(0.05)
-        bar.reach(2)
-        bar.reach(4)
-    first, last = capsys.readouterr().err.splitlines()
-    assert "2 of 4, 0 min 0 s left" in first and "4 of 4" in last
+        progress.jobs(2, 4)
+        progress.jobs(2, 4)
+        progress.jobs(4, 4)
+    first, second, last = capsys.readouterr().err.splitlines()
+    assert "1 of 4 done" in first
+    assert "2 of 4 done, 0:00:00 left" in second and "4 of 4 done" in last
 
 
 def test_a_kill_loses_only_what_was_running(tmp_path: Path) -> None:

@@ -6,7 +6,11 @@ import sys
 import time
 from pathlib import Path
 
+import pytest
+
 from railhead.pool import attempts
+
+pytestmark = pytest.mark.system
 
 
 def job(what: str) -> str:

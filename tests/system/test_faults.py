@@ -1,0 +1,192 @@
+"""Killed, out of space, out of memory, two at once: an earlier result stays whole."""
+
+import errno
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from mpi4py import MPI
+
+from railhead import results
+from railhead.cli import main
+from railhead.planning import machine
+from railhead.solver import compiling
+
+pytestmark = pytest.mark.system
+SMALL_FILES = """
+import resource
+from mpi4py import MPI
+resource.setrlimit(resource.RLIMIT_FSIZE, (2_000, 2_000))
+from railhead.cli import main; main()"""
+CASE = ["long_roller", "--no-pictures", "--quiet", "--out"]
+NAMES = results.MANIFEST
+OLD = {"one": b"old", "two": b"old", NAMES: b"one\ntwo\n"}
+NEW = {"one": b"new", "three": b"new", NAMES: b"one\nthree\n"}
+MINE = {"mine": b"kept"}
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def make(folder: Path, files: dict[str, bytes]) -> None:
+    folder.mkdir(parents=True)
+    for name, text in files.items():
+        (folder / name).write_bytes(text)
+
+
+def replace(folder: Path) -> None:
+    with results.replacing(folder) as work:
+        for name in ("one", "three"):
+            (work / name).write_bytes(NEW[name])
+
+
+def killed(line: int, action: Callable[[Path], None], folder: Path) -> bool:
+    """Call `action` in a child that is killed before the given line of `results` or `shutil` is
+    executed; False where it ends before that."""
+    left = line
+
+    def trace(frame, event, _):
+        nonlocal left
+        if frame.f_code.co_filename not in (results.__file__, shutil.__file__):
+            return None
+        if event == "line":
+            left -= 1
+            if left == 0:
+                os.kill(os.getpid(), signal.SIGKILL)
+        return trace
+
+    if (child := os.fork()) == 0:
+        try:
+            sys.settrace(trace)
+            action(folder)
+        finally:
+            os._exit(0)
+    return os.WIFSIGNALED(os.waitpid(child, 0)[1])
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_killed_while_a_result_is_replaced(tmp_path: Path, there: bool) -> None:
+    """The next command finds the earlier result or the new one, whole (nothing where there was
+    nothing), with what somebody else put there, and leaves nothing else."""
+    seen = []
+    for line in range(1, 400):
+        folder = tmp_path / f"{line}" / "result"
+        folder.parent.mkdir()
+        if there:
+            make(folder, OLD | MINE)
+        dead = killed(line, replace, folder)
+        results.check_folder(folder, keeps=["mine"])
+        found = content(folder) if folder.is_dir() else None
+        assert found in ([OLD | MINE, NEW | MINE] if there else [None, NEW])
+        assert os.listdir(folder.parent) == ([] if found is None else ["result"])
+        seen.append(found)
+        if not dead:
+            break
+    assert len(seen) > 20 and seen[0] != seen[-1]
+    assert seen.index(seen[-1]) < len(seen) - 5  # killed while it tidies up, too
+
+
+@pytest.mark.parametrize("new", [False, True])
+def test_killed_while_the_next_command_finishes_that(tmp_path: Path, new: bool) -> None:
+    for line in range(1, 400):
+        folder = tmp_path / f"{line}" / "result"
+        make(folder.with_name(".result.earlier"), OLD | MINE)
+        if new:
+            make(folder, NEW)
+        dead = killed(line, results.settle, folder)
+        results.settle(folder)
+        assert content(folder) == (NEW if new else OLD) | MINE
+        assert os.listdir(folder.parent) == ["result"]
+        if not dead:
+            break
+    assert line > 10
+
+
+def test_a_compilation_that_was_killed_is_not_waited_for(tmp_path: Path) -> None:
+    """ffcx would wait ten seconds for what nobody ends, and fail."""
+    for name in ("libffcx_done.c", "libffcx_done.c.cached", "libffcx_killed.c"):
+        (tmp_path / name).touch()
+    with compiling.alone(MPI.COMM_SELF, tmp_path):
+        left = {path.name for path in tmp_path.iterdir()} - {compiling.LOCK}
+    assert left == {"libffcx_done.c", "libffcx_done.c.cached"}
+
+
+def test_disk_full(tmp_path: Path) -> None:
+    folder = tmp_path / "result"
+    make(folder, OLD)
+    done = subprocess.run(
+        [sys.executable, "-c", SMALL_FILES, "run", *CASE, str(folder)], capture_output=True,
+        text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 1
+    assert done.stderr.strip().splitlines() == ["railhead: NOT WRITTEN: File too large"]
+    assert content(folder) == OLD
+    assert os.listdir(tmp_path) == ["result"]
+
+
+def test_folder_that_refuses_files(tmp_path, monkeypatch, capsys) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS), str(tmp_path / "out"))
+
+    monkeypatch.setattr(results.tempfile, "mkdtemp", refuse)
+    with pytest.raises(SystemExit) as ended:
+        main(["run", *CASE, str(tmp_path / "out")])
+    assert ended.value.code == 1
+    errors = capsys.readouterr().err.strip()
+    assert errors == f"railhead: NOT WRITTEN: {tmp_path / 'out'}: {os.strerror(errno.EROFS)}"
+    assert os.listdir(tmp_path) == []
+
+
+def test_read_only_folder_is_refused_before_anything_is_solved(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(results.os, "access", lambda *_: False)
+    with pytest.raises(SystemExit) as ended:
+        main(["run", *CASE, str(tmp_path / "out")])
+    assert ended.value.code == 2
+
+
+@pytest.mark.parametrize("key", ["mesh.patch_size=0.002", "rail.crown_radius=0.001"])
+def test_a_mesh_that_does_not_fit_into_memory_is_refused(key, tmp_path, capsys) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["run", "hertz_ellipse", "--set", key, "--out", str(tmp_path / "out")])
+    assert ended.value.code == 2
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    assert "mesh.patch_size" in line and "GB" in line
+    assert os.listdir(tmp_path) == []
+
+
+def test_memory_that_is_missing_ends_a_sequence(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.setattr(machine, "free_memory", lambda: 400_000_000)
+    with pytest.raises(SystemExit) as ended:
+        main(["run", "hertz_ellipse", "--accuracy", "0.1%", "--no-pictures", "--json",
+              "--out", str(tmp_path / "out")])  # fmt: skip
+    assert ended.value.code == 1
+    found = json.loads(capsys.readouterr().out)["accuracy"]
+    assert not found["reached"] and found["reason"].startswith("memory")
+
+
+def test_many_replacements_at_once_leave_one_whole_result(tmp_path: Path) -> None:
+    folder = tmp_path / "result"
+
+    def write(number: int) -> None:
+        for _ in range(30):
+            with results.replacing(folder) as work:
+                for name in ("one", "two"):
+                    (work / name).write_bytes(bytes([number]))
+
+    threads = [threading.Thread(target=write, args=(number,)) for number in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    found = content(folder)
+    assert found.pop(results.MANIFEST) == b"one\ntwo\n"
+    assert len(set(found.values())) == 1
+    assert os.listdir(tmp_path) == ["result"]

@@ -1,0 +1,92 @@
+"""Signals end the command at once, by the system's defaults, and its children with it."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import outside
+import psutil
+import pytest
+
+from railhead import process, results
+
+pytestmark = pytest.mark.system
+COMMAND = "from railhead.start import main; main()"
+DEAF = f"""
+import sys
+from collections import deque
+from itertools import repeat
+from railhead import study
+
+class Long:
+    STUDY = "keeps the interpreter's lock, as PETSc does"
+    def main(self, out, *, quick):
+        (out / "page.md").write_text("begun")
+        print("begun", file=sys.stderr, flush=True)
+        deque(repeat(0, 10**11), maxlen=0)  # minutes in one call
+
+study.names = lambda: ["long"]
+study.load = lambda name: Long()
+{COMMAND}"""
+
+
+def start(folder: Path, script: str, *arguments: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-c", script, *arguments, "--out", str(folder / "out")],
+        env=outside.environment(),
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=folder,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a job in the background
+    )  # fmt: skip
+
+
+def ended(running: subprocess.Popen[str], number: signal.Signals) -> tuple[float, str]:
+    """Seconds from the signal to the end, and what was said after it."""
+    begun = time.monotonic()
+    running.send_signal(number)
+    _, errors = running.communicate(timeout=60)
+    assert running.returncode == -number
+    return time.monotonic() - begun, errors
+
+
+def test_sigterm_ends_meshing_at_once(tmp_path: Path) -> None:
+    """gmsh, in a process of its own, takes some 20 s for this mesh."""
+    running = start(tmp_path, COMMAND, "run", "hertz_ellipse", "--set", "mesh.patch_size=0.2",
+                    "--no-pictures", "--ranks", "1")  # fmt: skip
+    assert running.stderr is not None
+    while "meshing" not in running.stderr.readline():
+        assert running.poll() is None
+    while not (children := psutil.Process(running.pid).children()):
+        time.sleep(0.01)
+    seconds, errors = ended(running, signal.SIGTERM)
+    assert seconds < 2 and errors == ""
+    assert psutil.wait_procs(children, timeout=5)[1] == []
+    assert os.listdir(tmp_path) == []
+
+
+def test_sigint_ends_a_library_at_once_and_the_next_command_tidies_up(tmp_path: Path) -> None:
+    running = start(tmp_path, DEAF, "study", "long")
+    assert running.stderr is not None and running.stderr.readline() == "begun\n"
+    time.sleep(0.2)  # until it is in the call
+    results.settle(tmp_path / "out")
+    (work,) = tmp_path.iterdir()  # of a process that runs: it stays
+    assert os.listdir(work) == ["page.md"]
+    seconds, errors = ended(running, signal.SIGINT)
+    assert seconds < 2 and errors == ""
+    results.check_folder(tmp_path / "out")
+    assert os.listdir(tmp_path) == []
+
+
+def test_an_ignored_interrupt_stays_ignored() -> None:
+    """As of a job in the background of a script."""
+    before = signal.getsignal(signal.SIGINT)
+    try:
+        for kind, then in [(signal.SIG_IGN, signal.SIG_IGN),
+                           (signal.default_int_handler, signal.SIG_DFL)]:  # fmt: skip
+            signal.signal(signal.SIGINT, kind)
+            process.end_at_once()
+            assert signal.getsignal(signal.SIGINT) is then
+    finally:
+        signal.signal(signal.SIGINT, before)
