@@ -59,9 +59,7 @@ def answers(
     if shear_yield is None:
         return out
     ratio = pressure / shear_yield
-    index = shakedown.surface_fatigue_index(
-        forces["traction_max_MPa"], pressure, shear_yield
-    )
+    index = shakedown.surface_fatigue_index(forces["traction_max_MPa"], pressure, shear_yield)
     if ratio <= first:
         state = "elastic"
     elif ratio <= limit:

@@ -79,8 +79,8 @@ def run(
     """All checks of a solved mesh (rank 0).
 
     second: quantities nested as "result" that another method computed, with "allowance" and
-    "grid_error" as in `second_opinion.half_space`, or the "reason" why there are none; reached: whether the asked accuracy was met,
-    None without one.
+    "grid_error" as in `second_opinion.half_space`, or the "reason" why there are none; reached:
+    whether the asked accuracy was met, None without one.
     """
     checks = _equations(level)
     if level.result is not None and level.findings is not None:

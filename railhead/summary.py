@@ -15,7 +15,6 @@ from railhead.planning.effects import plasticity
 from railhead.postprocess import compare, damage
 from railhead.theory.hertz import Ellipse
 
-
 NO_SECTION = {"reason": "boundary elements know no section of bodies that end"}
 
 
