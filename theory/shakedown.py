@@ -1,9 +1,10 @@
 """Limits of repeated rolling in p0/k: elastic shakedown by Melan's theorem, first yield, FI_surf.
 
 p0: largest pressure; k: yield stress in shear. Residual stresses of plane strain, rho_xx and
-rho_yy, depend on the depth alone. At every depth the limit is that of the pair that makes the largest von
-Mises stress of a passage the least. Below the surface it is p0 over the largest shear stress xz,
-which no residual stress takes over (Johnson, Contact Mechanics, 9.2): p0 = 4 k without friction.
+rho_yy, depend on the depth alone. At every depth the limit is that of the pair that makes the
+largest von Mises stress of a passage the least. Below the surface it is p0 over the largest shear
+stress xz, which no residual stress takes over (Johnson, Contact Mechanics, 9.2): p0 = 4 k without
+friction.
 At the surface the stress along changes from the leading to the trailing edge, and one rho_yy does
 not balance yy everywhere: 2.32 k at a coefficient of 0.4, where the shear stress alone has 2.5 k.
 Of a circle Ponter, Hearle and Johnson (J. Mech. Phys. Solids 33, 1985) have 4.68 k without
