@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pages
 import pytest
+from solved import solved
 
 import railhead
 import railhead as rh
@@ -56,13 +57,13 @@ def test_a_manifest_of_somebody_else_is_no_traceback(tmp_path) -> None:
     (tmp_path / ".railhead").write_bytes(b"\xff\xfe")
     (tmp_path / "mine.txt").write_text("kept")
     with pytest.raises(rh.SceneError, match="mine.txt"):
-        rh.solve(rh.find("sphere_on_plane"), quiet=True).save(tmp_path)
+        solved("sphere_on_plane").save(tmp_path)
     with pytest.raises(rh.SceneError, match="null"):
-        rh.solve(rh.find("sphere_on_plane"), quiet=True).save("a\0b")
+        solved("sphere_on_plane").save("a\0b")
 
 
 def test_what_cannot_be_written_is_said(tmp_path) -> None:
-    result = rh.solve(rh.find("sphere_on_plane"), quiet=True)
+    result = solved("sphere_on_plane")
     (tmp_path / "mine.txt").write_text("kept")
     with pytest.raises(rh.SceneError, match="mine.txt"):
         result.save(tmp_path)

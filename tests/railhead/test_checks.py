@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from mpi4py import MPI
+from solved import solved
 
-from railhead import catalogue, checks, estimates, refine
+from railhead import catalogue, checks, estimates
 from railhead.level import Level, solve_level
 from railhead.planning import plan as planning
 from railhead.postprocess.recovery import Recovery
@@ -187,7 +188,7 @@ def test_a_missing_second_opinion_has_its_reason(level) -> None:
 )
 def test_the_second_opinion_is_about_the_problem_of_the_scene(given, checked) -> None:
     scene = catalogue.find("hertz_ellipse").replace([f"effects.{given}", "mesh.patch_size=1"])
-    summary = refine.run(scene).summary
+    summary = solved(scene).summary
     assert ("second_opinion_max_MPa" in summary["checks"]) == checked
     assert bool(summary["plan"]["chosen"]) != checked
     assert ("second_opinion" in summary["checks"]["not_made"]) != checked
@@ -224,7 +225,7 @@ def test_the_range_of_shear_over_pressure_is_that_of_hertz() -> None:
     ],
 )
 def test_coarse_meshes_are_not_signed(case, assignments, name) -> None:
-    result = refine.run(catalogue.find(case).replace(assignments))
+    result = solved(case, *assignments)
     assert not result.passed
     assert name in result.summary["checks"]["failed"]
     limit, source = result.summary["checks"]["limits"][name]

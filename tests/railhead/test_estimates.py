@@ -6,6 +6,7 @@ from itertools import islice
 
 import numpy as np
 import pytest
+from solved import solved
 
 import railhead as rh
 from railhead import catalogue, estimates, refine, results
@@ -115,9 +116,7 @@ def test_the_width_of_a_line_across_the_rail_is_b() -> None:
     rail = rh.Rail(profile="arc", crown_radius=100, extent="half-space", length=20)
     wheel = rh.Wheel(profile="arc", transverse_radius=100, rolling_radius=math.inf)
     across = rh.Scene(load=10_000, rail=rail, wheel=wheel)
-    bounds = [
-        rh.solve(scene, quiet=True).as_dict()["accuracy"]["bound"] for scene in (along, across)
-    ]
+    bounds = [solved(scene).as_dict()["accuracy"]["bound"] for scene in (along, across)]
     assert "b_mm" not in bounds[0] and "a_mm" not in bounds[1]
     assert bounds[0]["a_mm"] > 1e-4 and bounds[1]["b_mm"] > 1e-4
 
@@ -150,7 +149,7 @@ def test_an_envelope_lies_above_all_errors_and_follows_their_slope() -> None:
 
 
 def test_every_default_run_carries_estimates_whose_parts_add_up() -> None:
-    summary = refine.run(catalogue.find("sphere_on_plane")).summary
+    summary = solved("sphere_on_plane").summary
     found = summary["accuracy"]
     assert found["asked"] is None and found["reached"] is None
     assert set(found["bound"]) == set(estimates.flat(summary["result"]))
@@ -163,7 +162,7 @@ def test_every_default_run_carries_estimates_whose_parts_add_up() -> None:
 
 @pytest.mark.parametrize("accuracy", [0.03, pytest.param(0.003, marks=pytest.mark.slow)])
 def test_penalty_carries_its_overlap_in_the_estimate(accuracy: float) -> None:
-    summary = refine.run(catalogue.find("hertz_ellipse").replace(["solver.method=penalty"])).summary
+    summary = solved("hertz_ellipse", "solver.method=penalty").summary
     bound, error = summary["accuracy"]["bound"], estimates.flat(summary["difference"])
     assert summary["accuracy"]["parts"]["max_MPa"]["contact_law"] > 0
     assert abs(error["max_MPa"]) <= bound["max_MPa"]

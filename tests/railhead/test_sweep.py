@@ -19,6 +19,7 @@ import numpy as np
 import outside
 import pytest
 import pyvista
+from solved import solved
 
 import railhead as rh
 from railhead import (
@@ -177,7 +178,7 @@ def test_the_mesh_of_several_loads_is_no_coarser_than_their_own() -> None:
     of both."""
     table = rh.sweep(rh.find("long_roller"), load=["25kN", "110kN"], quiet=True)
     for result in table:
-        one = rh.solve(rh.find("long_roller").replace(load=result.load), quiet=True)
+        one = solved(rh.find("long_roller").replace(load=result.load))
         assert result.passed and one.passed
         assert result.as_dict()["cost"]["dofs"] > one.as_dict()["cost"]["dofs"]
         off = abs(result.pressure.max / one.pressure.max - 1)
@@ -239,7 +240,7 @@ def test_combinations_with_a_mesh_of_their_own_are_single_runs(tmp_path: Path) -
     for row in rows(tmp_path / "out"):
         radius = float(row[KEYS["wheel.rolling_radius"]])
         scene = rh.find("long_roller").replace(["mesh.patch_size=0.4"])
-        one = rh.solve(scene.replace(wheel={"rolling_radius": radius}), quiet=True)
+        one = solved(scene.replace(wheel={"rolling_radius": radius}))
         for name, value in (("p_max [MPa]", one.pressure.max), ("a [mm]", one.patch.a),
                             ("tau_max [MPa]", one.stress.tau_max),
                             ("found approach [mm]", one.approach)):  # fmt: skip
@@ -345,7 +346,7 @@ def test_another_sweep_is_not_gone_on_with(swept: Path, capsys, tmp_path: Path) 
     assert sweep(*ROLLER, *swapped, *out) == 2
     assert "holds this sweep with --over in another order" in capsys.readouterr().err
     single = tmp_path / "single"
-    rh.solve(rh.find("sphere_on_plane"), quiet=True).save(single, pictures=False)
+    solved("sphere_on_plane").save(single, pictures=False)
     assert sweep(*ROLLER, *same, "--out", str(single), "--resume") == 2
     assert "holds no sweep" in capsys.readouterr().err
 

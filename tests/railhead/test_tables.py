@@ -9,6 +9,7 @@ import sys
 
 import pytest
 from rich.console import Console
+from solved import solved
 
 import railhead as rh
 from railhead import quantities, report, spreadsheet
@@ -19,7 +20,7 @@ from railhead.display import Units
 def full() -> dict:
     """A summary with all the columns that a table may have, and long numbers."""
     scene = rh.find("hertz_ellipse").replace(["mesh.patch_size=1.2"])
-    summary = rh.solve(scene, quiet=True).summary
+    summary = solved(scene).summary
     result = {**summary["result"], "approach_mm": 0.0123456}
     beside = {"half_space": summary["hertz"], "elastic": result}
     return {**summary, **beside, "result": result, "accuracy": {"bound": {"max_MPa": 0.0123}}}
@@ -91,7 +92,7 @@ def test_the_command_prints_at_most_eighty_columns(tmp_path) -> None:
 
 
 def test_result_csv_is_the_printed_table(tmp_path) -> None:
-    result = rh.solve(rh.find("sphere_on_plane"), quiet=True)
+    result = solved(rh.find("sphere_on_plane"))
     result.save(tmp_path / "out", pictures=False)
     raw = (tmp_path / "out" / "result.csv").read_bytes()
     assert raw.startswith(b"\xef\xbb\xbf") and raw.count(b"\r\n") == raw.count(b"\n")
@@ -112,7 +113,7 @@ def test_result_csv_is_the_printed_table(tmp_path) -> None:
 
 def test_rounding_is_no_depth() -> None:
     """What lies at the surface has depth 0 in the table, by every method."""
-    result = rh.solve(rh.find("long_roller").replace(["mesh.patch_size=0.4"]), quiet=True)
+    result = solved(rh.find("long_roller").replace(["mesh.patch_size=0.4"]))
     summary = json.loads(json.dumps(result.as_dict()))
     for method in ("result", "hertz"):
         summary[method]["stress"]["tau_max_depth_mm"] = 9e-18
@@ -123,12 +124,8 @@ def test_rounding_is_no_depth() -> None:
 
 
 def test_friction_is_in_the_table_too() -> None:
-    summary = rh.solve(
-        rh.find("long_roller").replace(
-            ["friction.coefficient=0.3", "rolling.force_along=10kN", "mesh.patch_size=0.6"]
-        ),
-        quiet=True,
-    ).summary
+    keys = ("friction.coefficient=0.3", "rolling.force_along=10kN", "mesh.patch_size=0.6")
+    summary = solved("long_roller", *keys).summary
     table = list(quantities.everything(summary))
     rows = {row["quantity"]: row for row in table}
     assert len(rows) == len(table)

@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from solved import solved
 
 from railhead import catalogue, refine
 from railhead.scene.scene import Scene
 
 
-def solved(scene: Scene) -> refine.Result:
-    result = refine.run(scene)
+def passed(scene: Scene) -> refine.Result:
+    result = solved(scene)
     assert result.passed, result.summary["checks"]
     return result
 
@@ -22,7 +23,7 @@ def worst(summary: dict, *keys: str) -> float:
 
 @pytest.fixture(scope="module")
 def default() -> refine.Result:
-    return solved(catalogue.find("hertz_ellipse"))
+    return passed(catalogue.find("hertz_ellipse"))
 
 
 def test_hertz_ellipse_at_default_settings(default) -> None:
@@ -40,8 +41,8 @@ def test_hertz_ellipse_at_default_settings(default) -> None:
 def test_hertz_ellipse_converges(default) -> None:
     """Halving the patch size from 1.2 mm: errors fall at least fourfold, to 0.02 % at 0.3 mm."""
     case = catalogue.find("hertz_ellipse")
-    coarse = solved(case.replace(["mesh.patch_size=1.2"])).summary
-    fine = solved(case.replace(["mesh.patch_size=0.3"])).summary
+    coarse = passed(case.replace(["mesh.patch_size=1.2"])).summary
+    fine = passed(case.replace(["mesh.patch_size=0.3"])).summary
     for key in ("a_mm", "b_mm"):
         assert worst(fine, key) < 2e-4
         assert worst(coarse, key) / worst(fine, key) > 2 ** (2 * 2)
@@ -65,7 +66,7 @@ def test_subsurface_stresses_follow_the_exact_ones(default) -> None:
     for size in (None, 0.56, 0.6):
         result = default
         if size is not None:
-            result = solved(catalogue.find("hertz_ellipse").replace([f"mesh.patch_size={size}"]))
+            result = passed(catalogue.find("hertz_ellipse").replace([f"mesh.patch_size={size}"]))
         for axis in result.findings.depth.values():
             exact = subsurface.axis_stress(result.ellipse, 0.3, axis.depth)
             errors.append(np.abs(axis.stress[:, :3] - exact).max() / result.ellipse.p0)
@@ -76,7 +77,7 @@ def test_subsurface_stresses_follow_the_exact_ones(default) -> None:
 def test_sphere_on_rigid_plane() -> None:
     """Cornell's example as a solid: a = 1.0096 mm, p0 = 88.29 MPa, approach 0.12742 mm."""
     scene = catalogue.find("sphere_on_plane").replace(["effects.axisymmetry=off"])
-    result = solved(scene).summary["result"]
+    result = passed(scene).summary["result"]
     assert result["patch"]["a_mm"] == pytest.approx(1.0096354444581297, rel=2e-3)
     assert result["patch"]["b_mm"] == pytest.approx(1.0096354444581297, rel=2e-3)
     assert result["pressure"]["max_MPa"] == pytest.approx(88.29036906939236, rel=2e-3)
@@ -110,7 +111,7 @@ LONG = ("axis ratio 10", "1 MN", "theta 0")
     ],
 )
 def test_other_hertz_scenes_are_as_accurate(assignments: list[str]) -> None:
-    summary = solved(catalogue.find("hertz_ellipse").replace(assignments)).summary
+    summary = passed(catalogue.find("hertz_ellipse").replace(assignments)).summary
     assert worst(summary, "a_mm", "b_mm", "approach_mm") < 0.003
     # The pressure of the penalty method wavers: 0.1 to 0.7 % among meshes of the default size.
     assert worst(summary, "max_MPa") < (0.007 if "solver.method=penalty" in assignments else 0.003)
@@ -122,7 +123,7 @@ def test_a_penalty_on_fine_linear_cells_takes_few_steps() -> None:
     """Linear solves that end too early let it wander: 14 Newton steps instead of 5."""
     keys = ["solver.method=penalty", "mesh.order=1", "mesh.patch_size=0.22"]
     case = catalogue.find("hertz_ellipse").replace([*keys, "solver.linear=multigrid"])
-    cost = refine.run(case).summary["cost"]
+    cost = solved(case).summary["cost"]
     assert cost["newton_iterations"] <= 6
     assert cost["linear_iterations"] <= 130
 
@@ -131,7 +132,7 @@ def test_a_penalty_on_fine_linear_cells_takes_few_steps() -> None:
 def test_nearly_incompressible_bodies_do_not_lock(ratio: float) -> None:
     """Ordinary quadratic cells leave the pressure 75 % wrong at 0.4999."""
     ratios = [f"{body}.poisson_ratio={ratio}" for body in ("rail", "wheel")]
-    summary = solved(catalogue.find("hertz_ellipse").replace(ratios)).summary
+    summary = passed(catalogue.find("hertz_ellipse").replace(ratios)).summary
     assert summary["plan"]["effects"]["mean_dilatation"]["on"]
     assert worst(summary, "a_mm", "b_mm", "max_MPa", "approach_mm") < 0.005
     assert worst(summary, "tau_max_MPa", "von_mises_max_MPa") < 0.01
@@ -149,7 +150,7 @@ ELEMENTS = {
 
 @pytest.mark.parametrize("assignments, bound", ELEMENTS.values(), ids=ELEMENTS)
 def test_other_elements_reach_what_they_can(assignments: list[str], bound: float) -> None:
-    summary = solved(catalogue.find("hertz_ellipse").replace(assignments)).summary
+    summary = passed(catalogue.find("hertz_ellipse").replace(assignments)).summary
     assert worst(summary, "a_mm", "b_mm", "max_MPa") < bound
 
 
@@ -160,6 +161,6 @@ def test_layers_of_hexahedra_are_stable_where_nothing_contracts_sideways(
     """At the trace bound itself a layer stretches freely: shear was 4 to 13 times as much."""
     keys = [f"mesh.order={order}", f"mesh.patch_size={size}", "mesh.cell=hexahedron"]
     keys += ["rail.poisson_ratio=0.01", "wheel.poisson_ratio=0.01", "effects.symmetry=on"]
-    summary = solved(catalogue.find("hertz_ellipse").replace(keys)).summary
+    summary = passed(catalogue.find("hertz_ellipse").replace(keys)).summary
     assert worst(summary, "max_MPa") < 0.02
     assert worst(summary, "tau_max_MPa", "von_mises_max_MPa") < 0.02

@@ -8,6 +8,7 @@ import pytest
 import pyvista as pv
 from scipy.interpolate import LinearNDInterpolator
 from scipy.spatial import cKDTree
+from solved import solved
 
 import railhead as rh
 
@@ -19,7 +20,7 @@ def coarse(*changes: str) -> rh.Scene:
 
 
 def saved(scene: rh.Scene, folder: Path, *, whole: bool = True) -> Path:
-    rh.solve(scene, quiet=True).save(folder, pictures=False, whole=whole)
+    solved(scene).save(folder, pictures=False, whole=whole)
     return folder
 
 

@@ -11,6 +11,7 @@ from friction_data import ENTRIES
 from mpi4py import MPI
 from scipy.optimize import brentq
 from scipy.special import ellipk
+from solved import solved
 
 import railhead as rh
 from railhead import build, level, sweep_table
@@ -45,7 +46,7 @@ def friction(result: rh.Result) -> dict:
 @pytest.mark.parametrize("entry", CARTER, ids=lambda entry: entry["id"])
 def test_a_strip_that_rolls_is_carter_s(entry) -> None:
     creepage, share = entry["creepage_xi"], entry["Q_over_muP"]
-    found = rh.solve(roller(rolling={"creepage_along": creepage}), quiet=True)
+    found = solved(roller(rolling={"creepage_along": creepage}))
     assert found.passed, found.failed
     answer = friction(found)
     assert answer["force_along_N"] / answer["limit_N"] == pytest.approx(share, abs=0.012)
@@ -56,7 +57,7 @@ def test_a_strip_that_rolls_is_carter_s(entry) -> None:
 @pytest.mark.parametrize("entry", CARTER[:2], ids=lambda entry: entry["id"])
 def test_a_given_force_needs_carter_s_creepage(entry) -> None:
     force = entry["Q_over_muP"] * MU * entry["load_N"]
-    found = rh.solve(roller(rolling={"force_along": force}), quiet=True)
+    found = solved(roller(rolling={"force_along": force}))
     assert found.passed, found.failed
     assert friction(found)["force_along_N"] == pytest.approx(force, rel=1e-6)
     assert friction(found)["creepage_along"] == pytest.approx(entry["creepage_xi"], rel=0.03)
@@ -64,7 +65,7 @@ def test_a_given_force_needs_carter_s_creepage(entry) -> None:
 
 @pytest.mark.parametrize("share", [0.3, 0.9])
 def test_a_strip_that_is_shifted_is_cattaneo_s(share: float) -> None:
-    found = rh.solve(roller(friction={"force_along": share * MU * 110e3}), quiet=True)
+    found = solved(roller(friction={"force_along": share * MU * 110e3}))
     assert found.passed, found.failed
     stick = ENTRIES[f"cattaneo_strip_q{share}"]["stick_half_width_over_a"]
     assert friction(found)["stick_share"] == pytest.approx(stick, abs=0.03)
@@ -73,7 +74,7 @@ def test_a_strip_that_is_shifted_is_cattaneo_s(share: float) -> None:
 def test_a_patch_that_is_shifted_there_and_back_is_mindlin_s() -> None:
     """With the far field of Cerruti the displacement is that of half-spaces."""
     force = 0.5 * MU * 25e3
-    found = rh.solve(ellipse(friction={"force_along": force, "cycle": True}), quiet=True)
+    found = solved(ellipse(friction={"force_along": force, "cycle": True}))
     assert found.passed, found.failed
     exact = cattaneo.ellipse(found.ellipse, MU, 207e3 / 2.6, 0.3, across=False)
     answer, checks = friction(found), found.as_dict()["checks"]
@@ -89,7 +90,7 @@ def test_a_patch_that_is_shifted_there_and_back_is_mindlin_s() -> None:
 @pytest.mark.slow
 def test_a_shift_across_is_mindlin_s_too() -> None:
     force = 0.5 * MU * 25e3
-    found = rh.solve(ellipse(friction={"force_across": force}), quiet=True)
+    found = solved(ellipse(friction={"force_across": force}))
     assert found.passed, found.failed
     exact = cattaneo.ellipse(found.ellipse, MU, 207e3 / 2.6, 0.3, across=True)
     assert friction(found)["shift_across_mm"] == pytest.approx(exact.approach(force), rel=0.02)
@@ -100,7 +101,7 @@ def test_unlike_bodies_slip_where_spence_says(coefficient: float) -> None:
     """A patch that grows under its load sticks up to c: K(sqrt(1 - c^2)) / K(c) = beta/mu (Spence
     1973; Johnson, Contact Mechanics, 5.4), a rigid roller's beta being (1 - 2 nu)/(2 - 2 nu)."""
     scene = roller(friction={"coefficient": coefficient}, load=20e3)
-    found = rh.solve(scene.replace(wheel={"young_modulus": math.inf}), quiet=True)
+    found = solved(scene.replace(wheel={"young_modulus": math.inf}))
     assert found.passed, found.failed
 
     def excess(c: float) -> float:
@@ -119,7 +120,7 @@ def yielding(**changes: object) -> rh.Scene:
 
 
 def test_a_shift_makes_bodies_yield_further() -> None:
-    found = rh.solve(yielding(), quiet=True)
+    found = solved(yielding())
     assert found.level.solution.newton.converged, found.failed
     rubbing, plain = found.level.solution.rubbing, found.level.solution.plain
     assert plain.plain is not None and rubbing.passes > 4
@@ -202,7 +203,7 @@ def test_what_turns_about_the_tangents_acts_as_creepage_along_does() -> None:
 def test_a_yield_that_is_not_passed_changes_no_bit() -> None:
     far = {"yield_stress": 1000.0, "hardening_modulus": 5e3}
     scene = roller(friction={"force_along": 20e3}, mesh={"patch_size": 1.0})
-    one, other = (rh.solve(scene.replace(rail=steel), quiet=True).as_dict() for steel in ({}, far))
+    one, other = (solved(scene.replace(rail=steel)).as_dict() for steel in ({}, far))
     assert one["result"] == other["result"]
 
 
@@ -211,7 +212,7 @@ def test_a_yield_that_is_not_passed_changes_no_bit() -> None:
 def test_a_patch_that_rolls_is_kalker_s(along: float, across: float, spin: float) -> None:
     """Against boundary elements; on six elements a semi-axis, as by default."""
     motion = {"creepage_along": along, "creepage_across": across, "spin": spin}
-    found = rh.solve(ellipse(rolling=motion, mesh={"patch_size": None}), quiet=True)
+    found = solved(ellipse(rolling=motion, mesh={"patch_size": None}))
     assert found.passed, found.failed
     second = found.as_dict()["half_space_friction"]["boundary elements"]
     answer = friction(found)
@@ -224,7 +225,7 @@ def test_a_rigid_wheel_rolls_as_on_a_half_space() -> None:
     """Tractions change the pressure: by 3.7 % of the largest. On 4.3 elements a semi-axis: the
     patch is smaller than that of two like bodies."""
     scene = ellipse(rolling={"creepage_along": 1e-3}, mesh={"patch_size": 0.64})
-    found = rh.solve(scene.replace(wheel={"young_modulus": math.inf}), quiet=True)
+    found = solved(scene.replace(wheel={"young_modulus": math.inf}))
     assert found.passed, found.failed
     second = found.as_dict()["half_space_friction"]["boundary elements"]
     force, limit = friction(found)["force_along_N"], friction(found)["limit_N"]
@@ -233,7 +234,7 @@ def test_a_rigid_wheel_rolls_as_on_a_half_space() -> None:
 
 
 def test_at_a_large_creepage_everything_slips() -> None:
-    found = rh.solve(roller(rolling={"creepage_along": 0.5}), quiet=True)
+    found = solved(roller(rolling={"creepage_along": 0.5}))
     answer = friction(found)
     assert found.passed, found.failed
     assert answer["force_along_N"] == pytest.approx(answer["limit_N"], rel=1e-3)
@@ -255,20 +256,20 @@ def half_planes(creepage: float, **moduli: object) -> rh.Scene:
 
 
 def test_the_other_way_round_is_the_other_way_round() -> None:
-    one, other = (friction(rh.solve(half_planes(xi), quiet=True)) for xi in (4e-4, -4e-4))
+    one, other = (friction(solved(half_planes(xi))) for xi in (4e-4, -4e-4))
     assert other["force_along_N"] == pytest.approx(-one["force_along_N"], rel=0.002)
 
 
 @pytest.mark.parametrize("coefficient", [1e-3, 1e-2])
 def test_however_little_friction_there_is_a_shift_is_cattaneo_s(coefficient: float) -> None:
     scene = roller(friction={"coefficient": coefficient, "force_along": 0.5 * coefficient * 110e3})
-    answer = friction(rh.solve(scene, quiet=True))
+    answer = friction(solved(scene))
     assert answer["stick_share"] == pytest.approx(math.sqrt(0.5), abs=0.03)
 
 
 def test_nothing_pushes_a_sphere_aside_that_is_pressed() -> None:
     """A meridian section has no motion along: tractions vanish on the axis and point inwards."""
-    found = rh.solve(rh.find("sphere_on_plane").replace(friction={"coefficient": MU}), quiet=True)
+    found = solved(rh.find("sphere_on_plane").replace(friction={"coefficient": MU}))
     rubbing = found.level.solution.rubbing
     assert found.passed, found.failed
     assert friction(found)["shift_along_mm"] == 0 and 0.65 < friction(found)["stick_share"] < 0.85
@@ -284,7 +285,7 @@ def test_tractions_on_a_curved_surface_carry_their_part_of_the_load() -> None:
     ball = rh.Wheel(profile="arc", rolling_radius=20, transverse_radius=20, young_modulus=3000)
     plane = rh.Rail(profile="arc", crown_radius=math.inf, young_modulus=math.inf)
     scene = rh.Scene(load=1e4, rail=plane, wheel=ball, mesh={"patch_size": 0.5})
-    found = rh.solve(scene.replace(friction={"coefficient": MU}), quiet=True)
+    found = solved(scene.replace(friction={"coefficient": MU}))
     solution = found.level.solution
     assert found.passed, found.failed
     push = -solution.rubbing.weights @ solution.rubbing.traction[:, 2]
@@ -294,7 +295,7 @@ def test_tractions_on_a_curved_surface_carry_their_part_of_the_load() -> None:
 
 def test_a_rigid_wheel_is_shifted() -> None:
     scene = roller(friction={"force_along": 9900}, wheel={"young_modulus": math.inf})
-    found = rh.solve(scene, quiet=True)
+    found = solved(scene)
     assert found.passed, found.failed
     assert friction(found)["force_along_N"] == pytest.approx(9900)
 
@@ -304,7 +305,7 @@ def test_bodies_of_different_shape_drive_without_creepage_whatever_the_law() -> 
     fine."""
     for method in ("nitsche", "penalty"):
         scene = roller(rolling={"creepage_along": 0.0}, solver={"method": method})
-        answer = friction(rh.solve(scene, quiet=True))
+        answer = friction(solved(scene))
         assert answer["force_along_N"] / answer["limit_N"] == pytest.approx(0.0032, abs=8e-4)
 
 
@@ -315,24 +316,24 @@ def test_exchanged_bodies_exchange_the_force() -> None:
         moduli = {body: {"young_modulus": 3000.0 if body == soft else 207e3}
                   for body in ("rail", "wheel")}  # fmt: skip
         scene = half_planes(0.0, **moduli)
-        answer = friction(rh.solve(scene, quiet=True))
+        answer = friction(solved(scene))
         forces.append(answer["force_along_N"] / answer["limit_N"])
     assert forces[1] == pytest.approx(-forces[0], rel=1e-6)
     assert forces[0] == pytest.approx(-0.72, abs=0.03)
 
 
 def test_friction_that_nothing_calls_for_changes_no_bit() -> None:
-    plain = rh.solve(rh.find("long_roller"), quiet=True).as_dict()
-    idle = rh.solve(roller(), quiet=True).as_dict()
+    plain = solved(rh.find("long_roller")).as_dict()
+    idle = solved(roller()).as_dict()
     assert idle["result"] == plain["result"] and idle["newton"] == plain["newton"]
     assert "frictionless" not in idle
     without = roller(rolling={"creepage_along": 1e-3}, effects={"friction": "off"})
-    assert rh.solve(without, quiet=True).as_dict()["result"] == plain["result"]
+    assert solved(without).as_dict()["result"] == plain["result"]
 
 
 def test_wear_and_power_follow_from_forces_and_creepages() -> None:
     scene = roller(rolling={"creepage_along": 4e-4, "speed": "72 km/h"})
-    answer = friction(rh.solve(scene, quiet=True))
+    answer = friction(solved(scene))
     assert answer["t_gamma_N"] == pytest.approx(4e-4 * answer["force_along_N"])
     assert answer["power_W"] == pytest.approx(20 * answer["t_gamma_N"])
 
@@ -340,7 +341,7 @@ def test_wear_and_power_follow_from_forces_and_creepages() -> None:
 def test_unlike_bodies_dissipate_what_slips() -> None:
     """A rigid wheel is driven at a creepage above 0: forces times creepages would be a gain."""
     scene = roller(rolling={"creepage_along": 5e-4}, wheel={"young_modulus": math.inf})
-    found = rh.solve(scene, quiet=True)
+    found = solved(scene)
     answer = friction(found)
     assert answer["force_along_N"] < 0 < answer["t_gamma_N"]
     row = sweep_table.row({}, sweep_table.record(found))
@@ -377,7 +378,7 @@ def test_what_cannot_be_is_one_line(keys, line: str) -> None:
 
 
 def test_the_files_show_stick_slip_and_tractions(tmp_path) -> None:
-    found = rh.solve(roller(rolling={"force_along": 20e3}), quiet=True)
+    found = solved(roller(rolling={"force_along": 20e3}))
     found.save(tmp_path / "out")
     points = meshio.read(tmp_path / "out" / "traction.vtu").point_data
     size = np.linalg.norm(points["traction"], axis=1)

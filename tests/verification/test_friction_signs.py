@@ -6,6 +6,7 @@ import math
 
 import pytest
 from friction_data import ENTRIES
+from solved import solved
 
 import railhead as rh
 from railhead import quantities, screen, sweep_table
@@ -24,7 +25,7 @@ def rolled(along: float, across: float, spin: float, wheel: float) -> dict:
     scene = rh.find("hertz_ellipse").replace(friction={"coefficient": MU}, mesh=COARSE)
     motion = {"creepage_along": along, "creepage_across": across, "spin": spin}
     scene = scene.replace(rolling=motion, wheel={"young_modulus": wheel})
-    return friction(rh.solve(scene, quiet=True))
+    return friction(solved(scene))
 
 
 def friction(result: rh.Result) -> dict:
@@ -62,7 +63,7 @@ def stands(yaw: float) -> dict:
         rolling={"from_wheelset": True},
         mesh=COARSE,
     )
-    return rh.solve(scene, quiet=True).as_dict()
+    return solved(scene).as_dict()
 
 
 def test_a_yawed_wheelset_pushes_the_rail_aside() -> None:
@@ -99,7 +100,7 @@ def plane(coefficient: float, **more: object) -> rh.Scene:
 @pytest.mark.parametrize("coefficient, where", [(0.1, "below"), (0.2, "below"), (0.5, "surface")])
 def test_the_hardest_place_is_that_of_a_sliding_strip(coefficient: float, where: str) -> None:
     """1 % below, 5 % at the surface; from about 0.27 on it is there."""
-    found = rh.solve(plane(coefficient), quiet=True)
+    found = solved(plane(coefficient))
     find = sliding.hardest_below if where == "below" else sliding.hardest_at_surface
     exact, answer = find(found.ellipse, coefficient, 0.3), friction(found)
     off = 0.01 if where == "below" else 0.05
@@ -124,7 +125,7 @@ def test_the_hardest_place_of_an_ellipse_is_that_of_the_integrals(
         rolling={"creepage_along": 0.5},
         mesh={"patch_size": 0.87},
     )
-    answer, off = friction(rh.solve(scene, quiet=True)), 0.01 if name == "subsurface" else 0.05
+    answer, off = friction(solved(scene)), 0.01 if name == "subsurface" else 0.05
     exact = entry["p0_MPa_or_1"] * entry[f"{name}_mises_over_p0"]
     assert answer["von_mises_max_MPa"] == pytest.approx(exact, rel=off)
     depth = 3.465 * entry["subsurface_depth_over_b"] if name == "subsurface" else 0.0
@@ -134,7 +135,7 @@ def test_the_hardest_place_of_an_ellipse_is_that_of_the_integrals(
 
 def test_the_patch_stands_in_the_shakedown_map_where_the_steel_is_known(tmp_path) -> None:
     steel = {"yield_stress": 500}
-    found = rh.solve(plane(0.3, rail=steel), quiet=True)
+    found = solved(plane(0.3, rail=steel))
     answer, k = friction(found), 500 / math.sqrt(3)
     assert answer["shear_yield_MPa"] == pytest.approx(k)
     assert answer["p0_over_k"] == pytest.approx(found.pressure.max / k)
@@ -148,7 +149,7 @@ def test_the_patch_stands_in_the_shakedown_map_where_the_steel_is_known(tmp_path
 
 def test_steel_that_would_yield_stays_elastic_and_keeps_its_friction() -> None:
     """Hertz's 294 MPa are p0/k = 5 of a yield of 100 MPa."""
-    found = rh.solve(plane(0.5, rail={"yield_stress": 100}), quiet=True).as_dict()
+    found = solved(plane(0.5, rail={"yield_stress": 100})).as_dict()
     answer = found["result"]["friction"]
     assert answer["force_along_N"] == pytest.approx(answer["limit_N"], rel=1e-3)
     assert answer["shakedown"] == "ratchets" and answer["p0_over_k"] > 4.5
@@ -157,6 +158,6 @@ def test_steel_that_would_yield_stays_elastic_and_keeps_its_friction() -> None:
 
 
 def test_the_table_says_wear_and_where_the_steel_is_hit_hardest() -> None:
-    shown = screen.text(rh.solve(plane(0.5, wheel={"yield_stress": 300}), quiet=True).show)
+    shown = screen.text(solved(plane(0.5, wheel={"yield_stress": 300})).show)
     for said in ("catastrophic", "surface", "passing again and again", "p0/k"):
         assert said in shown

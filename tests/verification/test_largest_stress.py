@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from solved import solved
 
 from railhead import catalogue, refine
 from railhead.postprocess import peaks, stress
@@ -21,8 +22,8 @@ UNLIKE = {
 }
 
 
-def solved(scene: Scene) -> refine.Result:
-    result = refine.run(scene)
+def passed(scene: Scene) -> refine.Result:
+    result = solved(scene)
     assert result.passed, result.summary["checks"]
     return result
 
@@ -34,7 +35,7 @@ def test_both_bodies_of_half_spaces_meet_exact_hertz(
     """1 % in each body, with its own Poisson's ratio, and in what is reported of both."""
     ratios = {"rail": rail, "wheel": wheel}
     keys = [f"{body}.poisson_ratio={nu}" for body, nu in ratios.items()]
-    result = solved(catalogue.find(case).replace(["rail.extent=half-space", *keys, *more]))
+    result = passed(catalogue.find(case).replace(["rail.extent=half-space", *keys, *more]))
     hertz = line if isinstance(result.ellipse, LineContact) else subsurface
     for body, found in result.findings.largest.items():
         exact = hertz.axis_extrema(result.ellipse, ratios[body])
@@ -52,12 +53,12 @@ def test_both_bodies_of_half_spaces_meet_exact_hertz(
 
 def test_no_stress_is_read_below_the_foot_of_a_thin_rail() -> None:
     """A flat rail 5 mm deep under a patch of 2 x 6 mm: the axis ends at its foot."""
-    result = solved(catalogue.find("uic54_thesis").replace(THIN))
+    result = passed(catalogue.find("uic54_thesis").replace(THIN))
     axis, found = result.findings.depth["rail"], result.summary["result"]["stress"]
     assert axis.depth[-1] == pytest.approx(5, rel=1e-6)
     assert np.abs(axis.stress).max() < 1.5 * result.summary["result"]["pressure"]["max_MPa"]
     finer = catalogue.find("uic54_thesis").replace([*THIN, "mesh.patch_size=0.3"])
-    reference = solved(finer).summary["result"]["stress"]
+    reference = passed(finer).summary["result"]["stress"]
     for name in ("tau_max_MPa", "von_mises_max_MPa"):
         assert found[name] == pytest.approx(reference[name], rel=0.03)
         assert found["axis"][name] == pytest.approx(reference["axis"][name], rel=0.03)
@@ -66,7 +67,7 @@ def test_no_stress_is_read_below_the_foot_of_a_thin_rail() -> None:
 def test_patch_that_is_no_ellipse_has_its_largest_stress_beside_the_axis() -> None:
     """S1002 on 60E1: nodal averages overshoot by a few per cent, a finer mesh does not."""
     scene = catalogue.find("s1002_60e1")
-    coarse, fine = (solved(scene.replace([f"mesh.patch_size={h}"])) for h in (0.75, 0.5))
+    coarse, fine = (passed(scene.replace([f"mesh.patch_size={h}"])) for h in (0.75, 0.5))
     nodal = stress.nodal(fine.fields)
     found, other = (r.summary["result"]["stress"] for r in (fine, coarse))
     for name, invariant in (
@@ -87,7 +88,7 @@ def test_symmetry_and_direction_do_not_matter() -> None:
     scene = catalogue.find("hertz_ellipse").replace(["wheel.poisson_ratio=0.1"])
     turned = scene.replace(["wheel.rolling_radius=300", "rail.crown_radius=420"])
     whole = scene.replace(["effects.symmetry=off", "mesh.patch_size=0.8"])
-    results = [solved(each).summary["result"]["stress"] for each in (scene, turned, whole)]
+    results = [passed(each).summary["result"]["stress"] for each in (scene, turned, whole)]
     for other in results[1:]:
         assert other["tau_max_body"] == other["von_mises_max_body"] == "wheel"
         for name in ("tau_max_MPa", "von_mises_max_MPa"):
@@ -97,7 +98,7 @@ def test_symmetry_and_direction_do_not_matter() -> None:
 def test_the_edge_of_a_wheel_is_left_out_and_said() -> None:
     """A tread of 3 mm on a patch of 7 mm presses its edges into the rail, without bound."""
     keys = ["wheel.width=3", "wheel.segment_length=26"]
-    result = refine.run(catalogue.find("uic54_thesis").replace(keys))
+    result = solved("uic54_thesis", *keys)
     assert result.summary["checks"]["failed"] == ["edge_distance"]
     found, b = result.summary["result"]["stress"], result.findings.patch.b
     left_out = {edge["quantity"]: edge for edge in found["at_edges"] if edge["body"] == "wheel"}
@@ -111,7 +112,7 @@ def test_the_edge_of_a_wheel_is_left_out_and_said() -> None:
 def test_a_peak_without_neighbours_is_read_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where no point to climb to is near, as in elements that are coarse for their body."""
     scene = catalogue.find("uic54_thesis").replace(THIN)
-    usual = solved(scene).findings.largest["rail"].tau.value
+    usual = passed(scene).findings.largest["rail"].tau.value
     monkeypatch.setattr(peaks, "REACH", 1e-9)
-    found = solved(scene).findings.largest["rail"].tau.value
+    found = refine.run(scene).findings.largest["rail"].tau.value
     assert found == pytest.approx(usual, rel=0.05)

@@ -11,6 +11,7 @@ import meshio
 import numpy as np
 import pytest
 from mpi4py import MPI
+from solved import solved
 
 import railhead as rh
 from railhead import build, estimates, level
@@ -45,7 +46,7 @@ def pressed(multiple: float, hardening: float = 0.0, **changes: object) -> rh.Sc
 
 @pytest.fixture(scope="module")
 def five() -> rh.Result:
-    return rh.solve(pressed(5.0), quiet=True)
+    return solved(pressed(5.0))
 
 
 @pytest.mark.parametrize(
@@ -54,7 +55,7 @@ def five() -> rh.Result:
 )
 def test_spheres_of_an_independent_program(multiple, hardening, key) -> None:
     """Its own errors, up to 4 %, are part of the limits."""
-    found, other = rh.solve(pressed(multiple, hardening), quiet=True), REFERENCE[key]
+    found, other = solved(pressed(multiple, hardening)), REFERENCE[key]
     plastic = found.as_dict()["result"]["plastic"]
     assert found.passed, found.failed
     assert found.approach / CLOSER == pytest.approx(other["approach_over_omega_y"], rel=0.012)
@@ -169,7 +170,7 @@ def test_yield_that_was_not_foreseen_is_simulated_all_the_same(monkeypatch) -> N
     assert not planning.make(pressed(2.0)).effects["plasticity"].on
     summary = rh.solve(pressed(2.0), quiet=True).as_dict()
     assert "plastic" in summary["result"] and summary["plan"]["effects"]["plasticity"]["on"]
-    elastic = rh.solve(pressed(2.0, effects={"plasticity": "off"}), quiet=True).as_dict()
+    elastic = solved(pressed(2.0, effects={"plasticity": "off"})).as_dict()
     assert "plastic" not in elastic["result"] and elastic["effects_after"]["plasticity"]["needed"]
 
 

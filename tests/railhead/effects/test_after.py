@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import matplotlib.image
 import pytest
+from solved import solved
 
-from railhead import catalogue, cli, refine
+from railhead import cli, refine
 from railhead.planning import effects
 from railhead.planning.effects import assumptions
 
@@ -25,7 +26,7 @@ def railhead(tmp_path, monkeypatch, capsys):
 
 
 def after(case: str, *assignments: str) -> dict:
-    return refine.run(catalogue.find(case).replace(assignments)).summary["effects_after"]
+    return solved(case, *assignments).summary["effects_after"]
 
 
 def test_needed_effects_are_named_in_table_summary_and_pictures(railhead, tmp_path) -> None:
@@ -51,7 +52,7 @@ def test_needed_effects_are_named_in_table_summary_and_pictures(railhead, tmp_pa
 
 @pytest.fixture(scope="module")
 def thesis() -> refine.Result:
-    return refine.run(catalogue.find("uic54_thesis").replace(["mesh.patch_size=1.2"]))
+    return solved("uic54_thesis", "mesh.patch_size=1.2")
 
 
 def again(result: refine.Result, *assignments: str) -> dict:
