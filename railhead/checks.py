@@ -19,6 +19,7 @@ from railhead.meshing.tags import BODIES
 from railhead.planning.laws import RANGE
 from railhead.planning.plan import LINEAR_REFINEMENT
 from railhead.postprocess.findings import Frame
+from railhead.scene import steels
 
 ROUGH = 0.05  # relative: what a number without an asked accuracy may be off by at most
 BALANCE = 1e-6  # relative: what equations solved to 1e-8 leave
@@ -29,6 +30,10 @@ SHEAR = (
     0.6,
 )  # over the largest pressure: 0.266 to 0.488 in Hertz's ellipses of any axis ratio
 # and Poisson's ratio (theory.subsurface), a quarter more room
+STRAIN = 0.2  # p0/E*: a sphere's patch then has 0.31 of its radius and Tabor's representative strain
+# 0.2 a/R is 6 % (Johnson 1985, 6.3); linear theory is off by about the strain. The limit is a choice.
+HARDEST = (4000.0, 4200.0)  # MPa, largest elastic pressure of a line and of a point contact that
+# leaves 1e-4 of the diameter in hardened bearing steel (ISO 76:2006, 3.1 to 3.3)
 MISS = 1.5  # times an estimate: what a signed number may be off by
 OPINIONS = (
     "a_mm",
@@ -262,6 +267,7 @@ def _physics(level: Level) -> list[Check]:
                 "give a smaller load",
             )  # fmt: skip
         )
+    checks += _strains(level)
     across = max(found.elements_across) if plan.section else min(found.elements_across)
     checks.append(
         Check(
@@ -273,6 +279,28 @@ def _physics(level: Level) -> list[Check]:
             least=True,
         )  # fmt: skip
     )
+    return checks
+
+
+def _strains(level: Level) -> list[Check]:
+    """Whether strains are small enough for linear theory, and the pressure for any steel."""
+    plan, result = level.plan, level.result
+    assert result is not None
+    pressure, advice = result["pressure"]["max_MPa"], "give a smaller load"
+    parts = {"rail": plan.scene.rail, "wheel": plan.scene.wheel}
+    checks = [
+        Check(
+            "small_strain", pressure / plan.estimate.contact_modulus, STRAIN,
+            "p0/E*: a sphere's representative strain is 6 % there", advice,
+        )
+    ]  # fmt: skip
+    if any(steels.like(parts[BODIES[body]].young_modulus) for body in plan.deformable):
+        checks.append(
+            Check(
+                "pressure_of_steel", pressure, HARDEST[0 if plan.contact.line else 1],
+                "ISO 76: hardened bearing steel yields beyond", f"{advice}, or a yield_stress",
+            )
+        )  # fmt: skip
     return checks
 
 

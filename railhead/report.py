@@ -166,7 +166,7 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAUL
     if summary["scene"].get("budget"):
         console.print(f"Budget: {summary['accuracy']['reason']}.", highlight=False)
     for name, after in summary["effects_after"].items():
-        if after["needed"]:
+        if after["needed"] or after["notable"]:
             console.print(f"{name}: {after['why']}", markup=False, highlight=False)
     checks, cost = summary["checks"], summary["cost"]
     console.print(

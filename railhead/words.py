@@ -41,6 +41,8 @@ CHECKS = {
     "shear_over_pressure_least": "largest shear stress over pressure, at least",
     "mises_over_shear": "von Mises over shear stress, at most",
     "mises_over_shear_least": "von Mises over shear stress, at least",
+    "small_strain": "strains are small: pressure over modulus",
+    "pressure_of_steel": "a pressure that some steel bears, MPa",
     "edge_distance": "patch away from edges",
     "pressure_over_mean": "largest over mean pressure",
     "tangential_flux_rail": "the stresses below the patch carry the tangential force, rail",

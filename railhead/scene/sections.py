@@ -209,7 +209,7 @@ class Part(Section):
         """Plastic strain and true stress (MPa), a point each, of a steel or a file; it is constant
         after the last. Empty of others."""
         if self.steel is not None:
-            return steels.known()[self.steel].curve
+            return ((0.0, steels.known()[self.steel].yield_stress),)
         if self.stress_strain is not None:
             return tuple(curves.read(self.stress_strain))
         return ()

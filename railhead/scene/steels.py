@@ -1,7 +1,7 @@
-"""Steels by name: at which stress they yield, and how they harden (data/steels.json, with sources).
+"""Steels by name: the stress at which they begin to yield (data/steels.json, with sources).
 
-EN 13674-1 fixes strength and hardness of rail steels, not their yield: only what was measured is
-here. EN 13262 does fix the least yield strength of wheels.
+EN 13674-1 fixes strength and hardness of rail steels, not their yield: R260's was measured. EN 13262
+fixes the least yield strength of wheels. No hardening: no flow curve with a source was at hand.
 """
 
 from __future__ import annotations
@@ -18,12 +18,15 @@ from railhead.scene.units import show
 UNKNOWN = ("R200", "R220", "R320Cr", "R350HT", "ER6", "ER9")  # known to exist, without data here
 
 
+MODULI = (180e3, 230e3)  # MPa, of a body that is taken for steel where no yield stress is given
+
+
 @dataclass(frozen=True)
 class Steel:
-    """curve: plastic strain and true stress (MPa), a point each, constant after the last; kind:
-    'measured' or 'specified minimum'; source: of both."""
+    """yield_stress: MPa, constant from there on; kind: where it comes from, in a few words; source:
+    the publication."""
 
-    curve: tuple[tuple[float, float], ...]
+    yield_stress: float
     kind: str
     source: str
 
@@ -32,10 +35,12 @@ class Steel:
 def known() -> dict[str, Steel]:
     """All steels by name."""
     text = (Path(__file__).parent / "data" / "steels.json").read_text(encoding="utf-8")
-    return {
-        name: Steel(tuple(map(tuple, entry["curve"])), entry["kind"], entry["source"])
-        for name, entry in json.loads(text).items()
-    }
+    return {name: Steel(**entry) for name, entry in json.loads(text).items()}
+
+
+def like(modulus: float) -> bool:
+    """Whether Young's modulus (MPa) is that of a steel."""
+    return MODULI[0] <= modulus <= MODULI[1]
 
 
 def name() -> BeforeValidator:

@@ -230,3 +230,20 @@ def test_coarse_meshes_are_not_signed(case, assignments, name) -> None:
     assert name in result.summary["checks"]["failed"]
     limit, source = result.summary["checks"]["limits"][name]
     assert limit > 0 and source
+
+
+@pytest.mark.parametrize(
+    ("modulus", "load", "names"),
+    [
+        (1e3, 2e3, set()),
+        (1e3, 3e3, {"small_strain"}),
+        (2e5, 450.0, set()),
+        (2e5, 550.0, {"pressure_of_steel"}),
+    ],
+)
+def test_loads_beyond_small_strain_and_beyond_any_steel_are_not_signed(modulus, load, names) -> None:
+    """A sphere of 8 mm on a rigid plane: p0/E* 0.177 and 0.202; 4.0 and 4.3 GPa in steel."""
+    scene = catalogue.find("sphere_on_plane").replace(load=load, wheel={"young_modulus": modulus})
+    plan = planning.make(scene)
+    found = solve_level(plan, None, Progress(quiet=True), MPI.COMM_SELF)
+    assert {"small_strain", "pressure_of_steel"} & set(failed(found)) == names

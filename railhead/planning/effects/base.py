@@ -127,10 +127,12 @@ class Feature:
 
 @dataclass(frozen=True)
 class After:
-    """The same indicator on the solution: whether the effect is needed but was left out."""
+    """The same indicator on the solution. needed: the effect is, but was left out; notable: it is
+    said beside the result although nothing that the scene calls for was left out."""
 
     needed: bool
     why: str
+    notable: bool = False
 
 
 def touching(contact: Contact) -> list[tuple[str, Profile, float]]:

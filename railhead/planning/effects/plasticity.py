@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -39,7 +40,7 @@ def decide(context: Context) -> Effect:
     stresses = {
         name: context.von_mises(part.poisson_ratio) for name, part in _yielding(context).items()
     }
-    yields, why = _compare(scene, stresses) if stresses else (False, _would_yield(context))
+    yields, why = _compare(scene, stresses) if stresses else (False, _no_yield_stress(context))
     if yields and scene.mesh.linear and scene.effects.plasticity != "off":
         raise SceneError(
             "mesh.order",
@@ -88,7 +89,8 @@ def check(context: Context, effect: Effect, found: Findings) -> After | None:
         if name in found.largest
     }
     if not stresses:
-        return None
+        largest = {name: each.von_mises.value for name, each in found.largest.items()}
+        return After(False, *_steel_yields(context, largest))
     yields, why = _compare(context.scene, stresses)
     if effect.on:
         return After(False, "simulated")
@@ -167,14 +169,30 @@ def steps(context: Context) -> int:
     return LINE_STEPS if context.contact.line else STEPS
 
 
-def _would_yield(context: Context) -> str:
+def _no_yield_stress(context: Context) -> str:
     """Why a scene without a yield stress stays elastic, and whether a usual rail would yield."""
-    if not context.decided["deformable_rail"].on:
-        return "no yield stress is given"
-    stress = context.von_mises(context.scene.rail.poisson_ratio)
-    limit = steels.known()[USUAL].curve[0][1]
-    verb = "would yield here" if stress > limit else "would not yield"
-    return f"no steel is given; {USUAL} {verb}: von Mises {stress:.4g} MPa, its yield {limit:g}"
+    stresses = {
+        name: context.von_mises(part.poisson_ratio)
+        for name, part in (("rail", context.scene.rail), ("wheel", context.scene.wheel))
+        if context.decided[f"deformable_{name}"].on
+    }
+    return _steel_yields(context, stresses)[0]
+
+
+def _steel_yields(context: Context, stresses: Mapping[str, float]) -> tuple[str, bool]:
+    """Of a scene without a yield stress, from the largest von Mises stresses (MPa) of the bodies
+    that deform: what a usual rail steel would do, and whether it would yield."""
+    parts = {"rail": context.scene.rail, "wheel": context.scene.wheel}
+    steel = {name: stress for name, stress in stresses.items()
+             if steels.like(parts[name].young_modulus)}  # fmt: skip
+    if not steel:
+        return "no yield stress is given", False
+    name = max(steel, key=steel.__getitem__)
+    limit = steels.known()[USUAL].yield_stress
+    yields = bool(steel[name] > limit)
+    verb = "would yield here" if yields else "would not yield"
+    text = f"von Mises {steel[name]:.4g} MPa in the {name}, its yield {limit:g}"
+    return f"no steel is given; {USUAL} {verb}: {text}", yields
 
 
 def _compare(scene: Scene, stresses: dict[str, float]) -> tuple[bool, str]:
@@ -182,9 +200,10 @@ def _compare(scene: Scene, stresses: dict[str, float]) -> tuple[bool, str]:
     limits = {name: hardening(parts[name]).first for name in stresses}
     worst = max(stresses, key=lambda name: stresses[name] / limits[name])
     limit = limits[worst]
-    yields = bool(stresses[worst] > limit)
+    yields, steel = bool(stresses[worst] > limit), parts[worst].steel
     verb = "passes" if yields else "stays below"
     return (
         yields,
-        f"von Mises {stresses[worst]:.4g} MPa {verb} the yield {limit:.4g} MPa of the {worst}",
+        f"von Mises {stresses[worst]:.4g} MPa {verb} the yield {limit:.4g} MPa of the {worst}"
+        + (f" ({steel}: {steels.known()[steel].kind})" if steel else ""),
     )

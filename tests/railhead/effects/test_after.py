@@ -1,13 +1,15 @@
 """After the solve the same indicators are evaluated on what was found."""
 
+import io
 import json
 from dataclasses import replace
 
 import matplotlib.image
 import pytest
+from rich.console import Console
 from solved import solved
 
-from railhead import cli, refine
+from railhead import cli, refine, report
 from railhead.planning import effects
 from railhead.planning.effects import assumptions
 
@@ -68,7 +70,17 @@ def test_yield_is_judged_by_the_stress_that_was_found(thesis) -> None:
     for share, yields in ((1.001, False), (0.999, True)):
         found = again(thesis, f"{body}.yield_stress={share * peak!r}")["plasticity"]
         assert found.needed is yields
-    assert "plasticity" not in thesis.summary["effects_after"]  # no yield stress was given
+
+
+def test_without_a_yield_stress_it_is_said_that_steel_would_yield(thesis) -> None:
+    after = thesis.summary["effects_after"]["plasticity"]
+    assert not after["needed"] and after["notable"]
+    assert "R260 would yield here: von Mises" in after["why"]
+    soft = again(thesis, "rail.young_modulus=1000", "wheel.young_modulus=1000")["plasticity"]
+    assert not soft.notable and soft.why == "no yield stress is given"
+    console = Console(file=io.StringIO(), width=200)
+    report.show_result(thesis.summary, console)
+    assert "plasticity: no steel is given; R260 would yield here" in console.file.getvalue()
 
 
 def test_a_patch_at_the_edge_of_the_tread_is_named(thesis) -> None:
