@@ -30,8 +30,8 @@ SHEAR = (
     0.6,
 )  # over the largest pressure: 0.266 to 0.488 in Hertz's ellipses of any axis ratio
 # and Poisson's ratio (theory.subsurface), a quarter more room
-STRAIN = 0.2  # p0/E*: a sphere's patch then has 0.31 of its radius and Tabor's representative strain
-# 0.2 a/R is 6 % (Johnson 1985, 6.3); linear theory is off by about the strain. The limit is a choice.
+STRAIN = 0.2  # p0/E*: a sphere's patch then has 0.31 of its radius, Tabor's representative strain
+# 0.2 a/R (Johnson 1985, 6.3) is 6 %, and linear theory is off by about as much; it is a choice
 HARDEST = (4000.0, 4200.0)  # MPa, largest elastic pressure of a line and of a point contact that
 # leaves 1e-4 of the diameter in hardened bearing steel (ISO 76:2006, 3.1 to 3.3)
 MISS = 1.5  # times an estimate: what a signed number may be off by

@@ -1,7 +1,8 @@
 """Steels by name: the stress at which they begin to yield (data/steels.json, with sources).
 
-EN 13674-1 fixes strength and hardness of rail steels, not their yield: R260's was measured. EN 13262
-fixes the least yield strength of wheels. No hardening: no flow curve with a source was at hand.
+EN 13674-1 fixes strength and hardness of rail steels, not their yield: R260's was measured.
+EN 13262 fixes the least yield strength of wheels. No hardening: no flow curve with a source was at
+hand.
 """
 
 from __future__ import annotations
