@@ -142,7 +142,7 @@ def _solve_all(
         ended, pending = wait(pending, POLL, FIRST_COMPLETED)
         for job in ended:
             attempt = pool.outcome(job)
-            faults |= dict.fromkeys(jobs[job], attempt.fault) | (attempt.found or {})
+            faults |= dict.fromkeys(jobs[job], attempt.fault) | (attempt.value or {})
         progress.jobs(len(records.done(folder)), len(scenes))
     return {number: faults[number] or GONE for number in faults.keys() - records.done(folder)}
 

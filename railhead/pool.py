@@ -6,7 +6,6 @@ from __future__ import annotations
 import multiprocessing
 import os
 import time
-import traceback
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as LateError
@@ -25,13 +24,16 @@ JOBS_PER_PROCESS = 8  # memory that libraries keep is given back with the proces
 
 @dataclass(frozen=True)
 class Attempt(Generic[T]):
-    """What a job gave and its seconds (0 where its process crashed); fault: why it gave nothing, in
-    one line, else empty; trace: of the exception that it raised, if it did."""
+    """What a job returned.
 
-    found: T | None
+    value: None where it did not end as it should.
+    seconds: of the job, 0 where its process crashed.
+    fault: why there is no value, in one line, else empty.
+    """
+
+    value: T | None
     seconds: float
     fault: str = ""
-    trace: str = ""
 
 
 Submit = Callable[..., "Future[Attempt[Any]]"]
@@ -41,43 +43,32 @@ def attempts(
     work: Callable[..., T],
     jobs: Sequence[tuple[Any, ...]],
     limits: Sequence[float | None] | None = None,
-    processes: int | None = None,
 ) -> Iterator[Attempt[T]]:
     """work(*job) for each job, in their order, each within its limit (s; None: without).
 
-    `work` and what it takes and gives are pickled.
+    `work`, its arguments and its value are pickled.
     """
-    with _processes(processes) as pool:
-        all_limits = limits or [None] * len(jobs)
+    limits = limits or [None] * len(jobs)
+    with _processes() as pool:
         futures = [
-            pool.schedule(_attempt, args=(work, job), timeout=limit)
-            for job, limit in zip(jobs, all_limits, strict=True)
+            pool.schedule(_attempt, args=(work, *job), timeout=limit)
+            for job, limit in zip(jobs, limits, strict=True)
         ]
-        try:
-            for future, limit in zip(futures, all_limits, strict=True):
-                yield _result(future, limit)
-        finally:
-            pool.stop()
+        yield from map(outcome, futures, limits)
 
 
 @contextmanager
 def submitting(ranks: int) -> Iterator[Submit | None]:
-    """Takes work and its arguments and gives the future of its Attempt. With several ranks, to be
-    called on all of them, it is None on those that work."""
+    """A function of work and its arguments that returns the future of their Attempt. With several
+    ranks, to be called on all of them, it is None on those that work."""
     if ranks > 1:
         from mpi4py.futures import MPICommExecutor
 
         with MPICommExecutor() as executor:
-            if executor is None:
-                yield None
-            else:
-                yield lambda work, *job: executor.submit(_attempt, work, job)
+            yield executor and (lambda *job: executor.submit(_attempt, *job))
         return
     with _processes() as pool:
-        try:
-            yield lambda work, *job: pool.schedule(_attempt, args=(work, job))
-        finally:
-            pool.stop()
+        yield lambda *job: pool.schedule(_attempt, args=job)
 
 
 def workers(ranks: int) -> int:
@@ -85,18 +76,26 @@ def workers(ranks: int) -> int:
     return ranks - 1 if ranks > 1 else os.cpu_count() or 1
 
 
-def outcome(future: Future[Attempt[T]]) -> Attempt[T]:
-    """Of a future that is done."""
-    return _result(future, None)
+def outcome(future: Future[Attempt[T]], limit: float | None = None) -> Attempt[T]:
+    """Of a future, when it is done; limit: that it was given, s."""
+    try:
+        return future.result()
+    except LateError:
+        return Attempt(None, limit or 0.0, f"not back after {limit:g} s")
+    except ProcessExpired:
+        return Attempt(None, 0.0, "the process crashed")
 
 
-def _processes(count: int | None = None) -> ProcessPool:
-    return ProcessPool(
-        count or os.cpu_count() or 1,
-        max_tasks=JOBS_PER_PROCESS,
-        initializer=_single,
-        context=multiprocessing.get_context("spawn"),
-    )
+@contextmanager
+def _processes() -> Iterator[ProcessPool]:
+    context = multiprocessing.get_context("spawn")
+    with ProcessPool(
+        os.cpu_count() or 1, max_tasks=JOBS_PER_PROCESS, initializer=_single, context=context
+    ) as pool:
+        try:
+            yield pool
+        finally:
+            pool.stop()
 
 
 def _single() -> None:
@@ -109,19 +108,10 @@ def _single() -> None:
     prepare()
 
 
-def _attempt(work: Callable[..., T], job: tuple[Any, ...]) -> Attempt[T]:
+def _attempt(work: Callable[..., T], *job: Any) -> Attempt[T]:
     start = time.perf_counter()
     try:
         return Attempt(work(*job), time.perf_counter() - start)
     except Exception as error:
         line = " ".join(f"{type(error).__name__}: {error}".split())
-        return Attempt(None, time.perf_counter() - start, line, traceback.format_exc())
-
-
-def _result(future: Future[Attempt[T]], limit: float | None) -> Attempt[T]:
-    try:
-        return future.result()
-    except LateError:
-        return Attempt(None, limit or 0.0, f"not back after {limit:g} s")
-    except ProcessExpired:
-        return Attempt(None, 0.0, "the process crashed")
+        return Attempt(None, time.perf_counter() - start, line)

@@ -128,7 +128,7 @@ def measured(name: str, count: int) -> list[Record]:
     jobs = [(name, scene, resolutions) for scene in islice(families.scenes(name, SEED), count)]
     records: list[Record] = []
     for job, attempt in zip(jobs, attempts(measure, jobs, [LIMIT] * count), strict=True):
-        records += attempt.found or []
+        records += attempt.value or []
         print(f"{job[1].name}: {attempt.fault or 'done'}", file=sys.stderr)
     return records
 

@@ -102,7 +102,7 @@ def main(out: Path, *, quick: bool) -> None:
         jobs = [(name, scene, asked(name, index)) for index, scene in enumerate(scenes)]
         done = attempts(measure, jobs, [LIMIT] * len(jobs))
         for number, (job, attempt) in enumerate(zip(jobs, done, strict=True), 1):
-            records += attempt.found or []
+            records += attempt.value or []
             lost += [f"{job[1].name}: {attempt.fault}"] if attempt.fault else []
             print(f"{name}: {number} of {len(jobs)}", file=sys.stderr)
         tables.write_csv(out / "error_bounds.csv", records)

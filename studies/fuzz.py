@@ -26,7 +26,7 @@ def main(out: Path, *, quick: bool) -> None:
     ):
         kind = "broken" if broken else "valid"
         lost = Fuzzed(seed, kind, "run", None, attempt.fault, "", "", None, None, attempt.fault)
-        found.append(attempt.found or lost)
+        found.append(attempt.value or lost)
         seconds.append(attempt.seconds)
         ended = found[-1].fault or f"status {found[-1].status}"
         print(f"{len(found)} of {len(jobs)}: {found[-1].kind}, seed {seed}: {ended}",

@@ -63,7 +63,7 @@ def main(out: Path, *, quick: bool) -> None:
     done: list[Outcome] = []
     jobs, limits = [(case.key,) for case in cases], [case.seconds for case in cases]
     for case, attempt in zip(cases, attempts(solve, jobs, limits), strict=True):
-        found = attempt.found
+        found = attempt.value
         fault = attempt.fault if found is None else case.fault(found)
         done.append(Outcome(case, found, fault, attempt.seconds))
         print(f"{case.key}: {done[-1].result}", file=sys.stderr)

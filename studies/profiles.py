@@ -196,8 +196,8 @@ def main(out: Path, *, quick: bool) -> None:
     rows: list[Row] = []
     for job, attempt in zip(jobs, pool.attempts(compared, jobs), strict=True):
         print(job[0].name, *job[1:], attempt.fault or "", file=sys.stderr)
-        if attempt.found is not None:
-            rows.append(attempt.found)
+        if attempt.value is not None:
+            rows.append(attempt.value)
     tables.write_csv(out / "profiles.csv", rows, UNITS)
     (out / study.PAGE).write_text(page(rows), encoding="utf-8")
 
