@@ -232,8 +232,8 @@ class Findings:
     what every picture has to say below it; subject: what it is of. The next three are those of
     `postprocess.quality`: noise, relative; elements_across: along and across the most loaded patch;
     edge_distance of the patch over its smaller half length. misfit: of the smooth stresses around
-    the largest ones from those of the elements, relative. opposite: as surface, of the other
-    body, None where that is rigid.
+    the largest ones from those of the elements, relative. opposite: as surface, of the other body,
+    None where that is rigid. dissipated: by friction per rolled length, N; NaN where nothing rolls.
     """
 
     frame: Frame
@@ -253,6 +253,7 @@ class Findings:
     edge_distance: float = math.nan
     misfit: float = math.nan
     opposite: Surface | None = None
+    dissipated: float = math.nan
 
     @property
     def axis(self) -> DepthAxis:

@@ -16,6 +16,7 @@ import numpy as np
 from railhead.estimates import Estimate, flat, resolved, worst
 from railhead.level import Level
 from railhead.meshing.tags import BODIES
+from railhead.planning import effects
 from railhead.planning.laws import RANGE
 from railhead.planning.plan import LINEAR_REFINEMENT
 from railhead.postprocess.findings import Frame
@@ -87,7 +88,7 @@ def run(
     "grid_error" as in `second_opinion.half_space`, or the "reason" why there are none; reached:
     whether the asked accuracy was met, None without one.
     """
-    checks = _equations(level)
+    checks = [_effects(level), *_equations(level)]
     if level.result is not None and level.findings is not None:
         checks += _mesh(level)
         checks += _physics(level)
@@ -130,6 +131,17 @@ def friction(level: Level, second: Mapping[str, Mapping[str, Any]] | None) -> li
             )
         )  # fmt: skip
     return out
+
+
+def _effects(level: Level) -> Check:
+    """Effects that are called for, not simulated and not overruled."""
+    missing = effects.left_out(level.plan.effects, level.after)
+    why = "; ".join(f"{name}: {reason}" for name, reason in missing.items())
+    overrule = " ".join(f"--without {name}" for name in missing)
+    return Check(
+        "effects_left_out", float(len(missing)), 0.0, why or "none that is called for",
+        f"{overrule} accepts the answer without",
+    )  # fmt: skip
 
 
 def _tangential(level: Level) -> list[Check]:

@@ -200,6 +200,7 @@ def _read(
                 solution.rubbing, rolling=rolling.given, like=not friction.unlike(plan.scene),
                 speed=rolling.speed, cycle=plan.scene.friction.cycle,
             )  # fmt: skip
+            findings = replace(findings, dissipated=result["friction"].get("t_gamma_N", math.nan))
     ellipse = exact.estimate(plan.scene, plan.contact, solution.load or None)
     return Level(
         plan, grading, mesh, *size, mesh.mesh.comm.size, solution, ellipse, fields, findings,

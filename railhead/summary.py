@@ -47,13 +47,14 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
         friction_opinion.opinions(level, solved),
     )
     second = {**hertz, "allowance": {}} if plan.contact.half_space else profiles or NO_SECTION
-    if other := effects.chosen(plan.effects):
-        second = {
-            "reason": f"it is about the scene, and another problem was chosen: {', '.join(other)}"
-        }
+    other = effects.chosen(plan.effects)
+    beyond = all(effects.EFFECTS[name].beyond for name in other)
+    if not beyond:
+        second = {"reason": f"another problem than the scene's was chosen: {', '.join(other)}"}
+    if other:
         source = f"{source}; of the problem that was chosen ({', '.join(other)})"
     judged = checks.run(level, known, second, reached=reached)
-    beside = {"scene": second} if other and rubbed else rubbed
+    beside = rubbed if beyond or rubbed is None else {"scene": second}
     judged += checks.friction(level, beside)
     missing = checks.not_made(level, judged, second, beside)
     return {

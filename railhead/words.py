@@ -22,11 +22,13 @@ EFFECTS = {
     "mean_dilatation": "nearly incompressible material",
     "friction": "friction, traction and creepage",
     "plasticity": "steel that yields",
+    "heat": "heat of friction (told, not simulated)",
     "small_patch": "patch small beside the radii (after)",
     "inside_the_bodies": "patch away from the edges (after)",
     "thick_bodies": "bodies thick enough (after)",
 }
 CHECKS = {
+    "effects_left_out": "effects that are called for are simulated",
     "converged": "the solver converged",
     "force_balance": "forces are in balance",
     "approach_reached": "the given approach is met",

@@ -392,6 +392,7 @@ class Effects(Section):
     mean_dilatation: Switch = "auto"
     plasticity: Switch = "auto"
     friction: Switch = "auto"
+    heat: Switch = "auto"
 
     def state(self, name: str) -> Switch:
         """The choice for one effect."""

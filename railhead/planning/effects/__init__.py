@@ -14,6 +14,7 @@ from railhead.planning.effects import (
     deformable,
     far_field,
     friction,
+    heat,
     mean_dilatation,
     plasticity,
     rail_section,
@@ -39,8 +40,9 @@ EFFECTS = {
     "rail_section": Feature(rail_section.decide, rail_section.check),
     "far_field": Feature(far_field.decide, apply=far_field.apply),
     "mean_dilatation": Feature(mean_dilatation.decide, apply=mean_dilatation.apply, alike=True),
-    "friction": Feature(friction.decide, friction.check, friction.apply),
-    "plasticity": Feature(plasticity.decide, plasticity.check, plasticity.apply),
+    "friction": Feature(friction.decide, friction.check, friction.apply, beyond=True),
+    "plasticity": Feature(plasticity.decide, plasticity.check, plasticity.apply, beyond=True),
+    "heat": Feature(heat.decide, heat.check, beyond=True),
 }
 ASSUMPTIONS = {
     "small_patch": assumptions.small_patch,
@@ -74,6 +76,17 @@ def chosen(effects: Mapping[str, Effect]) -> list[str]:
         for name, each in effects.items()
         if each.override and each.called_for != each.on and not EFFECTS[name].alike
     ]
+
+
+def left_out(effects: Mapping[str, Effect], after: Mapping[str, After]) -> dict[str, str]:
+    """Why effects are called for that are not simulated, by name, except those that a person has
+    overruled and those without which the exact answer is the same."""
+    out = {}
+    for name, each in effects.items():
+        weighed = after.get(name, After(each.called_for, each.why))
+        if weighed.needed and not (each.on or each.override or EFFECTS[name].alike):
+            out[name] = weighed.why
+    return out
 
 
 def check(made: Context, effects: Mapping[str, Effect], found: Findings) -> dict[str, After]:

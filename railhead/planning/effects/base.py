@@ -117,12 +117,13 @@ class Context:
 class Feature:
     """An effect: how it is decided, how the same indicator is weighed on the solution (None where
     it does not apply), and what it changes in what is solved where it is on; alike: the exact
-    answer is the same without it."""
+    answer is the same without it; beyond: half-spaces beside the result do not have it either."""
 
     decide: Callable[[Context], Effect]
     check: Callable[[Context, Effect, Findings], After | None] = lambda *_: None
     apply: Callable[[Setup, Plan], Setup] = lambda setup, _: setup
     alike: bool = False
+    beyond: bool = False
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from railhead.planning.plan import Plan
     from railhead.solver.setup import Setup
 
+OMITTED = "not simulated: falling friction, third bodies, roughness, dynamics (docs/limits.md)"
 NO_MISMATCH = 1e-9  # |beta| that is rounding
 GROWTH = 8  # steps in which a patch of unlike bodies grows
 CYCLE = (0.0, 1.0, -1.0, 1.0)  # shares of the force, there, back and there
@@ -53,7 +54,7 @@ def decide(context: Context) -> Effect:
         called, why = False, "friction.coefficient = 0: it rolls freely"
     elif scene.rolling.given:
         stands = f" as the wheelset stands, {wheelset.why}" if wheelset else ""
-        called, why = True, f"the wheel rolls{stands}{_expected(context, limit)}"
+        called, why = True, f"the wheel rolls{stands}{_expected(context, limit)}; {OMITTED}"
     elif force:
         stick = max(0.0, 1 - force / limit) ** (1 / 2 if context.contact.line else 1 / 3)
         why = (

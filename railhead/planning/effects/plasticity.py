@@ -17,7 +17,7 @@ from railhead.postprocess.findings import Array, Findings
 from railhead.scene import steels
 from railhead.scene.scene import Scene, SceneError
 from railhead.scene.sections import Part
-from railhead.theory import indentation
+from railhead.theory import indentation, sliding
 
 if TYPE_CHECKING:
     from railhead.planning.forecast import Zone
@@ -58,6 +58,10 @@ def decide(context: Context) -> Effect:
             refused = {
                 "on": f"{what} elastically with friction; effects.friction=off leaves it out"
             }
+            why += f"; {what} elastically with friction, whose tractions add to it"
+            why += "" if yields else _slipping(context)
+    if yields and not refused:
+        why += f"; {steps(context)} load steps"
     return Effect(yields, yields and not refused, why, refused)
 
 
@@ -94,7 +98,8 @@ def check(context: Context, effect: Effect, found: Findings) -> After | None:
     yields, why = _compare(context.scene, stresses)
     if effect.on:
         return After(False, "simulated")
-    return After(yields, f"{why}: the elastic answer overstates the pressure" if yields else why)
+    cost = ": the elastic answer overstates the pressure and all stresses" if yields else ""
+    return After(yields, why + cost)
 
 
 def hardening(part: Part) -> Hardening:
@@ -161,7 +166,18 @@ def _expected(context: Context, over: float) -> str:
         strain = hardening(weakest).first / context.hertz.contact_modulus
         sphere = indentation.jackson_green(over, weakest.poisson_ratio, strain)
         text += f": a patch about {sphere.radius / over ** (1 / 3) - 1:.0%} wider"
-    return f"{text}; {steps(context)} load steps"
+    return text
+
+
+def _slipping(context: Context) -> str:
+    """The largest von Mises stress under pressure and tractions if the whole patch slips."""
+    friction = context.scene.friction.coefficient
+    most = max(
+        hardest(context.hertz, friction, part.poisson_ratio).von_mises
+        for hardest in (sliding.hardest_below, sliding.hardest_at_surface)
+        for part in _yielding(context).values()
+    )
+    return f": up to {most:.4g} MPa where all slips"
 
 
 def steps(context: Context) -> int:

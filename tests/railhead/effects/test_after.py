@@ -9,9 +9,11 @@ import pytest
 from rich.console import Console
 from solved import solved
 
-from railhead import cli, refine, report
+from railhead import catalogue, cli, refine, report
 from railhead.planning import effects
+from railhead.planning import plan as planning
 from railhead.planning.effects import assumptions
+from railhead.scene.scene import SceneError
 
 
 @pytest.fixture
@@ -117,3 +119,56 @@ def test_a_wrong_switch_is_one_line_and_status_2(switch: list[str], railhead) ->
     status, printed, error = railhead("plan", "uic54_22t5_axle", *switch)
     assert (status, printed) == (2, "")
     assert len(error.strip().splitlines()) == 1 and "effects." in error
+
+
+HOT = [
+    "friction.coefficient=0.3", "rolling.creepage_along=3%", "rolling.speed=30", "load=600kN",
+    "rail.yield_stress=400", "mesh.patch_size=1",
+]  # fmt: skip
+
+
+def planned(*assignments: str) -> planning.Plan:
+    return planning.make(catalogue.find("long_roller").replace(assignments))
+
+
+def test_what_is_called_for_and_left_out_fails_first_unless_a_person_overrules_it() -> None:
+    """A strip that slips everywhere: 160 K by the formula, and beyond first yield."""
+    result = solved("long_roller", *HOT)
+    checks = result.summary["checks"]
+    assert checks["failed"][0] == "effects_left_out" and checks["effects_left_out"] == 2
+    limit, reason = checks["limits"]["effects_left_out"]
+    assert limit == 0 and "plasticity: von Mises" in reason and "heat: flash" in reason
+    assert checks["advice"]["effects_left_out"].startswith("--without plasticity --without heat")
+    assert result.summary["effects_after"]["heat"]["why"].startswith("flash temperature 16")
+    plan = result.plan
+    assert "rolling is solved elastically" in plan.effects["plasticity"].why
+    accepted = {
+        name: replace(each, override=name in ("plasticity", "heat"))
+        for name, each in plan.effects.items()
+    }
+    assert effects.left_out(accepted, result.level.after) == {}
+
+
+def test_the_plan_says_what_tractions_and_heat_may_bring() -> None:
+    """Pressed alone the rail stays elastic: Johnson, Contact Mechanics, 7.1 has more of a strip
+    that slips."""
+    gentle = [each for each in HOT if "yield" not in each]
+    plan = planned(*gentle, "rail.yield_stress=560")
+    plasticity, heat = plan.effects["plasticity"], plan.effects["heat"]
+    assert not plasticity.called_for and "stays below" in plasticity.why
+    assert "rolling is solved elastically with friction" in plasticity.why
+    most = float(plasticity.why.split("up to ")[1].split(" MPa")[0])
+    assert most > 560
+    assert heat.called_for and not heat.on
+    assert "roughness" in plan.effects["friction"].why
+    slow = planned(*gentle, "rolling.speed=1")
+    assert not slow.effects["heat"].called_for
+    with pytest.raises(SceneError, match="no temperature is simulated"):
+        planned(*HOT, "effects.heat=on")
+
+
+def test_half_spaces_check_the_elastic_answer_of_bodies_that_would_yield() -> None:
+    off = "effects.plasticity=off"
+    summary = solved("hertz_ellipse", "rail.yield_stress=300", off, "mesh.patch_size=1").summary
+    assert summary["plan"]["chosen"] == ["plasticity"]
+    assert "second_opinion_max_MPa" in summary["checks"] and summary["checks"]["passed"]
