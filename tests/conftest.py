@@ -18,6 +18,12 @@ from railhead.studies.hard import blocks
 settings.register_profile("default", max_examples=20)
 settings.register_profile("thorough", max_examples=200)
 settings.load_profile("default")
+LONG = {"verification", "studies"}
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The folders of long tests first: what is left at the end is short."""
+    items.sort(key=lambda item: LONG.isdisjoint(item.path.parts))
 
 
 @pytest.fixture(scope="session")

@@ -1,4 +1,4 @@
-"""docs/design.md names every module in its room."""
+"""docs/design.md names every module in its room, docs/verification.md tests that are run."""
 
 import re
 import tomllib
@@ -33,3 +33,14 @@ def test_every_package_is_installed() -> None:
         for marker in (ROOT / room).rglob("__init__.py"):
             found.add(".".join([package, *marker.parent.relative_to(ROOT / room).parts]))
     assert found == set(setup["packages"])
+
+
+def test_a_claim_is_held_by_a_test_of_the_default_run() -> None:
+    page = (ROOT / "docs" / "verification.md").read_text(encoding="utf-8")
+    held = re.findall(r"\[(test_\w+)\]\(\.\./(tests/\S+\.py)\)", page.split("## ")[0])
+    assert len(held) >= 15
+    for name, file in held:
+        found = re.search(
+            rf"((?:^@.*\n(?:^[ )\]].*\n)*)*)^def {name}\(", (ROOT / file).read_text("utf-8"), re.M
+        )
+        assert found and "@pytest.mark.slow" not in found[1], name

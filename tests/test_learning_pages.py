@@ -8,6 +8,7 @@ import pytest
 DOCS = Path(__file__).parents[1] / "docs"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["tutorial", "nitsche"])
 def test_a_page_runs_and_prints_what_it_says(name: str, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)

@@ -15,6 +15,7 @@ def rows(path: Path) -> list[dict[str, str]]:
     return list(csv.DictReader(path.open(encoding="utf-8")))
 
 
+@pytest.mark.slow
 def test_the_study_writes_its_tables_its_pictures_and_its_page(tmp_path) -> None:
     folder, text = study.run("creep", tmp_path / "creep", quick=True)
     points = rows(folder / "creep.csv")

@@ -14,6 +14,7 @@ def quick(tmp_path_factory) -> tuple[Path, str]:
     return study.run("effects", tmp_path_factory.mktemp("study") / "effects", quick=True)
 
 
+@pytest.mark.slow
 def test_study_writes_its_tables_and_its_page(quick) -> None:
     folder, page = quick
     assert sorted(path.name for path in folder.iterdir()) == [
@@ -26,6 +27,7 @@ def test_study_writes_its_tables_and_its_page(quick) -> None:
     assert "Unknowns and compiled forms are the same" in page
 
 
+@pytest.mark.slow
 def test_what_the_plan_leaves_out_is_below_the_accuracy_and_pays(quick) -> None:
     rows = list(csv.DictReader((quick[0] / "effects.csv").open(encoding="utf-8")))
     planned = int(rows[0]["unknowns"])

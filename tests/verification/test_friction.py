@@ -378,7 +378,8 @@ def test_what_cannot_be_is_one_line(keys, line: str) -> None:
 
 
 def test_the_files_show_stick_slip_and_tractions(tmp_path) -> None:
-    found = solved(roller(rolling={"force_along": 20e3}))
+    force = CARTER[0]["Q_over_muP"] * MU * CARTER[0]["load_N"]
+    found = solved(roller(rolling={"force_along": force}))
     found.save(tmp_path / "out")
     points = meshio.read(tmp_path / "out" / "traction.vtu").point_data
     size = np.linalg.norm(points["traction"], axis=1)
