@@ -194,7 +194,7 @@ def _show_plastic(plastic: Mapping[str, Any], console: Console, units: Units) ->
         )
         lines.append(
             f"Unloaded: {f'{depths} deep' if depths else 'nothing pushed in'}, von Mises stress "
-            f"up to {units.text(plastic['residual_von_mises_max_MPa'], 'MPa')}."
+            f"up to {units.text(plastic['residual_von_mises_max_MPa'], 'MPa')} (without an estimate)."
         )
     if plastic["load_over_first_yield"] > PAIRED:
         lines.append(

@@ -18,7 +18,8 @@ from railhead.solver.problem import ContactProblem, Mask
 from railhead.solver.setup import Setup
 from railhead.solver.solution import Plastic, Solution, Yielding
 
-UNLOADING = (0.4, 0.05)  # of the load, before the bodies part
+UNLOADING = (0.95, 0.85, 0.4, 0.05)  # of the load, before the bodies part; the first steps follow
+# the yield at the border of the patch as it begins to shrink
 START = 1e-2  # tolerance of the linear solve that a smaller load starts from
 ENDS = (1.0, 0.0)  # shares of the load that are reported; ...
 BETWEEN = 1e-4  # ... tolerance of those on the way: moves what is reported by less than 1e-6
