@@ -193,8 +193,8 @@ def _show_plastic(plastic: Mapping[str, Any], console: Console, units: Units) ->
             if depth > ROUNDING * max(left.values())
         )
         lines.append(
-            f"Unloaded: {f'{depths} deep' if depths else 'nothing pushed in'}, von Mises stress "
-            f"up to {units.text(plastic['residual_von_mises_max_MPa'], 'MPa')} (without an estimate)."
+            f"Unloaded: {f'{depths} deep' if depths else 'nothing pushed in'}, von Mises stress up "
+            f"to {units.text(plastic['residual_von_mises_max_MPa'], 'MPa')} (without an estimate)."
         )
     if plastic["load_over_first_yield"] > PAIRED:
         lines.append(
