@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from railhead.meshing.tags import BODIES
+from railhead.postprocess import stick_border
 from railhead.postprocess.findings import Array, DepthAxis, Frame, Largest, Peak
 from railhead.postprocess.parts import Part
 from railhead.postprocess.peaks import Search
@@ -12,6 +15,7 @@ from railhead.postprocess.recovery import Recovery
 from railhead.postprocess.solid import Solid
 from railhead.postprocess.stress import COLUMN, ROW
 from railhead.solver.gather import Fields
+from railhead.solver.solution import Rubbing
 from railhead.theory.subsurface import max_shear, von_mises
 
 SAMPLES = 121
@@ -20,14 +24,20 @@ Found = tuple[dict[str, DepthAxis], tuple[DepthAxis, ...], dict[str, Largest], A
 
 
 def read(
-    fields: Fields, frame: Frame, centre: tuple[float, float], size: float, others: list[Part]
+    fields: Fields,
+    frame: Frame,
+    centre: tuple[float, float],
+    size: float,
+    others: list[Part],
+    rubbing: Rubbing | None,
 ) -> Found:
     """By meshed body the stresses below (x, s) = centre and the largest ones; between them, in the
     body that is shown, those below the centres of the other patches; points (n, 3) on the sharp
     edges of all bodies; and how far the smooth stresses around the largest ones are from those of
     the elements (`Recovery.misfit`).
 
-    size: smaller semi-axis of the (most loaded) patch, mm.
+    size: smaller semi-axis of the (most loaded) patch, mm. rubbing: with friction, whose border of
+    stick (`stick_border`) is read by itself.
     """
     bodies = {}
     for tag, name in BODIES.items():
@@ -45,6 +55,11 @@ def read(
         name: _largest(Search(fields, *body, edges, size), axes[name])
         for name, body in bodies.items()
     }
+    if rubbing is not None:
+        largest = {
+            name: _or_border(each, *stick_border.stresses(fields, *bodies[name], rubbing))
+            for name, each in largest.items()
+        }
     places = [
         (name, peak.place)
         for name, each in largest.items()
@@ -76,6 +91,20 @@ def _largest(search: Search, axis: DepthAxis) -> Largest:
     mises = search.highest(von_mises, _place(spare.von_mises)) or spare.von_mises
     edges = search.at_edges(max_shear, tau.value), search.at_edges(von_mises, mises.value)
     return Largest(tau, mises, edges)
+
+
+def _or_border(largest: Largest, places: Array, stress: Array) -> Largest:
+    """The same, or the largest at the border of stick (places (n, 3), stress (n, 6)) if higher."""
+
+    def higher(peak: Peak, values: Array) -> Peak:
+        if values.max(initial=0.0) <= peak.value:
+            return peak
+        x, y, z = (float(each) for each in places[np.argmax(values)])
+        return Peak(float(values.max()), 0.0, (x, y, z))
+
+    tau, mises = max_shear(stress), von_mises(stress)
+    return replace(largest, tau=higher(largest.tau, tau),
+                   von_mises=higher(largest.von_mises, mises))  # fmt: skip
 
 
 def _place(peak: Peak) -> Array:

@@ -11,6 +11,7 @@ from railhead.postprocess.patch import Moments
 
 if TYPE_CHECKING:
     from railhead.solver.gather import Fields
+    from railhead.solver.solution import Rubbing
 
 
 def moments(fields: Fields, frame: Frame) -> Moments:
@@ -18,10 +19,11 @@ def moments(fields: Fields, frame: Frame) -> Moments:
     return (section if fields.kinematics.dim == 2 else patch).moments(fields, frame)
 
 
-def findings(fields: Fields, frame: Frame) -> Findings:
+def findings(fields: Fields, frame: Frame, rubbing: Rubbing | None = None) -> Findings:
     """Patch, recovered surface fields, and stresses below the contact in every meshed body.
 
-    Where there are several patches, the frame becomes that of the most loaded one.
+    rubbing: of a solution with friction. Where there are several patches, the frame
+    becomes that of the most loaded one.
     """
     flat = fields.kinematics.dim == 2
     separate = [] if flat else parts(fields)
@@ -32,7 +34,7 @@ def findings(fields: Fields, frame: Frame) -> Findings:
     else:
         found, surfaces, moments, recovered, lines = patch.read(fields, separate, frame)
     size = moments.a if flat else min(found.a, found.b)
-    inner = inside.read(fields, frame, found.centre, size, separate[1:])
+    inner = inside.read(fields, frame, found.centre, size, separate[1:], rubbing)
     axes, others, largest, edges, misfit = inner
     return Findings(
         frame,

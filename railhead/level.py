@@ -192,7 +192,7 @@ def _read(
         frame = plan.contact.frame
         from railhead.postprocess import read
 
-        findings = read.findings(fields, frame)
+        findings = read.findings(fields, frame, solution.rubbing)
         result = compare.from_findings(findings, solution.load, solution.approach)
         if solution.rubbing is not None:
             rolling = plan.scene.rolling

@@ -133,6 +133,30 @@ def test_the_hardest_place_of_an_ellipse_is_that_of_the_integrals(
     assert answer["von_mises_max_at"] == {"subsurface": "below"}.get(name, name)
 
 
+@pytest.mark.parametrize("coefficient, share", [(0.3, 0.95), (0.5, 0.8), (0.5, 0.35)])
+def test_the_border_of_stick_is_carter_s(coefficient: float, share: float) -> None:
+    """There xx = -p - 2 mu p0 (1 - c/w), zz = -p and xz = mu p; 3 %, and yield is called for."""
+    c = math.sqrt(1 - share)
+    p = math.sqrt(1 - (1 - 2 * c) ** 2)  # over p0
+    xx, shear = -p - 2 * coefficient * (1 - c), coefficient * p
+    d, e = xx + p, 0.3 * (xx - p) + p
+    exact = math.sqrt(d**2 - d * e + e**2 + 3 * shear**2)
+    p0 = rh.plan(plane(coefficient), quiet=True).plan.estimate.p0
+    found = rh.solve(
+        plane(
+            coefficient,
+            rolling={"creepage_along": None, "force_along": share * coefficient * 1e5},
+            rail={"yield_stress": 0.97 * exact * p0},
+            mesh={"patch_size": 0.3},
+        ),
+        quiet=True,
+    )
+    assert found.failed == ["effects_left_out"]
+    assert friction(found)["von_mises_max_MPa"] == pytest.approx(exact * p0, rel=0.03)
+    assert friction(found)["von_mises_max_at"] == "surface"
+    assert found.as_dict()["effects_after"]["plasticity"]["needed"]
+
+
 def test_the_patch_stands_in_the_shakedown_map_where_the_steel_is_known(tmp_path) -> None:
     steel = {"yield_stress": 500}
     found = solved(plane(0.3, rail=steel))
