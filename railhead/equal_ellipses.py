@@ -58,7 +58,8 @@ def _ellipses(
         if not 1 / SLENDER < a / b < SLENDER:
             raise ValueError(f"the linear theory's tables end before an axis ratio of {a / b:.3g}")
         moved = np.array([*motion, 1.0])
-        local = Creepage(*(moved @ patch.middle), moved @ patch.spin)
+        along, across = moved @ patch.middle
+        local = Creepage(along, across, float(moved @ patch.spin))
         yield patch, a, b, kalker.coefficients(a / b, pair.poisson), local
 
 
