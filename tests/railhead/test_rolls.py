@@ -188,6 +188,18 @@ def test_patches_and_a_flange_roll_as_half_spaces_do(shift: float, patches: int)
     assert answer["t_gamma_N"] == pytest.approx(rolled["t_gamma_N"], rel=0.002)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("shift", [5.0, 6.26])
+def test_finite_elements_roll_as_half_spaces_do(shift: float) -> None:
+    """The same two, whole: forces within 0.02 mu N of half-spaces with a slip of their own."""
+    found = rh.solve(loaded(shift, mesh={"patch_size": 1.5}).scene, quiet=True)
+    contact, answer = found.level.plan.contact, found.as_dict()["result"]["friction"]
+    known = developed.solve(contact, found.level.ellipse, found.level.solution.load, 64)
+    rolled = independent(contact, known, 460.0)
+    for name in FORCES:
+        assert answer[name] / answer["limit_N"] == pytest.approx(rolled[name], abs=0.02)
+
+
 def test_a_cone_towards_its_flange_runs_on_a_larger_radius() -> None:
     """1:20 on a round rail: 2 mm are 0.1 mm of radius, which pulls the surface back; the roll adds
     a twentieth."""
