@@ -142,6 +142,19 @@ class Family:
         }
         return replace(self, reading=reading)
 
+    @property
+    def least(self) -> float:
+        """The smallest accuracy, relative, that any mesh is expected to meet: what falls more
+        slowly than the first power is taken as constant beyond the meshes that the laws cover."""
+        n = STEP * self.resolution[1]
+        slow = [
+            (self.mesh(name, n) if self.laws[name].order < 1 else 0.0)
+            + (read(n) if read.order < 1 else 0.0)
+            for name, read in self.reading.items()
+            if name not in PLACES
+        ]
+        return max(slow) / AIM
+
     def reaches(self, accuracy: float) -> bool:
         """Whether a resolution that the laws cover is expected to meet the accuracy."""
         return self.expected(STEP * self.resolution[1]) <= AIM * accuracy

@@ -24,7 +24,7 @@ from railhead.planning.forecast import Forecast, Zone, forecast
 from railhead.planning.laws import Family, Setting
 from railhead.planning.ridges import ridges
 from railhead.planning.uncertainty import Uncertainty
-from railhead.scene.scene import Scene
+from railhead.scene.scene import Scene, SceneError
 from railhead.scene.sections import Rail, Wheel
 from railhead.theory import contacts
 from railhead.theory.contacts import Hertz
@@ -398,9 +398,19 @@ def unknowns_per_cell(kind: str, cell: str, order: int) -> float:
 
 
 def make(scene: Scene) -> Plan:
-    """Decide. Raises SceneError for a pair that cannot be solved as a point contact, and for bodies
-    that cannot be built."""
+    """Decide. Raises SceneError for a pair that cannot be solved as a point contact, an accuracy
+    that no mesh is expected to meet, and bodies that cannot be built."""
     plan = _decided(scene)
+    if scene.accuracy is not None and scene.budget is None and plan.family is not None:
+        least = plan.family.least + plan.left_out
+        if scene.accuracy < least:
+            instead = " or solver.method=nitsche" if scene.solver.method == "penalty" else ""
+            raise SceneError(
+                "accuracy",
+                f"{scene.accuracy:g} is out of reach of the error laws of the family "
+                f"{plan.family.name}; give {math.ceil(1e4 * least) / 1e4:g} or more, a "
+                f"budget{instead}",
+            )
     plan.parts()
     return plan
 
