@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import psutil
 
-from railhead import quantities, spreadsheet
+from railhead import process, quantities, spreadsheet
 from railhead.scene.io import to_toml
 from railhead.scene.scene import SceneError
 
@@ -72,7 +72,7 @@ def _obstacle(folder: Path, keeps: Collection[str]) -> str:
         parent = parent.parent
     if not parent.is_dir() or not os.access(parent, os.W_OK):
         return f"{str(parent)!r} cannot be written to"
-    if target.parent.is_dir():
+    if target.parent.is_dir() and process.rank() == 0:
         settle(target)
     if folder.is_dir():
         if folder.samefile(os.curdir) or os.path.ismount(folder):

@@ -561,6 +561,7 @@ def test_the_bar_says_how_long_it_takes(capsys) -> None:
     assert "2 of 4 done, 0:00:00 left" in second and "4 of 4 done" in last
 
 
+@pytest.mark.system
 def test_a_kill_loses_only_what_was_running(tmp_path: Path) -> None:
     """SIGKILL after the first records; --resume leaves these as they are."""
     out = tmp_path / "out"
@@ -588,6 +589,7 @@ def test_a_kill_loses_only_what_was_running(tmp_path: Path) -> None:
     assert not list((out / "records").glob(".*"))
 
 
+@pytest.mark.system
 def test_two_ranks_give_the_same_table(swept: Path, tmp_path: Path) -> None:
     """The first gives the work, the other does it."""
     over = ("--over", "load=50kN,80kN,110kN", "--over", "wheel.rolling_radius=420mm,460mm")
