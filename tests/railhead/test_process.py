@@ -1,5 +1,6 @@
 """The process of the command: memory that is free is given back when somebody may need it."""
 
+import ctypes
 import subprocess
 import sys
 
@@ -51,3 +52,8 @@ def test_a_plan_under_mpirun_is_said_once(rank: str, monkeypatch, capsys) -> Non
     monkeypatch.setenv("OMPI_COMM_WORLD_RANK", rank)
     assert cli._status(["plan", "sphere_on_plane", "--json"]) == 0
     assert bool(capsys.readouterr().out) is (rank == "0")
+
+
+def test_one_thread_of_blas_runs_the_tests_too() -> None:
+    """However they are started: sums of more threads differ in the last digits."""
+    assert ctypes.CDLL("libopenblas.so.0").openblas_get_num_threads() == 1
