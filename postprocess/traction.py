@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +13,7 @@ if TYPE_CHECKING:
 
 MOTION = {True: ("creepage_along", "creepage_across", "spin_per_mm"),
           False: ("shift_along_mm", "shift_across_mm", "turn_rad")}  # fmt: skip
+LOADS = "force_along_N", "force_across_N", "moment_Nmm", "traction_max_MPa"
 
 
 def quantities(
@@ -42,6 +44,28 @@ def quantities(
         if not like:
             wear = float(found.weights @ np.einsum("nc,nc->n", found.traction, found.slip))
         out["t_gamma_N"] = wear
+        if like and found.still is not None:
+            out |= _resolution(out, found.still, found.motion)
         if speed is not None:
             out["power_W"] = wear * speed
     return out
+
+
+def _resolution(
+    out: Mapping[str, Any], still: Rubbing, motion: tuple[float, float, float]
+) -> dict[str, Any]:
+    """ "resolution": by quantity what bodies and mesh have without creepage, where like
+    half-spaces have no traction and stick everywhere; of the stick share also the largest share of
+    a contact point. "below_resolution": names of those to which the motion adds no more than that;
+    where what slips is not resolved, neither is the largest traction, which lies at its border."""
+    rest = quantities(still, rolling=False, like=True, speed=None, cycle=False)
+    rest["t_gamma_N"] = sum(rest[name] * each for name, each in zip(LOADS, motion, strict=False))
+    limits = {name: abs(rest[name]) for name in (*LOADS, "t_gamma_N")}
+    point = still.weights.max() / still.weights[still.pressure > 0].sum()
+    limits["stick_share"] = float(1 - rest["stick_share"] + point)
+    below = {name for name in LOADS if 0 < abs(out[name] - rest[name]) <= limits[name]}
+    if 0 < abs(out["t_gamma_N"] - rest["t_gamma_N"]) <= limits["t_gamma_N"]:
+        below.add("t_gamma_N")
+    if 1 - out["stick_share"] <= limits["stick_share"]:
+        below |= {"stick_share", "traction_max_MPa"}
+    return {"resolution": limits, "below_resolution": sorted(below)}

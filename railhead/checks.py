@@ -103,7 +103,11 @@ def run(
     return checks
 
 
-def friction(level: Level, second: Mapping[str, Mapping[str, Any]] | None) -> list[Check]:
+def friction(
+    level: Level,
+    estimates: Mapping[str, Estimate],
+    second: Mapping[str, Mapping[str, Any]] | None,
+) -> list[Check]:
     """Tangential forces against the stresses of the bodies, and against half-spaces."""
     found, scene = level.solution.rubbing, level.plan.scene
     if found is None or level.result is None:
@@ -114,11 +118,22 @@ def friction(level: Level, second: Mapping[str, Mapping[str, Any]] | None) -> li
     off = [abs(force - other[name]) / found.limit
            for way, force, _ in both if (name := f"force_{way}_N") in other]  # fmt: skip
     room = ROUGH + other.get("grid_error", 0.0)
+    drift = level.result.get("friction", {}).get("resolution", {})
+    rolled = [
+        MISS * (estimates[name].total + drift[name] / found.limit)
+        for name in ("force_along_N", "force_across_N")
+        if name in estimates and name in drift
+    ]
+    if rolled:
+        room = max(rolled) + other.get("grid_error", 0.0)
     if off and scene.rolling.given:
         out.append(
             Check(
                 "second_opinion_friction", max(off), room,
-                "half-spaces with friction, over mu N, and the error of their grid", FINER,
+                f"half-spaces with friction, over mu N; {MISS:g} times the estimate and what is "
+                f"found without creepage, or without an estimate {ROUGH:g}; the error of their "
+                "grid",
+                FINER,
             )
         )  # fmt: skip
     if "shift_along_mm" in other:

@@ -98,12 +98,14 @@ def friction(summary: Mapping[str, Any]) -> list[Row]:
     found = (summary["result"] or {}).get("friction") or {}
     others = (summary.get("half_space_friction") or {}).items()
     bound = summary["accuracy"]["bound"]
+    bound = bound | dict.fromkeys(found.get("below_resolution", ()), "below resolution")
     return [
         {
             "quantity": label,
             "unit": unit,
             "FE": _get(found, (key,)),
             "estimate": bound.get(key),
+            "without creepage": _get(found, ("resolution", key)) if "resolution" in found else None,
             **{name: _get(each, (key,)) for name, each in others if "reason" not in each},
         }
         for label, unit, key in FRICTION

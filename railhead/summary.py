@@ -55,7 +55,7 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
         source = f"{source}; of the problem that was chosen ({', '.join(other)})"
     judged = checks.run(level, known, second, reached=reached)
     beside = rubbed if beyond or rubbed is None else {"scene": second}
-    judged += checks.friction(level, beside)
+    judged += checks.friction(level, known, beside)
     missing = checks.not_made(level, judged, second, beside)
     return {
         "case": scene.name,

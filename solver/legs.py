@@ -72,7 +72,7 @@ class Legs:
             if changed <= SETTLED or not start.converged:
                 break
             tried = [*tried[-MEMORY:], (change, start.nodal)]
-            self.nodal, self.model.tangential = mixed(tried), self._force()
+            self.nodal, self.model.tangential = mixed(tried), self._force(self.sheared)
             found = self._pressed(found)
             if not found.newton.converged:
                 return found
@@ -90,7 +90,7 @@ class Legs:
                 work = np.einsum("n,nk,nk->", self.contact.area, sheared.traction, sheared.slip)
                 self.energy += float(work)
         self.peaked = self.peaked or force == 1
-        self.ends.append(np.concatenate([self._force(), self.motion[:2]]))
+        self.ends.append(np.concatenate([self._force(self.sheared), self.motion[:2]]))
 
     def _loaded(self, found: Solution, share: float) -> Solution:
         """Pressed by a share of the load under the tractions there are."""
@@ -131,9 +131,9 @@ class Legs:
         rigid = np.tensordot(self.motion, self.rigid, axes=1)
         return np.asarray(contact.moved + given + rigid)
 
-    def _force(self) -> Array:
+    def _force(self, sheared: Sheared) -> Array:
         """Along and across (2,), N; mirror images cancel what a plane of symmetry turns."""
-        total = self.contact.area @ self.contact.in_space(self.sheared.traction)
+        total = self.contact.area @ self.contact.in_space(sheared.traction)
         for _, normal in self.model.setup.planes:
             total = total - np.array(normal) * (total @ np.array(normal))
         return np.asarray(self.rub.axes[:2] @ total)
@@ -145,14 +145,22 @@ class Legs:
         return float(self.contact.force(direction) @ self.nodal)
 
     def rubbing(self) -> Rubbing:
-        """After the last leg."""
-        contact, rub, found = self.contact, self.rub, self.sheared
+        """After the last leg; of rolling also what the same contact has without creepage."""
+        found = self._rubbing(self.sheared, self.motion)
+        if not self.rub.rolling:
+            return found
+        friction = Friction(self.contact, self.rub.coefficient)
+        still = friction.solve(np.zeros_like(self.known), self.rigid[:0], np.zeros((0, 4)))
+        return replace(found, still=self._rubbing(still, np.zeros_like(self.motion)))
+
+    def _rubbing(self, found: Sheared, motion: Array) -> Rubbing:
+        contact, rub = self.contact, self.rub
         traction, area = contact.in_space(found.traction), contact.area
         arm = contact.points - np.array(rub.origin)
         moment = float(area @ np.cross(arm, traction) @ rub.axes[2])
-        force = self._force()
-        along, across, spin = (float(value) for value in self.motion[:3])
-        rigid = np.tensordot(self.motion, self.rigid, axes=1)
+        force = self._force(found)
+        along, across, spin = (float(value) for value in motion[:3])
+        rigid = np.tensordot(motion, self.rigid, axes=1)
         work = float(area @ (found.traction * rigid).sum(axis=1))
         return Rubbing(
             contact.points, area, found.pressure, traction, contact.in_space(found.slip),

@@ -45,7 +45,7 @@ class Rubbing:
     motion along and across at the end of each leg; energy: dissipated by slip after the force
     was reached for the first time, N mm; passes: how often tractions and pressure were found in
     turn; work: of the tractions on the rigid slip, rolling per rolled length, N; history:
-    the longest of `solver.friction.Sheared`."""
+    the longest of `solver.friction.Sheared`; still: rolling, the same contact without creepage."""
 
     points: Array
     weights: Array
@@ -62,6 +62,7 @@ class Rubbing:
     passes: int
     work: float
     history: tuple[float, ...]
+    still: Rubbing | None = None
 
 
 @dataclass(frozen=True)
