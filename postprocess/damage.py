@@ -23,7 +23,7 @@ def answers(
     """What "friction" of a result (both as in summary.json) has besides its forces.
 
     The largest von Mises stress and whether it is at the 'surface' or 'below'. Rolling: T-gamma
-    over the area with its regimes; traction_coefficient, tangential over normal force;
+    over the area with its regime; traction_coefficient, tangential over normal force;
     first_yield_p0_over_k, at which this patch begins to yield; shakedown_limit_p0_over_k, the least
     of two: of a line that rolls with this share of the friction coefficient, and of a surface that
     slips everywhere at the largest traction over p0 (of a line: largest traction k). With a yield
@@ -51,7 +51,6 @@ def answers(
     out |= {
         "t_gamma_over_area_MPa": density,
         "wear_regime": wear.regime(density, wear.TWIN_DISC),
-        "wear_regime_british_rail": wear.regime(forces["t_gamma_N"], wear.BRITISH_RAIL),
         "traction_coefficient": used,
         "first_yield_p0_over_k": first,
         "shakedown_limit_p0_over_k": limit,

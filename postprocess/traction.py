@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from railhead.postprocess.findings import Array
+
 if TYPE_CHECKING:
     from railhead.solver.solution import Rubbing
 
@@ -16,14 +18,37 @@ MOTION = {True: ("creepage_along", "creepage_across", "spin_per_mm"),
 LOADS = "force_along_N", "force_across_N", "moment_Nmm", "traction_max_MPa"
 
 
+def wear_number(found: Rubbing, centres: Array) -> float:
+    """The largest of all patches, N: the force on its points, those nearest to its centre, times
+    the rigid slip there on the average of the pressure, which spin about the patch leaves out."""
+    away = np.linalg.norm(found.points[:, None] - centres, axis=2)
+    owner, numbers = np.argmin(away, axis=1), [0.0]
+    for patch in range(len(centres)):
+        own = (owner == patch) & (found.pressure > 0)
+        weights = found.weights[own]
+        if own.any():
+            load = weights * found.pressure[own]
+            creepage = load @ found.rigid[own] / load.sum()
+            numbers.append(float(weights @ found.traction[own] @ creepage))
+    return max(numbers)
+
+
 def quantities(
-    found: Rubbing, *, rolling: bool, like: bool, speed: float | None, cycle: bool
+    found: Rubbing,
+    *,
+    rolling: bool,
+    like: bool,
+    speed: float | None,
+    cycle: bool,
+    patches: Array | None = None,
 ) -> dict[str, Any]:
     """As "friction" in summary.json: forces and moment of the wheel on the rail, N and N mm, with
     mu N; the wheel's motion over the rail; the share of the patch's area that sticks; the largest
     traction, MPa. Rolling, T-gamma: the energy dissipated per rolled length, N, as tractions
     times rigid slip, of unlike bodies, which creep without a force, times slip; with a speed
-    in m/s the power in W. Of a cycle, the energy that slip dissipates in it, N mm."""
+    in m/s the power in W; British Rail's wear number, T-gamma without spin: force times mean
+    creepage of the patch with the largest, of those with centres (k, 3), mm. Of a cycle, the
+    energy that slip dissipates in it, N mm."""
     touches = found.pressure > 0
     share = found.weights[found.sticks].sum() / found.weights[touches].sum()
     out: dict[str, Any] = {
@@ -40,12 +65,13 @@ def quantities(
     if cycle:
         out["energy_per_cycle_Nmm"] = found.energy
     if rolling:
-        wear = found.work
-        if not like:
-            wear = float(found.weights @ np.einsum("nc,nc->n", found.traction, found.slip))
+        slip = found.rigid if like else found.slip
+        wear = float(found.weights @ np.einsum("nc,nc->n", found.traction, slip))
         out["t_gamma_N"] = wear
         if like and found.still is not None:
             out |= _resolution(out, found.still, found.motion)
+        if patches is not None:
+            out["wear_number_N"] = wear_number(found, patches)
         if speed is not None:
             out["power_W"] = wear * speed
     return out

@@ -199,6 +199,7 @@ def _read(
             result["friction"] = traction.quantities(
                 solution.rubbing, rolling=rolling.given, like=not friction.unlike(plan.scene),
                 speed=rolling.speed, cycle=plan.scene.friction.cycle,
+                patches=np.array([each.centre for each in findings.patch.each] or [frame.origin]),
             )  # fmt: skip
             findings = replace(findings, dissipated=result["friction"].get("t_gamma_N", math.nan))
     ellipse = exact.estimate(plan.scene, plan.contact, solution.load or None)

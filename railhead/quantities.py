@@ -45,7 +45,7 @@ FRICTION = (
     ("energy per cycle", "N mm", "energy_per_cycle_Nmm"),
 )
 STEEL = (
-    ("wear by T-gamma (British Rail)", "", "wear_regime_british_rail"),
+    ("T-gamma without spin, worst patch", "N", "wear_number_N"),
     ("T-gamma over the area", "N/mm2", "t_gamma_over_area_MPa"),
     ("   wear by it (R8T on 900A)", "", "wear_regime"),
     ("where von Mises stress is largest", "", "von_mises_max_at"),

@@ -161,13 +161,12 @@ class Legs:
         force = self._force(found)
         along, across, spin = (float(value) for value in motion[:3])
         rigid = np.tensordot(motion, self.rigid, axes=1)
-        work = float(area @ (found.traction * rigid).sum(axis=1))
         return Rubbing(
             contact.points, area, found.pressure, traction, contact.in_space(found.slip),
             found.sticks, (along, across, spin), (float(force[0]), float(force[1])),
             0.0 if self.model.setup.planes else moment,
             float(rub.coefficient * (area @ found.pressure)), np.array(self.ends), self.energy,
-            self.passes, work, self.history,
+            self.passes, contact.in_space(rigid), self.history,
         )  # fmt: skip
 
 

@@ -44,8 +44,8 @@ class Rubbing:
     N mm about the normal at the origin; limit mu N, N; legs (l, 4): force along and across (N) and
     motion along and across at the end of each leg; energy: dissipated by slip after the force
     was reached for the first time, N mm; passes: how often tractions and pressure were found in
-    turn; work: of the tractions on the rigid slip, rolling per rolled length, N; history:
-    the longest of `solver.friction.Sheared`; still: rolling, the same contact without creepage."""
+    turn; rigid (n, 3): slip of rigid bodies, mm, or, rolling, of 1; history: the longest of
+    `solver.friction.Sheared`; still: rolling, the same contact without creepage."""
 
     points: Array
     weights: Array
@@ -60,7 +60,7 @@ class Rubbing:
     legs: Array
     energy: float
     passes: int
-    work: float
+    rigid: Array
     history: tuple[float, ...]
     still: Rubbing | None = None
 

@@ -38,7 +38,7 @@ def found(limit: float, motion: tuple = (0.0, 0.0, 0.0), force: tuple = (0.0, 0.
         none,
         0.0,
         1,
-        0.0,
+        none,
         (),
     )
 

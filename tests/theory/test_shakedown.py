@@ -64,8 +64,6 @@ def test_the_surface_fatigue_index_is_how_far_the_friction_is_beyond_the_limit()
     [
         (10.3, wear.TWIN_DISC, "mild"), (10.4, wear.TWIN_DISC, "severe"),
         (77.3, wear.TWIN_DISC, "catastrophic"),
-        (99.0, wear.BRITISH_RAIL, "mild"), (150.0, wear.BRITISH_RAIL, "severe"),
-        (200.0, wear.BRITISH_RAIL, "catastrophic"),
     ],
 )  # fmt: skip
 def test_wear_grows_with_what_is_dissipated(value, limits, regime) -> None:

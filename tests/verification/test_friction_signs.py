@@ -199,9 +199,10 @@ def test_steel_that_would_yield_stays_elastic_and_keeps_its_friction() -> None:
     assert answer["shakedown"] == "ratchets" and answer["p0_over_k"] > 4.5
     assert answer["surface_fatigue_index"] > 0.25
     assert "plastic" not in found["result"] and found["effects_after"]["plasticity"]["needed"]
+    assert found["checks"]["failed"][0] == "effects_left_out"
 
 
 def test_the_table_says_wear_and_where_the_steel_is_hit_hardest() -> None:
     shown = screen.text(solved(plane(0.5, wheel={"yield_stress": 300})).show)
-    for said in ("catastrophic", "surface", "passing again and again", "p0/k"):
+    for said in ("T-gamma without spin", "surface", "passing again and again", "p0/k"):
         assert said in shown
