@@ -30,6 +30,16 @@ class Curve:
         """Of an arc in mm; infinite for others."""
         return math.inf if self.centre is None else math.dist(self.points[0], self.centre)
 
+    def sampled(self) -> Array:
+        """Points (n, 2) along the curve: 500 of an arc, else its own."""
+        if self.centre is None:
+            return self.points
+        first, last = (np.arctan2(*(point - self.centre)[::-1]) for point in self.points[[0, -1]])
+        angle = first + np.linspace(0, (last - first + np.pi) % (2 * np.pi) - np.pi, 500)
+        return np.asarray(
+            self.centre + self.radius * np.column_stack([np.cos(angle), np.sin(angle)])
+        )
+
     def mirrored(self) -> Curve:
         """Reflected at y = 0, with its direction kept around the section."""
         flip = np.array([-1.0, 1.0])

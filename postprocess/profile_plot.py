@@ -6,15 +6,15 @@ from pathlib import Path
 
 import numpy as np
 
-from railhead.meshing.measured import Measured, inner
-from railhead.meshing.wear import Wear
+from railhead.meshing.measured.profile import Measured, inner
+from railhead.meshing.measured.standards import LaidStandard
 from railhead.postprocess.findings import Array
 from railhead.postprocess.plots import new_figure
 
 RAW, SMOOTH, STANDARD, LOST = "#9a9a9a", "#1f4e79", "#c8502d", "#9a5f00"
 
 
-def draw(found: Measured, worn: Wear, path: Path) -> None:
+def draw(found: Measured, worn: LaidStandard, path: Path) -> None:
     """Profile, residual, curvature and wear over y, below each other."""
     smoothed, profile = found.smoothed, found.profile
     y = np.linspace(*inner(profile), 3000)
@@ -22,7 +22,7 @@ def draw(found: Measured, worn: Wear, path: Path) -> None:
         top, left, bend, lost = figure.subplots(
             4, 1, sharex=True, gridspec_kw={"height_ratios": [1.6, 1, 1.4, 1]}
         )
-        top.plot(*worn.outline.T, color=STANDARD, lw=1.2, label=f"{worn.standard}, laid on")
+        top.plot(*worn.outline.T, color=STANDARD, lw=1.2, label=f"{worn.name}, laid on")
         top.plot(*found.points.T, ".", color=RAW, ms=3, label="measured")
         top.plot(y, profile.height(y), color=SMOOTH, label="smoothed")
         top.set_title(f"{found.path.name}: {found.body}, {len(found.points)} points")
@@ -39,21 +39,25 @@ def draw(found: Measured, worn: Wear, path: Path) -> None:
         )  # fmt: skip
         curvature = profile.curvature(y)
         bend.plot(y, curvature, color=SMOOTH, label="smoothed")
-        bend.plot(*_curvature(worn), color=STANDARD, lw=1.2, label=worn.standard)
+        bend.plot(*_curvature(worn), color=STANDARD, lw=1.2, label=worn.name)
         span = max(float(np.abs(curvature).max()), 0.02)
         bend.set_ylim(min(1.3 * float(curvature.min()), -0.2 * span), 1.3 * span)
         bend.set_ylabel("curvature, 1/mm\n(convex is positive)")
         bend.legend(loc="best")
         lost.plot(worn.y, worn.loss, color=LOST)
         lost.plot(
-            worn.at, worn.largest, "o", color=STANDARD, label=f"largest: {worn.largest:.3g} mm"
+            worn.y[worn.worst],
+            worn.largest_loss,
+            "o",
+            color=STANDARD,
+            label=f"largest: {worn.largest_loss:.3g} mm",
         )
         lost.legend(loc="upper right")
-        lost.set_ylabel(f"less than\n{worn.standard}, mm")
+        lost.set_ylabel(f"less than\n{worn.name}, mm")
         lost.set_xlabel("y across the track, mm (gauge side and flange on the left)")
 
 
-def _curvature(worn: Wear) -> tuple[Array, Array]:
+def _curvature(worn: LaidStandard) -> tuple[Array, Array]:
     """y (n,) and curvature (n,) of the standard, 1/mm, where it faces upwards."""
     outline = worn.outline[::10]
     first = np.gradient(outline, axis=0)

@@ -14,7 +14,8 @@ from rich.table import Table
 
 from railhead import results
 from railhead.geometry import solid as geometry
-from railhead.meshing import measured, wheelset
+from railhead.meshing import wheelset
+from railhead.meshing.measured import profile as measured
 from railhead.meshing.placement import Pair, PlacementError, Touch
 from railhead.meshing.wheelset import Placed, Track
 from railhead.scene.scene import Scene, SceneError

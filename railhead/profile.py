@@ -14,13 +14,12 @@ from rich.console import Console
 
 from railhead import report, results, screen
 from railhead.geometry import solid
-from railhead.meshing import instruments, orientation, wear
-from railhead.meshing.measured import Measured, smoothness
-from railhead.meshing.suffixes import BODIES
-from railhead.meshing.wear import Wear
+from railhead.meshing.measured import standards
+from railhead.meshing.measured.extensions import BODY_BY_EXTENSION
+from railhead.meshing.measured.profile import Measured, smoothness
+from railhead.meshing.measured.standards import LaidStandard
 from railhead.scene.scene import Scene, SceneError
 
-WHEEL = 100.0  # mm: a table of points that wide or wider is of a wheel
 STEP = 0.25  # mm between the rows of profile.csv
 
 
@@ -29,7 +28,7 @@ class Examined:
     """A measured profile and its wear."""
 
     found: Measured
-    worn: Wear
+    worn: LaidStandard
 
     def summary(self) -> dict[str, Any]:
         """As in summary.json: lengths mm, curvatures 1/mm."""
@@ -40,42 +39,41 @@ class Examined:
             **found.summary(),
             "domain_mm": list(found.profile.domain),
             "curvatures_per_mm": {"5%": low, "50%": middle, "95%": high},
-            "standard": worn.standard,
+            "standard": worn.name,
             "wear": {
-                "largest_mm": worn.largest, "largest_y_mm": worn.at, "area_mm2": worn.area,
+                "largest_mm": worn.largest_loss,
+                "largest_y_mm": float(worn.y[worn.worst]),
+                "area_mm2": worn.lost_area,
             },
-        }  # fmt: skip
+        }
 
 
 def examine(path: Path, body: str | None, assignments: Sequence[str]) -> Examined:
-    """The profile of a file; body: 'rail' or 'wheel', if None that of the suffix or of the first
-    assignment, else found out; assignments: keys of that body, as in a scene
-    (`rail.profile_unit=inch`). Raises SceneError."""
-    named = (assignment.partition(".")[0] for assignment in assignments)
-    given = next((name for name in named if name in BODIES.values()), None)
-    said = body or BODIES.get(path.suffix.lower()) or given
-    guessed = "" if said else _kind(path)
-    kind = said or guessed or "rail"
+    """The profile of a file. Raises SceneError.
+
+    body: 'rail' or 'wheel'; None takes that of the extension or of the first assignment, else the
+    first of both whose standard profiles it fits. assignments: keys of that body, as in a scene
+    (`rail.profile_unit=inch`).
+    """
+    names = (assignment.partition(".")[0] for assignment in assignments)
+    of_key = next((name for name in names if name in ("rail", "wheel")), None)
+    kind = body or BODY_BY_EXTENSION.get(path.suffix.lower()) or of_key
+    if kind:
+        return _examine(path, kind, assignments)
     try:
-        scene = Scene.from_mapping({"load": 1.0, kind: {"profile": str(path)}}).replace(assignments)
-        found = solid.from_file(scene, kind)
-    except SceneError as error:
-        told = f" (taken for a {kind}'s by its shape: --body says whose it is)" if guessed else ""
-        raise SceneError(error.key, error.text + told) from None
-    return Examined(found, wear.nearest(found.evenly(wear.STEP), kind))
+        return _examine(path, "rail", assignments)
+    except SceneError as rail:
+        try:
+            return _examine(path, "wheel", assignments)
+        except SceneError:
+            text = f"{rail.text} (as a rail; no wheel either: --body says whose it is)"
+            raise SceneError(rail.key, text) from None
 
 
-def _kind(path: Path) -> str:
-    """'wheel' for a table of points as wide as wheels are or with a flange, else 'rail'; '' where
-    it cannot be read: what is wrong is said later."""
-    checked = Scene.from_mapping({"load": 1.0, "rail": {"profile": str(path)}}).rail.profile
-    try:
-        points, _ = orientation.in_mm(instruments.read(Path(checked)), "wheel", "auto")
-    except (ValueError, OSError):
-        return ""
-    width, most = float(np.ptp(points[:, 0])), orientation.USUAL["wheel"][1]
-    wide = width <= most and (width >= WHEEL or orientation.flange(points) is not None)
-    return "wheel" if wide else "rail"
+def _examine(path: Path, body: str, assignments: Sequence[str]) -> Examined:
+    scene = Scene.from_mapping({"load": 1.0, body: {"profile": str(path)}}).replace(assignments)
+    found = solid.from_file(scene, body)
+    return Examined(found, standards.nearest(found.resampled(standards.STEP), body))
 
 
 def write(examined: Examined, folder: Path) -> None:
@@ -110,8 +108,8 @@ def show(examined: Examined, console: Console) -> None:
     lines = [
         *report.profile_lines({found.body: summary}),
         f"radius     {', '.join(radii)} mm at 5, 50, 95 % of the curvature",
-        f"wear       against {worn.standard}: at most {worn.largest:.3g} mm at y = {worn.at:.1f} "
-        f"mm, {worn.area:.3g} mm2 of the section",
+        f"wear       against {worn.name}: at most {worn.largest_loss:.3g} mm at y = "
+        f"{worn.y[worn.worst]:.1f} mm, {worn.lost_area:.3g} mm2 of the section",
     ]
     for line in lines:
         screen.labelled(console, line)

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.meshing import measured, placement, profiles, wheelset
-from railhead.meshing.measured import Measured
-from railhead.meshing.orientation import Choices
+from railhead.meshing import placement, profiles, wheelset
+from railhead.meshing.measured import profile as measured
+from railhead.meshing.measured.orientation import Orientation
+from railhead.meshing.measured.profile import Measured
 from railhead.meshing.placement import Pair, PlacementError, Touch
 from railhead.meshing.pose import Pose, upright
 from railhead.meshing.profiles import Profile
@@ -65,13 +66,16 @@ def from_file(scene: Scene, body: str, stretch: float = 1.0) -> Measured:
     """The measured profile of the 'rail' or 'wheel', smoothed with `stretch` times the wavelengths
     that it would be smoothed with. Raises SceneError."""
     part: Rail | Wheel = getattr(scene, body)
-    choices = Choices(
-        part.profile_unit, part.profile_mirror, part.profile_flip, part.profile_origin
+    given = Orientation(
+        unit=part.profile_unit,
+        mirror=part.profile_mirror,
+        flip=part.profile_flip,
+        origin=part.profile_origin,
     )
     wavelength = None if part.smoothing == "auto" else part.smoothing
     slope = scene.rail.inclination if body == "rail" else 0.0
     try:
-        return measured.read(Path(part.profile), body, choices, wavelength, slope, stretch)
+        return measured.read(Path(part.profile), body, given, wavelength, slope, stretch)
     except (ValueError, OSError) as error:
         raise SceneError(f"{body}.profile", str(error)) from None
 

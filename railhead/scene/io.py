@@ -9,7 +9,7 @@ from typing import Any
 
 import tomli_w
 
-from railhead.meshing.suffixes import SUFFIXES
+from railhead.meshing.measured.extensions import EXTENSIONS
 from railhead.scene.scene import NAME_BYTES, Scene, SceneError
 
 
@@ -55,7 +55,7 @@ def read_scene(path: str | Path) -> Scene:
     data.setdefault("name", short)
     for section in filter(lambda table: isinstance(table, dict), data.values()):
         profile = section.get("profile")
-        if isinstance(profile, str) and profile.lower().endswith(SUFFIXES):
+        if isinstance(profile, str) and profile.lower().endswith(EXTENSIONS):
             section["profile"] = str(path.parent / profile)
     return Scene.from_mapping(data)
 

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_validator
 
-from railhead.meshing.suffixes import BODIES, SUFFIXES
+from railhead.meshing.measured.extensions import BODY_BY_EXTENSION, EXTENSIONS
 from railhead.scene import curves, steels, units
 from railhead.scene.units import show
 
@@ -88,8 +88,8 @@ def _readable(path: str) -> bool:
 
 def _profile(body: str, *names: str) -> BeforeValidator:
     """Return a validator of a profile: one of `names`, an alias, or a file (kept absolute)."""
-    suffixes = [suffix for suffix in SUFFIXES
-                if BODIES.get(suffix, body) == body]  # fmt: skip
+    suffixes = [suffix for suffix in EXTENSIONS
+                if BODY_BY_EXTENSION.get(suffix, body) == body]  # fmt: skip
     kinds = f"a {', '.join(suffixes[:-1])} or {suffixes[-1]} file"
 
     def validate(value: object) -> str:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from railhead.geometry import bodies
-from railhead.meshing import measured, outlines, profiles
+from railhead.meshing import outlines, profiles
+from railhead.meshing.measured import profile as measured
 
 HEIGHT = {"54E1": 159.0, "60E1": 172.0}
 

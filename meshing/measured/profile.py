@@ -1,13 +1,9 @@
-"""Measured profiles: points from a file, brought to the project's axes, smoothed.
-
-What a file leaves open is found out from its shape and said: the unit by the width, up and down by
-the convex crown or the flange, the gauge side by the flange, the lean of the head or its wear.
-"""
+"""Measured profiles: points from a file, brought to the axes of the project, smoothed."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -17,29 +13,43 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
-from railhead.meshing import instruments, orientation, scans, smoothing, wear
-from railhead.meshing.dialects import InstrumentError, Table
-from railhead.meshing.orientation import Choices
+from railhead.meshing.measured import (
+    formats,
+    ordering,
+    orientation,
+    outliers,
+    smoothing,
+)
+from railhead.meshing.measured.ordering import PointError
+from railhead.meshing.measured.orientation import Orientation
+from railhead.meshing.measured.smoothing import Smoothed
+from railhead.meshing.measured.tables import FormatError, Table
 from railhead.meshing.profiles import Profile, Spline
-from railhead.meshing.smoothing import PointError, Smoothed
 
 Array = NDArray[np.float64]
-STEEP = 0.045  # of dy over ds: steeper faces than those of a standard rail's corners are cut off
+STEEPEST = 0.045  # dy over ds: steeper faces than those of a standard rail's corners are cut off
 SAMPLE = 0.1  # mm between the points of a profile's spline
 LOOSE = 1.0  # mm beyond half a step between points, or two usual ones: no curve through them
 FOLD, LOST = 20.0, 2.0  # mm along a part that turns back, at most, and across that it cuts off
-AUTOMATIC = Choices()
-EDGE = 0.02  # of the width at either end that the report leaves out
+FROM_SHAPE = Orientation()
+EDGE = 0.02  # share of the width at either end that reports leave out
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Measured:
-    """A profile from a file. said: how it was read and turned, in words; smoothed: the curve
-    through its points; profile: its longest part that faces upwards."""
+    """A profile from a file.
+
+    Attributes:
+        path: the file.
+        body: 'rail' or 'wheel'.
+        remarks: how it was read and turned, and warnings.
+        smoothed: the curve through its points.
+        profile: its longest part that faces upwards.
+    """
 
     path: Path
     body: str
-    said: tuple[str, ...]
+    remarks: tuple[str, ...]
     smoothed: Smoothed
     profile: Profile
 
@@ -55,7 +65,7 @@ class Measured:
         y = self.points[:, 0]
         return np.asarray((y > start) & (y < end))
 
-    def evenly(self, step: float) -> Array:
+    def resampled(self, step: float) -> Array:
         """Points (n, 2) of the smoothed curve that far apart, mm."""
         return np.asarray(self.smoothed.curve(np.arange(step / 2, self.smoothed.length, step)))
 
@@ -85,7 +95,7 @@ class Measured:
         before, after = self.sharpest
         return {
             "file": str(self.path),
-            "read": list(self.said),
+            "read": list(self.remarks),
             "points": len(self.points),
             "noise_mm": self.smoothed.noise,
             "smoothing_mm": list(self.wavelengths),
@@ -114,14 +124,14 @@ def from_points(
     points = np.asarray(points, dtype=float)
     if not np.isfinite(points).all():
         raise ValueError("holds points that are not finite; give finite numbers")
-    smoothed = smoothing.smooth(scans.in_order(points), wavelength, stretch)
+    smoothed = smoothing.smooth(ordering.in_order(points), wavelength, stretch)
     s = np.linspace(0, smoothed.length, max(2, math.ceil(smoothed.length / SAMPLE)) + 1)
     tangent = smoothed.curve(s, 1)
-    faces = tangent[:, 0] > STEEP * np.linalg.norm(tangent, axis=1)
+    faces = tangent[:, 0] > STEEPEST * np.linalg.norm(tangent, axis=1)
     runs = _runs(faces)
     if np.diff(runs).max(initial=0) < 4:
         raise ValueError("has no part that faces upwards; give points across the running surface")
-    curve, spacing = smoothed.curve(s), np.diff(smoothing.chord_lengths(smoothed.points))
+    curve, spacing = smoothed.curve(s), np.diff(ordering.chord_lengths(smoothed.points))
     off = cKDTree(smoothed.points).query(curve)[0]
     if off.max() > max(spacing.max() / 2, 2 * float(np.median(spacing))) + LOOSE:
         raise smoothing.folded(smoothed.points)
@@ -134,26 +144,31 @@ def from_points(
 def read(
     path: Path,
     body: str,
-    choices: Choices = AUTOMATIC,
+    given: Orientation = FROM_SHAPE,
     wavelength: float | None = None,
     slope: float = 0.0,
     stretch: float = 1.0,
 ) -> Measured:
     """The profile of a 'rail' or 'wheel' in a file.
 
-    choices: what the person says of it; wavelength, stretch: as in `smoothing.smooth`; slope: that
-    it is rolled by about the origin. Raises InstrumentError, ValueError, OSError.
+    given: what the user says of its axes; wavelength, stretch: as in `smoothing.smooth`; slope:
+    that it is rolled by about the origin. Raises FormatError, ValueError, OSError.
     """
     changed = path.stat().st_mtime_ns
-    return _read(path, changed, body, choices, wavelength, slope, stretch)
+    return _read(path, changed, body, given, wavelength, slope, stretch)
 
 
 @lru_cache(maxsize=16)
 def _read(
-    path: Path, changed: int, body: str, choices: Choices, wavelength: float | None,
-    slope: float, stretch: float,
-) -> Measured:  # fmt: skip
-    table, points, kept, found = _turned(path, changed, body, choices)
+    path: Path,
+    changed: int,
+    body: str,
+    given: Orientation,
+    wavelength: float | None,
+    slope: float,
+    stretch: float,
+) -> Measured:
+    table, points, kept, remarks = _in_axes(path, changed, body, given)
     cosine = math.cos(math.atan(slope))
     roll = cosine * np.array([[1.0, slope], [-slope, 1.0]])
     points = points @ roll
@@ -163,61 +178,65 @@ def _read(
         raise _refused(path, table, points, error) from None
     except ValueError as error:
         raise ValueError(f"{path.name} {error}") from None
-    said = (f"{table.format}, {len(table.points)} points", *found, *table.remarks)
-    measured = Measured(path, body, said, smoothed, profile)
-    return replace(measured, said=(*said, *_warnings(measured, table, points)))
+    warnings = (
+        f"WARNING: {text} at y = {place[0]:.1f}, line {_line(table, points, place)}: "
+        "taken for shape"
+        for text, place in _outliers(smoothed, profile)
+    )
+    remarks = (*remarks, *table.remarks, *warnings)
+    return Measured(path=path, body=body, remarks=remarks, smoothed=smoothed, profile=profile)
 
 
 @lru_cache(maxsize=16)
-def _turned(
-    path: Path, _: int, body: str, choices: Choices
+def _in_axes(
+    path: Path, _: int, body: str, given: Orientation
 ) -> tuple[Table, Array, Array, tuple[str, ...]]:
-    """What a file holds, its points in the axes of profiles, those that are kept of them, and what
-    was done to them: the same for all smoothing."""
-    table = instruments.read(path, overruled=choices.unit != "auto")
+    """Table of a file, its points (n, 2) in the axes of profiles, those of them that are smoothed
+    (m, 2), and what was done: the same for all smoothing."""
+    table = formats.read(path, unit_is_given=given.unit != "auto")
     if table.body and table.body != body:
-        raise InstrumentError(path.name, 1, f"is a {table.body}'s; give one of a {body}")
-    points = table.points
+        raise FormatError(path.name, 1, f"is a {table.body}'s; give one of a {body}")
+    listed = table.points
     try:
-        points, found = orientation.turned(table, body, choices)
-        part = orientation.part(points, body)
-        kept = scans.once(part)
+        points, unit = orientation.in_mm(table, body, given.unit)
+        listed = points
+        outliers.check_digits(points)
+        outliers.check_wild(ordering.in_order(points))
+        points, done = orientation.oriented(points, body, given)
+        listed = points
+        part = ordering.head(points) if body == "rail" else points
+        kept = ordering.merged(part)
     except PointError as error:
-        raise _refused(path, table, points, error) from None
+        raise _refused(path, table, listed, error) from None
     if len(part) < len(points):
-        found.append(f"cut off {scans.DEEP:g} mm below its top")
+        done.append(f"cut off {ordering.HEAD_DEPTH:g} mm below its top")
     if len(kept) < len(part):
-        found.append(f"points at the same y averaged to {len(kept)}")
-    if unlike := wear.unlike(scans.evenly(scans.in_order(kept), wear.STEP), body):
-        found.append(f"WARNING: {unlike}; look at its picture, its columns and their units")
-    return table, points, kept, tuple(found)
+        done.append(f"points at the same y averaged to {len(kept)}")
+    return table, points, kept, (f"{table.format}, {len(table.points)} points", unit, *done)
 
 
-def _refused(path: Path, table: Table, points: Array, error: PointError) -> InstrumentError:
-    """Points (n, 2): the table's, in the axes of the error's place."""
-    return InstrumentError(path.name, _line(table, points, error.place), str(error))
+def _refused(path: Path, table: Table, points: Array, error: PointError) -> FormatError:
+    """points (n, 2): the table's, in the axes of the error's place."""
+    return FormatError(path.name, _line(table, points, error.place), str(error))
 
 
 def _line(table: Table, points: Array, place: Array) -> int:
-    """Of the point nearest to a place; points: the table's, in the axes of the place."""
-    nearest = int(np.argmin(np.abs(points - place).max(axis=1)))
-    return table.lines[nearest] if table.lines else nearest + 1
+    """Line of the point nearest to a place; points: the table's, in the axes of the place."""
+    return table.lines[int(np.argmin(np.abs(points - place).max(axis=1)))]
 
 
-def _warnings(measured: Measured, table: Table, points: Array) -> list[str]:
-    """Points that stand off where their neighbours are, in words: they are kept."""
-    found = []
-    if spikes := scans.spikes(measured.smoothed, measured.facing):
+def _outliers(smoothed: Smoothed, profile: Profile) -> list[tuple[str, Array]]:
+    """What stands off and is kept, in words, and where (2,)."""
+    found, (start, end) = [], inner(profile)
+    y = smoothed.points[:, 0]
+    if spikes := outliers.spikes(smoothed, np.asarray((y > start) & (y < end))):
         count, off, place = spikes
-        stand = "1 point stands off by" if count == 1 else f"{count} points stand off by up to"
-        found.append((f"{stand} {off:.2g} mm", place))
-    if bend := scans.bend(measured.smoothed, *inner(measured.profile)):
-        found.append((f"it bends by {bend[0]:.0f} deg and back within {scans.WAVE:g} mm", bend[1]))
-    return [
-        f"WARNING: {what} at y = {place[0]:.1f}, "
-        f"line {_line(table, points, place)}: taken for shape"
-        for what, place in found
-    ]
+        text = "1 point stands off by" if count == 1 else f"{count} points stand off by up to"
+        found.append((f"{text} {off:.2g} mm", place))
+    if wave := outliers.wave(smoothed, start, end):
+        text = f"it bends by {wave[0]:.0f} deg and back within {outliers.WAVE:g} mm"
+        found.append((text, wave[1]))
+    return found
 
 
 def _runs(faces: NDArray[np.bool_]) -> NDArray[np.intp]:

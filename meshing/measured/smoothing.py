@@ -19,11 +19,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
 from scipy.linalg import cho_factor, cho_solve
-from scipy.ndimage import gaussian_filter1d, maximum_filter1d, median_filter
+from scipy.ndimage import gaussian_filter1d, median_filter
 from scipy.sparse import csr_array, diags
 
+from railhead.meshing.measured.ordering import LARGEST_GAP, PointError, chord_lengths
+
 Array = NDArray[np.float64]
-LEAST_POINTS, GAP = 12, 5.0  # points, and mm between them
+LEAST_POINTS = 12
 ORDER = 3  # of the derivative that is penalised, and of the splines
 DIFFERENCE = 5  # order of the differences that show the noise ...
 MEDIAN = 101  # ... points over which their median is taken ...
@@ -40,14 +42,6 @@ BENDING = 1.2  # times the wavelength that suits heights is one that suits curva
 LONGER = 1.2  # times the way through its points is no curve through them
 UPDATES, SETTLED = 60, 0.02
 FINE = 20  # samples a point, where a curve is measured or bent open
-
-
-class PointError(ValueError):
-    """Points are no profile: the text says why, place (2,) where, in their axes."""
-
-    def __init__(self, text: str, place: Array) -> None:
-        super().__init__(text)
-        self.place = place
 
 
 @dataclass(frozen=True)
@@ -102,20 +96,6 @@ def noise(points: Array) -> Array:
     return np.maximum(np.pad(sigma, ends, mode="edge"), LEAST_NOISE)
 
 
-def standing_off(points: Array) -> Array:
-    """How far (n,) points (n, 2) in the order of the curve are off the cubic through the two on
-    either side, mm; zero but where that is the farthest among these five, and for the outermost
-    two: its neighbours' cubics are spoilt by a point that errs."""
-    s, off = chord_lengths(points), np.zeros(len(points))
-    for i in range(2, len(points) - 2):
-        others = [i - 2, i - 1, i + 1, i + 2]
-        apart = s[others][:, None] - s[others] + np.eye(4)
-        reach = (s[i] - s[others])[None, :] * (1 - np.eye(4)) + np.eye(4)
-        weights = reach.prod(axis=1) / apart.prod(axis=1)
-        off[i] = np.linalg.norm(points[i] - weights @ points[others])
-    return np.where(off == maximum_filter1d(off, 5), off, 0.0)
-
-
 def turns(points: Array) -> Array:
     """Angles (n - 2,) by which the way through points (n, 2) turns at the inner ones, rad."""
     one, two = np.diff(points, axis=0)[:-1], np.diff(points, axis=0)[1:]
@@ -141,10 +121,11 @@ def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0)
     sigma = noise(points)
     s = chord_lengths(points)
     apart = np.diff(s)
-    if apart.max() > GAP:
+    if apart.max() > LARGEST_GAP:
         y, z = points[int(np.argmax(apart))]
-        raise PointError(f"has a gap of {apart.max():.3g} mm behind the point {y:.4g}, {z:.4g}; "
-                         f"give points at most {GAP:g} mm apart", np.array([y, z]))  # fmt: skip
+        text = f"has a gap of {apart.max():.3g} mm behind the point {y:.4g}, {z:.4g}; "
+        text += f"give points at most {LARGEST_GAP:g} mm apart"
+        raise PointError(text, np.array([y, z]))
     spacing = s[-1] / (len(s) - 1)
     for _ in range(2):
         pilot = _Fit.of(s)
@@ -267,11 +248,6 @@ def _averaged(points: Array) -> Array:
 
 def _cross(one: Array, other: Array) -> Array:
     return np.asarray(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
-
-
-def chord_lengths(points: Array) -> Array:
-    """Lengths (n,) along the straight lines through points (n, 2), from the first one on."""
-    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
 
 
 def _frame(curve: BSpline, s: Array) -> tuple[Array, Array]:

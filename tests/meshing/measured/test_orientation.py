@@ -1,0 +1,328 @@
+"""From the axes of a file to those of the project; points that are refused before."""
+
+from contextlib import nullcontext
+
+import numpy as np
+import pytest
+
+from railhead.meshing import outlines, profiles
+from railhead.meshing.measured import ordering, orientation, outliers, standards
+from railhead.meshing.measured.ordering import PointError
+from railhead.meshing.measured.orientation import Orientation
+from railhead.meshing.measured.tables import Table
+
+
+def head() -> np.ndarray:
+    """Points of a 60E1 head, gauge corner worn, down to 25 mm."""
+    profile = profiles.rail_head("60E1")
+    y = np.linspace(*profile.domain, 400)
+    z = profile.height(y) - 1.5 * np.exp(-(((y + 33) / 6) ** 2) / 2)
+    depth = np.arange(z[-1] - 0.5, -25, -0.5)
+    right = np.column_stack([y[-1] - (depth - z[-1]) / 20, depth])
+    left = np.column_stack([y[0] + (depth - z[0]) / 20, depth])[::-1]
+    return np.concatenate([left, np.column_stack([y, z]), right])
+
+
+def wheel(y: np.ndarray | None = None) -> np.ndarray:
+    """Points of S1002, which reaches from -70 to 60 mm."""
+    y = np.linspace(-70.0, 60.0, 300) if y is None else y
+    return np.column_stack([y, profiles.s1002().height(y)])
+
+
+def table(points: np.ndarray, unit: str = "") -> Table:
+    lines = tuple(range(1, len(points) + 1))
+    return Table(points=points, unit=unit, body="", format="table", remarks=(), lines=lines)
+
+
+def turned(points: np.ndarray, body: str = "rail", **given: str) -> tuple[np.ndarray, str]:
+    """As profiles are read, from a table that states no unit."""
+    orient = Orientation(**given)
+    points, unit = orientation.in_mm(table(points), body, orient.unit)
+    outliers.check_digits(points)
+    outliers.check_wild(ordering.in_order(points))
+    found, done = orientation.oriented(points, body, orient)
+    return found, ", ".join([unit, *done])
+
+
+@pytest.mark.parametrize(
+    ("unit", "mirror", "flip"), [("mm", 1, 1), ("m", -1, 1), ("inch", 1, -1), ("mm", -1, -1)]
+)
+def test_unit_sides_and_up_are_read_from_the_shape(unit: str, mirror: int, flip: int) -> None:
+    true = head()
+    found, done = turned(true * [mirror, flip] / orientation.MM_OF_UNIT[unit])
+    np.testing.assert_allclose(found, true, atol=1e-9)
+    assert ("mirrored" in done) == (mirror < 0)
+    assert ("upside down" in done) == (flip < 0)
+    assert f"in {unit} (by its width)" in done
+
+
+def test_keys_stand_over_the_shape() -> None:
+    """Given all, a profile that fits no standard is read too, with a warning."""
+    true = head()
+    found, done = turned(true, mirror="on", flip="off", unit="mm", origin="file")
+    np.testing.assert_allclose(found, true * [-1, 1])
+    assert done == "in mm, mirrored"
+    found, done = turned(-true, mirror="off", flip="off")
+    np.testing.assert_allclose(found, -true)
+    assert "WARNING: is farther than 6 mm from" in done
+    with pytest.raises(ValueError, match="mm wide in m; give its profile_unit"):
+        turned(true, unit="m")
+    with pytest.raises(ValueError, match="0.25 high, no rail of 25 to 100 mm in mm, inch, m"):
+        turned(true / 100)
+    with pytest.raises(ValueError, match="7.2 mm wide in mm; give its profile_unit"):
+        turned(true * 7.2 / np.ptp(true[:, 0]), unit="mm")
+
+
+FOREIGN = {
+    "columns exchanged": (lambda: head()[:, ::-1], "rail"),
+    "heights in inches": (lambda: head() / [1, 25.4], "rail"),
+    "a wheel's heights in cm": (lambda: wheel() / [1, 10], "wheel"),
+    "a cone": (lambda: np.linspace([-60.0, 3.0], [60.0, -3.0], 241), "wheel"),
+    "a foot": (lambda: np.linspace([-45.0, 0.0], [45.0, 0.0], 181), "rail"),
+}
+
+
+@pytest.mark.parametrize(("points", "body"), FOREIGN.values(), ids=FOREIGN)
+def test_what_fits_no_standard_is_refused_and_names_the_keys(points, body: str) -> None:
+    with pytest.raises(PointError) as caught:
+        turned(points(), body)
+    text = str(caught.value)
+    assert "profile_unit" in text and len(text.splitlines()) == 1
+    assert "profile_flip" in text or "y before z" in text
+
+
+@pytest.mark.parametrize(("off", "is_refused"), [(5.5, False), (6.5, True)])
+def test_a_profile_may_be_6_mm_off_its_standard(off: float, is_refused: bool) -> None:
+    """Worn by that much at its gauge corner."""
+    points = head()
+    points[:, 1] -= off * np.exp(-(((points[:, 0] + 20) / 6) ** 2) / 2)
+    with pytest.raises(PointError, match="6 mm") if is_refused else nullcontext():
+        turned(points)
+
+
+def test_an_orientation_that_the_shape_leaves_open_is_refused() -> None:
+    """A tread worn to a cone is the same when it is turned by half a turn."""
+    y = np.linspace(-30.0, 50.0, 161)
+    points = np.column_stack([y, -y / 40])
+    with pytest.raises(PointError, match="give its profile_mirror and profile_flip"):
+        turned(points, "wheel")
+    found, _ = turned(points, "wheel", flip="off", mirror="off", origin="file")
+    np.testing.assert_allclose(found, points)
+
+
+@pytest.mark.parametrize("unit", [10.0, 100.0, 304.8], ids=["cm", "dm", "ft"])
+def test_units_that_nobody_says_are_not_taken_for_others(unit: float) -> None:
+    """A head in cm is as wide as one of 7 inches would be, a wheel in cm as a strip of 13 mm."""
+    for points, body in ((head(), "rail"), (wheel(), "wheel")):
+        with pytest.raises(ValueError, match="give its profile_unit, or name it in a header"):
+            orientation.in_mm(table(points / unit), body, "auto")
+
+
+@pytest.mark.parametrize("unit", [10.0, 304.8], ids=["cm", "ft"])
+@pytest.mark.parametrize("half", [13.0, 18.0])
+def test_a_narrow_crown_is_no_head_in_inches(unit: float, half: float) -> None:
+    y = np.arange(-half, half, 0.25)
+    points = np.column_stack([y, profiles.rail_head("60E1").height(y)])
+    turned(points)
+    with pytest.raises(ValueError, match="give its profile_unit"):
+        turned(points / unit)
+
+
+@pytest.mark.parametrize("mirror", [1, -1])
+@pytest.mark.parametrize("flip", [1, -1])
+def test_a_wheel_is_turned_as_its_standard(mirror: int, flip: int) -> None:
+    true = wheel()
+    found, done = turned(true * [mirror, flip], "wheel")
+    np.testing.assert_allclose(found, true, atol=0.2)
+    assert ("mirrored" in done) == (mirror < 0)
+    assert ("turned upside down" in done) == (flip < 0)
+
+
+def outline(worn: float, degrees: float, deepest: float) -> np.ndarray:
+    """A 60E1 head, symmetric, sides 1:20 down to 36 mm; its gauge face (y < 0) worn by a plane of
+    that inclination, that much (mm) 14 mm below the top."""
+    profile = profiles.rail_head("60E1")
+    y = np.linspace(*profile.domain, 700)
+    z = profile.height(y)
+    down = np.arange(0.2, 36 + z[0], 0.2)
+    right = np.column_stack([y[-1] + down / 20, z[-1] - down])
+    points = np.concatenate([(right * [-1, 1])[::-1], np.column_stack([y, z]), right])
+    plane = -36.0 + worn + np.tan(np.radians(degrees)) * (points[:, 1] + 14)
+    cut = (points[:, 0] < plane) & (points[:, 1] > -deepest)
+    points[cut, 0] = plane[cut]
+    return points
+
+
+@pytest.mark.parametrize(
+    ("slope", "worn", "degrees", "depth"),
+    [(0.0, 1.0, 3.0, 16.0), (0.0, 6.0, 15.0, 20.0), (1 / 40, 2.0, 26.0, 20.0),
+     (1 / 20, 4.0, 8.0, 16.0), (1 / 20, 2.0, 26.0, 32.0)],
+)  # fmt: skip
+def test_the_worn_side_is_the_gauge_side(slope, worn, degrees, depth) -> None:
+    points = outline(worn, degrees, 30.0)
+    points = points[points[:, 1] > -depth] @ np.array([[1.0, slope], [-slope, 1.0]])
+    for sign in (1, -1):
+        _, done = turned(points * [sign, 1])
+        assert ("mirrored (by its worn side)" in done) is (sign < 0)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_an_unworn_head_leans_to_the_gauge_side(sign: int) -> None:
+    points = outline(0.0, 0.0, 0.0) @ np.array([[1.0, 1 / 40], [-1 / 40, 1.0]])
+    _, done = turned(points * [sign, 1])
+    assert ("mirrored (its head leans 1:40 to the gauge side)" in done) is (sign < 0)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_wear_and_lean_that_contradict_each_other_tell_no_side(sign: int) -> None:
+    points = outline(3.0, 26.0, 20.0) @ np.array([[1.0, -1 / 20], [1 / 20, 1.0]])
+    _, done = turned(points * [sign, 1])
+    assert "sides as in the file (worn at one side, leaning to the other)" in done
+
+
+@pytest.mark.parametrize("wide", [0.9, 1.1])
+def test_a_rail_that_is_no_standard_one_tells_no_side_by_its_wear(wide: float) -> None:
+    points = outline(2.0, 26.0, 16.0)
+    points = points[points[:, 1] > -16] * [wide, 1]
+    for sign in (1, -1):
+        try:
+            _, done = turned(points * [sign, 1])
+        except PointError as error:
+            assert "is farther than 6 mm" in str(error)
+        else:
+            assert "sides as in the file (no side is a standard rail's)" in done
+
+
+def test_an_upright_unworn_head_shows_no_side() -> None:
+    profile = profiles.rail_head("54E1")
+    y = np.linspace(-30, 30, 200)
+    _, said = turned(np.column_stack([y, profile.height(y)]))
+    assert "sides as in the file (no side is worn, the head does not lean)" in said
+
+
+@pytest.mark.parametrize("flip", [1, -1])
+@pytest.mark.parametrize("name", profiles.STANDARD_RAILS)
+def test_a_head_with_its_underside_stands_upright(name: str, flip: int) -> None:
+    """Few points on the crown, as chords of one tolerance make them: it was turned upside down."""
+    outline = standards._outline(name)[0]
+    crown = outline[:, 1] > -3
+    every = np.arange(len(outline)) % np.where(crown, 200, 10) == 0
+    points = outline[every]
+    _, said = turned(points * [1, flip], unit="mm")
+    assert ("turned upside down" in said) is (flip < 0)
+
+
+@pytest.mark.parametrize("flip", [1, -1])
+@pytest.mark.parametrize("begin", [0.0, 0.5])
+def test_a_closed_section_stands_upright_wherever_it_begins(begin: float, flip: int) -> None:
+    curves = outlines.rail_section("60E1", "section", half=False)
+    points = np.concatenate([curve.sampled() for curve in curves])
+    s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    even = np.arange(0, s[-1], 1.0)
+    points = np.column_stack([np.interp(even, s, column) for column in points.T])
+    points = np.roll(points, int(begin * len(points)), axis=0)
+    _, said = turned(points * [1, flip], unit="mm")
+    assert ("turned upside down" in said) is (flip < 0)
+
+
+@pytest.mark.parametrize("left", [-54.0, -50.0])
+def test_a_wheel_that_begins_in_its_flange_has_no_known_origin(left: float) -> None:
+    points = wheel(np.linspace(left, 60.0, 400)) + [200.0, 0.0]
+    with pytest.raises(PointError, match="begins in its flange") as caught:
+        turned(points, "wheel")
+    np.testing.assert_allclose(caught.value.place, points[0])
+    turned(points, "wheel", origin="file")
+
+
+@pytest.mark.parametrize("deep", [10.0, 60.0])
+@pytest.mark.parametrize("flip", [1, -1])
+def test_faces_of_a_rim_are_no_flange(deep: float, flip: int) -> None:
+    true, down = wheel(), np.arange(0.5, deep, 0.5)
+    back, rim = (np.column_stack([np.full(len(down), y), z - down]) for y, z in true[[0, -1]])
+    points = np.concatenate([back[::-1], true, rim])
+    found, done = turned(points * [-1, flip], "wheel")
+    np.testing.assert_allclose(found, points, atol=0.1)
+    assert "mirrored" in done
+
+
+@pytest.mark.parametrize("mirror", [1, -1])
+def test_points_may_be_dense_at_the_flange(mirror: int) -> None:
+    """As chords of one tolerance make them: most points are not on the tread."""
+    points = wheel(np.concatenate([np.linspace(-70, -38, 500), np.linspace(-37, 60, 60)]))
+    found, done = turned(points * [mirror, 1], "wheel")
+    np.testing.assert_allclose(found, points, atol=0.1)
+    assert ("mirrored" in done) is (mirror < 0)
+
+
+def test_a_foreign_origin_is_moved_to_the_crown_or_the_tape_circle() -> None:
+    true = head()
+    found, said = turned(true + [100.0, 172.0])
+    assert "moved" in said
+    assert float(found[:, 0].mean()) == pytest.approx(float(true[:, 0].mean()), abs=0.5)
+    assert float(found[:, 1].max()) == pytest.approx(0.0, abs=0.1)
+    kept, _ = turned(true + [100.0, 172.0], origin="file")
+    np.testing.assert_allclose(kept, true + [100.0, 172.0])
+    points = wheel()
+    back = points + [70.0, -30.0]  # from the flange back
+    found, said = turned(back, "wheel")
+    np.testing.assert_allclose(found, points, atol=0.1)
+    assert "tape circle" in said
+
+
+@pytest.mark.parametrize("left", [-70.0, -64.0, -61.0, -57.0])
+def test_a_foreign_origin_is_found_wherever_a_wheel_begins(left: float) -> None:
+    """By the back of the flange, or its tip alone."""
+    points = wheel(np.linspace(left, 60.0, 400))
+    found, _ = turned(points + [200.0, 0.0], "wheel")
+    np.testing.assert_allclose(found[:, 0], points[:, 0], atol=0.5)
+
+
+def test_a_thin_flange_is_placed_by_its_back() -> None:
+    """3 mm of the front face are worn off."""
+    points = wheel()
+    front = (points[:, 0] > -54) & (points[:, 0] < -30)
+    points[front, 1] -= 3.0 * np.sin(np.pi * (points[front, 0] + 54) / 24)
+    found, _ = turned(points + [200.0, 0.0], "wheel")
+    np.testing.assert_allclose(found[:, 0], points[:, 0], atol=0.3)
+
+
+@pytest.mark.parametrize(("off", "is_refused"), [(0.6, False), (1.0, True), (-3.0, True)])
+def test_a_wild_point_is_refused(off: float, is_refused: bool) -> None:
+    """The curve would turn back at it, and the profile end there. Points are 0.25 mm apart."""
+    profile = profiles.rail_head("60E1")
+    y = np.arange(-30.0, 30.0, 0.25)
+    points = np.column_stack([y, profile.height(y)])
+    points[90, 1] += off
+    if is_refused:
+        with pytest.raises(ValueError, match="stands off its neighbours by .* mm; delete it"):
+            turned(points / 25.4, unit="inch")
+    else:
+        turned(points / 25.4, unit="inch")
+
+
+@pytest.mark.parametrize("place", [0, 1, -2, -1])
+@pytest.mark.parametrize("off", [[0, 3], [0, -3], [0, 1], [3, 0], [-3, 0]])
+def test_a_wild_point_at_an_end_is_refused(place: int, off: list[float]) -> None:
+    """The curve through it may run off for kilometres; one that is farther along it is none."""
+    points = outline(0.0, 0.0, 0.0)
+    points = points[points[:, 1] > -16]
+    points[place] += off
+    along = off == [0, -3] and place in (0, -1)  # down the face
+    with nullcontext() if along else pytest.raises(ValueError, match="stands off"):
+        turned(points)
+
+
+@pytest.mark.parametrize(
+    ("digits", "unit", "is_refused"),
+    [(1, "mm", True), (2, "mm", False), (3, "inch", True), (4, "inch", False)],
+)
+def test_heights_in_stairs_are_refused(digits: int, unit: str, is_refused: bool) -> None:
+    profile = profiles.rail_head("60E1")
+    y = np.arange(-30.0, 30.0, 0.25)
+    points = np.column_stack([y, profile.height(y)]) / orientation.MM_OF_UNIT[unit]
+    points[:, 1] = np.round(points[:, 1], digits)
+    if is_refused:
+        with pytest.raises(ValueError, match="heights rounded to .* mm; give more digits"):
+            turned(points, unit=unit)
+    else:
+        turned(points, unit=unit)
