@@ -139,10 +139,8 @@ def test_other_rails_are_within_the_tolerance(radii, ends, deep: float, tmp_path
     assert read(tmp_path, points, "rail").profile.domain[1] > 25
 
 
-def test_a_standard_that_slips_off_is_not_the_nearest() -> None:
-    """Where nothing is compared nothing is off."""
+def test_a_standard_does_not_slip_off_other_shapes() -> None:
+    """Where nothing is compared nothing is off, so the weighted fit ended there."""
     points = other((80,), (), 30.0)
-    laid = standards.all_laid(even(points, standards.STEP), "rail")
-    compared = [np.isfinite(each.loss).sum() * standards.STEP > 20 for each in laid]
-    assert not all(compared)
-    assert [np.isfinite(each.misfit) for each in laid] == compared
+    for laid in standards.all_laid(even(points, standards.STEP), "rail"):
+        assert np.isfinite(laid.loss).sum() * standards.STEP > 20 and np.isfinite(laid.misfit)
