@@ -9,6 +9,7 @@ border, and the traction is that of the points that slip beside them.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from railhead.meshing.tags import RAIL
@@ -44,7 +45,7 @@ def stresses(
     )
 
 
-def _facets(fields: Fields, solid: Solid) -> tuple[Array, Array, Array]:
+def _facets(fields: Fields, solid: Solid) -> tuple[Array, Array, NDArray[np.int64]]:
     """Points (f, k, 3) on the facets of the contact surface of a body, their nodes (f, k, 3), and
     the cells (f,) they belong to, as numbers in the solid."""
     own = fields.body[solid.cells[0]] == fields.slave
