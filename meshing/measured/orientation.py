@@ -26,6 +26,7 @@ GUESSED_UNITS = ("mm", "inch", "m")  # no number is a usual width in two of them
 FALL = 4.0  # mm that a rail read in inches or m falls at its sides: a crown in cm falls by less
 COARSE_STEP = 1.0  # mm between the points by which orientations are compared
 CLEARER, CLEARLY = 2.0, 0.02  # times, and mm: another orientation is farther from the standard
+WIDE, FLAT = 60.0, 2.0  # mm: a head that wide falls by more, worn or not
 UNWORN, STANDS_OUT = 0.05, 0.15  # mm: of a side that is the standard's, and of the whole, at most
 CLEAR_LOSS, CLEAR_SLOPE = 2.0, 0.005  # mm2 and slope: less tells no gauge side
 FALLS, LEAST_FALL = 3.0, 1.0  # mm: a head falls at one side of its top, and must at the other
@@ -62,7 +63,9 @@ def oriented(points: Array, body: str, given: Orientation) -> tuple[Array, list[
     laid = standards.all_laid(even, body)
     nearest = min(laid, key=lambda each: each.misfit)
     warning, typed = "", "auto" not in (given.flip, given.mirror)
-    if not nearest.fits:
+    width, height = np.ptp(even, axis=0)
+    flat = body == "rail" and width > WIDE and height < FLAT
+    if flat or not nearest.fits:
         text = f"is farther than {standards.FARTHEST:g} mm from {nearest.name}, the nearest "
         text += f"standard {body}, or beside it"
         if not typed:
