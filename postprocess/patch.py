@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from railhead.solver.gather import Fields
 
 HERTZIAN = 0.02  # largest deviation of the fourth moments from those of a semi-ellipsoid, and ...
-ELLIPTIC = 0.01  # ... that up to which nothing but Hertz's ellipsoid is read
+ELLIPTIC = 0.01  # ... that up to which F is a polynomial alone
+QUARTIC = 4  # its degree: second and fourth moments are kept
 PEAK_RADIUS = 0.6  # of the semi-axes: where p^2 is fitted for the largest pressure
 READ = ("a", "b", "area", "max_pressure")
 LINE, LINE_POINTS = 1.25, 121  # lines over the patch reach that many half lengths either way
@@ -123,17 +124,21 @@ def largest_pressure(fields: Fields, frame: Frame, found: Moments) -> float:
 
 
 def read(
-    fields: Fields, separate: list[Part], frame: Frame
+    fields: Fields, separate: list[Part], frame: Frame, *, parabolic: bool = False
 ) -> tuple[Patch, Surfaces, Moments, Array, tuple[AxisPressure, AxisPressure]]:
     """Patch, recovered surfaces, moments, the recovered pressure at the contact points and
     along x and s through the centre, of a solution in which something touches.
 
-    separate: its parts; frame: of the first one where there are several.
+    separate: its parts; frame: of the first one where there are several; parabolic: whether the
+    pressure is Hertz's by construction, that of elastic half-spaces with a quadratic gap.
     """
     contact = fields.contact
     several = len(separate) > 1
     facets = np.bincount(contact.facet, contact.weights).astype(np.float64)
-    readings = [_reading(part, part.frame if several else frame, facets) for part in separate]
+    readings = [
+        _reading(part, part.frame if several else frame, facets, parabolic=parabolic)
+        for part in separate
+    ]
     images = [2 ** (len(fields.mirrors) - len(part.fields.mirrors)) for part in separate]
     first, found = readings[0], moments(separate[0].fields, frame)
     areas = [each.shape.area * count for each, count in zip(readings, images, strict=True)]
@@ -176,20 +181,46 @@ class _Reading:
     scatter: dict[str, float]
 
 
-def _reading(part: Part, frame: Frame, facets: Array) -> _Reading:
-    """Of the pressure rebuilt from its moments; of Hertz's ellipsoid where it is one; where the
-    fourth moments are between ELLIPTIC and HERTZIAN off, of their mean."""
+def _reading(part: Part, frame: Frame, facets: Array, *, parabolic: bool) -> _Reading:
+    """Rebuilt pressure of one patch: where its shape error is below ELLIPTIC, Hertz's ellipsoid
+    between half-spaces and a polynomial elsewhere; splines from HERTZIAN on; between, their
+    mean."""
     fields, found = part.fields, moments(part.fields, frame)
     given = samples(fields, frame, facets)
     share = freedom(found.shape_error)
-    square, scatter = free(given) if share > 0 else (nothing(given), dict.fromkeys(READ, 0.0))
-    if share < 1:
+    square, scatter = nothing(given), dict.fromkeys(READ, 0.0)
+    if share > 0 or not parabolic:
+        square, scatter = free(given)
+    if share < 1 and parabolic:
         peak = largest_pressure(fields, frame, found)
         ellipse = ellipsoid(square, found.centre, (found.a, found.b), peak)
-        square = mean(square, ellipse, share)
-        other = _other_ellipse(found, peak)
-        scatter = {key: share * scatter[key] + (1 - share) * other[key] for key in READ}
+        square, scatter = blend(square, scatter, ellipse, _other_ellipse(found, peak), share)
+    elif share < 1:
+        square, scatter = blend(square, scatter, *quartic(given, square), share)
     return _Reading(frame, square, trace(square), scatter)
+
+
+def quartic(
+    given: Samples, splines: Square, measure: Callable[[Square], Shape] = trace
+) -> tuple[Square, dict[str, float]]:
+    """F of degree QUARTIC, and how far it differs, as `measure` reads it, from F of splines:
+    beyond any bound where it did not come to a minimum."""
+    square = reconstruct(given, degree=QUARTIC)
+    if not square.settled:
+        return square, dict.fromkeys(READ, np.inf)
+    return square, spread(measure(square), [measure(splines)])
+
+
+def blend(
+    splines: Square,
+    scatter: dict[str, float],
+    other: Square,
+    scatter_of_other: dict[str, float],
+    share: float,
+) -> tuple[Square, dict[str, float]]:
+    """share of a free reading and of its scatter, and the rest of another one."""
+    parts = {key: share * scatter[key] + (1 - share) * scatter_of_other[key] for key in READ}
+    return mean(splines, other, share), parts
 
 
 def free(
@@ -206,7 +237,7 @@ def free(
 
 
 def freedom(shape_error: float) -> float:
-    """Share of the free reading in that of a patch: 0 of an ellipse, 1 of other shapes."""
+    """Share of the free reading in that of a patch: 0 of nearly elliptic ones, 1 of others."""
     return float(np.clip((shape_error - ELLIPTIC) / (HERTZIAN - ELLIPTIC), 0.0, 1.0))
 
 

@@ -19,20 +19,24 @@ def moments(fields: Fields, frame: Frame) -> Moments:
     return (section if fields.kinematics.dim == 2 else patch).moments(fields, frame)
 
 
-def findings(fields: Fields, frame: Frame, rubbing: Rubbing | None = None) -> Findings:
+def findings(
+    fields: Fields, frame: Frame, rubbing: Rubbing | None = None, *, parabolic: bool = False
+) -> Findings:
     """Patch, recovered surface fields, and stresses below the contact in every meshed body.
 
-    rubbing: of a solution with friction. Where there are several patches, the frame
-    becomes that of the most loaded one.
+    rubbing: of a solution with friction; parabolic: see `patch.read`. Where there are several
+    patches, the frame becomes that of the most loaded one.
     """
     flat = fields.kinematics.dim == 2
     separate = [] if flat else parts(fields)
     frame = separate[0].frame if len(separate) > 1 else frame
     if flat:
-        found, surfaces, moments, recovered = section.read(fields, frame)
+        found, surfaces, moments, recovered = section.read(fields, frame, parabolic=parabolic)
         lines = section.axis_pressures(surfaces[0], found, fields)
     else:
-        found, surfaces, moments, recovered, lines = patch.read(fields, separate, frame)
+        found, surfaces, moments, recovered, lines = patch.read(
+            fields, separate, frame, parabolic=parabolic
+        )
     size = moments.a if flat else min(found.a, found.b)
     inner = inside.read(fields, frame, found.centre, size, separate[1:], rubbing)
     axes, others, largest, edges, misfit = inner

@@ -9,9 +9,8 @@ its integrals against smooth functions do not. F is the minimum of the convex fu
 so int p G = int p_h G for every G of that space up to the roughness r. Where G is a polynomial of
 degree 2, F is Hertz's ellipsoid by second moments, which costs no roughness: D3 F holds the third
 derivatives (P. Eilers and B. Marx, Statist. Sci. 11, 1996, penalise splines alike), across in
-units of an element and along in half widths: bodies of one radius along the rail hardly leave a
-third one there. How the curvature along changes across is counted in elements both ways, or a
-patch with a neck would be as uncertain on any mesh. r is small inside, where joints of arcs bend
+elements; along in half widths for the slope and in a few elements for the curvature, which changes
+in a patch with a neck, and on a thin body. r is small inside, where joints of arcs bend
 F, and large near the ends across, where facets that are half in contact would be followed.
 """
 
@@ -32,12 +31,13 @@ from railhead.postprocess.findings import Array
 DEGREE = 4  # of F along the rail ...
 FLAT_DEGREE = 8  # ... where bodies yield: with 4 the largest pressure of a sphere at 20 times its
 # first-yield load is 7.5 % too high on six elements, with 8 it is 1.5 %
-NECK = 3.0  # elements: the unit of length along, in the change across of the curvature along
+NECK = 3.0  # elements: the unit of length along, where the curvature along changes
 ROUGHNESS = 1e-5  # r of a spline of ...
 INTERVALS = 16  # ... so many; it grows with their square, or finer meshes would scatter alike
 ENDS, STEEP = 6.0, 6  # r grows like (1 + (6 elements / distance from the end)^6)
 MARGIN = 0.8  # elements of the box around the points with pressure
 ROWS, COLUMNS = 6, 120  # points of integration: a spline's interval, and the box along x
+LINE_ROWS = 60  # of a section, where no second direction averages the end of the patch
 NEWTON_STEPS, CONVERGED = 80, 1e-10  # of the functional
 DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-9, 1e6  # of the tangent, over its diagonal
 SETTLED = 1e-8  # of the functional: what Newton's method may still promise at the end
@@ -122,19 +122,34 @@ def nothing(samples: Samples) -> Square:
     return Square(_box(samples), knots, np.zeros((len(powers), len(knots) - 4)), powers)
 
 
+def polynomials(like: Square, degree: int) -> Array:
+    """(kn, m): coefficients in the splines of `like` of the m products of powers of x and s whose
+    degrees add up to `degree` at most."""
+    low, high = like.box[1]
+    at = np.linspace(-1.0, 1.0, 8 * len(like.knots))
+    splines = _splines(like.knots, np.clip((low + high + (high - low) * at) / 2, low, high))
+    across = np.linalg.lstsq(splines.toarray(), at[:, None] ** np.arange(degree + 1), rcond=None)[0]
+    chosen = np.add.outer(like.powers, np.arange(degree + 1)).ravel() <= degree
+    return np.asarray(np.kron(np.eye(len(like.powers)), across)[:, chosen])
+
+
 def reconstruct(
-    samples: Samples, roughness: float = ROUGHNESS, start: Square | None = None
+    samples: Samples,
+    roughness: float = ROUGHNESS,
+    start: Square | None = None,
+    degree: int | None = None,
 ) -> Square:
     """Minimise the functional above by Levenberg and Marquardt's method, from Hertz's ellipsoid or
-    from the result with another roughness."""
+    from the result with another roughness; with a degree, among polynomials of that degree."""
     like = nothing(samples)
     knots, powers, middle, half = like.knots, like.powers, like.middle, like.half
     n, top = len(knots) - 4, float(samples.pressure.max())
 
     inner = knots[3:-3]
     width = np.diff(inner)
-    s = (inner[:-1, None] + width[:, None] * (np.arange(ROWS) + 0.5) / ROWS).ravel()
-    rows = np.repeat(width / ROWS, ROWS) * samples.measure(s)
+    count = LINE_ROWS if samples.line else ROWS
+    s = (inner[:-1, None] + width[:, None] * (np.arange(count) + 0.5) / count).ravel()
+    rows = np.repeat(width / count, count) * samples.measure(s)
     across = _splines(knots, s)
     along: Array = np.ones((1, 1))
     cell: Array = rows
@@ -148,6 +163,9 @@ def reconstruct(
     moments, cell = np.asarray(moments.ravel() / scale), np.asarray(cell / scale)
     roughness *= ((len(knots) - 7) / INTERVALS) ** 2
     penalty = roughness * _penalty(knots, powers, s, rows / rows.sum(), samples)
+    space = np.eye(len(moments))
+    if degree is not None:
+        space, penalty = polynomials(like, degree), np.zeros_like(penalty)
 
     def field(c: Array) -> Array:
         return np.asarray((across @ c.reshape(-1, n).T) @ along)
@@ -162,23 +180,23 @@ def reconstruct(
         squared = field(c)
         pressure = np.sqrt(np.maximum(squared, 0.0))
         gradient = (across.T @ (pressure @ along.T * cell[:, None])).T.ravel()
-        gradient = gradient - moments + penalty @ c
+        gradient = space.T @ (gradient - moments + penalty @ c)
         slope = np.where(squared > 0, 0.5 / np.maximum(pressure, EDGE), 0.0)
         blocks = [
             [across.T @ sp.diags(cell * (slope @ (one * two))) @ across for two in along]
             for one in along
         ]
-        tangent = sp.bmat(blocks).toarray() + penalty
+        tangent = space.T @ (sp.bmat(blocks).toarray() + penalty) @ space
         diagonal = np.diag(np.diag(tangent))
         while damping < MOST_DAMPING:
             step = -cho_solve(cho_factor(tangent + damping * diagonal), gradient)
             decrease = float(gradient @ step)
-            if (found := value(c + step)) <= best + 1e-4 * decrease:
+            if (found := value(c + space @ step)) <= best + 1e-4 * decrease:
                 break
             damping *= 10
         else:
             break
-        c, best, damping = c + step, found, max(damping / 10, LEAST_DAMPING)
+        c, best, damping = c + space @ step, found, max(damping / 10, LEAST_DAMPING)
         if -decrease < CONVERGED * abs(best) and damping < DAMPING:
             break
     left = gradient @ cho_solve(cho_factor(tangent + LEAST_DAMPING * diagonal), gradient)
@@ -219,8 +237,8 @@ def _knots(samples: Samples) -> Array:
 
 def _penalty(knots: Array, powers: Array, s: Array, weight: Array, samples: Samples) -> Array:
     """(kn, kn) of the mean of r |D3 F|^2, s in intervals of the spline, x in half widths, in the
-    second derivative along in NECK elements; where bodies yield in elements throughout: pressure
-    has a plateau then, whose edges are as sharp along as across."""
+    second and third derivatives along in NECK elements; where bodies yield in elements throughout:
+    pressure has a plateau then, whose edges are as sharp along as across."""
     inner = knots[3:-3]
     width = np.interp(s, (inner[1:] + inner[:-1]) / 2, np.diff(inner))
     margin = MARGIN * float(samples.size.mean())
@@ -230,7 +248,8 @@ def _penalty(knots: Array, powers: Array, s: Array, weight: Array, samples: Samp
     at, share = leggauss(samples.degree + 2)
     x0, x1 = _box(samples)[0]
     element = 1.0 if samples.line else 2 * float(samples.size.mean()) / (x1 - x0)
-    units = [1.0, element, element, element] if samples.yields else [1.0, 1.0, NECK * element, 1.0]
+    neck = NECK * element
+    units = [1.0, element, element, element] if samples.yields else [1.0, 1.0, neck, neck]
     total = np.zeros((len(powers) * (len(knots) - 4),) * 2)
     splines = BSpline(knots, np.eye(len(knots) - 4), 3)
     for order in range(4):  # of the derivative along x

@@ -5,12 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from railhead.postprocess.findings import Array, AxisPressure, Frame, Patch, Surface
-from railhead.postprocess.patch import PEAK_RADIUS, READ, Moments, free, freedom
+from railhead.postprocess.patch import (
+    PEAK_RADIUS,
+    READ,
+    Moments,
+    blend,
+    free,
+    freedom,
+    quartic,
+)
 from railhead.postprocess.reconstruct import (
     Samples,
     Square,
     ellipsoid,
-    mean,
     nothing,
 )
 from railhead.postprocess.shape import Shape
@@ -65,25 +72,32 @@ def largest_pressure(t: Array, pressure: Array, weights: Array, w: float, *, eve
     return float(np.sqrt(c[0] + c[1] * top**2 + shift))
 
 
-def read(fields: Fields, frame: Frame) -> tuple[Patch, Surfaces, Moments, Array]:
+def read(
+    fields: Fields, frame: Frame, *, parabolic: bool = False
+) -> tuple[Patch, Surfaces, Moments, Array]:
     """Patch, recovered surfaces, moments, and the recovered pressure at the contact points of a
-    section in which something touches."""
+    section in which something touches; parabolic: see `patch.read`."""
     contact, axis = fields.contact, coordinate(fields)
     revolved, length = fields.kinematics.revolved, fields.kinematics.thickness
     found = moments(fields, frame)
     given = samples(fields, frame)
     share = freedom(found.shape_error)
+
+    def measure(each: Square) -> Shape:
+        return _shape(each, fields)
+
     square, scatter = nothing(given), dict.fromkeys(READ, 0.0)
-    if share > 0:
-        square, scatter = free(given, lambda each: _shape(each, fields))
-    if share < 1:
+    if share > 0 or not parabolic:
+        square, scatter = free(given, measure)
+    if share < 1 and parabolic:
         t = frame.local(contact.points)[:, axis] - found.centre[axis]
         even = bool(fields.mirrors)
         peak = largest_pressure(t, contact.pressure, contact.weights, found.a, even=even)
         ellipse = ellipsoid(square, (0.0, found.centre[axis]), (1.0, found.a), peak)
-        square = mean(square, ellipse, share)
         other = _other_reading(found, peak, fields)
-        scatter = {key: share * scatter[key] + (1 - share) * other[key] for key in READ}
+        square, scatter = blend(square, scatter, ellipse, other, share)
+    elif share < 1:
+        square, scatter = blend(square, scatter, *quartic(given, square, measure), share)
     shape = _shape(square, fields)
     outlines = _outlines(_spans(square), axis, None if revolved else length)
     patch = Patch(

@@ -35,6 +35,9 @@ STRAIN = 0.2  # p0/E*: a sphere's patch then has 0.31 of its radius, Tabor's rep
 # 0.2 a/R (Johnson 1985, 6.3) is 6 %, and linear theory is off by about as much; it is a choice
 HARDEST = (4000.0, 4200.0)  # MPa, largest elastic pressure of a line and of a point contact that
 # leaves 1e-4 of the diameter in hardened bearing steel (ISO 76:2006, 3.1 to 3.3)
+ROUNDED = 5.25
+"""What a fourth power in p^2 changes of the largest over the mean pressure, over the shape error,
+to first order: p^2 = (1 - r^2)(1 + c r^2) has c/5 and 4 c/105; a strip has c/8 and c/16."""
 MISS = 1.5  # times an estimate: what a signed number may be off by
 OPINIONS = (
     "a_mm",
@@ -344,10 +347,12 @@ def _shape(level: Level, estimates: Mapping[str, Estimate]) -> list[Check]:
     peak = (4 / math.pi if line else 1.5) * mean
     names = ("max_MPa", "area_mm2")
     room = sum(_room(estimates, name) for name in names)
+    sensitivity = 1.0 if level.setting.parabolic else 2.0 if line else ROUNDED
+    off = sensitivity * found.shape_error
     return [
         Check(
             "pressure_over_mean", _off(result["pressure"]["max_MPa"], peak),
-            room + found.shape_error,
+            room + off,
             f"{'4/pi' if line else '3/2'} of load over area; both estimates ({room:.2g}) and how "
             "far the pressure is from that shape", FINER,
         )

@@ -192,7 +192,9 @@ def _read(
         frame = plan.contact.frame
         from railhead.postprocess import read
 
-        findings = read.findings(fields, frame, solution.rubbing)
+        unlike = solution.rubbing is not None and friction.unlike(plan.scene)
+        parabolic = plan.contact.half_space and solution.yielding is None and not unlike
+        findings = read.findings(fields, frame, solution.rubbing, parabolic=parabolic)
         result = compare.from_findings(findings, solution.load, solution.approach)
         if solution.rubbing is not None:
             rolling = plan.scene.rolling

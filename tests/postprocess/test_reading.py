@@ -42,7 +42,7 @@ def _errors(name: str, n: float) -> tuple[Array, Array]:
 @pytest.mark.parametrize("name", SHAPES)
 def test_patches_that_are_no_ellipse_are_read(name: str) -> None:
     error = np.sqrt(np.mean(_errors(name, 12)[0] ** 2, axis=0))
-    assert (error < [0.005, 0.005, 0.003, 0.003]).all()
+    assert (error < [0.005, 0.005, 0.003, 0.0035]).all()
 
 
 def test_the_area_falls_faster_than_with_first_order() -> None:
@@ -103,14 +103,32 @@ def test_numbers_do_not_jump_where_an_ellipse_becomes_another_shape() -> None:
     assert np.abs(np.diff(read, axis=0)).max() < 0.003
 
 
-def test_an_ellipse_is_read_by_its_moments() -> None:
+def test_an_ellipse_by_construction_is_read_by_its_moments() -> None:
     fields = painted(lambda x, s: 1 - x**2 / 4 - s**2 / 3, (2.6, 2.2), 0.3, 0.02)
-    found, moments = _read(fields), patch.moments(fields, FRAME)
+    found = patch.read(fields, parts(fields), FRAME, parabolic=True)[0]
+    moments = patch.moments(fields, FRAME)
     assert _numbers(found)[:3] == pytest.approx(
         [moments.a, moments.b, np.pi * moments.a * moments.b], rel=2e-5
     )
     outline = np.concatenate(found.outlines)
     assert np.ptp(outline, axis=0) / 2 == pytest.approx([found.a, found.b], rel=1e-12)
+
+
+def test_a_patch_that_is_nearly_an_ellipse_is_read_as_it_is() -> None:
+    """By second moments alone its half lengths are 0.4 to 0.5 % off and its area 0.9 %, within a
+    shape error below 1 %, on any mesh."""
+
+    def square(x: Array, s: Array) -> Array:
+        r2 = x**2 / 4 + s**2 / 3
+        return (1 - r2) * (1 + 0.15 * r2)
+
+    exact = measured(square, (2.6, 2.2))
+    read = []
+    for seed in range(3):
+        fields = painted(square, (2.6, 2.2), 0.2, 0.02, seed, even=True)
+        assert patch.moments(fields, FRAME).shape_error < patch.ELLIPTIC
+        read.append(_numbers(_read(fields)) / exact - 1)
+    assert np.abs(np.mean(read, axis=0)).max() < 0.003
 
 
 def test_rebuilt_pressure_carries_the_force() -> None:

@@ -17,7 +17,7 @@ from railhead.scene.scene import SceneError
 from railhead.studies import calibrate, error_bounds, families
 
 SETTING = Setting(
-    "half-spaces", False, "tetrahedron", 2, "nitsche", None, 1.0, 0.3, 0.3, True, 2.0, 1.0
+    "half-spaces", False, "tetrahedron", 2, "nitsche", None, 1.0, 0.3, 0.3, True, True, 2.0, 1.0
 )
 KNOWN = Family(
     "known", families.DEFAULT, (3.0, 8.0), {"max_MPa": Law(0.01, 2.0)},
