@@ -15,7 +15,7 @@ from mpi4py import MPI
 
 from railhead.solver import compat
 from railhead.solver.contact import ContactModel
-from railhead.solver.elasticity import Material
+from railhead.solver.material.elasticity import Material
 from railhead.solver.setup import Setup, Side
 
 LOAD, RADIUS, SIZE = 5000.0, 500.0, 12.0  # N, mm, mm: half width and height of a block

@@ -1,1 +1,1 @@
-"""From profiles to meshes: where wheel and rail meet, how fine, and the gmsh blocks."""
+"""From bodies to a mesh: element sizes, gmsh blocks and sections."""

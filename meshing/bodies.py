@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from railhead.meshing.outlines import Curve
-from railhead.meshing.pose import Pose, upright
+from railhead.geometry.outlines import Curve
+from railhead.geometry.pose import Pose, upright
 
 ELEMENTS_PER_TURN = 6  # on fillets
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from railhead.geometry.outlines import Curve
+from railhead.geometry.profiles import Profile
 from railhead.meshing.bodies import Body, Options
-from railhead.meshing.outlines import Curve
-from railhead.meshing.profiles import Profile
 from railhead.meshing.tags import CONTACT, SUPPORT, SYMMETRY_X, SYMMETRY_Y
 
 Array = NDArray[np.float64]

@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from railhead.postprocess import extremes
 from railhead.postprocess.findings import Array, DepthAxis, Findings, Frame, OnePatch, Place
-from railhead.postprocess.parts import SMALLEST
+from railhead.postprocess.patch.parts import SMALLEST
+from railhead.postprocess.stress import extremes
 from railhead.theory import thesis
-from railhead.theory.boundary_element import Solution
-from railhead.theory.half_space_patch import PatchSolution
-from railhead.theory.hertz import Ellipse
-from railhead.theory.line import LineContact
+from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.bem.patch import PatchSolution
+from railhead.theory.elastic.hertz import Ellipse
+from railhead.theory.elastic.line import LineContact
 
 PLACES = ("_point_mm", "_place_mm")  # ends of names of coordinates
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from railhead.postprocess import inside, patch, quality, section
 from railhead.postprocess.findings import Findings, Frame
-from railhead.postprocess.parts import parts
-from railhead.postprocess.patch import Moments
+from railhead.postprocess.patch import patch, quality, section
+from railhead.postprocess.patch.parts import parts
+from railhead.postprocess.patch.patch import Moments
+from railhead.postprocess.stress import bodies
 
 if TYPE_CHECKING:
-    from railhead.solver.gather import Fields
+    from railhead.solver.fields import Fields
     from railhead.solver.solution import Rubbing
 
 
@@ -38,7 +39,7 @@ def findings(
             fields, separate, frame, parabolic=parabolic
         )
     size = moments.a if flat else min(found.a, found.b)
-    inner = inside.read(fields, frame, found.centre, size, separate[1:], rubbing)
+    inner = bodies.read(fields, frame, found.centre, size, separate[1:], rubbing)
     axes, others, largest, edges, misfit = inner
     return Findings(
         frame,

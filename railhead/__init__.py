@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from railhead.api import find, plan, solve
     from railhead.meshing.mesh import MeshError
-    from railhead.result import Result
+    from railhead.results.result import Result
     from railhead.scene.scene import (
         Effects,
         Friction,
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
         Wheel,
         Wheelset,
     )
-    from railhead.sweeping import Sweep, sweep
+    from railhead.sweeps.sweep import Sweep, sweep
 
 __version__ = "0.3.0"
 __all__ = [
@@ -32,8 +32,8 @@ __all__ = [
 _HOMES = dict.fromkeys(__all__, "railhead.scene.scene") | {
     "MeshError": "railhead.meshing.mesh",
     **dict.fromkeys(("find", "plan", "solve"), "railhead.api"),
-    "Result": "railhead.result",
-    **dict.fromkeys(("Sweep", "sweep"), "railhead.sweeping"),
+    "Result": "railhead.results.result",
+    **dict.fromkeys(("Sweep", "sweep"), "railhead.sweeps.sweep"),
 }
 
 

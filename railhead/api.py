@@ -5,17 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from railhead import screen
-from railhead.catalogue import find
-from railhead.planning import machine
 from railhead.planning import plan as planning
+from railhead.planning.cost import machine
 from railhead.planning.plan import Plan
+from railhead.results.report import terminal
+from railhead.scene.catalogue import find
 from railhead.scene.scene import Scene, checked
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from railhead.result import Result
+    from railhead.results.result import Result
 
 __all__ = ["Planned", "find", "plan", "solve"]
 
@@ -27,10 +27,10 @@ class Planned:
     plan: Plan
 
     def __str__(self) -> str:
-        return screen.text(self.show)
+        return terminal.text(self.show)
 
     def _repr_html_(self) -> str:
-        return screen.html(self.show)
+        return terminal.html(self.show)
 
     def as_dict(self) -> dict[str, Any]:
         """ "plan" of summary.json."""
@@ -38,9 +38,9 @@ class Planned:
 
     def show(self, console: Console) -> None:
         """Print the table."""
-        from railhead import report
+        from railhead.results.report import tables
 
-        report.show_plan(self.plan, console)
+        tables.show_plan(self.plan, console)
 
 
 def plan(
@@ -57,11 +57,12 @@ def plan(
     """
     decided = planning.make(asked(scene, accuracy, budget))
     if not machine.known():
-        from railhead import refine
+        from railhead.results import pipeline
+        from railhead.run import refinement
 
-        with refine.telling(quiet=quiet) as progress:
+        with refinement.telling(quiet=quiet) as progress:
             progress.stage("measuring this machine's speed, once")
-            refine.measure_speed()
+            pipeline.measure_speed()
     return Planned(decided)
 
 
@@ -75,11 +76,12 @@ def solve(
     """Solve a scene. accuracy: asked relative error, e.g. "1%"; budget: best accuracy for that
     time, e.g. "30 s". What it does goes to standard error (of rank 0) unless quiet. Raises
     SceneError for a scene that makes no contact problem, MeshError."""
-    from railhead import refine
+    from railhead.results import pipeline
+    from railhead.run import refinement
 
     scene = asked(scene, accuracy, budget)
-    with refine.telling(quiet=quiet) as progress:
-        return refine.run(scene, progress)
+    with refinement.telling(quiet=quiet) as progress:
+        return pipeline.run(scene, progress)
 
 
 def asked(scene: Scene, accuracy: str | float | None, budget: str | float | None) -> Scene:

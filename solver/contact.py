@@ -14,19 +14,22 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from railhead.solver import compat, constraints, interface, linear, newton, transfer
-from railhead.solver.cells import Array
-from railhead.solver.elasticity import Bulk, assemble, quadrature_degree
-from railhead.solver.facets import FacetSet
-from railhead.solver.held import HeldRows
-from railhead.solver.interface import Interface
-from railhead.solver.linear import Preconditioner
-from railhead.solver.multigrid import Hierarchy, PMultigrid
-from railhead.solver.operators import vector
-from railhead.solver.problem import ContactProblem, Mask, reduce_problem
+from railhead.solver import compat
+from railhead.solver.algebra import linear, newton
+from railhead.solver.algebra.linear import Preconditioner
+from railhead.solver.algebra.multigrid import Hierarchy, PMultigrid
+from railhead.solver.algebra.problem import ContactProblem, Mask, reduce_problem
+from railhead.solver.algebra.reactions import HeldRows
+from railhead.solver.algebra.stiffness import Stiffness
+from railhead.solver.interface import jumps
+from railhead.solver.interface.jumps import Interface
+from railhead.solver.material.elasticity import Bulk, assemble, quadrature_degree
 from railhead.solver.setup import Setup
 from railhead.solver.solution import Solution
-from railhead.solver.stiffness import Stiffness
+from railhead.solver.space import constraints, transfer
+from railhead.solver.space.cells import Array
+from railhead.solver.space.facets import FacetSet
+from railhead.solver.space.operators import vector
 
 NEWTON_TOLERANCE = 1e-8  # residual over the contact force
 LINEAR_DIRECT_BELOW = 80_000  # unknowns of linear cells, whose multigrid is slow on stretched ones
@@ -75,7 +78,7 @@ class ContactModel:
         surfaces = [
             FacetSet.on(self.bulk, facet_tags.find(s.contact)) for s in (slave, *by_tag.values())
         ]
-        self.interface: Interface = interface.build(
+        self.interface: Interface = jumps.build(
             surfaces[0],
             surfaces[1] if len(surfaces) > 1 else None,
             setup.gap,
@@ -265,16 +268,16 @@ class ContactModel:
 
     def _reaction(self, displacement: PETSc.Vec, pressure: Array, outer: PETSc.Vec | None) -> float:
         """What the support carries: R(u) of the unreduced problem, summed over the held nodes."""
-        law, problem, interface = self.law, self.problem, self.interface
+        law, problem, jumps = self.law, self.problem, self.interface
         supports = self.supports(self.bulk.space)
         mask, sign = (supports.fixed, -1.0) if not self.setup.fixed.rigid else (supports.hub, 1.0)
-        force, push = interface.gap.createVecRight(), interface.gap.createVecLeft()
-        push.array[:] = -interface.weights * pressure
-        interface.gap.multTranspose(push, force)
+        force, push = jumps.gap.createVecRight(), jumps.gap.createVecLeft()
+        push.array[:] = -jumps.weights * pressure
+        jumps.gap.multTranspose(push, force)
         if law.sigma and law.theta:
-            stress = (interface.stress * displacement).array
+            stress = (jumps.stress * displacement).array
             push.array[:] = -law.theta * problem.weight * (pressure + stress)
-            interface.stress.multTransposeAdd(push, force, force)
+            jumps.stress.multTransposeAdd(push, force, force)
         force.array[self.held.rows] += self.held.reactions(displacement)
         if outer is not None:
             force.axpy(-1.0, outer)

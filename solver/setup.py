@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.solver.cells import Array
-from railhead.solver.elasticity import Material
-from railhead.solver.interface import Gap
-from railhead.solver.kinematics import SOLID, Kinematics
-from railhead.solver.laws import Law
+from railhead.solver.interface.jumps import Gap
+from railhead.solver.interface.laws import Law
+from railhead.solver.material.elasticity import Material
+from railhead.solver.space.cells import Array
+from railhead.solver.space.kinematics import SOLID, Kinematics
 
 LINEAR = ("auto", "direct", "multigrid")  # how linear systems are solved
 FarField = Callable[[float, int, Array], Array]

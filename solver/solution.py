@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from petsc4py import PETSc
 
-from railhead.solver.cells import Array
-from railhead.solver.newton import NewtonResult
-from railhead.solver.problem import Mask
+from railhead.solver.algebra.newton import NewtonResult
+from railhead.solver.algebra.problem import Mask
+from railhead.solver.space.cells import Array
 
 
 @dataclass(frozen=True)

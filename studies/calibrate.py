@@ -1,4 +1,4 @@
-"""Error laws from runs: makes planning/data/laws.json, the envelopes that estimates rest on."""
+"""Error envelopes from runs: planning/accuracy/data/laws.json, which estimates rest on."""
 
 from __future__ import annotations
 
@@ -12,18 +12,19 @@ from typing import Any
 
 import numpy as np
 
-from railhead import estimates, study
-from railhead.estimates import QUANTITIES, READ
-from railhead.level import Level
+from railhead.cli import study
 from railhead.planning import plan as planning
-from railhead.planning.laws import TURNED, Law
-from railhead.pool import attempts
+from railhead.planning.accuracy.error_envelopes import TURNED, Law
 from railhead.postprocess import read
 from railhead.postprocess.findings import Frame
+from railhead.run import estimates
+from railhead.run.estimates import QUANTITIES, READ
+from railhead.run.mesh_solution import Level
 from railhead.scene.scene import Scene
 from railhead.studies import families, tables
 from railhead.studies.cells import measure_cells
 from railhead.studies.twist import measure_twist
+from railhead.sweeps.worker_pool import attempts
 
 STUDY = "error laws by family, from random scenes of known answer"
 SEED = 1

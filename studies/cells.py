@@ -1,4 +1,4 @@
-"""Unknowns per predicted cell, from meshes: what `meshing/data/cells.json` holds.
+"""Unknowns per predicted cell, from meshes: what `planning/cost/data/cells.json` holds.
 
 A prediction is the integral of the element density times one constant for each kind of cell, which
 holds gmsh's habits and the sharing of nodes. The constant is the geometric mean over the scenes.
@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from statistics import geometric_mean
 
-from railhead import catalogue
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
+from railhead.scene import catalogue
 
 Scenes = tuple[tuple[str, tuple[str, ...]], ...]
 SOLID: Scenes = (
@@ -46,7 +46,7 @@ def share(plan: Plan) -> float:
     """Unknowns of the mesh over those that were predicted."""
     from mpi4py import MPI
 
-    from railhead import build
+    from railhead.run import build
 
     mesh = build.generate(plan, plan.grading(), MPI.COMM_WORLD)  # holds the model's communicator
     model = build.model(plan, mesh)

@@ -11,11 +11,13 @@ from pathlib import Path
 
 import numpy as np
 
-from railhead import estimates, refine, study
-from railhead.estimates import QUANTITIES
-from railhead.pool import attempts
+from railhead.cli import study
+from railhead.results import pipeline
+from railhead.run import estimates
+from railhead.run.estimates import QUANTITIES
 from railhead.scene.scene import Scene
 from railhead.studies import families, tables
+from railhead.sweeps.worker_pool import attempts
 
 STUDY = "estimates against true errors, 20 random scenes of each family"
 SEED = 2028
@@ -69,13 +71,13 @@ def asked(name: str, index: int) -> float | None:
 def measure(name: str, scene: Scene, accuracy: float | None) -> list[Record]:
     """Solve a scene and hold each estimate against the true error; nothing if not converged."""
     from railhead.planning import plan as planning
-    from railhead.planning.price import price
+    from railhead.planning.cost.price import price
 
     if accuracy is not None:
         scene = scene.replace([f"accuracy={accuracy!r}"])
     plan = planning.make(scene)
     predicted = plan.seconds if accuracy is None else price(plan, plan.resolution)[1]
-    result = refine.run(scene)
+    result = pipeline.run(scene)
     summary = result.summary
     if not summary["checks"]["converged"]:
         return []

@@ -15,15 +15,15 @@ import numpy as np
 from mpi4py import MPI
 from scipy.optimize import brentq
 
-from railhead import estimates
-from railhead.level import Level, solve_level
 from railhead.meshing.mesh import MeshError
-from railhead.planning import laws
 from railhead.planning import plan as planning
-from railhead.progress import Progress
+from railhead.planning.accuracy import error_envelopes
+from railhead.results.summary import exact_quantities
+from railhead.run import estimates
+from railhead.run.mesh_solution import Level, solve_level
+from railhead.run.progress import Progress
 from railhead.scene.scene import Scene, SceneError
-from railhead.summary import exact_quantities
-from railhead.theory.hertz import point_contact
+from railhead.theory.elastic.hertz import point_contact
 
 Make = Callable[[np.random.Generator], list[str]]
 HALF_SPACE = {"rail": {"profile": "arc", "crown_radius": 300, "extent": "half-space"}}
@@ -305,9 +305,9 @@ RECIPES = {
 }
 
 
-def bounds(where: Mapping[str, Sequence[Any]]) -> laws.Family:
+def bounds(where: Mapping[str, Sequence[Any]]) -> error_envelopes.Family:
     """A family without laws."""
-    return laws.Family("", where, (0, 0), {}, {}, {})
+    return error_envelopes.Family("", where, (0, 0), {}, {}, {})
 
 
 def parts(name: str) -> dict[str, dict[str, Sequence[Any]]]:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railhead.meshing import profiles
-from railhead.meshing.placement import Pair
-from railhead.meshing.wheelset import Track, place
-from railhead.postprocess.plots import FE, HERTZ, THESIS, new_figure
+from railhead.geometry import profiles
+from railhead.geometry.placement import Pair
+from railhead.geometry.wheelset import Track, place
+from railhead.postprocess.plots.diagrams import FE, HERTZ, THESIS, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

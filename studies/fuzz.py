@@ -7,10 +7,10 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from railhead import study
-from railhead.pool import attempts
+from railhead.cli import study
 from railhead.studies import tables
 from railhead.studies.hard.fuzz_scenes import MOST, Fuzzed, fuzz
+from railhead.sweeps.worker_pool import attempts
 
 STUDY = "500 fuzzed scenes: no traceback, no abort, no wrong number with status 0"
 SCENES, SEED, SECONDS = 500, 2024, 180.0

@@ -6,7 +6,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from railhead import study
+from railhead.cli import study
 from railhead.studies import tables
 
 STUDY = "hard cases: loads, starts, shapes, stiffness, meshes, places, factors, random scenes"
@@ -34,10 +34,10 @@ class Record:
 
 def main(out: Path, *, quick: bool) -> None:
     """Write hard_cases.csv, hard_cases.png and page.md; quick: the cases of the tests."""
-    from railhead.pool import attempts
     from railhead.studies.hard import failure_map, page
     from railhead.studies.hard.battery import CASES, QUICK, solve
     from railhead.studies.hard.case import Outcome
+    from railhead.sweeps.worker_pool import attempts
 
     def record(outcome: Outcome) -> Record:
         case, found = outcome.case, outcome.measured

@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import railhead as rh
-from railhead import catalogue, study
-from railhead.postprocess.plots import FE, HERTZ, THESIS, new_figure
+from railhead.cli import study
+from railhead.postprocess.plots.diagrams import FE, HERTZ, THESIS, new_figure
+from railhead.scene import catalogue
 from railhead.studies import tables
-from railhead.theory import indentation
+from railhead.theory.elastic import indentation
 
 STUDY = "yield of the thesis's rail from 5 to 200 kN, and of a sphere up to 100 times first yield"
 LOADS = (5.0, 10.0, 25.0, 50.0, 100.0, 200.0)  # kN

@@ -15,14 +15,16 @@ from pathlib import Path
 
 import numpy as np
 
-from railhead import pool, study
-from railhead.geometry import solid
-from railhead.meshing.placement import Pair
-from railhead.meshing.profiles import Array, Piece, Profile
-from railhead.planning import developed, exact, uncertainty
+from railhead.cli import study
+from railhead.contact import solid
+from railhead.geometry.placement import Pair
+from railhead.geometry.profiles import Array, Piece, Profile
+from railhead.planning.accuracy import uncertainty
+from railhead.planning.references import boundary_elements, closed_forms
 from railhead.scene.scene import Scene, SceneError
 from railhead.studies import tables
-from railhead.theory.boundary_element import Solution
+from railhead.sweeps import worker_pool
+from railhead.theory.bem.boundary_element import Solution
 
 STUDY = "noise of measured profiles: seeds, levels and spacings on worn rails and wheels"
 NOISES: tuple[float, ...] = (0.0, 2.0, 10.0, 20.0)  # um
@@ -153,7 +155,7 @@ class Row:
 def solved(scene: Scene, pair: Pair | None = None) -> Solution:
     """Half-spaces of a scene, or of other profiles in it."""
     contact = solid.locate(scene, pair)
-    return developed.solve(contact, exact.ellipse(scene, contact), scene.load)
+    return boundary_elements.solve(contact, closed_forms.ellipse(scene, contact), scene.load)
 
 
 def contacts(found: Solution) -> int:
@@ -194,7 +196,7 @@ def main(out: Path, *, quick: bool) -> None:
         cases, spacings, noises, seeds = CASES[:1], SPACINGS[1:2], NOISES[1:3], 2
     jobs = [(c, spacing, noise, seeds) for c in cases for spacing in spacings for noise in noises]
     rows: list[Row] = []
-    for job, attempt in zip(jobs, pool.attempts(compared, jobs), strict=True):
+    for job, attempt in zip(jobs, worker_pool.attempts(compared, jobs), strict=True):
         print(job[0].name, *job[1:], attempt.fault or "", file=sys.stderr)
         if attempt.value is not None:
             rows.append(attempt.value)

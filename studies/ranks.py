@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from railhead import launch, study
+from railhead.cli import launch, study
 from railhead.studies import tables
 
 STUDY = "one process against two, by parts of a run, and a forecast for more"
@@ -49,12 +49,13 @@ def measure(patch_size: float) -> dict[str, float]:
     import scipy.sparse as sp
     from mpi4py import MPI
 
-    from railhead import catalogue, refine
-    from railhead.progress import Progress
+    from railhead.results import pipeline
+    from railhead.run.progress import Progress
+    from railhead.scene import catalogue
     from railhead.solver import compat
 
     scene = catalogue.find("hertz_ellipse").replace([f"mesh.patch_size={patch_size}"])
-    result = refine.run(scene, Progress(quiet=True))
+    result = pipeline.run(scene, Progress(quiet=True))
     comm, end = MPI.COMM_WORLD, time.time()
     space = result.level.space
     nodes, places = compat.cell_dofs(space), space.dofmap.index_map

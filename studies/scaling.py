@@ -9,7 +9,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from railhead import study
+from railhead.cli import study
 from railhead.studies import tables
 
 STUDY = "time and memory per unknown, contact against one linear elastic solve"
@@ -49,12 +49,13 @@ def measure(patch_size: float) -> Record:
 
     from mpi4py import MPI
 
-    from railhead import build, catalogue, level
     from railhead.planning import plan as planning
     from railhead.postprocess import read
     from railhead.postprocess.findings import Frame
-    from railhead.solver import linear
-    from railhead.solver.gather import gather
+    from railhead.run import build, mesh_solution
+    from railhead.scene import catalogue
+    from railhead.solver.algebra import linear
+    from railhead.solver.fields import gather
 
     plan = planning.make(catalogue.find("hertz_ellipse").replace([f"mesh.patch_size={patch_size}"]))
     frame = Frame(plan.contact.origin, 0.0)
@@ -63,7 +64,7 @@ def measure(patch_size: float) -> Record:
     built = time.perf_counter() - start
 
     start = time.perf_counter()
-    solution = level.solve(plan, model, frame, lambda step, residual: None)
+    solution = mesh_solution.solve(plan, model, frame, lambda step, residual: None)
     contact = time.perf_counter() - start
     start = time.perf_counter()
     fields = gather(model, solution)

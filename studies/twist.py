@@ -1,8 +1,8 @@
-"""How far a load beside the web twists a rail: what `planning/data/twist.json` holds.
+"""How far a load beside the web twists a rail: what `planning/references/data/twist.json` holds.
 
 The head of a metre of rail on a held foot is solved under a wheel at some inclinations. The
 rotation of its flanks at the wheel is C M / E, M the moment of the contact force about the centre
-that they turn about (see `railhead.planning.twist`).
+that they turn about (see `railhead.planning.references.rail_twist`).
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from railhead import catalogue
-from railhead.level import Level
 from railhead.planning import plan as planning
-from railhead.planning.twist import lever
+from railhead.planning.references.rail_twist import lever
+from railhead.run.mesh_solution import Level
+from railhead.scene import catalogue
 
 PROFILES = ("54E1", "60E1")
 SLOPES = ("0", "1:40", "1:10")  # off the tread's 1:20, where the force goes through the web
@@ -45,8 +45,8 @@ def solved(profile: str, inclination: str) -> Level:
     """A whole rail under half an axle."""
     from mpi4py import MPI
 
-    from railhead.level import solve_level
-    from railhead.progress import Progress
+    from railhead.run.mesh_solution import solve_level
+    from railhead.run.progress import Progress
 
     scene = catalogue.find("uic54_22t5_axle").replace(
         [f"rail.profile={profile}", f"rail.inclination={inclination}", "mesh.patch_size=5",

@@ -1,6 +1,6 @@
 """The process of the tests, and small contact models on two blocks that several of them share."""
 
-from railhead import process
+from railhead.run import process
 
 process.prepare()  # as the command does: one thread of BLAS, before numpy loads
 

@@ -1,1 +1,1 @@
-"""Closed forms of elastic contact that the finite-element results are held against."""
+"""Closed forms and boundary elements that finite elements are held against."""

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from railhead.theory.hertz import point_contact
+from railhead.theory.elastic.hertz import point_contact
 
 Array = NDArray[np.float64]
 

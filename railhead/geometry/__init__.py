@@ -1,1 +1,1 @@
-"""Where and how the bodies of a scene touch: solids, half-spaces and sections."""
+"""Profiles, outlines and surfaces of rail and wheel, and where they meet; knows no scene."""

@@ -2,35 +2,41 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from railhead.geometry import bodies, dimension, flat
-from railhead.geometry import solid as geometry
-from railhead.geometry.solid import Contact
+from railhead.contact import bodies, dimension, plane_section
+from railhead.contact import solid as geometry
+from railhead.contact.solid import Contact
 from railhead.meshing.bodies import ELEMENTS_PER_TURN, Body, Options
-from railhead.meshing.profiles import data
 from railhead.meshing.sizing import Grading, suited_stretch
 from railhead.meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y, WHEEL
-from railhead.planning import effects, exact, laws, machine, uncertainty
-from railhead.planning.effects import Context, Effect, friction, plasticity
+from railhead.planning import effects
+from railhead.planning.accuracy import error_envelopes, uncertainty
+from railhead.planning.accuracy.error_envelopes import Family, Setting
+from railhead.planning.accuracy.uncertainty import Uncertainty
+from railhead.planning.cost import machine
+from railhead.planning.effects import Context, Effect
 from railhead.planning.effects.base import touching
-from railhead.planning.effects.true_profile import one_radius
-from railhead.planning.forecast import Forecast, Zone, forecast
-from railhead.planning.laws import Family, Setting
-from railhead.planning.ridges import ridges
-from railhead.planning.uncertainty import Uncertainty
+from railhead.planning.effects.interface import friction
+from railhead.planning.effects.material import plasticity
+from railhead.planning.effects.shape.true_profile import one_radius
+from railhead.planning.patch.forecast import Forecast, Zone, forecast
+from railhead.planning.patch.ridges import ridges
+from railhead.planning.references import closed_forms
 from railhead.scene.scene import Scene, SceneError
 from railhead.scene.sections import Rail, Wheel
-from railhead.theory import contacts
-from railhead.theory.contacts import Hertz
+from railhead.theory.elastic import contacts
+from railhead.theory.elastic.contacts import Hertz
 
 if TYPE_CHECKING:
-    from railhead.solver.elasticity import Material
+    from railhead.solver.material.elasticity import Material
 
 ELEMENTS_PER_SEMI_AXIS = 6.0  # default patch resolution for quadratic cells
 LINEAR_REFINEMENT = 2.0  # linear cells are made so much smaller
@@ -97,7 +103,7 @@ class Plan:
     def setting(self) -> Setting:
         """What the errors of this plan depend on besides the element size."""
         scene, zone = self.scene, self.zone
-        moduli = [exact.plane_strain_modulus(scene, tag) for tag in BODIES]
+        moduli = [closed_forms.plane_strain_modulus(scene, tag) for tag in BODIES]
         contact = self.contact
         shape = "half-spaces" if contact.half_space else "bodies"
         if self.section:
@@ -121,7 +127,7 @@ class Plan:
     @property
     def family(self) -> Family | None:
         """Whose error laws hold for this plan: none were measured with yield or friction."""
-        return laws.family(self.setting) if self.plain else None
+        return error_envelopes.family(self.setting) if self.plain else None
 
     @property
     def plain(self) -> bool:
@@ -209,7 +215,7 @@ class Plan:
 
     def material(self, body: int) -> Material:
         """Elastic constants of RAIL or WHEEL as simulated."""
-        from railhead.solver.elasticity import Material
+        from railhead.solver.material.elasticity import Material
 
         part = self._part(body)
         young = part.young_modulus if body in self.deformable else math.inf
@@ -250,7 +256,9 @@ class Plan:
         elastic = [tag for tag in self.deformable if not yields[tag]]
         if self.effects["plasticity"].on and len(elastic) == 1 and len(self.deformable) == 2:
             return elastic[0]
-        return min(self.deformable, key=lambda tag: exact.plane_strain_modulus(self.scene, tag))
+        return min(
+            self.deformable, key=lambda tag: closed_forms.plane_strain_modulus(self.scene, tag)
+        )
 
     @property
     def options(self) -> Options:
@@ -264,7 +272,7 @@ class Plan:
         """Sections and sweeps of the deformable bodies. Raises SceneError where they make none."""
         contact = self.contact
         half = contact.revolved or (self.half_x if contact.plane == "xz" else self.half_y)
-        make = flat.bodies if contact.plane else bodies.bodies
+        make = plane_section.bodies if contact.plane else bodies.bodies
         whole = self.effects["rail_section"].on
         return make(contact, self.reach, self.deformable, whole_section=whole, half=half)
 
@@ -393,9 +401,16 @@ class Plan:
         return {**self.effects[name].summary(), "predicted_cost": cost}
 
 
+@cache
+def _cell_table() -> dict[str, Any]:
+    file = Path(__file__).parent / "cost" / "data" / "cells.json"
+    table: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+    return table
+
+
 def unknowns_per_cell(kind: str, cell: str, order: int) -> float:
     """Of a predicted cell in a 'solid' or 'section': measured by `studies.cells`."""
-    return float(data("cells.json")[kind][cell][str(order)])
+    return float(_cell_table()[kind][cell][str(order)])
 
 
 def make(scene: Scene) -> Plan:
@@ -419,8 +434,8 @@ def make(scene: Scene) -> Plan:
 def _decided(scene: Scene) -> Plan:
     """Whether or not its bodies can be built."""
     kind = dimension.choose(scene)
-    contact = geometry.locate(scene) if kind.kind == "solid" else flat.locate(scene, kind)
-    predicted = exact.finite(scene, contact)
+    contact = geometry.locate(scene) if kind.kind == "solid" else plane_section.locate(scene, kind)
+    predicted = closed_forms.finite(scene, contact)
     context, decided = effects.decide(scene, kind, contact, predicted)
     expected = forecast(context)
     order = scene.mesh.order or (2 if scene.mesh.cell == "tetrahedron" else 1)

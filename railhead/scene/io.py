@@ -9,7 +9,7 @@ from typing import Any
 
 import tomli_w
 
-from railhead.meshing.measured.extensions import EXTENSIONS
+from railhead.geometry.measured.extensions import EXTENSIONS
 from railhead.scene.scene import NAME_BYTES, Scene, SceneError
 
 

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_validator
 
-from railhead.meshing.measured.extensions import BODY_BY_EXTENSION, EXTENSIONS
+from railhead.geometry.measured.extensions import BODY_BY_EXTENSION, EXTENSIONS
 from railhead.scene import curves, steels, units
 from railhead.scene.units import show
 

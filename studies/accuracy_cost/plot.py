@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railhead.postprocess.plots import new_figure
+from railhead.postprocess.plots.diagrams import new_figure
 from railhead.studies.trends import pareto
 
 if TYPE_CHECKING:

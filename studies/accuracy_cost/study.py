@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from railhead import catalogue, estimates
 from railhead.cli import main as command
-from railhead.progress import Progress
+from railhead.run import estimates
+from railhead.run.progress import Progress
+from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from railhead.studies.tables import write_csv
 
@@ -101,14 +102,14 @@ def main(out: Path, *, quick: bool) -> None:
 
 def reference(scene: Scene) -> dict[str, float]:
     """Exact Hertz; where there is none, this program's own result on a fine mesh."""
-    from railhead import refine
     from railhead.planning import plan as planning
+    from railhead.results import pipeline
 
     if scene.name not in NO_FORMULA:
-        return _flat(refine.run(scene).summary["hertz"])
+        return _flat(pipeline.run(scene).summary["hertz"])
     ellipse = planning.make(scene).estimate
     fine = scene.replace([f"mesh.patch_size={min(ellipse.a, ellipse.b) / REFERENCE!r}"])
-    return _flat(refine.run(fine).summary["result"])
+    return _flat(pipeline.run(fine).summary["result"])
 
 
 def fixed_meshes(case: Case, sizes: int | None, progress: Progress) -> Iterator[Run]:
@@ -139,8 +140,8 @@ def cubic_meshes(case: Case, sizes: int | None, progress: Progress) -> Iterator[
     """Cubic tetrahedra with Nitsche's method, after a warm-up."""
     from mpi4py import MPI
 
-    from railhead.level import solve_level
     from railhead.planning import plan as planning
+    from railhead.run.mesh_solution import solve_level
 
     plan = replace(planning.make(case.scene), order=3)
     silent, comm = Progress(quiet=True), MPI.COMM_WORLD
@@ -177,11 +178,11 @@ def _solve(scene: Scene) -> dict[str, Any] | str:
     """The summary, or why there is none."""
     import numpy as np
 
-    from railhead import refine
     from railhead.meshing.mesh import MeshError
+    from railhead.results import pipeline
 
     try:
-        return refine.run(scene).summary
+        return pipeline.run(scene).summary
     except (MeshError, RuntimeError, ArithmeticError, np.linalg.LinAlgError) as error:
         return " ".join(f"{type(error).__name__}: {error}".split())
 

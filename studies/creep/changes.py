@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 import railhead as rh
-from railhead.theory import sliding
-from railhead.theory.contacts import Hertz, half_lengths
+from railhead.theory.elastic.contacts import Hertz, half_lengths
+from railhead.theory.friction import sliding
 
 COEFFICIENT, POISSON = 0.3, 0.3
 SLIDES = 0.5  # creepage under which all slips

@@ -9,17 +9,19 @@ from dataclasses import dataclass
 import numpy as np
 from mpi4py import MPI
 
-from railhead import build, catalogue, equal_ellipses, shearing
-from railhead.planning import exact
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
-from railhead.solver.condensed import Condenser
+from railhead.planning.references import closed_forms
+from railhead.run import build
+from railhead.run.references import equal_ellipses, rolling_patches
+from railhead.scene import catalogue
 from railhead.solver.contact import LoadCase
-from railhead.solver.friction import Friction
-from railhead.solver.legs import slips
-from railhead.solver.rubbing import RubbingModel
-from railhead.theory.hertz import Ellipse
-from railhead.theory.rolling import Creepage, HalfSpaceFriction
+from railhead.solver.interface.condensation import Condenser
+from railhead.solver.interface.friction import Friction
+from railhead.solver.interface.frictional_model import RubbingModel
+from railhead.solver.interface.load_steps import slips
+from railhead.theory.elastic.hertz import Ellipse
+from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction
 
 COEFFICIENT = 0.3
 CELLS = 64  # each way, of the boundary elements
@@ -142,9 +144,9 @@ def _plan(curve: Curve) -> Plan:
 def _others(plan: Plan, curve: Curve) -> Iterator[Point]:
     scene, ellipse = plan.scene, plan.estimate
     assert isinstance(ellipse, Ellipse) and scene.load is not None
-    pair = exact.tangential_pair(scene)
+    pair = closed_forms.tangential_pair(scene)
     hertzian = plan.forecast.hertzian
-    patches = shearing.patches(
+    patches = rolling_patches.patches(
         plan.contact, ellipse, hertzian=hertzian, load=scene.load, cells=CELLS
     )
     bodies = [

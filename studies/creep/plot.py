@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from railhead.postprocess.plots import FE, HERTZ, THESIS, new_figure
+from railhead.postprocess.plots.diagrams import FE, HERTZ, THESIS, new_figure
 from railhead.studies.creep.changes import Slid
 from railhead.studies.creep.curves import Point
 

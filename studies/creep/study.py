@@ -6,7 +6,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from railhead import study
+from railhead.cli import study
 from railhead.studies import friction_axes, tables
 from railhead.studies.creep import changes, curves, page, plot
 from railhead.studies.creep.changes import Left, Slid

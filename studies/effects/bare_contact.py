@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from railhead import catalogue
+from railhead.scene import catalogue
 
 if TYPE_CHECKING:
     from railhead.scene.scene import Scene
@@ -79,13 +79,13 @@ def forms_compiled() -> Iterator[list[Any]]:
 def _planned(scene: Scene) -> tuple[int, float]:
     from mpi4py import MPI
 
-    from railhead import build, level
     from railhead.planning import plan as planning
     from railhead.postprocess.findings import Frame
+    from railhead.run import build, mesh_solution
 
     plan = planning.make(scene)
     model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
-    solution = level.solve(
+    solution = mesh_solution.solve(
         plan, model, Frame(plan.contact.origin, 0.0), lambda step, residual: None
     )
     return model.unknowns, float(solution.pressure.max())
@@ -98,15 +98,16 @@ def _unplanned(scene: Scene) -> tuple[int, float]:
     import numpy as np
     from mpi4py import MPI
 
-    from railhead.meshing import mesh, outlines, profiles
+    from railhead.geometry import outlines, profiles
+    from railhead.geometry.surfaces import ParabolicGap
+    from railhead.meshing import mesh
     from railhead.meshing.bodies import Body, Options
     from railhead.meshing.sizing import Grading
-    from railhead.meshing.surfaces import ParabolicGap
     from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, WHEEL
     from railhead.solver.contact import ContactModel
-    from railhead.solver.elasticity import Material
+    from railhead.solver.material.elasticity import Material
     from railhead.solver.setup import Setup, Side
-    from railhead.theory import hertz
+    from railhead.theory.elastic import hertz
 
     wheel, radius, load = scene.wheel, scene.wheel.rolling_radius, float(scene.load or 0.0)
     modulus = wheel.young_modulus / (1 - wheel.poisson_ratio**2)

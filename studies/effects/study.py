@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railhead import catalogue
 from railhead.cli import main as command
-from railhead.progress import Progress
+from railhead.cli.study import PAGE
+from railhead.run.progress import Progress
+from railhead.scene import catalogue
 from railhead.studies.effects import bare_contact
 from railhead.studies.tables import write_csv
-from railhead.study import PAGE
 
 if TYPE_CHECKING:
     from railhead.scene.scene import Scene
@@ -75,14 +75,14 @@ def main(out: Path, *, quick: bool) -> None:
 
 def switch(name: str, progress: Progress, repeats: int) -> Iterator[Run]:
     """A scene as planned, then with each effect in its other state where that can be had."""
-    from railhead import refine
     from railhead.planning import plan as planning
+    from railhead.results import pipeline
 
     case, assignments = SCENES[name]
     scene = catalogue.find(case).replace(assignments)
     plan = planning.make(scene)
     decided = dict(plan.effects)
-    refine.run(scene)  # compiles
+    pipeline.run(scene)  # compiles
     first: Run | None = None
     both = ["symmetry"] if decided["symmetry_x"].on and decided["symmetry_y"].on else []
     decided.pop("mean_dilatation")  # a treatment of the cells, no effect of the scene
@@ -96,7 +96,7 @@ def switch(name: str, progress: Progress, repeats: int) -> Iterator[Run]:
         times = []
         for _ in range(repeats):
             start = time.process_time()
-            result = refine.run(chosen).summary
+            result = pipeline.run(chosen).summary
             times.append(time.process_time() - start)
         values = _quantities(result["result"])
         base = vars(first) if first else values

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from railhead import catalogue
+from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from railhead.studies.hard import contacts
 from railhead.studies.hard.case import KRYLOV, Case

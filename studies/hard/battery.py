@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from railhead.solver.laws import Law
+from railhead.solver.interface.laws import Law
 from railhead.studies.hard import contacts, ranks
 from railhead.studies.hard.awkward import iterations, meshes, places, positions, stalled, thin
 from railhead.studies.hard.case import Case, Measured

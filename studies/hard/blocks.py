@@ -9,13 +9,14 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from railhead.meshing import mesh, outlines, profiles
+from railhead.geometry import outlines, profiles
+from railhead.geometry.surfaces import ParabolicGap
+from railhead.meshing import mesh
 from railhead.meshing.bodies import Body, Options
 from railhead.meshing.sizing import Grading
-from railhead.meshing.surfaces import ParabolicGap
 from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, SYMMETRY_Y, WHEEL
 from railhead.solver.compat import cell_nodes
-from railhead.solver.elasticity import Material
+from railhead.solver.material.elasticity import Material
 from railhead.solver.setup import Setup, Side
 
 STEEL = Material(207000.0, 0.3)

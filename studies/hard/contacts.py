@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.checks import BALANCE, NOISE
+from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing.mesh import ContactMesh
-from railhead.meshing.surfaces import ParabolicGap
 from railhead.postprocess import read
 from railhead.postprocess.findings import Findings, Frame
+from railhead.results.checks import BALANCE, NOISE
 from railhead.solver.contact import ContactModel
-from railhead.solver.elasticity import Material
-from railhead.solver.gather import Fields, gather
-from railhead.solver.interface import Gap
+from railhead.solver.fields import Fields, gather
+from railhead.solver.interface.jumps import Gap
+from railhead.solver.material.elasticity import Material
 from railhead.solver.setup import Setup
 from railhead.solver.solution import Solution
 from railhead.studies.hard import blocks
@@ -67,7 +67,7 @@ class Solved:
 
     @property
     def failed(self) -> tuple[str, ...]:
-        """Checks that a solution without a scene can fail, as `railhead.checks` names them."""
+        """Checks that a solution without a scene can fail, as `results.checks` names them."""
         failed = [] if self.solution.newton.converged else ["converged"]
         return (*failed, *([] if self.balance < BALANCE else ["force_balance"]))
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from railhead.postprocess.plots import new_figure
+from railhead.postprocess.plots.diagrams import new_figure
 
 LOW, HIGH = 1e-3, 1.0  # errors at the ends of the colours
 DARK = 0.52  # of green: letters on it are white

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from railhead import estimates
-from railhead.checks import ROUGH
-from railhead.quantities import plain
+from railhead.results.checks import ROUGH
+from railhead.results.quantities import plain
+from railhead.run import estimates
 from railhead.scene.io import read_scene, to_toml
 from railhead.scene.scene import SceneError
 from railhead.studies.hard import broken_scenes

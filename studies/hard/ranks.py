@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from railhead import launch
+from railhead.cli import launch
 from railhead.studies.hard.case import Deviation, Measured
 from railhead.studies.hard.scenes import HALF_SPACE, off, quantities
 

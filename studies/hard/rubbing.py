@@ -10,13 +10,13 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from railhead import refine
-from railhead.result import Result
+from railhead.results import pipeline
+from railhead.results.result import Result
 from railhead.scene.scene import Rail, Scene, Wheel
 from railhead.studies.hard.case import Case, Deviation, Measured
 from railhead.studies.hard.scenes import ELLIPSE, measure, refusals
-from railhead.theory import carter, cattaneo
-from railhead.theory.line import LineContact
+from railhead.theory.elastic.line import LineContact
+from railhead.theory.friction import carter, cattaneo
 
 MU, LOAD, WIDTH = 0.3, 1e5, 100.0
 FORCE, STICK = 0.012, 0.03
@@ -40,7 +40,7 @@ def _held(
     scene: Scene, deviations: Callable[[Result, Friction], dict[str, Deviation]]
 ) -> Callable[[], Measured]:
     def solve() -> Measured:
-        result = refine.run(scene)
+        result = pipeline.run(scene)
         found = (result.summary["result"] or {}).get("friction")
         if found is None:
             return Measured(failed=("no friction", *result.summary["checks"]["failed"]))

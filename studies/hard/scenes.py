@@ -13,21 +13,23 @@ from typing import Any
 
 from mpi4py import MPI
 
-from railhead import estimates, refine
-from railhead.allowance import allowance
-from railhead.checks import MISS
-from railhead.geometry.solid import Contact
-from railhead.level import Level, solve_level
+from railhead.contact.solid import Contact
 from railhead.meshing.mesh import MeshError
-from railhead.planning import developed
 from railhead.planning import plan as planning
+from railhead.planning.references import boundary_elements
 from railhead.postprocess import compare
-from railhead.progress import Progress
+from railhead.results import pipeline
+from railhead.results.checks import MISS
+from railhead.results.summary import summarise
+from railhead.run import estimates
+from railhead.run.mesh_solution import Level, solve_level
+from railhead.run.progress import Progress
+from railhead.run.references.allowance import allowance
+from railhead.run.references.half_space_reference import CELLS, motion
+from railhead.run.refinement import Ending
 from railhead.scene.scene import Scene, SceneError
-from railhead.second_opinion import CELLS, motion
 from railhead.studies.hard.case import Deviation, Measured
-from railhead.summary import Ending, summarise
-from railhead.theory.hertz import Ellipse
+from railhead.theory.elastic.hertz import Ellipse
 
 Summary = Mapping[str, Any]
 Solve = Callable[[], Measured]
@@ -91,7 +93,7 @@ def against_boundary_elements(
     return deviations(summary, estimates.flat(other), unknown, limit, unknown)
 
 
-def measure(result: refine.Result, found: Mapping[str, Deviation], remark: str = "") -> Measured:
+def measure(result: pipeline.Result, found: Mapping[str, Deviation], remark: str = "") -> Measured:
     """The deviations with the failed checks and the cost of a run."""
     summary, findings = result.summary, result.findings
     return Measured(
@@ -120,7 +122,7 @@ def against_hertz(scene: Scene, n: float | None = 4.0, limit: float = LIMIT) -> 
     """Half-spaces at n elements per semi-axis (None: as planned) against exact Hertz."""
 
     def solve() -> Measured:
-        result = refine.run(scene if n is None else resolved(scene, n))
+        result = pipeline.run(scene if n is None else resolved(scene, n))
         exact = estimates.flat(result.summary["hertz"])
         return measure(result, deviations(result.summary, exact, HALF_SPACE, limit))
 
@@ -134,8 +136,8 @@ def half_space(scene: Scene, level: Level) -> Summary:
     plan = planning.make(scene)
     contact = plan.contact
     assert isinstance(contact, Contact) and isinstance(plan.estimate, Ellipse)
-    found = developed.solve(contact, plan.estimate, scene.load, 2 * CELLS)
-    points, plane = developed.develop(contact).points, contact.touch.angle
+    found = boundary_elements.solve(contact, plan.estimate, scene.load, 2 * CELLS)
+    points, plane = boundary_elements.develop(contact).points, contact.touch.angle
     other = compare.from_half_space(found, points, plane, hertzian=plan.forecast.hertzian)
     allowed = {name: vars(each) | {"total": each.total}
                for name, each in allowance(plan, found, motion(level)).items()}  # fmt: skip
@@ -146,7 +148,7 @@ def against_half_space(scene: Scene, n: float | None = 4.0, limit: float = LIMIT
     """Real bodies at n elements per semi-axis against boundary elements."""
 
     def solve() -> Measured:
-        result = refine.run(scene if n is None else resolved(scene, n))
+        result = pipeline.run(scene if n is None else resolved(scene, n))
         return measure(
             result,
             against_boundary_elements(result.summary, half_space(scene, result.level), limit),
@@ -166,8 +168,8 @@ def against_finer(
     signed itself unless the coarse mesh is refused."""
 
     def solve() -> Measured:
-        result = refine.run(resolved(scene, n))
-        finer = refine.run(resolved(scene, fine)).summary
+        result = pipeline.run(resolved(scene, n))
+        finer = pipeline.run(resolved(scene, fine)).summary
         unknown = finer["accuracy"]["bound"]
         found = deviations(result.summary, quantities(finer), names, limit, unknown)
         measured = measure(result, found)
@@ -184,7 +186,7 @@ def positioned(scene: Scene, single: float, several: float) -> Solve:
     one patch and for several."""
 
     def solve() -> Measured:
-        result = refine.run(scene)
+        result = pipeline.run(scene)
         second = half_space(scene, result.level)
         pressure = off(quantities(result.summary)["max_MPa"], second["pressure"]["max_MPa"])
         patches = len(second["patches"])
@@ -205,11 +207,11 @@ def outgrown(
         wrong = planning.make(resolved(meshed, n))
         plan = replace(planning.make(scene), forecast=wrong.forecast, patch_size=wrong.patch_size)
         level = solve_level(plan, None, Progress(quiet=True), MPI.COMM_WORLD)
-        result = refine.Result(level, summarise([level], Ending("one mesh")))
+        result = pipeline.Result(level, summarise([level], Ending("one mesh")))
         if not fine:
             found = against_boundary_elements(result.summary, half_space(scene, level))
             return measure(result, found)
-        finer = refine.run(resolved(scene, fine)).summary
+        finer = pipeline.run(resolved(scene, fine)).summary
         unknown = finer["accuracy"]["bound"]
         found = deviations(result.summary, quantities(finer), PATCH, limit, unknown)
         return measure(result, found)

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from railhead import refine
-from railhead.meshing import profiles
+from railhead.geometry import profiles
+from railhead.results import pipeline
 from railhead.scene.scene import Scene
 from railhead.studies.hard.case import Case, Measured
 from railhead.studies.hard.scenes import (
@@ -79,7 +79,7 @@ def against_true_profile(wear: Wear, noise: float) -> Solve:
         with tempfile.TemporaryDirectory() as folder:
             smooth = resolved(wear.scene(Path(folder), 0.0), ELEMENTS)
             size = f"mesh.patch_size={smooth.mesh.patch_size!r}"
-            result = refine.run(wear.scene(Path(folder), noise).replace([size]))
+            result = pipeline.run(wear.scene(Path(folder), noise).replace([size]))
             true = half_space(smooth, result.level)
         return measure(result, against_boundary_elements(result.summary, true))
 

@@ -15,15 +15,16 @@ from typing import Any
 
 from mpi4py import MPI
 
-from railhead import refine
-from railhead.level import solve_level
 from railhead.planning import plan as planning
-from railhead.progress import Progress
+from railhead.results import pipeline
+from railhead.results.summary import summarise
+from railhead.run.mesh_solution import solve_level
+from railhead.run.progress import Progress
+from railhead.run.refinement import Ending
 from railhead.scene.scene import Rail, Scene, Wheel
 from railhead.studies.hard.case import Case, Deviation, Measured
 from railhead.studies.hard.scenes import measure, off, refusals
-from railhead.summary import Ending, summarise
-from railhead.theory import indentation
+from railhead.theory.elastic import indentation
 
 YIELD, RADIUS, YOUNG, POISSON = 480.0, 100.0, 207e3, 0.3
 STEEL = {"yield_stress": YIELD}
@@ -61,7 +62,7 @@ def _against(
     limits: Mapping[str, float],
 ) -> Callable[[], Measured]:
     def solve() -> Measured:
-        result = refine.run(scene)
+        result = pipeline.run(scene)
         if "plastic" not in (result.summary["result"] or {}):
             return Measured(failed=("no plastic answer", *result.summary["checks"]["failed"]))
         found, reference = quantities(result.summary), other()
@@ -84,7 +85,7 @@ def _finer(scene: Scene) -> dict[str, float]:
 
 def _same(scene: Scene, length: float = 1.0) -> dict[str, float]:
     """In another unit of length."""
-    found = quantities(refine.run(scene).summary)
+    found = quantities(pipeline.run(scene).summary)
     scale = {"approach_mm": length, "area_mm2": length**2}
     return {name: value / scale.get(name, 1.0) for name, value in found.items()}
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railhead.postprocess.findings import Array
-from railhead.postprocess.plots import FE, HERTZ, new_figure
+from railhead.postprocess.plots.diagrams import FE, HERTZ, new_figure
 from railhead.studies.trends import power_law
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railhead import catalogue
 from railhead.cli import main as command
-from railhead.progress import Progress
+from railhead.run.progress import Progress
+from railhead.scene import catalogue
 from railhead.studies.tables import write_csv
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from railhead.postprocess.findings import Frame
     from railhead.solver.contact import ContactModel
     from railhead.solver.solution import Solution
-    from railhead.theory.hertz import Ellipse
+    from railhead.theory.elastic.hertz import Ellipse
 
 STUDY = "loads from 1 to 150 kN on one mesh against Hertz's power laws (thesis, figures 6.8-6.10)"
 CASES = {"hertz_ellipse": "half-spaces", "uic54_thesis": "wheel on UIC54"}
@@ -75,9 +75,9 @@ def main(out: Path, *, quick: bool) -> None:
 def around_smallest(plan: Plan, lowest: float) -> Grading:
     """Fine enough for the patch of the lowest load, growing outwards over the larger ones."""
     from railhead.meshing.sizing import Grading
-    from railhead.planning import exact
+    from railhead.planning.references import closed_forms
 
-    small = exact.estimate(plan.scene, plan.contact, lowest)
+    small = closed_forms.estimate(plan.scene, plan.contact, lowest)
     size = min(small.a, small.b) / ELEMENTS_PER_SEMI_AXIS
     angle, coarsest = plan.contact.touch.angle, plan.coarsest
     return Grading(
@@ -89,10 +89,10 @@ def sweep(name: str, loads: Sequence[float], progress: Progress) -> list[Point]:
     """Solve a shipped case for all loads (N) with one mesh, stiffness and contact operators."""
     from mpi4py import MPI
 
-    from railhead import build
-    from railhead.planning import exact
     from railhead.planning import plan as planning
+    from railhead.planning.references import closed_forms
     from railhead.postprocess.findings import Frame
+    from railhead.run import build
 
     start = time.perf_counter()
     progress.stage(f"{name}: meshing and assembling")
@@ -104,7 +104,7 @@ def sweep(name: str, loads: Sequence[float], progress: Progress) -> list[Point]:
     points: list[Point] = []
     for load in loads:
         progress.stage(f"{name}: {load:.0f} N, {model.unknowns} unknowns")
-        ellipse = exact.ellipse(plan.scene, plan.contact, load)
+        ellipse = closed_forms.ellipse(plan.scene, plan.contact, load)
         inside = (local[:, 0] / ellipse.a) ** 2 + (local[:, 1] / ellipse.b) ** 2 < 1
         solution = model.solve(load=load, active=inside)
         points.append(_point(plan, ellipse, model, frame, solution, time.perf_counter() - start))
@@ -121,7 +121,7 @@ def _point(
     seconds: float,
 ) -> Point:
     from railhead.postprocess import compare, read
-    from railhead.solver.gather import gather
+    from railhead.solver.fields import gather
 
     fields = gather(model, solution)
     assert fields is not None  # one process

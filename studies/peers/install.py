@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from railhead.progress import Progress
+from railhead.run.progress import Progress
 from railhead.studies.peers.peer import Peer
 
 DEBIAN_PYTHON = "/usr/bin/python3"

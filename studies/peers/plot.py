@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from railhead.postprocess.plots import FE, new_figure
+from railhead.postprocess.plots.diagrams import FE, new_figure
 from railhead.studies.peers.page import OURS, medians
 from railhead.studies.peers.reading import Run
 

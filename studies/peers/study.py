@@ -12,7 +12,7 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
-from railhead.progress import Progress
+from railhead.run.progress import Progress
 from railhead.studies.peers import blocks, running
 from railhead.studies.peers import install as installing
 from railhead.studies.peers.page import OURS, TRAVEL
@@ -100,7 +100,7 @@ def version(peer: Peer, work: Path) -> str:
 
 def _case() -> dict[str, float]:
     """What `solve` is told of the case, in N, mm and MPa."""
-    from railhead import catalogue
+    from railhead.scene import catalogue
 
     scene = catalogue.find(CASE)
     load, rail_radius, wheel_radius = (
@@ -151,7 +151,7 @@ def _asked(peer: Peer, job: Mapping[str, Any] | None, work: Path) -> tuple[Any, 
 def _own(setting: str, options: Sequence[str], work: Path) -> Run:
     """`railhead run hertz_ellipse --no-pictures` as a person starts it."""
     record = Run(OURS, "finite elements", setting)
-    start = [sys.executable, "-c", "from railhead.start import main; main()"]
+    start = [sys.executable, "-c", "from railhead.cli import main; main()"]
     command = [*start, "run", CASE, "--no-pictures", "--out", "own", *options]
     try:
         cost = running.run(command, work)

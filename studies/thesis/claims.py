@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from railhead.theory.hertz import Ellipse
+from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.thesis import ThesisContact
 
 EXACT = 1e-3  # relative difference that passes as rounding

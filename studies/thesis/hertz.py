@@ -16,7 +16,7 @@ from railhead.studies.thesis.claims import (
     number,
     statement,
 )
-from railhead.theory.hertz import Ellipse, general_orientation, point_contact
+from railhead.theory.elastic.hertz import Ellipse, general_orientation, point_contact
 from railhead.theory.thesis import exact_coefficients, table_5_3, thesis_contact
 
 rules = Rules()

@@ -6,7 +6,7 @@ import numpy as np
 
 from railhead.studies.thesis.claims import Facts, Finding, Rules, itself, number
 from railhead.studies.thesis.hertz import PRINTED_LOAD, principal_curvatures
-from railhead.theory.hertz import general_orientation, point_contact
+from railhead.theory.elastic.hertz import general_orientation, point_contact
 from railhead.theory.thesis import exact_coefficients, hertz_coefficients, table_5_3
 
 rules = Rules()

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railhead.postprocess.findings import Array, AxisPressure, DepthAxis, Findings, Surface
-from railhead.postprocess.mirror import whole
-from railhead.postprocess.plots import FE, HERTZ, THESIS, closed_ellipse, new_figure
-from railhead.postprocess.stress import nodal
-from railhead.postprocess.surface import SurfaceRecovery
-from railhead.solver.gather import Fields
-from railhead.theory.hertz import Ellipse
-from railhead.theory.subsurface import axis_stress, max_shear, principal, stress
+from railhead.postprocess.patch.surface import SurfaceRecovery
+from railhead.postprocess.plots.diagrams import FE, HERTZ, THESIS, closed_ellipse, new_figure
+from railhead.postprocess.stress.gauss_points import nodal
+from railhead.postprocess.vtu.mirror import whole
+from railhead.solver.fields import Fields
+from railhead.theory.elastic.hertz import Ellipse
+from railhead.theory.elastic.subsurface import axis_stress, max_shear, principal, stress
 from railhead.theory.thesis import thesis_axis_stress
 
 if TYPE_CHECKING:

@@ -18,8 +18,8 @@ from railhead.studies.thesis.claims import (
 )
 from railhead.studies.thesis.hertz import AXLE_LOAD, PRINTED_LOAD, under
 from railhead.studies.thesis.stresses import P0, A, exact_stress
-from railhead.theory import subsurface
-from railhead.theory.hertz import Ellipse
+from railhead.theory.elastic import subsurface
+from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.thesis import thesis_axis_stress
 
 rules = Rules()

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from railhead.postprocess.findings import Findings
-from railhead.progress import Progress
-from railhead.refine import Result, run
+from railhead.results.pipeline import Result, run
+from railhead.run.progress import Progress
 from railhead.studies.thesis import plots as thesis_plots
 from railhead.studies.thesis.hertz import AXLE_LOAD
-from railhead.theory import subsurface
-from railhead.theory.hertz import Ellipse
+from railhead.theory.elastic import subsurface
+from railhead.theory.elastic.hertz import Ellipse
 
 if TYPE_CHECKING:
     from railhead.scene.scene import Scene

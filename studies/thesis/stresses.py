@@ -6,8 +6,8 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from railhead.studies.thesis.claims import EXACT, Facts, Finding, Rules, number, statement
-from railhead.theory import subsurface
-from railhead.theory.hertz import Ellipse, point_contact
+from railhead.theory.elastic import subsurface
+from railhead.theory.elastic.hertz import Ellipse, point_contact
 from railhead.theory.thesis import Array, thesis_axis_stress
 
 rules = Rules()

@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railhead import catalogue, study
 from railhead.cli import main as command
-from railhead.geometry import solid as geometry
-from railhead.meshing import profiles, wheelset
-from railhead.meshing.placement import Pair
-from railhead.planning import exact
+from railhead.cli import study
+from railhead.contact import solid as geometry
+from railhead.geometry import profiles, wheelset
+from railhead.geometry.placement import Pair
+from railhead.planning.references import closed_forms
+from railhead.scene import catalogue
 from railhead.studies import tables
 from railhead.studies.thesis import hertz as thesis_hertz
 from railhead.studies.thesis import location as thesis_location
@@ -25,7 +26,8 @@ from railhead.studies.thesis import results as thesis_results
 from railhead.studies.thesis import stresses as thesis_stresses
 from railhead.studies.thesis import surfaces as thesis_surfaces
 from railhead.studies.thesis.claims import Check, Facts, Judged, read_claims
-from railhead.theory import boundary_element, thesis
+from railhead.theory import thesis
+from railhead.theory.bem import boundary_element
 
 if TYPE_CHECKING:
     from railhead.scene.scene import Scene
@@ -53,7 +55,7 @@ class Row:
     reference: str
     check: str
     thesis: float | str
-    exact: float | str
+    closed_forms: float | str
     ours: float | str | None
     unit: str
     grade: str
@@ -90,7 +92,7 @@ def judge(given: Facts) -> list[Judged]:
 def facts(scene: Scene) -> Facts:
     """Exact Hertz, the thesis's route, and what the profiles say; no finite elements yet."""
     contact = geometry.locate(scene)
-    ellipse = exact.ellipse(scene, contact)
+    ellipse = closed_forms.ellipse(scene, contact)
     curvatures = (ellipse.curvature_x, 0.0), (0.0, ellipse.curvature_y)
     route = thesis.thesis_contact(*curvatures, ellipse.contact_modulus, ellipse.load)
     numerical = boundary_element.solve(

@@ -11,7 +11,7 @@ from railhead.studies.thesis.hertz import PRINTED_LOAD, under
 from railhead.studies.thesis.results import YIELD
 from railhead.studies.thesis.runs import DEFAULT, HEXAHEDRA, WHEEL
 from railhead.studies.thesis.stresses import P0, exact_stress, thesis_shear
-from railhead.theory import subsurface
+from railhead.theory.elastic import subsurface
 
 CIRCLE_SHAKEDOWN = 4.7  # p0/k, circular patch
 STRIP_SHAKEDOWN = 4.0  # p0/k, line contact

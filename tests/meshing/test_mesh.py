@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from railhead.meshing import blocks, mesh, outlines, profiles
+from railhead.geometry import outlines, profiles
+from railhead.meshing import blocks, mesh
 from railhead.meshing.bodies import Body, Options
 from railhead.meshing.sizing import Grading
 from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, SYMMETRY_Y, WHEEL
@@ -67,7 +68,7 @@ def test_faces_are_tagged_and_fine_only_in_the_patch(cell: str) -> None:
 def _nodes(made: mesh.ContactMesh, facets: np.ndarray) -> np.ndarray:
     """Geometry nodes of facets: those of their cell that lie on them (order 1)."""
     from railhead.solver import compat
-    from railhead.solver.facets import reference_facets
+    from railhead.solver.space.facets import reference_facets
 
     topology = made.mesh.topology
     topology.create_connectivity(2, 3)

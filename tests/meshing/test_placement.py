@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from railhead.meshing import placement, profiles
-from railhead.meshing.placement import Pair
-from railhead.meshing.pose import Pose, turned, upright
-from railhead.meshing.surfaces import ExactGap, ParabolicGap, RailSurface, WheelSurface, along
+from railhead.geometry import placement, profiles
+from railhead.geometry.placement import Pair
+from railhead.geometry.pose import Pose, turned, upright
+from railhead.geometry.surfaces import ExactGap, ParabolicGap, RailSurface, WheelSurface, along
 
 PAIRS = [
     (Pair(profiles.rail_head("54E1"), profiles.cone(0, 67, "cylinder"), 420.0), 0.0),

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from railhead.meshing import blocks, mesh, outlines, plane, profiles
+from railhead.geometry import outlines, profiles
+from railhead.meshing import blocks, mesh, plane
 from railhead.meshing.bodies import Body, Options
 from railhead.meshing.sizing import Grading
 from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, SYMMETRY_Y, WHEEL

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from railhead.geometry import bodies
-from railhead.meshing import outlines, profiles
-from railhead.meshing.measured import profile as measured
+from railhead.contact import bodies
+from railhead.geometry import outlines, profiles
+from railhead.geometry.measured import profile as measured
 
 HEIGHT = {"54E1": 159.0, "60E1": 172.0}
 

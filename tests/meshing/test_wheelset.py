@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from railhead.meshing import profiles
-from railhead.meshing.placement import Pair, PlacementError
-from railhead.meshing.wheelset import Side, Track, gauge_face, place, top
+from railhead.geometry import profiles
+from railhead.geometry.placement import Pair, PlacementError
+from railhead.geometry.wheelset import Side, Track, gauge_face, place, top
 
 RAIL = profiles.rail_head("60E1", 1 / 40)
 PAIR = Pair(RAIL, profiles.s1002(), 460.0)

@@ -19,12 +19,12 @@ from railhead.postprocess.findings import (
     Patch,
     Surface,
 )
-from railhead.postprocess.plots import closed_ellipse
+from railhead.postprocess.plots.diagrams import closed_ellipse
 from railhead.solver import compat
-from railhead.solver.gather import ContactFields, Fields
-from railhead.theory.halfspace import hertz_displacement
-from railhead.theory.hertz import Ellipse, contact_modulus, point_contact
-from railhead.theory.subsurface import axis_stress, stress
+from railhead.solver.fields import ContactFields, Fields
+from railhead.theory.elastic.halfspace import hertz_displacement
+from railhead.theory.elastic.hertz import Ellipse, contact_modulus, point_contact
+from railhead.theory.elastic.subsurface import axis_stress, stress
 
 YOUNG, POISSON = 207000.0, 0.3
 

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from railhead.postprocess.damage import answers
-from railhead.postprocess.traction import wear_number
+from railhead.postprocess.friction.damage import answers
+from railhead.postprocess.friction.traction import wear_number
 
 MU = 0.4
 SHIFT = {"poisson": 0.3, "rolling": False, "line": False}

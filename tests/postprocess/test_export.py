@@ -12,9 +12,9 @@ import pytest
 import pyvista as pv
 from vtkmodules.vtkCommonCore import vtkDataArray
 
-from railhead.postprocess import export
+from railhead.postprocess.vtu import export
 from railhead.solver.solution import Plastic, Rubbing
-from railhead.theory.subsurface import axis_stress
+from railhead.theory.elastic.subsurface import axis_stress
 
 UNITS_LABEL = vtkDataArray.UNITS_LABEL()
 KINDS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)]

@@ -11,10 +11,13 @@ from matplotlib.axes import Axes
 from matplotlib.image import imread
 from painted import painted
 
-from railhead.postprocess import export, patch, plots, render
 from railhead.postprocess.findings import Frame
-from railhead.postprocess.parts import parts
-from railhead.postprocess.subject import Subject
+from railhead.postprocess.patch import patch
+from railhead.postprocess.patch.parts import parts
+from railhead.postprocess.plots import diagrams
+from railhead.postprocess.views import render
+from railhead.postprocess.views.subject import Subject
+from railhead.postprocess.vtu import export
 from railhead.studies.accuracy_cost import plot as accuracy_plot
 
 
@@ -78,7 +81,7 @@ def test_no_pressure_is_coloured_outside_the_outline(
     coloured = []
     for name, of in (("whole", case.findings.patch), ("half", small)):
         path = tmp_path / f"{name}.png"
-        plots.patch(replace(case.findings, patch=of), case.ellipse, path)
+        diagrams.patch(replace(case.findings, patch=of), case.ellipse, path)
         picture = imread(path)[:, :, :3]
         bar = int(0.8 * picture.shape[1])
         warm = (picture[:, :, 0] > 0.4) & (picture[:, :, 2] < 0.8 * picture[:, :, 0])
@@ -113,9 +116,9 @@ def test_the_pressure_is_cut_through_its_peak_over_the_whole_patch() -> None:
 
 def test_pictures_say_what_they_are_of(blocks: Callable[..., Any], drawn: list[Any]) -> None:
     titled = replace(blocks().findings, subject=Subject("a case: 25 kN", gauge=True))
-    figure = plots.pressure(titled, None)
+    figure = diagrams.pressure(titled, None)
     assert "gauge side < 0" in figure.axes[1].get_xlabel()
-    with plots.new_figure(None, 4, 3, titled) as body:
+    with diagrams.new_figure(None, 4, 3, titled) as body:
         body.add_subplot()
     assert [text.get_text() for text in body.figure.subfigs[0].texts] == ["a case: 25 kN"]
 

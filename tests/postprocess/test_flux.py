@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from railhead.postprocess.flux import contact_force, pressure_force
-from railhead.solver.gather import ContactFields
+from railhead.postprocess.stress.flux import contact_force, pressure_force
+from railhead.solver.fields import ContactFields
 
 YOUNG, POISSON = 207000.0, 0.3
 LAME = (YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON)), YOUNG / (2 * (1 + POISSON)))

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from railhead.postprocess.findings import Frame, OnePatch
-from railhead.postprocess.motion import motion
-from railhead.theory.halfspace import boussinesq_displacement
+from railhead.postprocess.patch.body_motion import motion
+from railhead.theory.elastic.halfspace import boussinesq_displacement
 
 YOUNG, POISSON, LOAD = 207000.0, 0.3, 25000.0
 LAME = (YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON)), YOUNG / (2 * (1 + POISSON)))

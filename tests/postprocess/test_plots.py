@@ -11,9 +11,9 @@ import pytest
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
-from railhead.postprocess import plots
 from railhead.postprocess.findings import OnePatch
-from railhead.postprocess.mirror import cut_axes, whole
+from railhead.postprocess.plots import diagrams
+from railhead.postprocess.vtu.mirror import cut_axes, whole
 
 
 def image(path: Path) -> Any:
@@ -28,7 +28,7 @@ def count(path: Path, colour: str) -> int:
 
 def test_ellipse_is_closed_and_exact(blocks: Callable[..., Any]) -> None:
     ellipse = blocks().ellipse
-    line = plots.closed_ellipse(ellipse)
+    line = diagrams.closed_ellipse(ellipse)
     assert line[0] == pytest.approx(line[-1], abs=1e-14)
     assert np.hypot(line[:, 0] / ellipse.a, line[:, 1] / ellipse.b) == pytest.approx(1.0, abs=1e-14)
 
@@ -62,28 +62,28 @@ def test_pressure_and_patch_show_hertz_only_when_there_is_one(
     blocks: Callable[..., Any], tmp_path: Path
 ) -> None:
     case = blocks(cut=False)
-    for name, draw in (("pressure", plots.pressure), ("depth", None)):
+    for name, draw in (("pressure", diagrams.pressure), ("depth", None)):
         with_it, without = tmp_path / f"{name}.png", tmp_path / f"{name}_alone.png"
         if draw is None:
-            plots.depth(case.findings, case.ellipse, 0.3, with_it)
-            plots.depth(case.findings, None, 0.3, without)
+            diagrams.depth(case.findings, case.ellipse, 0.3, with_it)
+            diagrams.depth(case.findings, None, 0.3, without)
         else:
             draw(case.findings, case.ellipse, with_it)
             draw(case.findings, None, without)
-        assert count(with_it, plots.HERTZ) > 500
-        assert count(without, plots.HERTZ) == 0
-        assert count(without, plots.FE) > 500
-    plots.patch(case.findings, case.ellipse, tmp_path / "patch.png")
-    plots.patch(case.findings, None, tmp_path / "alone.png")
+        assert count(with_it, diagrams.HERTZ) > 500
+        assert count(without, diagrams.HERTZ) == 0
+        assert count(without, diagrams.FE) > 500
+    diagrams.patch(case.findings, case.ellipse, tmp_path / "patch.png")
+    diagrams.patch(case.findings, None, tmp_path / "alone.png")
     assert count(tmp_path / "patch.png", "black") > count(tmp_path / "alone.png", "black") + 1000
 
 
 def test_thesis_is_shown_when_given(blocks: Callable[..., Any], tmp_path: Path) -> None:
     case = blocks()
     e = case.ellipse
-    plots.depth(case.findings, e, 0.3, tmp_path / "with.png", thesis=(e.p0, e.a))
-    plots.depth(case.findings, e, 0.3, tmp_path / "without.png")
-    with_it, without = (count(tmp_path / f"{n}.png", plots.THESIS) for n in ("with", "without"))
+    diagrams.depth(case.findings, e, 0.3, tmp_path / "with.png", thesis=(e.p0, e.a))
+    diagrams.depth(case.findings, e, 0.3, tmp_path / "without.png")
+    with_it, without = (count(tmp_path / f"{n}.png", diagrams.THESIS) for n in ("with", "without"))
     assert with_it > without + 500
 
 
@@ -97,7 +97,7 @@ def test_depth_of_the_wheel_when_the_rail_has_none(blocks: Callable[..., Any]) -
 def test_quarter_and_full_give_the_same_patch(blocks: Callable[..., Any], tmp_path: Path) -> None:
     for cut in (True, False):
         case = blocks(cut=cut)
-        plots.patch(case.findings, case.ellipse, tmp_path / f"{cut}.png")
+        diagrams.patch(case.findings, case.ellipse, tmp_path / f"{cut}.png")
     one, other = image(tmp_path / "True.png"), image(tmp_path / "False.png")
     assert one.shape == other.shape
     assert np.abs(one - other).mean() < 0.01
@@ -108,7 +108,7 @@ def test_slender_patches_shape_the_picture(
     blocks: Callable[..., Any], tmp_path: Path, radii: tuple[float, float], wide: bool
 ) -> None:
     case = blocks(radii=radii)
-    plots.patch(case.findings, case.ellipse, tmp_path / "patch.png")
+    diagrams.patch(case.findings, case.ellipse, tmp_path / "patch.png")
     height, width = image(tmp_path / "patch.png").shape[:2]
     assert (width > 1.8 * height) if wide else (height > 1.2 * width)
 
@@ -118,9 +118,9 @@ def test_nothing_touches_the_edge_and_no_setting_stays(
 ) -> None:
     before = dict(matplotlib.rcParams)
     case = blocks(load=5.0)
-    plots.pressure(case.findings, case.ellipse, tmp_path / "1.png")
-    plots.depth(case.findings, case.ellipse, 0.3, tmp_path / "2.png", (54.0, 0.3))
-    plots.patch(case.findings, case.ellipse, tmp_path / "3.png")
+    diagrams.pressure(case.findings, case.ellipse, tmp_path / "1.png")
+    diagrams.depth(case.findings, case.ellipse, 0.3, tmp_path / "2.png", (54.0, 0.3))
+    diagrams.patch(case.findings, case.ellipse, tmp_path / "3.png")
     assert dict(matplotlib.rcParams) == before
     for name in "123":
         rim = np.ones(image(tmp_path / f"{name}.png").shape[:2], dtype=bool)
@@ -140,7 +140,7 @@ def test_depths_below_two_places_say_so(blocks: Callable[..., Any], tmp_path: Pa
         largest=findings.largest | {"rail": more},
     )
     for shown, apart in ((findings, False), (moved, True)):
-        figure = plots.depth(shown, case.ellipse, 0.3, tmp_path / "depth.png")
+        figure = diagrams.depth(shown, case.ellipse, 0.3, tmp_path / "depth.png")
         words = [text.get_text() for text in figure.legends[0].get_texts()]
         assert any("below its own centre" in each for each in words) is apart
         assert (f"{more.tau.value:.4g} MPa elsewhere" in figure.axes[1].get_xlabel()) is apart
@@ -153,5 +153,5 @@ def test_a_cut_through_one_of_several_patches_says_so(blocks: Callable[..., Any]
     one = OnePatch(**of, max_pressure=patch.max_pressure, share=0.5)
     two = replace(case.findings, patch=replace(patch, each=(one, one)))
     for shown, count in ((case.findings, 0), (two, 2)):
-        titles = [axes.get_title() for axes in plots.pressure(shown, None).axes]
+        titles = [axes.get_title() for axes in diagrams.pressure(shown, None).axes]
         assert sum("most loaded of 2 patches" in title for title in titles) == count

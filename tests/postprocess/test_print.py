@@ -13,20 +13,13 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from railhead.postprocess import (
-    export,
-    fringes,
-    plastic_plots,
-    plots,
-    render,
-    shakedown_plot,
-    sweep_plots,
-    traction_plots,
-)
 from railhead.postprocess.findings import AxisPressure, OnePatch
-from railhead.postprocess.subject import Subject
-from railhead.solver.gather import ContactFields
-from railhead.solver.opposite import Opposite
+from railhead.postprocess.plots import diagrams, plastic_plots, shakedown, sweep, traction_plots
+from railhead.postprocess.views import fringes, render
+from railhead.postprocess.views.subject import Subject
+from railhead.postprocess.vtu import export
+from railhead.solver.fields import ContactFields
+from railhead.solver.interface.master_surface import Opposite
 
 TITLE = "a case of many words: 110.3 kN, wheel R 420 mm, tread cone20, on rail 54E1, half-spaces"
 
@@ -88,7 +81,7 @@ def test_all_patches_are_in_every_picture(
     render.wheel_rail(volume, found, tmp_path / "w.png")
     render.patch_on_rail(grid, found, None, tmp_path / "o.png")
     render.stress_cut(volume, found, tmp_path / "s.png")
-    plots.patch(found, None, tmp_path / "p.png")
+    diagrams.patch(found, None, tmp_path / "p.png")
     places = (1, 0, 0, 0)  # of the panel
     for figure, place in zip(sheets, places, strict=True):
         axes = figure.axes[place]
@@ -103,7 +96,7 @@ def test_all_patches_are_in_every_picture(
 
 def test_the_cut_says_whose_pressure_it_shows(blocks: Callable[..., Any]) -> None:
     found = two_patches(blocks(cut=False))
-    label = plots.pressure(found, None).axes[0].get_legend_handles_labels()[1][0]
+    label = diagrams.pressure(found, None).axes[0].get_legend_handles_labels()[1][0]
     shown = found.along.pressure.max()
     assert f"of this patch {shown:.4g} MPa" in label and "2000 MPa" in label
 
@@ -119,7 +112,7 @@ def test_long_labels_do_not_leave_the_sheet(
     names = {"rail": "lower cylinder", "wheel": "upper cylinder"}
     found = replace(case.findings, largest=largest, subject=Subject(TITLE, names))
     render.stress_cut(export.volume_grid(case.fields, case.stress), found, tmp_path / "s.png")
-    plots.depth(found, case.ellipse, 0.3, tmp_path / "d.png", (800.0, 3.0))
+    diagrams.depth(found, case.ellipse, 0.3, tmp_path / "d.png", (800.0, 3.0))
     for figure in sheets:
         assert not cut_off(figure)
 
@@ -138,16 +131,16 @@ def test_bands_of_stress_end_at_zero_and_hold_all(values: tuple[float, float], b
 def test_pressure_ends_at_the_edge_of_the_patch(blocks: Callable[..., Any]) -> None:
     ellipse = blocks().ellipse
     x = ellipse.a * np.linspace(-1.25, 1.25, 42)
-    t, p = plots.loaded(AxisPressure(x, np.asarray(ellipse.pressure(x, 0))))
+    t, p = diagrams.loaded(AxisPressure(x, np.asarray(ellipse.pressure(x, 0))))
     assert p[0] == p[-1] == 0.0 and np.all(p[1:-1] > 0)
     assert (t[0], t[-1]) == pytest.approx((-ellipse.a, ellipse.a), rel=0.01)
     ends = AxisPressure(np.array([-5.0, 5.0]), np.array([7.0, 7.0]))
-    assert np.array_equal(plots.loaded(ends), [[-5.0, 5.0], [7.0, 7.0]])
+    assert np.array_equal(diagrams.loaded(ends), [[-5.0, 5.0], [7.0, 7.0]])
 
 
 def test_the_cross_of_the_largest_shear_is_whole_and_explained(blocks: Callable[..., Any]) -> None:
     case = blocks()
-    axes = plots.depth(case.findings, case.ellipse, 0.3).axes[1]
+    axes = diagrams.depth(case.findings, case.ellipse, 0.3).axes[1]
     assert axes.get_xlim()[1] > 1.05 * 0.3 * case.ellipse.p0
     assert "+ its peak" in axes.get_xlabel()
 
@@ -198,7 +191,7 @@ def test_arrows_are_spread_evenly() -> None:
 def test_no_yield_is_said_and_coloured_as_none(blocks: Callable[..., Any]) -> None:
     case = blocks(cut=False)
     points = case.fields.points[:, None, :]
-    with plots.new_figure(None, 5, 5) as figure:
+    with diagrams.new_figure(None, 5, 5) as figure:
         axes = figure.add_subplot()
         plastic_plots._cut(
             figure, axes, two_patches(case), (points, np.zeros(points.shape[:2])), 1, "strain"
@@ -226,7 +219,7 @@ def test_the_surface_that_yields_is_drawn_whichever_it_is(
     moved = np.full(fields.points.shape, 1e-15)
     moved[nodes[yields], 2] = 2e-3
     residual = replace(fields, displacement=moved)
-    with plots.new_figure(None, 5, 5) as figure:
+    with diagrams.new_figure(None, 5, 5) as figure:
         axes = figure.add_subplot()
         plastic_plots._left(axes, residual, pressed, case.findings, case.ellipse.b)
     name = case.findings.subject.names["rail" if yields == 1 else "wheel"]
@@ -238,15 +231,15 @@ def test_the_surface_that_yields_is_drawn_whichever_it_is(
 def test_sweeps_and_the_shakedown_map_say_what_they_are_of(
     sheets: list[Figure], tmp_path: Path
 ) -> None:
-    rows = [{"load [N]": n, "checks": "passed"} | dict.fromkeys(sweep_plots.PANELS, float(n))
+    rows = [{"load [N]": n, "checks": "passed"} | dict.fromkeys(sweep.PANELS, float(n))
             for n in (1, 2)]  # fmt: skip
     circle = [[[np.cos(t), np.sin(t)] for t in np.linspace(0, 6, 20)]]
-    sweep_plots.curves(["load [N]"], rows, tmp_path / "c.png", "y, mm", TITLE)
-    sweep_plots.patches(["load [N]"], rows, [circle, circle], tmp_path / "p.png", "y, mm", TITLE)
+    sweep.curves(["load [N]"], rows, tmp_path / "c.png", "y, mm", TITLE)
+    sweep.patches(["load [N]"], rows, [circle, circle], tmp_path / "p.png", "y, mm", TITLE)
     friction = {"traction_coefficient": 0.1, "p0_over_k": 3.0, "first_yield_p0_over_k": 3.2,
                 "shakedown_limit_p0_over_k": 3.5,
                 "shakedown": "elastic", "surface_fatigue_index": -0.2}  # fmt: skip
-    shakedown_plot.draw(friction, 0.3, tmp_path / "s.png", TITLE)
+    shakedown.draw(friction, 0.3, tmp_path / "s.png", TITLE)
     for figure in sheets:
         said = " ".join(text.get_text() for part in figure.subfigs for text in part.texts)
         assert " ".join(said.split()) == TITLE
@@ -259,7 +252,7 @@ def test_values_beside_narrow_patches_do_not_run_into_each_other(
     """Two strips of a roller, 70 mm long and 4 mm wide, of which either load is five letters."""
     rows = [{"load [N]": load, "checks": "passed"} for load in (50000, 110000)]
     strip = [[[-2.0, -35.0], [2.0, -35.0], [2.0, 35.0], [-2.0, 35.0]]]
-    sweep_plots.patches(["load [N]"], rows, [strip, strip], tmp_path / "p.png", "y, mm")
+    sweep.patches(["load [N]"], rows, [strip, strip], tmp_path / "p.png", "y, mm")
     (figure,) = sheets
     first, second = (text.get_window_extent() for text in figure.axes[0].get_xticklabels())
     assert first.x1 < second.x0
@@ -272,12 +265,12 @@ def test_a_strip_of_patches_holds_the_key_with_more_values(
     circle = [[[np.cos(t), np.sin(t)] for t in np.linspace(0, 6, 20)]]
     rows = [{"shift": shift, "load": load, "checks": "passed"}
             for shift in (0.0, 1.0, 2.0) for load in (1.0, 2.0)]  # fmt: skip
-    sweep_plots.patches(["shift", "load"], rows, [circle] * 6, tmp_path / "p.png", "y, mm")
+    sweep.patches(["shift", "load"], rows, [circle] * 6, tmp_path / "p.png", "y, mm")
     assert [axes.get_title(loc="left") for axes in sheets[0].axes] == ["load: 1", "load: 2"]
 
 
 def test_signs_are_those_of_the_axes() -> None:
-    assert plots.minus("y = -12.67 mm") == "y = \N{MINUS SIGN}12.67 mm"
+    assert diagrams.minus("y = -12.67 mm") == "y = \N{MINUS SIGN}12.67 mm"
 
 
 def test_of_several_patches_the_depth_is_below_the_most_loaded_one() -> None:
@@ -285,4 +278,4 @@ def test_of_several_patches_the_depth_is_below_the_most_loaded_one() -> None:
     patch = SimpleNamespace(centre=(0.0, 0.0), a=2.0, b=1.0)
     for also, said in (((), "first contact"), ((None,), "most loaded patch")):
         found = cast(Any, SimpleNamespace(patch=patch, also=also))
-        assert plots._below(found) == f", below the {said}"
+        assert diagrams._below(found) == f", below the {said}"

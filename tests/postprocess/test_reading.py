@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from painted import measured, painted
 
-from railhead.postprocess import patch, quality, reconstruct
 from railhead.postprocess.findings import Array, Frame, Patch
-from railhead.postprocess.parts import parts
-from railhead.solver.gather import Fields
+from railhead.postprocess.patch import patch, quality, reconstruct
+from railhead.postprocess.patch.parts import parts
+from railhead.solver.fields import Fields
 
 FRAME = Frame((0.0, 0.0, 0.0), 0.0)
 Square = Callable[[Array, Array], Array]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from railhead.postprocess.recovery import Recovery
+from railhead.postprocess.stress.recovery import Recovery
 
 YOUNG, POISSON = 207000.0, 0.3
 LAME = YOUNG * POISSON / (1 + POISSON) / (1 - 2 * POISSON), YOUNG / 2 / (1 + POISSON)

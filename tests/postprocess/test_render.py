@@ -13,8 +13,9 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 
-from railhead.postprocess import export, render
-from railhead.postprocess.camera import Camera, load_pyvista
+from railhead.postprocess.views import render
+from railhead.postprocess.views.camera import Camera, load_pyvista
+from railhead.postprocess.vtu import export
 
 
 def image(path: Path) -> Any:

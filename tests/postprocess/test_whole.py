@@ -8,9 +8,9 @@ import pytest
 import pyvista as pv
 from scipy.spatial import cKDTree
 
-from railhead.postprocess import export
 from railhead.postprocess.findings import Surface
-from railhead.postprocess.mirror import whole, whole_grid
+from railhead.postprocess.vtu import export
+from railhead.postprocess.vtu.mirror import whole, whole_grid
 
 KINDS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)]
 

@@ -3,19 +3,22 @@
 import numpy as np
 import pytest
 
-from railhead import catalogue, refine
-from railhead.allowance import Allowance, allowance
 from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
-from railhead.planning import developed, twist
 from railhead.planning import plan as planning
+from railhead.planning.references import boundary_elements, rail_twist
+from railhead.results import pipeline
+from railhead.run.references.allowance import Allowance, allowance
+from railhead.scene import catalogue
 from railhead.scene.scene import Scene
-from railhead.theory.hertz import Ellipse
+from railhead.theory.elastic.hertz import Ellipse
 
 
 def allowed(scene: Scene, motion: tuple[float, float] = (0.0, 0.0)) -> dict[str, Allowance]:
     plan = planning.make(scene)
     assert isinstance(plan.estimate, Ellipse)
-    return allowance(plan, developed.solve(plan.contact, plan.estimate, scene.load, 64), motion)
+    return allowance(
+        plan, boundary_elements.solve(plan.contact, plan.estimate, scene.load, 64), motion
+    )
 
 
 def thesis(*assignments: str) -> dict[str, Allowance]:
@@ -73,8 +76,8 @@ def test_a_motion_counts_where_it_changes_the_patch(monkeypatch: pytest.MonkeyPa
     scene = catalogue.find("cone20_uninclined_uic54").replace(["load=110kN"])
     plan = planning.make(scene)
     assert isinstance(plan.estimate, Ellipse)
-    angle = twist.twist(plan.contact, plan.estimate)
-    motion = angle, twist.CENTRE * angle
+    angle = rail_twist.twist(plan.contact, plan.estimate)
+    motion = angle, rail_twist.CENTRE * angle
     assert allowed(scene, motion)["max_MPa"].twist > 0.01
     assert allowed(scene)["max_MPa"].twist == pytest.approx(0, abs=1e-9)
     one_radius = catalogue.find("uic54_thesis")
@@ -83,7 +86,7 @@ def test_a_motion_counts_where_it_changes_the_patch(monkeypatch: pytest.MonkeyPa
     def fail(*_: object) -> float:
         raise ValueError("no bounded contact found")
 
-    monkeypatch.setattr(twist, "change", fail)
+    monkeypatch.setattr(rail_twist, "change", fail)
     with pytest.raises(ValueError, match="no bounded contact"):
         allowed(scene, motion)
     assert np.isfinite(thesis()["max_MPa"].total)
@@ -93,7 +96,7 @@ def test_a_motion_counts_where_it_changes_the_patch(monkeypatch: pytest.MonkeyPa
 def test_a_head_on_its_own_turns_and_changes_the_pressure_as_foreseen() -> None:
     """The 22.5 t axle beside the web of a head without one: half-spaces are 1.7 % too high."""
     choice = ["rail.inclination=1:40", "effects.rail_section=off", "effects.plasticity=off"]
-    summary = refine.run(catalogue.find("uic54_22t5_axle").replace(choice)).summary
+    summary = pipeline.run(catalogue.find("uic54_22t5_axle").replace(choice)).summary
     assert summary["half_space"]["allowance"]["max_MPa"]["twist"] == pytest.approx(0.018, rel=0.15)
     ratio = summary["result"]["pressure"]["max_MPa"] / summary["half_space"]["pressure"]["max_MPa"]
     assert ratio == pytest.approx(1 - 0.017, abs=0.004)

@@ -13,7 +13,7 @@ from solved import solved
 
 import railhead
 import railhead as rh
-from railhead.theory.hertz import point_contact
+from railhead.theory.elastic.hertz import point_contact
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = DOCS / "api.md"

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from railhead import build, catalogue
 from railhead.meshing.apart import M_PERTURB
 from railhead.planning import plan as planning
+from railhead.run import build
+from railhead.scene import catalogue
 from railhead.solver import compat
 
 LIBC = ctypes.CDLL(None)

@@ -7,13 +7,15 @@ import pytest
 from mpi4py import MPI
 from solved import solved
 
-from railhead import catalogue, checks, estimates
-from railhead.level import Level, solve_level
 from railhead.planning import plan as planning
-from railhead.postprocess.recovery import Recovery
-from railhead.progress import Progress
+from railhead.postprocess.stress.recovery import Recovery
+from railhead.results import checks
+from railhead.results.summary import exact_quantities
+from railhead.run import estimates
+from railhead.run.mesh_solution import Level, solve_level
+from railhead.run.progress import Progress
+from railhead.scene import catalogue
 from railhead.solver.solution import Yielding
-from railhead.summary import exact_quantities
 
 
 @pytest.fixture(scope="module")
@@ -205,7 +207,7 @@ def test_a_missed_accuracy_fails(level) -> None:
 
 
 def test_the_range_of_shear_over_pressure_is_that_of_hertz() -> None:
-    from railhead.theory import hertz, subsurface
+    from railhead.theory.elastic import hertz, subsurface
 
     ratios = [
         subsurface.axis_extrema(contact, nu).tau_max / contact.p0

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import pyvista
 
-from railhead import catalogue
+from railhead.scene import catalogue
 
 ROOT = Path(__file__).parents[2]
 FAST = ["--set", "mesh.patch_size=1.2", "--no-pictures"]
@@ -18,7 +18,11 @@ FAST = ["--set", "mesh.patch_size=1.2", "--no-pictures"]
 
 def railhead(*arguments: str, cwd: Path, script: str | None = None):
     """Run the command (or a case script) in a folder; returns the completed process."""
-    start = [sys.executable, script] if script else [sys.executable, "-m", "railhead.cli"]
+    start = (
+        [sys.executable, script]
+        if script
+        else [sys.executable, "-c", "from railhead.cli import main; main()"]
+    )
     code = "from railhead.cli import main; main()"
     start = start if script else [sys.executable, "-c", code]
     return subprocess.run(

@@ -7,17 +7,17 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from railhead import catalogue
 from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
-from railhead.geometry import solid as geometry
-from railhead.geometry.solid import Contact
-from railhead.level import Level
-from railhead.planning import developed, exact
+from railhead.contact import solid as geometry
+from railhead.contact.solid import Contact
+from railhead.planning.references import boundary_elements, closed_forms
 from railhead.postprocess import compare
+from railhead.run.mesh_solution import Level
+from railhead.run.references.half_space_reference import half_space, solve
+from railhead.scene import catalogue
 from railhead.scene.scene import Scene
-from railhead.second_opinion import half_space, solve
-from railhead.theory.boundary_element import Solution
-from railhead.theory.hertz import Ellipse
+from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.elastic.hertz import Ellipse
 
 SEEN_TWICE = ["wheel.profile=S1002", "rail.inclination=1:40", "wheelset.shift=2", "load=70kN"]
 TWO_SIDES = ["wheel.profile=arc", "wheel.transverse_radius=-200", "load=50kN"]
@@ -29,17 +29,17 @@ def thesis(*assignments: str) -> Scene:
 
 def located(scene: Scene) -> tuple[Contact, Ellipse]:
     contact = geometry.locate(scene)
-    return contact, exact.ellipse(scene, contact)
+    return contact, closed_forms.ellipse(scene, contact)
 
 
 def solved(scene: Scene, cells: int = 64) -> Solution:
-    return developed.solve(*located(scene), scene.load, cells)
+    return boundary_elements.solve(*located(scene), scene.load, cells)
 
 
 def second_opinion(scene: Scene) -> dict[str, Any]:
     contact, ellipse = located(scene)
-    solution = developed.solve(contact, ellipse, scene.load, 128)
-    points = developed.develop(contact).points
+    solution = boundary_elements.solve(contact, ellipse, scene.load, 128)
+    points = boundary_elements.develop(contact).points
     return compare.from_half_space(solution, points, contact.touch.angle, hertzian=False)
 
 
@@ -73,7 +73,7 @@ def test_one_ellipse_is_hertz() -> None:
     """A wheel on a crown of one radius, on a slope: the load's normal part and Hertz's ellipse."""
     scene = thesis("rail.profile=arc", "rail.crown_radius=80", "rail.inclination=1:20")
     contact, ellipse = located(scene)
-    found = developed.solve(contact, ellipse, scene.load, 128)
+    found = boundary_elements.solve(contact, ellipse, scene.load, 128)
     assert found.max_pressure == pytest.approx(ellipse.p0, rel=2e-3)
     assert found.area == pytest.approx(ellipse.area, rel=3e-3)
     assert found.approach * math.cos(contact.touch.angle) == pytest.approx(
@@ -112,7 +112,7 @@ def test_a_patch_that_was_not_looked_for_is_found(monkeypatch: pytest.MonkeyPatc
     """The search starts at the first contact alone; the gauge corner then lies in the rail."""
     scene = MANCHESTER.replace(["wheelset.shift=5"])
     expected = solved(scene)
-    monkeypatch.setattr(developed, "START", 1e-3)
+    monkeypatch.setattr(boundary_elements, "START", 1e-3)
     found = solved(scene)
     assert len(found.patches) == len(expected.patches) == 2
     assert found.max_pressure == pytest.approx(expected.max_pressure, rel=1e-3)
@@ -130,14 +130,14 @@ def test_second_opinion_does_not_hang_on_its_grid(assignments: tuple[str, ...]) 
     """Tread, gauge corner and flange: 128 cells against four times finer ones, within 1 %."""
     contact, ellipse = located(MANCHESTER.replace(assignments))
     load = contact.scene.load
-    found, fine = (developed.solve(contact, ellipse, load, cells) for cells in (128, 512))
+    found, fine = (boundary_elements.solve(contact, ellipse, load, cells) for cells in (128, 512))
     assert found.max_pressure == pytest.approx(fine.max_pressure, rel=0.01)
     assert found.area == pytest.approx(fine.area, rel=0.01)
 
 
 def test_developed_rail_keeps_lengths_and_normals() -> None:
     scene = thesis("rail.profile=arc", "rail.crown_radius=80", "wheelset.shift=3")
-    surface = developed.develop(geometry.locate(scene))
+    surface = boundary_elements.develop(geometry.locate(scene))
     s = np.linspace(-20, 20, 41)
     points, angle = surface.points(0 * s, s), surface.angle(s)
     turn = np.arcsin(points[:, 1] / 80)
@@ -155,6 +155,6 @@ def test_a_second_opinion_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -
     def fail(*_: object) -> None:
         raise ValueError("no bounded contact found")
 
-    monkeypatch.setattr(developed, "solve", fail)
+    monkeypatch.setattr(boundary_elements, "solve", fail)
     found = half_space(cast(Level, level), solve(cast(Level, level)))
     assert found == {"reason": "boundary elements: no bounded contact found"}

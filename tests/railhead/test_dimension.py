@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from railhead import catalogue
-from railhead.geometry import dimension
+from railhead.contact import dimension
 from railhead.planning import plan as planning
+from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError
 
 INF_RAIL = ["rail.profile=arc", "rail.crown_radius=inf"]

@@ -9,10 +9,13 @@ import pytest
 from solved import solved
 
 import railhead as rh
-from railhead import catalogue, estimates, refine, results
-from railhead.planning import laws, machine, price
 from railhead.planning import plan as planning
-from railhead.planning.laws import Family, Law, Setting
+from railhead.planning.accuracy import error_envelopes
+from railhead.planning.accuracy.error_envelopes import Family, Law, Setting
+from railhead.planning.cost import machine, price
+from railhead.results import pipeline, result_folder
+from railhead.run import estimates
+from railhead.scene import catalogue
 from railhead.scene.scene import SceneError
 from railhead.studies import calibrate, error_bounds, families
 
@@ -39,17 +42,17 @@ def test_a_law_holds_inside_its_family_only(change) -> None:
 
 def test_every_calibrated_family_holds_its_own_scenes_and_no_foreign_ones() -> None:
     parts = {part: name for name in families.RECIPES for part in families.parts(name)}
-    for known in laws.families():
+    for known in error_envelopes.families():
         drawn = islice(families.scenes(parts[known.name], 3), 20)
-        found = {laws.family(planning.make(scene).setting).name for scene in drawn}
+        found = {error_envelopes.family(planning.make(scene).setting).name for scene in drawn}
         assert known.name in found
         assert all(parts[name] == parts[known.name] for name in found)
     odd = next(families.scenes("outside", 3))
-    assert laws.family(planning.make(odd).setting) is None
+    assert error_envelopes.family(planning.make(odd).setting) is None
 
 
 def test_the_resolution_meets_the_accuracy_or_is_out_of_reach() -> None:
-    for known in laws.families():
+    for known in error_envelopes.families():
         for asked in (0.2, 0.05, 0.01, 0.002):
             n = known.finest(asked)
             assert known.expected(n) <= asked or not known.reaches(asked)
@@ -57,7 +60,7 @@ def test_the_resolution_meets_the_accuracy_or_is_out_of_reach() -> None:
 
 def test_a_mesh_that_was_read_worse_than_the_middle_asks_for_a_finer_one() -> None:
     """Else the finer one misses the accuracy by that, and a third is taken."""
-    known = next(each for each in laws.families() if each.name == "ellipse")
+    known = next(each for each in error_envelopes.families() if each.name == "ellipse")
     middle = {name: law(4.0) for name, law in known.reading.items()}
     assert known.read_no_better(4.0, {}) == known
     assert known.read_no_better(4.0, middle) == known
@@ -65,10 +68,10 @@ def test_a_mesh_that_was_read_worse_than_the_middle_asks_for_a_finer_one() -> No
     worse = known.read_no_better(4.0, {name: 3 * each for name, each in middle.items()})
     for name, law in worse.reading.items():
         assert law(8.0) == pytest.approx(3 * known.reading[name](8.0))
-    accuracy = known.expected(6.0) / laws.AIM
+    accuracy = known.expected(6.0) / error_envelopes.AIM
     n = worse.finest(accuracy)
     assert n > known.finest(accuracy) == pytest.approx(6.0)
-    assert worse.expected(n) == pytest.approx(laws.AIM * accuracy)
+    assert worse.expected(n) == pytest.approx(error_envelopes.AIM * accuracy)
 
 
 def test_two_meshes_confirm_a_law_or_deny_it() -> None:
@@ -157,7 +160,7 @@ def test_every_default_run_carries_estimates_whose_parts_add_up() -> None:
         assert set(parts) == {"mesh", "reading", "contact_law", "left_out", "geometry"}
         assert sum(parts.values()) == pytest.approx(found["bound"][name])
         assert parts["mesh"] > 0
-    assert "NaN" not in results.to_json(summary)
+    assert "NaN" not in result_folder.to_json(summary)
 
 
 @pytest.mark.parametrize("accuracy", [0.03, pytest.param(0.005, marks=pytest.mark.slow)])
@@ -166,7 +169,7 @@ def test_penalty_carries_its_overlap_in_the_estimate(accuracy: float) -> None:
     bound, error = summary["accuracy"]["bound"], estimates.flat(summary["difference"])
     assert summary["accuracy"]["parts"]["max_MPa"]["contact_law"] > 0
     assert abs(error["max_MPa"]) <= bound["max_MPa"]
-    asked = refine.run(
+    asked = pipeline.run(
         catalogue.find("hertz_ellipse").replace(solver={"method": "penalty"}, accuracy=accuracy)
     ).summary
     if asked["accuracy"]["reached"]:
@@ -195,7 +198,7 @@ def test_a_second_hill_of_shear_is_part_of_the_depth() -> None:
         "load=3185.6", "rail.crown_radius=629.27", "wheel.rolling_radius=2011.01", "accuracy=5%",
         "rail.poisson_ratio=0.3287", "wheel.poisson_ratio=0.0355", "wheel.young_modulus=1121.5",
     ])  # fmt: skip
-    summary = refine.run(scene).summary
+    summary = pipeline.run(scene).summary
     off = abs(estimates.flat(summary["difference"])["tau_max_depth_mm"])
     assert off <= 1.5 * summary["accuracy"]["bound"]["tau_max_depth_mm"]
 
@@ -216,18 +219,18 @@ def test_estimates_hold_in_random_sections() -> None:
 
 def test_a_scene_outside_all_families_has_no_estimate_by_default() -> None:
     scene = catalogue.find("hertz_ellipse").replace(["solver.gamma_factor=100"])
-    summary = refine.run(scene).summary
+    summary = pipeline.run(scene).summary
     assert summary["accuracy"]["bound"] == {}
     assert "no calibrated family" in summary["accuracy"]["source"]
 
 
 def test_a_budget_buys_what_it_can_and_says_what_was_too_dear(monkeypatch) -> None:
     monkeypatch.setattr(machine, "speed", lambda: 1.0)
-    rich = refine.run(catalogue.find("hertz_ellipse").replace(["budget=8s"])).summary
-    poor = refine.run(catalogue.find("hertz_ellipse").replace(["budget=4s"])).summary
+    rich = pipeline.run(catalogue.find("hertz_ellipse").replace(["budget=8s"])).summary
+    poor = pipeline.run(catalogue.find("hertz_ellipse").replace(["budget=4s"])).summary
     assert rich["accuracy"]["asked"] is None and rich["checks"]["passed"]
     assert max(rich["accuracy"]["bound"].values()) < max(poor["accuracy"]["bound"].values())
-    dear = refine.run(catalogue.find("hertz_ellipse").replace(["budget=4s", "accuracy=0.1%"]))
+    dear = pipeline.run(catalogue.find("hertz_ellipse").replace(["budget=4s", "accuracy=0.1%"]))
     found = dear.summary["accuracy"]
     assert not dear.passed and dear.summary["checks"]["failed"] == ["accuracy"]
     assert found["reached"] is False and "budget" in found["reason"]
@@ -237,7 +240,7 @@ def test_a_budget_buys_what_it_can_and_says_what_was_too_dear(monkeypatch) -> No
 
 def test_memory_is_guarded_before_the_next_mesh(monkeypatch) -> None:
     monkeypatch.setattr(machine, "free_memory", lambda: 500_000_000)
-    result = refine.run(catalogue.find("hertz_ellipse").replace(["accuracy=0.1%"]))
+    result = pipeline.run(catalogue.find("hertz_ellipse").replace(["accuracy=0.1%"]))
     assert not result.passed
     assert "memory" in result.summary["accuracy"]["reason"]
 
@@ -252,7 +255,7 @@ def test_price_grows_with_the_accuracy() -> None:
 def test_speed_is_measured_once_and_kept(tmp_path, monkeypatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     assert not machine.known() and machine.speed() == 1.0
-    factor = refine.measure_speed()
+    factor = pipeline.measure_speed()
     assert machine.known() and machine.speed() == factor
     machine.cache_file().write_text("broken")
     assert machine.speed() == 1.0

@@ -5,12 +5,12 @@ import pickle
 import numpy as np
 import pytest
 
-from railhead import catalogue
 from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
-from railhead.planning import developed
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
-from railhead.theory.hertz import Ellipse
+from railhead.planning.references import boundary_elements
+from railhead.scene import catalogue
+from railhead.theory.elastic.hertz import Ellipse
 
 
 def planned(name: str, *assignments: str) -> Plan:
@@ -38,7 +38,7 @@ def test_manchester_patch_has_two_lobes_and_the_published_pressure_and_area() ->
     """CONTACT (A-2.2, central): 338.3 MPa, 51.64 mm2 counted in cells, approach 0.01596 mm."""
     plan = planning.make(MANCHESTER)
     assert isinstance(plan.estimate, Ellipse)
-    patch = developed.solve(plan.contact, plan.estimate, MANCHESTER.load, 128)
+    patch = boundary_elements.solve(plan.contact, plan.estimate, MANCHESTER.load, 128)
     assert patch.max_pressure == pytest.approx(338.3, rel=0.01)
     assert patch.area == pytest.approx(51.64, rel=0.04)
     assert patch.approach == pytest.approx(0.01596, rel=0.01)
@@ -70,7 +70,7 @@ def test_a_forecast_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -> None
     def fail(*_: object) -> None:
         raise ValueError("no bounded contact found")
 
-    monkeypatch.setattr(developed, "solve", fail)
+    monkeypatch.setattr(boundary_elements, "solve", fail)
     plan = planning.make(MANCHESTER)
     assert plan.forecast.hertzian
     assert plan.summary()["forecast"] == {

@@ -9,15 +9,17 @@ import pytest
 from rich.console import Console
 
 import railhead as rh
-from railhead import checks, equal_ellipses, report, shearing
-from railhead.planning import developed, exact
 from railhead.planning import plan as planning
-from railhead.rubbed_patches import SEVERAL, Asked, opinion
-from railhead.shearing import Patch
+from railhead.planning.references import boundary_elements, closed_forms
+from railhead.results import checks
+from railhead.results.report import tables
+from railhead.run.references import equal_ellipses, rolling_patches
+from railhead.run.references.rolling_elements import SEVERAL, Asked, opinion
+from railhead.run.references.rolling_patches import Patch
 from railhead.solver.solution import Rubbing
-from railhead.theory import cattaneo, kalker
-from railhead.theory.fastsim import fastsim
-from railhead.theory.rolling import Creepage, HalfSpaceFriction
+from railhead.theory.friction import cattaneo, kalker
+from railhead.theory.friction.fastsim import fastsim
+from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction
 
 MU = 0.3
 
@@ -48,12 +50,14 @@ def ellipse(**wheel: float) -> planning.Plan:
 
 
 def asked(plan: planning.Plan, *, rolling: bool, **given: tuple) -> Asked:
-    pair = exact.tangential_pair(plan.scene)
+    pair = closed_forms.tangential_pair(plan.scene)
     return Asked(found(MU * 25e3, **given), MU, pair, rolling, shifts=True)
 
 
 def hertz(plan: planning.Plan, cells: int) -> list[Patch]:
-    return shearing.patches(plan.contact, plan.estimate, hertzian=True, load=25e3, cells=cells)
+    return rolling_patches.patches(
+        plan.contact, plan.estimate, hertzian=True, load=25e3, cells=cells
+    )
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +72,7 @@ def two() -> planning.Plan:
 
 @pytest.fixture(scope="module")
 def patches(two: planning.Plan) -> list[Patch]:
-    return shearing.patches(two.contact, two.estimate, hertzian=False, load=1e4, cells=32)
+    return rolling_patches.patches(two.contact, two.estimate, hertzian=False, load=1e4, cells=32)
 
 
 def test_boundary_elements_shift_as_mindlin() -> None:
@@ -95,12 +99,12 @@ def test_what_sticks_in_any_patch_is_the_patch_of_the_force_that_is_left() -> No
     scene = rh.find("s1002_60e1").replace(effects={"plasticity": "off"})
     plan = planning.make(scene)
     whole, half = (
-        shearing.patches(plan.contact, plan.estimate, hertzian=False, load=load, cells=48)
+        rolling_patches.patches(plan.contact, plan.estimate, hertzian=False, load=load, cells=48)
         for load in (1e4, 5e3)
     )
     limit = MU * whole[0].pressed.force
     force = (0.5 * limit, 0.0)
-    given = Asked(found(limit, force=force), MU, exact.tangential_pair(scene), False, False)
+    given = Asked(found(limit, force=force), MU, closed_forms.tangential_pair(scene), False, False)
     answer = opinion(given, lambda cells: whole, (24, 48))
     share = half[0].pressed.area / whole[0].pressed.area
     assert answer["stick_share"] == pytest.approx(share, abs=0.03)
@@ -125,7 +129,7 @@ def test_patches_share_one_motion(two: planning.Plan, patches: list[Patch]) -> N
     corner, tread = sorted(patches, key=lambda each: abs(each.pressed.plane - 0.2998))
     assert len(patches) == 2 and corner.spin[2:] == pytest.approx([1.0, 0.0], abs=1e-4)
     (x, s), t = tread.pressed.centroid, two.contact.touch.angle
-    place = developed.develop(two.contact).points(np.array([x]), np.array([s]))[0]
+    place = boundary_elements.develop(two.contact).points(np.array([x]), np.array([s]))[0]
     away = (place - two.contact.origin) @ [0.0, math.cos(t), math.sin(t)]
     assert away == pytest.approx(11.0, abs=0.2)
     assert tread.middle[2, 0] == pytest.approx(-away, rel=0.01)
@@ -137,7 +141,7 @@ def test_patches_share_one_motion(two: planning.Plan, patches: list[Patch]) -> N
 
 
 def test_forces_of_patches_add_up_in_space(two: planning.Plan, patches: list[Patch]) -> None:
-    pair, motion = exact.tangential_pair(two.scene), Creepage(1e-3, 5e-4, 1e-4)
+    pair, motion = closed_forms.tangential_pair(two.scene), Creepage(1e-3, 5e-4, 1e-4)
     t = two.contact.touch.angle
     axes = np.array([[1, 0, 0], [0, math.cos(t), math.sin(t)], [0, -math.sin(t), math.cos(t)]])
     for patch in patches:
@@ -149,7 +153,7 @@ def test_forces_of_patches_add_up_in_space(two: planning.Plan, patches: list[Pat
         along, across = rolled.cell * rolled.traction
         force = np.array([along, across * np.cos(slope), across * np.sin(slope)])
         x, s = np.meshgrid(pressed.x, pressed.s, indexing="ij")
-        points = developed.develop(two.contact).points(x.ravel(), s.ravel())
+        points = boundary_elements.develop(two.contact).points(x.ravel(), s.ravel())
         arm = np.nan_to_num(points - np.array(two.contact.origin))
         total, flat = axes @ force.sum(axis=(1, 2)), force.reshape(3, -1).T
         moment = np.cross(arm, flat).sum(axis=0) @ axes[2]
@@ -158,7 +162,7 @@ def test_forces_of_patches_add_up_in_space(two: planning.Plan, patches: list[Pat
 
 def test_the_ellipse_of_an_ellipse_is_itself() -> None:
     plan, motion = ellipse(), (1e-4, 2e-4, 1e-4)
-    exactly, pair = plan.estimate, exact.tangential_pair(plan.scene)
+    exactly, pair = plan.estimate, closed_forms.tangential_pair(plan.scene)
     linear = kalker.coefficients(exactly.a / exactly.b, pair.poisson)
     known = linear.forces(exactly.a, exactly.b, pair.shear_modulus, Creepage(*motion))
     patch = hertz(plan, 64)
@@ -174,7 +178,9 @@ def test_two_patches_roll_as_their_ellipses_nearly_do(
 ) -> None:
     limit = MU * sum(each.pressed.force for each in patches)
     for motion in ((1e-4, 0.0, 0.0), (1e-3, 5e-4, 1e-4), (0.0, -3e-3, 0.0)):
-        given = Asked(found(limit, motion), MU, exact.tangential_pair(two.scene), True, False)
+        given = Asked(
+            found(limit, motion), MU, closed_forms.tangential_pair(two.scene), True, False
+        )
         answer = opinion(given, lambda cells: patches, (16, 32))
         rolled = equal_ellipses.fastsim(patches, limit, given.pair, motion)
         for name, other in zip(("force_along_N", "force_across_N"), rolled.forces, strict=False):
@@ -187,7 +193,7 @@ def test_each_patch_dissipates_what_it_would_alone(
     two: planning.Plan, patches: list[Patch]
 ) -> None:
     """A patch on another radius creeps differently, and its forces do work on that."""
-    pair, motion = exact.tangential_pair(two.scene), (1e-3, 5e-4, 1e-4)
+    pair, motion = closed_forms.tangential_pair(two.scene), (1e-3, 5e-4, 1e-4)
     normal = [each.pressed.force for each in patches]
     alone = [
         equal_ellipses.fastsim([each], MU * force, pair, motion)
@@ -269,6 +275,6 @@ def test_what_is_not_known_is_said_below_the_table(strip: rh.Result) -> None:
     assert missing == {"second_opinion": "a strip", "second_opinion_shift": "no reason"}
     text, summary = StringIO(), strip.as_dict()
     summary |= {"half_space_friction": second, "checks": summary["checks"] | {"not_made": missing}}
-    report.show_result(summary, Console(file=text, width=160))
+    tables.show_result(summary, Console(file=text, width=160))
     assert "Not checked: second_opinion_shift (no reason)." in text.getvalue()
     assert "0.8348" in text.getvalue()

@@ -40,7 +40,7 @@ def test_a_plan_imports_no_solver(case, tmp_path, monkeypatch) -> None:
     known = tmp_path / "railhead" / "speed.json"
     known.parent.mkdir()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    from railhead.planning import machine
+    from railhead.planning.cost import machine
 
     machine.keep(1.0)  # else the first plan solves a case to measure it
     assert known.exists()

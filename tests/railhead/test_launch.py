@@ -7,9 +7,10 @@ import outside
 import psutil
 import pytest
 
-from railhead import catalogue, launch, process
-from railhead.cli import main
+from railhead.cli import launch, main
 from railhead.planning import plan
+from railhead.run import process
+from railhead.scene import catalogue
 
 THESIS = catalogue.find("hertz_ellipse")
 

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from railhead import cli, locate
 from railhead.cases.s1002_60e1 import SCENE
+from railhead.cli import commands, locate
 from railhead.scene.scene import SceneError
 
 
@@ -25,7 +25,7 @@ def test_manchester_case_touches_left_and_right_alike() -> None:
 def test_command_prints_json_and_writes_pictures(tmp_path, capsys) -> None:
     folder = tmp_path / "located"
     with pytest.raises(SystemExit) as done:
-        cli.main(["locate", "s1002_60e1", "--shift", "3mm", "--yaw", "2mrad", "--json",
+        commands.main(["locate", "s1002_60e1", "--shift", "3mm", "--yaw", "2mrad", "--json",
                   "--out", str(folder)])  # fmt: skip
     assert done.value.code == 0
     printed = json.loads(capsys.readouterr().out)
@@ -40,7 +40,7 @@ def test_measured_profiles_come_with_their_curvature(tmp_path, capsys) -> None:
     rows = "\n".join(f"{y},{-(y**2) / 600}" for y in range(-34, 35, 2))
     (tmp_path / "rail.csv").write_text(rows)
     with pytest.raises(SystemExit):
-        cli.main(["locate", "uic54_thesis", "--no-pictures",
+        commands.main(["locate", "uic54_thesis", "--no-pictures",
                   "--set", f"rail.profile={tmp_path / 'rail.csv'}"])  # fmt: skip
     assert "rail profile, smoothed: radius" in capsys.readouterr().out
     assert not (tmp_path / "results").exists()

@@ -7,11 +7,14 @@ import pytest
 from mpi4py import MPI
 from rich.console import Console
 
-from railhead import catalogue, level, refine, report, results
 from railhead.planning import plan
-from railhead.progress import Progress
-from railhead.solver import linear
-from railhead.solver.problem import ContactProblem
+from railhead.results import pipeline, result_folder
+from railhead.results.report import tables
+from railhead.run import mesh_solution
+from railhead.run.progress import Progress
+from railhead.scene import catalogue
+from railhead.solver.algebra import linear
+from railhead.solver.algebra.problem import ContactProblem
 
 COARSE = ["mesh.patch_size=1.2"]
 
@@ -22,13 +25,13 @@ def solved(*changes: str) -> dict:
     def refuse(word: str) -> None:
         raise AssertionError(word)
 
-    result = refine.run(catalogue.find("hertz_ellipse").replace([*COARSE, *changes]))
-    return json.loads(results.as_json(result), parse_constant=refuse)
+    result = pipeline.run(catalogue.find("hertz_ellipse").replace([*COARSE, *changes]))
+    return json.loads(result_folder.as_json(result), parse_constant=refuse)
 
 
 def told(summary: dict) -> str:
     out = io.StringIO()
-    report.show_failure(summary, Console(file=out, width=200))
+    tables.show_failure(summary, Console(file=out, width=200))
     return out.getvalue()
 
 
@@ -76,31 +79,31 @@ def _endless(y):
     return out
 
 
-def one(*changes: str) -> level.Level:
+def one(*changes: str) -> mesh_solution.Level:
     decided = plan.make(catalogue.find("hertz_ellipse").replace([*COARSE, *changes]))
-    return level.solve_level(decided, None, Progress(quiet=True), MPI.COMM_WORLD)
+    return mesh_solution.solve_level(decided, None, Progress(quiet=True), MPI.COMM_WORLD)
 
 
 def test_a_patch_that_no_mesh_fits_is_not_settled(monkeypatch) -> None:
     assert one().settled
-    monkeypatch.setattr(level, "OUTGROWN", 1 + 1e-9)
-    monkeypatch.setattr(level, "MAX_MESHES", 2)
+    monkeypatch.setattr(mesh_solution, "OUTGROWN", 1 + 1e-9)
+    monkeypatch.setattr(mesh_solution, "MAX_MESHES", 2)
     assert not one().settled
 
 
 def test_an_approach_that_is_not_reached_is_told(monkeypatch) -> None:
     assert one().approach_error == 0.0
-    monkeypatch.setattr(level, "MAX_LOADS", 1)
+    monkeypatch.setattr(mesh_solution, "MAX_LOADS", 1)
     found = one("approach=0.03")
-    assert found.approach_error == abs(found.solution.approach / 0.03 - 1) > level.REACHED
+    assert found.approach_error == abs(found.solution.approach / 0.03 - 1) > mesh_solution.REACHED
 
 
 @pytest.mark.parametrize(
     "case, more", [("hertz_ellipse", COARSE), ("long_roller", []), ("sphere_on_plane", [])]
 )
 def test_an_approach_between_half_spaces_takes_four_loads(case, more, monkeypatch) -> None:
-    monkeypatch.setattr(level, "MAX_LOADS", 4)
+    monkeypatch.setattr(mesh_solution, "MAX_LOADS", 4)
     asked = ["approach=0.02", "rail.extent=half-space", *more]
     decided = plan.make(catalogue.find(case).replace(asked))
-    found = level.solve_level(decided, None, Progress(quiet=True), MPI.COMM_WORLD)
-    assert found.approach_error < level.REACHED
+    found = mesh_solution.solve_level(decided, None, Progress(quiet=True), MPI.COMM_WORLD)
+    assert found.approach_error < mesh_solution.REACHED

@@ -2,8 +2,9 @@
 
 import pytest
 
-from railhead import catalogue
-from railhead.planning import machine, plan
+from railhead.planning import plan
+from railhead.planning.cost import machine
+from railhead.scene import catalogue
 
 ROLLING = ("friction.coefficient=0.3", "rolling.creepage_along=0.001")
 HEXAHEDRA = "mesh.cell=hexahedron"

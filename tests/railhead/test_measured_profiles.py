@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 import railhead as rh
-from railhead import api, cli
+from railhead import api
 from railhead.cases.s1002_60e1 import SCENE
-from railhead.geometry import solid
+from railhead.cli import commands
+from railhead.contact import solid
 from railhead.scene.scene import Scene, SceneError
 from railhead.studies import profiles as study
 
@@ -132,7 +133,7 @@ def test_wrong_keys_are_one_line(worn: Scene, key: str, value: str, words: str) 
 
 def command(*arguments: str) -> int:
     with pytest.raises(SystemExit) as done:
-        cli.main(["profile", *arguments])
+        commands.main(["profile", *arguments])
     return int(done.value.code)
 
 

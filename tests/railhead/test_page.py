@@ -16,9 +16,11 @@ import pytest
 from matplotlib.image import imread
 from PIL import Image
 
-from railhead import api, page, quantities, results, words
-from railhead.display import Units
-from railhead.postprocess import turning
+from railhead import api
+from railhead.postprocess.views import turning
+from railhead.results import quantities, result_folder
+from railhead.results.report import html, labels
+from railhead.results.report.output_units import Units
 from railhead.scene.sections import SceneError
 
 CHROMIUM = shutil.which("chromium")
@@ -75,7 +77,7 @@ def folder(result: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_one_file_without_a_network(folder: Path) -> None:
-    text = (folder / page.NAME).read_text(encoding="utf-8")
+    text = (folder / html.NAME).read_text(encoding="utf-8")
     assert len(text) < 6e6
     found = Cells(text)
     assert len(found.addresses) == 2 + len(list(folder.glob("*.png")))
@@ -83,12 +85,12 @@ def test_one_file_without_a_network(folder: Path) -> None:
     assert not re.search(r"@import|url\(\s*['\"]?https?:|<link|<script[^>]+src", text)
     assert {"answer", "friction", "checks", "scene", "plan", "left_out"} <= set(found.tables)
     assert "of the checks is in mm, N and MPa, whatever" in text
-    assert not results.foreign(folder)
+    assert not result_folder.foreign(folder)
 
 
 def test_numbers_are_those_of_the_summary(folder: Path) -> None:
     summary = json.loads((folder / "summary.json").read_text())
-    cells = Cells((folder / page.NAME).read_text(encoding="utf-8")).cells
+    cells = Cells((folder / html.NAME).read_text(encoding="utf-8")).cells
     assert len(cells) == len(quantities.ROWS)
     factor = {"mm": 1e3, "mm2": 1e6, "MPa": 1e-3}
     compared = 0
@@ -108,19 +110,19 @@ def test_a_view_that_cannot_be_built_is_said(
 
     monkeypatch.setattr(turning, "views", fail)
     result.save(tmp_path / "out")
-    text = (tmp_path / "out" / page.NAME).read_text(encoding="utf-8")
+    text = (tmp_path / "out" / html.NAME).read_text(encoding="utf-8")
     assert "There is no view in three dimensions: RuntimeError: no graphics here." in text
     assert "<iframe" not in text
-    monkeypatch.setattr(page, "render", fail)
+    monkeypatch.setattr(html, "render", fail)
     result.save(tmp_path / "out")
-    assert "could not be made" in (tmp_path / "out" / page.NAME).read_text(encoding="utf-8")
+    assert "could not be made" in (tmp_path / "out" / html.NAME).read_text(encoding="utf-8")
 
 
 def test_left_out_when_asked(result: Any, tmp_path: Path) -> None:
     result.save(tmp_path / "without", report=False)
     result.save(tmp_path / "bare", pictures=False)
     for name in ("without", "bare"):
-        assert not (tmp_path / name / page.NAME).exists()
+        assert not (tmp_path / name / html.NAME).exists()
     assert (tmp_path / "without" / "pressure.png").exists()
 
 
@@ -128,7 +130,7 @@ def test_a_failed_check_comes_first(result: Any) -> None:
     checks = result.summary["checks"]
     name = next(iter(checks["limits"]))
     failed = {**checks, "failed": [name], "advice": {name: "do better"}}
-    rows = page._checks(failed)
+    rows = html._checks(failed)
     assert [row[3] for row in rows] == [False, *[True] * (len(rows) - 1)]
     assert rows[0][5] == "do better"
 
@@ -144,10 +146,10 @@ def test_the_verdict_is_of_what_holds(
 
     def said(**changed: Any) -> str:
         shown = replace(result, summary={**summary, **changed})
-        return page.render(shown, Units(), folder, result.findings, None)
+        return html.render(shown, Units(), folder, result.findings, None)
 
     after = {"plasticity": {"needed": True, "why": "it yields <b>here</b>"}}
-    told = f"What was left out matters: {words.effect('plasticity')}.</b> it yields &lt;b&gt;here"
+    told = f"What was left out matters: {labels.effect('plasticity')}.</b> it yields &lt;b&gt;here"
     assert told in said(effects_after=after)
     assert "matters" not in said()
 
@@ -159,7 +161,7 @@ def test_the_verdict_is_of_what_holds(
 
 def test_estimates_are_give_or_take(result: Any) -> None:
     summary = {**result.summary, "accuracy": {"bound": {"max_MPa": 0.0123}}}
-    table = page.answer_rows(summary, Units(), result.findings)
+    table = html.answer_rows(summary, Units(), result.findings)
     column = table["columns"].index("within")
     cells = {key: cells[column] for _, _, key, cells in table["rows"]}
     assert cells["pressure.max_MPa"] == "\u00b1 1.23%"
@@ -170,8 +172,8 @@ def test_large_pictures_keep_their_colours() -> None:
     noise = np.random.default_rng(0).integers(0, 256, (400, 400, 3), dtype=np.uint8)
     written = io.BytesIO()
     Image.fromarray(noise).save(written, format="png")
-    assert len(written.getvalue()) > page.LARGE
-    small = base64.b64decode(page._picture(written.getvalue()))
+    assert len(written.getvalue()) > html.LARGE
+    small = base64.b64decode(html._picture(written.getvalue()))
     assert len(small) < len(written.getvalue()) / 2
     assert len(np.unique(np.asarray(Image.open(io.BytesIO(small))))) > 200
 
@@ -210,21 +212,21 @@ def browse(*options: str, file: Path) -> str:
 @pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
 def test_a_browser_draws_it(folder: Path, tmp_path: Path) -> None:
     shot, paper = tmp_path / "shot.png", tmp_path / "report.pdf"
-    said = browse("--window-size=1000,2200", f"--screenshot={shot}", file=folder / page.NAME)
+    said = browse("--window-size=1000,2200", f"--screenshot={shot}", file=folder / html.NAME)
     wrong = [line for line in said.splitlines() if "CONSOLE" in line and "Error" in line]
     assert not wrong
     picture = imread(shot)[:, :, :3]
     coloured = (picture[:, :, 0] - picture[:, :, 2] > 0.35).sum(axis=1) > 20
     assert coloured.sum() > 400  # rows of both views, before any picture
     assert np.unique((picture[coloured] * 15).astype(int).reshape(-1, 3), axis=0).shape[0] > 30
-    browse(f"--print-to-pdf={paper}", file=folder / page.NAME)
+    browse(f"--print-to-pdf={paper}", file=folder / html.NAME)
     assert paper.read_bytes().startswith(b"%PDF")
     assert paper.stat().st_size > 100_000
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
 def test_without_webgl_the_views_are_pictures(folder: Path) -> None:
-    address = (folder / page.NAME).as_uri()
+    address = (folder / html.NAME).as_uri()
     flat = ["--disable-gpu", "--disable-software-rasterizer", "--disable-3d-apis"]
     for options, shown in ((HEADLESS, False), ((*HEADLESS[:2], *flat), True)):
         command = [str(CHROMIUM), *options, "--dump-dom", address]

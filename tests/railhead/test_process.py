@@ -6,7 +6,8 @@ import sys
 
 import pytest
 
-from railhead import cli, process
+from railhead.cli import commands
+from railhead.run import process
 
 GIVEN_BACK = """
 import psutil
@@ -34,7 +35,7 @@ def test_a_refusal_under_mpirun_is_said_once(name: str, monkeypatch, capsys) -> 
     monkeypatch.setitem(sys.modules, "mpi4py.MPI", None)
     for rank, lines in (("0", 1), ("1", 0)):
         monkeypatch.setenv(name, rank)
-        assert cli._refuse("no scene") == 2
+        assert commands._refuse("no scene") == 2
         assert len(capsys.readouterr().err.splitlines()) == lines
 
 
@@ -42,7 +43,7 @@ def test_arguments_are_not_left_to_libraries(monkeypatch, capsys) -> None:
     """dolfinx ends with a traceback where one is no UTF-8."""
     monkeypatch.setattr(sys, "argv", ["railhead", "plan", "c\udcff.toml"])
     with pytest.raises(SystemExit) as ended:
-        cli.main()
+        commands.main()
     assert ended.value.code == 2 and sys.argv == ["railhead"]
     assert "no such file" in capsys.readouterr().err
 
@@ -50,7 +51,7 @@ def test_arguments_are_not_left_to_libraries(monkeypatch, capsys) -> None:
 @pytest.mark.parametrize("rank", ["0", "1"])
 def test_a_plan_under_mpirun_is_said_once(rank: str, monkeypatch, capsys) -> None:
     monkeypatch.setenv("OMPI_COMM_WORLD_RANK", rank)
-    assert cli._status(["plan", "sphere_on_plane", "--json"]) == 0
+    assert commands._status(["plan", "sphere_on_plane", "--json"]) == 0
     assert bool(capsys.readouterr().out) is (rank == "0")
 
 

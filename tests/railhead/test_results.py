@@ -5,22 +5,22 @@ from pathlib import Path
 
 import pytest
 
-from railhead import results
 from railhead.cli import main
+from railhead.results import result_folder
 from railhead.scene.scene import SceneError
 
 FAST = ["--set", "mesh.patch_size=1.2", "--no-pictures", "--quiet"]
 
 
 def write(folder: Path, text: str, *names: str) -> None:
-    with results.replacing(folder) as work:
+    with result_folder.replacing(folder) as work:
         for name in names or ("summary.json", "scene.toml"):
             (work / name).write_text(text)
 
 
 def refused(folder: Path) -> str:
     with pytest.raises(SceneError, match="^--out: ") as caught:
-        results.check_folder(folder)
+        result_folder.check_folder(folder)
     (line,) = str(caught.value).splitlines()
     return line
 
@@ -34,7 +34,7 @@ def run(*arguments: str) -> int:
 def test_a_result_is_replaced_as_a_whole(tmp_path: Path) -> None:
     folder = tmp_path / "out"
     write(folder, "old", "summary.json", "patch.png")
-    results.check_folder(folder)
+    result_folder.check_folder(folder)
     write(folder, "new")
     assert sorted(os.listdir(folder)) == [".railhead", "scene.toml", "summary.json"]
     assert (folder / "summary.json").read_text() == "new"
@@ -68,7 +68,7 @@ def test_a_scene_beside_its_result_survives(tmp_path: Path, capsys) -> None:
 def test_what_comes_while_it_computes_is_kept(tmp_path: Path) -> None:
     folder = tmp_path / "out"
     write(folder, "old")
-    with results.replacing(folder) as work:
+    with result_folder.replacing(folder) as work:
         (work / "summary.json").write_text("new")
         (folder / "mine.txt").write_text("mine")
         (folder / "notes").mkdir()
@@ -87,7 +87,7 @@ def test_known_names_alone_are_no_result(names: tuple[str, ...], tmp_path: Path)
     """Nothing that this program did not list in a manifest of its own is replaced."""
     folder = tmp_path / "out"
     write(folder, "mine", *names)
-    (folder / results.MANIFEST).unlink()
+    (folder / result_folder.MANIFEST).unlink()
     assert repr(sorted(names)[0]) in refused(folder)
     assert sorted(os.listdir(folder)) == sorted(names)
 
@@ -108,7 +108,7 @@ def test_a_link_is_followed(tmp_path: Path) -> None:
     target.mkdir()
     link.symlink_to("disk/target")
     for _ in range(2):
-        results.check_folder(link)
+        result_folder.check_folder(link)
         write(link, "new")
         assert os.readlink(link) == "disk/target"
         assert (target / "summary.json").read_text() == "new"

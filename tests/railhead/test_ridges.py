@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from railhead import catalogue
 from railhead.planning import plan as planning
-from railhead.planning.ridges import ridges
+from railhead.planning.patch.ridges import ridges
+from railhead.scene import catalogue
 
 CROSSING = "rail.inclination=1:40"  # the contact point is 2.5 mm from the R300-R80 joint
 

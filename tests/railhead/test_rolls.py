@@ -7,20 +7,20 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import railhead as rh
-from railhead import shearing
-from railhead.geometry import rolls
-from railhead.geometry import solid as geometry
-from railhead.geometry.solid import Contact, place
-from railhead.planning import developed, exact
+from railhead.contact import solid as geometry
+from railhead.contact import wheelset_kinematics
+from railhead.contact.solid import Contact, place
 from railhead.planning import plan as planning
-from railhead.planning.effects import friction
-from railhead.rubbed_patches import Asked, opinion
+from railhead.planning.effects.interface import friction
+from railhead.planning.references import boundary_elements, closed_forms
+from railhead.run.references import rolling_patches
+from railhead.run.references.rolling_elements import Asked, opinion
 from railhead.scene.scene import SceneError
 from railhead.solver.setup import Setup, Side
 from railhead.solver.solution import Rubbing
-from railhead.theory.boundary_element import Solution
-from railhead.theory.half_space_patch import PatchSolution
-from railhead.theory.rolling import Creepage, HalfSpaceFriction, Sheared
+from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.bem.patch import PatchSolution
+from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, Sheared
 
 MU = 0.3
 FORCES = "force_along_N", "force_across_N"
@@ -80,7 +80,7 @@ def test_points_slip_as_those_of_a_rigid_wheelset(axle: str) -> None:
     for number, shift in enumerate(np.linspace(-4.0, 6.0, 21)):
         given = scene(shift, 2.5e-3 * number, rolling={"from_wheelset": True, "axle": axle})
         contact = geometry.locate(given)
-        moves = rolls.of(contact).creepage
+        moves = wheelset_kinematics.of(contact).creepage
         touches = contact.touches(0.5)
         several += len(touches) > 1
         for touch in touches:
@@ -89,10 +89,12 @@ def test_points_slip_as_those_of_a_rigid_wheelset(axle: str) -> None:
             points = np.column_stack([touch.x + np.array([0.0, 3.0, -2.0]), y, rail.height(y)])
             across = np.column_stack([0 * y, np.ones(3), rail.slope(y)])
             across /= np.linalg.norm(across, axis=1)[:, None]
-            exact = passing(contact, turning_radius(given, axle), points)
-            slip = np.tensordot(moves.motion, rolls.rigid_slip(contact)(points), axes=1)
-            np.testing.assert_allclose(slip[:, 0], exact[:, 0], atol=1e-8)
-            along = [(each * across).sum(axis=1) for each in (slip, exact)]
+            closed_forms = passing(contact, turning_radius(given, axle), points)
+            slip = np.tensordot(
+                moves.motion, wheelset_kinematics.rigid_slip(contact)(points), axes=1
+            )
+            np.testing.assert_allclose(slip[:, 0], closed_forms[:, 0], atol=1e-8)
+            along = [(each * across).sum(axis=1) for each in (slip, closed_forms)]
             np.testing.assert_allclose(*along, atol=1e-8)
             out = np.column_stack([0 * y, -across[:, 2], across[:, 1]])
             np.testing.assert_allclose((slip * out).sum(axis=1), 0.0, atol=1e-12)
@@ -119,7 +121,7 @@ def rolled_alone(contact: Contact, pressed: PatchSolution, slip: np.ndarray) -> 
     """A patch of half-spaces under its pressure at a rigid slip (2, nx, ns)."""
     modes = np.zeros((4, *slip.shape))
     modes[3] = slip
-    pair = exact.tangential_pair(contact.scene)
+    pair = closed_forms.tangential_pair(contact.scene)
     body = HalfSpaceFriction(
         pressed.x, pressed.s, pressed.pressure, MU, pair, rolling=True, modes=modes
     )
@@ -168,20 +170,20 @@ def test_patches_and_a_flange_roll_as_half_spaces_do(shift: float, patches: int)
     """Tread and gauge corner, and a flange root 25 degrees wide: the second opinion beside
     half-spaces under the same pressures with a slip of their own."""
     plan = loaded(shift)
-    known = developed.solve(plan.contact, plan.estimate, 80e3, 32)
+    known = boundary_elements.solve(plan.contact, plan.estimate, 80e3, 32)
     rolled = independent(plan.contact, known, 460.0)
-    pressed = shearing.patches(
+    pressed = rolling_patches.patches(
         plan.contact, plan.estimate, hertzian=False, load=80e3, cells=32, profiles=known
     )
     assert len(pressed) == patches
-    moves = rolls.of(plan.contact).creepage
+    moves = wheelset_kinematics.of(plan.contact).creepage
     limit = MU * sum(each.pressed.force for each in pressed)
     none = np.zeros((0, 3))
     found = Rubbing(
         none, none[:, 0], none[:, 0], none, none, none[:, 0] > 0, tuple(moves.motion[:3]),
         (0.0, 0.0), 0.0, limit, none, 0.0, 1, 0.0, (),
     )  # fmt: skip
-    asked = Asked(found, MU, exact.tangential_pair(plan.scene), True, False)
+    asked = Asked(found, MU, closed_forms.tangential_pair(plan.scene), True, False)
     answer = opinion(asked, lambda cells: pressed, (16, 32))
     for name in FORCES:
         assert answer[name] / limit == pytest.approx(rolled[name], abs=0.002)
@@ -194,7 +196,7 @@ def test_finite_elements_roll_as_half_spaces_do(shift: float) -> None:
     """The same two, whole: forces within 0.02 mu N of half-spaces with a slip of their own."""
     found = rh.solve(loaded(shift, mesh={"patch_size": 1.5}).scene, quiet=True)
     contact, answer = found.level.plan.contact, found.as_dict()["result"]["friction"]
-    known = developed.solve(contact, found.level.ellipse, found.level.solution.load, 64)
+    known = boundary_elements.solve(contact, found.level.ellipse, found.level.solution.load, 64)
     rolled = independent(contact, known, 460.0)
     for name in FORCES:
         assert answer[name] / answer["limit_N"] == pytest.approx(rolled[name], abs=0.02)
@@ -292,7 +294,7 @@ def test_a_further_contact_creeps_as_its_own_radius_says() -> None:
     contact = planning.make(scene(5.0, rolling={"from_wheelset": True, "axle": "nominal"})).contact
     first, *others = contact.touches(0.05)
     assert others
-    slip, known = rolls.rigid_slip(contact), rolls.of(contact).creepage
+    slip, known = wheelset_kinematics.rigid_slip(contact), wheelset_kinematics.of(contact).creepage
     for touch in (first, *others):
         moved = known.motion @ slip(np.array([[0.0, touch.y, touch.z]]))[:, 0]
         above = (touch.gap + 1e-6) / 460  # the wheel's point over the rail's

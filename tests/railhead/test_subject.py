@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from railhead.catalogue import find
 from railhead.planning import plan
-from railhead.subject import shared_y, subject
+from railhead.results.subject import shared_y, subject
+from railhead.scene.catalogue import find
 
 
 def test_bodies_have_names_of_their_own() -> None:

@@ -22,21 +22,13 @@ import pyvista
 from solved import solved
 
 import railhead as rh
-from railhead import (
-    campaign,
-    cli,
-    combinations,
-    level,
-    loads,
-    pool,
-    records,
-    refine,
-    sweep_table,
-)
+from railhead.cli import commands
 from railhead.planning import plan as planning
-from railhead.planning import price
-from railhead.progress import Progress
+from railhead.planning.cost import price
+from railhead.run import mesh_solution, refinement
+from railhead.run.progress import Progress
 from railhead.scene.scene import unit
+from railhead.sweeps import grid, parallel, shared_mesh, store, sweep_table, worker_pool
 
 SHIFTS = "wheelset.shift=0:10:0.5mm"
 ROLLER = ("long_roller", "--set", "mesh.patch_size=0.4", "--quiet")
@@ -46,7 +38,7 @@ KEYS = {"load": "load [N]", "wheel.rolling_radius": "wheel.rolling_radius [mm]"}
 
 def sweep(*arguments: str) -> int:
     with pytest.raises(SystemExit) as ended:
-        cli.main(["sweep", *arguments])
+        commands.main(["sweep", *arguments])
     return int(ended.value.code or 0)
 
 
@@ -66,19 +58,19 @@ def rows(folder: Path) -> list[dict[str, str]]:
 
 
 def values(*texts: str, case: str = "s1002_60e1") -> list[tuple[object, ...]]:
-    over = combinations.written(texts)
-    scenes = combinations.scenes(rh.find(case), over)
-    combinations.distinct(scenes, list(over))
+    over = grid.written(texts)
+    scenes = grid.scenes(rh.find(case), over)
+    grid.distinct(scenes, list(over))
     return [tuple(scene.value(key) for key in over) for scene in scenes]
 
 
 def test_the_manchester_positions_are_one_command() -> None:
     """All 21 scenes make a plan, each with a mesh of its own."""
-    over = combinations.written([SHIFTS])
-    scenes = combinations.scenes(rh.find("s1002_60e1"), over)
+    over = grid.written([SHIFTS])
+    scenes = grid.scenes(rh.find("s1002_60e1"), over)
     assert [scene.wheelset.shift for scene in scenes] == [number / 2 for number in range(21)]
     plans = [planning.make(scene) for scene in scenes]
-    assert loads.groups(plans) == [[number] for number in range(21)]
+    assert shared_mesh.groups(plans) == [[number] for number in range(21)]
     assert len({round(plan.contact.touch.y, 3) for plan in plans}) == 21
 
 
@@ -191,7 +183,7 @@ def test_loads_far_apart_have_meshes_of_their_own() -> None:
     """Within a patch, elements are at most about twice as long here as there."""
     given = ["100N", "1kN", "799N", "801N", "10kN", "8kN"]
     plans = [planning.make(rh.find("s1002_60e1").replace(load=load)) for load in given]
-    assert loads.groups(plans) == [[0, 2], [3, 1], [5, 4]]
+    assert shared_mesh.groups(plans) == [[0, 2], [3, 1], [5, 4]]
 
 
 @pytest.mark.parametrize(
@@ -202,13 +194,16 @@ def test_loads_far_apart_have_meshes_of_their_own() -> None:
 )  # fmt: skip
 def test_loads_that_want_unlike_meshes_share_none(case: str, key: str, given: list[str]) -> None:
     scene = rh.find(case).replace([key, "effects.plasticity=off"])
-    assert loads.groups([planning.make(scene.replace(load=load)) for load in given]) == [[0], [1]]
+    assert shared_mesh.groups([planning.make(scene.replace(load=load)) for load in given]) == [
+        [0],
+        [1],
+    ]
 
 
 @pytest.mark.parametrize(
     ("module", "name", "found"),
-    [(refine, "unforeseen", lambda level, comm: "it yields"),
-     (level, "_regrade", lambda plan, grading, fields, frame: grading),
+    [(refinement, "unforeseen", lambda level, comm: "it yields"),
+     (mesh_solution, "_regrade", lambda plan, grading, fields, frame: grading),
      (price, "fits", lambda plan, free: False)],
     ids=["it yields", "another patch than the forecast one", "no memory"],
 )  # fmt: skip
@@ -217,10 +212,12 @@ def test_what_the_shared_mesh_does_not_suit_is_solved_alone(
 ) -> None:
     scene = rh.find("long_roller").replace(["mesh.patch_size=0.4"])
     scenes = [scene.replace(load=load) for load in ("25kN", "50kN")]
-    monkeypatch.setattr(refine, "run", lambda *_: "alone")
-    assert "alone" not in [found for _, found in loads.run(scenes, [0, 1], Progress(quiet=True))]
+    monkeypatch.setattr(refinement, "run", lambda *_: "alone")
+    assert "alone" not in [
+        found for _, found in shared_mesh.run(scenes, [0, 1], Progress(quiet=True))
+    ]
     monkeypatch.setattr(module, name, found)
-    assert [*loads.run(scenes, [0, 1], Progress(quiet=True))] == [(0, "alone"), (1, "alone")]
+    assert [*shared_mesh.run(scenes, [0, 1], Progress(quiet=True))] == [(0, "alone"), (1, "alone")]
 
 
 def test_loads_share_a_mesh_smaller_than_their_own_together() -> None:
@@ -256,15 +253,15 @@ def test_the_public_sweep_gives_the_same(swept: Path) -> None:
 
 def test_one_group_of_loads_is_shared_among_idle_processes() -> None:
     """Every load once; where there is a group for each process, none is split."""
-    assert campaign.shares([0, 1, 2, 3, 4], groups=1, workers=2) == [[0, 2, 4], [1, 3]]
-    assert campaign.shares([3, 4], groups=1, workers=8) == [[3], [4]]
-    assert campaign.shares([0, 1, 2], groups=2, workers=3) == [[0, 1, 2]]
-    assert campaign.shares([0, 1, 2], groups=3, workers=1) == [[0, 1, 2]]
+    assert parallel.shares([0, 1, 2, 3, 4], groups=1, workers=2) == [[0, 2, 4], [1, 3]]
+    assert parallel.shares([3, 4], groups=1, workers=8) == [[3], [4]]
+    assert parallel.shares([0, 1, 2], groups=2, workers=3) == [[0, 1, 2]]
+    assert parallel.shares([0, 1, 2], groups=3, workers=1) == [[0, 1, 2]]
 
 
 def test_shared_loads_give_the_same_numbers(swept: Path, tmp_path: Path, monkeypatch) -> None:
     """The mesh is made again in each process: three of them here, one a group in `swept`."""
-    monkeypatch.setattr(pool, "workers", lambda ranks: 3)
+    monkeypatch.setattr(worker_pool, "workers", lambda ranks: 3)
     over = ("--over", "load=50kN,80kN,110kN", "--set", "wheel.rolling_radius=420mm")
     out = ("--no-pictures", "--out", str(tmp_path / "out"))
     assert sweep(*ROLLER, *over, *out) == 0
@@ -321,9 +318,9 @@ def test_several_keys_are_counted(tmp_path: Path) -> None:
     scene = rh.find("long_roller")
 
     def times(*texts: str) -> list[float]:
-        over = combinations.written(texts)
-        made = combinations.scenes(scene, over)
-        return campaign.Campaign(scene, made, list(over), tmp_path).times
+        over = grid.written(texts)
+        made = grid.scenes(scene, over)
+        return parallel.Campaign(scene, made, list(over), tmp_path).times
 
     assert times("load=25kN,50kN") == [25e3, 50e3]
     assert times("load=25kN,50kN", "wheel.rolling_radius=420,460") == [0, 1, 2, 3]
@@ -403,7 +400,7 @@ def test_a_record_that_is_none_of_its_combination_is_said(
 
 def test_the_angle_of_a_row_is_that_of_its_patch(swept: Path) -> None:
     """Of several patches the most loaded one, which need not be where the plan saw the first."""
-    kept = records.read(swept, 0)
+    kept = store.read(swept, 0)
     planned = sweep_table.row({}, kept)["contact angle [rad]"]
     assert planned == kept["summary"]["plan"]["contact_angle_rad"]
     kept["summary"]["result"]["patches"] = [{"contact_angle_rad": 0.1}, {"contact_angle_rad": 0.3}]
@@ -415,18 +412,18 @@ def test_what_else_lies_among_the_records_is_left_alone(swept: Path, tmp_path: P
     folder = tmp_path / "sweep"
     shutil.copytree(swept, folder)
     shutil.copy(folder / "records" / "00001.json", folder / "records" / "00001 (copy).json")
-    assert len(records.done(folder)) == 6
-    records.check(folder, lambda number: records.read(folder, number)["over"], sweep_table.check)
+    assert len(store.done(folder)) == 6
+    store.check(folder, lambda number: store.read(folder, number)["over"], sweep_table.check)
 
 
 def test_a_lost_folder_of_records_is_made_again(tmp_path: Path) -> None:
     asked = {"vtu": True}
-    records.begin(tmp_path / "sweep", asked, resume=False)
+    store.begin(tmp_path / "sweep", asked, resume=False)
     shutil.rmtree(tmp_path / "sweep" / "records")
     shutil.rmtree(tmp_path / "sweep" / "vtu")
-    records.begin(tmp_path / "sweep", asked, resume=True)
-    assert records.done(tmp_path / "sweep") == set()
-    records.write(tmp_path / "sweep", 0, {"fault": "gmsh: no"})
+    store.begin(tmp_path / "sweep", asked, resume=True)
+    assert store.done(tmp_path / "sweep") == set()
+    store.write(tmp_path / "sweep", 0, {"fault": "gmsh: no"})
     assert (tmp_path / "sweep" / "vtu").is_dir()
 
 
@@ -437,21 +434,21 @@ def test_a_folder_in_use_is_left_alone(swept: Path, more: tuple, capsys, tmp_pat
     shutil.copytree(swept, folder)
     before = {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
     over = ("--over", "load=50kN,80kN,110kN", "--over", "wheel.rolling_radius=420mm,460mm")
-    with records.claimed(folder):
+    with store.claimed(folder):
         assert sweep(*ROLLER, *over, "--out", str(folder), *more) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert "--out: " in line and "in use by a sweep that runs; wait for it" in line
     assert before == {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
-    with records.claimed(folder):
+    with store.claimed(folder):
         pass
 
 
 def test_a_record_that_goes_while_a_sweep_runs_is_said(tmp_path: Path, monkeypatch) -> None:
     scenes = [rh.find("long_roller").replace(load=load) for load in (50e3, 80e3)]
-    made = campaign.Campaign(scenes[0], scenes, ["load"], tmp_path / "sweep")
-    monkeypatch.setattr(campaign, "_solve", _nothing)
-    found = campaign.run(made, resume=False, pictures=False, quiet=True)
-    assert found == [f"NOT SOLVED: {campaign.GONE}"] * 2
+    made = parallel.Campaign(scenes[0], scenes, ["load"], tmp_path / "sweep")
+    monkeypatch.setattr(parallel, "_solve", _nothing)
+    found = parallel.run(made, resume=False, pictures=False, quiet=True)
+    assert found == [f"NOT SOLVED: {parallel.GONE}"] * 2
 
 
 def _nothing(*_: object) -> dict[int, str]:
@@ -491,48 +488,48 @@ def test_one_that_does_not_converge_leaves_the_others(tmp_path: Path, capsys) ->
 
 def test_a_process_that_crashes_leaves_the_others(tmp_path: Path, monkeypatch) -> None:
     """Its row says so, and it is tried again by --resume."""
-    made = campaign.Campaign(
+    made = parallel.Campaign(
         rh.find("sphere_on_plane"),
         [rh.find("sphere_on_plane").replace(load=load) for load in (100, 200)],
         ["load"],
         tmp_path / "out",
     )
-    records.begin(made.folder, made.asked, resume=False)
-    records.write(made.folder, 1, {"fault": "gmsh: no"})
-    found = campaign._write(made, {0: "the process crashed"}, "y, mm", pictures=True)
+    store.begin(made.folder, made.asked, resume=False)
+    store.write(made.folder, 1, {"fault": "gmsh: no"})
+    found = parallel._write(made, {0: "the process crashed"}, "y, mm", pictures=True)
     assert found == ["NOT SOLVED: the process crashed", "NOT SOLVED: gmsh: no"]
-    assert records.done(made.folder) == {1}
+    assert store.done(made.folder) == {1}
     assert [row["load [N]"] for row in rows(made.folder)] == ["100.0", "200.0"]
 
 
 def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypatch) -> None:
     """The process dies at the second of three loads on one mesh, and again alone."""
     scenes = [rh.find("sphere_on_plane").replace(load=load) for load in (100, 200, 300)]
-    made = campaign.Campaign(scenes[0], scenes, ["load"], tmp_path / "out")
+    made = parallel.Campaign(scenes[0], scenes, ["load"], tmp_path / "out")
     asked: list[list[int]] = []
 
     @contextmanager
-    def one_process(ranks: int) -> Iterator[pool.Submit]:
+    def one_process(ranks: int) -> Iterator[worker_pool.Submit]:
         def submit(work, folder, keys, group, scenes, wanted, vtu) -> Future:
             asked.append([group[each] for each in wanted])
             future: Future = Future()
             if group[0] != 1:
                 over = {"load": scenes[0].load}
-                records.write(folder, group[0], {"over": over, "fault": "none of a test"})
+                store.write(folder, group[0], {"over": over, "fault": "none of a test"})
             lost = "the process crashed" if 1 in group else ""
-            future.set_result(pool.Attempt(None, 0.0, lost))
+            future.set_result(worker_pool.Attempt(None, 0.0, lost))
             return future
 
         yield submit
 
-    monkeypatch.setattr(pool, "submitting", one_process)
-    monkeypatch.setattr(pool, "workers", lambda ranks: 1)
-    found = campaign.run(made, resume=False, pictures=False, quiet=True)
+    monkeypatch.setattr(worker_pool, "submitting", one_process)
+    monkeypatch.setattr(worker_pool, "workers", lambda ranks: 1)
+    found = parallel.run(made, resume=False, pictures=False, quiet=True)
     assert asked == [[0, 1, 2], [1], [2]]
     assert found == [f"NOT SOLVED: {why}" for why in
                      ("none of a test", "the process crashed", "none of a test")]  # fmt: skip
     asked.clear()
-    campaign.run(made, resume=True, pictures=False, quiet=True)
+    parallel.run(made, resume=True, pictures=False, quiet=True)
     assert asked == [[1], [1]]  # on the mesh of all three, and by itself
 
 
@@ -540,13 +537,13 @@ def test_what_has_no_memory_now_is_tried_again_by_resume(tmp_path: Path, monkeyp
     """It has a row that says why, and no record."""
     scene = rh.find("sphere_on_plane")
     (tmp_path / "records").mkdir()
-    monkeypatch.setattr("railhead.refine.machine.free_memory", lambda: 0)
-    short = campaign._solve(tmp_path, [], [7], [scene], [0], False)
+    monkeypatch.setattr("railhead.run.refinement.machine.free_memory", lambda: 0)
+    short = parallel._solve(tmp_path, [], [7], [scene], [0], False)
     assert list(short) == [7] and "GB free" in short[7]
-    assert records.done(tmp_path) == set()
+    assert store.done(tmp_path) == set()
     monkeypatch.undo()
-    assert campaign._solve(tmp_path, [], [7], [scene], [0], False) == {}
-    assert records.done(tmp_path) == {7}
+    assert parallel._solve(tmp_path, [], [7], [scene], [0], False) == {}
+    assert store.done(tmp_path) == {7}
 
 
 def test_the_bar_says_how_long_it_takes(capsys) -> None:
@@ -568,7 +565,7 @@ def test_a_kill_loses_only_what_was_running(tmp_path: Path) -> None:
     arguments = ["--over", "load=60:80:10kN", "--over", "wheel.rolling_radius=420mm,460mm",
                  "--no-pictures", "--out", str(out)]  # fmt: skip
     started = subprocess.Popen([*COMMAND, *ROLLER, *arguments], stderr=subprocess.DEVNULL)
-    while not records.done(out):
+    while not store.done(out):
         assert started.poll() is None
         time.sleep(0.02)
     started.send_signal(signal.SIGKILL)
@@ -648,7 +645,7 @@ def test_a_row_holds_what_its_columns_say() -> None:
 
 def test_a_record_appears_whole_or_not_at_all(tmp_path: Path, monkeypatch) -> None:
     """The disk is full after half of it."""
-    records.begin(tmp_path / "sweep", {"case": "a"}, resume=False)
+    store.begin(tmp_path / "sweep", {"case": "a"}, resume=False)
     whole = Path.write_text
 
     def half(path: Path, text: str, **options: str) -> int:
@@ -657,5 +654,5 @@ def test_a_record_appears_whole_or_not_at_all(tmp_path: Path, monkeypatch) -> No
 
     monkeypatch.setattr(Path, "write_text", half)
     with pytest.raises(OSError, match="No space"):
-        records.write(tmp_path / "sweep", 3, {"fault": "", "summary": {}})
-    assert records.done(tmp_path / "sweep") == set()
+        store.write(tmp_path / "sweep", 3, {"fault": "", "summary": {}})
+    assert store.done(tmp_path / "sweep") == set()

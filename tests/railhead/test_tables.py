@@ -12,8 +12,9 @@ from rich.console import Console
 from solved import solved
 
 import railhead as rh
-from railhead import quantities, report, spreadsheet
-from railhead.display import Units
+from railhead.results import quantities, table_file
+from railhead.results.report import tables
+from railhead.results.report.output_units import Units
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +29,7 @@ def full() -> dict:
 
 def printed(summary: dict, width: int, units: Units | None = None) -> list[str]:
     out = io.StringIO()
-    report.show_result(summary, Console(file=out, width=width), units or Units())
+    tables.show_result(summary, Console(file=out, width=width), units or Units())
     return out.getvalue().splitlines()
 
 
@@ -44,7 +45,7 @@ def test_no_number_is_cut(full: dict, width: int) -> None:
             if isinstance(value, float) and name not in quantities.RELATIVE:
                 assert f"{value:.5g}" in text, (row["quantity"], name)
     table = [line for line in lines if line.startswith(("largest pressure", "quantity", "──"))]
-    assert len(table) > 3 and max(map(len, table)) <= min(width, report.WIDEST)
+    assert len(table) > 3 and max(map(len, table)) <= min(width, tables.WIDEST)
     assert all(label in text for label, *_ in quantities.ROWS)
 
 
@@ -139,7 +140,7 @@ def test_friction_is_in_the_table_too() -> None:
 
 
 def test_rows_with_other_columns_make_one_table() -> None:
-    text = spreadsheet.encoded([{"a": 1, "b": None}, {"b": 0.1, "c": "x, y"}]).decode("utf-8-sig")
+    text = table_file.encoded([{"a": 1, "b": None}, {"b": 0.1, "c": "x, y"}]).decode("utf-8-sig")
     assert text == 'a,b,c\r\n1,,\r\n,0.1,"x, y"\r\n'
 
 

@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from railhead import catalogue
-from railhead.geometry import dimension
-from railhead.geometry.flat import FlatContact
+from railhead.contact import dimension
+from railhead.contact.plane_section import FlatContact
 from railhead.meshing.tags import RAIL, WHEEL
 from railhead.planning import plan
-from railhead.planning.exact import estimate
-from railhead.scene import unused
+from railhead.planning.references.closed_forms import estimate
+from railhead.scene import catalogue, unused
 from railhead.scene.scene import Scene, SceneError
 
 BALL = {"rail": {"profile": "arc", "crown_radius": math.inf},

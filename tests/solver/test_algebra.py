@@ -8,9 +8,10 @@ import pytest
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from railhead.solver import constraints, linear, multigrid, newton
+from railhead.solver.algebra import linear, multigrid, newton
 from railhead.solver.contact import ContactModel
-from railhead.solver.laws import Law
+from railhead.solver.interface.laws import Law
+from railhead.solver.space import constraints
 
 LAWS = [Law("nitsche", 1), Law("nitsche", 0), Law("nitsche", -1), Law("penalty")]
 IDS = ["theta=1", "theta=0", "theta=-1", "penalty"]
@@ -232,7 +233,8 @@ def test_direct_and_multigrid_give_the_same_solution(models) -> None:
 
 def test_prolongation_carries_rigid_motion_and_the_approach(models) -> None:
     """Q y1 represents the same displacement as y1 does in the P1 space."""
-    from railhead.solver import compat, transfer
+    from railhead.solver import compat
+    from railhead.solver.space import transfer
 
     model = models()
     coarse = compat.vector_space(model.bulk.space.mesh, 1)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from railhead.solver.cells import inverse
+from railhead.solver.space.cells import inverse
 
 
 @pytest.mark.parametrize("rows", [2, 3])

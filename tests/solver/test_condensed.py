@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from railhead import build, catalogue
 from railhead.planning import plan as planning
-from railhead.solver.condensed import Condenser
+from railhead.run import build
+from railhead.scene import catalogue
 from railhead.solver.contact import LoadCase
-from railhead.solver.rubbing import RubbingModel
+from railhead.solver.interface.condensation import Condenser
+from railhead.solver.interface.frictional_model import RubbingModel
 
 
 @pytest.mark.parametrize("rigid", [(), ("wheel.young_modulus=inf",)])

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from railhead.meshing.surfaces import ParabolicGap
+from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing.tags import CONTACT, RAIL, WHEEL
-from railhead.solver import interface
-from railhead.solver.cells import tabulate
 from railhead.solver.contact import ContactModel
-from railhead.solver.facets import FacetSet, facet_closure, reference_facets
-from railhead.solver.laws import Law
-from railhead.solver.pairing import pair
+from railhead.solver.interface import jumps
+from railhead.solver.interface.laws import Law
+from railhead.solver.space.cells import tabulate
+from railhead.solver.space.facets import FacetSet, facet_closure, reference_facets
+from railhead.solver.space.pairing import pair
 
 
 @pytest.fixture(scope="module", params=["tetrahedron", "hexahedron"])
@@ -91,7 +91,7 @@ def test_trace_bound_is_the_warburton_hesthaven_constant(two_blocks, degree) -> 
     made, setup = two_blocks(degree=degree)
     model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
     facets = surface(model, RAIL)
-    bound = interface.trace_bound(facets, ParabolicGap(0, 0, 1), 2 * degree)
+    bound = jumps.trace_bound(facets, ParabolicGap(0, 0, 1), 2 * degree)
     _, _, volumes = facets.cell_strains(1)
     _, weights = facets.quadrature(1)
     k = degree - 1

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from railhead.solver.hardening import ROOT, Hardening, History, deviator, returned
+from railhead.solver.material.hardening import ROOT, Hardening, History, deviator, returned
 
 MU, COUNT = 79615.0, 60
 CURVES = {

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from railhead.solver import linear, newton
+from railhead.solver.algebra import linear, newton
 from railhead.solver.contact import NEWTON_TOLERANCE, ContactModel
-from railhead.solver.elasticity import Material
-from railhead.solver.laws import Law
+from railhead.solver.interface.laws import Law
+from railhead.solver.material.elasticity import Material
 
 
 @pytest.fixture(scope="module")

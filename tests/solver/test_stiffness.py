@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from railhead.solver import constraints, multigrid
+from railhead.solver.algebra import multigrid
+from railhead.solver.algebra.stiffness import Stiffness
 from railhead.solver.contact import ContactModel
-from railhead.solver.elasticity import Material, assemble
-from railhead.solver.stiffness import Stiffness
+from railhead.solver.material.elasticity import Material, assemble
+from railhead.solver.space import constraints
 
 
 def oblique(supports: constraints.Supports) -> constraints.Supports:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from railhead.solver.condensed import Condensed
-from railhead.solver.friction import Friction, Problem, Sheared
+from railhead.solver.interface.condensation import Condensed
+from railhead.solver.interface.friction import Friction, Problem, Sheared
 
 N, M, MU = 12, 8, 0.3  # points, unknown tractions
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from railhead import study
+from railhead.cli import study
 from railhead.studies.creep import changes, page
 from railhead.studies.creep.changes import Slid
 from railhead.studies.creep.curves import Cost, Point

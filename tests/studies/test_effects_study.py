@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from railhead import study
+from railhead.cli import study
 from railhead.studies.effects import page as effects_page
 
 

@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from railhead import cli, results, study
+from railhead.cli import commands, study
+from railhead.results import result_folder
 from railhead.studies.peers import blocks, install, page, peer, reading, running
 from railhead.studies.peers import study as peers_study
 from railhead.studies.peers.codes import calculix
-from railhead.theory import hertz, subsurface
+from railhead.theory.elastic import hertz, subsurface
 
 CASE = {"load": 25e3, "travel": 0.04, "rail_radius": 300.0, "wheel_radius": 420.0,
         "young": 207e3, "poisson": 0.3}  # fmt: skip
@@ -227,8 +228,8 @@ def test_a_solve_that_raises_is_a_row_without_numbers(tmp_path) -> None:
 @pytest.mark.parametrize("arguments", [["study", "--install"], ["study", "scaling", "--install"]])
 def test_install_where_there_is_nothing_to_install_is_one_line(arguments, tmp_path) -> None:
     with CliRunner().isolated_filesystem(tmp_path):
-        done = CliRunner().invoke(cli.railhead, arguments)
-        assert isinstance(done.exception, cli.SceneError)
+        done = CliRunner().invoke(commands.railhead, arguments)
+        assert isinstance(done.exception, commands.SceneError)
         assert "--install" in str(done.exception) and "\n" not in str(done.exception)
         assert os.listdir() == []
 
@@ -237,15 +238,15 @@ def test_what_a_study_keeps_stays_in_its_folder(tmp_path) -> None:
     folder = tmp_path / "peers"
     (folder / "venv").mkdir(parents=True)
     (folder / "venv" / "file").write_text("kept")
-    with pytest.raises(cli.SceneError, match="venv"):
-        results.check_folder(folder)
-    results.check_folder(folder, peers_study.KEEPS)
+    with pytest.raises(commands.SceneError, match="venv"):
+        result_folder.check_folder(folder)
+    result_folder.check_folder(folder, peers_study.KEEPS)
     for text in ("first", "second"):
-        with results.replacing(folder) as work:
+        with result_folder.replacing(folder) as work:
             (work / "page.md").write_text(text)
         assert (folder / "page.md").read_text() == text
         assert (folder / "venv" / "file").read_text() == "kept"
-        results.check_folder(folder, peers_study.KEEPS)
+        result_folder.check_folder(folder, peers_study.KEEPS)
 
 
 def test_what_cannot_be_installed_is_noted_and_the_others_follow(

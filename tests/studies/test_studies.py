@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from railhead import study
+from railhead.cli import study
 from railhead.scene.scene import SceneError
 from railhead.studies.accuracy_cost import page as accuracy_page
 from railhead.studies.load_sweep import page as sweep_page

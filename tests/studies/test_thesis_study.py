@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from railhead import catalogue
-from railhead import study as study_runner
-from railhead.meshing import profiles, wheelset
-from railhead.meshing.placement import Pair
+from railhead.cli import study as study_runner
+from railhead.geometry import profiles, wheelset
+from railhead.geometry.placement import Pair
+from railhead.scene import catalogue
 from railhead.studies.thesis import geometry as thesis_geometry
 from railhead.studies.thesis import runs as thesis_runs
 from railhead.studies.thesis import study
 from railhead.studies.thesis.claims import Facts, Verdict
-from railhead.theory.hertz import point_contact
+from railhead.theory.elastic.hertz import point_contact
 
 DIFFERENT: dict[int, Verdict] = {}
 """Claims whose computed verdict is not the reference's, with ours."""

@@ -14,10 +14,10 @@ from pathlib import Path
 import pytest
 from mpi4py import MPI
 
-from railhead import results
 from railhead.cli import main
-from railhead.planning import machine
-from railhead.solver import compiling
+from railhead.planning.cost import machine
+from railhead.results import result_folder
+from railhead.solver.space import compiling
 
 pytestmark = pytest.mark.system
 SMALL_FILES = """
@@ -26,7 +26,7 @@ from mpi4py import MPI
 resource.setrlimit(resource.RLIMIT_FSIZE, (2_000, 2_000))
 from railhead.cli import main; main()"""
 CASE = ["long_roller", "--no-pictures", "--quiet", "--out"]
-NAMES = results.MANIFEST
+NAMES = result_folder.MANIFEST
 OLD = {"one": b"old", "two": b"old", NAMES: b"one\ntwo\n"}
 NEW = {"one": b"new", "three": b"new", NAMES: b"one\nthree\n"}
 MINE = {"mine": b"kept"}
@@ -43,7 +43,7 @@ def make(folder: Path, files: dict[str, bytes]) -> None:
 
 
 def replace(folder: Path) -> None:
-    with results.replacing(folder) as work:
+    with result_folder.replacing(folder) as work:
         for name in ("one", "three"):
             (work / name).write_bytes(NEW[name])
 
@@ -55,7 +55,7 @@ def killed(line: int, action: Callable[[Path], None], folder: Path) -> bool:
 
     def trace(frame, event, _):
         nonlocal left
-        if frame.f_code.co_filename not in (results.__file__, shutil.__file__):
+        if frame.f_code.co_filename not in (result_folder.__file__, shutil.__file__):
             return None
         if event == "line":
             left -= 1
@@ -83,7 +83,7 @@ def test_killed_while_a_result_is_replaced(tmp_path: Path, there: bool) -> None:
         if there:
             make(folder, OLD | MINE)
         dead = killed(line, replace, folder)
-        results.check_folder(folder, keeps=["mine"])
+        result_folder.check_folder(folder, keeps=["mine"])
         found = content(folder) if folder.is_dir() else None
         assert found in ([OLD | MINE, NEW | MINE] if there else [None, NEW])
         assert os.listdir(folder.parent) == ([] if found is None else ["result"])
@@ -101,8 +101,8 @@ def test_killed_while_the_next_command_finishes_that(tmp_path: Path, new: bool) 
         make(folder.with_name(".result.earlier"), OLD | MINE)
         if new:
             make(folder, NEW)
-        dead = killed(line, results.settle, folder)
-        results.settle(folder)
+        dead = killed(line, result_folder.settle, folder)
+        result_folder.settle(folder)
         assert content(folder) == (NEW if new else OLD) | MINE
         assert os.listdir(folder.parent) == ["result"]
         if not dead:
@@ -136,7 +136,7 @@ def test_folder_that_refuses_files(tmp_path, monkeypatch, capsys) -> None:
     def refuse(*_: object, **__: object) -> None:
         raise OSError(errno.EROFS, os.strerror(errno.EROFS), str(tmp_path / "out"))
 
-    monkeypatch.setattr(results.tempfile, "mkdtemp", refuse)
+    monkeypatch.setattr(result_folder.tempfile, "mkdtemp", refuse)
     with pytest.raises(SystemExit) as ended:
         main(["run", *CASE, str(tmp_path / "out")])
     assert ended.value.code == 1
@@ -146,7 +146,7 @@ def test_folder_that_refuses_files(tmp_path, monkeypatch, capsys) -> None:
 
 
 def test_read_only_folder_is_refused_before_anything_is_solved(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(results.os, "access", lambda *_: False)
+    monkeypatch.setattr(result_folder.os, "access", lambda *_: False)
     with pytest.raises(SystemExit) as ended:
         main(["run", *CASE, str(tmp_path / "out")])
     assert ended.value.code == 2
@@ -177,7 +177,7 @@ def test_many_replacements_at_once_leave_one_whole_result(tmp_path: Path) -> Non
 
     def write(number: int) -> None:
         for _ in range(30):
-            with results.replacing(folder) as work:
+            with result_folder.replacing(folder) as work:
                 for name in ("one", "two"):
                     (work / name).write_bytes(bytes([number]))
 
@@ -187,6 +187,6 @@ def test_many_replacements_at_once_leave_one_whole_result(tmp_path: Path) -> Non
     for thread in threads:
         thread.join()
     found = content(folder)
-    assert found.pop(results.MANIFEST) == b"one\ntwo\n"
+    assert found.pop(result_folder.MANIFEST) == b"one\ntwo\n"
     assert len(set(found.values())) == 1
     assert os.listdir(tmp_path) == ["result"]

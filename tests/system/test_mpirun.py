@@ -10,7 +10,7 @@ import psutil
 import pytest
 
 pytestmark = pytest.mark.system
-COMMAND = [sys.executable, "-c", "from railhead.start import main; main()", "run"]
+COMMAND = [sys.executable, "-c", "from railhead.cli import main; main()", "run"]
 
 
 def run(folder: Path, *arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from railhead.pool import attempts
+from railhead.sweeps.worker_pool import attempts
 
 pytestmark = pytest.mark.system
 
@@ -42,7 +42,7 @@ def mark(file: str) -> None:
 def test_jobs_end_with_the_process_that_asked_for_them(tmp_path: Path) -> None:
     file = tmp_path / "pid"
     script = "import sys; sys.path.insert(0, sys.argv[1])\nimport test_pool\n"
-    script += "from railhead.pool import attempts\n"
+    script += "from railhead.sweeps.worker_pool import attempts\n"
     script += "if __name__ == '__main__': list(attempts(test_pool.mark, [(sys.argv[2],)]))"
     (tmp_path / "ask.py").write_text(script)
     here = str(Path(__file__).parent)

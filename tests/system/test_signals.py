@@ -11,10 +11,11 @@ import outside
 import psutil
 import pytest
 
-from railhead import process, results
+from railhead.results import result_folder
+from railhead.run import process
 
 pytestmark = pytest.mark.system
-COMMAND = "from railhead.start import main; main()"
+COMMAND = "from railhead.cli import main; main()"
 DEAF = f"""
 import sys
 from collections import deque
@@ -70,12 +71,12 @@ def test_sigint_ends_a_library_at_once_and_the_next_command_tidies_up(tmp_path: 
     running = start(tmp_path, DEAF, "study", "long")
     assert running.stderr is not None and running.stderr.readline() == "begun\n"
     time.sleep(0.2)  # until it is in the call
-    results.settle(tmp_path / "out")
+    result_folder.settle(tmp_path / "out")
     (work,) = tmp_path.iterdir()  # of a process that runs: it stays
     assert os.listdir(work) == ["page.md"]
     seconds, errors = ended(running, signal.SIGINT)
     assert seconds < 2 and errors == ""
-    results.check_folder(tmp_path / "out")
+    result_folder.check_folder(tmp_path / "out")
     assert os.listdir(tmp_path) == []
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from railhead.theory.hertz import Ellipse, contact_modulus, point_contact
+from railhead.theory.elastic.hertz import Ellipse, contact_modulus, point_contact
 
 
 @pytest.fixture(scope="session")

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from railhead.theory.boundary_element import PatchSolution, solve
-from railhead.theory.hertz import Ellipse, point_contact
+from railhead.theory.bem.boundary_element import PatchSolution, solve
+from railhead.theory.elastic.hertz import Ellipse, point_contact
 
 Array = NDArray[np.float64]
 Gap = Callable[[Array, Array], Array]

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from friction_data import named
 
-from railhead.theory.carter import Carter, from_creepage
-from railhead.theory.hertz import Strip, contact_modulus, line_contact
+from railhead.theory.elastic.hertz import Strip, contact_modulus, line_contact
+from railhead.theory.friction.carter import Carter, from_creepage
 
 
 def strip_of(entry: dict[str, Any]) -> Strip:

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from friction_data import named
 
-from railhead.theory import cattaneo
-from railhead.theory.hertz import Ellipse, line_contact
+from railhead.theory.elastic.hertz import Ellipse, line_contact
+from railhead.theory.friction import cattaneo
 
 G, POISSON = 207000 / 2.6, 0.3
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from railhead.theory.boundary_element import Solution, flat, solve, solve_developed
-from railhead.theory.hertz import point_contact
+from railhead.theory.bem.boundary_element import Solution, flat, solve, solve_developed
+from railhead.theory.elastic.hertz import point_contact
 from tests.theory.test_boundary_element import LOAD, MODULUS, RADIUS, lopsided, paraboloid
 
 Array = NDArray[np.float64]

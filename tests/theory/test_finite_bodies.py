@@ -5,8 +5,8 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import j0
 
-from railhead.theory import finite_bodies
-from railhead.theory.hertz import point_contact
+from railhead.theory.elastic import finite_bodies
+from railhead.theory.elastic.hertz import point_contact
 
 MODULUS, LOAD = 1.1e5, 25e3
 

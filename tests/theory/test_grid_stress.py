@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from railhead.theory import boundary_element, grid_stress, subsurface
-from railhead.theory.half_space_patch import PatchSolution
-from railhead.theory.hertz import Ellipse, point_contact
+from railhead.theory.bem import boundary_element, grid_stress
+from railhead.theory.bem.patch import PatchSolution
+from railhead.theory.elastic import subsurface
+from railhead.theory.elastic.hertz import Ellipse, point_contact
 
 MODULUS, LOAD = 1.1e5, 4e4
 

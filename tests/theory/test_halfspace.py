@@ -7,9 +7,9 @@ import pytest
 from finite_differences import Array, jacobian
 from scipy.special import roots_legendre
 
-from railhead.theory.halfspace import boussinesq_displacement, hertz_displacement
-from railhead.theory.hertz import Ellipse, contact_modulus, point_contact
-from railhead.theory.subsurface import stress
+from railhead.theory.elastic.halfspace import boussinesq_displacement, hertz_displacement
+from railhead.theory.elastic.hertz import Ellipse, contact_modulus, point_contact
+from railhead.theory.elastic.subsurface import stress
 
 CURVATURE_RATIOS = [1e-3, 0.2, 1.0, 1 + 1e-9, 5.0]
 WHEEL, RAIL = (210000.0, 0.28), (190000.0, 0.35)

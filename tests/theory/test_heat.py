@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from railhead.theory import heat
+from railhead.theory.friction import heat
 
 A, B, FORCE, FRICTION, SLIP, SPEED = 5.88, 10.54, 1e5, 0.3, 1 / 30, 30.0  # mm, N, 1, 1, m/s
 EFFUSIVITY = math.sqrt(50.0 * 7850.0 * 450.0)

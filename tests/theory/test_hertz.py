@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.special import elliprd, roots_legendre
 
-from railhead.theory.hertz import (
+from railhead.theory.elastic.hertz import (
     Ellipse,
     contact_modulus,
     general_orientation,

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from railhead.theory import indentation
+from railhead.theory.elastic import indentation
 
 DATA = json.loads((Path(__file__).parent / "data" / "plasticity.json").read_text())["literature"]
 STRAIN = 480 / (207e3 / (1 - 0.3**2))

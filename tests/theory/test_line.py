@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from railhead.theory import line
-from railhead.theory.hertz import line_contact
+from railhead.theory.elastic import line
+from railhead.theory.elastic.hertz import line_contact
 
 YOUNG, POISSON, RADIUS = 207000.0, 0.3, 420.0
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from finite_differences import Array, jacobian
 
-from railhead.theory.potential import EllipsoidPotential
+from railhead.theory.elastic.potential import EllipsoidPotential
 
 SEMI_AXES = [(2.0, 1.0), (1.0, 2.0), (1.0, 1.0), (1.0, 1 + 1e-10), (20.0, 1.0)]
 

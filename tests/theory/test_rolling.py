@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from friction_data import ENTRIES, named
 
-from railhead.theory.boundary_element import solve
-from railhead.theory.carter import Carter
-from railhead.theory.cattaneo import ellipse
-from railhead.theory.driven import under
-from railhead.theory.hertz import Ellipse, contact_modulus, line_contact, point_contact
-from railhead.theory.kalker import coefficients
-from railhead.theory.rolling import Creepage, HalfSpaceFriction, Sheared
-from railhead.theory.tangential import Pair, pair
+from railhead.theory.bem.boundary_element import solve
+from railhead.theory.elastic.hertz import Ellipse, contact_modulus, line_contact, point_contact
+from railhead.theory.friction.carter import Carter
+from railhead.theory.friction.cattaneo import ellipse
+from railhead.theory.friction.kalker import coefficients
+from railhead.theory.rolling.prescribed_forces import under
+from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, Sheared
+from railhead.theory.rolling.tangential import Pair, pair
 
 SLOW, OWN = pytest.mark.slow, 0.005
 STEEL = pair(207000, 0.3, 207000, 0.3)

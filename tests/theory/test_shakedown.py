@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from railhead.theory import shakedown, wear
+from railhead.theory.friction import shakedown, wear
 
 
 def test_a_line_shakes_down_below_four_without_friction() -> None:

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from railhead.theory.hertz import Strip, line_contact
-from railhead.theory.subsurface import line_axis_stress, max_shear, principal, von_mises
+from railhead.theory.elastic.hertz import Strip, line_contact
+from railhead.theory.elastic.subsurface import line_axis_stress, max_shear, principal, von_mises
 
 
 def test_strip_shear_peaks_at_the_root_of_the_golden_ratio() -> None:

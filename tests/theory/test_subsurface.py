@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from finite_differences import Array, jacobian
 
-from railhead.theory.hertz import Ellipse, line_contact, point_contact
-from railhead.theory.subsurface import (
+from railhead.theory.elastic.hertz import Ellipse, line_contact, point_contact
+from railhead.theory.elastic.subsurface import (
     axis_extrema,
     axis_stress,
     line_axis_stress,

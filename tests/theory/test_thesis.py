@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from railhead.theory.hertz import Ellipse
+from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.thesis import (
     exact_coefficients,
     hertz_coefficients,

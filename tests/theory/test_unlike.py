@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from railhead.theory import boundary_element
-from railhead.theory.driven import under
-from railhead.theory.rolling import Creepage, HalfSpaceFriction, Sheared
-from railhead.theory.tangential import Pair, TractionInfluence, pair
-from railhead.theory.unlike import rubbed
+from railhead.theory.bem import boundary_element
+from railhead.theory.rolling.dissimilar import rubbed
+from railhead.theory.rolling.prescribed_forces import under
+from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, Sheared
+from railhead.theory.rolling.tangential import Pair, TractionInfluence, pair
 
 Array = NDArray[np.float64]
 SOFT, HARD = (3000.0, 0.3), (207000.0, 0.3)

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from railhead.meshing.mesh import ContactMesh
 from railhead.meshing.tags import CONTACT, SUPPORT
-from railhead.planning import twist
+from railhead.planning.references import rail_twist
 from railhead.solver import compat
 from railhead.studies import twist as measured
 from railhead.studies.effects import bare_contact
@@ -76,4 +76,4 @@ def test_a_whole_rail_twists_as_the_plan_expects(profile: str, inclination: str)
     solved = measured.solved(profile, inclination)
     angle, _ = measured.turn(solved)
     planned = solved.plan
-    assert twist.twist(planned.contact, planned.estimate) == pytest.approx(angle, rel=0.1)
+    assert rail_twist.twist(planned.contact, planned.estimate) == pytest.approx(angle, rel=0.1)

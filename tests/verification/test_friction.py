@@ -14,15 +14,16 @@ from scipy.special import ellipk
 from solved import solved
 
 import railhead as rh
-from railhead import build, level, sweep_table
 from railhead.planning import plan as planning
-from railhead.planning.effects import friction as effect
+from railhead.planning.effects.interface import friction as effect
 from railhead.postprocess.findings import Frame
-from railhead.postprocess.traction import quantities
+from railhead.postprocess.friction.traction import quantities
+from railhead.run import build, mesh_solution
 from railhead.scene.scene import SceneError
-from railhead.solver.condensed import tangents
-from railhead.solver.rubbing import YieldingRubbingModel
-from railhead.theory import cattaneo
+from railhead.solver.interface.condensation import tangents
+from railhead.solver.interface.frictional_model import YieldingRubbingModel
+from railhead.sweeps import sweep_table
+from railhead.theory.friction import cattaneo
 
 MU = 0.3
 CARTER = [ENTRIES[f"carter_q{share}"] for share in (0.36, 0.64, 0.84, 0.96)]
@@ -137,7 +138,9 @@ def test_unloaded_half_spaces_are_pulled_by_nothing() -> None:
     scene = rh.find("hertz_ellipse").replace([*keys, "friction.force_along=8kN"])
     plan = rh.plan(scene.replace(rail=STEEL), quiet=True).plan
     model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_SELF))
-    found = level.solve(plan, model, Frame(plan.contact.origin, 0.0), lambda step, residual: None)
+    found = mesh_solution.solve(
+        plan, model, Frame(plan.contact.origin, 0.0), lambda step, residual: None
+    )
     left = found.yielding.unloaded
     assert left is not None and left.newton.converged
     held = model.supports(model.bulk.space).fixed
@@ -174,8 +177,8 @@ def test_yield_takes_shear_stress_at_the_surface(sheared: YieldingRubbingModel) 
     points = SimpleNamespace(own=own, size=1, normals=normals, tangents=tangents(out))
     lost = sheared.lost_shear(points)[:, 0]
     middle = np.abs(sheared.interface.points[:, 0]) < 3.0
-    level = np.sign(normals[middle, 1]) * 2 * 207e3 / 2.6 * 1e-3
-    assert middle.sum() > 5 and lost[middle] == pytest.approx(level, rel=0.01)
+    mesh_solution = np.sign(normals[middle, 1]) * 2 * 207e3 / 2.6 * 1e-3
+    assert middle.sum() > 5 and lost[middle] == pytest.approx(mesh_solution, rel=0.01)
 
 
 def test_what_turns_about_the_tangents_acts_as_creepage_along_does() -> None:

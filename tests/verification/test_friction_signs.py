@@ -9,8 +9,10 @@ from friction_data import ENTRIES
 from solved import solved
 
 import railhead as rh
-from railhead import quantities, screen, sweep_table
-from railhead.theory import sliding
+from railhead.results import quantities
+from railhead.results.report import terminal
+from railhead.sweeps import sweep_table
+from railhead.theory.friction import sliding
 
 MU = 0.3
 COARSE = {"patch_size": 2.6}  # three elements across the patch: forces within OFF of mu N
@@ -174,7 +176,7 @@ def test_what_is_not_resolved_is_said(creepage: float) -> None:
     for name, true in (("stick_share", exact["stick_share"]), ("traction_max_MPa", traction)):
         assert (name in unknown) == (creepage < 1e-4)
         assert name in unknown or answer[name] == pytest.approx(true, rel=0.05)
-    assert ("below resolution" in screen.text(found.show)) == bool(unknown)
+    assert ("below resolution" in terminal.text(found.show)) == bool(unknown)
 
 
 def test_the_patch_stands_in_the_shakedown_map_where_the_steel_is_known(tmp_path) -> None:
@@ -203,6 +205,6 @@ def test_steel_that_would_yield_stays_elastic_and_keeps_its_friction() -> None:
 
 
 def test_the_table_says_wear_and_where_the_steel_is_hit_hardest() -> None:
-    shown = screen.text(solved(plane(0.5, wheel={"yield_stress": 300})).show)
+    shown = terminal.text(solved(plane(0.5, wheel={"yield_stress": 300})).show)
     for said in ("T-gamma without spin", "surface", "passing again and again", "p0/k"):
         assert said in shown

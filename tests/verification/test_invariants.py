@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from railhead.meshing.surfaces import ParabolicGap
+from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing.tags import RAIL, WHEEL
 from railhead.solver import compat
-from railhead.solver.elasticity import Material
-from railhead.solver.laws import Law
+from railhead.solver.interface.laws import Law
+from railhead.solver.material.elasticity import Material
 
 LAWS = [Law("nitsche", 1), Law("nitsche", -1), Law("penalty")]
 
@@ -121,8 +121,8 @@ def test_rigid_body_is_the_limit_of_a_stiff_one(two_blocks, solve, rigid: int) -
 
 def test_a_solved_scene_gives_its_memory_back() -> None:
     """The third and fourth run of 27 000 unknowns take no more memory than the second."""
-    from railhead import catalogue
-    from railhead.refine import run
+    from railhead.results.pipeline import run
+    from railhead.scene import catalogue
 
     def resident() -> float:
         with open("/proc/self/statm") as file:

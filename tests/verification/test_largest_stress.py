@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from solved import solved
 
-from railhead import catalogue, refine
-from railhead.postprocess import peaks, stress
+from railhead.postprocess.stress import gauss_points, peaks
+from railhead.results import pipeline
+from railhead.scene import catalogue
 from railhead.scene.scene import Scene
-from railhead.theory import line, subsurface
-from railhead.theory.line import LineContact
+from railhead.theory.elastic import line, subsurface
+from railhead.theory.elastic.line import LineContact
 
 THIN = ["load=100kN", "wheel.width=10", "rail.profile=arc", "rail.crown_radius=inf"]
 THIN += ["rail.width=10", "rail.depth=5"]
@@ -22,7 +23,7 @@ UNLIKE = {
 }
 
 
-def passed(scene: Scene) -> refine.Result:
+def passed(scene: Scene) -> pipeline.Result:
     result = solved(scene)
     assert result.passed, result.summary["checks"]
     return result
@@ -68,7 +69,7 @@ def test_patch_that_is_no_ellipse_has_its_largest_stress_beside_the_axis() -> No
     """S1002 on 60E1: nodal averages overshoot by a few per cent, a finer mesh does not."""
     scene = catalogue.find("s1002_60e1")
     coarse, fine = (passed(scene.replace([f"mesh.patch_size={h}"])) for h in (0.75, 0.5))
-    nodal = stress.nodal(fine.fields)
+    nodal = gauss_points.nodal(fine.fields)
     found, other = (r.summary["result"]["stress"] for r in (fine, coarse))
     for name, invariant in (
         ("tau_max_MPa", subsurface.max_shear),
@@ -114,5 +115,5 @@ def test_a_peak_without_neighbours_is_read_where_it_is(monkeypatch: pytest.Monke
     scene = catalogue.find("uic54_thesis").replace(THIN)
     usual = passed(scene).findings.largest["rail"].tau.value
     monkeypatch.setattr(peaks, "REACH", 1e-9)
-    found = refine.run(scene).findings.largest["rail"].tau.value
+    found = pipeline.run(scene).findings.largest["rail"].tau.value
     assert found == pytest.approx(usual, rel=0.05)

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from railhead import catalogue, estimates
-from railhead.level import Level, solve_level
 from railhead.planning import plan as planning
-from railhead.progress import Progress
-from railhead.theory.hertz import line_contact
+from railhead.run import estimates
+from railhead.run.mesh_solution import Level, solve_level
+from railhead.run.progress import Progress
+from railhead.scene import catalogue
+from railhead.theory.elastic.hertz import line_contact
 
 YOUNG, POISSON = 207e3, 0.3
 SIGNED = 1.5  # times the estimate

@@ -5,8 +5,6 @@ import pytest
 from dolfinx import fem
 from mpi4py import MPI
 
-from railhead import build, catalogue
-from railhead.level import found_forecast, solve_level
 from railhead.meshing import mesh
 from railhead.meshing.sizing import MAX_STRETCH
 from railhead.meshing.tags import CONTACT, WHEEL
@@ -14,8 +12,11 @@ from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
 from railhead.postprocess import read
 from railhead.postprocess.findings import Frame
-from railhead.progress import Progress
-from railhead.refine import run
+from railhead.results.pipeline import run
+from railhead.run import build
+from railhead.run.mesh_solution import found_forecast, solve_level
+from railhead.run.progress import Progress
+from railhead.scene import catalogue
 from railhead.solver import compat
 
 

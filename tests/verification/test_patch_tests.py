@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from railhead.meshing.surfaces import ParabolicGap
+from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing.tags import RAIL, WHEEL
-from railhead.postprocess import stress
+from railhead.postprocess.stress import gauss_points
 from railhead.solver.contact import ContactModel
-from railhead.solver.elasticity import Material, assemble
-from railhead.solver.gather import gather
-from railhead.solver.laws import Law
+from railhead.solver.fields import gather
+from railhead.solver.interface.laws import Law
+from railhead.solver.material.elasticity import Material, assemble
 
 SOFT = Material(1000.0, 0.0)
 FLAT = ParabolicGap(0.0, 0.0, 1)
@@ -44,7 +44,7 @@ def test_bulk_constant_stress(two_blocks, cell: str, degree: int) -> None:
     sigma = lam * np.trace(gradient) * np.eye(3) + 2 * mu * gradient
     expected = sigma[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
     np.testing.assert_allclose(
-        stress.nodal(fields), np.tile(expected, (len(points), 1)), rtol=1e-8, atol=1e-8
+        gauss_points.nodal(fields), np.tile(expected, (len(points), 1)), rtol=1e-8, atol=1e-8
     )
 
 

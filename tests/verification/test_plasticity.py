@@ -14,15 +14,16 @@ from mpi4py import MPI
 from solved import solved
 
 import railhead as rh
-from railhead import build, estimates, level
 from railhead.meshing.tags import RAIL
 from railhead.planning import plan as planning
 from railhead.planning.effects import EFFECTS
 from railhead.planning.effects.base import Effect
 from railhead.postprocess.findings import Frame
-from railhead.solver import linear, yielding
+from railhead.run import build, estimates, mesh_solution
+from railhead.solver.algebra import linear
+from railhead.solver.material import yielding
+from railhead.solver.material.yielding import YieldingModel
 from railhead.solver.solution import Solution
-from railhead.solver.yielding import YieldingModel
 
 REFERENCE = json.loads(
     (Path(__file__).parents[1] / "theory" / "data" / "plasticity.json").read_text()
@@ -192,7 +193,7 @@ def test_below_first_yield_the_elastic_numbers_are_the_same_bits() -> None:
 
 
 def test_perfect_plasticity_bounds_the_stress(five: rh.Result) -> None:
-    from railhead.postprocess.plastic import largest_von_mises
+    from railhead.postprocess.stress.plastic import largest_von_mises
 
     assert largest_von_mises(five.fields) == pytest.approx(Y, rel=1e-6)
 
@@ -219,7 +220,7 @@ def test_elastic_and_hertz_stand_beside_it(five: rh.Result) -> None:
 
 def test_what_is_left_carries_no_force(five: rh.Result) -> None:
     """The residual stresses are in balance, and not zero."""
-    from railhead.postprocess.flux import contact_force
+    from railhead.postprocess.stress.flux import contact_force
 
     left = five.level.left
     assert left is not None and left.residual is not None
@@ -232,8 +233,8 @@ def test_an_accuracy_covers_mesh_and_load_steps() -> None:
     """Sixteen times as many load steps on a finer mesh stay within the estimate."""
     from mpi4py import MPI
 
-    from railhead.level import solve_level
-    from railhead.progress import Progress
+    from railhead.run.mesh_solution import solve_level
+    from railhead.run.progress import Progress
 
     scene = pressed(5.0)
     found = rh.solve(scene, accuracy="4%", quiet=True)
@@ -280,7 +281,7 @@ def solid() -> tuple[planning.Plan, YieldingModel, Solution]:
 
     model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
     frame = Frame(plan.contact.origin, plan.contact.touch.angle)
-    solution = level.solve(plan, model, frame, lambda step, residual: None)
+    solution = mesh_solution.solve(plan, model, frame, lambda step, residual: None)
     assert isinstance(model, YieldingModel) and solution.yielding
     return plan, model, solution
 

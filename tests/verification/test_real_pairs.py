@@ -2,9 +2,9 @@
 
 import pytest
 
-from railhead import catalogue
 from railhead.cases.s1002_60e1 import SCENE
-from railhead.refine import run
+from railhead.results.pipeline import run
+from railhead.scene import catalogue
 
 
 def test_tread_and_gauge_corner_are_two_patches_of_the_right_size() -> None:

@@ -8,19 +8,20 @@ import pytest
 from dolfinx.mesh import compute_midpoints, exterior_facet_indices, meshtags
 from mpi4py import MPI
 
-from railhead.meshing import mesh, outlines, profiles
+from railhead.geometry import outlines, profiles
+from railhead.geometry.surfaces import ParabolicGap
+from railhead.meshing import mesh
 from railhead.meshing.bodies import Body, Options
 from railhead.meshing.sizing import Grading
-from railhead.meshing.surfaces import ParabolicGap
 from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL
-from railhead.postprocess import stress
+from railhead.postprocess.stress import gauss_points
 from railhead.solver import compat
 from railhead.solver.contact import ContactModel
-from railhead.solver.elasticity import Material, assemble
-from railhead.solver.gather import gather
-from railhead.solver.kinematics import Kinematics
-from railhead.solver.laws import Law
+from railhead.solver.fields import gather
+from railhead.solver.interface.laws import Law
+from railhead.solver.material.elasticity import Material, assemble
 from railhead.solver.setup import Setup, Side
+from railhead.solver.space.kinematics import Kinematics
 
 XZ = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 PLANE, RING = Kinematics(XZ, thickness=5.0), Kinematics(XZ, revolved=True)
@@ -93,7 +94,7 @@ def test_bulk_constant_stress(cell: str, degree: int, kinematics: Kinematics) ->
     lam, mu = steel.lame
     sigma = lam * np.trace(strain) * np.eye(3) + 2 * mu * strain
     expected = sigma[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
-    found = stress.nodal(fields)
+    found = gauss_points.nodal(fields)
     np.testing.assert_allclose(found, np.tile(expected, (len(found), 1)), rtol=1e-8, atol=1e-7)
 
 

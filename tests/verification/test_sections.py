@@ -7,19 +7,20 @@ import pytest
 from mpi4py import MPI
 from solved import solved
 
-from railhead import catalogue
-from railhead.meshing import mesh, plane, profiles
+from railhead.geometry import profiles
+from railhead.geometry.surfaces import ExactGap, RailSurface
+from railhead.meshing import mesh, plane
 from railhead.meshing.bodies import Body, Options
 from railhead.meshing.sizing import Grading
-from railhead.meshing.surfaces import ExactGap, RailSurface
 from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL
+from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from railhead.solver.contact import ContactModel
-from railhead.solver.elasticity import Material
-from railhead.solver.kinematics import Kinematics
+from railhead.solver.material.elasticity import Material
 from railhead.solver.setup import Setup, Side
-from railhead.theory import line
-from railhead.theory.hertz import line_contact
+from railhead.solver.space.kinematics import Kinematics
+from railhead.theory.elastic import line
+from railhead.theory.elastic.hertz import line_contact
 
 
 def passed(scene: Scene) -> dict:

@@ -7,25 +7,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from railhead.geometry.dimension import Dimension
-from railhead.geometry.solid import Contact
-from railhead.planning.effects import (
-    assumptions,
-    deformable,
+from railhead.contact.dimension import Dimension
+from railhead.contact.solid import Contact
+from railhead.planning.effects import assumptions
+from railhead.planning.effects.base import After, Context, Effect, Feature
+from railhead.planning.effects.interface import friction, heat  # fmt: skip
+from railhead.planning.effects.material import deformable, mean_dilatation, plasticity
+from railhead.planning.effects.shape import (
     far_field,
-    friction,
-    heat,
-    mean_dilatation,
-    plasticity,
     rail_section,
     sections,
     symmetry,
     true_profile,
-)  # fmt: skip
-from railhead.planning.effects.base import After, Context, Effect, Feature
+)
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import Scene, SceneError
-from railhead.theory.contacts import Hertz
+from railhead.theory.elastic.contacts import Hertz
 
 __all__ = ["EFFECTS", "After", "Context", "Effect", "check", "chosen", "decide"]
 

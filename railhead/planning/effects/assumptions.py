@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-from railhead.geometry import bodies
-from railhead.meshing.profiles import STANDARD_RAILS
+from railhead.contact import bodies
+from railhead.geometry.profiles import STANDARD_RAILS
 from railhead.meshing.tags import BODIES
-from railhead.planning import exact
 from railhead.planning.effects.base import After, Context, touching
+from railhead.planning.references import closed_forms
 from railhead.postprocess.findings import Findings
-from railhead.theory import finite_bodies
+from railhead.theory.elastic import finite_bodies
 
 SMALL = 0.1  # semi-axis over relative radius
 EDGE = 1.1  # times the semi-axis across that must lie within both profiles
@@ -49,13 +49,13 @@ def thick_bodies(context: Context, found: Findings) -> After | None:
     scene, contact = context.scene, context.contact
     if contact.half_space or contact.lengthwise:
         return None
-    modulus, patch, limit = exact.contact_modulus(scene), found.patch, context.accuracy
+    modulus, patch, limit = closed_forms.contact_modulus(scene), found.patch, context.accuracy
     changes = {}
     for tag, body in BODIES.items():
         if body == "rail" and scene.rail.profile in STANDARD_RAILS:
             continue
         part = scene.rail if body == "rail" else scene.wheel
-        weight = modulus / exact.plane_strain_modulus(scene, tag)
+        weight = modulus / closed_forms.plane_strain_modulus(scene, tag)
         deep = bodies.depth(scene, tag)
         curvature = weight * finite_bodies.held_below(deep, part.poisson_ratio)
         changes[body, deep] = finite_bodies.change(curvature, patch.a, patch.b)

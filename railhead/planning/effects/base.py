@@ -7,15 +7,16 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from railhead.geometry.dimension import Dimension
-from railhead.geometry.solid import Contact
-from railhead.meshing.profiles import Profile
-from railhead.planning import developed, exact
+from railhead.contact.dimension import Dimension
+from railhead.contact.solid import Contact
+from railhead.geometry.profiles import Profile
+from railhead.planning.references import boundary_elements, closed_forms
 from railhead.scene.scene import Scene, SceneError
-from railhead.theory import contacts, grid_stress
-from railhead.theory.boundary_element import Solution
-from railhead.theory.contacts import Hertz
-from railhead.theory.line import LineContact
+from railhead.theory.bem import grid_stress
+from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.elastic import contacts
+from railhead.theory.elastic.contacts import Hertz
+from railhead.theory.elastic.line import LineContact
 
 if TYPE_CHECKING:
     from railhead.planning.plan import Plan
@@ -77,7 +78,7 @@ class Context:
     def boundary_elements(self) -> Solution:
         """Of the undeformed pair under the load or approach of the scene; ValueError where they
         find no closed patch."""
-        return developed.solve(self.contact, self.hertz, self.scene.load)
+        return boundary_elements.solve(self.contact, self.hertz, self.scene.load)
 
     @cached_property
     def hertzian(self) -> bool:
@@ -86,7 +87,7 @@ class Context:
         contact, hertz = self.contact, self.hertz
         if contact.plane or contact.half_space or isinstance(hertz, LineContact):
             return True
-        return exact.parabolic(contact, hertz)
+        return closed_forms.parabolic(contact, hertz)
 
     @cached_property
     def elastic(self) -> Solution | str:

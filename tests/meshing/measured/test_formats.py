@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from railhead.meshing import profiles
-from railhead.meshing.measured import formats
-from railhead.meshing.measured import profile as measured
-from railhead.meshing.measured.tables import FormatError
+from railhead.geometry import profiles
+from railhead.geometry.measured import formats
+from railhead.geometry.measured import profile as measured
+from railhead.geometry.measured.tables import FormatError
 
 DATA = Path(__file__).parents[1] / "data"
 BAN, PRW = DATA / "MBench_UIC60_v3.ban", DATA / "MBench_S1002_v3.prw"

@@ -5,11 +5,11 @@ from contextlib import nullcontext
 import numpy as np
 import pytest
 
-from railhead.meshing import outlines, profiles
-from railhead.meshing.measured import ordering, orientation, outliers, standards
-from railhead.meshing.measured.ordering import PointError
-from railhead.meshing.measured.orientation import Orientation
-from railhead.meshing.measured.tables import Table
+from railhead.geometry import outlines, profiles
+from railhead.geometry.measured import ordering, orientation, outliers, standards
+from railhead.geometry.measured.ordering import PointError
+from railhead.geometry.measured.orientation import Orientation
+from railhead.geometry.measured.tables import Table
 
 
 def head() -> np.ndarray:

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from railhead.meshing.measured import formats
-from railhead.meshing.measured.tables import FormatError
+from railhead.geometry.measured import formats
+from railhead.geometry.measured.tables import FormatError
 
 Y = np.linspace(-35, 35, 15)
 Z = -(Y**2) / 600

@@ -6,12 +6,12 @@ from contextlib import nullcontext
 import numpy as np
 import pytest
 
-from railhead.meshing import outlines, profiles
-from railhead.meshing.measured import profile as measured
-from railhead.meshing.measured import smoothing, standards
-from railhead.meshing.measured.orientation import Orientation
-from railhead.meshing.measured.profile import Measured
-from railhead.meshing.measured.tables import FormatError
+from railhead.geometry import outlines, profiles
+from railhead.geometry.measured import profile as measured
+from railhead.geometry.measured import smoothing, standards
+from railhead.geometry.measured.orientation import Orientation
+from railhead.geometry.measured.profile import Measured
+from railhead.geometry.measured.tables import FormatError
 
 
 def arc(radius: float, angle: float, spacing: float) -> np.ndarray:

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from railhead.meshing import outlines, profiles
-from railhead.meshing.measured import profile as measured
-from railhead.meshing.measured import standards
-from railhead.meshing.measured.profile import Measured
-from railhead.meshing.measured.tables import FormatError
+from railhead.geometry import outlines, profiles
+from railhead.geometry.measured import profile as measured
+from railhead.geometry.measured import standards
+from railhead.geometry.measured.profile import Measured
+from railhead.geometry.measured.tables import FormatError
 
 
 def even(points: np.ndarray, spacing: float) -> np.ndarray:

@@ -9,10 +9,13 @@ import pytest
 from rich.console import Console
 from solved import solved
 
-from railhead import catalogue, cli, refine, report
+from railhead.cli import commands
 from railhead.planning import effects
 from railhead.planning import plan as planning
 from railhead.planning.effects import assumptions
+from railhead.results import pipeline
+from railhead.results.report import tables
+from railhead.scene import catalogue
 from railhead.scene.scene import SceneError
 
 
@@ -23,7 +26,7 @@ def railhead(tmp_path, monkeypatch, capsys):
 
     def command(*arguments: str) -> tuple[int, str, str]:
         with pytest.raises(SystemExit) as done:
-            cli.main(arguments)
+            commands.main(arguments)
         return done.value.code, *capsys.readouterr()
 
     return command
@@ -55,11 +58,11 @@ def test_needed_effects_are_named_in_table_summary_and_pictures(railhead, tmp_pa
 
 
 @pytest.fixture(scope="module")
-def thesis() -> refine.Result:
+def thesis() -> pipeline.Result:
     return solved("uic54_thesis", "mesh.patch_size=1.2")
 
 
-def again(result: refine.Result, *assignments: str) -> dict:
+def again(result: pipeline.Result, *assignments: str) -> dict:
     """The indicators of another scene on the same solution."""
     plan = result.plan
     scene = plan.scene.replace(assignments)
@@ -81,7 +84,7 @@ def test_without_a_yield_stress_it_is_said_that_steel_would_yield(thesis) -> Non
     soft = again(thesis, "rail.young_modulus=1000", "wheel.young_modulus=1000")["plasticity"]
     assert not soft.notable and soft.why == "no yield stress is given"
     console = Console(file=io.StringIO(), width=200)
-    report.show_result(thesis.summary, console)
+    tables.show_result(thesis.summary, console)
     assert "plasticity: no steel is given; R260 would yield here" in console.file.getvalue()
 
 

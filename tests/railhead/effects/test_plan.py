@@ -5,13 +5,15 @@ import math
 import pytest
 from mpi4py import MPI
 
-from railhead import build, catalogue, level, refine
 from railhead.meshing.tags import RAIL, WHEEL
-from railhead.planning import developed
 from railhead.planning import plan as planning
-from railhead.progress import Progress
+from railhead.planning.references import boundary_elements
+from railhead.results import pipeline
+from railhead.run import build, mesh_solution
+from railhead.run.progress import Progress
+from railhead.scene import catalogue
 from railhead.scene.scene import Effects, SceneError
-from railhead.theory import hertz
+from railhead.theory.elastic import hertz
 
 
 def planned(case: str, *assignments: str) -> planning.Plan:
@@ -60,7 +62,7 @@ def test_what_is_left_out_is_part_of_the_bound() -> None:
     scene = catalogue.find("hertz_ellipse").replace(
         ["wheel.young_modulus=1.035e8", "accuracy=3%"]
     )  # fmt: skip
-    summary = refine.run(scene).summary
+    summary = pipeline.run(scene).summary
     left_out = summary["accuracy"]["parts"]["max_MPa"]["left_out"]
     assert left_out == pytest.approx(1 / 501)
     assert min(summary["accuracy"]["bound"].values()) > left_out
@@ -123,7 +125,7 @@ def test_the_plan_says_where_yield_is_decided_by_hertz_for_want_of_a_patch(monke
     def nothing(*_: object) -> None:
         raise ValueError("there is no closed patch")
 
-    monkeypatch.setattr(developed, "solve", nothing)
+    monkeypatch.setattr(boundary_elements, "solve", nothing)
     found = effect("plasticity", "s1002_60e1", "wheelset.shift=5mm", "rail.steel=R260")
     assert "exact Hertz's, as no other is known: there is no closed patch" in found.why
 
@@ -229,7 +231,7 @@ def test_a_metre_of_rail_costs_little_more_than_its_head_as_predicted() -> None:
 def test_a_stiff_body_left_out_changes_the_answer_by_its_share() -> None:
     scene = catalogue.find("hertz_ellipse").replace(["wheel.young_modulus=4.14e8", "load=1e4"])
     results = [
-        refine.run(scene.replace(["mesh.patch_size=0.8", *choice])).summary["result"]
+        pipeline.run(scene.replace(["mesh.patch_size=0.8", *choice])).summary["result"]
         for choice in ([], ["effects.deformable_wheel=on"])
     ]
     assert results[0]["pressure"]["max_MPa"] == pytest.approx(
@@ -243,7 +245,7 @@ def test_one_radius_is_exact_where_the_patch_lies_on_one_arc_and_wrong_across_a_
         head = ["mesh.patch_size=3", "effects.rail_section=off", "effects.plasticity=off"]
         scene = catalogue.find("uic54_22t5_axle").replace([*head, *assignments])
         plan = planning.make(scene)
-        done = level.solve_level(plan, None, Progress(quiet=True), MPI.COMM_WORLD)
+        done = mesh_solution.solve_level(plan, None, Progress(quiet=True), MPI.COMM_WORLD)
         return float(done.result["pressure"]["max_MPa"])
 
     whole = largest("effects.true_profile=on")

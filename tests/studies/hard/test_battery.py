@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from railhead import estimates
-from railhead.refine import run
+from railhead.results.pipeline import run
+from railhead.run import estimates
 from railhead.studies.hard.battery import CASES, QUICK
 from railhead.studies.hard.case import Case, Deviation, Measured
 from railhead.studies.hard.scenes import ELLIPSE, HALF_SPACE, against_hertz, deviations, resolved

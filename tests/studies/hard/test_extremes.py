@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from railhead import catalogue
 from railhead.planning import plan
+from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError
 
-COMMAND = "from railhead.start import main; main()"
+COMMAND = "from railhead.cli import main; main()"
 BODIES = ("length", "depth", "width"), ("width", "rim_depth", "segment_length")
 EXTREMES = [10.0**n for n in (-300, -30, -12, -6, -3, 6, 9, 15, 300)]
 KEYS = [

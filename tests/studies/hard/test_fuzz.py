@@ -9,8 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from strategies import broken_toml, scenes
 
-from railhead import cli
-from railhead.cli import main
+from railhead.cli import commands, main
 from railhead.scene.scene import Scene
 from railhead.studies import fuzz as study
 from railhead.studies.hard import fuzz_scenes
@@ -67,7 +66,7 @@ def command(status: int, said: str = "", summary: dict | None = None):
     def run(arguments: list[str]) -> None:
         if summary is not None:
             print(json.dumps(summary))
-        cli.click.echo(said, err=True)
+        commands.click.echo(said, err=True)
         raise SystemExit(status)
 
     return run
@@ -104,7 +103,7 @@ def solved(
     ],
 )
 def test_every_fault_is_seen(ends, fault: str, monkeypatch) -> None:
-    monkeypatch.setattr(cli, "main", ends)
+    monkeypatch.setattr(commands, "main", ends)
     found = fuzz(1, broken=False)
     assert (fault in found.fault) if fault else not found.fault
 

@@ -1,0 +1,1 @@
+"""What tractions on the contact do: forces, slip, wear and shakedown."""

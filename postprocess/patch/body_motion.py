@@ -1,0 +1,61 @@
+"""How finite bodies turn and move aside where they touch, which half-spaces do not."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from railhead.meshing.tags import RAIL
+from railhead.postprocess.findings import Array, Frame, OnePatch
+from railhead.theory.elastic.halfspace import boussinesq_displacement
+
+if TYPE_CHECKING:
+    from railhead.solver.fields import Fields
+
+RING = (2.5, 5.0)  # over the longest half length of a patch: nodes that tell the motion
+
+
+def motion(
+    fields: Fields, body: int, patches: tuple[OnePatch, ...], load: float
+) -> tuple[float, float]:
+    """Rotation about x (rad) and displacement along y (mm) of a body around its most loaded patch:
+    the rigid motion u_y = c - angle (z - z0), u_z = d + angle (y - y0) fitted to its nodes in a
+    ring, after the displacement of half-spaces under point loads (N, along each normal) is taken
+    off. Zeros where no node lies there."""
+    nodes = np.unique(fields.cells[fields.body == body])
+    points, moved = fields.points[nodes], fields.displacement[nodes].copy()
+    young, poisson = _constants(fields, body)
+    first = patches[0]
+    reach = max(max(patch.a, patch.b) for patch in patches)
+    chosen = np.linalg.norm(points - first.centre, axis=1) < RING[1] * reach
+    for patch in patches:
+        chosen &= np.linalg.norm(points - patch.centre, axis=1) > RING[0] * max(patch.a, patch.b)
+    if not chosen.any():
+        return 0.0, 0.0
+    points, moved = points[chosen], moved[chosen]
+    for patch in patches:
+        moved -= _half_space(points, patch, body, patch.share * load, young, poisson)
+    y, z = (points - first.centre).T[1:]
+    one, none = np.ones_like(y), np.zeros_like(y)
+    table = np.block([[one[:, None], none[:, None], -z[:, None]],
+                      [none[:, None], one[:, None], y[:, None]]])  # fmt: skip
+    found = np.linalg.lstsq(table, np.concatenate(moved.T[1:]), rcond=None)[0]
+    return float(found[2]), float(found[0])
+
+
+def _constants(fields: Fields, body: int) -> tuple[float, float]:
+    lam, mu = fields.lame[np.argmax(fields.body == body)]
+    return float(mu * (3 * lam + 2 * mu) / (lam + mu)), float(lam / (2 * (lam + mu)))
+
+
+def _half_space(
+    points: Array, patch: OnePatch, body: int, load: float, young: float, poisson: float
+) -> Array:
+    """Displacement (n, 3) by a point load at the centre of a patch."""
+    frame = Frame(patch.centre, patch.angle)
+    mirror = np.array([1.0, 1.0, 1.0 if body == RAIL else -1.0])
+    local = frame.local(points) * mirror
+    local[:, 2] = local[:, 2].clip(max=0.0)
+    found = boussinesq_displacement(local, load, young, poisson) * mirror
+    return np.asarray(found @ frame.axes)

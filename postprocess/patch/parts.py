@@ -1,0 +1,93 @@
+"""Separate patches of a contact, each in its own tangent plane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+
+from railhead.meshing.tags import RAIL
+from railhead.postprocess.findings import Array, Frame
+
+if TYPE_CHECKING:
+    from railhead.solver.fields import Fields
+
+SMALLEST = 0.002  # share of the force; below it a few open-and-shut points, not a patch
+
+
+@dataclass(frozen=True)
+class Part:
+    """A connected patch, symmetric parts included.
+
+    fields: with the contact points of this patch alone; frame: its tangent plane, origin at its
+    centre of pressure; a, b: half lengths along the rail and across, mm; force N; share of the
+    whole force.
+    """
+
+    fields: Fields
+    frame: Frame
+    a: float
+    b: float
+    force: float
+    share: float
+
+    @property
+    def centre(self) -> tuple[float, float, float]:
+        """Centre of pressure, mm."""
+        return self.frame.origin
+
+
+def parts(fields: Fields) -> list[Part]:
+    """Facets with pressure that share a node belong together; the most loaded patch comes first.
+
+    A patch that lies beside a symmetry plane without touching it is listed once, its image not.
+    """
+    contact = fields.contact
+    force = contact.weights * np.maximum(contact.pressure, 0.0)
+    of_facet = _components(contact.facet_nodes, np.unique(contact.facet[force > 0]))
+    of_point = np.where(force > 0, of_facet[contact.facet], -1)
+    found = [_part(fields, of_point == number, force) for number in range(of_facet.max() + 1)]
+    found = [part for part in found if part.share > SMALLEST]
+    return sorted(found, key=lambda part: -part.force)
+
+
+def _components(facet_nodes: NDArray[np.int64], used: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(f,) number of the connected set each facet is in, -1 for those that are not used."""
+    nodes = facet_nodes[used]
+    rows = np.repeat(np.arange(len(used)), nodes.shape[1])
+    shape = (len(used), facet_nodes.max() + 1)
+    incidence = sp.csr_matrix((np.ones(nodes.size), (rows, nodes.ravel())), shape=shape)
+    numbers = np.full(len(facet_nodes), -1, dtype=np.int64)
+    numbers[used] = connected_components(incidence @ incidence.T, directed=False)[1]
+    return numbers
+
+
+def _part(fields: Fields, members: NDArray[np.bool_], force: Array) -> Part:
+    contact, own = fields.contact, force[members]
+    names = ("points", "weights", "pressure", "indicator", "gap", "normals", "facet", "xi")
+    contact = replace(contact, **{name: getattr(contact, name)[members] for name in names})
+    mirrors = tuple(plane for plane in fields.mirrors if _reaches(contact.points, plane))
+    outward = 1.0 if fields.slave == RAIL else -1.0
+    normal = outward * np.average(contact.normals, axis=0, weights=own)
+    centre = np.average(contact.points, axis=0, weights=own)
+    for plane in mirrors:
+        keep = 1.0 - np.abs(plane)
+        normal, centre = normal * keep, centre * keep
+    frame = Frame(
+        (float(centre[0]), float(centre[1]), float(centre[2])),
+        float(np.arctan2(-normal[1], normal[2])),
+    )
+    a, b = (float(reach) for reach in np.abs(frame.local(contact.points)[:, :2]).max(axis=0))
+    total, whole = own.sum() * 2 ** len(mirrors), force.sum() * 2 ** len(fields.mirrors)
+    own_fields = replace(fields, contact=contact, mirrors=mirrors)
+    return Part(own_fields, frame, a, b, float(total), float(total / whole))
+
+
+def _reaches(points: Array, plane: tuple[float, float, float]) -> bool:
+    """Whether a patch goes up to the symmetry plane through the origin with that normal."""
+    distance = np.abs(points @ np.array(plane))
+    return bool(distance.min() < 0.2 * distance.max())

@@ -1,0 +1,319 @@
+"""The contact patch: semi-axes, area, outline and pressure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from railhead.postprocess.findings import Array, AxisPressure, Frame, OnePatch, Patch
+from railhead.postprocess.patch.outline import Shape, trace
+from railhead.postprocess.patch.parts import Part
+from railhead.postprocess.patch.reconstruct import (
+    ROUGHNESS,
+    Samples,
+    Square,
+    ellipsoid,
+    mean,
+    nothing,
+    reconstruct,
+)
+from railhead.postprocess.patch.surface import Surfaces, both
+
+if TYPE_CHECKING:
+    from railhead.solver.fields import Fields
+
+HERTZIAN = 0.02  # largest deviation of the fourth moments from those of a semi-ellipsoid, and ...
+ELLIPTIC = 0.01  # ... that up to which F is a polynomial alone
+QUARTIC = 4  # its degree: second and fourth moments are kept
+PEAK_RADIUS = 0.6  # of the semi-axes: where p^2 is fitted for the largest pressure
+READ = ("a", "b", "area", "max_pressure")
+LINE, LINE_POINTS = 1.25, 121  # lines over the patch reach that many half lengths either way
+BESIDE = 0.02  # of its half length: a peak that near to the centre is there
+VARIATION = 100.0  # of the roughness, either way: how far readings differ
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Moments of the pressure in the contact frame; force N (whole patch), lengths mm.
+
+    shape_error: largest relative deviation of its normalised third and fourth moments from those
+    of a semi-ellipsoid, <x^4>/<x^2>^2 = 15/7 and <x^2 s^2>/(<x^2> <s^2>) = 5/7; fourth: those of
+    <x^4> and <s^4>.
+    """
+
+    force: float
+    centre: tuple[float, float]
+    a: float
+    b: float
+    shape_error: float
+    fourth: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def hertzian(self) -> bool:
+        """Whether the semi-axes are those of an ellipse."""
+        return self.shape_error < HERTZIAN
+
+
+def moments(fields: Fields, frame: Frame) -> Moments:
+    """a = sqrt(5 int p x^2 / int p), and b alike across: exact for Hertz's semi-ellipsoid."""
+    contact = fields.contact
+    weight = contact.weights * contact.pressure
+    total = weight.sum()
+    local = frame.local(contact.points)
+    x, s = local[:, 0], local[:, 1]
+    normals = np.abs(np.array(fields.mirrors).reshape(-1, 3))
+    cut_x, cut_y = bool(normals[:, 0].any()), bool(normals[:, 1].any())
+    xc = 0.0 if cut_x else float(weight @ x / total)
+    sc = 0.0 if cut_y else float(weight @ s / total)
+    x, s = x - xc, s - sc
+    xx, ss = float(weight @ x**2 / total), float(weight @ s**2 / total)
+    parts = 2 ** len(fields.mirrors)
+    if not xx * ss > 0:  # all points in a line
+        return Moments(parts * float(total), (xc, sc), np.sqrt(5 * xx), np.sqrt(5 * ss), np.inf)
+    deviations = [
+        weight @ x**4 / total / xx**2 / (15 / 7) - 1,
+        weight @ s**4 / total / ss**2 / (15 / 7) - 1,
+        weight @ (x**2 * s**2) / total / (xx * ss) / (5 / 7) - 1,
+        0.0 if cut_x else weight @ x**3 / total / xx**1.5,
+        0.0 if cut_y else weight @ s**3 / total / ss**1.5,
+    ]
+    return Moments(
+        parts * float(total),
+        (xc, sc),
+        float(np.sqrt(5 * xx)),
+        float(np.sqrt(5 * ss)),
+        float(np.max(np.abs(deviations))),
+        (float(deviations[0]), float(deviations[1])),
+    )
+
+
+def mirrored(local: Array, values: Array, fields: Fields) -> tuple[Array, Array]:
+    """Add the mirror images of points (n, 2 or 3) in the contact frame; values are even."""
+    for normal in fields.mirrors:
+        axis = int(np.argmax(np.abs(normal)))
+        image = local.copy()
+        image[:, axis] *= -1
+        local, values = np.concatenate([local, image]), np.concatenate([values, values])
+    return local, values
+
+
+def largest_pressure(fields: Fields, frame: Frame, found: Moments) -> float:
+    """Peak of a quadratic fitted to p^2 around the centre; Hertz's p^2 is one exactly."""
+    contact = fields.contact
+    local, p = mirrored(frame.local(contact.points)[:, :2], contact.pressure, fields)
+    _, weight = mirrored(local[: len(contact.weights)], contact.weights, fields)
+    scaled = (local - found.centre) / np.array([found.a, found.b])
+    radius = np.hypot(*scaled.T)
+    near = (radius < PEAK_RADIUS) & (p > 0)
+    if near.sum() < 24:
+        return float(p.max())
+    x, s = scaled[near].T
+    basis = np.column_stack([np.ones_like(x), x, s, x * x, x * s, s * s])
+    root = np.sqrt(weight[near])
+    c = np.linalg.lstsq(basis * root[:, None], p[near] ** 2 * root, rcond=None)[0]
+    hessian = np.array([[2 * c[3], c[4]], [c[4], 2 * c[5]]])
+    if np.linalg.eigvalsh(hessian).max() < 0:
+        top = np.linalg.solve(hessian, -c[1:3])
+        if np.hypot(*top) < PEAK_RADIUS:
+            return float(np.sqrt(c[0] + 0.5 * c[1:3] @ top))
+    return float(np.sqrt(np.max(basis @ c)))
+
+
+def read(
+    fields: Fields, separate: list[Part], frame: Frame, *, parabolic: bool = False
+) -> tuple[Patch, Surfaces, Moments, Array, tuple[AxisPressure, AxisPressure]]:
+    """Patch, recovered surfaces, moments, the recovered pressure at the contact points and
+    along x and s through the centre, of a solution in which something touches.
+
+    separate: its parts; frame: of the first one where there are several; parabolic: whether the
+    pressure is Hertz's by construction, that of elastic half-spaces with a quadratic gap.
+    """
+    contact = fields.contact
+    several = len(separate) > 1
+    facets = np.bincount(contact.facet, contact.weights).astype(np.float64)
+    readings = [
+        _reading(part, part.frame if several else frame, facets, parabolic=parabolic)
+        for part in separate
+    ]
+    images = [2 ** (len(fields.mirrors) - len(part.fields.mirrors)) for part in separate]
+    first, found = readings[0], moments(separate[0].fields, frame)
+    areas = [each.shape.area * count for each, count in zip(readings, images, strict=True)]
+    area = sum(areas)
+    highest = max(readings, key=lambda each: each.shape.peak)
+    scatter = first.scatter | {
+        "area": float(np.average([each.scatter["area"] for each in readings], weights=areas)),
+        "max_pressure": highest.scatter["max_pressure"],
+    }
+    patch = Patch(
+        first.shape.a,
+        first.shape.b,
+        found.centre,
+        area,
+        highest.shape.peak,
+        moments(fields, frame).force / area,
+        [_in_frame(line, each.frame, frame) for each in readings for line in each.shape.outlines],
+        tuple(
+            OnePatch(
+                part.centre, part.frame.angle, each.shape.a, each.shape.b, each.shape.area,
+                each.shape.peak, part.share,
+            )
+            for part, each in zip(separate, readings, strict=True)
+        ),
+        scatter,
+    )  # fmt: skip
+    surfaces = both(fields, frame, partial(_pressure, readings))
+    through = _through(first, patch, frame, hertzian=found.hertzian)
+    lines = _line(readings, frame, patch, through, 0), _line(readings, frame, patch, through, 1)
+    return patch, surfaces, found, _pressure(readings, contact.points), lines
+
+
+@dataclass(frozen=True)
+class _Reading:
+    """p^2 and shape of one patch in its frame, and the scatter of its readings."""
+
+    frame: Frame
+    square: Square
+    shape: Shape
+    scatter: dict[str, float]
+
+
+def _reading(part: Part, frame: Frame, facets: Array, *, parabolic: bool) -> _Reading:
+    """Rebuilt pressure of one patch: where its shape error is below ELLIPTIC, Hertz's ellipsoid
+    between half-spaces and a polynomial elsewhere; splines from HERTZIAN on; between, their
+    mean."""
+    fields, found = part.fields, moments(part.fields, frame)
+    given = samples(fields, frame, facets)
+    share = freedom(found.shape_error)
+    square, scatter = nothing(given), dict.fromkeys(READ, 0.0)
+    if share > 0 or not parabolic:
+        square, scatter = free(given)
+    if share < 1 and parabolic:
+        peak = largest_pressure(fields, frame, found)
+        ellipse = ellipsoid(square, found.centre, (found.a, found.b), peak)
+        square, scatter = blend(square, scatter, ellipse, _other_ellipse(found, peak), share)
+    elif share < 1:
+        square, scatter = blend(square, scatter, *quartic(given, square), share)
+    return _Reading(frame, square, trace(square), scatter)
+
+
+def quartic(
+    given: Samples, splines: Square, measure: Callable[[Square], Shape] = trace
+) -> tuple[Square, dict[str, float]]:
+    """F of degree QUARTIC, and how far it differs, as `measure` reads it, from F of splines:
+    beyond any bound where it did not come to a minimum."""
+    square = reconstruct(given, degree=QUARTIC)
+    if not square.settled:
+        return square, dict.fromkeys(READ, np.inf)
+    return square, spread(measure(square), [measure(splines)])
+
+
+def blend(
+    splines: Square,
+    scatter: dict[str, float],
+    other: Square,
+    scatter_of_other: dict[str, float],
+    share: float,
+) -> tuple[Square, dict[str, float]]:
+    """share of a free reading and of its scatter, and the rest of another one."""
+    parts = {key: share * scatter[key] + (1 - share) * scatter_of_other[key] for key in READ}
+    return mean(splines, other, share), parts
+
+
+def free(
+    given: Samples, measure: Callable[[Square], Shape] = trace
+) -> tuple[Square, dict[str, float]]:
+    """Any shape, and how far it differs, as `measure` reads it, with other roughnesses: beyond any
+    bound where one of them did not come to a minimum."""
+    stiff = reconstruct(given, VARIATION * ROUGHNESS)
+    square = reconstruct(given, start=stiff)
+    soft = reconstruct(given, ROUGHNESS / VARIATION, square)
+    if not (stiff.settled and square.settled and soft.settled):
+        return square, dict.fromkeys(READ, np.inf)
+    return square, spread(measure(square), [measure(stiff), measure(soft)])
+
+
+def freedom(shape_error: float) -> float:
+    """Share of the free reading in that of a patch: 0 of nearly elliptic ones, 1 of others."""
+    return float(np.clip((shape_error - ELLIPTIC) / (HERTZIAN - ELLIPTIC), 0.0, 1.0))
+
+
+def spread(shape: Shape, others: list[Shape]) -> dict[str, float]:
+    """Largest relative difference from the same patch read otherwise, by the names in `Patch`."""
+
+    def largest(value: float, varied: list[float]) -> float:
+        return max(abs(other / value - 1) for other in varied)
+
+    return {
+        "a": largest(shape.a, [other.a for other in others]),
+        "b": largest(shape.b, [other.b for other in others]),
+        "area": largest(shape.area, [other.area for other in others]),
+        "max_pressure": largest(shape.peak, [other.peak for other in others]),
+    }
+
+
+def _other_ellipse(found: Moments, peak: float) -> dict[str, float]:
+    """Relative differences from semi-axes by fourth moments, and from the peak of the ellipsoid
+    that has the force."""
+    a, b = (abs((1 + off) ** 0.25 - 1) for off in found.fourth)
+    mean = peak * 2 / 3 * np.pi * found.a * found.b
+    return {"a": a, "b": b, "area": a + b, "max_pressure": abs(found.force / mean - 1)}
+
+
+def samples(fields: Fields, frame: Frame, facets: Array) -> Samples:
+    """Contact points with pressure, mirror images included, on the tangent plane; facets: area of
+    each, mm2."""
+    contact = fields.contact
+    touches = contact.pressure > 0
+    onto = contact.weights * np.abs(contact.normals @ frame.axes[2])
+    size = np.sqrt(2 * facets[contact.facet])  # leg of a right triangle
+    values = np.column_stack([contact.pressure * onto, contact.pressure, size])[touches]
+    local = frame.local(contact.points[touches])[:, :2]
+    border = frame.local(fields.points[contact.facet_nodes.ravel()])[:, :2]
+    x, s = np.concatenate([local, border]).T
+    whole, _ = mirrored(np.column_stack([x, s]), x, fields)
+    (x0, s0), (x1, s1) = whole.min(axis=0), whole.max(axis=0)
+    local, values = mirrored(local, values, fields)
+    even = any(abs(normal[0]) > 0.5 for normal in fields.mirrors)
+    force, pressure, size = values.T
+    return Samples(
+        local[:, 0], local[:, 1], force, pressure, size, even, ((x0, x1), (s0, s1)),
+        yields=fields.plastic is not None,
+    )  # fmt: skip
+
+
+def _pressure(readings: list[_Reading], points: Array) -> Array:
+    """Recovered pressure (n,) at points (n, 3); each patch knows its own."""
+    square = [each.square(*each.frame.local(points)[:, :2].T) for each in readings]
+    return np.asarray(np.sqrt(np.maximum(np.max(square, axis=0), 0.0)))
+
+
+def _in_frame(line: Array, own: Frame, frame: Frame) -> Array:
+    """A curve (k, 2) in the tangent plane of one frame, seen in another."""
+    flat = np.column_stack([line, np.zeros(len(line))])
+    return frame.local(np.array(own.origin) + flat @ own.axes)[:, :2]
+
+
+def _through(first: _Reading, patch: Patch, frame: Frame, *, hertzian: bool) -> Array:
+    """(x, s) of the centre of an ellipse, else of the largest pressure of the most loaded patch."""
+    centre = np.array(patch.centre)
+    if hertzian:
+        return centre
+    (top,) = _in_frame(np.array([first.shape.top]), first.frame, frame)
+    near = np.abs(top - centre) < BESIDE * np.array([patch.a, patch.b])
+    return np.where(near, centre, top)
+
+
+def _line(
+    readings: list[_Reading], frame: Frame, patch: Patch, through: Array, axis: int
+) -> AxisPressure:
+    """Recovered pressure along x (axis 0) or s (axis 1) through a point, over the whole patch."""
+    low, high = patch.main[:, axis].min(), patch.main[:, axis].max()
+    local = np.tile([*through, 0.0], (LINE_POINTS, 1))
+    reach = LINE * (high - low) / 2
+    local[:, axis] = (low + high) / 2 + np.linspace(-reach, reach, LINE_POINTS)
+    points = np.array(frame.origin) + local @ frame.axes
+    return AxisPressure(local[:, axis], _pressure(readings, points), float(through[1 - axis]))

@@ -1,0 +1,129 @@
+"""Recovery of fields on the contact surface from values at quadrature points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import basix
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.linalg import splu
+
+from railhead.postprocess.findings import Array, Frame, Surface
+from railhead.solver.fields import Fields
+from railhead.solver.space.facets import facet_type
+
+_TRIANGLES = {
+    ("triangle", 1): [[0, 1]],
+    ("triangle", 2): [[0, 2], [2, 1]],
+    ("quadrilateral", 1): [[0, 1]],
+    ("quadrilateral", 2): [[0, 2], [2, 1]],
+    ("tetrahedron", 1): [[0, 1, 2]],
+    ("tetrahedron", 2): [[0, 5, 4], [5, 1, 3], [4, 3, 2], [3, 4, 5]],
+    ("tetrahedron", 3): [
+        [0, 7, 5], [7, 9, 5], [7, 8, 9], [8, 3, 9], [8, 1, 3], [5, 9, 6], [9, 4, 6], [9, 3, 4],
+        [6, 4, 2],
+    ],
+    ("hexahedron", 1): [[0, 1, 2], [1, 3, 2]],
+    ("hexahedron", 2): [
+        [0, 4, 5], [4, 8, 5], [4, 1, 8], [1, 6, 8], [5, 8, 2], [8, 7, 2], [8, 6, 7], [6, 3, 7],
+    ],
+}  # fmt: skip
+
+
+Surfaces = tuple[Surface, Surface | None]
+"""Of the slave and the master."""
+
+
+def _pieces(fields: Fields, facets: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(t, 3) flat triangles through all nodes of facets (f, k); of a section, lines (t, 2)."""
+    return np.concatenate([facets[:, each] for each in _TRIANGLES[fields.cell, fields.degree]])
+
+
+@dataclass(frozen=True)
+class SurfaceRecovery:
+    """Consistent (L2) projection of point values to the nodes of the contact facets.
+
+    Only facets all of whose quadrature points face the other body take part.
+    """
+
+    fields: Fields
+
+    @cached_property
+    def _members(self) -> NDArray[np.bool_]:
+        contact = self.fields.contact
+        count = np.bincount(contact.facet, minlength=len(contact.facet_nodes))
+        return np.asarray(count[contact.facet] == count.max())
+
+    @cached_property
+    def _numbering(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        contact = self.fields.contact
+        used = np.unique(contact.facet[self._members])
+        nodes, local = np.unique(contact.facet_nodes[used], return_inverse=True)
+        table = np.full(contact.facet_nodes.shape, -1, dtype=np.int64)
+        table[used] = local.reshape(len(used), -1)
+        return nodes, table
+
+    @property
+    def nodes(self) -> NDArray[np.int64]:
+        """(n,) nodes of the surface, as numbers in `Fields.points`."""
+        return self._numbering[0]
+
+    @cached_property
+    def triangles(self) -> NDArray[np.int64]:
+        """(t, 3) flat triangles through all nodes of the facets; of a section, lines (t, 2)."""
+        table = self._numbering[1]
+        table = table[table[:, 0] >= 0]
+        return _pieces(self.fields, table)
+
+    @cached_property
+    def _basis(self) -> sp.csr_matrix:
+        fields, contact = self.fields, self.fields.contact
+        element = basix.create_element(
+            basix.ElementFamily.P,
+            getattr(basix.CellType, facet_type(fields.cell)),
+            fields.degree,
+            basix.LagrangeVariant.gll_warped,
+        )
+        phi = element.tabulate(0, contact.xi[self._members])[0][..., 0]
+        columns = self._numbering[1][contact.facet[self._members]]
+        rows = np.repeat(np.arange(len(phi)), phi.shape[1])
+        shape = (len(phi), len(self.nodes))
+        return sp.csr_matrix((phi.ravel(), (rows, columns.ravel())), shape=shape)
+
+    @cached_property
+    def _solver(self) -> tuple[sp.csr_matrix, object]:
+        weighted = self._basis.T @ sp.diags(self.fields.contact.weights[self._members])
+        return weighted.tocsr(), splu((weighted @ self._basis).tocsc())
+
+    def project(self, values: Array) -> Array:
+        """(q,) at all contact points -> (n,) at the nodes: M x = int phi values."""
+        weighted, factor = self._solver
+        solve = factor.solve  # type: ignore[attr-defined]
+        return np.asarray(solve(weighted @ values[self._members]))
+
+    def interpolate(self, nodal: Array) -> Array:
+        """(n,) at the nodes -> (q,) at all contact points, 0 where the surface is left out."""
+        values = np.zeros(len(self._members))
+        values[self._members] = self._basis @ nodal
+        return values
+
+
+def both(fields: Fields, frame: Frame, pressure: Callable[[Array], Array]) -> Surfaces:
+    """What was found on the slave's surface and, None where it is rigid, on the master's, which the
+    same pressure loads: (n,) MPa at points (n, 3)."""
+
+    def surface(nodes: NDArray[np.int64], pieces: NDArray[np.int64], gap: Array) -> Surface:
+        points = fields.points[nodes]
+        local, moved = frame.local(points)[:, :2], fields.displacement[nodes]
+        return Surface(points, local, pieces, pressure(points), gap, moved)
+
+    recovery, other = SurfaceRecovery(fields), fields.opposite
+    own = surface(recovery.nodes, recovery.triangles, recovery.project(fields.contact.gap))
+    if other is None:
+        return own, None
+    pieces = _pieces(fields, np.searchsorted(other.nodes, other.facet_nodes))
+    return own, surface(other.nodes, pieces, other.gap)

@@ -1,0 +1,328 @@
+"""Diagrams of the findings against exact Hertz, as PNG files.
+
+Each function draws one picture on a figure of its own, so no state is shared. `ellipse` is the
+exact Hertz contact, or None: then only the finite-element result is drawn.
+"""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from railhead.postprocess.findings import Array, AxisPressure, DepthAxis, Findings
+from railhead.postprocess.vtu.mirror import whole
+from railhead.theory.elastic import contacts
+from railhead.theory.elastic.contacts import Hertz
+from railhead.theory.elastic.hertz import Ellipse
+from railhead.theory.elastic.subsurface import max_shear, principal
+from railhead.theory.thesis import thesis_axis_stress
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+FE, HERTZ, THESIS = "#1f4e79", "#c8502d", "#7a7a7a"
+BANDS = 10
+CENTRED = 0.01  # of a half length: that near to the first contact is at it
+OFF_AXIS = 0.01  # of the largest shear stress on the axis: one higher by that is named beside it
+SURFACE = 1e-3  # of the smaller half length: a depth below it is none
+SEEN = 0.98  # of the largest pressure: a cut that reaches it goes through the peak
+OFF_CUT = 0.2  # of its depth: from there on a point is said to lie off the cut
+STYLE = {
+    "font.size": 11,
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "lines.linewidth": 1.8,
+    "lines.markersize": 4.5,
+    "legend.frameon": False,
+}
+
+
+@contextmanager
+def new_figure(
+    path: Path | None, width: float, height: float, of: Findings | str = ""
+) -> Iterator[Figure]:
+    """A figure of the given size in inches, saved at the end if there is a path, with the title of
+    what it is of over it and the notes below it; the backend is Agg by itself."""
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    title, notes = (of, ()) if isinstance(of, str) else (of.subject.title, of.notes)
+    over = textwrap.wrap(title, int(10.5 * width), break_on_hyphens=False)
+    below = [line for note in notes for line in textwrap.wrap(note, int(13 * width))]
+    rows = 0.2 * len(over) + 0.06, height, 0.16 * len(below) + 0.06
+    with matplotlib.rc_context(STYLE):
+        if not (over or below):
+            sheet = figure = Figure(figsize=(width, height), dpi=160, layout="constrained")
+        else:
+            sheet = Figure(figsize=(width, sum(rows)), dpi=160, layout="constrained")
+            top, figure, bottom = sheet.subfigures(3, 1, height_ratios=rows, hspace=0)
+            top.text(0.012, 0.5, "\n".join(over), va="center")
+            look: dict[str, Any] = {"fontsize": 9, "color": HERTZ, "ha": "center", "va": "center"}
+            bottom.text(0.5, 0.5, "\n".join(below), **look)
+        yield figure
+        if path is not None:
+            sheet.savefig(path, format="png")
+
+
+def closed_ellipse(ellipse: Ellipse) -> Array:
+    """(181, 2) points (x, s) of the closed outline of the exact patch, mm."""
+    angle = np.linspace(0, 2 * np.pi, 181)
+    return np.column_stack((ellipse.a * np.cos(angle), ellipse.b * np.sin(angle)))
+
+
+def pressure(findings: Findings, ellipse: Hertz | None, path: Path | None = None) -> Figure:
+    """Pressure along and across the rail through its largest value, MPa over mm."""
+    revolved = findings.subject.revolved  # along and across are the same
+    with new_figure(path, 7 if revolved else 10, 5.1, findings) as figure:
+        left, *others = figure.subplots(1, 1 if revolved else 2, sharey=True, squeeze=False)[0]
+        largest, cut = findings.patch.max_pressure, float(findings.along.pressure.max())
+        if len(findings.patch.each) > 1 and cut < SEEN * largest:
+            name = f"finite elements, largest pressure of this patch {cut:.4g} MPa"
+            name += f" (of another {largest:.4g} MPa)"
+        else:
+            name = f"finite elements, largest pressure {largest:.4g} MPa"
+        _pressure(left, findings, ellipse, 0, name)
+        for right in others:
+            _pressure(right, findings, ellipse, 1, name)
+        left.set_ylabel("contact pressure, MPa")
+        left.set_ylim(bottom=0)
+        columns = 1 if revolved else 2
+        handles = left.get_legend_handles_labels()
+        figure.legend(*handles, loc="outside upper center", ncols=columns)
+    return figure
+
+
+def loaded(line: AxisPressure) -> tuple[Array, Array]:
+    """Coordinate (k,) and pressure (k,) of a cut where it is pressed: points beyond the patch are
+    left out, and p^2, which is straight at an edge, is followed to 0 before the next of them."""
+    t, p = line.coordinate, line.pressure
+    ends: list[tuple[float, float]] = []
+    for step in (1, -1):  # where the pressure ends going up, where it ends going down
+        for number in np.flatnonzero((p > 0) & (np.roll(p, -step) <= 0)):
+            before, after = number - step, number + step
+            if not (0 <= before < len(p) and 0 <= after < len(p)):
+                continue
+            fall = p[before] ** 2 - p[number] ** 2
+            rest = p[number] ** 2 / fall if fall > 0 else 1.0
+            share = min(max(rest, 0.0), 1.0)
+            ends.append((float(t[number] + share * (t[after] - t[number])), 0.0))
+    pressed = p > 0
+    zeros = np.array(ends, dtype=np.float64).reshape(-1, 2)
+    at, value = np.concatenate([np.column_stack([t, p])[pressed], zeros]).T
+    order = np.argsort(at)
+    return at[order], value[order]
+
+
+def _pressure(axes: Axes, findings: Findings, ellipse: Hertz | None, axis: int, name: str) -> None:
+    line: AxisPressure = (findings.along, findings.across)[axis]
+    axes.plot(*loaded(line), "o-", color=FE, lw=0.8, ms=3.5, label=name)
+    axes.set_xlabel(findings.subject.label(axis))
+    if not findings.subject.revolved:
+        half = (findings.patch.b, findings.patch.a)[axis]
+        title = f"cut at {'sx'[axis]} = {rounded(line.at, half)} mm"
+        if (count := len(findings.patch.each)) > 1:
+            title += f", most loaded of {count} patches"
+        axes.set_title(title, fontsize=11)
+    if ellipse is not None:
+        half = (ellipse.a, ellipse.b)[axis]
+        t = half * np.cos(np.linspace(0, np.pi, 181))  # dense at the steep edges
+        exact = ellipse.pressure(*((t, 0) if axis == 0 else (0, t)))
+        label = f"exact Hertz, largest pressure {ellipse.p0:.4g} MPa"
+        axes.plot(t, exact, color=HERTZ, label=label, zorder=3)
+        axes.axvline(-half, color=HERTZ, lw=0.8, ls=":")
+        axes.axvline(half, color=HERTZ, lw=0.8, ls=":")
+
+
+def depth(
+    findings: Findings,
+    ellipse: Hertz | None,
+    poisson: float,
+    path: Path | None = None,
+    thesis: tuple[float, float] | None = None,
+) -> Figure:
+    """Principal stresses and largest shear (MPa) below the contact centre, over the depth (mm).
+
+    poisson: of the body shown. thesis: (p0 MPa, a mm) for the formulas of a circular patch.
+    """
+    axis = findings.axis
+    fine = np.linspace(0, float(axis.depth.max()), 301, dtype=np.float64)
+    names = findings.subject.names
+    with new_figure(path, 10, 6.6, findings) as figure:
+        panels = tuple(figure.subplots(1, 2, sharey=True, width_ratios=(3, 2)))
+        peak = axis.peak(max_shear(axis.stress))
+        _stresses(
+            panels, axis.depth, axis.stress, "o", FE, f"finite elements, {names[axis.body]}", peak
+        )
+        if ellipse is not None:
+            name = f"exact Hertz, {_kind(ellipse)}"
+            name += ", no friction" if findings.subject.rubs else ""
+            name += "" if _centred(findings) else ", below its own centre"
+            normal = contacts.axis_stress(ellipse, poisson, fine)
+            exact = contacts.axis_extrema(ellipse, poisson)
+            peak = exact.tau_max_depth, exact.tau_max
+            _stresses(panels, fine, _diagonal(normal), "-", HERTZ, name, peak)
+        if thesis is not None:
+            stress = _diagonal(thesis_axis_stress(*thesis, poisson, fine))
+            peak = DepthAxis("half-space", fine, stress).peak(max_shear(stress))
+            _stresses(panels, fine, stress, "--", THESIS, "thesis, circular", peak)
+        _name_curves(panels[0], axis)
+        panels[0].set(
+            xlabel="principal stress, MPa",
+            ylabel=f"depth in the {names[axis.body]}{_below(findings)}, mm",
+        )
+        panels[1].set(
+            xlabel="largest shear stress $\\tau$, MPa\n"
+            f"(+ its peak on this line{_elsewhere(findings)})",
+            ylim=(axis.depth.max(), 0),
+        )
+        panels[1].set_xlim(0, 1.08 * panels[1].dataLim.x1)  # a cross is not cut
+        handles, labels = panels[1].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
+    return figure
+
+
+def minus(text: str) -> str:
+    """With the sign that axes have."""
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def rounded(place: float, size: float) -> str:
+    """To three digits, or to 1e-3 of a size, mm."""
+    return minus(f"{place if abs(place) > 1e-3 * size else 0.0:.3g}")
+
+
+def _kind(ellipse: Hertz) -> str:
+    if not isinstance(ellipse, Ellipse):
+        return "line"
+    return "circular" if math.isclose(ellipse.a, ellipse.b, rel_tol=1e-6) else "elliptic"
+
+
+def _centred(findings: Findings) -> bool:
+    """Whether the axis starts at the origin, below which Hertz's patch lies."""
+    (x, s), patch = findings.patch.centre, findings.patch
+    return max(abs(x) / patch.a, abs(s) / patch.b) < CENTRED
+
+
+def _elsewhere(findings: Findings) -> str:
+    """The body's largest shear stress, if it is not on the axis."""
+    axis = findings.axis
+    largest = findings.largest[axis.body].tau.value
+    if largest < (1 + OFF_AXIS) * axis.peak(max_shear(axis.stress))[1]:
+        return ""
+    return f";\n{largest:.4g} MPa elsewhere in the {findings.subject.names[axis.body]}"
+
+
+def _below(findings: Findings) -> str:
+    """Where the axis starts."""
+    x, s = findings.patch.centre
+    if findings.also:
+        return ", below the most loaded patch"
+    if _centred(findings):
+        return ", below the first contact"
+    return f", below x = {x:.2g} mm, s = {s:.2g} mm"
+
+
+def _diagonal(normal: Array) -> Array:
+    """(n, 3) normal stresses -> (n, 6) without shear."""
+    return np.hstack((normal, np.zeros_like(normal)))
+
+
+def _stresses(
+    panels: tuple[Axes, ...],
+    at: Array,
+    stress: Array,
+    style: str,
+    colour: str,
+    name: str,
+    peak: tuple[float, float],
+) -> None:
+    """Draw one result in both panels; peak: depth and value of its largest shear."""
+    look: dict[str, Any] = {"color": colour, "zorder": 2}
+    if style == "o":
+        look |= {"markevery": 3, "zorder": 3, "clip_on": False}
+    label = f"{name}\n" + rf"$\tau$ up to {peak[1]:.4g} MPa, {peak[0]:.3g} mm deep"
+    panels[0].plot(principal(stress), at, style, **look)
+    panels[1].plot(max_shear(stress), at, style, label=label, **look)
+    panels[1].plot(peak[1], peak[0], "+", color=colour, ms=16, mew=1.8, zorder=4)
+
+
+def mark_largest(axes: Axes, findings: Findings, across: int) -> None:
+    """Mark the largest shear stress of each body in a cut of x (across = 0) or s (1) over height.
+
+    One that lies elsewhere along the rail is named by its distance; one whose image the cut shows
+    as well is marked once.
+    """
+    half = min(findings.patch.a, findings.patch.b)
+    for body, largest in findings.largest.items():
+        peak, name = largest.tau, findings.subject.names[body]
+        if peak.place is None:
+            continue
+        local = findings.frame.local(np.array([peak.place]))[0]
+        deep = "at the surface" if peak.depth < SURFACE * half else f"{peak.depth:.3g} mm deep"
+        label = rf"$\tau_{{max}}$ in the {name}: {peak.value:.4g} MPa, {deep}"
+        if across and abs(local[0]) > OFF_CUT * peak.depth:
+            label += minus(f", {local[0]:+.2g} mm ") + findings.subject.along
+        marker = "v" if body == "rail" else "^"
+        look: dict[str, Any] = {"ms": 10, "mfc": "white", "mec": "black", "ls": "none"}
+        axes.plot(local[across], local[2], marker, label=label, **look)
+
+
+def _name_curves(axes: Axes, axis: DepthAxis) -> None:
+    """Write sigma_1, sigma_2, sigma_3 beside the curves, each at a depth of its own."""
+    values = principal(axis.stress)
+    for number, (share, shift) in enumerate(((0.3, 16), (0.2, -16), (0.35, -16))):
+        row = int(share * (len(axis.depth) - 1))
+        axes.annotate(
+            rf"$\sigma_{number + 1}$",
+            (values[row, number], axis.depth[row]),
+            xytext=(shift, 0),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            fontsize=14,
+        )
+
+
+def patch(findings: Findings, ellipse: Ellipse | None, path: Path) -> None:
+    """Pressure over the whole patch in the contact plane (x, s), with the outlines."""
+    from matplotlib.path import Path as Path2D
+    from matplotlib.ticker import MaxNLocator
+
+    surface, outlines = whole(findings.surface), findings.patch.outlines
+    curves = outlines + ([] if ellipse is None else [closed_ellipse(ellipse)])
+    low, high = np.min([c.min(0) for c in curves], 0), np.max([c.max(0) for c in curves], 0)
+    margin = 0.12 * (high - low).max()
+    width, height = high - low + 2 * margin
+    scale = 6.5 / max(width, height)
+    size = max(width * scale, 4) + 2.2, max(height * scale, 2) + 1.5
+    with new_figure(path, *size, findings) as figure:
+        axes = figure.add_subplot(axisbelow=True)
+        levels = np.array(MaxNLocator(BANDS).tick_values(0, float(surface.pressure.max())))
+        bands = axes.tricontourf(
+            *surface.local.T, surface.triangles, surface.pressure, levels, cmap="YlOrRd"
+        )
+        inside = Path2D.make_compound_path(*(Path2D(line, closed=True) for line in outlines))
+        bands.set_clip_path(inside, axes.transData)
+        for number, line in enumerate(outlines):
+            name = "finite elements" if number == 0 else None
+            axes.plot(*line.T, color=FE, lw=2.2, label=name)
+        if ellipse is not None:
+            axes.plot(*closed_ellipse(ellipse).T, "--", color="black", lw=1.2, label="exact Hertz")
+        axes.set(
+            xlabel=findings.subject.label(0),
+            ylabel=findings.subject.label(1),
+        )
+        axes.set_aspect("equal", adjustable="datalim")  # else its label leaves a narrow sheet
+        axes.set_xlim(low[0] - margin, high[0] + margin, auto=True)
+        axes.set_ylim(low[1] - margin, high[1] + margin, auto=True)
+        figure.colorbar(bands, ax=axes, label="contact pressure, MPa", ticks=levels)
+        figure.legend(loc="outside upper center", ncols=2)

@@ -1,0 +1,129 @@
+"""The picture of what yield does: where, what it leaves, and what it changes on the surface."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from railhead.meshing.tags import BODIES, other
+from railhead.postprocess.findings import Array, Findings
+from railhead.postprocess.patch.section import coordinate
+from railhead.postprocess.plots.diagrams import FE, HERTZ, loaded, new_figure
+from railhead.postprocess.stress.gauss_points import at_gauss
+from railhead.postprocess.vtu.mirror import cut_axes
+from railhead.solver.fields import Fields
+from railhead.theory.elastic.hertz import Ellipse
+from railhead.theory.elastic.line import LineContact
+from railhead.theory.elastic.subsurface import von_mises
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+THIN = 0.12  # of the smaller half length: points nearer than this to a plane are shown on it
+ROUNDING = 1e-6  # of the largest height: what stays of a body that did not yield
+SPAN = 2.2  # half lengths of the patch that are shown
+
+
+def draw(
+    pressed: Fields,
+    residual: Fields,
+    found: Findings,
+    elastic: Findings,
+    exact: Ellipse | LineContact | None,
+    path: Path,
+) -> None:
+    """Plastic strain and residual von Mises stress below the patch, the pressure beside the elastic
+    one and Hertz's, and how far the surfaces stay displaced."""
+    assert pressed.plastic is not None
+    patch = found.patch
+    axis = 1 if pressed.kinematics.dim == 3 else coordinate(pressed)
+    half = (patch.a, patch.b)[axis]
+    with new_figure(path, 11, 8.6, found) as figure:
+        (strain, stress), (pressure, depth) = figure.subplots(2, 2)
+        every = np.arange(len(pressed.cells))
+        points, _ = at_gauss(pressed, every)
+        _, left = at_gauss(residual, every)
+        for axes, values, label in (
+            (strain, 100 * pressed.plastic.equivalent, "equivalent plastic strain, %"),
+            (stress, von_mises(left), "residual von Mises stress, MPa"),
+        ):
+            _cut(figure, axes, found, (points, values), axis, label)
+        _pressures(pressure, found, elastic, exact, axis)
+        _left(depth, residual, pressed, found, half)
+
+
+def _cut(
+    figure: Figure, axes: Axes, found: Findings, samples: tuple[Array, Array], across: int,
+    label: str,
+) -> None:  # fmt: skip
+    """Gauss points near the plane across the rail (or all of a section), as coloured dots; below
+    and above all patches."""
+    points, values = samples[0].reshape(-1, 3), samples[1].ravel()
+    local = found.frame.local(points)
+    low, high = (each[across] for each in found.patch.box)
+    middle, half = (low + high) / 2, (high - low) / 2
+    near = np.abs(local[:, 1 - across]) < THIN * min(found.patch.a, found.patch.b)
+    near &= np.abs(local[:, across] - middle) < SPAN * half
+    near &= np.abs(local[:, 2]) < SPAN * half
+    order = np.argsort(values[near])
+    s, z, colour = local[near, across][order], local[near, 2][order], values[near][order]
+    if across in cut_axes(local):
+        s, z, colour = np.r_[s, -s], np.r_[z, z], np.r_[colour, colour]
+    dots = axes.scatter(s, z, c=colour, s=6, cmap="YlOrRd", vmin=0.0,
+                        vmax=colour.max() or 1.0, linewidths=0)  # fmt: skip
+    if not colour.any():
+        axes.set_title("none here", fontsize=11)
+    # An inset stays beside the axes, whose shape follows from their equal scales.
+    figure.colorbar(dots, cax=axes.inset_axes((1.04, 0.0, 0.05, 1.0)), label=label)
+    axes.set(xlabel=found.subject.label(across), ylabel="height over the contact, mm")
+    axes.set_aspect("equal")
+    axes.grid(False)
+
+
+def _pressures(
+    axes: Axes, found: Findings, elastic: Findings, exact: Ellipse | LineContact | None, axis: int
+) -> None:
+    line, without = (loaded((each.along, each.across)[axis]) for each in (found, elastic))
+    axes.plot(*line, "o-", color=FE, lw=0.8, ms=3.5, label="with yield")
+    if exact is not None:
+        t = (exact.a, exact.b)[axis] * np.cos(np.linspace(0, np.pi, 181))
+        axes.plot(t, exact.pressure(*((t, 0) if axis == 0 else (0, t))), color=HERTZ,
+                  label="exact Hertz")  # fmt: skip
+    axes.plot(*without, "--", color=FE, lw=1.2, label="elastic")
+    axes.set(xlabel=found.subject.label(axis), ylabel="contact pressure, MPa")
+    axes.set_ylim(bottom=0)
+    axes.legend()
+
+
+def _left(axes: Axes, residual: Fields, pressed: Fields, found: Findings, half: float) -> None:
+    """Height of the nodes of both contact surfaces, along both axes, um; of a body that stays as it
+    was no line."""
+    frame, subject = found.frame, found.subject
+    surfaces = {pressed.slave: np.unique(pressed.contact.facet_nodes)}
+    if pressed.opposite is not None:
+        surfaces[other(pressed.slave)] = pressed.opposite.nodes
+    rises = {
+        tag: 1e3 * residual.displacement[nodes] @ frame.axes[2] for tag, nodes in surfaces.items()
+    }
+    least = ROUNDING * max(float(np.abs(rise).max()) for rise in rises.values())
+    for tag, rise in rises.items():
+        if np.abs(rise).max() <= least:
+            continue
+        local = frame.local(residual.points[surfaces[tag]])
+        style = ".-" if tag == pressed.slave else ".--"
+        for axis, name, colour in ((0, subject.along, FE), (1, subject.across, HERTZ)):
+            off, along = np.abs(local[:, 1 - axis]), np.abs(local[:, axis])
+            near = (off < THIN * half) & (along < SPAN * half)
+            t, height = local[near, axis], rise[near]
+            if axis in cut_axes(local):
+                t, height = np.r_[t, -t], np.r_[height, height]
+            order = np.argsort(t)
+            if len(order) > 1 and np.ptp(t) > 0:  # a section has one of them
+                label = f"{subject.names[BODIES[tag]]}, {name}"
+                axes.plot(t[order], height[order], style, lw=0.8, color=colour, label=label)
+    axes.set(xlabel="x or s, distance from the contact, mm",
+             ylabel="height of the surface after the load, um")  # fmt: skip
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)

@@ -1,0 +1,153 @@
+"""Pictures of a sweep: quantities over what changes, and the patches beside each other.
+
+Rows are those of the sweep's table; `columns` names the one or two that change, whose values may be
+words.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from railhead.postprocess.findings import Array
+from railhead.postprocess.plots.diagrams import FE, HERTZ, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Rows = Sequence[Mapping[str, Any]]
+PLACE = "patch y [mm]"
+PANELS = {
+    "p_max [MPa]": "largest pressure, MPa",
+    "area [mm2]": "patch area, mm$^2$",
+    PLACE: "patch centre, ",
+    "tau_max [MPa]": "largest shear stress, MPa",
+}
+LABELS = 24  # patches of a strip whose values are written, at most
+GAP = 0.15  # between patches, of the longest
+LETTER = 0.11  # in: width of one of a value
+
+
+def curves(columns: Sequence[str], rows: Rows, path: Path, y: str, title: str = "") -> None:
+    """Four quantities over the column with the most values, a line for each value of the other;
+    what no check signs is ringed. y: its label."""
+    over, *others = _by_values(columns, rows)
+    lines = _values(others[0], rows) if others else [None]
+    with new_figure(path, 11, 7.6, title) as figure:
+        import matplotlib
+
+        shades = matplotlib.colormaps["viridis"](np.linspace(0, 0.85, len(lines)))
+        colours = [FE] if len(lines) == 1 else list(shades)
+        panels = figure.subplots(2, 2, sharex=True)
+        for axes, (name, label) in zip(panels.ravel(), PANELS.items(), strict=True):
+            for value, colour in zip(lines, colours, strict=True):
+                own = [row for row in rows if not others or row[others[0]] == value]
+                x = _places(over, own, rows)
+                found = np.array([row.get(name, math.nan) for row in own], dtype=float)
+                order = np.argsort(x)
+                axes.plot(x[order], found[order], "o-", color=colour, label=_word(value))
+                bad = np.array([row["checks"] != "passed" for row in own])
+                axes.plot(x[bad], found[bad], "o", ms=10, mfc="none", mec=HERTZ, zorder=3)
+            axes.set_ylabel(label + y if name == PLACE else label)
+            if name != PLACE:
+                axes.set_ylim(bottom=0)
+        if any(row["checks"] != "passed" for row in rows):
+            figure.suptitle("ringed: a check failed; not drawn: no result", fontsize=10)
+        for axes in panels[1]:
+            axes.set_xlabel(over)
+            if not _numbers(over, rows):
+                words = _values(over, rows)
+                axes.set_xticks(range(len(words)), [_word(each) for each in words])
+        if others:
+            handles, labels = panels[0, 0].get_legend_handles_labels()
+            figure.legend(
+                handles, labels, title=others[0], loc="outside right upper", fontsize=9
+            )  # fmt: skip
+
+
+def patches(
+    columns: Sequence[str], rows: Rows, outlines: Sequence[Sequence[Any]], path: Path, y: str,
+    title: str = "",
+) -> None:  # fmt: skip
+    """Outlines seen from above (red where a check failed), to scale, at their places in y (whose
+    label that is): a strip for each value of the column with fewer values, or one strip where one
+    column changes."""
+    over, *others = _by_values(columns, rows)
+    split = others[0] if others else None
+    strips = _values(split, rows) if split else [None]
+    lines = [[np.array(line) for line in each] for each in outlines]
+    known = [line for each in lines for line in each]
+    if not known:
+        return
+    across = np.concatenate([line[:, 1] for line in known])
+    step = (1 + GAP) * max(_along(each) for each in lines if each)
+    most = max(sum(row.get(split) == value for row in rows) if split else len(rows)
+               for value in strips)  # fmt: skip
+    high, every = float(np.ptp(across)) + 2 * GAP * step, math.ceil(most / LABELS)
+    inch = min(max(0.12, 3.4 / (most * step)), 14 / (most * step), 4 / high)  # per mm
+    letters = max(len(_word(row[over])) for row in rows)
+    step = max(step, (letters + 1) * LETTER / every / inch)  # no value runs into the next
+    width, height = max(most * step * inch + 1.6, 5.0), max(high * inch, 1.6) + 0.7
+    with new_figure(path, width, len(strips) * height + 0.2, title) as figure:
+        panels = figure.subplots(len(strips), 1, squeeze=False, sharex=True, sharey=True)[:, 0]
+        for axes, value in zip(panels, strips, strict=True):
+            own = [index for index, row in enumerate(rows) if not split or row[split] == value]
+            signed = [rows[index]["checks"] == "passed" for index in own]
+            _strip(axes, [lines[index] for index in own], signed, step)
+            said = [_word(rows[index][over]) for index in own]
+            shown = [text if number % every == 0 else "" for number, text in enumerate(said)]
+            axes.set_xticks([number * step for number in range(len(own))], shown)
+            axes.set_title(f"{split}: {_word(value)}" if split else "", fontsize=10, loc="left")
+            axes.set_aspect("equal")
+            middle = (across.min() + across.max()) / 2
+            axes.set_ylim(middle - high / 2, middle + high / 2)
+            axes.tick_params(labelbottom=True)
+            axes.set_ylabel(y, fontsize=9)
+        failed = any(row["checks"] != "passed" for row in rows)
+        panels[-1].set_xlabel(
+            f"{over}; patches from above, to scale" + ("; red: a check failed" if failed else "")
+        )
+
+
+def _strip(
+    axes: Axes, each: Sequence[Sequence[Array]], signed: Sequence[bool], step: float
+) -> None:
+    for number, (lines, good) in enumerate(zip(each, signed, strict=True)):
+        colour = FE if good else HERTZ
+        for line in lines:
+            axes.fill(line[:, 0] + number * step, line[:, 1], fc=f"{colour}40", ec=colour, lw=1.0)
+    axes.set_xlim(-0.6 * step, (len(each) - 0.4) * step)
+
+
+def _along(lines: Sequence[Array]) -> float:
+    return float(np.ptp(np.concatenate([line[:, 0] for line in lines])))
+
+
+def _by_values(columns: Sequence[str], rows: Rows) -> list[str]:
+    """The column with the most values first."""
+    return sorted(columns, key=lambda name: -len(_values(name, rows)))
+
+
+def _values(column: str, rows: Rows) -> list[Any]:
+    return list(dict.fromkeys(row[column] for row in rows))
+
+
+def _numbers(column: str, rows: Rows) -> bool:
+    return all(isinstance(row[column], float | int) and not isinstance(row[column], bool)
+               and math.isfinite(row[column]) for row in rows)  # fmt: skip
+
+
+def _places(column: str, own: Rows, rows: Rows) -> Array:
+    """Numbers where they are, words one after the other."""
+    if _numbers(column, rows):
+        return np.array([float(row[column]) for row in own])
+    order = {value: float(place) for place, value in enumerate(_values(column, rows))}
+    return np.array([order[row[column]] for row in own])
+
+
+def _word(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,94 @@
+"""The picture of what friction does: where the patch sticks, and the tractions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.postprocess.findings import Array, Findings
+from railhead.postprocess.plots.diagrams import FE, HERTZ, new_figure, rounded
+from railhead.solver.solution import Rubbing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+STICK, SLIP, ACROSS = "#8fb8de", "#e8a87c", "#5a9367"
+ARROWS = 17  # along the longer side of the patch
+LONG = 1.1  # cells of their grid: the longest arrow
+THIN = 0.15  # of the patch's half length across: points nearer to its middle line are drawn on it
+
+
+def draw(
+    found: Rubbing, findings: Findings, coefficient: float, path: Path, *, mirrored: bool
+) -> None:  # fmt: skip
+    """Stick and slip in the tangent plane with the tractions of the wheel on the rail as arrows
+    (not of a section), and the traction along the middle line of the (most loaded) patch against
+    mu p. mirrored: the other half, across, is an image."""
+    frame, patch, subject = findings.frame, findings.patch, findings.subject
+    touches = found.pressure > 0
+    local = frame.local(found.points[touches])[:, :2]
+    traction = found.traction[touches] @ frame.axes.T[:, :2]
+    pressure, sticks = found.pressure[touches], found.sticks[touches]
+    if mirrored:
+        local = np.concatenate([local, local * [1, -1]])
+        traction = np.concatenate([traction, traction * [1, -1]])
+        pressure, sticks = np.tile(pressure, 2), np.tile(sticks, 2)
+    flat = np.ptp(local[:, 1]) < 1e-9
+    with new_figure(path, 7 if flat else 12, 5.4, findings) as figure:
+        panels = figure.subplots(1, 1 if flat else 2, squeeze=False)[0]
+        axes = panels[-1]
+        middle: NDArray[np.bool_] = np.ones(len(local), dtype=bool)
+        if not flat:
+            _map(panels[0], local, traction, sticks)
+            for line in patch.outlines:
+                panels[0].plot(*line.T, color=FE, lw=1.2)
+            panels[0].set(xlabel=subject.label(0), ylabel=subject.label(1))
+            s = patch.centre[1]
+            middle = np.abs(local[:, 1] - s) < THIN * patch.b
+            middle &= np.abs(local[:, 0] - patch.centre[0]) < 1.5 * patch.a
+            near = THIN * patch.b
+            axes.set_title(f"within {near:.2g} mm of s = {rounded(s, near)} mm", fontsize=11)
+        x, limit = local[middle, 0], coefficient * pressure[middle]
+        name = r"friction times pressure, $\pm\mu p$"
+        axes.plot(np.r_[x, x], np.r_[limit, -limit], ".", color=HERTZ, ms=2.5, label=name)
+        axes.plot(x, traction[middle, 0], ".", color=FE, ms=3, label=f"traction {subject.along}")
+        if flat:
+            _stick_and_slip(axes, np.column_stack([x, np.zeros_like(x)]), sticks)
+        else:
+            name = f"traction {subject.across}"
+            axes.plot(x, traction[middle, 1], ".", color=ACROSS, ms=3, label=name)
+        axes.set(xlabel=subject.label(0), ylabel="traction of the wheel on the rail, MPa")
+        if subject.names["rail"] != "rail":
+            axes.set_ylabel("traction of the upper on the lower body, MPa")
+        handles = axes.get_legend_handles_labels()
+        figure.legend(*handles, loc="outside upper right", ncols=2 if flat else 3, markerscale=3)
+
+
+def _stick_and_slip(axes: Axes, at: Array, sticks: NDArray[np.bool_]) -> None:
+    for chosen, colour, name in ((sticks, STICK, "sticks"), (~sticks, SLIP, "slips")):
+        axes.scatter(*at[chosen].T, s=9, color=colour, linewidths=0, label=name)
+
+
+def _map(axes: Axes, local: Array, traction: Array, sticks: NDArray[np.bool_]) -> None:
+    _stick_and_slip(axes, local, sticks)
+    cell = float(np.ptp(local, axis=0).max()) / ARROWS
+    few = thinned(local, cell)
+    largest = float(np.hypot(*traction.T).max())
+    longest = {"scale": largest / (LONG * cell), "scale_units": "xy", "angles": "xy"}
+    arrows = axes.quiver(*local[few].T, *traction[few].T, color=FE, width=0.004, **longest)
+    shown = float(f"{largest:.1g}")
+    axes.quiverkey(arrows, 0.72, 1.05, shown, f"traction {shown:g} MPa", labelpos="E")
+    axes.set_aspect("equal", adjustable="datalim")  # else the legend has no room over a tall map
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, markerscale=2)
+
+
+def thinned(local: Array, cell: float) -> NDArray[np.int64]:
+    """Of the points (n, 2) that which is nearest to the middle of each square of a grid, mm."""
+    square = np.floor(local / cell)
+    off = np.hypot(*(local - (square + 0.5) * cell).T)
+    order = np.argsort(off)
+    _, first = np.unique(square[order], axis=0, return_index=True)
+    return np.asarray(order[first], dtype=np.int64)

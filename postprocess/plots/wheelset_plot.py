@@ -1,0 +1,156 @@
+"""Pictures of a wheelset on its track: profiles in contact, contact positions, rolling radii."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from railhead.geometry.placement import Pair, Touch
+from railhead.geometry.wheelset import Placed, Side
+from railhead.postprocess.findings import Array
+from railhead.postprocess.plots.diagrams import minus, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+RAIL, WHEEL, MARK, FURTHER = "#555555", "#1f4e79", "#c8502d", "#7b4fa3"
+SAMPLES = 1500
+JUMP = 2.0  # mm on the tread between neighbouring shifts: a jump, not a motion
+LIFT = 25.0  # mm between wheel and rail in the picture of the positions
+
+
+def profiles(pair: Pair, placed: Placed, path: Path, title: str = "") -> None:
+    """Both wheels on their rails, seen along the track; the left one is drawn as it stands, with y
+    towards the field side on both."""
+    from matplotlib.ticker import FuncFormatter
+
+    with new_figure(path, 12, 4.2, title) as figure:
+        axes = figure.subplots(1, 2, sharey=True)
+        for ax, side, flip, name in (
+            (axes[0], placed.left, -1, "left"),
+            (axes[1], placed.right, 1, "right"),
+        ):
+            y = np.linspace(*pair.rail.domain, SAMPLES)
+            ax.plot(flip * y, pair.rail.height(y), color=RAIL, label="rail")
+            tread = np.linspace(*pair.wheel.domain, SAMPLES)
+            outline = pair.outline(side.pose, tread).points
+            ax.plot(flip * outline[:, 1], outline[:, 2], color=WHEEL, label="wheel")
+            for number, touch in enumerate(side.touches):
+                colour = FURTHER if number else MARK
+                ax.plot(flip * touch.y, touch.z, "o", color=colour)
+                ax.annotate(
+                    minus(
+                        f"{'further' if number else 'first'} contact: y = {touch.y:.2f} mm, "
+                        f"{np.degrees(touch.angle):.2f}°"
+                    ),
+                    (flip * touch.y, touch.z),
+                    (0.5, 0.2 - 0.1 * number),
+                    textcoords="axes fraction",
+                    ha="center",
+                    color=colour,
+                    arrowprops={"arrowstyle": "-", "color": colour},
+                )
+            ax.xaxis.set_major_formatter(
+                FuncFormatter(lambda v, _, flip=flip: minus(f"{flip * v + 0.0:g}"))
+            )
+            for place, align, text in ((0.01, "left", -flip), (0.99, "right", flip)):
+                word = "field side" if text > 0 else "gauge side"
+                ax.text(place, 0.65, word, transform=ax.transAxes, ha=align, color=RAIL)
+            ax.set_title(f"{name} rail")
+            ax.set_xlabel("y from the crown centre to the field side, mm")
+            ax.set_aspect("equal")
+            ax.set_ylim(-36, 34)
+        axes[0].set_ylabel("z, mm")
+        axes[0].legend(loc="upper left")
+
+
+def positions(
+    pair: Pair, swept: Sequence[tuple[float, Placed]], path: Path, title: str = ""
+) -> None:
+    """Right wheel: lines join the contact on the rail with that on the wheel, for each shift."""
+    from matplotlib.collections import LineCollection
+    from matplotlib.colors import LinearSegmentedColormap
+
+    dark = LinearSegmentedColormap.from_list("shift", [WHEEL, FURTHER, MARK])
+    with new_figure(path, 9, 4.6, title) as figure:
+        ax = figure.subplots()
+        y = np.linspace(*pair.rail.domain, SAMPLES)
+        ax.plot(y, pair.rail.height(y), color=RAIL, label="rail")
+        offset = _offset(swept)
+        tread = np.linspace(*pair.wheel.domain, SAMPLES)
+        ax.plot(tread + offset, LIFT - pair.wheel.height(tread), color=WHEEL, label="wheel")
+        lines, shifts = [], []
+        for shift, placed in swept:
+            for touch in placed.right.touches:
+                above = LIFT - float(pair.wheel.height(touch.tread))
+                lines.append([(touch.y, touch.z), (touch.tread + offset, above)])
+                shifts.append(shift)
+        joined = LineCollection(lines, cmap=dark, array=np.array(shifts), linewidths=0.9)
+        ax.add_collection(joined)
+        figure.colorbar(joined, ax=ax, label="lateral shift to the right, mm")
+        ax.plot([], [], color=FURTHER, lw=0.9, label="contact: from the rail to the wheel")
+        figure.legend(loc="outside upper center", ncols=3)
+        ax.set_xlabel(
+            "y on the right rail, from the crown centre, mm (wheel at shift 0)\n"
+            "(gauge side < 0 < field side)"
+        )
+        ax.set_ylabel("z, mm (wheel lifted)")
+        ax.set_aspect("equal")
+        ax.set_xlim(min(-50.0, pair.rail.domain[0] - 5), 45)
+
+
+def _offset(swept: Sequence[tuple[float, Placed]]) -> float:
+    """y of the tape circle over the rail without shift, mm."""
+    shift, placed = min(swept, key=lambda each: abs(each[0]))
+    return float(placed.right.pose.origin[1]) - shift
+
+
+def rolling_radius(swept: Sequence[tuple[float, Placed]], path: Path, title: str = "") -> None:
+    """Difference of the rolling radii and the contact positions over the lateral shift."""
+    shifts = np.array([shift for shift, _ in swept])
+    with new_figure(path, 9, 7, title) as figure:
+        upper, lower = figure.subplots(2, 1, sharex=True)
+        difference = np.array([placed.rolling_radius_difference for _, placed in swept])
+        breaks = _jump(swept, "right") | _jump(swept, "left")
+        _broken(upper, shifts, difference, breaks, MARK, None)
+        upper.set_ylabel("rolling radius difference,\nright less left, mm")
+        further: str | None = "further contact, gap below 0.05 mm"
+        for name, colour in (("right", WHEEL), ("left", RAIL)):
+            y = np.array([_side(placed, name).touches[0].y for _, placed in swept])
+            _broken(lower, shifts, y, _jump(swept, name), colour, f"{name} rail, first contact")
+        for name in ("right", "left"):
+            for shift, placed in swept:
+                for touch in _side(placed, name).touches[1:]:
+                    lower.plot(shift, touch.y, ".", color=FURTHER, label=further)
+                    further = None
+        lower.set_ylabel("contact on the rail, y, mm\n(gauge side < 0 < field side)")
+        lower.set_xlabel("lateral shift to the right, mm")
+        lower.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
+
+
+def _side(placed: Placed, name: str) -> Side:
+    return placed.right if name == "right" else placed.left
+
+
+def _jump(swept: Sequence[tuple[float, Placed]], name: str) -> np.ndarray:
+    """(n - 1,) whether the first contact jumps between neighbouring shifts."""
+    first: list[Touch] = [_side(placed, name).touches[0] for _, placed in swept]
+    return np.abs(np.diff([touch.tread for touch in first])) > JUMP
+
+
+def _broken(
+    ax: Axes, x: Array, y: Array, breaks: np.ndarray, colour: str, label: str | None
+) -> None:
+    """A line that is interrupted at jumps."""
+    at = np.flatnonzero(breaks) + 1
+    ax.plot(
+        np.insert(x, at, np.nan),
+        np.insert(y, at, np.nan),
+        ".-",
+        color=colour,
+        markersize=3,
+        label=label,
+    )

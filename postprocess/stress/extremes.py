@@ -1,0 +1,91 @@
+"""Largest stresses as under "stress" in summary.json: of both bodies, and on the axis of one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from railhead.postprocess.findings import Array, DepthAxis, Frame, Largest, Peak
+from railhead.theory import thesis
+from railhead.theory.elastic import contacts
+from railhead.theory.elastic.contacts import Hertz
+
+NAMES = {"tau": "tau_max", "von_mises": "von_mises_max"}
+
+
+def quantities(
+    bodies: Mapping[str, Largest], axis: dict[str, Any], centre: Array
+) -> dict[str, Any]:
+    """The larger of both bodies, with what is on the axis shown; centre (3,): the normal stresses
+    at the centre of the patch, MPa."""
+    values: dict[str, Any] = {}
+    for attribute, name in NAMES.items():
+        peaks: dict[str, Peak] = {body: getattr(each, attribute) for body, each in bodies.items()}
+        body = max(peaks, key=lambda body: peaks[body].value)
+        values[f"{name}_MPa"] = peaks[body].value
+        values[f"{name}_depth_mm"] = peaks[body].depth
+        values[f"{name}_body"] = body
+        place = peaks[body].place
+        values[f"{name}_place_mm"] = None if place is None else list(place)
+    return {**values, "axis": axis, "surface_centre_MPa": [float(v) for v in centre]}
+
+
+def below(axis: DepthAxis) -> dict[str, Any]:
+    """The largest on the axis below a patch."""
+    return _below(axis.body, axis.largest)
+
+
+def _below(body: str, largest: Largest) -> dict[str, Any]:
+    values: dict[str, Any] = {"body": body}
+    for attribute, name in NAMES.items():
+        peak: Peak = getattr(largest, attribute)
+        values[f"{name}_MPa"], values[f"{name}_depth_mm"] = peak.value, peak.depth
+    return values
+
+
+def at_edges(bodies: Mapping[str, Largest]) -> list[dict[str, Any]]:
+    """What is larger at a sharp edge, by quantity, body, value and place."""
+    return [
+        {"quantity": f"{name}_MPa", "body": body, "value_MPa": peak.value, "place_mm": peak.place}
+        for body, each in bodies.items()
+        for name, peak in zip(NAMES.values(), each.edges, strict=True)
+        if peak is not None
+    ]
+
+
+def exact(contact: Hertz, poisson: Mapping[str, float], frame: Frame) -> dict[str, Any]:
+    """Below a Hertz contact; poisson: by body, the one whose axis is shown first.
+
+    The largest stresses of a body lie on its axis: for no axis ratio from 1 to 1/30 or of a strip,
+    and no nu from 0 to 0.4999, has a point of a fine grid beside the axis more.
+    """
+    bodies = {body: _exact(contact, body, nu, frame) for body, nu in poisson.items()}
+    shown, nu = next(iter(poisson.items()))
+    surface = contacts.axis_stress(contact, nu, 0.0)[0]
+    return quantities(bodies, _below(shown, bodies[shown]), surface)
+
+
+def _exact(contact: Hertz, body: str, poisson: float, frame: Frame) -> Largest:
+    found = contacts.axis_extrema(contact, poisson)
+    tau, mises = (
+        Peak(value, depth, frame.below(0.0, 0.0, body, depth))
+        for value, depth in (
+            (found.tau_max, found.tau_max_depth),
+            (found.von_mises_max, found.von_mises_max_depth),
+        )
+    )
+    return Largest(tau, mises)
+
+
+def of_thesis(route: thesis.ThesisContact, poisson: Mapping[str, float]) -> dict[str, Any]:
+    """The thesis's formulas of a circular patch with radius a."""
+    depth = np.linspace(0.0, 3 * min(route.a, route.b), 301, dtype=np.float64)
+    axes = {}
+    for body, nu in poisson.items():
+        normal = thesis.thesis_axis_stress(route.p0, route.a, nu, depth)
+        axes[body] = DepthAxis(body, depth, np.column_stack([normal, np.zeros_like(normal)]))
+    shown = next(iter(axes.values()))
+    bodies = {body: axis.largest for body, axis in axes.items()}
+    return quantities(bodies, below(shown), shown.stress[0, :3])

@@ -1,0 +1,71 @@
+"""The force that the elements' own stresses carry away from the contact in a body."""
+
+from __future__ import annotations
+
+import basix
+import numpy as np
+
+from railhead.meshing.tags import RAIL
+from railhead.postprocess.findings import Array
+from railhead.postprocess.stress.gauss_points import at_reference
+from railhead.postprocess.stress.solid import Solid
+from railhead.solver.fields import Fields
+
+RULE = 6  # degree of the quadrature in a cell
+ROOM = 2.2  # semi-axis of the outer ellipsoid over the largest distance of a touching point
+WITHIN = 0.9  # of the depth of the body: where the outer ellipsoid ends
+SYMMETRIC = (0, 3, 4), (3, 1, 5), (4, 5, 2)  # places of a tensor in (xx, yy, zz, xy, xz, yz)
+
+
+def contact_force(fields: Fields, body: int) -> Array:
+    """Force (3,) of the wheel on the rail, N, of the whole model, from the stresses of one body.
+
+    phi is 1 in an ellipsoid around all touching points and falls smoothly to 0 at one twice as
+    large. In equilibrium int sigma grad(phi) over the body is the force on its contact surface:
+    the other surfaces within the larger ellipsoid carry no traction. The equations are tested with
+    shape functions only, so the difference from the force is an error of the stresses.
+    """
+    contact, cells = fields.contact, np.flatnonzero(fields.body == body)
+    touching = contact.points[contact.pressure > 0]
+    low, high = touching.min(axis=0), touching.max(axis=0)
+    for normal in fields.mirrors:
+        low = np.where(np.abs(normal) > 0.5, -high, low)  # the half at positive coordinates
+    centre = (low + high) / 2
+    away = touching - centre
+    reach = ROOM * float(np.hypot(away[:, 0], away[:, 1]).max())
+    into = np.array([0.0, 0.0, -1.0 if body == RAIL else 1.0])
+    height = float(np.ptp(fields.points[np.unique(fields.cells[cells]), 2]))
+    top = contact.points[np.argmax(contact.pressure)]
+    depth = min(reach, WITHIN * Solid(fields, cells).extent(top, into, height))
+    scale = 1 / np.array([reach, reach, depth])
+    scale /= max(1.0, ROOM * float(np.linalg.norm(away * scale, axis=1).max()))
+
+    radius = np.linalg.norm((fields.points[fields.cells[cells]] - centre) * scale, axis=2)
+    cells = cells[(radius.min(axis=1) < 1.0) & (radius.max(axis=1) > 0.5)]
+    kinematics, total = fields.kinematics, np.zeros(3)
+    rule = basix.make_quadrature(getattr(basix.CellType, fields.cell), RULE)
+    for reference, weight in zip(*rule, strict=True):
+        x, stress, size = at_reference(fields, cells, reference)
+        size = weight * size * kinematics.measure(kinematics.flatten(x))
+        local = (x - centre) * scale
+        rho = np.linalg.norm(local, axis=1)
+        share = np.clip(2 * rho - 1, 0.0, 1.0)
+        slope = -12 * share * (1 - share) * size  # of 1 - 3 share^2 + 2 share^3
+        gradient = (slope / np.maximum(rho, 0.5))[:, None] * local * scale
+        total += np.einsum("nij,nj->i", stress[:, np.array(SYMMETRIC)], gradient)
+    return _whole(fields, total if body == RAIL else -total)
+
+
+def pressure_force(fields: Fields) -> Array:
+    """Force (3,) of the pressure on the rail, N, of the whole model."""
+    contact = fields.contact
+    total = (contact.weights * contact.pressure) @ contact.normals
+    return _whole(fields, -total if fields.slave == RAIL else total)
+
+
+def _whole(fields: Fields, force: Array) -> Array:
+    """The force (3,) on the whole model where that on the modelled part is known."""
+    for normal in fields.mirrors:
+        double = force if fields.kinematics.revolved else 2 * force
+        force = np.where(np.abs(normal) > 0.5, 0.0, double)
+    return force

@@ -1,0 +1,126 @@
+"""Stresses from the displacement, in the cells and at the nodes."""
+
+from __future__ import annotations
+
+import basix
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.postprocess.findings import Array
+from railhead.solver.fields import Fields
+from railhead.solver.material.elasticity import quadrature_degree
+from railhead.solver.space.cells import inverse, middle, tabulate
+
+OUT = np.diag([0.0, 1.0, 0.0])  # the hoop direction of a meridian section
+ROW, COLUMN = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])
+
+
+def at_reference(
+    fields: Fields, cells: NDArray[np.int64], reference: Array
+) -> tuple[Array, Array, Array]:
+    """Position (m, 3), stress (m, 6) in global axes and |det J| at one reference point. Plastic
+    strains are those of the plane through their values at the Gauss points of each cell."""
+    x, stress, size = before_yield(fields, cells, reference)
+    if fields.plastic is not None:
+        points = gauss(fields)
+        corner, *rest = np.linalg.pinv(np.column_stack([np.ones(len(points)), points]))
+        shares = corner + reference @ np.array(rest)
+        strain = np.einsum("g,mgij->mij", shares, fields.plastic.strain[cells])
+        stress = stress - _relief(fields, cells, strain)
+    return x, stress, size
+
+
+def at_gauss(fields: Fields, cells: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Position (m, g, 3) and stress (m, g, 6) in global axes at the points of `gauss`."""
+    found = [before_yield(fields, cells, point)[:2] for point in gauss(fields)]
+    points = np.stack([x for x, _ in found], axis=1)
+    stress = np.stack([s for _, s in found], axis=1)
+    if fields.plastic is not None:
+        for g in range(stress.shape[1]):
+            stress[:, g] -= _relief(fields, cells, fields.plastic.strain[cells, g])
+    return points, stress
+
+
+def gauss(fields: Fields) -> Array:
+    """Reference points (g, d) at which stresses are best, or plastic strains are known."""
+    rule = 1 if fields.degree == 1 and fields.cell in ("tetrahedron", "triangle") else 2
+    if fields.plastic is not None:
+        rule = quadrature_degree(fields.cell, fields.degree, fields.kinematics)
+    return np.asarray(basix.make_quadrature(getattr(basix.CellType, fields.cell), rule)[0])
+
+
+def _relief(fields: Fields, cells: NDArray[np.int64], strain: Array) -> Array:
+    """What plastic strains (m, 3, 3) take from the stress (m, 6), MPa."""
+    return np.asarray(2 * fields.lame[cells, 1, None] * strain[:, ROW, COLUMN])
+
+
+def before_yield(
+    fields: Fields, cells: NDArray[np.int64], reference: Array
+) -> tuple[Array, Array, Array]:
+    """As `at_reference`, had nothing yielded."""
+    x, strain, size = _strain(fields, cells, reference)
+    dilatation = strain
+    if fields.kinematics.averaged:
+        dilatation = _mean_strain(fields, cells)
+    elif fields.kinematics.mean_dilatation:
+        _, dilatation, _ = _strain(fields, cells, middle(fields.cell))
+    lam, mu = fields.lame[cells].T[..., None, None]
+    trace = np.trace(dilatation, axis1=1, axis2=2)[:, None, None]
+    stress = lam * trace * np.eye(3) + 2 * mu * strain
+    return x, stress[:, ROW, COLUMN], size
+
+
+def _mean_strain(fields: Fields, cells: NDArray[np.int64]) -> Array:
+    """Strain (m, 3, 3) in global axes, averaged over the volume of each cell."""
+    order = quadrature_degree(fields.cell, fields.degree, fields.kinematics)
+    rule = basix.make_quadrature(getattr(basix.CellType, fields.cell), order)
+    total, volume = np.zeros((len(cells), 3, 3)), np.zeros((len(cells), 1, 1))
+    for point, weight in zip(*rule, strict=True):
+        x, strain, size = _strain(fields, cells, point)
+        part = (weight * size * fields.kinematics.measure(x))[:, None, None]
+        total += part * strain
+        volume += part
+    return np.asarray(total / volume)
+
+
+def _strain(
+    fields: Fields, cells: NDArray[np.int64], reference: Array
+) -> tuple[Array, Array, Array]:
+    """Position (m, 3), strain (m, 3, 3) in global axes and |det J| at one reference point."""
+    phi = tabulate(fields.cell, fields.degree, reference[None])[:, 0]
+    kinematics = fields.kinematics
+    at, u = fields.points[fields.cells[cells]], fields.displacement[fields.cells[cells]]
+    nodes, u = kinematics.flatten(at), kinematics.flatten(u)
+    jacobian = (phi[1:] @ nodes).transpose(0, 2, 1)
+    inverted, size = inverse(jacobian)
+    grad_u = (phi[1:] @ u).transpose(0, 2, 1) @ inverted
+    strain = 0.5 * (grad_u + grad_u.transpose(0, 2, 1))
+    x = phi[0] @ at
+    if kinematics.dim == 2:
+        strain = kinematics.axes.T @ strain @ kinematics.axes
+    if kinematics.revolved:
+        strain += _hoop(u[..., 0] @ phi[0], x[:, 0], grad_u[:, 0, 0])[:, None, None] * OUT
+    return x, strain, np.abs(size)
+
+
+def _hoop(u: Array, r: Array, slope: Array) -> Array:
+    """u_r/r (m,), and its limit du_r/dr on the axis."""
+    on_axis = r <= 1e-12 * np.abs(r).max(initial=0.0)
+    return np.where(on_axis, slope, u / np.where(on_axis, 1.0, r))
+
+
+def nodal(fields: Fields) -> Array:
+    """(n, 6) stress xx, yy, zz, xy, xz, yz at all nodes in global axes, MPa: the average of the
+    cells around each node, weighted by their volume. Bodies share no node, so they do not mix."""
+    kind = getattr(basix.CellType, fields.cell)
+    element = basix.create_element(
+        basix.ElementFamily.P, kind, fields.degree, basix.LagrangeVariant.gll_warped
+    )
+    total = np.zeros((len(fields.points), 6))
+    weight = np.zeros(len(fields.points))
+    every = np.arange(len(fields.cells))
+    for place, reference in enumerate(np.asarray(element.points)):
+        _, stress, volume = at_reference(fields, every, reference)
+        np.add.at(total, fields.cells[:, place], stress * volume[:, None])
+        np.add.at(weight, fields.cells[:, place], volume)
+    return total / weight[:, None]

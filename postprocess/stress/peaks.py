@@ -1,0 +1,177 @@
+"""The largest of a stress in a body, wherever it is but at a sharp edge.
+
+At the edges of the bodies and of what holds them the exact stress has no bound or no meaning, and
+what a mesh says there depends on the mesh.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cached_property
+from itertools import product
+
+import basix
+import numpy as np
+import scipy.sparse as sp
+from scipy.spatial import cKDTree
+
+from railhead.postprocess.findings import NO_DEPTH, RIVAL, Array, Peak
+from railhead.postprocess.stress.recovery import Polynomial, Recovery
+from railhead.postprocess.stress.solid import Solid
+from railhead.solver.fields import Fields
+from railhead.solver.space.cells import Index, tabulate
+
+Invariant = Callable[[Array], Array]
+ELEMENTS = 2.0  # that a sharp edge spoils around it,
+OF_PATCH = 0.3  # and at least this share of the smaller semi-axis, whatever the mesh
+SHARE = 0.85  # of the largest nodal average: where a hill may have the highest top
+HILLS = 6  # that are looked at, two elements and half a smaller semi-axis apart, ...
+APART = 0.5
+CLOSE = 0.95  # ... and climbed where their recovered stress is that share of the highest
+STEPS = 8
+LATTICE = 4  # steps along the edge of a cell between the points that are compared
+REACH = 0.25  # of the radius of a fit: how far from its centre it is trusted
+STENCIL = 0.05  # of that radius: between the values that the parabola goes through
+
+
+class Search:
+    """Looks for the largest of an invariant of the stress in one body.
+
+    Nodal averages show the hills; these are climbed on the recovered stress, from point to point of
+    a lattice in the cells, so that no point lies outside the body, and to the top of a parabola.
+    """
+
+    def __init__(
+        self, fields: Fields, solid: Solid, recovery: Recovery, edges: Array, size: float
+    ) -> None:
+        """edges (n, 3): points on the sharp edges of all bodies; size: smaller semi-axis, mm."""
+        self._fields, self._solid, self._recovery = fields, solid, recovery
+        self._edges, self._size = cKDTree(edges) if len(edges) else None, size
+        self._planes = [int(np.argmax(np.abs(normal))) for normal in fields.mirrors]
+        nodes, inverse = np.unique(solid.corners, return_inverse=True)
+        number: Index = inverse.reshape(solid.corners.shape)
+        self._nodes = fields.points[nodes]
+        volume = np.repeat(solid.sizes**3, number.shape[1])
+        of_cell = np.repeat(np.arange(len(number)), number.shape[1])
+        around = sp.csr_matrix((volume, (number.ravel(), of_cell)), (len(nodes), len(number)))
+        total = around @ recovery.stress.mean(axis=1)
+        self._average = total / np.asarray(around.sum(axis=1))
+        sizes = np.zeros(len(nodes))
+        np.maximum.at(sizes, number, solid.sizes[:, None])
+        self._sizes = sizes
+        self._sound = self._is_sound(self._nodes, sizes)
+
+    @cached_property
+    def _lattice(self) -> Array:
+        fields = self._fields
+        kind, even = getattr(basix.CellType, fields.cell), basix.LatticeType.equispaced
+        points = np.asarray(basix.create_lattice(kind, LATTICE, even, True))
+        return tabulate(fields.cell, fields.degree, points)[0]
+
+    def _is_sound(self, points: Array, sizes: Array) -> Array:
+        """(n,) whether points in cells of these sizes are far enough from every sharp edge."""
+        if self._edges is None:
+            return np.ones(len(points), dtype=bool)
+        least = np.maximum(2 * ELEMENTS * sizes, OF_PATCH * self._size)
+        return self._edges.query(points, distance_upper_bound=least.max(initial=0.0))[0] > least
+
+    def _element(self, place: Array) -> float:
+        """Of the largest cell around a place (3,), mm."""
+        return float(self._solid.sizes[self._solid.near(place, 0.0)].max(initial=0.0))
+
+    def highest(self, invariant: Invariant, also: Array) -> Peak | None:
+        """The largest recovered value; None for a body that is nothing but edges. also (n, 3):
+        further places that may be on the highest hill."""
+        sizes = np.array([self._element(place) for place in also])
+        hills = self._hills(invariant(self._average))
+        hills = np.concatenate([hills, also[self._is_sound(also, sizes)]])
+        if not len(hills):
+            return None
+        values = invariant(self._recovery.at(hills))
+        starts = hills[values > CLOSE * values.max()]
+        tops = [self._peak(*self._climb(start, invariant)) for start in starts]
+        best = max(tops, key=lambda top: top.value)
+        rivals = [top.depth for top in tops if top.value > (1 - RIVAL) * best.value]
+        return replace(best, rivals=tuple(rivals))
+
+    def at_edges(self, invariant: Invariant, value: float) -> Peak | None:
+        """The largest nodal average near sharp edges, where it passes the value found elsewhere."""
+        values = np.where(self._sound, -np.inf, invariant(self._average))
+        top = int(np.argmax(values))
+        if values[top] <= value:
+            return None
+        return self._peak(float(values[top]), self._nodes[top])
+
+    def _hills(self, average: Array) -> Array:
+        """(n, 3) nodes with the largest averages, apart from each other."""
+        candidates = np.flatnonzero(self._sound)
+        if not len(candidates):
+            return self._nodes[:0]
+        candidates = candidates[average[candidates] > SHARE * average[candidates].max()]
+        candidates = candidates[np.argsort(-average[candidates])]
+        found: list[int] = []
+        while len(candidates) and len(found) < HILLS:
+            found.append(int(candidates[0]))
+            distance = np.linalg.norm(self._nodes[candidates] - self._nodes[found[-1]], axis=1)
+            least = max(4 * self._sizes[found[-1]], APART * self._size)
+            candidates = candidates[distance > least]
+        return self._nodes[found]
+
+    def _climb(self, place: Array, invariant: Invariant) -> tuple[float, Array]:
+        """Value and place of the top of the hill that a point is on."""
+        around = self._recovery.around(place)
+        value = float(invariant(around(place[None]))[0])
+        for move in (self._best_point, self._top):
+            for _ in range(STEPS):
+                moved = move(place, around, invariant)
+                fitted = self._recovery.around(moved)
+                new = float(invariant(fitted(moved[None]))[0])
+                if new <= value * (1 + 1e-9):
+                    break
+                place, around, value = moved, fitted, new
+        return value, place
+
+    def _best_point(self, place: Array, around: Polynomial, invariant: Invariant) -> Array:
+        """The best of the lattice points nearby, which all lie in the body."""
+        reach = REACH * around.radius
+        cells = self._solid.near(place, reach)
+        points = (self._lattice @ self._fields.points[self._solid.nodes[cells]]).reshape(-1, 3)
+        near = ((points - place) ** 2).sum(axis=1) <= reach**2
+        sizes = np.repeat(self._solid.sizes[cells], len(self._lattice))[near]
+        points = points[near]
+        points = points[self._is_sound(points, sizes)]
+        if not len(points):
+            return place
+        return np.asarray(points[np.argmax(invariant(around(points)))])
+
+    def _top(self, place: Array, around: Polynomial, invariant: Invariant) -> Array:
+        """The top of the parabola through the fit around a place; the place if it lies outside."""
+        step, axes = STENCIL * around.radius, self._fields.kinematics.axes
+        steps = np.array(list(product((-1.0, 0.0, 1.0), repeat=len(axes))))
+        pairs = [(i, j) for i in range(len(axes)) for j in range(i + 1)]
+        squares = np.stack([steps[:, i] * steps[:, j] for i, j in pairs], axis=1)
+        basis = np.column_stack([np.ones(len(steps)), steps, squares])
+        values = invariant(around(place + step * steps @ axes))
+        fitted = np.linalg.lstsq(basis, values, rcond=None)[0][1:]
+        slope, hessian = fitted[: len(axes)], np.zeros((len(axes), len(axes)))
+        for (i, j), value in zip(pairs, fitted[len(axes) :], strict=True):
+            hessian[i, j] += value
+            hessian[j, i] += value
+        curvature, directions = np.linalg.eigh(hessian)
+        along = slope @ directions
+        concave = curvature < 0
+        move = np.where(concave, -along / np.where(concave, curvature, 1.0), 0.0)
+        limit = REACH / STENCIL
+        moved = place + step * (directions @ np.clip(move, -limit, limit)) @ axes
+        moved[self._planes] = np.abs(moved[self._planes])
+        sound = self._is_sound(moved[None], np.array([self._element(place)]))[0]
+        return moved if sound and self._solid.holds(moved) else place
+
+    def _peak(self, value: float, place: Array) -> Peak:
+        """With its depth below the tangent plane at the nearest point of the contact surface."""
+        contact = self._fields.contact
+        nearest = int(np.argmin(((contact.points - place) ** 2).sum(axis=1)))
+        depth = abs((place - contact.points[nearest]) @ contact.normals[nearest])
+        depth = depth if depth > NO_DEPTH * self._size else 0.0
+        return Peak(value, float(depth), (float(place[0]), float(place[1]), float(place[2])))

@@ -1,0 +1,93 @@
+"""Stresses at the border between what sticks and what slips of a contact with friction.
+
+The tangential strain has a cusp there: smooth in what sticks, with an infinite slope in what slips
+(of a line see `theory.carter`: xx = -p - 2 mu p0 (1 - c/w) at the border). A polynomial through
+both sides cuts it off. Here the strain in the surface is that of elements that stick, next to the
+border, and the traction is that of the points that slip beside them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from railhead.meshing.tags import RAIL
+from railhead.postprocess.findings import Array
+from railhead.postprocess.stress.gauss_points import COLUMN, ROW
+from railhead.postprocess.stress.recovery import Recovery
+from railhead.postprocess.stress.solid import Solid
+from railhead.solver.fields import Fields
+from railhead.solver.solution import Rubbing
+
+INNER = 0.6  # of the way from the middle of a facet to its nodes: where it sticks or slips
+
+
+def stresses(
+    fields: Fields, solid: Solid, recovery: Recovery, rubbing: Rubbing
+) -> tuple[Array, Array]:
+    """Places (n, 3) mm on the surface of one body and stresses (n, 6) MPa in global axes there;
+    none where all sticks or slips, or where the body has yielded."""
+    slips = (rubbing.pressure > 0) & ~rubbing.sticks
+    places, nodes, cells = _facets(fields, solid)
+    if fields.plastic is not None or not (slips.any() and len(cells)):
+        return np.zeros((0, 3)), np.zeros((0, 6))
+    nearest = cKDTree(rubbing.points).query(places)[1]
+    whole = rubbing.sticks[nearest].all(axis=1)
+    places, cells, nodes = places[whole], cells[whole], nodes[whole]
+    points = np.flatnonzero(slips)
+    distance, beside = cKDTree(rubbing.points[points]).query(places)
+    facet = np.flatnonzero(distance.min(axis=1, initial=np.inf) < np.ptp(nodes, axis=1).max(axis=1))
+    sample = distance[facet].argmin(axis=1)
+    slipping = points[beside[facet, sample]]
+    return rubbing.points[slipping], _assembled(
+        fields, solid, recovery, cells[facet], rubbing, slipping
+    )
+
+
+def _facets(fields: Fields, solid: Solid) -> tuple[Array, Array, NDArray[np.int64]]:
+    """Points (f, k, 3) on the facets of the contact surface of a body, their nodes (f, k, 3), and
+    the cells (f,) they belong to, as numbers in the solid."""
+    own = fields.body[solid.cells[0]] == fields.slave
+    surface = fields.contact if own else fields.opposite
+    if surface is None:
+        return np.zeros((0, 1, 3)), np.zeros((0, 1, 3)), np.zeros(0, dtype=np.int64)
+    on = np.isin(solid.nodes, surface.facet_nodes)
+    cells = np.flatnonzero(on.sum(axis=1) == surface.facet_nodes.shape[1])
+    nodes = fields.points[solid.nodes[cells][on[cells]].reshape(len(cells), -1)]
+    middle = nodes.mean(axis=1, keepdims=True)
+    return middle + INNER * (nodes - middle), nodes, cells
+
+
+def _assembled(
+    fields: Fields, solid: Solid, recovery: Recovery, cells: Array, rubbing: Rubbing,
+    slipping: Array,
+) -> Array:  # fmt: skip
+    """Stress (n, 6) with the strain in the surface of cells, carried on to the points that slip
+    beside them, and the traction of these:
+
+        s = P s_e P + nu/(1 - nu) (-p - n.s_e.n) P - p n n + t n + n t,   P = 1 - n n
+
+    The pressure is the mean of the contact points as near as the cell is large."""
+    contact, at = fields.contact, rubbing.points[slipping]
+    normal = contact.normals[cKDTree(contact.points).query(at)[1]]
+    normal = normal if fields.slave == RAIL else -normal
+    touching = np.flatnonzero(rubbing.pressure > 0)
+    tree = cKDTree(rubbing.points[touching])
+    around = tree.query_ball_point(rubbing.points[slipping], solid.sizes[cells])
+    p = np.array([rubbing.pressure[touching[each]].mean() for each in around])
+    traction = rubbing.traction[slipping] * (p / rubbing.pressure[slipping])[:, None]
+    gauss, own = recovery.points[cells], recovery.stress[cells]
+    middle, mean = gauss.mean(axis=1, keepdims=True), own.mean(axis=1, keepdims=True)
+    slope = np.linalg.pinv(gauss - middle, rcond=1e-9) @ (own - mean)
+    own = (mean + (at[:, None] - middle) @ slope)[:, 0]
+    tensor = np.zeros((len(at), 3, 3))
+    tensor[:, ROW, COLUMN] = tensor[:, COLUMN, ROW] = own
+    nn = normal[:, :, None] * normal[:, None, :]
+    plane = np.eye(3) - nn
+    lam, mu = fields.lame[solid.cells[cells]].T
+    ratio = lam / (lam + 2 * mu)  # nu/(1 - nu)
+    more = ratio * (-p - np.einsum("ni,nij,nj->n", normal, tensor, normal))
+    shear = traction[:, :, None] * normal[:, None, :]
+    tensor = plane @ tensor @ plane + more[:, None, None] * plane - p[:, None, None] * nn
+    return np.asarray((tensor + shear + shear.transpose(0, 2, 1))[:, ROW, COLUMN])

@@ -1,0 +1,1 @@
+"""Three-dimensional pictures: bodies, stresses in a cut, views that turn."""

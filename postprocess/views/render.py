@@ -1,0 +1,277 @@
+"""Pictures of the model in space, as PNG files about 1600 pixels wide.
+
+The grids are those of `export`. What symmetry left out is mirrored back; nothing is deformed.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import meshio
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import griddata
+from scipy.spatial import cKDTree
+
+from railhead.postprocess.findings import Array, Findings, Frame, Patch
+from railhead.postprocess.plots.diagrams import FE, closed_ellipse, new_figure
+from railhead.postprocess.views.camera import Camera, load_pyvista
+from railhead.postprocess.views.fringes import Cut, Fringes, draw_fringes
+from railhead.postprocess.vtu.mirror import cut_axes, whole
+from railhead.theory.elastic.hertz import Ellipse
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+BODIES = {1: "rail", 2: "wheel"}
+COLOURS = {"rail": "#b4c3d3", "wheel": "#dcc9a3"}
+FREE_SURFACE, EDGE, CONTACT = "#d9dfe5", "#5a6570", "#b2182b"
+NEAR = 0.1  # of the patch's half length: a plane of the mesh so near to the contact will do
+BESIDE = 0.15  # of half the picture: from a patch to a dimension line, and to its words, at least
+LABELS = 0.83, 0.92  # of half the picture: the middles of words stay within, none is cut
+SEVERAL = 1.2  # times as much is seen of several patches: the lines stand beside one of them
+MESH = {"show_edges": True, "edge_color": EDGE, "edge_opacity": 0.6, "line_width": 0.8}
+SHADE = {"ambient": 0.45, "diffuse": 0.6}
+
+
+def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
+    """Wheel on rail, cut open across the rail at the contact, and the mesh around the patch."""
+    from matplotlib.patches import Patch as Swatch
+
+    frame, patch = findings.frame, findings.patch
+    halves = {name: behind(part, findings) for name, part in bodies_of(grid).items()}
+    meshes = [(half, {"color": COLOURS[name], **MESH, **SHADE}) for name, half in halves.items()]
+    corners = np.concatenate([half.points for half in halves.values()])
+    general = _around(corners, np.array([1.0, 0.5, 0.35]))
+    low, high = patch.box
+    reach = (high - low).max()
+    middle = _global(frame, [[0.0, (low[1] + high[1]) / 2, 0.0]])[0]
+    close = Camera(middle, frame.axes[0], 0.7 * reach, reach, frame.axes[2], pixels=900)
+    names = findings.subject.names
+    with new_figure(path, 10, 6.6, findings) as figure:
+        left, right = figure.subplots(1, 2, width_ratios=(1.6, 1))
+        general.show(left, general.shoot(meshes))
+        left.set_axis_off()
+        left.set_title("cut open at the contact")
+        close.show(right, close.shoot(meshes), np.array(frame.origin))
+        surface = whole(findings.surface)
+        for line in patch.outlines:
+            s = np.linspace(line[:, 1].min(), line[:, 1].max(), 61)
+            at = _on(surface, frame, np.column_stack((np.zeros_like(s), s)))
+            right.plot(s, frame.local(at)[:, 2], color=CONTACT, lw=3, label="contact patch")
+        right.set(
+            title="the same cut, close" + (", gauge side left" if findings.subject.gauge else ""),
+            xlabel=findings.subject.label(1).split("\n")[0],
+        )
+        right.set(xlim=right.get_xlim(), ylim=right.get_ylim())
+        right.set_ylabel("height over the contact, mm")
+        swatches = [Swatch(fc=COLOURS[name], ec=EDGE, label=names[name]) for name in halves]
+        for name in set(BODIES.values()) - set(halves):
+            text, side = f"{names[name]}: rigid, not meshed", 0.25 if name == "rail" else 0.75
+            right.text(0.5, side, text, transform=right.transAxes, ha="center")
+        figure.legend(handles=[*swatches, right.lines[0]], loc="outside upper center", ncols=3)
+
+
+def stress_cut(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
+    """sigma_3 and the largest shear stress of both bodies in the section across the rail through
+    the contact."""
+    frame, patch = findings.frame, findings.patch
+    low, high = (each[1] for each in patch.box)
+    half = np.array([1.2 * (high - low), min(0.9 * (high - low), 5 * patch.a)])
+    offset = 1e-3 * min(patch.a, patch.b)  # a cut model has no inside at the plane itself
+    sections = [_section(part, frame, offset) for part in bodies_of(grid).values()]
+    centre = np.array([(low + high) / 2, 0.0])
+    parts, seen = [], []
+    for section in sections:
+        local, triangles = frame.local(section.points)[:, 1:], section.faces.reshape(-1, 4)[:, 1:]
+        stresses = section["principal_stresses"][:, 2], section["max_shear"]
+        parts.append(Cut(local, triangles, stresses, _rim(section, frame)))
+        inside = np.all(np.abs(local - centre) < half, axis=1)
+        seen.append([each[inside] for each in stresses])
+    fringes = Fringes(
+        [np.concatenate(each) for each in zip(*seen, strict=True)],
+        (centre[0] - half[0], centre[0] + half[0]), (-half[1], half[1]), 1,
+    )  # fmt: skip
+    draw_fringes(parts, fringes, findings, path)
+
+
+def patch_on_rail(
+    grid: meshio.Mesh, findings: Findings, ellipse: Ellipse | None, path: Path
+) -> None:
+    """Pressure on the contact surface (grid) seen obliquely from above, with the outlines."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    frame, patch = findings.frame, findings.patch
+    surface = outer(load_pyvista().from_meshio(grid))
+    surface = mirrored(surface, cut_axes(frame.local(surface.points)))
+    pressed, free = split(surface, frame, patch)
+    shown = (0.0, float(surface["pressure"].max()))
+    plain = {"lighting": False, "color": FREE_SURFACE}
+    # without light, so that the colours are those of the colour bar
+    look = {"lighting": False, "scalars": "pressure", "cmap": "YlOrRd", "clim": shown}
+    lines = {"style": "wireframe", "color": EDGE, "opacity": 0.3, "line_width": 0.8}
+    camera = camera_over(findings)
+    with new_figure(path, 10, 6.8, findings) as figure:
+        axes = figure.add_subplot()
+        nearer = surface.translate(1e-3 * camera.half_width * frame.axes[2])
+        image = camera.shoot([(free, plain), (pressed, look), (nearer, lines)])
+        camera.show(axes, image)
+        axes.set_axis_off()
+        for number, line in enumerate(patch.outlines):
+            name = "finite elements" if number == 0 else None
+            axes.plot(*camera.project(_on(surface, frame, line)).T, color=FE, lw=2.2, label=name)
+        if ellipse is not None:
+            line = camera.project(_on(surface, frame, closed_ellipse(ellipse)))
+            axes.plot(*line.T, "--", color="black", lw=1.4, label="exact Hertz")
+        _dimensions(axes, camera, findings)
+        colours = ScalarMappable(Normalize(*shown), "YlOrRd")
+        figure.colorbar(colours, ax=axes, label="contact pressure, MPa", shrink=0.8)
+        figure.legend(loc="outside upper center", ncols=2)
+
+
+def camera_over(findings: Findings) -> Camera:
+    """Sees the whole patch obliquely from above."""
+    frame = findings.frame
+    low, high = findings.patch.box
+    reach = (high - low).max() * (SEVERAL if len(findings.patch.outlines) > 1 else 1.0)
+    middle = _global(frame, [[*(low + high) / 2, 0.0]])[0]
+    towards = np.array([-0.3, -0.6, 1.0]) @ frame.axes
+    return Camera(middle, towards, reach, 0.72 * reach, frame.axes[2])
+
+
+def bodies_of(grid: meshio.Mesh) -> dict[str, Any]:
+    """Grid of each body, by name."""
+    volume = load_pyvista().from_meshio(grid)
+    tags = np.unique(volume["body"])
+    return {BODIES[int(tag)]: volume.extract_cells(volume["body"] == tag) for tag in tags}
+
+
+def split(surface: Any, frame: Frame, patch: Patch) -> tuple[Any, Any]:
+    """A contact surface inside and outside the outlines of the patch; the pressure of the corners
+    outside is that of triangles and no part of the patch."""
+    from matplotlib.path import Path as Path2D
+
+    local = frame.local(surface.points)[:, :2]
+    distance = cKDTree(np.concatenate(patch.outlines)).query(local)[0]
+    inside = np.zeros(len(local), dtype=bool)
+    for line in patch.outlines:  # a hole in a patch turns it round
+        inside ^= Path2D(line).contains_points(local)
+    surface = surface.copy()
+    surface["outside"] = np.where(inside, -distance, distance)
+    pressed = surface.clip_scalar(scalars="outside", value=0.0)
+    return pressed, surface.clip_scalar(scalars="outside", value=0.0, invert=False)
+
+
+def outer(part: Any) -> Any:
+    """Outer faces, with the straight edges of the cells."""
+    return part.extract_surface(nonlinear_subdivision=0, algorithm="dataset_surface")
+
+
+def mirrored(surface: Any, axes: list[int]) -> Any:
+    """A surface and its images across x = 0 (axis 0) and y = 0 (axis 1), joined."""
+    for axis in axes:
+        along = surface.points[:, axis]
+        along[np.abs(along) < 1e-9 * np.ptp(along)] = 0.0  # so that the images share these points
+        image = surface.copy()
+        image.points[:, axis] *= -1
+        surface = surface.append_polydata(image).clean()
+    return surface
+
+
+def behind(part: Any, findings: Findings) -> Any:
+    """Skin of the half of a body at x below that of the contact."""
+    frame = findings.frame
+    cut = cut_axes(frame.local(part.points))
+    if 0 in cut:
+        half = outer(part)
+        half.points[:, 0] *= -1
+    else:
+        half = outer(_half(part, frame.origin[0], NEAR * findings.patch.a))
+    return mirrored(half, [axis for axis in cut if axis == 1])
+
+
+def _half(part: Any, at: float, reach: float) -> Any:
+    """Cells at x below `at`, mm, or, within reach of it, below 0. To clip along faces of cells or
+    close to them leaves slivers, so a mesh that has them there is parted between them."""
+    x = part.points[:, 0]
+    rounding = 1e-9 * np.ptp(x)
+    for plane in (at, 0.0 if abs(at) < reach else at):
+        sides = (way * (x - plane) < rounding for way in (1, -1))
+        below, above = (part.extract_points(side, adjacent_cells=False) for side in sides)
+        if below.n_cells + above.n_cells == part.n_cells:
+            return below
+    return part.clip(normal="x", origin=(at, 0.0, 0.0))
+
+
+def _section(part: Any, frame: Frame, offset: float) -> Any:
+    """Triangles of the section of a body at the contact's x + offset, mm."""
+    x, y, z = frame.origin
+    section = part.slice(normal="x", origin=(x + offset, y, z)).triangulate()
+    return mirrored(section, [axis for axis in cut_axes(frame.local(part.points)) if axis == 1])
+
+
+def _rim(section: Any, frame: Frame) -> Array:
+    """Lines (k, 2, 2) around a section."""
+    rim = section.extract_feature_edges(
+        boundary_edges=True, feature_edges=False, manifold_edges=False, non_manifold_edges=False
+    )
+    return np.asarray(frame.local(rim.points)[:, 1:][rim.lines.reshape(-1, 3)[:, 1:]])
+
+
+def _dimensions(axes: Axes, camera: Camera, findings: Findings) -> None:
+    """Dimension lines along x and s beside the (most loaded) patch, as long as it is; which side is
+    which, and where it rolls."""
+    frame, patch, subject = findings.frame, findings.patch, findings.subject
+    (x0, s0), (x1, s1) = patch.main.min(axis=0), patch.main.max(axis=0)
+    away = max(0.2 * max(x1 - x0, s1 - s0), BESIDE * camera.half_width)
+    low, high = patch.box[0][1], patch.box[1][1]
+    beyond = s1 + away if high - s1 < s0 - low else s0 - away  # off other patches
+    lines = {
+        f"2a = {2 * patch.a:.4g} mm\n(x, {subject.along})": [[x0, beyond, 0], [x1, beyond, 0]],
+        f"2b = {2 * patch.b:.4g} mm\n(s, {subject.across})": [
+            [x0 - away, s0, 0],
+            [x0 - away, s1, 0],
+        ],
+    }
+    middle = camera.project(_global(frame, [[(x0 + x1) / 2, (s0 + s1) / 2, 0]]))[0]
+    box = {"fc": "white", "ec": "none", "alpha": 0.85, "pad": 2}
+    look: dict[str, Any] = {"ha": "center", "va": "center", "bbox": box, "clip_on": True}
+    inside = np.array([camera.half_width, camera.half_height]) * LABELS
+    for text, line in lines.items():
+        start, stop = camera.project(_global(frame, line))
+        arrow = {"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, "lw": 1.5}
+        axes.annotate("", tuple(start), tuple(stop), arrowprops=arrow)
+        outwards = (start + stop) / 2 - middle
+        beside = max(away, BESIDE * camera.half_width) * outwards / np.linalg.norm(outwards)
+        right, upwards = np.clip((start + stop) / 2 + beside, -inside, inside)
+        axes.text(right, upwards, text, **look)
+    ends = {"gauge side": (x0 - away, s0 - away / 2), "field side": (x0 - away, s1 + away / 2)}
+    sides = ends if subject.gauge else {}
+    if subject.rolls:
+        sides["rolls"] = (x1 + away / 2, beyond)
+    for text, at in sides.items():
+        right, upwards = camera.project(_global(frame, [[*at, 0.0]]))[0]
+        axes.text(right, upwards, text, style="italic", **look)
+
+
+def _around(points: Array, towards: Array) -> Camera:
+    """A camera from that direction which sees all the points."""
+    image = Camera(np.zeros(3), towards, 1.0, 1.0)
+    flat = image.project(points)
+    middle = (flat.min(0) + flat.max(0)) / 2 @ image.axes[:2]
+    return Camera(middle, towards, *(0.52 * np.ptp(flat, axis=0)))
+
+
+def _global(frame: Frame, local: ArrayLike) -> Array:
+    """(n, 3) points x, s, height in the contact frame -> global, mm."""
+    return np.asarray(np.array(frame.origin) + np.asarray(local) @ frame.axes)
+
+
+def _on(surface: Any, frame: Frame, line: Array) -> Array:
+    """(n, 3) global points of a curve (n, 2) in x, s, put on the surface."""
+    local = frame.local(surface.points)
+    near = np.abs(local).max(axis=1) < 2 * np.abs(line).max()
+    height = griddata(local[near, :2], local[near, 2], line, fill_value=0.0)
+    return _global(frame, np.column_stack((line, height)))

@@ -1,0 +1,230 @@
+"""Views in three dimensions that turn in a browser, for vtk.js: no network, no server."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from dataclasses import dataclass
+from typing import Any
+
+import meshio
+import numpy as np
+
+from railhead.postprocess.findings import Array, Findings
+from railhead.postprocess.views.camera import Camera, load_pyvista
+from railhead.postprocess.views.render import (
+    EDGE,
+    FREE_SURFACE,
+    SHADE,
+    behind,
+    bodies_of,
+    mirrored,
+    outer,
+    split,
+)
+from railhead.postprocess.vtu.mirror import cut_axes
+from railhead.solver.fields import Fields
+
+STRESS, PRESSURE = "von_mises", "pressure"
+COLOURS = "YlOrRd"
+HILL = 0.35  # height of the largest pressure over the length of the patch
+STEPS = 48  # around a body of revolution
+OPEN = 270.0  # degrees of it that are drawn
+LONGEST = 3.0  # half widths of a line contact that are drawn of its length
+PIXELS = 900
+
+
+@dataclass(frozen=True)
+class View:
+    """name; top: value (MPa) of the last of `colours` (hex), the first being 0; scene: for vtk.js's
+    OfflineLocalView, a zip; still: the same as PNG, for paper."""
+
+    name: str
+    text: str
+    top: float
+    colours: list[str]
+    scene: bytes
+    still: bytes
+
+
+def views(
+    fields: Fields, findings: Findings, volume: meshio.Mesh, contact: meshio.Mesh
+) -> list[View]:
+    """The stresses in the bodies, cut open at the contact, and the pressure as a hill over the
+    contact surface; the grids are those of `export`."""
+    if fields.kinematics.dim == 2:
+        solids, hill = _swept_bodies(fields, findings, volume), _swept_hill(fields, findings)
+        towards = np.array([0.45, -1.0, 0.35] if _axis(fields) == 0 else [1.0, 0.45, 0.35])
+    else:
+        solids = [behind(part, findings) for part in bodies_of(volume).values()]
+        hill, towards = _hill(findings, contact), np.array([1.0, 0.5, 0.35])
+    low, high = findings.patch.main.min(axis=0), findings.patch.main.max(axis=0)
+    if fields.kinematics.dim == 2 and not fields.kinematics.revolved:
+        low[1 - _axis(fields)], high[1 - _axis(fields)] = -0.1, 0.1  # its length is not looked at
+    reach = float((high - low).max())
+    frame, centre = findings.frame, np.array([*(low + high) / 2, 0.0])
+    focal = np.array(frame.origin) + centre @ frame.axes
+    close = Camera(focal, towards @ frame.axes, 1.7 * reach, 1.02 * reach, frame.axes[2], PIXELS)
+    above = np.array([-0.3, -0.6, 0.7]) @ frame.axes
+    over = Camera(focal, above, 1.4 * reach, 0.84 * reach, frame.axes[2], PIXELS)
+    most = max(each.von_mises.value for each in findings.largest.values())
+    pressed, free = hill
+    plain: dict[str, Any] = {"color": FREE_SURFACE, "show_edges": True, "edge_color": EDGE}
+    return [
+        _view(
+            "Stress", "von Mises stress in the bodies, cut open at the contact", most, close,
+            [(_bare(each, STRESS), {"scalars": STRESS}) for each in solids],
+        ),
+        _view(
+            "Pressure", "contact pressure as a hill over the surface", findings.patch.max_pressure,
+            over, [(_bare(pressed, PRESSURE), {"scalars": PRESSURE}),
+                   *((_bare(each), plain | {"edge_opacity": 0.3}) for each in free)],
+        ),
+    ]  # fmt: skip
+
+
+def _axis(fields: Fields) -> int:
+    return int(np.argmax(np.abs(fields.kinematics.axes[0])))
+
+
+def _bare(surface: Any, *keep: str) -> Any:
+    """A copy with no other data than what is drawn, in single precision."""
+    surface = surface.extract_surface(
+        algorithm="dataset_surface", pass_cellid=False, pass_pointid=False
+    ).triangulate()
+    bare = load_pyvista().PolyData(surface.points.astype(np.float32), surface.faces)
+    for name in keep:
+        bare[name] = np.asarray(surface[name], dtype=np.float32)
+    return bare
+
+
+def _hill(findings: Findings, contact: meshio.Mesh) -> tuple[Any, list[Any]]:
+    """The patch raised by its pressure, and the surface around it."""
+    frame, patch = findings.frame, findings.patch
+    surface = outer(load_pyvista().from_meshio(contact))
+    surface = mirrored(surface, cut_axes(frame.local(surface.points)))
+    pressed, free = split(surface, frame, patch)
+    rim = np.abs(pressed["outside"]) < 1e-6 * np.ptp(patch.main)
+    pressed["pressure"] = np.where(rim, 0.0, pressed["pressure"])
+    pressed.points = (
+        pressed.points + _raised(findings, pressed["pressure"])[:, None] * frame.axes[2]
+    )
+    return pressed, [free]
+
+
+def _raised(findings: Findings, pressure: Array) -> Array:
+    main = findings.patch.main
+    across = np.ptp(main, axis=0)
+    size = float(across.min() if across.max() > 6 * across.min() else across.max())
+    return np.asarray(HILL * size * pressure / findings.patch.max_pressure)
+
+
+def _swept_bodies(fields: Fields, findings: Findings, volume: meshio.Mesh) -> list[Any]:
+    """Bodies of a section: turned about the axis, or as long as a part of the contact."""
+    found = []
+    for part in bodies_of(volume).values():
+        flat = outer(part)
+        for array in [name for name in flat.point_data if name != STRESS]:
+            del flat.point_data[array]
+        flat.cell_data.clear()
+        if fields.kinematics.revolved:
+            found.append(flat.extrude_rotate(resolution=STEPS, angle=OPEN, capping=True))
+            continue
+        flat = mirrored(flat, [_axis(fields)] if fields.mirrors else [])
+        found.append(flat.extrude(_along(fields, findings), capping=True))
+    return found
+
+
+def _along(fields: Fields, findings: Findings) -> Array:
+    """What a section is swept by, mm: away from the eye."""
+    patch, axis = findings.patch, _axis(fields)
+    length = min(fields.kinematics.thickness, LONGEST * (patch.a, patch.b)[axis])
+    return np.asarray(length * (findings.frame.axes[1] if axis == 0 else -findings.frame.axes[0]))
+
+
+def _swept_hill(fields: Fields, findings: Findings) -> tuple[Any, list[Any]]:
+    """The pressure along the section as a ridge, or turned about the axis."""
+    frame, axis = findings.frame, _axis(fields)
+    line = (findings.along, findings.across)[axis]
+    raised = _raised_line(findings, line.pressure, axis)
+    local = np.zeros((len(raised), 3))
+    local[:, axis], local[:, 2] = line.coordinate, raised
+    if fields.kinematics.revolved:
+        turn = np.linspace(0, np.pi, STEPS)
+        x, y = np.outer(np.cos(turn), local[:, axis]), np.outer(np.sin(turn), local[:, axis])
+        points = np.stack([x, y, np.broadcast_to(local[:, 2], x.shape)], axis=-1)
+        points = points + np.array(frame.origin)
+    else:
+        start = np.array(frame.origin) + local @ frame.axes
+        half = _along(fields, findings) / 2
+        points = start + np.array([-1.0, 1.0])[:, None, None] * half
+    x, y, z = np.moveaxis(points[None], -1, 0)
+    grid = load_pyvista().StructuredGrid(x, y, z)
+    grid[PRESSURE] = np.broadcast_to(line.pressure, points.shape[:2])[None].ravel(order="F")
+    return grid, []
+
+
+def _raised_line(findings: Findings, pressure: Array, axis: int) -> Array:
+    half = (findings.patch.a, findings.patch.b)[axis]
+    return np.asarray(2 * HILL * half * pressure / findings.patch.max_pressure)
+
+
+def _view(
+    name: str, text: str, top: float, camera: Camera, meshes: list[tuple[Any, dict[str, Any]]]
+) -> View:
+    import matplotlib.image
+    from matplotlib.colors import to_hex
+
+    look = {"cmap": COLOURS, "clim": (0.0, top), **SHADE}
+    plotter = camera.plotter(
+        [(each, look | own if "scalars" in own else own) for each, own in meshes]
+    )
+    eye = plotter.camera  # vtk.js knows perspective alone: as far away as shows the same height
+    distance = camera.half_height / np.tan(np.radians(eye.view_angle) / 2)
+    eye.parallel_projection = False
+    eye.position = camera.focal + distance * camera.axes[2]
+    plotter.renderer.reset_camera_clipping_range()
+    still = io.BytesIO()
+    image = plotter.screenshot(return_img=True)
+    matplotlib.image.imsave(still, image, format="png")
+    scene = packed(plotter)
+    plotter.close()
+    colours = [to_hex(c) for c in matplotlib.colormaps[COLOURS](np.linspace(0, 1, 9))]
+    return View(name, text, top, colours, scene, still.getvalue())
+
+
+def packed(plotter: Any) -> bytes:
+    """A rendered scene as vtk.js reads it."""
+    from trame_vtk.modules.vtk.serializers import (
+        SynchronizationContext,
+        extract_array_hash,
+        initialize_serializers,
+        reference_id,
+        serialize,
+    )
+
+    initialize_serializers()
+    context, window = SynchronizationContext(), plotter.render_window
+    context.set_ignore_last_dependencies(True)
+    scene = serialize(None, window, reference_id(window), context, 1)
+    scene["extra"] = {
+        "vtkRefId": reference_id(window),
+        "centerOfRotation": list(plotter.camera.focal_point),
+        "camera": reference_id(plotter.camera),
+    }
+    arrays = {
+        each["hash"]: {**each, "content": context.get_cached_data_array(each["hash"], False)}
+        for each in extract_array_hash(scene)
+    }
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as file:
+        file.writestr("index.json", json.dumps({"hashes": arrays, "scene": scene}))
+    return content.getvalue()
+
+
+def viewer() -> str:
+    """The page of vtk.js that shows such a scene; it calls loadDataSet()."""
+    from trame_vtk.tools.vtksz2html import HTML_VIEWER_PATH
+
+    return str(HTML_VIEWER_PATH.read_text(encoding="utf-8"))

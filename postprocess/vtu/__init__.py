@@ -1,0 +1,1 @@
+"""VTU files for ParaView, of half models or mirrored to whole ones."""

@@ -1,0 +1,164 @@
+"""The solution as grids that ParaView and pyvista open; also the input of `render`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from xml.etree import ElementTree
+
+import meshio
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.meshing.tags import RAIL
+from railhead.postprocess.findings import Array, Surface
+from railhead.solver.fields import Fields
+from railhead.solver.solution import Rubbing
+from railhead.theory.elastic.subsurface import directions, max_shear, principal, von_mises
+
+UNITS = {
+    "displacement": "mm", "gap": "mm", "pressure": "MPa", "stress": "MPa",
+    "principal_stresses": "MPa", "von_mises": "MPa", "max_shear": "MPa", "traction": "MPa",
+}  # fmt: skip
+_ARRAY = re.compile(rb'<DataArray [^>]*Name="(\w+)"[^>]*>[^<]*')  # with its data
+_HEXAHEDRON = [0, 1, 3, 2, 4, 5, 7, 6]
+# (cell, degree): VTK's name in meshio, and the basix number of each node in VTK's order: vertices,
+# edges (as pairs of vertices), faces and interior.
+_CELLS = {
+    ("triangle", 1): ("triangle", [0, 1, 2]),
+    ("triangle", 2): ("triangle6", [0, 1, 2, 5, 3, 4]),
+    ("quadrilateral", 1): ("quad", [0, 1, 3, 2]),
+    ("quadrilateral", 2): ("quad9", [0, 1, 3, 2, 4, 6, 7, 5, 8]),
+    ("tetrahedron", 1): ("tetra", [0, 1, 2, 3]),
+    ("tetrahedron", 2): ("tetra10", [0, 1, 2, 3, 9, 6, 8, 7, 5, 4]),
+    ("hexahedron", 1): ("hexahedron", _HEXAHEDRON),
+    ("hexahedron", 2): (
+        "hexahedron27",
+        [*_HEXAHEDRON, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 15, 14, 22, 23, 21, 24, 20, 25, 26],
+    ),
+}
+
+
+def volume_grid(fields: Fields, stress: Array) -> meshio.Mesh:
+    """Cells of the modelled part, undeformed, with all that was computed at their nodes.
+
+    stress: (n, 6) MPa at the nodes, global axes, order xx, yy, zz, xy, xz, yz. Point data:
+    displacement (n, 3) mm; stress (n, 9) MPa, the full tensor row by row, which ParaView labels
+    XX, XY, ... ZZ; principal_stresses (n, 3), descending, and principal_direction_1, _2, _3 (n, 3),
+    unit vectors, in the same order; von_mises and max_shear (n,). Cell data:
+    body, 1 the rail, 2 the wheel; where something yields equivalent_plastic_strain (m,) and the
+    tensor plastic_strain (m, 9), averages of each cell. ValueError: the stress has another shape or
+    is not finite, or the cells are of a kind or degree VTK has no counterpart for here.
+    """
+    if stress.shape != (len(fields.points), 6):
+        raise ValueError(f"stress must be ({len(fields.points)}, 6), got {stress.shape}")
+    if not np.isfinite(stress).all():
+        raise ValueError("stress must be finite at every node")
+    if (fields.cell, fields.degree) not in _CELLS:
+        raise ValueError(f"no VTK cell for a {fields.cell} of degree {fields.degree}")
+    name, order = _CELLS[fields.cell, fields.degree]
+    towards = directions(stress)
+    return meshio.Mesh(
+        fields.points,
+        [(name, fields.cells[:, order])],
+        point_data={
+            "displacement": fields.displacement,
+            "stress": stress[:, [0, 3, 4, 3, 1, 5, 4, 5, 2]],
+            "principal_stresses": principal(stress),
+            **{f"principal_direction_{k + 1}": towards[:, k] for k in range(3)},
+            "von_mises": von_mises(stress),
+            "max_shear": max_shear(stress),
+        },
+        cell_data={"body": [fields.body.astype(np.int32)], **_plastic(fields)},
+    )
+
+
+def _plastic(fields: Fields) -> dict[str, list[Array]]:
+    if fields.plastic is None:
+        return {}
+    strain = fields.plastic.strain.mean(axis=1).reshape(-1, 9)
+    return {
+        "equivalent_plastic_strain": [fields.plastic.equivalent.mean(axis=1)],
+        "plastic_strain": [strain],
+    }
+
+
+def series(files: Mapping[float, str], path: Path) -> None:
+    """A .pvd file that lets ParaView step through .vtu files, by time; their paths are seen from
+    its folder. OSError."""
+    root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
+    collection = ElementTree.SubElement(root, "Collection")
+    for time, file in sorted(files.items()):
+        ElementTree.SubElement(collection, "DataSet", timestep=repr(time), part="0", file=file)
+    ElementTree.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)
+
+
+def contact_grid(surfaces: Mapping[int, Surface]) -> meshio.Mesh:
+    """Triangles (of a section: lines) of modelled contact surfaces, by tag of their body,
+    undeformed, wound so that they look out of it.
+
+    Point data: displacement (n, 3) mm; pressure (n,) MPa; gap (n,) mm between the deformed
+    surfaces; status (n,), 1 where it touches, 0 where it is open. Cell data: body, as in
+    `volume_grid`.
+    """
+    each = list(surfaces.values())
+    first = np.cumsum([0, *(len(one.points) for one in each)])
+    pieces = [_outwards(one, tag) for tag, one in surfaces.items()]
+    cells = np.concatenate([one + at for one, at in zip(pieces, first, strict=False)])
+    pressure = np.concatenate([one.pressure for one in each])
+    body = np.repeat(list(surfaces), [len(one.triangles) for one in each])
+    return meshio.Mesh(
+        np.concatenate([one.points for one in each]),
+        [("triangle" if cells.shape[1] == 3 else "line", cells)],
+        point_data={
+            "displacement": np.concatenate([one.displacement for one in each]),
+            "pressure": pressure,
+            "gap": np.concatenate([one.gap for one in each]),
+            "status": (pressure > 0).astype(np.int32),
+        },
+        cell_data={"body": [body.astype(np.int32)]},
+    )
+
+
+def _outwards(surface: Surface, tag: int) -> NDArray[np.int64]:
+    """Its triangles (t, 3), looking up from the rail and down from the wheel; lines as they are."""
+    triangles = surface.triangles
+    if triangles.shape[1] < 3:
+        return triangles
+    a, b, c = surface.points[triangles].transpose(1, 0, 2)
+    inwards = (np.cross(b - a, c - a)[:, 2] > 0) != (tag == RAIL)
+    return np.where(inwards[:, None], triangles[:, ::-1], triangles)
+
+
+def traction_points(found: Rubbing) -> meshio.Mesh:
+    """The contact points that touch. Point data: traction (n, 3) MPa of the wheel on the rail; slip
+    (n, 3) of the wheel over the rail, mm, or, rolling, of 1; sticks (n,), 1 where it sticks, 0
+    where it slips; pressure (n,) MPa."""
+    touches = found.pressure > 0
+    count = int(touches.sum())
+    return meshio.Mesh(
+        found.points[touches],
+        [("vertex", np.arange(count)[:, None])],
+        point_data={
+            "traction": found.traction[touches],
+            "slip": found.slip[touches],
+            "sticks": found.sticks[touches].astype(np.int32),
+            "pressure": found.pressure[touches],
+        },
+    )
+
+
+def write(mesh: meshio.Mesh, path: Path) -> None:
+    """Write a .vtu file, binary and compressed by zlib, with the units of its arrays (VTK's
+    UNITS_LABEL). OSError: the path cannot be written."""
+    meshio.write(path, mesh, file_format="vtu", binary=True, compression="zlib")
+    path.write_bytes(_ARRAY.sub(_with_unit, path.read_bytes()))
+
+
+def _with_unit(tag: re.Match[bytes]) -> bytes:
+    unit = UNITS.get(tag[1].decode())
+    if unit is None:
+        return tag[0]
+    key = '<InformationKey name="UNITS_LABEL" location="vtkDataArray">%s</InformationKey>'
+    return tag[0] + (key % unit).encode()

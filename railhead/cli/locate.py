@@ -1,0 +1,169 @@
+"""Where both wheels of a wheelset touch their rails, for one position and over lateral shifts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from railhead.contact import solid as geometry
+from railhead.geometry import wheelset
+from railhead.geometry.measured import profile as measured
+from railhead.geometry.placement import Pair, PlacementError, Touch
+from railhead.geometry.wheelset import Placed, Track
+from railhead.results import result_folder
+from railhead.scene.scene import Scene, SceneError
+
+CLEARANCE = 0.05  # mm; elastic approaches of wheels are of this size
+SHIFTS = np.linspace(-10.0, 10.0, 81)  # mm
+
+
+@dataclass(frozen=True)
+class Location:
+    """A wheelset on its track."""
+
+    scene: Scene
+    pair: Pair
+    placed: Placed
+
+    def summary(self) -> dict[str, Any]:
+        """As in summary.json: lengths mm, angles rad, curvatures 1/mm."""
+        placed, (crest, _) = self.placed, wheelset.top(self.pair.rail)
+        return {
+            "case": self.scene.name,
+            "scene": self.scene.model_dump(exclude_none=True),
+            "roll_rad": placed.roll,
+            "height_mm": placed.height,
+            "rolling_radius_difference_mm": placed.rolling_radius_difference,
+            "right": [_contact(touch, crest) for touch in placed.right.touches],
+            "left": [_contact(touch, crest) for touch in placed.left.touches],
+            "measured": {
+                key: vars(measured.smoothness(profile))
+                for key, profile in (("rail", self.pair.rail), ("wheel", self.pair.wheel))
+                if key in geometry.measured_bodies(self.scene)
+            },
+        }
+
+
+def locate(scene: Scene) -> Location:
+    """Place the wheelset. Raises SceneError for half-spaces and where a wheel misses its rail."""
+    if scene.rail.extent == "half-space":
+        raise SceneError(
+            "rail.extent", "half-space has no profiles to locate; give head or section"
+        )
+    return Location(scene, *geometry.place(scene, CLEARANCE))
+
+
+def sweep(location: Location, shifts: Sequence[float]) -> list[tuple[float, Placed]]:
+    """The same wheelset at other lateral shifts (mm), where both wheels find their rails."""
+    scene, found = location.scene, []
+    track = Track(scene.wheelset.back_to_back, scene.rail.gauge)
+    for shift in shifts:
+        try:
+            placed = wheelset.place(location.pair, track, shift, scene.wheelset.yaw, CLEARANCE)
+        except PlacementError:
+            continue
+        found.append((float(shift), placed))
+    return found
+
+
+def write(location: Location, folder: Path) -> None:
+    """summary.json and three pictures."""
+    from railhead.postprocess.plots import wheelset_plot
+
+    scene = location.scene
+    pair = f"{scene.name}: wheelset with wheels {scene.wheel.profile} on rails {scene.rail.profile}"
+    at = f"shifted by {scene.wheelset.shift:g} mm to the right"
+    yaw = f", yaw {1e3 * scene.wheelset.yaw:g} mrad"
+    with result_folder.replacing(folder) as work:
+        title = f"{pair}, {at}{yaw}"
+        wheelset_plot.profiles(location.pair, location.placed, work / "profiles.png", title)
+        swept = sweep(location, list(SHIFTS))
+        wheelset_plot.positions(location.pair, swept, work / "positions.png", pair + yaw)
+        wheelset_plot.rolling_radius(swept, work / "rolling_radius.png", pair + yaw)
+        (work / result_folder.SUMMARY).write_text(as_json(location), encoding="utf-8")
+
+
+def as_json(location: Location) -> str:
+    """The summary as JSON."""
+    return result_folder.to_json(location.summary())
+
+
+ROWS = (
+    ("rail: y from the crown centre", "mm", "rail_y_mm"),
+    ("rail: y from the highest point", "mm", "top_y_mm"),
+    ("rail: z", "mm", "rail_z_mm"),
+    ("wheel: y from the tape circle", "mm", "wheel_y_mm"),
+    ("wheel: x ahead of the axle", "mm", "ahead_mm"),
+    ("gap", "mm", "gap_mm"),
+    ("contact angle", "rad", "angle_rad"),
+    ("rolling radius", "mm", "radius_mm"),
+    ("rail: curvature across", "1/mm", "rail_curvature"),
+    ("wheel: curvature along its circle", "1/mm", "wheel_curvature_along"),
+    ("wheel: curvature across", "1/mm", "wheel_curvature_across"),
+    ("relative curvature along", "1/mm", "relative_curvature_along"),
+    ("relative curvature across", "1/mm", "relative_curvature_across"),
+    ("their axes turned by", "rad", "orientation_rad"),
+)
+
+
+def show(location: Location, console: Console) -> None:
+    """A column for each contact; below it what holds for the wheelset."""
+    summary, scene = location.summary(), location.scene
+    table = Table(title=f"contacts of {scene.name}", title_justify="left")
+    table.add_column("quantity")
+    table.add_column("unit")
+    columns = [
+        (f"{side} {number}", contact)
+        for side in ("left", "right")
+        for number, contact in enumerate(summary[side], 1)
+    ]
+    for name, _ in columns:
+        table.add_column(name, justify="right")
+    for label, unit, key in ROWS:
+        table.add_row(label, unit, *(f"{contact[key]:.6g}" for _, contact in columns))
+    console.print(table)
+    console.print(
+        f"shift {scene.wheelset.shift:g} mm, yaw {1e3 * scene.wheelset.yaw:g} mrad: roll "
+        f"{1e3 * summary['roll_rad']:.4g} mrad, rolling radius difference "
+        f"{summary['rolling_radius_difference_mm']:.4g} mm; contacts: {len(summary['left'])} left, "
+        f"{len(summary['right'])} right (gap below {CLEARANCE:g} mm); y to the field side",
+        highlight=False,
+    )
+    for key, smooth in summary["measured"].items():
+        low, middle, high = (_radius(value) for value in smooth["curvatures"])
+        console.print(
+            f"{key} profile, smoothed: radius {low}, {middle}, {high} mm at 5, 50, 95 % of the "
+            f"curvature; {smooth['waves']} changes between convex and concave",
+            highlight=False,
+        )
+
+
+def _radius(curvature: float) -> str:
+    return "inf" if curvature == 0 else f"{1 / curvature:.4g}"
+
+
+def _contact(touch: Touch, crest: float) -> dict[str, float | bool]:
+    return {
+        "rail_y_mm": touch.y,
+        "top_y_mm": touch.y - crest,
+        "rail_z_mm": touch.z,
+        "wheel_y_mm": touch.tread,
+        "ahead_mm": touch.radius * math.sin(touch.turn),
+        "gap_mm": touch.gap,
+        "angle_rad": touch.angle,
+        "radius_mm": touch.radius,
+        "rail_curvature": touch.rail,
+        "wheel_curvature_along": touch.wheel[0],
+        "wheel_curvature_across": touch.wheel[1],
+        "relative_curvature_along": touch.curvature_x,
+        "relative_curvature_across": touch.curvature_y,
+        "orientation_rad": touch.orientation,
+        "at_edge": touch.at_edge,
+    }

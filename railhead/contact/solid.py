@@ -1,0 +1,267 @@
+"""From a scene to its bodies: profiles, first contact, sections and exact surfaces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.geometry import placement, profiles, wheelset
+from railhead.geometry.measured import profile as measured
+from railhead.geometry.measured.orientation import Orientation
+from railhead.geometry.measured.profile import Measured
+from railhead.geometry.placement import Pair, PlacementError, Touch
+from railhead.geometry.pose import Pose, upright
+from railhead.geometry.profiles import Profile
+from railhead.geometry.surfaces import ExactGap, ParabolicGap, RailSurface, WheelSurface, along
+from railhead.geometry.wheelset import Placed, Track
+from railhead.meshing.tags import RAIL
+from railhead.postprocess.findings import Frame
+from railhead.scene.scene import Rail, Scene, SceneError, Wheel
+from railhead.scene.sections import from_file as is_file
+
+if TYPE_CHECKING:
+    from railhead.solver.space.kinematics import Kinematics
+
+Array = NDArray[np.float64]
+RAIL_HALF_WIDTH = 35.0  # mm, of a head given by a single radius
+TREAD_HALF_WIDTH = 67.5  # mm, of a cylinder, cone or arc
+
+
+def rail_profile(scene: Scene, stretch: float = 1.0) -> Profile:
+    """Crown z(y) of the rail as it stands, inclination included; stretch: as in `measured`."""
+    rail = scene.rail
+    if rail.profile in profiles.STANDARD_RAILS:
+        return profiles.rail_head(rail.profile, rail.inclination)
+    if rail.profile != "arc":
+        return from_file(scene, "rail", stretch).profile
+    half_width = rail.width / 2 if rail.width else RAIL_HALF_WIDTH
+    crown = profiles.single_radius(float(rail.crown_radius or 0), half_width)
+    return profiles.rolled(crown, rail.inclination)
+
+
+def wheel_profile(scene: Scene, stretch: float = 1.0) -> Profile:
+    """Tread z(y), outwards from the nominal rolling radius; stretch: as in `measured`."""
+    wheel = scene.wheel
+    if wheel.profile in profiles.CONES:
+        return profiles.cone(profiles.CONES[wheel.profile], TREAD_HALF_WIDTH, wheel.profile)
+    if wheel.profile == "arc":
+        return profiles.single_radius(float(wheel.transverse_radius or 0), TREAD_HALF_WIDTH)
+    if wheel.profile == "S1002":
+        return profiles.s1002()
+    return from_file(scene, "wheel", stretch).profile
+
+
+def measured_bodies(scene: Scene) -> tuple[str, ...]:
+    """'rail', 'wheel': whose profiles come from files."""
+    return tuple(body for body in ("rail", "wheel") if is_file(getattr(scene, body).profile))
+
+
+def from_file(scene: Scene, body: str, stretch: float = 1.0) -> Measured:
+    """The measured profile of the 'rail' or 'wheel', smoothed with `stretch` times the wavelengths
+    that it would be smoothed with. Raises SceneError."""
+    part: Rail | Wheel = getattr(scene, body)
+    given = Orientation(
+        unit=part.profile_unit,
+        mirror=part.profile_mirror,
+        flip=part.profile_flip,
+        origin=part.profile_origin,
+    )
+    wavelength = None if part.smoothing == "auto" else part.smoothing
+    slope = scene.rail.inclination if body == "rail" else 0.0
+    try:
+        return measured.read(Path(part.profile), body, given, wavelength, slope, stretch)
+    except (ValueError, OSError) as error:
+        raise SceneError(f"{body}.profile", str(error)) from None
+
+
+@dataclass(frozen=True)
+class Contact:
+    """First contact of the undeformed bodies and the exact gap around it.
+
+    touch: in axes along the rail that have it at x = 0; pose: of the wheel in these axes; placed:
+    the whole wheelset. Half-spaces touch at the origin and have none of the last three.
+    """
+
+    scene: Scene
+    touch: Touch
+    pair: Pair | None = None
+    pose: Pose | None = None
+    placed: Placed | None = None
+
+    @property
+    def profiles(self) -> dict[str, tuple[Profile, float]]:
+        """Profile of each body and what to add to its y for that on the rail, at the contact."""
+        if self.pair is None:
+            return {}
+        shift = self.touch.y - self.touch.tread
+        return {"rail": (self.pair.rail, 0.0), "wheel": (self.pair.wheel, shift)}
+
+    @property
+    def plane(self) -> str:
+        """Of a section: 'xz' or 'yz'; '' of solids."""
+        return ""
+
+    @property
+    def revolved(self) -> bool:
+        """Whether it is a meridian section."""
+        return False
+
+    @property
+    def line(self) -> bool:
+        """Whether the contact is one along a line."""
+        return False
+
+    @property
+    def kinematics(self) -> Kinematics:
+        """What the coordinates of the mesh stand for."""
+        from railhead.solver.space.kinematics import SOLID
+
+        return SOLID
+
+    @property
+    def lengthwise(self) -> bool:
+        """Whether it is a section along the rail, in which no profile across counts."""
+        return False
+
+    @property
+    def half_space(self) -> bool:
+        """Flat blocks under Hertz's parabolic gap."""
+        return self.pair is None
+
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """Contact point, mm."""
+        return 0.0, self.touch.y, self.touch.z
+
+    @property
+    def frame(self) -> Frame:
+        """Axes along the rail, along the common tangent across it and out of the rail."""
+        return Frame(self.origin, self.touch.angle)
+
+    @property
+    def mirror_across(self) -> str | None:
+        """Why y = 0 is not a plane of symmetry; None if it is one."""
+        if self.half_space:
+            return None
+        scene = self.scene
+        if scene.rail.gauge is not None:
+            return f"a track of gauge {scene.rail.gauge:g} mm"
+        rails, wheels = (*profiles.STANDARD_RAILS, "arc"), ("cylinder", "arc")
+        if scene.rail.profile not in rails or scene.wheel.profile not in wheels:
+            return f"wheel {Path(scene.wheel.profile).stem} on rail {Path(scene.rail.profile).stem}"
+        if scene.rail.inclination:
+            return f"rail inclined {scene.rail.inclination:g}"
+        if scene.wheelset.shift:
+            return f"wheel shifted {scene.wheelset.shift:g} mm"
+        return self.mirror_along
+
+    @property
+    def mirror_along(self) -> str | None:
+        """Why x = 0 is not a plane of symmetry; None if it is one."""
+        yaw = self.scene.wheelset.yaw
+        return f"axle turned by {1e3 * yaw:g} mrad" if yaw and not self.half_space else None
+
+    def touches(self, clearance: float) -> list[Touch]:
+        """Contact points up to a clearance (mm) above the first one."""
+        if self.pair is None or self.pose is None:
+            return [self.touch]
+        return self.pair.touches(self.pose, clearance)
+
+    def half_space_gap(self, touch: Touch) -> Callable[[Array, Array], Array]:
+        """Gap normal to the tangent plane of a contact point, at x, s (n,) in that plane, mm."""
+        c, t = math.cos(touch.angle), math.sin(touch.angle)
+        rail, wheel = self.surfaces()
+
+        def gap(x: Array, s: Array) -> Array:
+            points = np.column_stack([touch.x + x, touch.y + c * s, touch.z + t * s])
+            normals = np.tile([0.0, -t, c], (len(x), 1))
+            lower, upper = along(rail, points, normals), along(wheel, points, normals)
+            with np.errstate(invalid="ignore"):
+                return np.where(np.isfinite(lower), upper - lower, np.inf)
+
+        return gap
+
+    def surfaces(self) -> tuple[RailSurface, WheelSurface]:
+        """The exact surfaces of real bodies."""
+        if self.pair is None or self.pose is None:
+            raise ValueError("half-spaces have no profiles")
+        wheel = WheelSurface(self.pair.wheel, self.pair.rolling_radius, self.pose)
+        return RailSurface(self.pair.rail), wheel
+
+    def gap(self, slave: int) -> ExactGap | ParabolicGap:
+        """Exact gap from the slave body (RAIL or WHEEL) to the other one."""
+        if self.half_space:
+            outward = 1 if slave == RAIL else -1
+            return ParabolicGap(self.touch.curvature_x, self.touch.curvature_y, outward)
+        rail, wheel = self.surfaces()
+        return ExactGap(rail, wheel) if slave == RAIL else ExactGap(wheel, rail)
+
+
+def pair(scene: Scene, stretch: float = 1.0) -> Pair:
+    """Both profiles; stretch: as in `from_file`."""
+    rail, wheel = rail_profile(scene, stretch), wheel_profile(scene, stretch)
+    return Pair(rail, wheel, scene.wheel.rolling_radius)
+
+
+def place(scene: Scene, clearance: float = 0.0, both: Pair | None = None) -> tuple[Pair, Placed]:
+    """Lower the wheelset of a scene onto its track; further contacts up to a clearance (mm).
+
+    both: profiles in place of the scene's. Raises SceneError where a wheel misses its rail.
+    """
+    both = both or pair(scene)
+    wheelset_, track = scene.wheelset, Track(scene.wheelset.back_to_back, scene.rail.gauge)
+    try:
+        return both, wheelset.place(both, track, wheelset_.shift, wheelset_.yaw, clearance)
+    except PlacementError as error:
+        text = f"{wheelset_.shift:g} mm: {error}; bring both wheels over their rails"
+        raise SceneError("wheelset.shift", text) from None
+
+
+def locate(scene: Scene, both: Pair | None = None) -> Contact:
+    """The right wheel of the wheelset on its rail; both: profiles in place of the scene's.
+
+    Raises SceneError where the pair has no point contact with a common tangent.
+    """
+    if scene.rail.extent == "half-space":
+        return Contact(scene, placement.parabolic(*scene.relative_curvatures()))
+    both, placed = place(scene, both=both)
+    side = placed.right
+    touch = _tangent(scene, side.touches[0])
+    centred = side.pose.moved(x=-touch.x)
+    return Contact(scene, replace(touch, x=0.0), both, centred, placed)
+
+
+def lower(scene: Scene) -> Contact:
+    """A single wheel that neither rolls nor yaws on its rail. Raises SceneError as `locate`."""
+    if scene.rail.extent == "half-space":
+        return locate(scene)
+    both, shift = pair(scene), scene.wheelset.shift
+    try:
+        pose = upright(-both.touches(upright(0.0, shift))[0].gap, shift)
+    except PlacementError as error:
+        text = f"{shift:g} mm: {error}; bring the wheel over the rail"
+        raise SceneError("wheelset.shift", text) from None
+    return Contact(scene, _tangent(scene, both.touches(pose)[0]), both, pose)
+
+
+def _tangent(scene: Scene, touch: Touch) -> Touch:
+    """The contact point, refused where the pair has no point contact with a common tangent."""
+    if touch.at_edge:
+        raise SceneError(
+            "wheelset.shift",
+            f"{scene.wheelset.shift:g} lets the wheel touch at an edge of a profile (y = "
+            f"{touch.y:.2f} mm); move the wheel so that both surfaces share a tangent",
+        )
+    if not touch.curvature_y > 0:
+        raise SceneError(
+            "rail.crown_radius, wheel.transverse_radius",
+            f"relative curvature {touch.curvature_y:.3g} 1/mm across the rail is a line contact "
+            "or a fully conformal pair; it must be positive",
+        )
+    return touch

@@ -1,0 +1,147 @@
+"""Rigid motion of a wheel over its rail.
+
+The axle moves along the track (x) and turns; everything is per rolled length. With the angular
+velocity W of the wheel and the first contact P1, the rail's undeformed surface at P sees the wheel
+pass with
+
+    xi_1 + W x (P - P1)
+
+of which the components in the rail's tangent plane are the rigid slip. W about the normal at P1 is
+the spin. A wheelset turns about its axle e by 2 pi in 2 pi R: W = e/R, xi_1 = e_x + W x (P1 - C)
+with C on the axle, in the pose where it stands. An R of `wheel.rolling_radius` needs a torque; the
+mean of both wheels' rolling radii is an approximation of none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.contact.solid import Contact
+from railhead.geometry.surfaces import RailSurface, nearest
+from railhead.postprocess.findings import Frame
+from railhead.scene.scene import SceneError
+from railhead.theory.rolling.rolling import Creepage
+
+KEY = "rolling.from_wheelset"
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wheelset:
+    """How the wheel of a scene creeps where its wheelset stands.
+
+    axle: free or nominal.
+    turning: radius R by which the axle turns, mm.
+    radius: of the wheel's circle at the contact, mm.
+    yaw, roll, angle: of the axle and of the contact, rad.
+    """
+
+    axle: str
+    turning: float
+    radius: float
+    yaw: float
+    roll: float
+    angle: float
+    creepage: Creepage
+
+    @property
+    def why(self) -> str:
+        """What the creepage comes from."""
+        radius = {"free": "the mean of both wheels'", "nominal": "the nominal radius"}[self.axle]
+        moves = self.creepage
+        return (
+            f"creepage along {moves.along:.4g}, across {moves.across:.4g}, spin {moves.spin:.4g} "
+            f"1/mm (radius {self.radius:.6g} mm on a {self.axle} axle, which turns by "
+            f"{self.turning:.6g} mm, {radius}; yaw {1e3 * self.yaw:.4g}, angle "
+            f"{1e3 * self.angle:.4g}, roll {1e3 * self.roll:.4g} mrad)"
+        )
+
+    def summary(self) -> dict[str, Any]:
+        """As in summary.json."""
+        return {
+            "axle": self.axle,
+            "axle_radius_mm": self.turning,
+            "rolling_radius_mm": self.radius,
+            "yaw_rad": self.yaw,
+            "roll_rad": self.roll,
+            "contact_angle_rad": self.angle,
+            "creepage_along": self.creepage.along,
+            "creepage_across": self.creepage.across,
+            "spin_per_mm": self.creepage.spin,
+        }
+
+
+def of(contact: Contact) -> Wheelset:
+    """The wheelset of a scene. SceneError without one."""
+    placed, pose = contact.placed, contact.pose
+    if placed is None or pose is None:
+        kind = "half-spaces have" if contact.half_space else "a section has"
+        text = f"true is not allowed: {kind} no wheelset; give creepages, spin or forces"
+        raise SceneError(KEY, text)
+    touch, (along, across, normal) = contact.touch, contact.frame.axes
+    turns = _angular_velocity(contact)
+    moves = along + np.cross(turns, np.array(contact.origin) - pose.origin)
+    values = (float(each) + 0.0 for each in (moves @ along, moves @ across, turns @ normal))
+    return Wheelset(
+        axle=contact.scene.rolling.axle,
+        turning=_turning_radius(contact),
+        radius=touch.radius,
+        yaw=contact.scene.wheelset.yaw,
+        roll=placed.roll,
+        angle=touch.angle,
+        creepage=Creepage(*values),
+    )
+
+
+def _turning_radius(contact: Contact) -> float:
+    """How far the axle moves while it turns by 1 rad, mm."""
+    rolling, placed = contact.scene.rolling, contact.placed
+    if placed is None or not rolling.from_wheelset or rolling.axle == "nominal":
+        return contact.scene.wheel.rolling_radius
+    return (placed.right.touches[0].radius + placed.left.touches[0].radius) / 2
+
+
+def _angular_velocity(contact: Contact) -> Array:
+    """(3,) of the wheel about its axle, 1/mm; 0 of half-spaces and sections, which are planes, and
+    of a wheel that does not roll."""
+    if contact.pose is None or contact.plane or not contact.scene.rolling.given:
+        return np.zeros(3)
+    return np.asarray(contact.pose.rotation[:, 1] / _turning_radius(contact))
+
+
+@dataclass(frozen=True)
+class RigidSlip:
+    """Rigid slip of a wheel over its rail in multiples of four modes: creepages and a spin of 1 at
+    the first contact and, once, what turns about axes in the tangent plane there.
+
+    frame: of the first contact.
+    angular (4, 3): angular velocity of each mode, 1/mm.
+    rail: its undeformed surface; None is a plane.
+    """
+
+    frame: Frame
+    angular: Array
+    rail: RailSurface | None
+
+    def __call__(self, points: Array) -> Array:
+        """(4, n, 3) of each mode at points (n, 3) near the contact, mm: at the nearest places of
+        the rail, in its tangent planes. NaN beyond its profile."""
+        normals = self.frame.axes[2]
+        if self.rail is not None:
+            points, normals = nearest(self.rail, points)
+        velocity = np.cross(self.angular[:, None], points - np.array(self.frame.origin))
+        velocity[:2] += self.frame.axes[:2, None]
+        return np.asarray(velocity - (velocity * normals).sum(axis=2, keepdims=True) * normals)
+
+
+def rigid_slip(contact: Contact) -> RigidSlip:
+    """Of the wheel of a scene."""
+    turns, normal = _angular_velocity(contact), contact.frame.axes[2]
+    angular = np.zeros((4, 3))
+    angular[2:] = normal, turns - (turns @ normal) * normal
+    flat = contact.pose is None or contact.plane
+    return RigidSlip(contact.frame, angular, None if flat else contact.surfaces()[0])

@@ -1,0 +1,269 @@
+"""Measured profiles: points from a file, brought to the axes of the project, smoothed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.spatial import cKDTree
+
+from railhead.geometry.measured import formats, ordering, orientation, outliers, smoothing
+from railhead.geometry.measured.ordering import PointError
+from railhead.geometry.measured.orientation import Orientation
+from railhead.geometry.measured.smoothing import Smoothed
+from railhead.geometry.measured.tables import FormatError, Table
+from railhead.geometry.profiles import Profile, Spline
+
+Array = NDArray[np.float64]
+STEEPEST = 0.045  # dy over ds: steeper faces than those of a standard rail's corners are cut off
+SAMPLE = 0.1  # mm between the points of a profile's spline
+LOOSE = 1.0  # mm beyond half a step between points, or two usual ones: no curve through them
+FOLD, LOST = 20.0, 2.0  # mm along a part that turns back, at most, and across that it cuts off
+FROM_SHAPE = Orientation()
+EDGE = 0.02  # share of the width at either end that reports leave out
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measured:
+    """A profile from a file.
+
+    Attributes:
+        path: the file.
+        body: 'rail' or 'wheel'.
+        remarks: how it was read and turned, and warnings.
+        smoothed: the curve through its points.
+        profile: its longest part that faces upwards.
+    """
+
+    path: Path
+    body: str
+    remarks: tuple[str, ...]
+    smoothed: Smoothed
+    profile: Profile
+
+    @property
+    def points(self) -> Array:
+        """(n, 2) in the axes of profiles, mm."""
+        return self.smoothed.points
+
+    @property
+    def facing(self) -> NDArray[np.bool_]:
+        """Which points (n,) the profile holds, without the outermost at each end."""
+        start, end = inner(self.profile)
+        y = self.points[:, 0]
+        return np.asarray((y > start) & (y < end))
+
+    def resampled(self, step: float) -> Array:
+        """Points (n, 2) of the smoothed curve that far apart, mm."""
+        return np.asarray(self.smoothed.curve(np.arange(step / 2, self.smoothed.length, step)))
+
+    @property
+    def sharpest(self) -> tuple[float, float]:
+        """Largest curvature either way before and after smoothing, 1/mm."""
+        within, smoothed = self.facing[1:-1], self.smoothed
+        before = np.abs(smoothed.rough_curvature()[within])
+        after = np.abs(smoothed.curvature(smoothed.s[1:-1][within]))
+        return float(before.max()), float(after.max())
+
+    def wavelength(self, y: float) -> float:
+        """Of the smoothing at a place across, mm."""
+        across = self.smoothed.curve(self.smoothed.places)[:, 0]
+        return float(self.smoothed.wavelength[np.argmin(np.abs(across - y))])
+
+    @property
+    def wavelengths(self) -> tuple[float, float]:
+        """The shortest and the longest of the profile, mm."""
+        start, end = inner(self.profile)
+        across = self.smoothed.curve(self.smoothed.places)[:, 0]
+        within = self.smoothed.wavelength[(across > start) & (across < end)]
+        return float(within.min()), float(within.max())
+
+    def summary(self) -> dict[str, Any]:
+        """As in summary.json."""
+        before, after = self.sharpest
+        return {
+            "file": str(self.path),
+            "read": list(self.remarks),
+            "points": len(self.points),
+            "noise_mm": self.smoothed.noise,
+            "smoothing_mm": list(self.wavelengths),
+            "largest_curvature_before_per_mm": before,
+            "largest_curvature_after_per_mm": after,
+        }
+
+
+def inner(profile: Profile) -> tuple[float, float]:
+    """Its domain without the outermost 2 % at each end, mm."""
+    start, end = profile.domain
+    margin = EDGE * (end - start)
+    return start + margin, end - margin
+
+
+def from_points(
+    name: str, points: Array, wavelength: float | None = None, stretch: float = 1.0
+) -> tuple[Smoothed, Profile]:
+    """The curve through points (n, 2) in the axes of profiles, mm, in any order along it or by y,
+    and its longest part that faces upwards.
+
+    wavelength, stretch: as in `smoothing.smooth`. Raises ValueError for too few points, points that
+    are not finite, and a curve that faces nowhere upwards; PointError for a gap between them and
+    where they run over the same place twice.
+    """
+    points = np.asarray(points, dtype=float)
+    if not np.isfinite(points).all():
+        raise ValueError("holds points that are not finite; give finite numbers")
+    smoothed = smoothing.smooth(ordering.in_order(points), wavelength, stretch)
+    s = np.linspace(0, smoothed.length, max(2, math.ceil(smoothed.length / SAMPLE)) + 1)
+    tangent = smoothed.curve(s, 1)
+    faces = tangent[:, 0] > STEEPEST * np.linalg.norm(tangent, axis=1)
+    runs = _runs(faces)
+    if np.diff(runs).max(initial=0) < 4:
+        raise ValueError("has no part that faces upwards; give points across the running surface")
+    curve, spacing = smoothed.curve(s), np.diff(ordering.chord_lengths(smoothed.points))
+    off = cKDTree(smoothed.points).query(curve)[0]
+    if off.max() > max(spacing.max() / 2, 2 * float(np.median(spacing))) + LOOSE:
+        raise smoothing.folded(smoothed.points)
+    longest = int(np.argmax(np.diff(runs)))
+    _refuse_folds(curve, float(s[1]), runs, longest, smoothed.points)
+    y, z = curve[slice(*runs[longest])].T
+    return smoothed, Profile(name, (Spline(float(y[0]), float(y[-1]), CubicSpline(y, z)),))
+
+
+def read(
+    path: Path,
+    body: str,
+    given: Orientation = FROM_SHAPE,
+    wavelength: float | None = None,
+    slope: float = 0.0,
+    stretch: float = 1.0,
+) -> Measured:
+    """The profile of a 'rail' or 'wheel' in a file.
+
+    given: what the user says of its axes; wavelength, stretch: as in `smoothing.smooth`; slope:
+    that it is rolled by about the origin. Raises FormatError, ValueError, OSError.
+    """
+    changed = path.stat().st_mtime_ns
+    return _read(path, changed, body, given, wavelength, slope, stretch)
+
+
+@lru_cache(maxsize=16)
+def _read(
+    path: Path,
+    changed: int,
+    body: str,
+    given: Orientation,
+    wavelength: float | None,
+    slope: float,
+    stretch: float,
+) -> Measured:
+    table, points, kept, remarks = _in_axes(path, changed, body, given)
+    cosine = math.cos(math.atan(slope))
+    roll = cosine * np.array([[1.0, slope], [-slope, 1.0]])
+    points = points @ roll
+    try:
+        smoothed, profile = from_points(path.stem, kept @ roll, wavelength, stretch)
+    except PointError as error:
+        raise _refused(path, table, points, error) from None
+    except ValueError as error:
+        raise ValueError(f"{path.name} {error}") from None
+    warnings = (
+        f"WARNING: {text} at y = {place[0]:.1f}, line {_line(table, points, place)}: "
+        "taken for shape"
+        for text, place in _outliers(smoothed, profile)
+    )
+    remarks = (*remarks, *table.remarks, *warnings)
+    return Measured(path=path, body=body, remarks=remarks, smoothed=smoothed, profile=profile)
+
+
+@lru_cache(maxsize=16)
+def _in_axes(
+    path: Path, _: int, body: str, given: Orientation
+) -> tuple[Table, Array, Array, tuple[str, ...]]:
+    """Table of a file, its points (n, 2) in the axes of profiles, those of them that are smoothed
+    (m, 2), and what was done: the same for all smoothing."""
+    table = formats.read(path, unit_is_given=given.unit != "auto")
+    if table.body and table.body != body:
+        raise FormatError(path.name, 1, f"is a {table.body}'s; give one of a {body}")
+    listed = table.points
+    try:
+        points, unit = orientation.in_mm(table, body, given.unit)
+        listed = points
+        outliers.check_digits(points)
+        outliers.check_wild(ordering.in_order(points))
+        points, done = orientation.oriented(points, body, given)
+        listed = points
+        part = ordering.head(points) if body == "rail" else points
+        kept = ordering.merged(part)
+    except PointError as error:
+        raise _refused(path, table, listed, error) from None
+    if len(part) < len(points):
+        done.append(f"cut off {ordering.HEAD_DEPTH:g} mm below its top")
+    if len(kept) < len(part):
+        done.append(f"points at the same y averaged to {len(kept)}")
+    return table, points, kept, (f"{table.format}, {len(table.points)} points", unit, *done)
+
+
+def _refused(path: Path, table: Table, points: Array, error: PointError) -> FormatError:
+    """points (n, 2): the table's, in the axes of the error's place."""
+    return FormatError(path.name, _line(table, points, error.place), str(error))
+
+
+def _line(table: Table, points: Array, place: Array) -> int:
+    """Line of the point nearest to a place; points: the table's, in the axes of the place."""
+    return table.lines[int(np.argmin(np.abs(points - place).max(axis=1)))]
+
+
+def _outliers(smoothed: Smoothed, profile: Profile) -> list[tuple[str, Array]]:
+    """What stands off and is kept, in words, and where (2,)."""
+    found, (start, end) = [], inner(profile)
+    y = smoothed.points[:, 0]
+    if spikes := outliers.spikes(smoothed, np.asarray((y > start) & (y < end))):
+        count, off, place = spikes
+        text = "1 point stands off by" if count == 1 else f"{count} points stand off by up to"
+        found.append((f"{text} {off:.2g} mm", place))
+    if wave := outliers.wave(smoothed, start, end):
+        text = f"it bends by {wave[0]:.0f} deg and back within {outliers.WAVE:g} mm"
+        found.append((text, wave[1]))
+    return found
+
+
+def _runs(faces: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """First and behind the last (k, 2) of the runs of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], faces, [False]]).astype(int)))
+    return edges.reshape(-1, 2)
+
+
+def _refuse_folds(
+    curve: Array, step: float, runs: NDArray[np.intp], longest: int, points: Array
+) -> None:
+    """Points of a curve (n, 2) that far apart, mm: what faces upwards beside the longest run is not
+    cut off by a fold, as points (m, 2) that stand off make one. Raises PointError of the one where
+    they turn most."""
+    start, end = runs[longest]
+    for first, behind in runs:
+        gap = (behind, start) if behind <= start else (end, first)
+        near = first != start and step * (gap[1] - gap[0] + 1) < FOLD
+        if near and np.ptp(curve[first:behind, 0]) > LOST:
+            raise smoothing.folded(points)
+
+
+@dataclass(frozen=True)
+class Smoothness:
+    """curvatures: 5, 50 and 95 % of the profile lie below them, 1/mm, positive is convex; waves:
+    changes between convex and concave; both without the outermost 2 % at each end."""
+
+    curvatures: tuple[float, float, float]
+    waves: int
+
+
+def smoothness(profile: Profile) -> Smoothness:
+    """What a contact will see of a measured profile: a wavy curvature scatters the pressure."""
+    curvature = profile.curvature(np.linspace(*inner(profile), 2001))
+    low, middle, high = (float(value) for value in np.quantile(curvature, (0.05, 0.5, 0.95)))
+    return Smoothness((low, middle, high), int(np.sum(np.diff(np.sign(curvature)) != 0)))

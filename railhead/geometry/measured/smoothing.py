@@ -1,0 +1,298 @@
+"""Smoothing of measured points along the length of their curve, as locally as the noise allows.
+
+Points are fitted by splines of the arc length s with a penalty on the third derivative, the change
+of curvature (P. H. C. Eilers and B. D. Marx, Flexible smoothing with B-splines and penalties,
+Statistical Science 11, 1996), so that steep faces are smoothed like flat ones and a turned profile
+like the upright one. Without a penalty typed in, the change of curvature is a random one whose
+variance may differ from place to place, and that variance is the most probable one under the noise
+(D. J. C. MacKay, Bayesian interpolation, Neural Computation 4, 1992): a straight tread is smoothed
+over tens of millimetres where a gauge corner is smoothed over a few.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
+from scipy.linalg import cho_factor, cho_solve
+from scipy.ndimage import gaussian_filter1d, median_filter
+from scipy.sparse import csr_array, diags
+
+from railhead.geometry.measured.ordering import LARGEST_GAP, PointError, chord_lengths
+
+Array = NDArray[np.float64]
+LEAST_POINTS = 12
+ORDER = 3  # of the derivative that is penalised, and of the splines
+DIFFERENCE = 5  # order of the differences that show the noise ...
+MEDIAN = 101  # ... points over which their median is taken ...
+NORMAL = 0.6745  # ... and the median of the modulus of a standard normal number
+LEAST_NOISE = 1e-5  # mm: less is rounding of the numbers in a file
+CLOSE = 0.1  # mm: points that are nearer to each other are averaged first
+PIECES = 250  # of the spline, at most
+PILOT = 12.0  # points in the wavelength of the curve that normals and lengths are taken from
+SHORTEST, LONGEST = 4.0, 60.0  # wavelengths: points and knots, and mm
+NEIGHBOURS = 1.2  # mm along which the roughness is taken for alike, as a standard deviation
+BLENDING = 1.5  # mm over which wavelengths change into each other: sudden changes overshoot
+BENDING = 1.2  # times the wavelength that suits heights is one that suits curvatures (chosen on
+# the worn pairs of the study)
+LONGER = 1.2  # times the way through its points is no curve through them
+UPDATES, SETTLED = 60, 0.02
+FINE = 20  # samples a point, where a curve is measured or bent open
+
+
+@dataclass(frozen=True)
+class Smoothed:
+    """curve: s (mm) -> (y, z); points (n, 2) and their s (n,); residual (n,): how far they are off
+    the curve along its left normals; noise: standard deviation across the curve, mm; wavelength
+    (k,) at places (k,) of s: waves of that length keep half of their height, mm."""
+
+    curve: BSpline
+    points: Array
+    s: Array
+    residual: Array
+    noise: float
+    places: Array
+    wavelength: Array
+
+    @property
+    def length(self) -> float:
+        """Of the curve, mm."""
+        return float(self.s[-1])
+
+    def curvature(self, s: Array) -> Array:
+        """At lengths s (n,), 1/mm, positive where the curve bends to its right."""
+        return _curvature(self.curve, s)
+
+    def rough_curvature(self) -> Array:
+        """(n - 2,), of the circles through each three points that follow each other, 1/mm."""
+        one, two = np.diff(self.points, axis=0)[:-1], np.diff(self.points, axis=0)[1:]
+        sides = [np.linalg.norm(side, axis=1) for side in (one, two, one + two)]
+        return np.asarray(-2 * _cross(one, two) / np.prod(sides, axis=0))
+
+
+def noise(points: Array) -> Array:
+    """Standard deviation (n,) across the curve of points (n, 2) in the order of the curve, mm.
+
+    The running median of the divided differences of fifth order, in which no arc is left: a gauge
+    that errs in height errs less across a steep face.
+    """
+    count = DIFFERENCE + 1
+    s = chord_lengths(points)
+    windows = np.lib.stride_tricks.sliding_window_view(np.arange(len(s)), count)
+    at = s[windows]
+    apart = at[:, :, None] - at[:, None, :] + np.eye(count)
+    weights = 1 / apart.prod(axis=2)
+    weights /= np.linalg.norm(weights, axis=1)[:, None]
+    difference = np.einsum("nk,nkd->nd", weights, points[windows])
+    chord = points[windows[:, -1]] - points[windows[:, 0]]
+    across = _cross(chord, difference) / np.linalg.norm(chord, axis=1)
+    sigma = median_filter(np.abs(across), min(len(across), MEDIAN), mode="reflect") / NORMAL
+    sigma = gaussian_filter1d(sigma, MEDIAN / 4, mode="nearest")
+    ends = (DIFFERENCE - DIFFERENCE // 2, DIFFERENCE // 2)
+    return np.maximum(np.pad(sigma, ends, mode="edge"), LEAST_NOISE)
+
+
+def turns(points: Array) -> Array:
+    """Angles (n - 2,) by which the way through points (n, 2) turns at the inner ones, rad."""
+    one, two = np.diff(points, axis=0)[:-1], np.diff(points, axis=0)[1:]
+    return np.asarray(np.arctan2(np.abs(_cross(one, two)), np.einsum("nd,nd->n", one, two)))
+
+
+def folded(points: Array) -> PointError:
+    """That no curve runs through points (n, 2), of the one where they turn most."""
+    text = "bends back on itself; delete the points that stand off here"
+    return PointError(text, points[1 + int(np.argmax(turns(points)))])
+
+
+def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0) -> Smoothed:
+    """The curve through points (n, 2) in their order along it, mm.
+
+    wavelength: of waves that keep half of their height, mm, everywhere; None: chosen by the noise,
+    from place to place. stretch: a factor to it. Raises ValueError for fewer than 12 points, and
+    PointError for a gap of more than 5 mm between them, and where they bend the curve back.
+    """
+    points = _averaged(points)
+    if len(points) < LEAST_POINTS:
+        raise ValueError(f"has {len(points)} points; give at least {LEAST_POINTS}")
+    sigma = noise(points)
+    s = chord_lengths(points)
+    apart = np.diff(s)
+    if apart.max() > LARGEST_GAP:
+        y, z = points[int(np.argmax(apart))]
+        text = f"has a gap of {apart.max():.3g} mm behind the point {y:.4g}, {z:.4g}; "
+        text += f"give points at most {LARGEST_GAP:g} mm apart"
+        raise PointError(text, np.array([y, z]))
+    spacing = s[-1] / (len(s) - 1)
+    for _ in range(2):
+        pilot = _Fit.of(s)
+        curve = pilot.curve(points, pilot.penalty(np.full(pilot.rows, PILOT * spacing)))
+        s = _lengths(curve, s, points)
+    fit = _Fit.of(s)
+    if wavelength is None:
+        heights = _developed(curve, s)(s) + _off(curve, s, points)
+        lengths = fit.most_probable(heights, np.interp(fit.places, s, sigma))
+    else:
+        lengths = np.full(fit.rows, wavelength)
+    lengths = stretch * lengths
+    for _ in range(2):
+        curve = _bent(curve, s, points, fit, fit.penalty(lengths))
+        s = _lengths(curve, s, points)
+        fit = _Fit.of(s)
+    off, typical = _off(curve, s, points), float(np.median(sigma))
+    return Smoothed(curve, points, s, off, typical, fit.places, lengths)
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """Cubic B-splines on even knots, `step` apart: their values (n, m) at points that are `spacing`
+    apart (mm), and their third differences (rows, m)."""
+
+    knots: Array
+    basis: Array
+    differences: csr_array
+    step: float
+    spacing: float
+
+    @classmethod
+    def of(cls, s: Array) -> _Fit:
+        """For points at lengths s (n,)."""
+        pieces = min(PIECES, len(s))
+        step = s[-1] / pieces
+        knots = step * np.arange(-ORDER, pieces + ORDER + 1)
+        knots[ORDER], knots[-ORDER - 1] = 0.0, s[-1]
+        basis = BSpline.design_matrix(s, knots, ORDER).toarray()
+        differences = csr_array(np.diff(np.eye(basis.shape[1]), ORDER, axis=0))
+        return cls(knots, basis, differences, step, s[-1] / (len(s) - 1))
+
+    @property
+    def rows(self) -> int:
+        """Of the differences."""
+        return int(self.differences.shape[0])
+
+    @property
+    def places(self) -> Array:
+        """Of the differences (rows,), mm."""
+        return np.asarray(self.step * (np.arange(self.rows) + 0.5))
+
+    @property
+    def _unit(self) -> float:
+        """Of the weights of squared differences, mm^6: these are step^5 times the integral of a
+        squared third derivative, and n points weigh 1/spacing a millimetre."""
+        return self.spacing * self.step ** (2 * ORDER - 1)
+
+    def penalty(self, wavelength: Array) -> Array:
+        """Weights (k,) of squared differences over those of points that halve waves of these
+        lengths (k,), mm: omega^6 is their squared third derivative."""
+        return np.asarray((wavelength / (2 * math.pi)) ** (2 * ORDER) / self._unit)
+
+    def curve(self, data: Array, penalty: Array) -> BSpline:
+        """Through data (n, ...)."""
+        return BSpline(self.knots, cho_solve(self._factor(penalty), self.basis.T @ data), ORDER)
+
+    def most_probable(self, heights: Array, sigma: Array) -> Array:
+        """Wavelengths (rows,) that heights (n,) with noise sigma (rows,) leave most probable, mm.
+
+        MacKay's fixed point: the variance of the differences is their sum of squares over the
+        number of them that the points determine, both as means over the neighbourhood.
+        """
+        d, width = self.differences, NEIGHBOURS / self.step
+        shortest = SHORTEST * max(self.spacing, self.step)
+        least, most = self.penalty(np.array([shortest, LONGEST]))
+        penalty = np.full(self.rows, math.sqrt(most * least))
+        for _ in range(UPDATES):
+            factor = self._factor(penalty)
+            found = d @ cho_solve(factor, self.basis.T @ heights)
+            unknown = d.multiply(cho_solve(factor, d.T.toarray()).T).sum(axis=1)
+            known = gaussian_filter1d(1 - np.minimum(penalty * unknown, 1 - 1e-9), width)
+            variance = gaussian_filter1d(found**2, width) / known
+            better = np.clip(sigma**2 / np.maximum(variance, 1e-300), least, most)
+            change = np.abs(np.log(better / penalty)).max()
+            penalty = better
+            if change < SETTLED:
+                break
+        penalty = np.exp(gaussian_filter1d(np.log(penalty), BLENDING / self.step))
+        lengths = 2 * math.pi * (penalty * self._unit) ** (1 / (2 * ORDER))
+        return np.asarray(BENDING * lengths)
+
+    def _factor(self, penalty: Array) -> tuple[Array, bool]:
+        d = self.differences
+        roughness = (d.T @ diags(penalty) @ d).toarray()
+        factor: tuple[Array, bool] = cho_factor(self._squares + roughness, check_finite=False)
+        return factor
+
+    @cached_property
+    def _squares(self) -> Array:
+        return np.asarray(self.basis.T @ self.basis)
+
+
+def _averaged(points: Array) -> Array:
+    """Groups of points that are nearer than CLOSE, as one each; of those at one place the first.
+    Where points are farther apart than most, they stay."""
+    apart = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    points, apart = points[np.concatenate([[True], apart > 0])], apart[apart > 0]
+    near = float(np.median(apart)) if len(apart) else CLOSE
+    group = math.ceil(CLOSE / near) if near < CLOSE / 1.5 else 1
+    kept = []
+    for first in range(0, len(points), group):
+        part = points[first : first + group]
+        if chord_lengths(part)[-1] > 2 * CLOSE:
+            kept.append(part)
+        elif len(part) == group:
+            kept.append(part.mean(axis=0, keepdims=True))
+    return np.concatenate(kept)
+
+
+def _cross(one: Array, other: Array) -> Array:
+    return np.asarray(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
+
+
+def _frame(curve: BSpline, s: Array) -> tuple[Array, Array]:
+    """Unit tangents and left normals (n, 2)."""
+    tangent = curve(s, 1)
+    tangent = tangent / np.linalg.norm(tangent, axis=1)[:, None]
+    return tangent, np.column_stack([-tangent[:, 1], tangent[:, 0]])
+
+
+def _off(curve: BSpline, s: Array, points: Array) -> Array:
+    return np.asarray(np.einsum("nd,nd->n", points - curve(s), _frame(curve, s)[1]))
+
+
+def _curvature(curve: BSpline, s: Array) -> Array:
+    first, second = curve(s, 1), curve(s, 2)
+    return np.asarray(-_cross(first, second) / np.linalg.norm(first, axis=1) ** 3)
+
+
+def _lengths(curve: BSpline, s: Array, points: Array) -> Array:
+    """Arc lengths (n,) of the curve's points that are nearest to the measured ones. Raises
+    PointError where the curve has run away from them."""
+    tangent, _ = _frame(curve, s)
+    speed = np.linalg.norm(curve(s, 1), axis=1)
+    nearest = s + np.einsum("nd,nd->n", points - curve(s), tangent) / speed
+    nearest = np.clip(nearest, 2 * s[0] - s[1], 2 * s[-1] - s[-2])  # no farther off the ends
+    nearest = np.maximum.accumulate(nearest - nearest[0])
+    fine = np.linspace(0, nearest[-1], FINE * len(s))
+    lengths = np.interp(nearest, fine, chord_lengths(curve(fine)))
+    if lengths[-1] > LONGER * chord_lengths(points)[-1]:
+        raise folded(points)
+    return np.asarray(lengths)
+
+
+def _developed(curve: BSpline, s: Array) -> CubicSpline:
+    """Height of the curve over a straight line when it is bent open: its second derivative is the
+    curvature, so that nothing depends on how the profile lies, and every circle is a parabola."""
+    places = np.linspace(0, s[-1], FINE * len(s))
+    return CubicSpline(places, -_curvature(curve, places)).antiderivative(2)
+
+
+def _bent(curve: BSpline, s: Array, points: Array, fit: _Fit, penalty: Array) -> BSpline:
+    """The curve moved along its normals so that, bent open, it is the smooth one."""
+    straight = _developed(curve, s)
+    smooth = fit.curve(straight(s) + _off(curve, s, points), penalty)
+    places = np.linspace(0, s[-1], 2 * fit.rows)
+    offset = smooth(places) - straight(places)
+    moved = curve(places) + offset[:, None] * _frame(curve, places)[1]
+    return make_interp_spline(places, moved, ORDER)

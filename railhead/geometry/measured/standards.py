@@ -1,0 +1,194 @@
+"""The nearest standard profile, laid on a measured one: its axes, and what is worn off.
+
+Metal is lost and never gained, so the standard profile is laid over the measured one where nothing
+stands out of it and the least is lost: a least-squares fit in which points outside weigh more and
+large losses less (the soft l1 loss). A rail may be canted and is turned too; gauges of wheels hold
+on to the flange back. A loss all over, as of a crown ground flat, is partly taken for a
+displacement.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+from scipy.spatial import cKDTree
+
+from railhead.geometry import outlines, profiles
+
+Array = NDArray[np.float64]
+STANDARDS = {"rail": profiles.STANDARD_RAILS, "wheel": ("S1002",)}
+STEP = 0.25  # mm between the places that are compared
+OUTLINE_STEP = 0.02  # mm between the points of a standard's outline
+SOFT = 0.05  # mm of loss from which on it weighs less than its square
+OUTSIDE = 5.0  # weight of what stands out of the standard
+FARTHEST = 6.0  # mm off the standard: seven other rails are off theirs by up to 3.3, wear takes 3
+LARGEST_SLOPE = 0.2  # rad: a head that leans more is laid on sideways or upside down
+LAID = 0.8  # of the width is laid on the standard at least; a wheel without flange slips off it
+ITERATIONS, ROUGH = 100, 20  # of the fit at most; and those that tell orientations apart
+COMPARED = 20.0  # mm across that are laid on each other at least, for a standard to be the nearest
+
+
+@dataclass(frozen=True, kw_only=True)
+class LaidStandard:
+    """A standard profile laid on a measured one; lengths in mm, in the axes of the measured one.
+
+    Attributes:
+        name: 54E1, 60E1 or S1002.
+        outline: points (m, 2) of the standard.
+        origin: where the origin of the standard lies (2,).
+        y: places (n,) of the measured profile.
+        loss: what is lost there (n,), normal to the standard; negative where something stands out,
+            NaN beyond the ends of the standard and below the head.
+        misfit: mean of the weighted squares of the fit; infinite where too little is compared.
+        distance: mean distance of all points to the outline.
+        slope: angle (rad) by which the head leans, positive to y > 0; 0 for wheels.
+    """
+
+    name: str
+    outline: Array
+    origin: Array
+    y: Array
+    loss: Array
+    misfit: float
+    distance: float
+    slope: float
+
+    @property
+    def worst(self) -> int:
+        """Index of the largest loss."""
+        return int(np.argmax(self._lost))
+
+    @property
+    def largest_loss(self) -> float:
+        """The largest loss, mm."""
+        return float(self._lost[self.worst])
+
+    @property
+    def lost_area(self) -> float:
+        """Area of the section that is lost, mm2."""
+        return STEP * float(self._lost.sum())
+
+    @property
+    def _lost(self) -> Array:
+        return np.nan_to_num(np.maximum(self.loss, 0.0))
+
+    @property
+    def fits(self) -> bool:
+        """Whether the measured profile is one of this kind: within FARTHEST of the standard, laid
+        on it by LAID of its width, and leaning by less than LARGEST_SLOPE."""
+        known = np.isfinite(self.loss)
+        laid = float(np.ptp(self.y[known])) if known.any() else 0.0
+        upright = abs(self.slope) < LARGEST_SLOPE and laid >= LAID * float(np.ptp(self.y))
+        return upright and float(np.nanmax(np.abs(self.loss))) <= FARTHEST
+
+    @property
+    def sides(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Which places (n,) have a loss and lie left, and right, of the standard's middle."""
+        known, middle = np.isfinite(self.loss), self.outline[len(self.outline) // 2, 0]
+        return known & (self.y < middle), known & (self.y >= middle)
+
+
+def nearest(points: Array, body: str) -> LaidStandard:
+    """The standard that fits points (n, 2), mm, best: of a 'rail' or 'wheel', STEP apart from left
+    to right."""
+    return min(all_laid(points, body), key=lambda each: each.misfit)
+
+
+def all_laid(points: Array, body: str) -> list[LaidStandard]:
+    """Every standard of a 'rail' or 'wheel' laid on points (n, 2) as for `nearest`."""
+    return [_laid(name, points, body == "rail") for name in STANDARDS[body]]
+
+
+def roughly_laid(points: Array, body: str) -> LaidStandard:
+    """A standard laid on points (n, 2), mm, of any spacing, in few iterations: enough to compare
+    orientations by `distance`."""
+    return _laid(STANDARDS[body][-1], points, body == "rail", ROUGH)
+
+
+def _laid(name: str, points: Array, turns: bool, iterations: int = ITERATIONS) -> LaidStandard:
+    outline, normal, tree = _outline(name)
+
+    def loss(move: Array, beyond: float = 0.0) -> Array:
+        moved = _moved(points, move)
+        _, index = tree.query(moved)
+        depth = -np.einsum("nd,nd->n", moved - outline[index], normal[index])
+        inside = (index > 0) & (index < len(outline) - 1) & (normal[index, 1] > 0)
+        return np.where(inside, depth, beyond)
+
+    def asymmetric(move: Array) -> Array:
+        depth = loss(move) / SOFT
+        soft = np.sqrt(2 * (np.hypot(1, depth) - 1))
+        return np.where(depth > 0, soft, OUTSIDE * depth)
+
+    def distance(move: Array) -> float:
+        return float(tree.query(_moved(points, move))[0].mean())
+
+    up = outline[:, 1].max() - points[:, 1].max()
+    starts = [[_middle(outline) - _middle(points), up, 0.0]]
+    if not turns:  # a wheel: without turning, and by the tip of its flange too
+        tips = outline[np.argmax(outline[:, 1]), 0] - points[np.argmax(points[:, 1]), 0]
+        starts = [[starts[0][0], up], [tips, up]]
+    rough = (
+        least_squares(loss, start, loss="soft_l1", f_scale=SOFT, max_nfev=iterations).x
+        for start in starts
+    )
+    move = min(rough, key=distance)
+    if iterations == ITERATIONS:
+        fit = least_squares(asymmetric, move, max_nfev=iterations).x
+        move = fit if distance(fit) < 2 * distance(move) + 1 else move  # it may slip off the points
+    depth, turn = loss(move, np.nan), _turn(move).T
+    known = points[np.isfinite(depth), 0]
+    compared = len(known) > 0 and np.ptp(known) > COMPARED
+    return LaidStandard(
+        name=name,
+        outline=(outline - move[:2]) @ turn,
+        origin=-move[:2] @ turn,
+        y=points[:, 0],
+        loss=depth,
+        misfit=0.5 * float((asymmetric(move) ** 2).mean()) if compared else np.inf,
+        distance=distance(move),
+        slope=float(move[2]) if turns else 0.0,
+    )
+
+
+def _moved(points: Array, move: Array) -> Array:
+    """Points turned by move[2] (rad), if there is one, then displaced by move[:2] (mm)."""
+    return np.asarray(points @ _turn(move) + move[:2])
+
+
+def _turn(move: Array) -> Array:
+    angle = move[2] if len(move) > 2 else 0.0
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, s], [-s, c]])
+
+
+def _middle(points: Array) -> float:
+    return float((points[:, 0].min() + points[:, 0].max()) / 2)
+
+
+@lru_cache
+def _outline(name: str) -> tuple[Array, Array, cKDTree]:
+    """Points (m, 2) of a standard profile from left to right, OUTLINE_STEP apart, mm; its outward
+    unit normals (m, 2); and the tree of the points."""
+    if name in profiles.STANDARD_RAILS:
+        curves = outlines.rail_section(name, "head", half=False)
+        half = len(curves) // 2
+        free = [curve for curve in (*curves[half:], *curves[:half]) if curve.role != "support"]
+        points = np.concatenate([curve.sampled() for curve in free])
+    else:
+        profile = profiles.s1002()
+        y = np.linspace(*profile.domain, 40001)
+        points = np.column_stack([y, profile.height(y)])
+    apart = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    points = points[np.concatenate([[True], apart > 0])]
+    s = np.concatenate([[0.0], np.cumsum(apart[apart > 0])])
+    even = np.linspace(0, s[-1], int(s[-1] / OUTLINE_STEP))
+    outline = np.column_stack([np.interp(even, s, column) for column in points.T])
+    tangent = np.gradient(outline, axis=0)
+    normal = np.column_stack([-tangent[:, 1], tangent[:, 0]])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    return outline, normal, cKDTree(outline)

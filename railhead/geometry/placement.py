@@ -1,0 +1,164 @@
+"""Where a wheel touches the rail when it is lowered onto it.
+
+The rail is a prism along x, so what counts is the wheel's outline against it: the line on the wheel
+on which its normal has no x component (the contact locus; S. Iwnicki, Handbook of Railway Vehicle
+Dynamics, 2006, section 4.2). Contact points are minima of the height of that line over the rail.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import brentq
+
+from railhead.geometry.pose import Pose
+from railhead.geometry.profiles import Profile
+
+Array = NDArray[np.float64]
+SAMPLES = 4001
+SAMPLING_ERROR = 1e-2  # mm, of the height at the sample nearest to a minimum, at most
+
+
+class PlacementError(ValueError):
+    """The two profiles cannot be brought into contact."""
+
+
+@dataclass(frozen=True)
+class Outline:
+    """Points of a wheel whose normal has no x component.
+
+    points (n, 3) mm; slope (n,) dz/dy of the tangent across; turn (n,) angle about the axle from
+    the wheel's lowest line, rad; radius (n,) distance from the axle, mm.
+    """
+
+    points: Array
+    slope: Array
+    turn: Array
+    radius: Array
+
+
+@dataclass(frozen=True)
+class Touch:
+    """A contact point of the undeformed bodies (mm, 1/mm, rad).
+
+    x, y, z: the point; slope: dz/dy of the common tangent; gap: height over the rail there;
+    tread: y of the point in the wheel's profile; turn, radius: see `Outline`; rail: curvature of
+    the rail across; wheel: principal curvatures along its circles and across; curvature_x,
+    curvature_y: relative principal curvatures; orientation: angle of the first one's direction to
+    the rail in the tangent plane; at_edge: at the end of a profile, without a common tangent.
+    """
+
+    x: float
+    y: float
+    z: float
+    slope: float
+    gap: float
+    tread: float
+    turn: float
+    radius: float
+    rail: float
+    wheel: tuple[float, float]
+    curvature_x: float
+    curvature_y: float
+    orientation: float
+    at_edge: bool
+
+    @property
+    def angle(self) -> float:
+        """Contact angle, rad."""
+        return float(np.arctan(self.slope))
+
+
+def parabolic(curvature_x: float, curvature_y: float) -> Touch:
+    """Half-spaces that touch at the origin under Hertz's parabolic gap."""
+    where, own = (0.0,) * 8, (0.0, (0.0, 0.0))
+    return Touch(*where, *own, curvature_x, curvature_y, 0.0, False)
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A wheel over a rail; origin (0, 0) of the rail's profile is the crown centre."""
+
+    rail: Profile
+    wheel: Profile
+    rolling_radius: float
+
+    def outline(self, pose: Pose, tread: ArrayLike) -> Outline:
+        """Where the wheel's circles at profile coordinates tread (n,) face the rail."""
+        tread = np.asarray(tread, dtype=float)
+        ahead, axle, up = pose.rotation.T
+        radius = self.rolling_radius + self.wheel.height(tread)
+        rise = self.wheel.slope(tread)
+        # The normal cos(turn) down + sin(turn) ahead - rise axle has no x component.
+        length, phase = np.hypot(ahead[0], up[0]), np.arctan2(-up[0], ahead[0])
+        with np.errstate(invalid="ignore"):
+            turn = np.arcsin(rise * axle[0] / length) - phase
+        radial = np.sin(turn)[..., None] * ahead - np.cos(turn)[..., None] * up
+        points = pose.origin + tread[..., None] * axle + radius[..., None] * radial
+        normal = radial - rise[..., None] * axle
+        return Outline(points, -normal[..., 1] / normal[..., 2], turn, radius)
+
+    def touches(self, pose: Pose, clearance: float = 0.0) -> list[Touch]:
+        """The lowest point over the rail, and all minima up to `clearance` mm above it.
+
+        Raises PlacementError where no part of the wheel is over the rail.
+        """
+        tread = np.linspace(*self.wheel.domain, SAMPLES, dtype=np.float64)
+        points = self.outline(pose, tread).points
+        height = points[:, 2] - self.rail.height(points[:, 1])
+        over = np.isfinite(height)
+        if not over.any():
+            raise PlacementError("no part of the wheel is over the rail")
+        wall = np.concatenate([[np.inf], np.where(over, height, np.inf), [np.inf]])
+        minimum = (wall[1:-1] <= wall[:-2]) & (wall[1:-1] < wall[2:])
+        lowest = np.flatnonzero(minimum & (wall[1:-1] <= wall.min() + clearance + SAMPLING_ERROR))
+        found = [self._polish(pose, tread, over, int(index)) for index in lowest]
+        found.sort(key=lambda touch: touch.gap)
+        return [touch for touch in found if touch.gap <= found[0].gap + clearance]
+
+    def _polish(self, pose: Pose, tread: Array, over: NDArray[np.bool_], index: int) -> Touch:
+        """The minimum near a sample: both bodies have the same slope there."""
+
+        def excess(at: float) -> float:
+            outline = self.outline(pose, at)
+            return float(outline.slope - self.rail.slope(outline.points[1]))
+
+        near = [i for i in (index - 1, index + 1) if 0 <= i < len(tread) and over[i]]
+        at_edge = len(near) < 2
+        at = tread[index]
+        if not at_edge and excess(tread[near[0]]) < 0 < excess(tread[near[1]]):
+            at = float(brentq(excess, tread[near[0]], tread[near[1]], xtol=1e-13, rtol=1e-15))
+        return self._touch(pose, at, at_edge)
+
+    def _touch(self, pose: Pose, tread: float, at_edge: bool) -> Touch:
+        outline = self.outline(pose, tread)
+        x, y, z = (float(value) for value in outline.points)
+        slope = float(self.rail.slope(y)) + 0.0  # no negative zero
+        radius, turn = float(outline.radius), float(outline.turn)
+        around = float(np.cos(np.arctan(self.wheel.slope(tread)))) / radius
+        across = float(self.wheel.curvature(tread))
+        rail = float(self.rail.curvature(y))
+        ahead = pose.rotation @ np.array([np.cos(turn), 0.0, np.sin(turn)])  # along the circle
+        tangent = np.array([0.0, 1.0, slope]) / np.hypot(1.0, slope)
+        angle = np.arctan2(ahead @ tangent, ahead[0])
+        return Touch(
+            x, y, z, slope, z - float(self.rail.height(y)), float(tread), turn, radius,
+            rail, (around, across), *relative(rail, around, across, angle), at_edge,
+        )  # fmt: skip
+
+
+def relative(rail: float, around: float, across: float, angle: float) -> tuple[float, float, float]:
+    """Principal relative curvatures (nearer to x, nearer to s) in 1/mm and the first one's angle.
+
+    rail: its curvature along s; around, across: the wheel's, turned by angle (rad) from x.
+    """
+    c, s = np.cos(angle), np.sin(angle)
+    xx = around * c * c + across * s * s
+    ss = around * s * s + across * c * c + rail
+    xs = (around - across) * s * c
+    mean, half = (xx + ss) / 2, np.hypot((xx - ss) / 2, xs)
+    half = half if xx >= ss else -half
+    turned = 0.5 * np.arctan2(xs, abs(xx - ss) / 2) * (1 if xx >= ss else -1)
+    return float(mean + half), float(mean - half), float(turned) + 0.0

@@ -1,0 +1,120 @@
+"""The exact undeformed surfaces near the contact, and the gap between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.geometry.pose import Pose
+from railhead.geometry.profiles import Profile
+
+Array = NDArray[np.float64]
+NEWTON_STEPS = 20
+CONVERGED = 1e-9  # mm, of the last step: a line that misses the surface takes long ones for ever
+
+
+class Surface(Protocol):
+    """The zero set of a function that is positive outside the solid."""
+
+    def implicit(self, points: Array) -> tuple[Array, Array]:
+        """(n,) values in mm and (n, 3) gradients at points (n, 3); NaN beyond the profile."""
+        ...
+
+
+@dataclass(frozen=True)
+class RailSurface:
+    """A straight rail: z - profile(y)."""
+
+    profile: Profile
+
+    def implicit(self, points: Array) -> tuple[Array, Array]:
+        y = points[:, 1]
+        gradient = np.column_stack([np.zeros_like(y), -self.profile.slope(y), np.ones_like(y)])
+        return points[:, 2] - self.profile.height(y), gradient
+
+
+@dataclass(frozen=True)
+class WheelSurface:
+    """A surface of revolution: distance from the axle - (rolling_radius + profile(y))."""
+
+    profile: Profile
+    rolling_radius: float
+    pose: Pose
+
+    def implicit(self, points: Array) -> tuple[Array, Array]:
+        x, y, z = self.pose.inward(points).T
+        distance = np.hypot(x, z)
+        gradient = np.column_stack([x / distance, -self.profile.slope(y), z / distance])
+        value = distance - self.rolling_radius - self.profile.height(y)
+        return value, gradient @ self.pose.rotation.T
+
+
+def along(surface: Surface, points: Array, directions: Array) -> Array:
+    """Distance t (n,) with points + t directions on the surface, by Newton's method from t = 0.
+
+    points, directions: (n, 3), mm. Infinite where the line misses the surface or its profile ends,
+    and where a point is not finite.
+    """
+    t, step = np.zeros(len(points)), np.zeros(len(points))
+    with np.errstate(invalid="ignore"):
+        for _ in range(NEWTON_STEPS):
+            value, gradient = surface.implicit(points + t[:, None] * directions)
+            step = value / np.einsum("nd,nd->n", gradient, directions)
+            t = t - step
+            if not np.any(np.abs(step) > 1e-14):
+                break
+    return np.where(np.abs(step) < CONVERGED, t, np.inf)
+
+
+def nearest(surface: Surface, points: Array) -> tuple[Array, Array]:
+    """Places (n, 3) on a surface nearest to points (n, 3) beside it, mm, and its unit normals
+    there; NaN beyond the profile."""
+    direction = _unit(surface.implicit(points)[1])
+    with np.errstate(invalid="ignore"):
+        places = points + along(surface, points, direction)[:, None] * direction
+        return places, _unit(surface.implicit(places)[1])
+
+
+@dataclass(frozen=True)
+class ExactGap:
+    """Gap from `slave` along its outward normal to `master`."""
+
+    slave: Surface
+    master: Surface
+
+    def __call__(self, points: Array) -> tuple[Array, Array]:
+        """points (n, 3) near the slave -> (gap (n,), outward normal (n, 3)).
+
+        The points are moved onto the slave first. The gap is infinite where the normal misses the
+        master.
+        """
+        places, normal = nearest(self.slave, points)
+        return along(self.master, places, normal), np.where(np.isfinite(normal), normal, 0.0)
+
+    def off_surface(self, points: Array) -> Array:
+        """Distance (n,) of points (n, 3) from the slave, mm."""
+        return np.asarray(np.linalg.norm(nearest(self.slave, points)[0] - points, axis=1))
+
+
+def _unit(vectors: Array) -> Array:
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=1)[:, None])
+
+
+@dataclass(frozen=True)
+class ParabolicGap:
+    """Hertz's own gap, curvature_x x^2/2 + curvature_y y^2/2, between two flat half-spaces.
+
+    outward: +1 if the slave is the lower body.
+    """
+
+    curvature_x: float
+    curvature_y: float
+    outward: int
+
+    def __call__(self, points: Array) -> tuple[Array, Array]:
+        """points (n, 3) -> (gap (n,), normal (n, 3))."""
+        gap = 0.5 * (self.curvature_x * points[:, 0] ** 2 + self.curvature_y * points[:, 1] ** 2)
+        return gap, np.tile([0.0, 0.0, float(self.outward)], (len(points), 1))

@@ -1,0 +1,1 @@
+"""Error envelopes over the resolution, and what measured profiles leave uncertain."""

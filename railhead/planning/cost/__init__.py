@@ -1,0 +1,1 @@
+"""Unknowns, seconds and memory of a plan, and the speed of this machine."""

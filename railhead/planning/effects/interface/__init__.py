@@ -1,0 +1,1 @@
+"""Effects of the surfaces: friction, and the heat that it makes."""

@@ -1,0 +1,208 @@
+"""Tangential traction: a shift from rest, or steady rolling."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from railhead.contact import wheelset_kinematics
+from railhead.contact.wheelset_kinematics import Wheelset
+from railhead.planning.effects.base import After, Context, Effect
+from railhead.planning.effects.shape.far_field import CerrutiFarField
+from railhead.planning.references import closed_forms
+from railhead.postprocess.findings import Findings
+from railhead.scene.scene import Scene, SceneError
+from railhead.theory.elastic import hertz
+from railhead.theory.elastic.hertz import Ellipse
+from railhead.theory.friction import kalker
+from railhead.theory.rolling.rolling import Creepage
+
+if TYPE_CHECKING:
+    from railhead.planning.plan import Plan
+    from railhead.solver.setup import Setup
+
+OMITTED = "not simulated: falling friction, third bodies, roughness, dynamics (docs/limits.md)"
+NO_MISMATCH = 1e-9  # |beta| that is rounding
+GROWTH = 8  # steps in which a patch of unlike bodies grows
+CYCLE = (0.0, 1.0, -1.0, 1.0)  # shares of the force, there, back and there
+SHIFT = 4  # steps from one of them to the next where bodies yield: strain within 2 % of twice them
+WORK = 5.5  # times an elastic run of AT unknowns, and in proportion to them: 4 to 17 times were
+AT = 46_000  # measured from 28 000 to 140 000
+BYTES = 26_000  # an unknown, beside those of an elastic run: 13 000 to 24 000 were measured there
+
+
+def decide(context: Context) -> Effect:
+    """Called for by a tangential force, by creepage or spin, or by friction between bodies whose
+    surfaces slip when they are pressed together: Dundurs' beta != 0 (Johnson, Contact Mechanics,
+    5.1 and 5.4)."""
+    scene = context.scene
+    asked = scene.friction
+    limit = asked.coefficient * context.hertz.load
+    table, along, across = scene.tangential
+    force = math.hypot(along, across)
+    if force and force >= limit and (scene.load is not None or not limit):
+        raise SceneError(
+            f"{table}.force_{'along' if along else 'across'}",
+            f"{force:g} N would slide; give less than friction.coefficient times the normal force, "
+            f"{limit:g} N",
+        )
+    wheelset = rolled(context)
+    _fits_the_section(context)
+    untouched = "no tangential force and no creepage"
+    if not asked.coefficient and scene.rolling.given:
+        called, why = False, "friction.coefficient = 0: it rolls freely"
+    elif scene.rolling.given:
+        stands = f" as the wheelset stands, {wheelset.why}" if wheelset else ""
+        called, why = True, f"the wheel rolls{stands}{_expected(context, limit)}; {OMITTED}"
+    elif force:
+        stick = max(0.0, 1 - force / limit) ** (1 / 2 if context.contact.line else 1 / 3)
+        why = (
+            f"a tangential force of {force:g} N, {force / limit:.3g} of mu N: Cattaneo and Mindlin"
+        )
+        called, why = (
+            True,
+            f"{why}'s stick patch is {stick:.3g} times as long and wide as the patch",
+        )
+    elif not unlike(scene):
+        called, why = False, f"{untouched}, and Dundurs' beta = 0 leaves the surfaces unsheared"
+    elif not asked.coefficient:
+        called, why = False, f"{untouched}, and friction.coefficient = 0"
+    else:
+        called, why = (
+            True,
+            f"it resists the slip of unlike materials, Dundurs' beta = {mismatch(scene):.3g}",
+        )
+    if called and scene.mesh.linear and scene.effects.friction != "off":
+        raise SceneError(
+            "mesh.order",
+            "1 is not allowed with friction: on linear tetrahedra and triangles forces are 0.03 to "
+            "0.14 mu N off; give 2",
+        )
+    refused = {} if asked.coefficient else {"on": "friction.coefficient is 0"}
+    return Effect(called, called, why, refused)
+
+
+def apply(setup: Setup, plan: Plan) -> Setup:
+    """The coefficient and the wheel's motion."""
+    from railhead.solver.setup import Rub
+
+    scene, contact = plan.scene, plan.contact
+    frame = contact.frame
+    rolling, friction = scene.rolling, scene.friction
+    given = rolling if rolling.given else friction
+    moves = creepage(plan.context)
+    known = [moves.along, moves.across, moves.spin]
+    free = []
+    for index, way in enumerate(("along", "across")):
+        if rolling.given and getattr(rolling, f"force_{way}") is None:
+            continue
+        known[index] = 0.0
+        still = (plan.half_x or contact.plane == "yz", plan.half_y or contact.plane == "xz")
+        if not (still[index] or contact.revolved):
+            free.append((index, float(getattr(given, f"force_{way}") or 0.0)))
+    far = CerrutiFarField(plan) if contact.half_space and not contact.plane else None
+    motion = known[0], known[1], known[2]
+    rub = Rub(
+        friction.coefficient, rolling.given, frame.axes, frame.origin,
+        wheelset_kinematics.rigid_slip(contact),
+        motion, tuple(free), legs(scene, line=contact.line, yields=plan.effects["plasticity"].on),
+        far,
+    )  # fmt: skip
+    return replace(setup, rub=rub)
+
+
+def legs(scene: Scene, *, line: bool, yields: bool) -> tuple[tuple[float, float], ...]:
+    """Shares of the load and of the tangential forces: the patch of unlike bodies grows in equal
+    steps, with friction; then the force, in equal steps where bodies yield."""
+    if not grows(scene):
+        grown = []
+    else:
+        power = 2 if line else 3  # of the load in the patch's length
+        grown = [((step / GROWTH) ** power, 0.0) for step in range(1, GROWTH + 1)]
+        if not any(scene.tangential[1:]):
+            return tuple(grown)
+    turns = CYCLE if scene.friction.cycle else CYCLE[:2]
+    steps = SHIFT if yields else 1
+    shares = [
+        start + (end - start) * step / steps
+        for start, end in itertools.pairwise(turns)
+        for step in range(1, steps + 1)
+    ]
+    return (*grown, *((1.0, share) for share in shares))
+
+
+def grows(scene: Scene) -> bool:
+    """Whether friction takes part while the patch grows."""
+    return unlike(scene) and not scene.rolling.given
+
+
+def unlike(scene: Scene) -> bool:
+    """Whether bodies slip when they are pressed together: Dundurs' beta != 0."""
+    return abs(mismatch(scene)) > NO_MISMATCH
+
+
+def mismatch(scene: Scene) -> float:
+    """Dundurs' beta."""
+    rail, wheel = scene.rail, scene.wheel
+    return hertz.dundurs_beta(
+        rail.young_modulus, rail.poisson_ratio, wheel.young_modulus, wheel.poisson_ratio
+    )
+
+
+def check(context: Context, effect: Effect, found: Findings) -> After | None:
+    """Whether it was left out."""
+    if not effect.called_for:
+        return None
+    return After(
+        not effect.on, "simulated" if effect.on else f"{effect.why}: the answer is frictionless"
+    )
+
+
+def rolled(context: Context) -> Wheelset | None:
+    """How the wheel creeps where it is the wheelset that says so. Raises SceneError."""
+    if not context.scene.rolling.from_wheelset:
+        return None
+    return wheelset_kinematics.of(context.contact)
+
+
+def creepage(context: Context) -> Creepage:
+    """What is given, or the wheelset's; 0 where it is not."""
+    rolling, wheelset = context.scene.rolling, rolled(context)
+    if wheelset:
+        return wheelset.creepage
+    return Creepage(rolling.creepage_along or 0.0, rolling.creepage_across or 0.0, rolling.spin)
+
+
+def _expected(context: Context, limit: float) -> str:
+    """Kalker's linear theory, of an ellipse."""
+    scene, ellipse = context.scene, context.hertz
+    if not isinstance(ellipse, Ellipse) or scene.rolling.force_along or scene.rolling.force_across:
+        return ""
+    if not 0.05 <= ellipse.a / ellipse.b <= 20:
+        return ""
+    pair = closed_forms.tangential_pair(scene)
+    linear = kalker.coefficients(ellipse.a / ellipse.b, pair.poisson)
+    forces = linear.forces(ellipse.a, ellipse.b, pair.shear_modulus, creepage(context))
+    share = math.hypot(*forces[:2]) / limit
+    return f": Kalker's linear force is {share:.3g} mu N" + (
+        ", most of the patch slips" if share > 1 else ""
+    )
+
+
+def _fits_the_section(context: Context) -> None:
+    """SceneError for a tangential motion that a section does not have."""
+    scene, plane = context.scene, context.contact.plane
+    along, across = scene.sheared
+    table = "rolling" if scene.rolling.given else "friction"
+    if plane == "yz" and scene.rolling.given:
+        raise SceneError("rolling", "is not allowed: the scene is a section across the rail")
+    if plane == "yz" and along:
+        raise SceneError(
+            f"{table}", "along the rail is not allowed: the scene is a section across it"
+        )
+    if plane == "xz" and across:
+        raise SceneError(
+            f"{table}", "across the rail is not allowed: the scene is a section along it"
+        )

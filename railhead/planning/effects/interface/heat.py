@@ -1,0 +1,49 @@
+"""Heat of friction: an indicator alone, as no temperature is simulated."""
+
+from __future__ import annotations
+
+import math
+
+from railhead.planning.effects.base import After, Context, Effect
+from railhead.planning.effects.interface import friction
+from railhead.postprocess.findings import Findings
+from railhead.theory.elastic import contacts
+from railhead.theory.elastic.line import LineContact
+from railhead.theory.friction.heat import flash_temperature
+
+HOT = 100.0  # K: a choice
+
+
+def decide(context: Context) -> Effect:
+    """Called for where the flash temperature is HOT or more if the whole patch slips."""
+    scene, hertz = context.scene, context.hertz
+    speed, rolling = scene.rolling.speed, scene.rolling
+    refused = {"on": "no temperature is simulated"}
+    if speed is None or not context.decided["friction"].on:
+        why = "nothing slips" if speed else "no rolling.speed is given"
+        return Effect(False, False, why, refused)
+    if rolling.force_along or rolling.force_across:
+        return Effect(False, False, "the creepage of a given force is known afterwards", refused)
+    moves = friction.creepage(context)
+    a, b = contacts.half_lengths(hertz)
+    slip = math.hypot(moves.along, moves.across) + abs(moves.spin) * max(a, b)
+    most = flash_temperature(
+        scene.friction.coefficient * hertz.load * slip, hertz.area, a, speed,
+        line=isinstance(hertz, LineContact),
+    )  # fmt: skip
+    called = most >= HOT
+    side = "above" if called else "below"
+    why = f"flash temperature up to {most:.3g} K where all slips, {side} {HOT:g} K"
+    return Effect(called, False, why, refused)
+
+
+def check(context: Context, effect: Effect, found: Findings) -> After | None:
+    """The same with the energy that is dissipated."""
+    speed = context.scene.rolling.speed
+    if speed is None or math.isnan(found.dissipated):
+        return None
+    patch, line = found.patch, isinstance(context.hertz, LineContact)
+    rise = flash_temperature(found.dissipated, patch.area, patch.a, speed, line=line)
+    hot = rise >= HOT
+    text = f"flash temperature {rise:.3g} K, {'above' if hot else 'below'} {HOT:g} K"
+    return After(hot, f"{text}: friction and yield stress fall with it" if hot else text)

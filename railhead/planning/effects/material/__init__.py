@@ -1,0 +1,1 @@
+"""Effects of the materials: deformable bodies, nearly incompressible ones, yield."""

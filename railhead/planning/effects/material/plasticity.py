@@ -1,0 +1,226 @@
+"""Yield of either body: loading in steps, and what it leaves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.meshing.tags import BODIES
+from railhead.planning.effects.base import After, Context, Effect
+from railhead.planning.effects.interface import friction
+from railhead.postprocess.findings import Array, Findings
+from railhead.scene import steels
+from railhead.scene.scene import Scene, SceneError
+from railhead.scene.sections import Part
+from railhead.theory.elastic import indentation
+from railhead.theory.friction import sliding
+
+if TYPE_CHECKING:
+    from railhead.planning.patch.forecast import Zone
+    from railhead.planning.plan import Plan
+    from railhead.solver.material.hardening import Hardening
+    from railhead.solver.setup import Setup, Side
+
+STEPS = 4  # from first yield to the load: the centre pressure is within 1.5 % of many steps
+LINE_STEPS = 16  # the same of a line, where four leave the strain 20 % and more too large
+WORK = 1.1  # times an elastic run that a load step costs, its share of unloading included: 0.8 to
+# 1.3 on a solid of 10 000 to 48 000 unknowns and a section
+BYTES = 6_000  # an unknown, beside those of an elastic run: 4 500 to 5 500 were measured
+REACH = 3.0  # half lengths of the patch around it in which yield is followed
+USUAL = "R260"  # rail steel that a scene without one is held against
+
+
+def decide(context: Context) -> Effect:
+    """Called for where the largest elastic von Mises stress passes a yield stress."""
+    scene = context.scene
+    stresses = {
+        name: context.von_mises(part.poisson_ratio) for name, part in _yielding(context).items()
+    }
+    yields, why = _compare(scene, stresses) if stresses else (False, _no_yield_stress(context))
+    if yields and scene.mesh.linear and scene.effects.plasticity != "off":
+        raise SceneError(
+            "mesh.order",
+            "1 is not allowed where a body yields: linear tetrahedra and triangles lock; give 2",
+        )
+    if isinstance(context.elastic, str) and context.elastic:
+        why += f"; exact Hertz's, as no other is known: {context.elastic}"
+    if yields:
+        why += _expected(context, _over(context, stresses))
+    refused = {} if stresses else {"on": "no body that deforms has a yield stress"}
+    if stresses and context.decided["friction"].on:
+        grows = friction.grows(scene)
+        if scene.rolling.given or grows:
+            what = "unlike bodies are pressed" if grows else "rolling is solved"
+            refused = {
+                "on": f"{what} elastically with friction; effects.friction=off leaves it out"
+            }
+            why += f"; {what} elastically with friction, whose tractions add to it"
+            why += "" if yields else _slipping(context)
+    if yields and not refused:
+        why += f"; {steps(context)} load steps"
+    return Effect(yields, yields and not refused, why, refused)
+
+
+def apply(setup: Setup, plan: Plan) -> Setup:
+    """Hardening of the bodies that yield, and the way of the load."""
+    from railhead.solver.setup import LoadPath
+
+    scene = plan.scene
+
+    def yielding(side: Side) -> Side:
+        part = scene.rail if BODIES[side.tag] == "rail" else scene.wheel
+        if side.rigid or not part.yields:
+            return side
+        return replace(side, material=replace(side.material, hardening=hardening(part)))
+
+    law = setup.law
+    if setup.rub is not None and law.theta is None:  # with 1 Newton's method may swing under shear
+        law = replace(law, theta=0)
+    path = LoadPath(plan.load_steps, scene.cycles, scene.unload, Near(plan.forecast.zones))
+    fixed, moving = yielding(setup.fixed), yielding(setup.moving)
+    return replace(setup, fixed=fixed, moving=moving, path=path, law=law)
+
+
+def check(context: Context, effect: Effect, found: Findings) -> After | None:
+    """The same with the largest stresses that were found in each body."""
+    stresses = {
+        name: found.largest[name].von_mises.value
+        for name in _yielding(context)
+        if name in found.largest
+    }
+    if not stresses:
+        largest = {name: each.von_mises.value for name, each in found.largest.items()}
+        return After(False, *_steel_yields(context, largest))
+    yields, why = _compare(context.scene, stresses)
+    if effect.on:
+        return After(False, "simulated")
+    cost = ": the elastic answer overstates the pressure and all stresses" if yields else ""
+    return After(yields, why + cost)
+
+
+def hardening(part: Part) -> Hardening:
+    """How a body that yields does."""
+    from railhead.solver.material.hardening import Hardening
+
+    share = part.kinematic_fraction or 0.0
+    if part.yield_stress is not None:
+        return Hardening.linear(part.yield_stress, part.hardening_modulus or 0.0, share)
+    strain, stress = zip(*part.curve, strict=True)
+    return Hardening(strain, stress, share)
+
+
+def shear_yield(context: Context) -> float | None:
+    """Yield stress in shear of the weaker body that deforms, MPa; None where none is known."""
+    limits = [hardening(part).first / math.sqrt(3) for part in _yielding(context).values()]
+    return min(limits, default=None)
+
+
+@dataclass(frozen=True)
+class Near:
+    """Where yield is followed: REACH half lengths around each patch, REACH smaller ones deep."""
+
+    zones: tuple[Zone, ...]
+
+    def __call__(self, points: Array) -> NDArray[np.bool_]:
+        """Points in space (n, 3) mm -> mask (n,)."""
+        near = np.zeros(len(points), dtype=bool)
+        for zone in self.zones:
+            x, y, z = (points - np.array(zone.centre)).T
+            c, s = np.cos(zone.angle), np.sin(zone.angle)
+            across, height = c * y + s * z, c * z - s * y
+            deep = min(zone.a, zone.b)
+            distance = (x / zone.a) ** 2 + (across / zone.b) ** 2 + (height / deep) ** 2
+            near |= distance < REACH**2
+        return near
+
+
+def _yielding(context: Context) -> dict[str, Part]:
+    """The bodies that deform and have a yield stress."""
+    scene = context.scene
+    return {
+        name: part
+        for name, part in (("rail", scene.rail), ("wheel", scene.wheel))
+        if part.yields and context.decided[f"deformable_{name}"].on
+    }
+
+
+def _over(context: Context, stresses: dict[str, float]) -> float:
+    """Load over that of first yield: Hertz's stresses grow as its cube root, of a line contact as
+    its square root."""
+    parts = {"rail": context.scene.rail, "wheel": context.scene.wheel}
+    worst = max(stresses[name] / hardening(parts[name]).first for name in stresses)
+    return float(worst ** (2 if context.contact.line else 3))
+
+
+def _expected(context: Context, over: float) -> str:
+    """What the plan can say of yield: of a patch that is an ellipse Jackson and Green's sphere of
+    the weaker body tells how it grows, against Hertz's radius (load^(1/3))."""
+    text = f", {over:.3g} times the load of first yield"
+    if not context.contact.line:
+        parts = _yielding(context).values()
+        weakest = min(parts, key=lambda part: hardening(part).first)
+        strain = hardening(weakest).first / context.hertz.contact_modulus
+        sphere = indentation.jackson_green(over, weakest.poisson_ratio, strain)
+        text += f": a patch about {sphere.radius / over ** (1 / 3) - 1:.0%} wider"
+    return text
+
+
+def _slipping(context: Context) -> str:
+    """The largest von Mises stress under pressure and tractions if the whole patch slips."""
+    friction = context.scene.friction.coefficient
+    most = max(
+        hardest(context.hertz, friction, part.poisson_ratio).von_mises
+        for hardest in (sliding.hardest_below, sliding.hardest_at_surface)
+        for part in _yielding(context).values()
+    )
+    return f": up to {most:.4g} MPa where all slips"
+
+
+def steps(context: Context) -> int:
+    """Load steps from first yield to the load."""
+    return LINE_STEPS if context.contact.line else STEPS
+
+
+def _no_yield_stress(context: Context) -> str:
+    """Why a scene without a yield stress stays elastic, and whether a usual rail would yield."""
+    stresses = {
+        name: context.von_mises(part.poisson_ratio)
+        for name, part in (("rail", context.scene.rail), ("wheel", context.scene.wheel))
+        if context.decided[f"deformable_{name}"].on
+    }
+    return _steel_yields(context, stresses)[0]
+
+
+def _steel_yields(context: Context, stresses: Mapping[str, float]) -> tuple[str, bool]:
+    """Of a scene without a yield stress, from the largest von Mises stresses (MPa) of the bodies
+    that deform: what a usual rail steel would do, and whether it would yield."""
+    parts = {"rail": context.scene.rail, "wheel": context.scene.wheel}
+    steel = {name: stress for name, stress in stresses.items()
+             if steels.like(parts[name].young_modulus)}  # fmt: skip
+    if not steel:
+        return "no yield stress is given", False
+    name = max(steel, key=steel.__getitem__)
+    limit = steels.known()[USUAL].yield_stress
+    yields = bool(steel[name] > limit)
+    verb = "would yield here" if yields else "would not yield"
+    text = f"von Mises {steel[name]:.4g} MPa in the {name}, its yield {limit:g}"
+    return f"no steel is given; {USUAL} {verb}: {text}", yields
+
+
+def _compare(scene: Scene, stresses: dict[str, float]) -> tuple[bool, str]:
+    parts = {"rail": scene.rail, "wheel": scene.wheel}
+    limits = {name: hardening(parts[name]).first for name in stresses}
+    worst = max(stresses, key=lambda name: stresses[name] / limits[name])
+    limit = limits[worst]
+    yields, steel = bool(stresses[worst] > limit), parts[worst].steel
+    verb = "passes" if yields else "stays below"
+    return (
+        yields,
+        f"von Mises {stresses[worst]:.4g} MPa {verb} the yield {limit:.4g} MPa of the {worst}"
+        + (f" ({steel}: {steels.known()[steel].kind})" if steel else ""),
+    )

@@ -1,0 +1,1 @@
+"""Effects that change which bodies are meshed: symmetry, sections, profiles, extent, far field."""

@@ -1,0 +1,73 @@
+"""The real profiles, or one radius each where the patch stays within one arc of both."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from railhead.contact.solid import Contact
+from railhead.geometry.osculating import osculating
+from railhead.geometry.profiles import Arc, Polynomial
+from railhead.planning.effects.base import After, Context, Effect, touching
+from railhead.postprocess.findings import Findings
+
+MARGIN = 1.1  # times the patch that must lie within one arc
+
+
+def decide(context: Context) -> Effect:
+    """Called for where the predicted patch comes near a joint of two arcs, or there is no arc."""
+    contact = context.contact
+    if contact.lengthwise:
+        why = "the section runs along the rail"
+        return Effect(False, False, why, {"on": why})
+    if contact.half_space:
+        why = "half-spaces have one radius each"
+        return Effect(False, False, why, {"on": why})
+    reach = MARGIN * context.hertz.b * math.cos(contact.touch.angle)
+    called, why = _leaves(contact, contact.touch.y - reach, contact.touch.y + reach)
+    return Effect(called, called, f"{MARGIN} times the predicted patch, {why}")
+
+
+def check(context: Context, effect: Effect, found: Findings) -> After | None:
+    """The same with the extent of the patch that was found."""
+    if "on" in effect.refused:
+        return None
+    centre, reach = found.patch.centre[1], found.patch.b
+    if found.patch.outlines:
+        across = np.concatenate(found.patch.outlines)[:, 1]
+        low, high = float(across.min()), float(across.max())
+    else:
+        low, high = centre - reach, centre + reach
+    cosine, y = math.cos(found.frame.angle), found.frame.origin[1]
+    leaves, why = _leaves(context.contact, y + low * cosine, y + high * cosine)
+    return After(leaves and not effect.on, f"the patch, {why}")
+
+
+def one_radius(contact: Contact) -> Contact:
+    """The same first contact between profiles of one radius: those of curvature there."""
+    if contact.pair is None:
+        return contact
+    y = contact.touch.y
+    rail, wheel = (osculating(profile, y - shift) for _, profile, shift in touching(contact))
+    return replace(contact, pair=replace(contact.pair, rail=rail, wheel=wheel))
+
+
+def _leaves(contact: Contact, low: float, high: float) -> tuple[bool, str]:
+    """Whether low <= y <= high (mm) is more than one arc of either body, and the reason."""
+    nearest, owner = math.inf, ""
+    for body, profile, shift in touching(contact):
+        piece = next(p for p in profile.pieces if p.end >= contact.touch.y - shift)
+        straight = isinstance(piece, Polynomial) and len(piece.coefficients) <= 2
+        if not (isinstance(piece, Arc) or straight):
+            return True, f"on the {body}'s {profile.name} where it is no arc"
+        for joint in profile.joints:
+            if abs(joint + shift - contact.touch.y) < abs(nearest - contact.touch.y):
+                nearest, owner = joint + shift, body
+    span = f"y = {low:.1f} to {high:.1f} mm"
+    if not owner:
+        return False, f"{span}, lies on one arc each"
+    crosses = bool(low < nearest < high)
+    verb = "crosses" if crosses else "ends before"
+    return crosses, f"{span}, {verb} the {owner}'s joint at y = {nearest:.1f} mm"

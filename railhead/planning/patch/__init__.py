@@ -1,0 +1,1 @@
+"""The contact patch that is expected, and ridges of its pressure."""

@@ -1,0 +1,143 @@
+"""The patch before anything is meshed: what the mesh is refined around and Newton starts from.
+
+Where the gap over Hertz's ellipse is Hertz's parabola and nothing else comes close, the forecast is
+that ellipse. Elsewhere boundary elements solve for the patch or the patches, on the exact gap over
+the developed surface of the rail.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from railhead.contact.solid import Contact
+from railhead.planning.effects.base import Context
+from railhead.planning.references import boundary_elements
+from railhead.planning.references.boundary_elements import Developed
+from railhead.postprocess.findings import Frame
+from railhead.theory.bem.patch import PatchSolution
+from railhead.theory.elastic import contacts
+from railhead.theory.elastic.contacts import Hertz
+
+Array = NDArray[np.float64]
+MINOR = 0.02  # of the load: smaller patches are not refined for
+
+
+@dataclass(frozen=True)
+class Zone:
+    """A patch: centre (3,), half lengths a along the rail and b across it (mm), contact angle."""
+
+    centre: tuple[float, float, float]
+    a: float
+    b: float
+    angle: float
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """Whether the nearest of known points (n, 3) touches and lies within reach (mm)."""
+
+    tree: cKDTree
+    touches: NDArray[np.bool_]
+    reach: float
+
+    def __call__(self, points: Array) -> NDArray[np.bool_]:
+        distance, index = self.tree.query(points)
+        return np.asarray(self.touches[index] & (distance < self.reach))
+
+
+@dataclass(frozen=True)
+class InEllipse:
+    """Whether points lie in Hertz's ellipse, turned by an angle in the tangent plane (rad)."""
+
+    frame: Frame
+    a: float
+    b: float
+    turn: float
+
+    def __call__(self, points: Array) -> NDArray[np.bool_]:
+        x, s, height = self.frame.local(points).T
+        c, t = math.cos(self.turn), math.sin(self.turn)
+        inside = ((c * x + t * s) / self.a) ** 2 + ((c * s - t * x) / self.b) ** 2 < 1.0
+        return np.asarray(inside & (np.abs(height) < max(self.a, self.b)))
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """zones: patches, most loaded first; moments: centre (x, s) and semi-axes of all of the
+    pressure by its moments, in the frame of the first contact, mm; touching: points (n, 3) ->
+    (n,) whether they touch; hertzian: whether exact Hertz is the forecast; reason: why it is,
+    although the gap is not his."""
+
+    zones: tuple[Zone, ...]
+    moments: tuple[float, float, float, float]
+    touching: Callable[[Array], NDArray[np.bool_]]
+    hertzian: bool
+    reason: str = ""
+
+    @property
+    def minor(self) -> float:
+        """Smaller half length of the most loaded patch, mm."""
+        return min(self.zones[0].a, self.zones[0].b)
+
+
+def forecast(context: Context) -> Forecast:
+    """Of the patches of a scene."""
+    contact, ellipse = context.contact, context.hertz
+    if context.hertzian:
+        return _hertz(contact, ellipse)
+    try:
+        found = context.boundary_elements
+    except ValueError as error:  # the finite elements will tell
+        return replace(_hertz(contact, ellipse), reason=f"boundary elements: {error}")
+    surface, points, forces = boundary_elements.develop(contact), [], []
+    for window in found.windows:
+        places = (each.ravel() for each in np.meshgrid(window.x, window.s, indexing="ij"))
+        points.append(surface.points(*places))
+        forces.append(window.cell * window.pressure.ravel())
+    everything, force = np.concatenate(points), np.concatenate(forces)
+    known = np.isfinite(everything).all(axis=1)  # cells beyond the profile carry nothing
+    everything, force = everything[known], force[known]
+    kept = tuple(
+        _zone(patch, surface) for patch in found.patches if patch.force > MINOR * found.force
+    )
+    return Forecast(
+        kept,
+        _moments(contact.frame.local(everything), force),
+        Nearest(cKDTree(everything), force > 0, max(zone.b for zone in kept)),
+        False,
+    )
+
+
+def _hertz(contact: Contact, ellipse: Hertz) -> Forecast:
+    """Of a line contact the zone is as wide as long: its section does not know the length."""
+    touch, frame = contact.touch, contact.frame
+    touching = InEllipse(frame, ellipse.a, ellipse.b, touch.orientation)
+    a, b = contacts.half_lengths(ellipse)
+    zone = Zone(contact.origin, a, b, touch.angle)
+    return Forecast((zone,), (0.0, 0.0, a, b), touching, True)
+
+
+def _zone(patch: PatchSolution, surface: Developed) -> Zone:
+    """Where a patch lies and how far it reaches, by whole cells."""
+    ends = [(axis[index.min()], axis[index.max()], axis[1] - axis[0])
+            for axis, index in zip((patch.x, patch.s), np.nonzero(patch.pressure), strict=True)
+            ]  # fmt: skip
+    (x, a), (s, b) = (((low + high) / 2, (high - low + step) / 2) for low, high, step in ends)
+    (middle,) = surface.points(np.array([x]), np.array([s]))
+    centre = (float(middle[0]), float(middle[1]), float(middle[2]))
+    return Zone(centre, float(a), float(b), patch.plane)
+
+
+def _moments(local: Array, force: Array) -> tuple[float, float, float, float]:
+    x, s = (float(np.average(local[:, axis], weights=force)) for axis in (0, 1))
+    a, b = (
+        math.sqrt(5 * float(np.average((local[:, axis] - middle) ** 2, weights=force)))
+        for axis, middle in ((0, x), (1, s))
+    )
+    return x, s, a, b

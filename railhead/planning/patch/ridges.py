@@ -1,0 +1,42 @@
+"""Where the pressure has a ridge: lines in a patch on which the relative curvature jumps.
+
+The pressure is continuous there, its slope across is not bounded (K. L. Johnson, Contact Mechanics,
+1985, section 5.1), and elements of one size flatten it.
+"""
+
+from __future__ import annotations
+
+import math
+
+from railhead.contact.solid import Contact
+from railhead.planning.effects.base import touching
+from railhead.planning.patch.forecast import Zone
+
+JUMP = 0.2  # of the relative curvature across, over its larger side: smaller ones leave no ridge
+BESIDE = 1e-6  # mm
+
+
+def ridges(contact: Contact, zone: Zone) -> list[Zone]:
+    """Lines along the rail in a patch, as zones without width (b = 0)."""
+    if contact.lengthwise:
+        return []
+    found = []
+    for _, profile, shift in touching(contact):
+        for joint in profile.joints:
+            y = joint + shift
+            across = (y - zone.centre[1]) / (zone.b * math.cos(zone.angle))
+            if abs(across) < 1 and _jump(contact, y) > JUMP:
+                z = float(contact.profiles["rail"][0].height(y))
+                length = zone.a * math.sqrt(1 - across**2)
+                found.append(Zone((zone.centre[0], y, z), length, 0.0, zone.angle))
+    return found
+
+
+def _jump(contact: Contact, y: float) -> float:
+    """Difference of the relative curvature across on both sides of y, over the larger one."""
+    (rail, _), (wheel, shift) = contact.profiles["rail"], contact.profiles["wheel"]
+    left, right = (
+        float(rail.curvature(beside) - wheel.curvature(beside - shift))
+        for beside in (y - BESIDE, y + BESIDE)
+    )
+    return abs(right - left) / max(abs(left), abs(right), 1e-300)

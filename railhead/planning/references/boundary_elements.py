@@ -1,0 +1,146 @@
+"""The rail's surface developed around a contact, and one elastic problem on it.
+
+x runs along the rail from the first contact and s along the rail's profile from there. The gap is
+along the rail's normals, the wheel comes down as a whole, and distances between patches are taken
+along the surface, through the rail: that is exact within a plane and an approximation around a
+bend, whose weight falls with the distance.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import find_objects, label
+
+from railhead.contact.solid import Contact
+from railhead.geometry.surfaces import along
+from railhead.theory.bem import boundary_element
+from railhead.theory.bem.boundary_element import Solution, Window
+from railhead.theory.elastic.contacts import Hertz
+
+Array = NDArray[np.float64]
+SAMPLES = 4001  # of either profile
+START = 1.2  # times Hertz's approach: how far down patches are looked for at first
+TOUCHING = 1e-3  # of the approach: what lies deeper in the other body was missed
+LOOKS = 5
+TOLERANCE = 1e-5
+CELLS = 64  # each way in a patch
+
+
+@dataclass(frozen=True)
+class Developed:
+    """s (n,) along the rail's profile and y (n,) across the track, both ascending, mm."""
+
+    contact: Contact
+    s: Array
+    y: Array
+
+    def angle(self, s: Array) -> Array:
+        """Of the normals at s (n,) to the vertical, rad."""
+        return np.asarray(np.arctan(self.contact.profiles["rail"][0].slope(self._across(s))))
+
+    def points(self, x: Array, s: Array) -> Array:
+        """(n, 3) on the surface, mm; NaN beyond the profile."""
+        y = self._across(s, math.nan)
+        return np.column_stack([x, y, self.contact.profiles["rail"][0].height(y)])
+
+    def gap(self, x: Array, s: Array) -> Array:
+        """Undeformed gap (n,) along the rail's normals, mm; infinite where they miss the wheel."""
+        angle = self.angle(s)
+        normals = np.column_stack([np.zeros_like(angle), -np.sin(angle), np.cos(angle)])
+        return along(self.contact.surfaces()[1], self.points(x, s), normals)
+
+    def locus(self) -> tuple[Array, Array, Array]:
+        """x, s and height over the rail (n,) of the wheel's points that come down first."""
+        pair, pose = self.contact.pair, self.contact.pose
+        assert pair is not None and pose is not None
+        points = pair.outline(pose, np.linspace(*pair.wheel.domain, SAMPLES)).points
+        x, y, z = points[np.isfinite(points).all(axis=1)].T
+        over = (y > self.y[0]) & (y < self.y[-1])
+        x, y, z = x[over], y[over], z[over]
+        return x, np.interp(y, self.y, self.s), z - pair.rail.height(y)
+
+    def _across(self, s: Array, beyond: float | None = None) -> Array:
+        return np.interp(s, self.s, self.y, beyond, beyond)
+
+
+def develop(contact: Contact) -> Developed:
+    """The rail's profile by its length. Raises ValueError for half-spaces, which have none."""
+    rail = contact.surfaces()[0].profile
+    y = np.unique([*np.linspace(*rail.domain, SAMPLES), *rail.joints, contact.touch.y])
+    s = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(y), np.diff(rail.height(y))))])
+    return Developed(contact, s - s[np.searchsorted(y, contact.touch.y)], y)
+
+
+def solve(contact: Contact, ellipse: Hertz, load: float | None, cells: int = CELLS) -> Solution:
+    """All patches of a contact under a vertical load (N), or at the ellipse's approach.
+
+    Where the solution leaves a point of the wheel's contact locus inside the rail, a patch was
+    missed and is added. Raises ValueError where there is no closed patch within the profiles.
+    """
+    surface, cosine = develop(contact), math.cos(contact.touch.angle)
+    rigid = ellipse.approach / cosine
+    given = {"load": load} if load is not None else {"approach": rigid}
+    x, s, height = surface.locus()
+    windows = _around(contact, surface, START * rigid)
+    windows += _boxes(contact, x, s, np.maximum(START * rigid - height, 0))
+    for _ in range(LOOKS):
+        found = boundary_element.solve_developed(
+            surface.gap, ellipse.contact_modulus, windows, surface.angle,
+            cells=cells, tolerance=TOLERANCE, **given,
+        )  # fmt: skip
+        missed = _boxes(contact, x, s, _inside(surface, found, x, s, height))
+        if not missed:
+            return found
+        windows = [_window(window.x, window.s) for window in found.windows] + missed
+    raise ValueError(f"after {LOOKS} solutions the wheel still lies in the rail beside the patches")
+
+
+def _inside(surface: Developed, found: Solution, x: Array, s: Array, height: Array) -> Array:
+    """How deep (n,) the wheel's locus lies in the rail outside of the windows, mm, where that
+    matters, else zero."""
+    beside = height < found.approach
+    for window in found.windows:
+        reach = [abs(axis - cells.mean()) > np.ptp(cells) / 2
+                 for axis, cells in ((x, window.x), (s, window.s))]  # fmt: skip
+        beside &= reach[0] | reach[1]
+    depth = np.zeros_like(x)
+    x, s = x[beside], s[beside]
+    angle = surface.angle(s)
+    closed = found.approach * np.cos(angle) - surface.gap(x, s)
+    depth[beside] = closed - found.displacement(x, s, angle)
+    return np.where(depth > TOUCHING * found.approach, depth, 0.0)
+
+
+def _window(x: Array, s: Array) -> Window:
+    """Around places x, s (n,) or (m,)."""
+    (x0, x1), (s0, s1) = ((float(each.min()), float(each.max())) for each in (x, s))
+    return ((x0 + x1) / 2, (s0 + s1) / 2), ((x1 - x0) / 2, (s1 - s0) / 2)
+
+
+def _boxes(contact: Contact, x: Array, s: Array, depth: Array) -> list[Window]:
+    """Where the locus x, s (n,) lies by depth (n,) mm in the rail: centres and half sizes."""
+    found: list[Window] = []
+    curvature = max(contact.touch.curvature_x, 0.1 / contact.scene.wheel.rolling_radius)
+    for (run,) in find_objects(label(depth > 0)[0]):
+        half = math.sqrt(2 * depth[run].max() / curvature)
+        step = float(np.max(np.abs(np.diff(s[max(run.start - 1, 0) : run.stop + 1]))))
+        low, high = s[run].min() - step, s[run].max() + step
+        middle, spread = (x[run].min() + x[run].max()) / 2, np.ptp(x[run]) / 2
+        found.append(((float(middle), (low + high) / 2), (half + float(spread), (high - low) / 2)))
+    return found
+
+
+def _around(contact: Contact, surface: Developed, rigid: float) -> list[Window]:
+    """Where paraboloids at the contact points would lie in the rail after a closure (mm)."""
+    found: list[Window] = []
+    for touch in contact.touches(rigid):
+        depth = 2 * (rigid - touch.gap) * math.cos(touch.angle)
+        least = 0.1 / contact.scene.wheel.rolling_radius
+        halves = [math.sqrt(depth / max(c, least)) for c in (touch.curvature_x, touch.curvature_y)]
+        s = float(np.interp(touch.y, surface.y, surface.s))
+        found.append(((touch.x, s), (halves[0], halves[1])))
+    return found

@@ -1,0 +1,120 @@
+"""Exact Hertz for the pair of a scene."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from railhead.contact.plane_section import FlatContact
+from railhead.contact.solid import Contact
+from railhead.meshing.tags import RAIL
+from railhead.scene.scene import NOMINAL_RADIUS, Scene, SceneError
+from railhead.theory.elastic import contacts, hertz
+from railhead.theory.elastic.contacts import Hertz
+from railhead.theory.elastic.hertz import Ellipse
+from railhead.theory.rolling import tangential
+from railhead.theory.rolling.tangential import Pair
+
+CONTINUUM = 1e-6  # mm: a nanometre, some atoms
+LARGEST = 1e6  # mm: a kilometre; no body is longer
+PARABOLIC = 0.02  # largest deviation from Hertz's gap over his approach
+ROUNDING = 1e3  # gap of the patch over the rounding of coordinates, at least
+
+
+def plane_strain_modulus(scene: Scene, body: int) -> float:
+    """E / (1 - nu^2), MPa."""
+    part = scene.rail if body == RAIL else scene.wheel
+    return part.young_modulus / (1 - part.poisson_ratio**2)
+
+
+def contact_modulus(scene: Scene) -> float:
+    """E*, MPa."""
+    rail, wheel = scene.rail, scene.wheel
+    return hertz.contact_modulus(
+        rail.young_modulus, rail.poisson_ratio, wheel.young_modulus, wheel.poisson_ratio
+    )
+
+
+def tangential_pair(scene: Scene) -> Pair:
+    """Both materials as tractions see them."""
+    rail, wheel = scene.rail, scene.wheel
+    return tangential.pair(
+        wheel.young_modulus, wheel.poisson_ratio, rail.young_modulus, rail.poisson_ratio
+    )
+
+
+def estimate(scene: Scene, contact: Contact, load: float | None = None) -> Hertz:
+    """Exact Hertz for the pair under a load (N), by default that or the approach of the scene."""
+    load = load if load is not None else scene.load
+    if isinstance(contact, FlatContact) and contact.line:
+        return contact.estimate(load)
+    return ellipse(scene, contact, load)
+
+
+def ellipse(scene: Scene, contact: Contact, load: float | None = None) -> Ellipse:
+    """A point contact; the normal force of a vertical load is load / cos(angle)."""
+    touch, modulus = contact.touch, contact_modulus(scene)
+    load = load if load is not None else scene.load
+    cosine = math.cos(touch.angle)
+    if load is not None:
+        return hertz.point_contact(touch.curvature_x, touch.curvature_y, modulus, load / cosine)
+    return hertz.point_contact_from_approach(
+        touch.curvature_x, touch.curvature_y, modulus, float(scene.approach or 0.0) * cosine
+    )
+
+
+def finite(scene: Scene, contact: Contact) -> Hertz:
+    """The estimate; SceneError for a load or approach whose patch is larger than the wheel, or too
+    small for continuum mechanics or for the coordinates of the bodies."""
+    key, value = ("load", scene.load) if scene.load is not None else ("approach", scene.approach)
+    try:
+        with np.errstate(all="ignore"):
+            found = estimate(scene, contact)
+    except (ArithmeticError, ValueError):  # beyond the numbers there are
+        text = f"{value:g} makes no patch with these radii and moduli; give values of real bodies"
+        raise SceneError(key, text) from None
+    major, minor = max(contacts.half_lengths(found)), min(contacts.half_lengths(found))
+    least, most = _smallest(scene, contact, found), min(scene.wheel.rolling_radius, LARGEST)
+    if found.p0 > 0 and math.isfinite(found.load) and least <= minor and major < most:
+        return found
+    size = f"{value:g} makes a patch of {found.a:.3g} x {found.b:.3g} mm"
+    if major < most:
+        why = f"half lengths below {least:.3g} mm are lost in atoms or in rounding"
+        raise SceneError(key, f"{size}; give a larger one, {why}")
+    raise SceneError(
+        key, f"{size}; give a smaller one, whose patch is smaller than wheel.rolling_radius"
+    )
+
+
+def parabolic(contact: Contact, ellipse: Ellipse) -> bool:
+    """Whether the exact gap over the ellipse and a little beyond is Hertz's, and nothing else is
+    within reach of the approach."""
+    touch = contact.touch
+    if len(contact.touches(ellipse.approach / math.cos(touch.angle))) > 1:
+        return False
+    turn, radius = np.meshgrid(np.linspace(0, 2 * np.pi, 25), [0.5, 1.0])
+    u, v = (ellipse.a * radius * np.cos(turn)).ravel(), (ellipse.b * radius * np.sin(turn)).ravel()
+    c, t = math.cos(touch.orientation), math.sin(touch.orientation)
+    gap = contact.half_space_gap(touch)(c * u - t * v, t * u + c * v)
+    expected = (touch.curvature_x * u**2 + touch.curvature_y * v**2) / 2
+    return bool(np.abs(gap - expected).max() < PARABOLIC * ellipse.approach)
+
+
+def _smallest(scene: Scene, contact: Contact, found: Hertz) -> float:
+    """Smallest half length (mm) that means something: CONTINUUM, and for real bodies that whose
+    gap, minor^2 times the curvature, is ROUNDING times the rounding of the largest radius."""
+    if contact.half_space:
+        return CONTINUUM
+    rail, wheel = scene.rail, scene.wheel
+    radii = [
+        abs(radius)
+        for radius in (
+            wheel.rolling_radius,
+            rail.crown_radius or NOMINAL_RADIUS.get(rail.profile, 0.0),
+            wheel.transverse_radius or 0.0,
+        )
+        if math.isfinite(radius)
+    ]
+    rounding = ROUNDING * np.finfo(float).eps * max(radii, default=0.0)
+    return max(CONTINUUM, math.sqrt(rounding / contacts.curvature(found)))

@@ -1,0 +1,73 @@
+"""How far a load beside the web twists a rail, and what that does to the patch.
+
+A wheel that only moves down presses along the contact normal. The moment of that force about the
+centre of twist turns the head; where the radii of both bodies change, another place is another
+patch. The compliance was measured with finite elements: 54E1 and 60E1, a metre long, foot held
+(`railhead study calibrate`).
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+from railhead.contact.solid import Contact
+from railhead.geometry import profiles
+from railhead.geometry.placement import PlacementError
+from railhead.planning.references import boundary_elements, closed_forms
+from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.elastic.contacts import Hertz
+
+MEASURED = json.loads((Path(__file__).parent / "data" / "twist.json").read_text(encoding="utf-8"))
+COMPLIANCE: dict[str, float] = MEASURED["compliance"]  # twist times E over the moment, 1/mm3
+CENTRE: float = MEASURED["centre_mm"]  # below the crown, that the head turns about (67 to 76)
+
+
+def lever(contact: Contact, centre: float = CENTRE) -> float:
+    """Distance of the contact normal from the centre of twist (mm below the crown), mm; positive on
+    the field side."""
+    touch, inclination = contact.touch, contact.scene.rail.inclination
+    return touch.y + (touch.z + centre) * touch.slope - centre * inclination
+
+
+def twist(contact: Contact, ellipse: Hertz) -> float:
+    """Rotation of the head towards the middle of the track, rad."""
+    moment = -ellipse.load * math.cos(contact.touch.angle) * lever(contact)
+    rail = contact.scene.rail
+    return COMPLIANCE[rail.profile] * moment / rail.young_modulus
+
+
+def twisted(contact: Contact, angle: float, aside: float) -> Contact:
+    """The wheel lowered onto the rail whose head was turned by an angle (rad) about its crown and
+    moved by -aside (mm) along y.
+
+    Raises PlacementError where it misses it.
+    """
+    if contact.pair is None or contact.pose is None:
+        raise PlacementError("half-spaces do not twist")
+    rail = contact.scene.rail
+    if rail.profile in COMPLIANCE:
+        slope = math.tan(math.atan(rail.inclination) + angle)
+        turned = profiles.rail_head(rail.profile, slope)
+    else:
+        turned = profiles.rolled(contact.pair.rail, math.tan(angle))
+    pair = replace(contact.pair, rail=turned)
+    beside = contact.pose.moved(y=aside)
+    pose = beside.moved(z=-pair.touches(beside)[0].gap)
+    return replace(contact, touch=pair.touches(pose)[0], pair=pair, pose=pose)
+
+
+def change(contact: Contact, before: Solution, angle: float, aside: float) -> float:
+    """Relative change of the largest pressure or of the area where the rail is `twisted`, the
+    larger one, by boundary elements under the same load as `before`.
+
+    Raises ValueError where the wheel misses the twisted rail or they find no closed patch.
+    """
+    other = twisted(contact, angle, aside)
+    load = contact.scene.load or before.load
+    hertz = closed_forms.ellipse(contact.scene, other, load)
+    after = boundary_elements.solve(other, hertz, load)
+    pressure, area = after.max_pressure / before.max_pressure, after.area / before.area
+    return max(abs(pressure - 1), abs(area - 1))

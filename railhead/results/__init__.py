@@ -1,0 +1,1 @@
+"""What a run leaves: summary, checks, tables and the result folder."""

@@ -1,0 +1,186 @@
+"""report.html: one file with all of a result, for a reader who has nothing else."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+import platform
+from collections.abc import Mapping
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import meshio
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from PIL import Image
+
+from railhead import __version__
+from railhead.postprocess.findings import Findings
+from railhead.results import quantities
+from railhead.results.report import labels, tables
+from railhead.results.report.output_units import Units
+
+if TYPE_CHECKING:
+    from railhead.results.result import Result
+
+NAME = "report.html"
+LARGE = 300_000  # bytes
+CAPTIONS = {
+    "patch": "Contact pressure over the patch, seen from above.",
+    "patch_on_rail": "The patch on the running surface, with its mesh.",
+    "pressure": "Contact pressure along both axes; where each cut lies is said over it.",
+    "depth": "Stresses below the contact.",
+    "stress_cut": "Stresses in a cut through the contact.",
+    "wheel_rail": "The bodies that were solved, cut open, and their mesh at the contact.",
+    "plastic": "What yields, what stays after the load, and the pressure with and without yield.",
+    "friction": "Where the patch sticks and slips, and the tractions.",
+    "shakedown": "Pressure and traction against the limits of repeated rolling.",
+}
+PACKAGES = ("fenics-dolfinx", "petsc4py", "numpy", "scipy", "gmsh", "pyvista", "matplotlib")
+
+
+def write(
+    result: Result, units: Units, folder: Path, found: Findings | None,
+    grids: tuple[meshio.Mesh, meshio.Mesh] | None,
+) -> None:  # fmt: skip
+    """Into a result folder that holds its pictures already. Nothing but OSError is raised: what
+    could not be made is said in the file."""
+    try:
+        text = render(result, units, folder, found, grids)
+    except OSError:
+        raise
+    except Exception as error:
+        problem = f"The report could not be made ({type(error).__name__}: {error})."
+        text = _template("broken.html.j2").render(problem=problem)
+    (folder / NAME).write_text(text, encoding="utf-8")
+
+
+def render(
+    result: Result, units: Units, folder: Path, found: Findings | None,
+    grids: tuple[meshio.Mesh, meshio.Mesh] | None,
+) -> str:  # fmt: skip
+    """The whole page."""
+    summary, scene = result.summary, result.plan.scene
+    views, viewer, missing = _views(result, found, grids)
+    effects = summary["plan"]["effects"]
+    return _template("report.html.j2").render(
+        summary=summary, units=units, words=labels, found=found, views=views, viewer=viewer,
+        missing=missing,
+        title=found.subject.title if found else summary["case"],
+        scene_rows=list(labels.scene_rows(scene, units)),
+        scene_toml=(folder / "scene.toml").read_text(encoding="utf-8"),
+        answer=answer_rows(summary, units, found),
+        friction=_friction(summary, units),
+        files=[path.name for path in scene.files],
+        left_out={name: each for name, each in effects.items() if not each["on"]},
+        check_rows=_checks(summary["checks"]),
+        pictures=[
+            (CAPTIONS[name], _picture((folder / f"{name}.png").read_bytes()))
+            for name in CAPTIONS if (folder / f"{name}.png").exists()
+        ],
+        versions={"railhead": __version__, "Python": platform.python_version(), **_versions()},
+    )  # fmt: skip
+
+
+def answer_rows(summary: Mapping[str, Any], units: Units, found: Findings | None) -> dict[str, Any]:
+    """Columns, and rows of (label, unit, key, cells as text)."""
+    result = summary["result"]
+    if result is None or found is None:
+        return {"columns": [], "rows": []}
+    thesis, names = found.subject.thesis, found.subject.names
+    columns = {
+        "FE": "finite elements", "estimate": "within", "half-space": "half-spaces",
+        "Hertz": "exact Hertz", **({"thesis": "thesis"} if thesis else {}),
+    }  # fmt: skip
+    if kind := quantities.plain(summary):
+        columns[f"{kind} FE"] = f"{kind}, finite elements"
+    table = quantities.contact(summary)
+    columns = {
+        name: shown
+        for name, shown in columns.items()
+        if any(row[name] is not None for row in table)
+    }
+    rows = []
+    for (label, unit, path), row in zip(quantities.ROWS, table, strict=True):
+        cells = []
+        for name in columns:
+            value = row[name]
+            text = tables.cell(name, value, unit, units)
+            cells.append(f"\u00b1 {text}" if name == "estimate" and text else names.get(text, text))
+        rows.append((label.strip(), units.unit(unit), ".".join(path), cells))
+    return {"columns": list(columns.values()), "rows": rows}
+
+
+def _friction(summary: Mapping[str, Any], units: Units) -> dict[str, Any]:
+    """Columns, and rows of (label, unit, cells as text)."""
+    table = quantities.friction(summary)
+    every = [*table, *quantities.steel(summary)]
+    columns = [name for name in (table[0] if table else {}) if name not in quantities.FIRST]
+    columns = [name for name in columns if any(row[name] is not None for row in table)]
+    rows = []
+    for row in every:
+        unit = str(row["unit"])
+        cells = [tables.cell(name, row.get(name), unit, units) for name in columns]
+        rows.append((str(row["quantity"]).strip(), units.unit(unit), cells))
+    return {"columns": columns, "rows": rows}
+
+
+def _checks(checks: Mapping[str, Any]) -> list[tuple[str, str, str, bool, str, str]]:
+    """What it asks, value, limit, whether it holds, the limit's reason, advice."""
+    rows = []
+    for name, (limit, reason) in checks["limits"].items():
+        value, plain = checks[name], name == "converged"
+        text = ("yes" if value else "no") if plain else f"{float(value):.3g}"
+        rows.append((
+            labels.check(name), text, "" if plain else f"{float(limit):.3g}",
+            name not in checks["failed"], reason, checks["advice"].get(name, ""),
+        ))  # fmt: skip
+    return sorted(rows, key=lambda row: row[3])
+
+
+def _views(
+    result: Result, found: Findings | None, grids: tuple[meshio.Mesh, meshio.Mesh] | None
+) -> tuple[list[dict[str, Any]], str, str]:
+    """Views that turn, the page that shows them, and, without them, why there are none."""
+    if found is None or grids is None or result.fields is None:
+        return [], "", "nothing touches"
+    try:
+        from railhead.postprocess.views import turning
+
+        views = [
+            {**vars(view), "scene": _encoded(view.scene), "still": _picture(view.still)}
+            for view in turning.views(result.fields, found, *grids)
+        ]
+        return views, json.dumps(turning.viewer()).replace("<", "\\u003c"), ""
+    except Exception as error:  # graphics drivers fail in many ways, and the rest is worth having
+        return [], "", " ".join(f"{type(error).__name__}: {error}".split())
+
+
+def _versions() -> dict[str, str]:
+    found = {}
+    for name in PACKAGES:
+        try:
+            found[name] = version(name)
+        except ImportError:  # Debian's have no metadata
+            continue
+    return found
+
+
+def _picture(png: bytes) -> str:
+    """A large one (shaded bodies) with 256 colours: a third of the size, hard to tell apart."""
+    if len(png) < LARGE:
+        return _encoded(png)
+    small = io.BytesIO()
+    Image.open(io.BytesIO(png)).convert("RGB").quantize(256).save(small, format="png")
+    return _encoded(small.getvalue())
+
+
+def _encoded(data: bytes) -> str:
+    return base64.b64encode(data).decode()
+
+
+def _template(name: str) -> Any:
+    loader = PackageLoader("railhead.results.report", "templates")
+    environment = Environment(loader=loader, undefined=StrictUndefined, autoescape=True)
+    return environment.get_template(name)

@@ -1,0 +1,235 @@
+"""A solved scene: its numbers by name, its fields, files and pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+from railhead.results.report import terminal
+from railhead.results.report.output_units import Units
+from railhead.run.mesh_solution import Level
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from rich.console import Console
+
+    from railhead.planning.plan import Plan
+    from railhead.postprocess.findings import Findings
+    from railhead.solver.fields import Fields
+    from railhead.theory.elastic.contacts import Hertz
+
+UNITS = ("_mm2", "_mm", "_MPa", "_N")
+BOUNDS = {"area_mm2": "area", "max_MPa": "pressure_max"}
+
+
+@dataclass(frozen=True, repr=False)
+class Result:
+    """What `solve` gives. Under MPI the numbers are the same on all ranks; fields and findings are
+    there on rank 0 only.
+
+    `patch` (a, b along and across the rail, mm, and area, mm2), `pressure` (max, mean, MPa),
+    `stress` (tau_max, von_mises_max, MPa, each with _depth mm, _body and _place mm),
+    `load` N and `approach` mm are the finite-element result; `hertz` holds the same of exact Hertz.
+    `estimate` bounds their relative errors by name: a, b, area, pressure_max, approach, tau_max,
+    tau_max_depth, von_mises_max; a name is missing where there is no bound.
+    """
+
+    level: Level
+    summary: dict[str, Any]
+
+    def __repr__(self) -> str:
+        if self.summary["result"] is None:
+            return f"<Result {self.summary['case']}: nothing touches>"
+        verdict = "passed" if self.passed else f"failed {', '.join(self.failed)}"
+        return (
+            f"<Result {self.summary['case']}: {self.load:.6g} N, {self.pressure.max:.5g} MPa on "
+            f"{self.patch.area:.4g} mm2, {verdict}>"
+        )
+
+    def _repr_html_(self) -> str:
+        return terminal.html(self.show)
+
+    def show(self, console: Console, units: Units | None = None) -> None:
+        """Print the table of `railhead run`."""
+        from railhead.results.report import tables
+
+        tables.show_result(self.summary, console, units or tables.DEFAULT)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The content of summary.json."""
+        return self.summary
+
+    @property
+    def passed(self) -> bool:
+        """Whether all checks hold."""
+        return bool(self.summary["checks"]["passed"])
+
+    @property
+    def failed(self) -> list[str]:
+        """The names of the checks that do not hold, the worst first."""
+        return list(self.summary["checks"]["failed"])
+
+    @property
+    def patch(self) -> SimpleNamespace:
+        """Of the contact: a, b (mm), area (mm2)."""
+        return _named(self._numbers["patch"])
+
+    @property
+    def pressure(self) -> SimpleNamespace:
+        """max, mean (MPa)."""
+        return _named(self._numbers["pressure"])
+
+    @property
+    def stress(self) -> SimpleNamespace:
+        """The largest shear and von Mises stresses of both bodies and where they are."""
+        return _named(self._numbers["stress"])
+
+    @property
+    def plastic(self) -> SimpleNamespace | None:
+        """What yields and what is left, as in summary.json; None where nothing yields."""
+        return _named(self._numbers["plastic"]) if "plastic" in self._numbers else None
+
+    @property
+    def friction(self) -> SimpleNamespace | None:
+        """Forces, creepages and stick, as in summary.json; None without friction."""
+        return _named(self._numbers["friction"]) if "friction" in self._numbers else None
+
+    @property
+    def load(self) -> float:
+        """N, down."""
+        return float(self._numbers["load_N"])
+
+    @property
+    def approach(self) -> float:
+        """mm, of the supports."""
+        return float(self._numbers["approach_mm"])
+
+    @property
+    def hertz(self) -> SimpleNamespace:
+        """Exact Hertz under the same load: patch, pressure, stress, approach."""
+        return _named(self.summary["hertz"])
+
+    @property
+    def estimate(self) -> SimpleNamespace:
+        """Bounds of the relative errors."""
+        bound = self.summary["accuracy"]["bound"]
+        return _named({BOUNDS.get(name, name): value for name, value in bound.items()})
+
+    @property
+    def _numbers(self) -> dict[str, Any]:
+        numbers = self.summary["result"]
+        if numbers is None:
+            raise ValueError("there is no result: nothing touches")
+        return dict(numbers)
+
+    @property
+    def mesh(self) -> Any:
+        """The dolfinx mesh of both bodies (of the modelled part, where there is symmetry)."""
+        return self.level.mesh.mesh
+
+    @property
+    def displacement(self) -> Any:
+        """A dolfinx Function on `mesh`, mm."""
+        from railhead.solver import compat
+
+        return compat.function(self.level.space, self.level.solution.displacement)
+
+    def save(
+        self, folder: str | Path, *, pictures: bool = True, report: bool = True,
+        whole: bool = False, units: Units | None = None,
+    ) -> None:  # fmt: skip
+        """Write what `railhead run` writes, report.html (with `report` and `pictures`) in the given
+        units; whole: .vtu files of the whole model, with the images of what symmetry left out.
+        Under MPI to be called on all ranks. Raises SceneError for a folder with other files,
+        OSError where it cannot be written."""
+        from railhead.results import result_folder
+
+        problem: Exception | None = None
+        comm = self.mesh.comm
+        if comm.rank == 0:
+            try:
+                result_folder.check_folder(Path(folder))
+                more = None
+                if report and pictures:
+                    from railhead.results.report import html
+
+                    more = partial(html.write, self, units or Units())
+                result_folder.write(self, Path(folder), pictures=pictures, page=more, whole=whole)
+            except Exception as error:  # whatever it is, the other ranks wait for it
+                problem = error
+        if (problem := comm.bcast(problem)) is not None:
+            raise problem
+
+    @property
+    def plot(self) -> Plots:
+        """Diagrams on matplotlib axes."""
+        return Plots(self)
+
+    @property
+    def plan(self) -> Plan:
+        """The plan of the finest mesh."""
+        return self.level.plan
+
+    @property
+    def ellipse(self) -> Hertz:
+        """Exact Hertz under the same load."""
+        return self.level.ellipse
+
+    @property
+    def fields(self) -> Fields | None:
+        """The solution as arrays (rank 0)."""
+        return self.level.fields
+
+    @property
+    def findings(self) -> Findings | None:
+        """What was read out of it (rank 0)."""
+        return self.level.findings
+
+
+@dataclass(frozen=True)
+class Plots:
+    """The diagrams of a result; each gives the axes of a new figure."""
+
+    result: Result
+
+    def pressure(self) -> list[Axes]:
+        """Along and across the rail, against exact Hertz."""
+        from railhead.postprocess.plots import diagrams
+
+        return diagrams.pressure(self._findings, self._hertz).axes
+
+    def depth(self) -> list[Axes]:
+        """Principal stresses and largest shear below the contact."""
+        from railhead.postprocess.plots import diagrams
+
+        poisson = self.result.plan.shown.poisson_ratio
+        return diagrams.depth(self._findings, self._hertz, poisson).axes
+
+    @property
+    def _findings(self) -> Findings:
+        if self.result.findings is None:
+            raise ValueError("there is nothing to draw: nothing touches, or this is not rank 0")
+        return self.result.findings
+
+    @property
+    def _hertz(self) -> Hertz | None:
+        # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
+        return self.result.ellipse if len(self._findings.patch.each) < 2 else None
+
+
+def _named(values: Mapping[str, Any]) -> SimpleNamespace:
+    """Numbers by their names without units, tables as namespaces of their own."""
+    return SimpleNamespace(
+        **{
+            _bare(name): _named(value) if isinstance(value, Mapping) else value
+            for name, value in values.items()
+        }
+    )
+
+
+def _bare(name: str) -> str:
+    return next((name.removesuffix(unit) for unit in UNITS if name.endswith(unit)), name)

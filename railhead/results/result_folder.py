@@ -1,0 +1,242 @@
+"""The result folder: complete or not there at all."""
+
+from __future__ import annotations
+
+import fcntl
+import glob
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import psutil
+
+from railhead.results import quantities, table_file
+from railhead.run import process
+from railhead.scene.io import to_toml
+from railhead.scene.scene import SceneError
+
+if TYPE_CHECKING:
+    import meshio
+
+    from railhead.postprocess.findings import Array, Findings
+    from railhead.results.result import Result
+
+Page = Callable[[Path, "Findings | None", "tuple[meshio.Mesh, meshio.Mesh] | None"], None]
+SUMMARY = "summary.json"
+TABLE = "result.csv"
+MANIFEST = ".railhead"  # names of the files in a result folder that are replaced by the next one
+
+
+def foreign(folder: Path) -> list[str]:
+    """Names in a folder that no result put there."""
+    names, own = set(os.listdir(folder)), {MANIFEST}
+    if MANIFEST in names:
+        text = (folder / MANIFEST).read_text(encoding="utf-8", errors="replace")
+        own |= set(text.splitlines())
+    return sorted(names - own)
+
+
+def check_folder(folder: Path, keeps: Collection[str] = ()) -> None:
+    """Raise SceneError if results cannot go to `folder`, before anything is computed.
+
+    A result takes the place of an earlier one as a whole, so the folder must be new, empty, or
+    hold nothing else (but what it `keeps`); a link to one is followed.
+    """
+    try:
+        problem = _obstacle(folder, keeps)
+    except OSError as error:
+        problem = f"{str(folder)!r}: {error.strerror}"
+    except ValueError as error:  # a null character
+        problem = f"{str(folder)!r}: {error}"
+    if problem:
+        raise SceneError("--out", f"{problem}; give another folder")
+
+
+def _obstacle(folder: Path, keeps: Collection[str]) -> str:
+    """Why results cannot go to a folder; empty if they can."""
+    name = repr(str(folder))
+    with suppress(FileNotFoundError, NotADirectoryError):
+        (folder.parent / (_prefix(folder) + 16 * "x")).lstat()  # raises if the name is too long
+    if folder.is_symlink() and not folder.exists():
+        return f"{name} is a link to nothing"
+    if folder.exists() and not folder.is_dir():
+        return f"{name} is a file"
+    target = folder.resolve()
+    parent = target.parent
+    while not parent.exists():
+        parent = parent.parent
+    if not parent.is_dir() or not os.access(parent, os.W_OK):
+        return f"{str(parent)!r} cannot be written to"
+    if target.parent.is_dir() and process.rank() == 0:
+        settle(target)
+    if folder.is_dir():
+        if folder.samefile(os.curdir) or os.path.ismount(folder):
+            kind = "a mount point" if os.path.ismount(folder) else "the working directory"
+            return f"{name} is {kind}, which cannot be replaced"
+        if others := [other for other in foreign(folder) if other not in keeps]:
+            return f"{name} holds {others[0]!r}, which is no result"
+    return ""
+
+
+@contextmanager
+def replacing(folder: Path) -> Iterator[Path]:
+    """A temporary folder that takes the place of `folder` when the block ends without an error.
+
+    Two renames do it: the earlier result gets the name `.NAME.earlier`, then the new one its name.
+    Whenever the process is killed, one of both is there, whole; `settle` does the rest. Files that
+    others put into `folder` are kept. Of two results written at once, the later one stays.
+    OSError: the files cannot be written.
+    """
+    folder = folder.resolve()
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    work = _temporary(folder)
+    try:
+        yield work
+        names = "".join(f"{name}\n" for name in sorted(os.listdir(work)))
+        (work / MANIFEST).write_text(names, encoding="utf-8")
+        work.chmod(0o755)
+        with _locked(folder.parent):
+            _settle(folder)
+            try:
+                if folder.is_dir():
+                    os.rename(folder, _earlier(folder))
+                os.rename(work, folder)
+            finally:
+                _settle(folder)
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+
+
+def settle(folder: Path) -> None:
+    """Finish what a process that was killed in `replacing` began, and remove its temporary folders.
+    OSError: it cannot."""
+    with _locked(folder.parent):
+        _settle(folder)
+        for work in folder.parent.glob(glob.escape(_prefix(folder)) + "*"):
+            process_id = work.name.removeprefix(_prefix(folder)).partition(".")[0]
+            if process_id.isdecimal() and not psutil.pid_exists(int(process_id)):
+                shutil.rmtree(work, ignore_errors=True)
+
+
+def _settle(folder: Path) -> None:
+    earlier = _earlier(folder)
+    if not earlier.is_dir():
+        return
+    if not folder.exists():
+        os.rename(earlier, folder)
+        return
+    for name in foreign(earlier):
+        os.rename(earlier / name, folder / name)
+    doomed = _temporary(folder)
+    os.rename(earlier, doomed)  # half of it must not be taken for files of others
+    shutil.rmtree(doomed, ignore_errors=True)
+
+
+def _earlier(folder: Path) -> Path:
+    return folder.parent / f".{folder.name}.earlier"
+
+
+def _prefix(folder: Path) -> str:
+    """Of the temporary folders that processes of this machine make; their number follows."""
+    return f".{folder.name}.{os.uname().nodename}."
+
+
+def _temporary(folder: Path) -> Path:
+    return Path(tempfile.mkdtemp(prefix=f"{_prefix(folder)}{os.getpid()}.", dir=folder.parent))
+
+
+@contextmanager
+def _locked(parent: Path) -> Iterator[None]:
+    """Let no other process exchange folders in this one; the system ends that with the process."""
+    handle = os.open(parent, os.O_RDONLY)
+    try:
+        with suppress(OSError):  # a disk that knows no locks
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
+
+
+def write_grids(result: Result, folder: Path, *, whole: bool = False) -> Array | None:
+    """Write the files for ParaView and return the stresses at the nodes (n, 6), MPa; None, and
+    no files, where nothing touches."""
+    from railhead.postprocess.stress import gauss_points
+    from railhead.postprocess.vtu import files
+
+    left, found, fields = result.level.left, result.findings, result.fields
+    if fields is None or found is None:
+        return None
+    residual = None if left is None else left.residual
+    stresses, rubbing = gauss_points.nodal(fields), result.level.solution.rubbing
+    files.write(fields, stresses, found, residual, rubbing, folder, whole=whole)
+    return stresses
+
+
+def write(
+    result: Result, folder: Path, *, pictures: bool, page: Page | None = None, whole: bool = False
+) -> list[str]:
+    """Write all files of a result, and what `page` adds; returns their names. whole: the files for
+    ParaView have the images of what symmetry left out."""
+    from railhead.postprocess.plots import gallery, plastic_plots, shakedown, traction_plots
+    from railhead.results.subject import subject
+
+    with replacing(folder) as work:
+        found, grids = result.findings, None
+        if found is not None:
+            after = result.level.after.items()
+            needed = tuple(
+                f"{name.replace('_', ' ')}: {each.why}" for name, each in after if each.needed
+            )
+            found = replace(found, notes=needed, subject=subject(result.plan, result.load))
+        stresses = write_grids(result, work, whole=whole)
+        left, rubbing, fields = result.level.left, result.level.solution.rubbing, result.fields
+        residual = None if left is None else left.residual
+        if fields is not None and found is not None and stresses is not None and pictures:
+            poisson, elastic = result.plan.shown.poisson_ratio, result.level.plain
+            grids = gallery.draw(fields, stresses, found, result.ellipse, poisson, work)
+            if residual is not None and elastic is not None and elastic.findings:
+                exact = result.ellipse if len(found.patch.each) < 2 else None
+                plastic_plots.draw(
+                    fields, residual, found, elastic.findings, exact, work / "plastic.png"
+                )
+            if rubbing is not None:
+                traction_plots.draw(
+                    rubbing, found, result.plan.scene.friction.coefficient,
+                    work / "friction.png", mirrored=result.plan.half_y,
+                )  # fmt: skip
+                friction = result.summary["result"]["friction"]
+                if "p0_over_k" in friction:
+                    shakedown.draw(friction, poisson, work / "shakedown.png", found.subject.title)
+        (work / "scene.toml").write_text(to_toml(result.plan.scene), encoding="utf-8")
+        (work / SUMMARY).write_text(as_json(result), encoding="utf-8")
+        table = quantities.everything(result.summary)
+        (work / TABLE).write_bytes(table_file.encoded(table))
+        if page is not None:
+            page(work, found, grids)
+        return sorted(path.name for path in work.iterdir())
+
+
+def as_json(result: Result) -> str:
+    """summary.json of a solved scene."""
+    return to_json(result.summary)
+
+
+def to_json(summary: dict[str, Any]) -> str:
+    """JSON; infinite numbers (rigid bodies, flat profiles) are written as the word."""
+    return json.dumps(_plain(summary), indent=2, allow_nan=False) + "\n"
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, dict):
+        return {key: _plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(inner) for inner in value]
+    if isinstance(value, float) and value in (float("inf"), float("-inf")):
+        return "inf" if value > 0 else "-inf"
+    return value

@@ -1,0 +1,96 @@
+"""What the pictures and the report of a scene call it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from pathlib import Path
+
+from railhead.planning.plan import Plan
+from railhead.postprocess.views.subject import Subject
+from railhead.results.report.output_units import brief
+from railhead.scene import catalogue
+from railhead.scene.sections import Rail, Wheel, Wheelset
+
+THESIS = "uic54_thesis"
+
+
+def subject(plan: Plan, load: float) -> Subject:
+    """Title, names and directions; load N, as found."""
+    scene, contact = plan.scene, plan.contact
+    bar = math.isinf(scene.wheel.rolling_radius)
+    roller = contact.lengthwise and not bar and scene.rail.profile == "arc"
+    short, long = zip(
+        _rail(scene.rail, bar, contact.half_space), _wheel(scene.wheel, bar, roller), strict=True
+    )
+    if short[0] == short[1]:
+        short = f"lower {short[0]}", f"upper {short[1]}"
+    long = _said(long[0], scene.rail), _said(long[1], scene.wheel)
+    real = scene.rail.profile != "arc" and not contact.half_space
+    force = f"{brief(load / 1e3)} kN" if load >= 1e3 else f"{brief(load)} N"
+    rubs = plan.effects["friction"].on
+    end = ", as half-spaces" if contact.half_space else ""
+    end += _stands(scene.wheelset)
+    if rubs:
+        end += f", friction\N{NO-BREAK SPACE}{scene.friction.coefficient:g}"
+    along, across = "in the rolling direction", "along the axis" if roller else "across"
+    if bar:
+        along, across = "along the axes", "across the axes"
+    if short[0] == "rail":
+        along, across = "along the rail", "across the rail"
+    return Subject(
+        f"{scene.name}: {force}, {long[1]} on {long[0]}{end}",
+        dict(zip(("rail", "wheel"), short, strict=True)),
+        along, across, gauge=real, rolls=scene.rolling.given and rubs, rubs=rubs,
+        revolved=contact.revolved, thesis=_thesis(scene.rail, scene.wheel),
+    )  # fmt: skip
+
+
+def _stands(wheelset: Wheelset) -> str:
+    shift, yaw = wheelset.shift, 1e3 * wheelset.yaw
+    end = f", shifted\N{NO-BREAK SPACE}{brief(shift)}\N{NO-BREAK SPACE}mm" if shift else ""
+    return end + (f", yaw\N{NO-BREAK SPACE}{brief(yaw)}\N{NO-BREAK SPACE}mrad" if yaw else "")
+
+
+def shared_y(plans: Iterable[Plan]) -> str:
+    """What y is called in a picture of all of them: where it runs, if all say the same."""
+    words = {subject(plan, 0.0).y for plan in plans}
+    return words.pop() if len(words) == 1 else "y, mm"
+
+
+def _said(text: str, body: Rail | Wheel) -> str:
+    if not math.isinf(body.young_modulus):
+        return text
+    return f"a rigid {text[2:]}" if text.startswith("a ") else f"rigid {text}"
+
+
+def _rail(rail: Rail, bar: bool, half_space: bool) -> tuple[str, str]:
+    """In short, and with its size."""
+    if rail.profile != "arc":
+        tilt = f", inclined 1:{1 / rail.inclination:.3g}" if rail.inclination else ""
+        return "rail", f"rail {Path(rail.profile).name}{tilt}"
+    if math.isinf(rail.crown_radius or math.inf):
+        return ("plane", "a plane") if half_space else ("block", "a flat block")
+    if bar:
+        return "cylinder", f"cylinder R {rail.crown_radius:g} mm"
+    return "rail", f"rail, crown R {rail.crown_radius:g} mm"
+
+
+def _wheel(wheel: Wheel, bar: bool, roller: bool) -> tuple[str, str]:
+    rolling, tread = wheel.rolling_radius, wheel.transverse_radius
+    if wheel.profile == "arc" and tread == rolling:
+        return "sphere", f"sphere R {rolling:g} mm"
+    profile = Path(wheel.profile).name  # a file's name will do
+    if bar:
+        if tread:
+            return "cylinder", f"cylinder R {tread:g} mm"
+        return "bar", f"straight bar, profile {profile},"
+    if roller:
+        return "roller", f"roller R {rolling:g} mm"
+    shape = f"tread arc R {tread:g} mm" if wheel.profile == "arc" else f"tread {profile}"
+    return "wheel", f"wheel R {rolling:g} mm, {shape},"
+
+
+def _thesis(rail: Rail, wheel: Wheel) -> bool:
+    own = catalogue.find(THESIS)
+    return bool(rail == own.rail and wheel == own.wheel)

@@ -1,0 +1,1 @@
+"""From a plan to an answer: model, solved mesh, refinement and error estimates."""

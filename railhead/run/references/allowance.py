@@ -1,0 +1,140 @@
+"""By how much finite elements and half-space boundary elements may differ, both being right.
+
+Relative, for the largest pressure and the area, in named parts from the geometry alone:
+size        the curvature that held and free faces of the bodies add (theory/finite_bodies.py)
+conformity  1 - cos of half the range of the normals in the patch, on the rail and, by the slope of
+            the gap, on the wheel: what a developed plane neglects
+share       of several patches: their compliances differ by where the bodies end, and with them the
+            loads they carry (F ~ d^(3/2), p ~ F^(1/3), area ~ F^(2/3))
+twist       the change by the rotation and the movement aside of the bodies where they touch
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.contact import bodies
+from railhead.meshing.tags import RAIL
+from railhead.planning.plan import Plan
+from railhead.planning.references import boundary_elements, closed_forms, rail_twist
+from railhead.planning.references.boundary_elements import Developed
+from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.bem.patch import PatchSolution
+from railhead.theory.elastic import finite_bodies
+
+Array = NDArray[np.float64]
+LEAST = 0.002  # of the force: smaller patches are left out
+
+
+@dataclass(frozen=True)
+class Allowance:
+    """Relative, of one quantity."""
+
+    size: float
+    conformity: float
+    share: float
+    twist: float
+
+    @property
+    def total(self) -> float:
+        """All parts together."""
+        return self.size + self.conformity + self.share + self.twist
+
+
+@dataclass(frozen=True)
+class _Body:
+    """weight: its part of the compliance; depth to where it is held, mm; ends: its free edges, by s
+    on the developed rail, mm."""
+
+    weight: float
+    poisson: float
+    depth: float
+    ends: tuple[float, float]
+
+    def curvature(self, s: float) -> float:
+        """Over F/(pi E*), 1/mm^3."""
+        edges = sum(finite_bodies.free_edge(abs(s - end), self.poisson) for end in self.ends)
+        return self.weight * (finite_bodies.held_below(self.depth, self.poisson) + edges)
+
+    def between(self, s: Array) -> Array:
+        """Displacement of places s (n,) by the images of each other, over F/(pi E*) (n, n), 1/mm;
+        what is alike for all of them is left out."""
+        psi = finite_bodies.image(self.poisson)
+        apart = [abs(s - end) for end in self.ends]
+        edges = sum(psi / (distance[:, None] + distance) for distance in apart)
+        below = finite_bodies.held_below(self.depth, self.poisson) * (s[:, None] - s) ** 2 / 2
+        return np.asarray(self.weight * (edges + below))
+
+
+def allowance(plan: Plan, solution: Solution, motion: tuple[float, float]) -> dict[str, Allowance]:
+    """By "max_MPa" and "area_mm2", for a plan of a solid contact and its second opinion.
+
+    motion: rotation of the rail (rad) and movement aside of the wheel (mm), against each other.
+    Raises ValueError where the effect of a motion cannot be judged.
+    """
+    surface = boundary_elements.develop(plan.contact)
+    patches = [each for each in solution.patches if each.force > LEAST * solution.force]
+    around = _bodies(plan, surface)
+    size = max(_size(patch, around) for patch in patches)
+    conformity = max(_conformity(patch, solution.contact_modulus) for patch in patches)
+    shift = _shares(patches, around)
+    areas = np.array([patch.area for patch in patches])
+    turned = _twist(plan, *motion)
+    return {
+        "max_MPa": Allowance(size, conformity, float(shift.max()) / 3, turned),
+        "area_mm2": Allowance(size, conformity, float(2 / 3 * shift @ areas / areas.sum()), turned),
+    }
+
+
+def _bodies(plan: Plan, surface: Developed) -> list[_Body]:
+    scene, touch = plan.scene, plan.contact.touch
+    rail, wheel = scene.rail, scene.wheel
+    modulus = closed_forms.contact_modulus(scene)
+    found = []
+    for tag in plan.deformable:
+        part = rail if tag == RAIL else wheel
+        weight = modulus / closed_forms.plane_strain_modulus(scene, tag)
+        if tag == RAIL:
+            ends = float(surface.s[0]), float(surface.s[-1])
+        else:
+            low, high = plan.contact.profiles["wheel"][0].domain
+            half = (wheel.width or math.inf) / 2
+            ends = max(low - touch.tread, -half), min(high - touch.tread, half)
+        found.append(_Body(weight, part.poisson_ratio, bodies.depth(scene, tag), ends))
+    return found
+
+
+def _size(patch: PatchSolution, around: list[_Body]) -> float:
+    curvature = sum(body.curvature(patch.centroid[1]) for body in around)
+    return finite_bodies.change(curvature, *patch.half_extents)
+
+
+def _conformity(patch: PatchSolution, contact_modulus: float) -> float:
+    a, b = patch.half_extents
+    unit = patch.force / (math.pi * contact_modulus)
+    along, across = (unit * each for each in finite_bodies.own_curvatures(a, b))
+    used = patch.angle[patch.pressure.any(axis=0)]
+    slopes = (float(np.ptp(used)) / 2, a * along, b * across)
+    return sum(1 - math.cos(slope) for slope in slopes)
+
+
+def _shares(patches: list[PatchSolution], around: list[_Body]) -> Array:
+    """Relative change of the force on each of several patches, (n,), all of them together carrying
+    the same: F_k changes by 3/2 of the relative change of its own compression."""
+    force = np.array([patch.force for patch in patches])
+    if len(patches) == 1:
+        return np.zeros(1)
+    s = np.array([patch.centroid[1] for patch in patches])
+    rest = sum(body.between(s) @ force for body in around)
+    stiffness = [1.5 / finite_bodies.own_approach(*patch.half_extents) for patch in patches]
+    return np.asarray(np.abs(rest - np.average(rest, weights=stiffness)) * stiffness / force)
+
+
+def _twist(plan: Plan, angle: float, aside: float) -> float:
+    if plan.contact.mirror_across is None:
+        return 0.0
+    return rail_twist.change(plan.contact, plan.context.boundary_elements, angle, aside)

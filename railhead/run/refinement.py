@@ -1,0 +1,165 @@
+"""From a scene to its result: one mesh at default settings, a sequence for an asked accuracy."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from mpi4py import MPI
+
+from railhead.planning import plan as planning
+from railhead.planning.accuracy import error_envelopes
+from railhead.planning.cost import machine, price
+from railhead.planning.plan import Plan
+from railhead.run import estimates
+from railhead.run.mesh_solution import Level, solve_level
+from railhead.run.progress import Progress
+
+MAX_LEVELS = 5
+ONE_MESH = "one mesh"
+ALONE = 0.9  # of the asked accuracy: what is aimed at where one mesh may do
+STEP_ERROR = 2.5  # times the change with twice the load steps: at order 0.86, which was measured
+# from 4 to 64 steps (largest pressure of a sphere at five times its first-yield load), 2.2
+STEPPING = 0.4  # of the asked accuracy: what load steps may take
+MOST_STEPS = 16  # times the usual number
+
+
+@dataclass(frozen=True)
+class Ending:
+    """Why a sequence of meshes ended, and what the next one would have cost (unknowns, seconds)
+    where it was not solved."""
+
+    reason: str
+    would_cost: tuple[int, float] | None = None
+
+
+def refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[Level], Ending]:
+    """The solved meshes of a plan, coarsest first, and why there are no more of them. Raises
+    SceneError for a mesh that does not fit into the memory, MeshError."""
+    price.check_memory(plan, comm.bcast(machine.free_memory()))
+    if plan.scene.one_mesh:
+        return [solve_level(plan, plan.grading(), progress, comm)], Ending(ONE_MESH)
+    return _refine(plan, progress, comm)
+
+
+def unforeseen(level: Level, comm: MPI.Intracomm) -> str:
+    """Why bodies yield that the plan took for elastic; empty where they do not, where a person
+    wants them elastic, or where friction keeps them so."""
+    effect, after = level.plan.effects["plasticity"], level.after.get("plasticity")
+    kept = effect.on or effect.override or "on" in effect.refused
+    if after is None or not after.needed or kept:
+        return comm.bcast("")
+    return comm.bcast(after.why)
+
+
+def telling(*, quiet: bool, since: float | None = None) -> Progress:
+    """What a run says: under MPI on the first rank alone."""
+    return Progress(quiet=quiet or MPI.COMM_WORLD.rank > 0, since=since)
+
+
+def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[Level], Ending]:
+    """Solve on a coarse and a fine mesh, and on finer ones until the estimates meet the accuracy.
+
+    Outside the calibrated families a third mesh, coarser still, comes first. Where the laws do not
+    reach the coarse mesh, it could confirm nothing and is left out.
+    """
+    scene, known = plan.scene, plan.family
+    wanted = plan.resolution
+    if scene.budget is not None:
+        wanted = price.affordable(plan, wanted)
+    low = error_envelopes.RANGE[0] * (planning.LINEAR_REFINEMENT if plan.order == 1 else 1.0)
+    coarse = max(wanted / error_envelopes.STEP ** (1 if known else 2), low)
+    least = 2
+    if known is not None and scene.budget is None and not known.covers(coarse):
+        least, coarse = 1, known.finest(ALONE * _asked(plan))
+    levels = [solve_level(plan.at_resolution(coarse), None, progress, comm)]
+    if levels[0].solution.yielding is not None:
+        levels[0] = _stepped(levels[0], progress, comm)
+    spent = sum(levels[0].seconds.values())
+    while True:
+        done = levels[-1]
+        worst = comm.bcast(_worst(levels))
+        if not done.solution.newton.converged:
+            return levels, Ending("Newton's method did not converge")
+        if len(levels) >= least and scene.accuracy is not None and worst <= scene.accuracy:
+            return levels, Ending("asked accuracy reached")
+        if len(levels) >= least and plan.hidden >= (scene.accuracy or math.inf):
+            return levels, Ending(f"the measured profile leaves {plan.hidden:.1%} open on any mesh")
+        if len(levels) > 1 and scene.accuracy is None and math.isfinite(worst):
+            return levels, Ending(_spent(scene.budget or 0.0, spent))
+        n, covered = comm.bcast(_next(levels, worst, wanted))
+        finer, grading = done.finer(n)
+        cost = finer.unknowns, finer.solving
+        # The second mesh was priced beforehand.
+        stop = comm.bcast(_obstacle(finer, spent if len(levels) > 1 else 0.0))
+        if not covered:
+            stop = stop or "the error laws end at coarser meshes"
+        if stop or len(levels) == MAX_LEVELS:
+            return levels, Ending(stop or "too many meshes", cost)
+        level = solve_level(finer, grading, progress, comm)
+        levels.append(level)
+        spent += sum(level.seconds.values())
+
+
+def _stepped(level: Level, progress: Progress, comm: MPI.Intracomm) -> Level:
+    """A coarse level that knows what its load steps cost, and plans as many for finer ones as the
+    accuracy wants: twice as many nearly halve their error."""
+    plan = level.plan
+    twice = replace(plan, load_steps=2 * plan.load_steps)
+    other = solve_level(twice, level.grading, progress, comm)
+    error: dict[str, float] = {}
+    if level.result is not None and other.result is not None:
+        found, better = estimates.flat(level.result), estimates.flat(other.result)
+        error = {
+            name: STEP_ERROR * abs(found[name] / better[name] - 1)
+            for name in found
+            if better.get(name)
+        }
+    shared = {name: value for name, value in error.items() if name not in error_envelopes.PLACES}
+    more = max(shared.values(), default=0.0) / (STEPPING * (plan.scene.accuracy or 1.0))
+    steps = plan.load_steps * min(max(1, math.ceil(comm.bcast(more))), MOST_STEPS)
+    return replace(level, plan=replace(plan, load_steps=steps), stepping=error)
+
+
+def _spent(budget: float, seconds: float) -> str:
+    """What became of a budget: an estimate takes two meshes, however little it is."""
+    if seconds <= budget:
+        return "budget spent"
+    return f"the least that gives an estimate took {seconds:.1f} s, over the budget"
+
+
+def _asked(plan: Plan) -> float:
+    """What of the asked accuracy the plan leaves to the mesh."""
+    return (plan.scene.accuracy or 0.0) - plan.left_out
+
+
+def _worst(levels: list[Level]) -> float:
+    """What counts of the estimates of the last mesh."""
+    return estimates.worst(estimates.estimate(levels)[0], levels[-1])
+
+
+def _next(levels: list[Level], worst: float, wanted: float) -> tuple[float, bool]:
+    """Elements per semi-axis of the next mesh, and whether an estimate can be had there."""
+    level = levels[-1]
+    n, asked = level.resolution, level.plan.scene.accuracy
+    known = level.family
+    if known is None or (len(levels) > 1 and not math.isfinite(worst)):
+        return error_envelopes.STEP * n, True
+    if len(levels) > 1:
+        wanted = estimates.next_resolution(n, worst, asked or worst)
+    else:
+        if asked is not None and level.plan.scene.budget is None:
+            found = estimates.reading(level.findings) if level.findings is not None else {}
+            wanted = known.read_no_better(n, found).finest(_asked(level.plan))
+        wanted = max(wanted, 1.25 * n)
+    return wanted, known.covers(wanted, [each.resolution for each in levels])
+
+
+def _obstacle(plan: Plan, spent: float) -> str:
+    """Why the mesh of a plan is not solved; empty if it is."""
+    if not price.fits(plan, machine.free_memory()):
+        return f"memory: the next mesh needs about {plan.memory / 1e9:.1f} GB"
+    budget = plan.scene.budget
+    if budget is not None and spent and machine.START + spent + plan.solving > budget:
+        return f"budget: the next mesh needs about {plan.solving:.0f} s"
+    return ""

@@ -1,0 +1,1 @@
+"""Many scenes: grids of values, side by side in processes, records and tables."""

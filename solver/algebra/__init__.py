@@ -1,0 +1,1 @@
+"""The contact problem, Newton's method, linear solvers and preconditioners."""

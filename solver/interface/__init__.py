@@ -1,0 +1,1 @@
+"""The contact surfaces: gap and normal traction as matrices, contact laws, friction."""

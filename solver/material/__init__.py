@@ -1,0 +1,1 @@
+"""Materials: elasticity, hardening, and load steps of bodies that yield."""

@@ -1,0 +1,109 @@
+"""The bulk: small-strain isotropic linear elasticity, assembled once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import dolfinx.fem.petsc  # noqa: F401
+import numpy as np
+import ufl
+from dolfinx import fem
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from railhead.solver import compat
+from railhead.solver.material.hardening import Hardening
+from railhead.solver.space.kinematics import SOLID, Kinematics
+
+
+@dataclass(frozen=True)
+class Material:
+    """Isotropic solid. E in MPa (math.inf: rigid), nu in [0, 0.5); hardening: how it yields, None
+    where it stays elastic."""
+
+    young_modulus: float
+    poisson_ratio: float
+    hardening: Hardening | None = None
+
+    @property
+    def lame(self) -> tuple[float, float]:
+        """(lambda, mu) in MPa."""
+        e, nu = self.young_modulus, self.poisson_ratio
+        return e * nu / ((1 + nu) * (1 - 2 * nu)), e / (2 * (1 + nu))
+
+
+@dataclass(frozen=True)
+class Bulk:
+    """Displacement space of all bodies of one mesh.
+
+    lame: (cells, 2) lambda and mu of every local cell, MPa.
+    """
+
+    space: Any
+    lame: NDArray[np.float64]
+    degree: int
+    kinematics: Kinematics = SOLID
+
+
+def quadrature_degree(cell: str, degree: int, kinematics: Kinematics = SOLID) -> int:
+    """Degree of the rule for K: exact on straight-sided simplices and on boxes; in a meridian
+    section the hoop strain u_r/r is a rational function."""
+    if kinematics.revolved:
+        return 2 * degree + 2
+    simplex = cell in ("tetrahedron", "triangle")
+    return max(2 * (degree - 1), 1) if simplex else 2 * degree
+
+
+def assemble(
+    mesh: Any,
+    cell_tags: Any,
+    materials: dict[int, Material],
+    degree: int,
+    kinematics: Kinematics = SOLID,
+    rule: int | None = None,
+) -> tuple[Bulk, PETSc.Mat]:
+    """Space and K of a(u, v) = int sigma(u) : eps(v) dx, sigma = lambda tr(eps) I + 2 mu eps.
+
+    materials: by the cell tag of the body. No boundary condition is applied. K is in blocks of a
+    node (BAIJ). rule: degree of the quadrature, where it is not that of `degree`.
+    """
+    cells = mesh.topology.index_map(mesh.topology.dim)
+    lame = np.zeros((cells.size_local + cells.num_ghosts, 2))
+    for tag, material in materials.items():
+        lame[cell_tags.find(tag)] = material.lame
+    lam = compat.cellwise_constant(mesh, lame[:, 0])
+    mu = compat.cellwise_constant(mesh, lame[:, 1])
+
+    space = compat.vector_space(mesh, degree)
+    u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
+    order = rule or quadrature_degree(compat.cell_type(mesh), degree, kinematics)
+    form = compat.form(kinematics.energy(u, v, lam, mu, mesh, order), mesh)
+    stiffness = fem.petsc.create_matrix(form, "aij" if kinematics.averaged else "baij")
+    fem.petsc.assemble_matrix(stiffness, form)
+    stiffness.assemble()
+    if kinematics.averaged:
+        part = _mean_dilatation(space, lam, order)
+        stiffness.axpy(1.0, part, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+        stiffness.setBlockSize(kinematics.dim)
+        stiffness = stiffness.convert("baij")
+    stiffness.scale(kinematics.thickness)
+    stiffness.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+    return Bulk(space, lame, degree, kinematics), stiffness
+
+
+def _mean_dilatation(space: Any, lam: Any, degree: int) -> PETSc.Mat:
+    """B^T (lambda/V) B of a meridian section, lambda V times the squared mean dilatation of each
+    cell: B its integrals of tr eps, V its volume, both with the weight 2 pi r."""
+    mesh, dx = space.mesh, ufl.dx(metadata={"quadrature_degree": degree})
+    r = ufl.SpatialCoordinate(mesh)[0]
+    cell = 2 * np.pi * r * ufl.TestFunction(lam.function_space)
+    dilatation = Kinematics.dilatation(ufl.TrialFunction(space), r)
+    integrals = fem.petsc.assemble_matrix(compat.form(dilatation * cell * dx, mesh))
+    integrals.assemble()
+    volume = fem.petsc.assemble_vector(compat.form(cell * dx, mesh))
+    stiff = fem.petsc.assemble_vector(compat.form(lam * cell * dx, mesh))
+    stiff.array[:] /= volume.array**2
+    scaled = integrals.copy()
+    scaled.diagonalScale(L=stiff)
+    return integrals.transposeMatMult(scaled)

@@ -1,0 +1,1 @@
+"""The discrete space: kinematics, cells, facets, pairing of the surfaces, constraints."""

@@ -1,0 +1,180 @@
+"""Cells of the mesh: the basis and its strains at points in them, without the mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import basix
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.solver import compat
+from railhead.solver.material.elasticity import Bulk, quadrature_degree
+from railhead.solver.space.kinematics import Kinematics
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+def middle(cell: str) -> Array:
+    """(d,) centroid of the reference cell."""
+    return np.asarray(basix.geometry(getattr(basix.CellType, cell))).mean(axis=0)
+
+
+@lru_cache
+def shape_functions(cell: str, degree: int, variant: basix.LagrangeVariant) -> Any:
+    return basix.create_element(
+        basix.ElementFamily.P, getattr(basix.CellType, cell), degree, variant
+    )
+
+
+def tabulate(cell: str, degree: int, points: Array, *, geometry: bool = False) -> Array:
+    """(1 + c, n, dofs) values and reference derivatives of the Lagrange basis at n points."""
+    equispaced = basix.LagrangeVariant.equispaced
+    variant = equispaced if geometry else basix.LagrangeVariant.gll_warped
+    element = shape_functions(cell, degree, variant)
+    if not len(points):  # basix aborts at none in hexahedra
+        return np.zeros((1 + points.shape[1], 0, element.dim))
+    return np.asarray(element.tabulate(1, points))[..., 0]
+
+
+def inverse(matrices: Array) -> tuple[Array, Array]:
+    """Inverses (n, c, c) and determinants (n,) of matrices with two or three rows, by cofactors:
+    LAPACK is called matrix by matrix and takes sixteen times as long."""
+    a = np.ascontiguousarray(matrices.transpose(1, 2, 0))
+    if len(a) == 2:
+        adjugate = np.array([[a[1, 1], -a[0, 1]], [-a[1, 0], a[0, 0]]])
+    else:
+        adjugate = np.empty_like(a)
+        for i, k in np.ndindex(3, 3):
+            p, q, r, s = (k + 1) % 3, (k + 2) % 3, (i + 1) % 3, (i + 2) % 3
+            adjugate[i, k] = a[p, r] * a[q, s] - a[p, s] * a[q, r]
+    determinant = np.asarray((a[0] * adjugate[:, 0]).sum(axis=0))
+    return (adjugate / determinant).transpose(2, 0, 1), determinant
+
+
+@dataclass(frozen=True)
+class CellSet:
+    """m cells with all that evaluates fields in them; c is the number of coordinates.
+
+    nodes: (m, k, c) geometry nodes, mm. dofs: (m, d) global block dofs. lame: (m, 2) lambda and mu,
+    MPa.
+    """
+
+    cell: str
+    geometry_degree: int
+    degree: int
+    nodes: Array
+    dofs: Index
+    lame: Array
+    kinematics: Kinematics
+
+    @classmethod
+    def of(cls, bulk: Bulk, cells: Index) -> CellSet:
+        """The given local cells of this rank."""
+        return cls(**described(bulk, cells))
+
+    def __len__(self) -> int:
+        return len(self.nodes)
+
+    def _map(self, index: Index, points: Array) -> tuple[Array, Array]:
+        phi = tabulate(self.cell, self.geometry_degree, points, geometry=True)
+        nodes = self.nodes[index]
+        x = np.einsum("nk,nkd->nd", phi[0], nodes)
+        return x, np.einsum("jnk,nkd->ndj", phi[1:], nodes)
+
+    def basis(self, index: Index, points: Array) -> tuple[Array, Array]:
+        """Basis (n, d) and its gradient (n, d, c) in 1/mm at reference points of the cells."""
+        phi = tabulate(self.cell, self.degree, points)
+        _, jacobian = self._map(index, points)
+        return phi[0], np.einsum("jnd,njc->ndc", phi[1:], inverse(jacobian)[0])
+
+    def divergence(self, index: Index, points: Array) -> Array:
+        """tr eps (n, d, c) of the basis in 1/mm at reference points of the cells, or its mean over
+        the cell where that is what counts."""
+        if self.kinematics.averaged:
+            return self._mean_divergence[index]
+        if self.kinematics.mean_dilatation:
+            points = np.broadcast_to(middle(self.cell), points.shape)
+        value, gradient = self.basis(index, points)
+        x = self._map(index, points)[0]
+        return self.kinematics.divergence(value, gradient, x[:, None])
+
+    def strains(self, index: Index, points: Array) -> Array:
+        """(n, m, d, c) coefficients of the strain at reference points of the cells, 1/mm, in
+        Mandel's notation: 11, 22, 33, sqrt(2) times 23, 13, 12; in a section 11, 22, out of it,
+        sqrt(2) 12."""
+        value, gradient = self.basis(index, points)
+        dim = self.kinematics.dim
+        shears = [(1, 2), (0, 2), (0, 1)] if dim == 3 else [(0, 1)]
+        out = np.zeros((len(index), 3 + len(shears), gradient.shape[1], dim))
+        for k in range(dim):
+            out[:, k, :, k] = gradient[:, :, k]
+        for row, (i, j) in enumerate(shears, 3):
+            out[:, row, :, i] = gradient[:, :, j] / np.sqrt(2)
+            out[:, row, :, j] = gradient[:, :, i] / np.sqrt(2)
+        if dim == 2:
+            x = self._map(index, points)[0]
+            out[:, 2] = self.kinematics.divergence(value, gradient, x[:, None]) - gradient
+        return out
+
+    def quadrature_points(self, degree: int) -> tuple[tuple[Index, Array], Array, Array]:
+        """Points (cell (n,), reference (n, c)), positions (n, c) mm and weights (n,) mm3 of a
+        rule, cell by cell."""
+        points, weights = basix.make_quadrature(getattr(basix.CellType, self.cell), degree)
+        index = np.repeat(np.arange(len(self)), len(weights))
+        reference = np.tile(points, (len(self), 1))
+        x, jacobian = self._map(index, reference)
+        size = self.kinematics.measure(x) * np.abs(np.linalg.det(jacobian))
+        return (index, reference), x, np.tile(weights, len(self)) * size
+
+    @cached_property
+    def _mean_divergence(self) -> Array:
+        """(m, d, c) volume average of tr eps over each cell, 1/mm."""
+        order = quadrature_degree(self.cell, self.degree, self.kinematics)
+        _, traces, volumes = self.cell_strains(order)
+        return np.asarray(
+            np.einsum("pm,pmdc->mdc", volumes, traces) / volumes.sum(axis=0)[:, None, None]
+        )
+
+    def dof_points(self) -> Array:
+        """(m, d, c) position of the cells' dofs, mm."""
+        variant = basix.LagrangeVariant.gll_warped
+        points = np.asarray(shape_functions(self.cell, self.degree, variant).points)
+        phi = tabulate(self.cell, self.geometry_degree, points, geometry=True)[0]
+        return np.asarray(np.einsum("dk,fkc->fdc", phi, self.nodes))
+
+    def cell_strains(self, degree: int) -> tuple[Array, Array, Array]:
+        """Basis gradients and div + u_r/r (points, m, d, c) in 1/mm and weights (points, m) in mm3
+        of the cells."""
+        every = np.arange(len(self))
+        rule = basix.make_quadrature(getattr(basix.CellType, self.cell), degree)
+        gradients, traces, volumes = [], [], []
+        for point, weight in zip(*rule, strict=True):
+            points = np.tile(point, (len(self), 1))
+            x, jacobian = self._map(every, points)
+            value, gradient = self.basis(every, points)
+            gradients.append(gradient)
+            traces.append(self.kinematics.divergence(value, gradient, x[:, None]))
+            size = self.kinematics.measure(x) * np.abs(np.linalg.det(jacobian))
+            volumes.append(weight * size)
+        return np.array(gradients), np.array(traces), np.array(volumes)
+
+
+def described(bulk: Bulk, cells: Index) -> dict[str, Any]:
+    """What a CellSet holds of local cells."""
+    mesh = bulk.space.mesh
+    block_dofs = compat.cell_dofs(bulk.space)[cells]
+    to_global = bulk.space.dofmap.index_map.local_to_global
+    dofs = to_global(block_dofs.reshape(-1).astype(np.int32)).reshape(block_dofs.shape)
+    return {
+        "cell": compat.cell_type(mesh),
+        "geometry_degree": compat.geometry_degree(mesh),
+        "degree": bulk.degree,
+        "nodes": compat.node_points(mesh)[compat.cell_nodes(mesh)[cells]],
+        "dofs": dofs.astype(np.int64),
+        "lame": bulk.lame[cells],
+        "kinematics": bulk.kinematics,
+    }

@@ -1,0 +1,61 @@
+"""From the P1 unknowns to the unknowns of the problem: the prolongation of p-multigrid."""
+
+from __future__ import annotations
+
+import numpy as np
+from petsc4py import PETSc
+
+from railhead.solver.space.cells import Array
+from railhead.solver.space.constraints import Reduction
+from railhead.solver.space.kinematics import SOLID, Kinematics
+
+
+def reduced_prolongation(full: PETSc.Mat, fine: Reduction, coarse: Reduction) -> PETSc.Mat:
+    """Q with P_fine Q = I P_coarse: (P_fine^T P_fine)^-1 P_fine^T I P_coarse."""
+    q = fine.matrix.transposeMatMult(full.matMult(coarse.matrix))
+    scale = fine.norms()
+    # A rigid body's approach moves no node: it is carried over as it is.
+    if fine.approach >= 0 and scale.array[fine.approach] == 0.0:
+        scale.array[fine.approach] = 1.0
+        row = scale.owner_range[0] + fine.approach
+        column = q.getOwnershipRangeColumn()[0] + coarse.approach
+        q = _with_entry(q, row, column)
+    elif fine.rigid_approach:
+        q = _with_entry(q, -1, -1)
+    scale.reciprocal()
+    q.diagonalScale(L=scale)
+    return q
+
+
+def _with_entry(matrix: PETSc.Mat, row: int, column: int) -> PETSc.Mat:
+    """matrix with a 1 at (row, column) if row >= 0 (collective)."""
+    extra = PETSc.Mat().createAIJ(matrix.getSizes(), nnz=1, comm=matrix.comm)
+    if row >= 0:
+        extra.setValue(row, column, 1.0)
+    extra.assemble()
+    matrix.axpy(1.0, extra, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+    return matrix
+
+
+def rigid_modes(
+    points: Array, reduction: Reduction, kinematics: Kinematics = SOLID
+) -> list[PETSc.Vec]:
+    """Orthonormal rigid motions in the reduced unknowns, for algebraic multigrid.
+
+    points: (n, c) of the owned block dofs.
+    """
+    scale = reduction.norms()
+    scale.array[:] = np.where(scale.array > 0, scale.array, 1.0)
+    centred = points - points.mean(axis=0) if len(points) else points
+    modes: list[PETSc.Vec] = []
+    for field in kinematics.rigid_motions(centred):
+        full, mode = reduction.matrix.createVecLeft(), reduction.matrix.createVecRight()
+        full.array[:] = field.ravel()
+        reduction.matrix.multTranspose(full, mode)
+        mode.pointwiseDivide(mode, scale)
+        for other in modes:
+            mode.axpy(-mode.dot(other), other)
+        if mode.norm() > 1e-8 * full.norm():
+            mode.normalize()
+            modes.append(mode)
+    return modes

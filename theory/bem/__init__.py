@@ -1,0 +1,1 @@
+"""Boundary elements of half-spaces under normal pressure."""

@@ -1,0 +1,115 @@
+"""Displacement of the surface of two half-spaces by pressure in the cells of separate grids.
+
+The surface is developed: distances are taken along it. Both bodies of one material move towards
+each other along a force and not across it (the tangential displacements of the two half-spaces are
+alike; Johnson, Contact Mechanics, 3.22), so that a force moves a surface with another normal by the
+cosine of the angle between both. The matrix stays symmetric and positive definite.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import permutations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import irfft2, next_fast_len, rfft2
+
+from railhead.theory.bem.patch import Grid
+
+Array = NDArray[np.float64]
+NODES = 16  # an axis, to which a grid gathers its pressure for other grids
+
+
+class Influence:
+    """From pressure (n,) in the cells of all grids, in MPa, to normal displacement (n,) in mm."""
+
+    def __init__(self, grids: Sequence[Grid], contact_modulus: float) -> None:
+        """contact_modulus: E*, MPa. The rectangles of the grids must not overlap."""
+        self._shapes = [(grid.x.size, grid.s.size) for grid in grids]
+        self._cuts = np.cumsum([nx * ns for nx, ns in self._shapes])[:-1]
+        own, self._within = zip(*(_love(grid, contact_modulus) for grid in grids), strict=True)
+        self.own = max(own)
+        self._nodes = [Nodes(grid) for grid in grids] if len(grids) > 1 else []
+        self._kernels = {
+            (i, j): point_force(self._nodes[i].places, self._nodes[j].places, contact_modulus)
+            for i, j in permutations(range(len(self._nodes)), 2)
+        }
+
+    def split(self, values: Array) -> list[Array]:
+        """(n,) -> one array (nx, ns) a grid."""
+        pieces = zip(np.split(values, self._cuts), self._shapes, strict=True)
+        return [piece.reshape(shape) for piece, shape in pieces]
+
+    def __call__(self, pressure: Array) -> Array:
+        pieces = self.split(pressure)
+        moved = [within(piece) for within, piece in zip(self._within, pieces, strict=True)]
+        forces = [nodes.gather(piece) for nodes, piece in zip(self._nodes, pieces, strict=False)]
+        for i, nodes in enumerate(self._nodes):
+            for j, force in enumerate(forces):
+                if j != i:
+                    moved[i] = moved[i] + nodes.spread(force @ self._kernels[i, j].T)
+        return np.concatenate([piece.ravel() for piece in moved])
+
+
+class Nodes:
+    """A coarse grid over the cells of one, between which values are linear: what others see."""
+
+    def __init__(self, grid: Grid) -> None:
+        axes, self._weights = zip(*(_hats(axis) for axis in (grid.x, grid.s)), strict=True)
+        self.places = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
+        self._grid = grid
+
+    def gather(self, pressure: Array) -> Array:
+        """Pressure (nx, ns) -> forces (2, nodes) along and across the load, N."""
+        along, across = self._weights
+        forces = along.T @ (self._grid.cell * self._grid.normals * pressure) @ across
+        return np.asarray(forces.reshape(2, -1))
+
+    def spread(self, displacement: Array) -> Array:
+        """Displacement (2, nodes) along and across the load -> normal displacement (nx, ns)."""
+        along, across = self._weights
+        nodal = displacement.reshape(2, along.shape[1], across.shape[1])
+        return np.asarray((self._grid.normals * (along @ nodal @ across.T)).sum(axis=0))
+
+
+def point_force(places: Array, sources: Array, contact_modulus: float) -> Array:
+    """Displacement 1/(pi E* r) of places (n, 2) by unit forces at sources (m, 2), (n, m), mm/N
+    (Boussinesq; Johnson, Contact Mechanics, 3.22a)."""
+    distance = np.hypot(*(places[:, None] - sources[None]).transpose(2, 0, 1))
+    return np.asarray(1 / (math.pi * contact_modulus * distance))
+
+
+def logarithms(X: Array, S: Array) -> tuple[Array, Array]:
+    """X arsinh(S/|X|) and S arsinh(X/|S|), 0 at X = 0, of the corners X, S != 0 of a rectangle as
+    seen from a place: differences over the corners are the integrals of s^2/r^3 and of x^2/r^3,
+    and the sum of both is that of 1/r."""
+    across = X * np.arcsinh(S / np.maximum(np.abs(X), 1e-100))
+    return across, S * np.arcsinh(X / np.abs(S))
+
+
+def _hats(axis: Array) -> tuple[Array, Array]:
+    """Nodes (m,) over an axis of cells (n,), and their hat functions at the cells (n, m)."""
+    nodes = np.linspace(axis[0], axis[-1], min(NODES, axis.size))
+    return nodes, np.maximum(0, 1 - np.abs(axis[:, None] - nodes) / (nodes[1] - nodes[0]))
+
+
+def _love(grid: Grid, contact_modulus: float) -> tuple[float, Callable[[Array], Array]]:
+    """A cell's own influence in mm/MPa, and the map from pressure (nx, ns) to displacement in mm.
+
+    A cell displaces by the sum over its corners of +-(x arsinh(s/|x|) + s arsinh(x/|s|)), over
+    pi E* (Love; Johnson, Contact Mechanics, 3.25); a zero-padded FFT sums over all cells.
+    """
+    x, s, normals = grid.x, grid.s, grid.normals
+    normals = normals[normals.any(axis=(1, 2))]
+    nx, ns = padded = [next_fast_len(2 * axis.size, real=True) for axis in (x, s)]
+    X = ((np.arange(nx + 1) - nx // 2 - 0.5) * (x[1] - x[0]))[:, None]
+    S = (np.arange(ns + 1) - ns // 2 - 0.5) * (s[1] - s[0])
+    corners = sum(logarithms(X, S))
+    influence = np.diff(np.diff(corners, axis=0), axis=1) / (math.pi * contact_modulus)
+    spectrum = rfft2(np.fft.ifftshift(influence)).real  # it is even in x and in s
+
+    def displacement(pressure: Array) -> Array:
+        u: Array = irfft2(spectrum * rfft2(normals * pressure, padded), padded)
+        return np.asarray((normals * u[:, : x.size, : s.size]).sum(axis=0))
+
+    return float(influence[nx // 2, ns // 2]), displacement

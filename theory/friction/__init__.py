@@ -1,0 +1,1 @@
+"""Closed forms and limits with friction: Cattaneo, Carter, Kalker, FASTSIM, shakedown, heat."""

@@ -1,0 +1,107 @@
+"""A tangential force on a pressed contact that does not roll: Cattaneo and Mindlin.
+
+Like materials, traction along the force alone (its small part across is neglected: below 1 % in the
+displacement). The force Q grows from 0 at a constant load N; mu N is the limit. Forces are in N,
+lengths in mm, energies in N mm. Sources: Cattaneo 1938, Mindlin 1949, Mindlin and Deresiewicz
+1953; Johnson, Contact Mechanics, 7.2 and 7.4.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import elliprd, elliprf
+
+from railhead.theory.elastic.hertz import Ellipse, Strip
+
+
+def initial_compliance(
+    a: float, b: float, shear_modulus: float, poisson: float
+) -> tuple[float, float]:
+    """Tangential approach over force, mm/N, along a and along b, of bodies that stick everywhere.
+
+    Both bodies have G (MPa) and nu. The traction Q/(2 pi a b)/sqrt(1 - x^2/a^2 - y^2/b^2) shifts
+    the ellipse as a whole by Q/(pi G a b) ((1 - nu) I + nu I_x), where I and I_x integrate 1 and
+    cos^2 over sqrt(cos^2/a^2 + sin^2/b^2) from 0 to pi/2, here in Carlson's forms (Mindlin 1949);
+    (2 - nu)/(4 G a) on a circle.
+    """
+    p, q = 1 / a**2, 1 / b**2
+    whole = elliprf(0, p, q)
+    parts = q / 3 * elliprd(0, p, q), p / 3 * elliprd(0, q, p)
+    scale = 1 / (math.pi * shear_modulus * a * b)
+    along, across = (scale * ((1 - poisson) * whole + poisson * part) for part in parts)
+    return float(along), float(across)
+
+
+@dataclass(frozen=True)
+class CattaneoMindlin:
+    """A Hertz ellipse under a tangential force.
+
+    limit: mu N, N; compliance: of `initial_compliance` in the force's direction, mm/N.
+    """
+
+    limit: float
+    compliance: float
+
+    def stick_ratio(self, force: float) -> float:
+        """Axes of the ellipse that sticks over those of the patch: (1 - Q/mu N)^(1/3)."""
+        return math.cbrt(self._rest(force))
+
+    def approach(self, force: float) -> float:
+        """Tangential approach, mm, under a force that grew from 0 (Johnson, 7.42)."""
+        return self._scale * (1 - self._rest(force) ** (2 / 3))
+
+    def unloading_approach(self, force: float, largest: float) -> float:
+        """The same on the way back from `largest` to `force` >= -largest (Johnson, 7.53); at force
+        0 what is left of it."""
+        if not abs(force) <= largest:
+            raise ValueError(f"a force between +-{largest} N is reached on the way back: {force}")
+        back = self._rest((largest - force) / 2) ** (2 / 3)
+        return self._scale * (2 * back - self._rest(largest) ** (2 / 3) - 1)
+
+    def energy_per_cycle(self, largest: float) -> float:
+        """Dissipated in a cycle between +-largest, N mm (Johnson, 7.57)."""
+        rest, share = self._rest(largest), largest / self.limit
+        loop = 1 - rest ** (5 / 3) - 5 / 6 * share * (1 + rest ** (2 / 3))
+        return 7.2 * self.compliance * self.limit**2 * loop
+
+    @property
+    def _scale(self) -> float:
+        """Approach at the limit, mm."""
+        return 1.5 * self.compliance * self.limit
+
+    def _rest(self, force: float) -> float:
+        """1 - Q/mu N. ValueError: the force is negative or above the limit."""
+        if not 0 <= force <= self.limit:
+            raise ValueError(f"force must be within 0..mu N = {self.limit} N, got {force}")
+        return 1 - force / self.limit
+
+
+def ellipse(
+    contact: Ellipse, friction: float, shear_modulus: float, poisson: float, *, across: bool
+) -> CattaneoMindlin:
+    """A Hertz ellipse of like bodies (G in MPa, nu) under a force along x, or across, along y."""
+    compliance = initial_compliance(contact.a, contact.b, shear_modulus, poisson)
+    return CattaneoMindlin(friction * contact.load, compliance[across])
+
+
+def strip_stick_ratio(share: float, largest: float | None = None) -> float:
+    """Half width that sticks over the strip's: sqrt(1 - Q/mu P) at share = Q/mu P.
+
+    On the way back from a larger share `largest`: sqrt(1 - (largest - share)/2), beyond which the
+    slip is reversed. ValueError: the share is outside of 0..1, or of -largest..largest.
+    """
+    lower, upper = (0.0, 1.0) if largest is None else (-largest, min(largest, 1.0))
+    if not lower <= share <= upper:
+        raise ValueError(f"the share of mu P must be within {lower}..{upper}, got {share}")
+    return math.sqrt(1 - (share if largest is None else (largest - share) / 2))
+
+
+def strip_traction(
+    strip: Strip, friction: float, share: float, y: ArrayLike
+) -> NDArray[np.float64]:
+    """mu (p(y) - p0 c/w sqrt(1 - y^2/c^2)) in MPa across a strip of half width w, y in mm."""
+    ratio = strip_stick_ratio(share)
+    stuck = np.sqrt(np.maximum(ratio**2 - (np.asarray(y) / strip.b) ** 2, 0))
+    return np.asarray(friction * (strip.pressure(y) - strip.p0 * stuck))

@@ -1,0 +1,124 @@
+"""Kalker's linear theory of rolling: forces of an ellipse at vanishing creepage.
+
+Conventions of `theory.rolling`: a along the rolling direction, forces with the creepage's sign:
+
+    F_x = G a b C11 xi_x    F_y = G a b (C22 xi_y + sqrt(a b) C23 phi)
+    M_z = G a b (-sqrt(a b) C23 xi_y + a b C33 phi)
+
+G and nu are those of the pair of materials (`theory.tangential.Pair`), which must be like.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial.legendre import leggauss, legvander, legvander2d
+from numpy.typing import NDArray
+
+from railhead.theory.rolling.rolling import Creepage
+
+Array = NDArray[np.float64]
+DEGREE = 10  # of the polynomials
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """Kalker's linear creepage coefficients, of 1; C32 = -C23."""
+
+    c11: float
+    c22: float
+    c23: float
+    c33: float
+
+    def forces(
+        self, a: float, b: float, shear_modulus: float, creepage: Creepage
+    ) -> tuple[float, float, float]:
+        """F_x, F_y in N and M_z in N mm; lengths in mm, G in MPa."""
+        c = math.sqrt(a * b)
+        along, across, spin = creepage.along, creepage.across, c * creepage.spin
+        scale = shear_modulus * c * c
+        return (
+            scale * self.c11 * along,
+            scale * (self.c22 * across + self.c23 * spin),
+            scale * c * (self.c33 * spin - self.c23 * across),
+        )
+
+
+def coefficients(axis_ratio: float, poisson: float) -> Coefficients:
+    """Of an ellipse with a/b = axis_ratio, by polynomials (Kalker 1967).
+
+    Where all sticks, the tractions hold the surface back by u = -(xi_x, xi_y) x + phi (x y,
+    -x^2/2) + f(y), for any f, and vanish at the leading edge. Tractions that are polynomials over
+    sqrt(1 - x^2/a^2 - y^2/b^2) displace by polynomials of the same degree (Galin): those that
+    displace by each part of u are found first, then the f whose sum has the least traction
+    coefficients along the leading edge. Within 0.2 % of the limit of high degrees for a/b from
+    0.2 to 5, 0.4 % from 0.1 to 10. ValueError: an argument out of range.
+    """
+    if not (0.05 <= axis_ratio <= 20 and 0 <= poisson <= 0.5):
+        raise ValueError(
+            "the axis ratio must be within 0.05..20 and Poisson's ratio within 0..0.5, got "
+            f"{axis_ratio}, {poisson}"
+        )
+    basis = _Basis(math.sqrt(axis_ratio), 1 / math.sqrt(axis_ratio))
+    x, y = basis.places
+    free, still = legvander(y / basis.b, DEGREE), np.zeros((x.size, DEGREE + 1))
+    rigid = [[x, 0 * x, -x * y], [0 * x, x, x * x / 2]]
+    wanted = np.block([[free, still, -np.array(rigid[0]).T], [still, free, -np.array(rigid[1]).T]])
+    tractions = np.linalg.lstsq(basis.displacements(poisson), wanted, rcond=1e-13)[0]
+    angle = math.pi / 2 * np.cos(math.pi * (np.arange(4 * DEGREE) + 0.5) / (4 * DEGREE))
+    leading = np.kron(np.eye(2), basis(basis.a * np.cos(angle), basis.b * np.sin(angle)))
+    edge = leading @ tractions
+    f = np.linalg.lstsq(edge[:, :-3], -edge[:, -3:], rcond=1e-12)[0]
+    found = basis.forces @ (tractions[:, -3:] + tractions[:, :-3] @ f)
+    c23 = (found[1, 2] - found[2, 1]) / 2
+    return Coefficients(float(found[0, 0]), float(found[1, 1]), float(c23), float(found[2, 2]))
+
+
+class _Basis:
+    """Products of Legendre polynomials up to a total degree, over sqrt(1 - x^2/a^2 - y^2/b^2)."""
+
+    def __init__(self, a: float, b: float) -> None:
+        self.a, self.b = a, b
+        degrees = np.arange(DEGREE + 1)
+        self._used = np.add.outer(degrees, degrees).ravel() <= DEGREE
+        ticks = np.cos(math.pi * (np.arange(DEGREE + 2) + 0.5) / (DEGREE + 2))
+        x, y = np.meshgrid(ticks, ticks, indexing="ij")
+        self.places = a * x.ravel(), b * (y * np.sqrt(1 - x * x)).ravel()
+
+    def __call__(self, x: Array, y: Array) -> Array:
+        """The polynomials (..., m) at places (...)."""
+        products = legvander2d(x / self.a, y / self.b, (DEGREE, DEGREE))
+        return np.asarray(products[..., self._used])
+
+    def displacements(self, poisson: float) -> Array:
+        """(2 n, 2 m) at the places, where G = 1, by Cerruti's integral in polar coordinates: over
+        chords through each place, and over their angles."""
+        a, b, (x, y) = self.a, self.b, self.places
+        count = 2 * DEGREE + int(20 * max(a / b, b / a))
+        ticks = np.cos(math.pi * (np.arange(DEGREE // 2 + 1) + 0.5) / (DEGREE // 2 + 1))
+        total = np.zeros((2 * x.size, 2 * int(self._used.sum())))
+        for angle in math.pi / count * np.arange(count):
+            c, s = math.cos(angle), math.sin(angle)
+            steepness = (c / a) ** 2 + (s / b) ** 2
+            middle = -(x * c / a**2 + y * s / b**2) / steepness
+            inside = 1 - (x / a) ** 2 - (y / b) ** 2
+            way = middle + np.sqrt(inside / steepness + middle**2) * ticks[:, None]
+            chords = self(x + way * c, y + way * s).mean(axis=0) * math.pi / math.sqrt(steepness)
+            kernel = (1 - poisson) * np.eye(2) + poisson * np.outer((c, s), (c, s))
+            total += np.kron(kernel, chords) / count
+        return total
+
+    @property
+    def forces(self) -> Array:
+        """(3, 2 m) F_x, F_y, M_z of the tractions."""
+        nodes, weights = leggauss(DEGREE + 4)
+        height, count = (nodes[:, None] + 1) / 2, 2 * DEGREE + 4
+        angle, radius = 2 * math.pi / count * np.arange(count), np.sqrt(1 - height**2)
+        x, y = self.a * radius * np.cos(angle), self.b * radius * np.sin(angle)
+        cell = math.pi * self.a * self.b / count * weights[:, None, None]
+        values = self(x, y) * cell
+        whole, still = values.sum(axis=(0, 1)), np.zeros(values.shape[-1])
+        by_x, by_y = (np.tensordot(arm, values, axes=2) for arm in (x, y))
+        return np.block([[whole, still], [still, whole], [-by_y, by_x]])

@@ -1,0 +1,109 @@
+"""Limits of repeated rolling in p0/k: elastic shakedown by Melan's theorem, first yield, FI_surf.
+
+p0: largest pressure; k: yield stress in shear. Residual stresses of plane strain, rho_xx and
+rho_yy, depend on the depth alone. At every depth the limit is that of the pair that makes the
+largest von Mises stress of a passage the least. Below the surface it is p0 over the largest shear
+stress xz, which no residual stress takes over (Johnson, Contact Mechanics, 9.2): p0 = 4 k without
+friction.
+At the surface the stress along changes from the leading to the trailing edge, and one rho_yy does
+not balance yy everywhere: 2.32 k at a coefficient of 0.4, where the shear stress alone has 2.5 k.
+Of a circle Ponter, Hearle and Johnson (J. Mech. Phys. Solids 33, 1985) have 4.68 k without
+friction.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from railhead.theory.elastic import line
+from railhead.theory.friction import sliding
+
+Array = NDArray[np.float64]
+CIRCLE = 4.68  # p0/k without friction
+DEPTHS, PLACES = 81, 161  # where the shear stress of a strip is looked for
+
+
+def _strip(share: float) -> line.LineContact:
+    """A share of the width of one and the same strip, under its curvature."""
+    load = 1e-3 * share**2
+    return line.contact(1e-3, (1.0, 1.0), (0.0, 0.0), length=1.0, across=False, load=load)
+
+
+STRIP = _strip(1.0)  # the limits are the same for all
+
+
+def shakedown_limit(friction: float, poisson: float, used: float | None = None) -> float:
+    """Largest p0/k of a line that shakes down, to 1e-3. used: tangential over normal force in
+    steady rolling with Carter's tractions; without it all of the patch slips."""
+    share = 1.0 if used is None or not friction else min(used / friction, 1.0)
+    stick = math.sqrt(1 - share)
+    x, depth = np.meshgrid(np.linspace(-1.2, 1.2, PLACES), np.linspace(0.0, 1.0, DEPTHS))
+    below = _stress(friction, stick, poisson, x.ravel(), depth.ravel())[:, 4]
+    return min(float(STRIP.p0 / np.abs(below).max()), surface_limit(friction, poisson, stick))
+
+
+def surface_limit(friction: float, poisson: float, stick: float = 0.0) -> float:
+    """The same of the surface alone; stick: half width that sticks over that of the patch."""
+    wave = -np.cos(np.linspace(0.0, math.pi, PLACES))
+    beside = np.linspace(1.0, 3.0, PLACES)
+    x = np.concatenate([-beside, wave, 1 - stick + stick * wave, beside])
+    return STRIP.p0 / _balanced(_stress(friction, stick, poisson, x, np.zeros_like(x)))
+
+
+def _stress(friction: float, stick: float, poisson: float, x: Array, depth: Array) -> Array:
+    """Stress (n, 6) at x and depth over the half width; stick: half width that sticks, from the
+    leading edge on, over the whole one (Carter; see `theory.carter`)."""
+
+    def at(x: Array) -> Array:
+        return STRIP.half_width * np.column_stack((x, np.zeros_like(x), -depth))
+
+    total = sliding.stress(STRIP, friction, poisson, at(x))
+    if stick:
+        inner, places = _strip(stick), at(x - 1 + stick)
+        total -= sliding.stress(inner, friction, poisson, places)
+        total += sliding.stress(inner, 0.0, poisson, places)
+    return total
+
+
+def _balanced(stress: Array) -> float:
+    """The least k for which one rho_xx and one rho_yy keep all stresses (n, 6) of plane strain
+    within von Mises' limit, MPa: k^2 = d^2/4 + (e - d/2)^2/3 + xz^2, d = xx - zz, e = yy - zz."""
+    xx, yy, zz, _, xz, _ = stress.T / STRIP.p0
+
+    def parts(v: Array) -> tuple[Array, Array]:
+        half = (xx - zz + v[0]) / 2
+        return half, yy - zz + v[1] - half
+
+    def room(v: Array) -> Array:
+        half, other = parts(v)
+        return np.asarray(v[2] - half**2 - other**2 / 3 - xz**2)
+
+    def slope(v: Array) -> Array:
+        half, other = parts(v)
+        return np.column_stack((other / 3 - half, -2 * other / 3, np.ones_like(xz)))
+
+    found = minimize(
+        lambda v: v[2], [0.0, 0.0, 10.0], jac=lambda v: [0.0, 0.0, 1.0], method="SLSQP",
+        constraints={"type": "ineq", "fun": room, "jac": slope}, options={"ftol": 1e-10},
+    )  # fmt: skip
+    return float(STRIP.p0 * math.sqrt(-room(np.append(found.x[:2], 0.0)).min()))
+
+
+def elastic_limit(friction: float, poisson: float) -> float:
+    """Largest p0/k of a line that does not yield at all, by von Mises."""
+    hardest = max(
+        find(STRIP, friction, poisson).von_mises
+        for find in (sliding.hardest_below, sliding.hardest_at_surface)
+    )
+    return math.sqrt(3) * STRIP.p0 / hardest
+
+
+def surface_fatigue_index(traction: float, pressure: float, shear_yield: float) -> float:
+    """FI_surf = (traction - k)/p0 with the largest traction, above 0 where the surface ratchets.
+    Where all of an ellipse slips it is friction - 2 pi a b k/(3 N) (Ekberg, Kabo and Andersson,
+    Fatigue Fract. Eng. Mater. Struct. 25, 2002)."""
+    return (traction - shear_yield) / pressure

@@ -1,0 +1,142 @@
+"""Stresses below a Hertz contact that slides: under a pressure p and a traction mu p at once.
+
+The body is the half-space z <= 0, dragged along +x; tension is positive. Lengths in mm, stresses in
+MPa. Known closed forms: Hamilton and Goodman 1966, Hamilton 1983 (circle), Sackfield and Hills 1983
+(ellipse), Johnson, Contact Mechanics, 7.1 (strip).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from railhead.theory.elastic.contacts import Hertz, half_lengths
+from railhead.theory.elastic.hertz import Ellipse
+from railhead.theory.elastic.line import LineContact
+from railhead.theory.elastic.subsurface import von_mises
+
+Array = NDArray[np.float64]
+Waves = NDArray[np.complex128]
+DIRECTIONS = 720  # of plane waves
+ZOOMS = 4  # of the search for the largest stress
+SURFACE = 1e-14  # depth over the half width that tells the sides of a cut
+
+
+@dataclass(frozen=True)
+class Hardest:
+    """The largest von Mises stress in MPa and where, x along and depth, mm, in the plane y = 0."""
+
+    von_mises: float
+    x: float
+    depth: float
+
+
+def stress(contact: Hertz, friction: float, poisson: float, points: ArrayLike) -> Array:
+    """Stress (n, 6), in columns xx, yy, zz, xy, xz, yz, at points (n, 3) with z <= 0.
+
+    The pressure is a sum of plane waves, and a wave under p and q needs plane strain and shear out
+    of its plane only (`_plane_wave`). Of the waves of one direction e, those of all lengths add up
+    in closed form: of an ellipse, whose sections across e hold C (1 - s^2/m^2) with m^2 = a^2 e_x^2
+    + b^2 e_y^2, C = pi a b p0/(2 m), s = x e_x + y e_y, with w = (s + i depth)/m and
+    L = ln((w + 1)/(w - 1)) to
+
+        I_0 = -(2 C/m) (w L - 2)      I_1 = (2 i C depth/m^2) (L - 2 w/(w^2 - 1))
+
+    for waves exp(-k depth) and k depth exp(-k depth). Directions e ~ (b cos t, a sin t) are even in
+    t. The midpoint rule is exact to rounding on the patch and deeper than a tenth of it, 1e-3 p0 at
+    its edge and 5e-3 p0 on the surface beside it. Of a strip there is one direction, and
+    I_0 = i F/pi in the terms of `theory.line`. ValueError: a point above the surface, or another
+    shape.
+    """
+    xyz = np.asarray(points, dtype=float)
+    if xyz.ndim != 2 or xyz.shape[1] != 3 or np.any(xyz[:, 2] > 0):
+        raise ValueError(f"points must be (n, 3) at z <= 0, got the shape {xyz.shape}")
+    x, y, depth = xyz[:, 0], xyz[:, 1], -xyz[:, 2]
+    if isinstance(contact, LineContact):
+        direction = (0.0, 1.0) if contact.across else (1.0, 0.0)
+        i_0, i_1 = _strip_waves(contact, y if contact.across else x, depth)
+        return _plane_wave(i_0, i_1, direction, friction, poisson)
+    a, b, total = contact.a, contact.b, np.zeros((len(xyz), 6))
+    for t in math.pi / DIRECTIONS * (np.arange(DIRECTIONS) + 0.5):
+        length = math.hypot(b * math.cos(t), a * math.sin(t))
+        e = b * math.cos(t) / length, a * math.sin(t) / length
+        i_0, i_1 = _ellipse_waves(contact, e, x * e[0] + y * e[1], depth)
+        total += a * b / length**2 * _plane_wave(i_0, i_1, e, friction, poisson)
+    return np.asarray(total / (2 * math.pi * DIRECTIONS))
+
+
+def hardest_below(contact: Hertz, friction: float, poisson: float) -> Hardest:
+    """The largest von Mises stress from a tenth of the smaller half width down, in the plane along
+    x through the middle of the patch, to 1e-4 of it."""
+    depth = min(half_lengths(contact))
+    return _highest(contact, friction, poisson, (0.1 * depth, 1.5 * depth))
+
+
+def hardest_at_surface(contact: Hertz, friction: float, poisson: float) -> Hardest:
+    """The largest von Mises stress on the surface, in the same plane; with friction it is found at
+    the trailing edge, x = -a. To 1e-3 of it."""
+    return _highest(contact, friction, poisson, (0.0, 0.0))
+
+
+def _highest(
+    contact: Hertz, friction: float, poisson: float, depths: tuple[float, float]
+) -> Hardest:
+    """On grids that shrink around the highest place of the last one."""
+    a, _ = half_lengths(contact)
+    low, high = np.array([-1.2 * a, depths[0]]), np.array([1.2 * a, depths[1]])
+    lowest, highest = low, high
+    for _ in range(ZOOMS):
+        x, depth = (np.unique(np.linspace(*ends, 25)) for ends in zip(low, high, strict=True))
+        grid = np.stack(np.meshgrid(x, depth, indexing="ij"), axis=-1).reshape(-1, 2)
+        points = np.column_stack((grid[:, 0], np.zeros(len(grid)), -grid[:, 1]))
+        values = von_mises(stress(contact, friction, poisson, points))
+        best = grid[np.argmax(values)]
+        reach = (high - low) / 12
+        low, high = np.maximum(best - reach, lowest), np.minimum(best + reach, highest)
+    return Hardest(float(values.max()), float(best[0]), float(best[1]))
+
+
+def _strip_waves(contact: LineContact, s: Array, depth: Array) -> tuple[Waves, Waves]:
+    w = contact.half_width
+    zeta = s + 1j * np.maximum(depth, SURFACE * w)
+    root = np.sqrt(zeta - w) * np.sqrt(zeta + w)
+    potential = contact.p0 * w / (zeta + root)  # F/pi
+    return 1j * potential, -depth * potential / root
+
+
+def _ellipse_waves(
+    contact: Ellipse, e: tuple[float, float], s: Array, depth: Array
+) -> tuple[Waves, Waves]:
+    m = math.hypot(contact.a * e[0], contact.b * e[1])
+    C = math.pi * contact.a * contact.b * contact.p0 / (2 * m)
+    w = s / m + 1j * np.maximum(depth / m, SURFACE)
+    L = np.log((w + 1) / (w - 1))
+    return -2 * C / m * (w * L - 2), 2j * C / m**2 * depth * (L - 2 * w / (w * w - 1))
+
+
+def _plane_wave(
+    i_0: Waves, i_1: Waves, e: tuple[float, float], friction: float, poisson: float
+) -> Array:
+    """Stress (n, 6) of waves exp(i k s - k depth) of a pressure 1 and a traction mu along x.
+
+    In the plane of s and depth: under p, s_ss = -(1 - k d) p, s_dd = -(1 + k d) p, s_sd = i k d p;
+    under q along s, s_ss = i (2 - k d) q, s_dd = i k d q, s_sd = -(1 - k d) q; under q across,
+    s_td = -q and s_st = i q.
+    """
+    along, across = friction * e[0], -friction * e[1]
+    ss = (i_1 - i_0 + 1j * along * (2 * i_0 - i_1)).real
+    dd = (-i_0 - i_1 + 1j * along * i_1).real
+    sd = (1j * i_1 - along * (i_0 - i_1)).real
+    tt, td, st = poisson * (ss + dd), (-across * i_0).real, (1j * across * i_0).real
+    c, s = e
+    return np.column_stack((
+        c * c * ss - 2 * c * s * st + s * s * tt,
+        s * s * ss + 2 * c * s * st + c * c * tt,
+        dd,
+        c * s * (ss - tt) + (c * c - s * s) * st,
+        s * td - c * sd,  # z points up
+        -s * sd - c * td,
+    ))  # fmt: skip

@@ -1,0 +1,1 @@
+"""Boundary elements of rolling half-spaces under tangential traction."""

@@ -1,0 +1,56 @@
+"""Unlike half-spaces, whose tractions change the pressure and the other way round.
+
+Pressure and tractions are found by turns until neither changes (Panagiotopoulos 1975). Conventions
+of `theory.rolling`; lengths in mm, forces in N.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.theory.bem.boundary_element import equilibrium
+from railhead.theory.bem.influence import Influence
+from railhead.theory.bem.patch import PatchSolution
+from railhead.theory.rolling.rolling import HalfSpaceFriction, Sheared
+from railhead.theory.rolling.tangential import Pair, TractionInfluence
+
+Array = NDArray[np.float64]
+TURNS, TOLERANCE = 40, 1e-3  # of the tractions, over mu N
+PRESSED = 1e-6  # of the displacement
+
+
+def rubbed(
+    patch: PatchSolution,
+    pair: Pair,
+    friction: float,
+    shear: Callable[[HalfSpaceFriction], Sheared],
+    *,
+    rolling: bool,
+    modes: Array | None = None,
+) -> Sheared:
+    """A patch that was pressed without friction, under its load and tractions; `shear` finds these
+    at a pressure that stays (`at` of a creepage, `driven.under` of a force). A shift begins from
+    the pressed patch.
+
+    The contact modulus is G/(1 - nu) of the pair. ValueError: the turns do not end.
+    """
+    modulus = pair.shear_modulus / (1 - pair.poisson)
+    influence = TractionInfluence(patch.x, patch.s, pair, rolling=False)
+    pressed = Influence([patch], modulus)(patch.pressure.ravel()).reshape(patch.pressure.shape)
+    undeformed = patch.gap - pressed + patch.approach * patch.normals[0]
+    now, before = patch, np.zeros((2, *patch.pressure.shape))
+    for _ in range(TURNS):
+        body = HalfSpaceFriction(
+            now.x, now.s, now.pressure, friction, pair,
+            rolling=rolling, modes=modes, settled=None if rolling else patch.pressure,
+        )  # fmt: skip
+        found = shear(body)
+        changed = np.linalg.norm(found.traction - before, axis=0).sum() * found.cell
+        if not pair.mismatch or changed <= TOLERANCE * found.limit:
+            return found
+        gap, before = undeformed + influence.opening(found.traction), found.traction
+        (now,) = equilibrium([patch], [gap], modulus, patch.load, None, PRESSED, None)
+    raise ValueError(f"pressure and tractions still change after {TURNS} turns")

@@ -1,0 +1,181 @@
+"""Friction between two half-spaces under a given pressure: rolling at a creepage, or one shift.
+
+Kalker's exact theory (1990) in boundary elements. Conventions, of everything that rolls or slides
+here: x points to where the wheel rolls, so that the leading edge of the patch is at its largest x,
+y across, and the normal out of the rail. Creepage is the velocity of the wheel's surface relative
+to the rail's over the rolling speed; spin turns about that normal:
+
+    rigid slip = (along - spin y, across + spin x)
+
+or, on a surface that is not flat or whose motion is about another place, whatever its modes are:
+four fields of rigid slip, those of creepages and a spin of 1 and, once, that of the wheel's turning
+about axes in the tangent plane, which adds nothing in a plane.
+Forces are those of the wheel on the rail and have the creepage's sign (Kalker's have the other
+one); each does the work of its creepage, so that the moment acts about the place of the spin.
+Lengths in mm, forces in N, stresses in MPa, spin in 1/mm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.theory.elastic.hertz import Ellipse
+from railhead.theory.rolling.coulomb import Tractions
+from railhead.theory.rolling.tangential import Pair, TractionInfluence
+
+Array = NDArray[np.float64]
+TOLERANCE = 1e-8  # of the tractions
+
+
+@dataclass(frozen=True)
+class Creepage:
+    """along and across of 1, spin in 1/mm; of a shift mm, mm and rad."""
+
+    along: float = 0.0
+    across: float = 0.0
+    spin: float = 0.0
+
+    @property
+    def motion(self) -> Array:
+        """(4,) multiples of the modes of rigid slip."""
+        return np.array([self.along, self.across, self.spin, 1.0])
+
+
+@dataclass(frozen=True)
+class Sheared:
+    """Tractions and slip (2, nx, ny) in MPa and, rolling, of 1 (of a shift, mm) under a creepage.
+
+    bound: mu p (nx, ny), MPa; x (nx,), y (ny,): cell centres, mm; modes (4, 2, nx, ny): see above.
+    """
+
+    x: Array
+    y: Array
+    modes: Array
+    bound: Array
+    creepage: Creepage
+    traction: Array
+    slip: Array
+
+    @property
+    def forces(self) -> tuple[float, float, float]:
+        """Along and across, N, and the moment, N mm."""
+        along, across, moment, _ = self._works
+        return float(along), float(across), float(moment)
+
+    @property
+    def _works(self) -> Array:
+        """(4,) of the tractions on each mode."""
+        return np.asarray(self.cell * (self.modes * self.traction).sum(axis=(1, 2, 3)))
+
+    @property
+    def cell(self) -> float:
+        """Its area, mm2."""
+        return float((self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
+
+    @property
+    def limit(self) -> float:
+        """mu N, N."""
+        return float(self.bound.sum() * self.cell)
+
+    @property
+    def areas(self) -> tuple[float, float]:
+        """Of what sticks and of the patch, mm2."""
+        inside = self.bound > 0
+        sticks = np.linalg.norm(self.traction, axis=0) < (1 - 1e-6) * self.bound
+        return self.cell * float(sticks[inside].sum()), self.cell * float(inside.sum())
+
+    @property
+    def stick_share(self) -> float:
+        """Of the patch's area."""
+        sticks, touches = self.areas
+        return sticks / touches
+
+    @property
+    def t_gamma(self) -> float:
+        """Rolling, of like bodies: energy dissipated per rolled length, or power over speed, N:
+        tractions times rigid slip. (It counts from undeformed radii, which unlike bodies leave
+        without it.)"""
+        return float(self._works @ self.creepage.motion)
+
+
+class HalfSpaceFriction:
+    """A patch with given pressure and coefficient of friction, to be rolled or shifted."""
+
+    def __init__(
+        self,
+        x: Array,
+        y: Array,
+        pressure: Array,
+        friction: float,
+        pair: Pair,
+        *,
+        rolling: bool,
+        modes: Array | None = None,
+        settled: Array | None = None,
+    ) -> None:
+        """x (nx,), y (ny,): cell centres, evenly spaced, mm; pressure (nx, ny), MPa, 0 outside;
+        modes: see `Sheared`, by default those of a plane about x = y = 0.
+
+        The pressure stays what it is (see `theory.unlike`), and what it does to unlike surfaces
+        counts as slip; of a shift what a pressure `settled` (nx, ny) did before it does not.
+        ValueError: a shape or value out of range.
+        """
+        if pressure.shape != (x.size, y.size) or min(pressure.shape) < 2 or not pressure.min() >= 0:
+            raise ValueError("pressure must be (nx, ny), two cells an axis at least, and >= 0")
+        if not 0 < friction < np.inf:
+            raise ValueError(f"friction must be positive and finite, got {friction}")
+        self._x, self._y, self._bound = x, y, friction * pressure
+        self._influence = TractionInfluence(x, y, pair, rolling=rolling)
+        self._tractions = Tractions(self._influence, self._bound)
+        inside = np.where(pressure > 0, 1.0, 0.0)
+        self._modes = inside * (plane_modes(x, y) if modes is None else modes)
+        self._drawn: Array = np.zeros((2, *pressure.shape))
+        if pair.mismatch:
+            changed = pressure if settled is None else pressure - settled
+            self._drawn = inside * self._influence.of_pressure(changed)
+
+    @classmethod
+    def hertz(
+        cls, ellipse: Ellipse, friction: float, pair: Pair, *, rolling: bool, cells: int = 64
+    ) -> HalfSpaceFriction:
+        """Under the pressure of an ellipse, on so many cells an axis."""
+        t = (np.arange(cells) + 0.5) / cells * 2 - 1
+        inside = 1 - t[:, None] ** 2 - t**2
+        pressure = ellipse.p0 * np.sqrt(np.maximum(inside, 0.0))
+        return cls(ellipse.a * t, ellipse.b * t, pressure, friction, pair, rolling=rolling)
+
+    def at(self, creepage: Creepage, start: Sheared | None = None) -> Sheared:
+        """The tractions at a creepage (rolling) or under a shift from rest; `start`: a solution of
+        this patch to start from, which saves time in a curve."""
+        return self._found(creepage, self._slip(creepage), start)
+
+    def after(self, before: Sheared, creepage: Creepage) -> Sheared:
+        """The tractions under a shift that was preceded by another one."""
+        settled = self._slip(before.creepage) - self._influence(before.traction)
+        return self._found(creepage, self._slip(creepage) - settled, before)
+
+    def stiffness(self, found: Sheared) -> Array:
+        """(2, 2) derivatives of the forces by the creepages along and across, N."""
+        slip = self._slip(found.creepage)
+        changes = self._tractions.changes(found.traction, slip, self._modes[:2])
+        return np.asarray(np.einsum("fcij,mcij->fm", self._modes[:2], changes) * found.cell)
+
+    def _slip(self, creepage: Creepage) -> Array:
+        """Without tractions, (2, nx, ny)."""
+        return np.asarray(np.tensordot(creepage.motion, self._modes, axes=1) - self._drawn)
+
+    def _found(self, creepage: Creepage, slip: Array, start: Sheared | None) -> Sheared:
+        guess = None if start is None else start.traction
+        traction = self._tractions.solve(slip, TOLERANCE, guess)
+        left = np.where(self._bound > 0, slip - self._influence(traction), 0)
+        return Sheared(self._x, self._y, self._modes, self._bound, creepage, traction, left)
+
+
+def plane_modes(x: Array, y: Array) -> Array:
+    """Modes of rigid slip (4, 2, nx, ny) in a plane, about x = y = 0."""
+    still = np.zeros((x.size, y.size))
+    turned = [still - y, still + x[:, None]]
+    return np.array([[still + 1, still], [still, still + 1], turned, [still, still]])

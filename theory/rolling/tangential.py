@@ -1,0 +1,122 @@
+"""Tangential displacement of two half-spaces by tractions in the cells of a grid.
+
+Displacements are those of the wheel's surface relative to the rail's, tractions those of the wheel
+on the rail: a traction leaves the wheel behind. Lengths in mm, tractions and moduli in MPa.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import irfft2, next_fast_len, rfft2
+
+from railhead.theory.bem.influence import logarithms
+from railhead.theory.elastic.hertz import contact_modulus
+
+Array = NDArray[np.float64]
+Upstream = tuple[tuple[float, float], ...]
+SHIFT: Upstream = ((0.0, 1.0),)  # (distance upstream in cells, weight): the displacement itself
+ROLLING: Upstream = (
+    (0.0, 3.0),
+    (0.5, -4.0),
+    (1.0, 1.0),
+)  # minus its derivative along x, times a cell
+CENTRAL: Upstream = ((-0.5, 1.0), (0.5, -1.0))  # the same of what does not follow the slip
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Both materials as one (Kalker 1990, 1.43): 1/G = (1/G_w + 1/G_r)/2, nu/G alike, and
+    K/G = ((1 - 2 nu_w)/G_w - (1 - 2 nu_r)/G_r)/4, which is 0 where both surfaces move alike under a
+    pressure. G in MPa."""
+
+    shear_modulus: float
+    poisson: float
+    mismatch: float = 0.0
+
+
+def pair(young_wheel: float, poisson_wheel: float, young_rail: float, poisson_rail: float) -> Pair:
+    """The pair of E (MPa, math.inf is rigid) and nu of both. Errors of `contact_modulus`."""
+    contact_modulus(young_wheel, poisson_wheel, young_rail, poisson_rail)
+    ratios = poisson_wheel, poisson_rail
+    wheel, rail = (
+        2 * (1 + nu) / E for nu, E in zip(ratios, (young_wheel, young_rail), strict=True)
+    )
+    modulus = 2 / (wheel + rail)
+    unlike = (1 - 2 * poisson_wheel) * wheel - (1 - 2 * poisson_rail) * rail
+    poisson = (poisson_wheel * wheel + poisson_rail * rail) / (wheel + rail)
+    return Pair(modulus, poisson, modulus * unlike / 4)
+
+
+class TractionInfluence:
+    """From tractions (2, nx, ny) to how far they hold the wheel's surface back, (2, nx, ny).
+
+    In mm or, `rolling` along +x, per rolled length: upstream differences of second order over half
+    a cell, -du/dx = (3 u(x) - 4 u(x + d/2) + u(x + d))/d, which dissipate. Cerruti: a force Q_x
+    moves both surfaces apart by Q_x/(pi G) ((1 - nu)/r + nu x^2/r^3) along it and by
+    Q_x/(pi G) nu x y/r^3 across (Johnson, Contact Mechanics, 3.7), here integrated over a cell.
+    """
+
+    def __init__(self, x: Array, y: Array, pair: Pair, *, rolling: bool) -> None:
+        """x (nx,), y (ny,): cell centres, evenly spaced and at least two an axis, mm."""
+        self._size, self._pair = (x.size, y.size), pair
+        self._padded = tuple(next_fast_len(2 * n, real=True) for n in self._size)
+        self._steps = float(x[1] - x[0]), float(y[1] - y[0])
+        upstream, self._scale = (ROLLING, 1 / self._steps[0]) if rolling else (SHIFT, 1.0)
+        self._given = CENTRAL if rolling else SHIFT
+        kernels = self._kernels(self._cerruti, upstream)
+        self._spectra = rfft2(kernels)
+        self.line = kernels[::2, :, 0]  # (2, padded): of a cell on those of its own line along x
+
+    def __call__(self, traction: Array) -> Array:
+        xx, xy, yy = self._spectra
+        along, across = rfft2(traction, self._padded)
+        moved = np.array([xx * along + xy * across, xy * along + yy * across])
+        return self._within(moved)
+
+    def of_pressure(self, pressure: Array) -> Array:
+        """The same of a pressure (nx, ny): both surfaces are drawn inwards, the softer one further;
+        a force P holds the wheel back by K P/(pi G) x/r^2 (Johnson, 3.18b)."""
+        spectra = rfft2(self._kernels(self._boussinesq, self._given))
+        return self._within(spectra * rfft2(pressure, self._padded))
+
+    def opening(self, traction: Array) -> Array:
+        """What tractions add to the gap (nx, ny), mm (not of `rolling`): by reciprocity, what a
+        pressure does to the surfaces with x and y turned round."""
+        spectra = rfft2(self._kernels(self._boussinesq, SHIFT))
+        return -self._within((spectra * rfft2(traction, self._padded)).sum(axis=0, keepdims=True))[
+            0
+        ]
+
+    def _kernels(self, corners: Callable[[Array, Array], Array], upstream: Upstream) -> Array:
+        """(m, padded) of a cell on all others, the cell itself first."""
+        total = []
+        for cells, weight in upstream:
+            X, Y = (
+                (np.arange(n + 1) - n // 2 - 0.5 + shift) * step
+                for n, step, shift in zip(self._padded, self._steps, (cells, 0.0), strict=True)
+            )
+            total.append(weight * np.diff(np.diff(corners(X[:, None], Y[None]), axis=1), axis=2))
+        scale = self._scale / (math.pi * self._pair.shear_modulus)
+        return np.asarray(scale * np.fft.ifftshift(np.sum(total, axis=0), axes=(1, 2)))
+
+    def _cerruti(self, X: Array, Y: Array) -> Array:
+        """Integrals along x, across, along y of what is above, at corners X and Y of a cell."""
+        nu = self._pair.poisson
+        yy, xx = logarithms(X, Y)
+        return np.array([xx + (1 - nu) * yy, -nu * np.hypot(X, Y), yy + (1 - nu) * xx])
+
+    def _boussinesq(self, X: Array, Y: Array) -> Array:
+        """Those of K x/r^2 and K y/r^2."""
+        log, angle = np.log(np.hypot(X, Y)), np.arctan(X / Y)
+        quarter = math.pi / 2 * np.abs(X) * np.sign(Y)
+        parts = Y * log + quarter - X * angle, X * log + Y * angle
+        return self._pair.mismatch * np.array(parts)
+
+    def _within(self, spectrum: NDArray[np.complex128]) -> Array:
+        nx, ny = self._size
+        return np.asarray(irfft2(spectrum, self._padded)[:, :nx, :ny])
