@@ -31,7 +31,7 @@ LEAST = 1e-300  # below it a vector has no direction
 
 
 @dataclass(frozen=True)
-class Sheared:
+class TangentialSolution:
     """n points with k tangents. traction (n, k) MPa of the wheel on the rail; slip (n, k) of the
     wheel over the rail: mm since `settled`, or, rolling, of 1; sticks (n,) of those with pressure
     (n,) MPa; nodal (m,): tractions at the nodes; motion (j,): what the given modes of rigid slip
@@ -81,8 +81,8 @@ class Friction:
         forces: Array,
         *,
         settled: Array | None = None,
-        start: Sheared | None = None,
-    ) -> Sheared:
+        start: TangentialSolution | None = None,
+    ) -> TangentialSolution:
         """slip (n, k): the rigid one that is known, of the wheel over the rail: mm, or, rolling,
         of 1. modes (j, n, k): further rigid slips, multiplied so that forces along (j, 3) axes in
         space are what is given, N: `forces` (j, 4) holds axes and forces. settled (n, k): of a
@@ -122,7 +122,7 @@ class Problem:
     rows: Array
     forces: Array
 
-    def solve(self, begin: Sheared | None, held: float) -> Sheared:
+    def solve(self, begin: TangentialSolution | None, held: float) -> TangentialSolution:
         """Newton's method from all that sticks, or from the solution of a similar problem; held:
         stiffness that its tangent adds to the motions, N/mm."""
         contact, coefficient = self.friction.contact, self.friction.coefficient
@@ -167,7 +167,7 @@ class Problem:
         q, bound, size, _ = self._state(x)
         share = self._share(bound, size)
         slip = (1 - share)[:, None] * q / (contact.tau[:, None] * contact.step)
-        return Sheared(
+        return TangentialSolution(
             share[:, None] * q, slip, active & (share >= 1),
             np.where(active, bound / coefficient, 0.0), x[:m], x[m:], slips, direction,
             tuple(history),

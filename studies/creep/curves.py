@@ -159,7 +159,7 @@ def _others(plan: Plan, curve: Curve) -> Iterator[Point]:
     limit = COEFFICIENT * sum(each.pressed.force for each in patches)
     for motion in curve.motions:
         given = motion.along, motion.across, motion.spin
-        sheared = [body.at(motion) for body in bodies]
+        sheared = [body.solve(motion) for body in bodies]
         exactly = np.sum([each.forces for each in sheared], axis=0)
         sticks, touches = np.sum([each.areas for each in sheared], axis=0)
         quick, stick, _ = equal_ellipses.fastsim(patches, limit, pair, given)

@@ -148,7 +148,7 @@ def test_forces_of_patches_add_up_in_space(two: planning.Plan, patches: list[Pat
         pressed = patch.pressed
         rolled = HalfSpaceFriction(
             pressed.x, pressed.s, pressed.pressure, MU, pair, rolling=True, modes=patch.modes
-        ).at(motion)
+        ).solve(motion)
         slope = np.broadcast_to(pressed.angle, pressed.pressure.shape)
         along, across = rolled.cell * rolled.traction
         force = np.array([along, across * np.cos(slope), across * np.sin(slope)])

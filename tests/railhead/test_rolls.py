@@ -20,7 +20,7 @@ from railhead.solver.setup import Setup, Side
 from railhead.solver.solution import Rubbing
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.bem.patch import PatchSolution
-from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, Sheared
+from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, TangentialSolution
 
 MU = 0.3
 FORCES = "force_along_N", "force_across_N"
@@ -60,7 +60,7 @@ def passing(contact: Contact, radius: float, points: np.ndarray) -> np.ndarray:
     axle, centre = contact.pose.rotation[:, 1], contact.pose.origin
     step = 1e-2
 
-    def after(way: float) -> np.ndarray:
+    def solve_after(way: float) -> np.ndarray:
         turn = Rotation.from_rotvec(axle * way / radius)
         return centre + [way, 0.0, 0.0] + turn.apply(points - centre)
 
@@ -117,7 +117,7 @@ def test_an_axle_is_not_said_where_the_wheelset_gives_nothing(given: dict) -> No
     assert str(refused.value) == "rolling.axle: nominal is not allowed without from_wheelset"
 
 
-def rolled_alone(contact: Contact, pressed: PatchSolution, slip: np.ndarray) -> Sheared:
+def rolled_alone(contact: Contact, pressed: PatchSolution, slip: np.ndarray) -> TangentialSolution:
     """A patch of half-spaces under its pressure at a rigid slip (2, nx, ns)."""
     modes = np.zeros((4, *slip.shape))
     modes[3] = slip
@@ -125,7 +125,7 @@ def rolled_alone(contact: Contact, pressed: PatchSolution, slip: np.ndarray) -> 
     body = HalfSpaceFriction(
         pressed.x, pressed.s, pressed.pressure, MU, pair, rolling=True, modes=modes
     )
-    return body.at(Creepage())
+    return body.solve(Creepage())
 
 
 def independent(contact: Contact, known: Solution, radius: float) -> dict[str, float]:

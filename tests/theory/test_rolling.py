@@ -15,8 +15,8 @@ from railhead.theory.elastic.hertz import Ellipse, contact_modulus, line_contact
 from railhead.theory.friction.carter import Carter
 from railhead.theory.friction.cattaneo import ellipse
 from railhead.theory.friction.kalker import coefficients
-from railhead.theory.rolling.prescribed_forces import under
-from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, Sheared
+from railhead.theory.rolling.prescribed_forces import solve_for_forces
+from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, TangentialSolution
 from railhead.theory.rolling.tangential import Pair, pair
 
 SLOW, OWN = pytest.mark.slow, 0.005
@@ -52,7 +52,7 @@ def creep_curves() -> list[Any]:
 def test_creep_curves(entry: dict[str, Any]) -> None:
     """Along, across, spin and combined. The edge of what sticks may lie 3 % of a half length off,
     which is 6 % of the area."""
-    rolled = patch(entry["a_mm"], entry["b_mm"], entry["p0_MPa"], entry["mu"]).at(
+    rolled = patch(entry["a_mm"], entry["b_mm"], entry["p0_MPa"], entry["mu"]).solve(
         creepage := Creepage(entry["xi_x"], entry["xi_y"], entry["phi_per_mm"])
     )
     error, c = float(entry["estimated_error"].split()[0]), entry["c_mm"]
@@ -69,7 +69,7 @@ def test_creep_curves(entry: dict[str, Any]) -> None:
 def test_the_contact_program(entry: dict[str, Any]) -> None:
     p0 = 1.5 * entry["load_N"] / (math.pi * entry["a_mm"] * entry["b_mm"])
     key = {"xi_x": "along", "xi_y": "across"}[entry["creep"]]
-    rolled = patch(entry["a_mm"], entry["b_mm"], p0, entry["mu"]).at(
+    rolled = patch(entry["a_mm"], entry["b_mm"], p0, entry["mu"]).solve(
         Creepage(**{key: entry["value"]})
     )
     found = rolled.forces[entry["force"] == "Fy"] / rolled.limit
@@ -81,7 +81,7 @@ def test_the_curve_of_polach(entry: dict[str, Any]) -> None:
     """Its own error is 1.5 % of the force, too high, and 3 % below a creepage of 0.0005."""
     p0 = 1.5 * entry["load_N"] / (math.pi * entry["a_mm"] * entry["b_mm"])
     materials = Pair(entry["G_MPa"], entry["nu"])
-    rolled = patch(entry["a_mm"], entry["b_mm"], p0, entry["mu"], materials=materials).at(
+    rolled = patch(entry["a_mm"], entry["b_mm"], p0, entry["mu"], materials=materials).solve(
         Creepage(along=entry["xi_x"])
     )
     force, share = entry["Fx_over_muN"], 0.03 if entry["xi_x"] < 5e-4 else 0.015
@@ -97,7 +97,7 @@ def test_vanishing_creepage_gives_the_linear_coefficients(ratio: float) -> None:
     for cells in (32, 64):
         body = patch(a, b, 1e3, 1.0, cells=cells)
         forces = [
-            np.array(body.at(Creepage(*1e-9 * mode)).forces) / 1e-9 / STEEL.shear_modulus
+            np.array(body.solve(Creepage(*1e-9 * mode)).forces) / 1e-9 / STEEL.shear_modulus
             for mode in np.eye(3)
         ]
         found.append([forces[0][0], forces[1][1], forces[2][1], -forces[1][2], forces[2][2]])
@@ -115,7 +115,7 @@ def test_the_middle_of_a_long_line_contact_is_carters(share: float) -> None:
     y = strip.b * 4 * (np.arange(15) - 7)
     pressure = np.repeat(strip.pressure(x)[:, None], 15, axis=1)
     body = HalfSpaceFriction(x, y, pressure, 0.3, STEEL, rolling=True)
-    q = body.at(Creepage(along=exact.creepage)).traction[0, :, 7]
+    q = body.solve(Creepage(along=exact.creepage)).traction[0, :, 7]
     assert q.sum() / (0.3 * strip.pressure(x).sum()) == pytest.approx(share, abs=OWN)
     sticks = x[q < 0.3 * strip.pressure(x) * (1 - 1e-6)]
     assert sticks.min() / strip.b == pytest.approx(
@@ -134,8 +134,8 @@ def test_a_shift_is_mindlins(entry: dict[str, Any]) -> None:
     contact, across = mindlin(entry), entry.get("direction") == "y"
     body = patch(contact.a, contact.b, contact.p0, 0.3, cells=32, rolling=False)
     key = "across" if across else "along"
-    limit = body.at(Creepage()).limit
-    (found,) = under([body], Creepage(), **{key: entry["Q_over_muP"] * limit})
+    limit = body.solve(Creepage()).limit
+    (found,) = solve_for_forces([body], Creepage(), **{key: entry["Q_over_muP"] * limit})
     expected = entry["tangential_approach_mm"] * (limit / 7500)
     assert getattr(found.creepage, key) == pytest.approx(expected, rel=1e-2)
     known = ellipse(contact, 0.3, STEEL.shear_modulus, 0.3, across=across)
@@ -148,11 +148,11 @@ def test_the_energy_of_a_cycle_is_mindlins() -> None:
     entry = ENTRIES["mindlin_sphere_q0.8"]
     contact, top = mindlin(entry), entry["tangential_approach_mm"]
     body = patch(contact.a, contact.b, contact.p0, 0.3, cells=24, rolling=False)
-    state = body.at(Creepage(along=top))
+    state = body.solve(Creepage(along=top))
     way = top * np.concatenate([np.linspace(1, -1, 13), np.linspace(-1, 1, 13)[1:]])
     force = [state.forces[0]]
     for shift in way[1:]:
-        state = body.after(state, Creepage(along=shift))
+        state = body.solve_after(state, Creepage(along=shift))
         force.append(state.forces[0])
     energy = -np.sum((np.array(force[1:]) + force[:-1]) / 2 * np.diff(way))
     assert abs(energy) == pytest.approx(entry["dissipated_energy_per_cycle_Nmm"], rel=0.05)
@@ -167,7 +167,7 @@ def test_a_patch_of_boundary_elements_rolls_as_the_ellipse_it_is() -> None:
     creepage = Creepage(5e-4, -5e-4, 3e-4)
     body = HalfSpaceFriction(found.x, found.s, found.pressure, 0.3, STEEL, rolling=True)
     rolled, expected = (
-        each.at(creepage) for each in (body, patch(exact.a, exact.b, exact.p0, 0.3))
+        each.solve(creepage) for each in (body, patch(exact.a, exact.b, exact.p0, 0.3))
     )
     scale = np.array([1, 1, exact.a]) * 7500
     np.testing.assert_allclose(
@@ -183,28 +183,28 @@ def small() -> HalfSpaceFriction:
 def test_mirrored_and_turned_creepage(small: HalfSpaceFriction) -> None:
     """y -> -y turns the creepage across and the spin round, and their forces; all signs at once
     turn all forces round. The rolling direction cannot be mirrored."""
-    one = small.at(Creepage(5e-4, 3e-4, 2e-4))
+    one = small.solve(Creepage(5e-4, 3e-4, 2e-4))
     mirrored, turned = (
-        small.at(Creepage(5e-4, -3e-4, -2e-4)),
-        small.at(Creepage(-5e-4, -3e-4, -2e-4)),
+        small.solve(Creepage(5e-4, -3e-4, -2e-4)),
+        small.solve(Creepage(-5e-4, -3e-4, -2e-4)),
     )
     Fx, Fy, Mz = one.forces
     np.testing.assert_allclose(mirrored.forces, (Fx, -Fy, -Mz), rtol=1e-6)
     np.testing.assert_allclose(turned.forces, (-Fx, -Fy, -Mz), rtol=1e-6)
     np.testing.assert_allclose(mirrored.traction[0, :, ::-1], one.traction[0], atol=1e-4)
     assert Fx > 0
-    assert small.at(Creepage(across=3e-4)).forces[1] > 0
-    assert small.at(Creepage(spin=2e-4)).forces[1] > 0  # Kalker's C23 with the creepage's sign
+    assert small.solve(Creepage(across=3e-4)).forces[1] > 0
+    assert small.solve(Creepage(spin=2e-4)).forces[1] > 0  # Kalker's C23 with the creepage's sign
 
 
 def test_slip_begins_at_the_trailing_edge(small: HalfSpaceFriction) -> None:
-    rolled = small.at(Creepage(along=5e-4))
+    rolled = small.solve(Creepage(along=5e-4))
     middle = np.linalg.norm(rolled.traction[:, :, 12], axis=0) / rolled.bound[:, 12]
     assert middle[:3] == pytest.approx(1.0, rel=1e-9)
     assert middle[-4:].max() < 0.9
 
 
-def holds_the_law(rolled: Sheared) -> None:
+def holds_the_law(rolled: TangentialSolution) -> None:
     inside = rolled.bound > 0
     q, s, g = rolled.traction[:, inside], rolled.slip[:, inside], rolled.bound[inside]
     size = np.linalg.norm(q, axis=0)
@@ -236,7 +236,7 @@ EXTREMES = [
 )
 def test_extremes(ratio: float, mu: float, creepage: Creepage) -> None:
     body = patch(4 * math.sqrt(ratio), 4 / math.sqrt(ratio), 1000.0, mu, cells=24)
-    rolled = body.at(creepage)
+    rolled = body.solve(creepage)
     holds_the_law(rolled)
     if math.hypot(creepage.along, creepage.across) == 1.0:
         way = np.array([creepage.along, creepage.across]) * rolled.limit
@@ -246,31 +246,33 @@ def test_extremes(ratio: float, mu: float, creepage: Creepage) -> None:
 
 
 def test_nothing_slips_where_nothing_is_asked(small: HalfSpaceFriction) -> None:
-    rest = small.at(Creepage())
+    rest = small.solve(Creepage())
     assert rest.stick_share == 1.0
     assert rest.forces == (0.0, 0.0, 0.0)
 
 
 def test_given_forces(small: HalfSpaceFriction) -> None:
-    limit = small.at(Creepage()).limit
+    limit = small.solve(Creepage()).limit
     for along, across in ((0.5, None), (None, -0.7), (0.6, 0.3), (0.0, 0.0), (0.99, None)):
         goal = [None if part is None else part * limit for part in (along, across)]
-        (rolled,) = under([small], Creepage(1e-4, 2e-4, 1e-4), along=goal[0], across=goal[1])
+        (rolled,) = solve_for_forces(
+            [small], Creepage(1e-4, 2e-4, 1e-4), along=goal[0], across=goal[1]
+        )
         for k, (wanted, given) in enumerate(zip(goal, (1e-4, 2e-4), strict=True)):
             if wanted is None:
                 assert (rolled.creepage.along, rolled.creepage.across)[k] == given
             else:
                 assert rolled.forces[k] == pytest.approx(wanted, abs=2e-6 * limit)
         assert rolled.creepage.spin == 1e-4
-        again = small.at(rolled.creepage)
+        again = small.solve(rolled.creepage)
         np.testing.assert_allclose(again.forces, rolled.forces, atol=1e-5 * limit)
     with pytest.raises(ValueError, match="below mu N"):
-        under([small], Creepage(), along=0.8 * limit, across=0.7 * limit)
+        solve_for_forces([small], Creepage(), along=0.8 * limit, across=0.7 * limit)
 
 
 def test_a_start_does_not_change_the_answer(small: HalfSpaceFriction) -> None:
-    far = small.at(Creepage(-2e-3, 1e-3, 1e-4))
-    one, other = small.at(Creepage(4e-4, 0.0, 3e-4)), small.at(Creepage(4e-4, 0.0, 3e-4), far)
+    far = small.solve(Creepage(-2e-3, 1e-3, 1e-4))
+    one, other = small.solve(Creepage(4e-4, 0.0, 3e-4)), small.solve(Creepage(4e-4, 0.0, 3e-4), far)
     np.testing.assert_allclose(one.traction, other.traction, atol=1e-5 * one.bound.max())
 
 
@@ -280,13 +282,13 @@ def test_unlike_bodies_creep_without_creepage() -> None:
     for wheel, rail in ((3000.0, 207000.0), (207000.0, 3000.0)):
         materials = pair(wheel, 0.3, rail, 0.3)
         body = patch(4.0, 4.0, 50.0, 0.3, cells=24, materials=materials)
-        rolled = body.at(Creepage())
+        rolled = body.solve(Creepage())
         holds_the_law(rolled)
         forces.append(rolled.forces[0] / rolled.limit)
     assert forces[0] == pytest.approx(-forces[1], rel=1e-6)
     assert abs(forces[0]) > 0.1
     still = patch(4.0, 4.0, 50.0, 0.3, cells=24, materials=pair(3000, 0.5, 207000, 0.5))
-    assert still.at(Creepage()).forces == (0.0, 0.0, 0.0)
+    assert still.solve(Creepage()).forces == (0.0, 0.0, 0.0)
 
 
 def test_input_out_of_range() -> None:

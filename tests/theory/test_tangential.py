@@ -87,8 +87,8 @@ def test_bodies_that_stick_shift_as_mindlin_says(axes: tuple[float, float]) -> N
         p = np.sqrt(np.maximum(1 - ticks[:, None] ** 2 - ticks**2, 0))
         shifted = HalfSpaceFriction(a * ticks, b * ticks, p, 1e6, STEEL, rolling=False)
         found.append([
-            1e-3 / shifted.at(Creepage(along=1e-3)).forces[0],
-            1e-3 / shifted.at(Creepage(across=1e-3)).forces[1],
+            1e-3 / shifted.solve(Creepage(along=1e-3)).forces[0],
+            1e-3 / shifted.solve(Creepage(across=1e-3)).forces[1],
         ])  # fmt: skip
     extrapolated = 2 * np.array(found[1]) - found[0]
     np.testing.assert_allclose(extrapolated, exact, rtol=5e-3)

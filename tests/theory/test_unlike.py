@@ -5,9 +5,9 @@ import pytest
 from numpy.typing import NDArray
 
 from railhead.theory.bem import boundary_element
-from railhead.theory.rolling.dissimilar import rubbed
-from railhead.theory.rolling.prescribed_forces import under
-from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, Sheared
+from railhead.theory.rolling.dissimilar import solve_dissimilar
+from railhead.theory.rolling.prescribed_forces import solve_for_forces
+from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, TangentialSolution
 from railhead.theory.rolling.tangential import Pair, TractionInfluence, pair
 
 Array = NDArray[np.float64]
@@ -18,9 +18,13 @@ def ball(x: Array, s: Array) -> Array:
     return np.asarray((x**2 + s**2) / 840)
 
 
-def rolling(wheel: tuple[float, float], rail: tuple[float, float], creepage: Creepage) -> Sheared:
+def rolling(
+    wheel: tuple[float, float], rail: tuple[float, float], creepage: Creepage
+) -> TangentialSolution:
     materials = pair(*wheel, *rail)
-    return rubbed(pressed(materials), materials, 0.3, lambda body: body.at(creepage), rolling=True)
+    return solve_dissimilar(
+        pressed(materials), materials, 0.3, lambda body: body.solve(creepage), rolling=True
+    )
 
 
 def pressed(materials: Pair) -> boundary_element.PatchSolution:
@@ -33,7 +37,7 @@ def test_like_bodies_take_one_turn() -> None:
     patch = boundary_element.solve(ball, 207000 / 1.82, load=500.0, cells=32)
     body = HalfSpaceFriction(patch.x, patch.s, patch.pressure, 0.3, materials, rolling=True)
     found = rolling(HARD, HARD, creepage)
-    np.testing.assert_allclose(found.traction, body.at(creepage).traction, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(found.traction, body.solve(creepage).traction, rtol=1e-6, atol=1e-9)
 
 
 def test_exchanged_bodies_turn_the_tractions_round() -> None:
@@ -70,9 +74,9 @@ def test_a_shift_begins_from_what_pressing_left() -> None:
     for materials in (pair(*HARD, *SOFT), pair(*SOFT, *HARD)):
         patch = pressed(materials)
         for force in (0.0, 75.0):
-            found = rubbed(
+            found = solve_dissimilar(
                 patch, materials, 0.3,
-                lambda body, force=force: under([body], Creepage(), along=force)[0],
+                lambda body, force=force: solve_for_forces([body], Creepage(), along=force)[0],
                 rolling=False,
             )  # fmt: skip
             assert found.forces[0] == pytest.approx(force, abs=1e-3)
@@ -91,11 +95,11 @@ def test_patches_meet_forces_together() -> None:
         HalfSpaceFriction(patch.x, patch.s, share * patch.pressure, 0.3, materials, rolling=True)
         for share in (1.0, 0.5)
     ]
-    found = under(bodies, Creepage(), along=100.0)
+    found = solve_for_forces(bodies, Creepage(), along=100.0)
     assert found[0].creepage == found[1].creepage
     assert sum(each.forces[0] for each in found) == pytest.approx(100.0, abs=1e-3)
     assert found[0].forces[0] > found[1].forces[0] > 0
     for body, each in zip(bodies, found, strict=True):
-        assert body.at(found[0].creepage).forces[0] == pytest.approx(each.forces[0], abs=1e-3)
+        assert body.solve(found[0].creepage).forces[0] == pytest.approx(each.forces[0], abs=1e-3)
     with pytest.raises(ValueError, match="below mu N"):
-        under(bodies, Creepage(), along=300.0)
+        solve_for_forces(bodies, Creepage(), along=300.0)

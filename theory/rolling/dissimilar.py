@@ -1,6 +1,6 @@
-"""Unlike half-spaces, whose tractions change the pressure and the other way round.
+"""Half-spaces of different materials: tractions change the pressure, and the other way round.
 
-Pressure and tractions are found by turns until neither changes (Panagiotopoulos 1975). Conventions
+Pressure and tractions are solved in turn until neither changes (Panagiotopoulos 1975). Conventions
 of `theory.rolling`; lengths in mm, forces in N.
 """
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from railhead.theory.bem.boundary_element import equilibrium
 from railhead.theory.bem.influence import Influence
 from railhead.theory.bem.patch import PatchSolution
-from railhead.theory.rolling.rolling import HalfSpaceFriction, Sheared
+from railhead.theory.rolling.rolling import HalfSpaceFriction, TangentialSolution
 from railhead.theory.rolling.tangential import Pair, TractionInfluence
 
 Array = NDArray[np.float64]
@@ -22,20 +22,22 @@ TURNS, TOLERANCE = 40, 1e-3  # of the tractions, over mu N
 PRESSED = 1e-6  # of the displacement
 
 
-def rubbed(
+def solve_dissimilar(
     patch: PatchSolution,
     pair: Pair,
     friction: float,
-    shear: Callable[[HalfSpaceFriction], Sheared],
+    shear: Callable[[HalfSpaceFriction], TangentialSolution],
     *,
     rolling: bool,
     modes: Array | None = None,
-) -> Sheared:
-    """A patch that was pressed without friction, under its load and tractions; `shear` finds these
-    at a pressure that stays (`at` of a creepage, `driven.under` of a force). A shift begins from
-    the pressed patch.
+) -> TangentialSolution:
+    """Tractions of a patch whose pressure follows from its load and these tractions.
 
-    The contact modulus is G/(1 - nu) of the pair. ValueError: the turns do not end.
+    patch: the same contact without friction.
+    shear: solves for tractions at a pressure that stays, e.g. `HalfSpaceFriction.solve`.
+    rolling: steady rolling; else one shift that begins from the pressed patch.
+    modes: fields of rigid slip, see `TangentialSolution`.
+    The contact modulus is G/(1 - nu) of the pair. ValueError: no convergence in 40 turns.
     """
     modulus = pair.shear_modulus / (1 - pair.poisson)
     influence = TractionInfluence(patch.x, patch.s, pair, rolling=False)

@@ -1,4 +1,4 @@
-"""Patches that share one motion, under given forces: the creepage or shift that makes them up."""
+"""Tangential forces are prescribed: the creepage or shift that several patches share follows."""
 
 from __future__ import annotations
 
@@ -8,30 +8,32 @@ from dataclasses import astuple
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, Sheared
+from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, TangentialSolution
 
 Array = NDArray[np.float64]
 STEPS, TOLERANCE = 40, 1e-6  # over mu N
 
 
-def under(
+def solve_for_forces(
     bodies: Sequence[HalfSpaceFriction],
     creepage: Creepage,
     *,
     along: float | None = None,
     across: float | None = None,
-) -> list[Sheared]:
-    """The tractions of patches that share a motion and together make up forces, N; each given one
-    is met to 1e-6 mu N by its creepage in place of that of `creepage`.
+) -> list[TangentialSolution]:
+    """Tractions of patches that share one rigid motion and together carry prescribed forces.
 
-    Newton's method from where all sticks; the force is concave in its creepage, and the steps
-    are halved where they do not come nearer. ValueError: forces of mu N or more.
+    along, across: prescribed force of all patches, N; None where the creepage is prescribed.
+    creepage: prescribed motion; where a force is prescribed, its component is an unknown.
+    The forces are met to 1e-6 mu N by Newton's method from full stick. The force is concave in its
+    creepage, and a step that does not reduce the residual is halved. ValueError: forces of mu N or
+    more, or no convergence.
     """
     goals = {k: force for k, force in enumerate((along, across)) if force is not None}
     free, target = list(goals), np.array(list(goals.values()))
     values = np.array(astuple(creepage))
     values[free] = 0.0
-    now = [body.at(Creepage(*values)) for body in bodies]
+    now = [body.solve(Creepage(*values)) for body in bodies]
     limit = sum(each.limit for each in now)
     if not np.linalg.norm(target) < limit:
         raise ValueError(f"the force must be below mu N = {limit} N, got {target}")
@@ -47,7 +49,7 @@ def under(
             trial = values.copy()
             trial[free] += share * step
             motion = Creepage(*trial)
-            then = [body.at(motion, each) for body, each in zip(bodies, now, strict=True)]
+            then = [body.solve(motion, each) for body, each in zip(bodies, now, strict=True)]
             left = target - _forces(then)[free]
             if np.linalg.norm(left) < np.linalg.norm(missing) or share < 1e-6:
                 break
@@ -56,5 +58,6 @@ def under(
     raise ValueError(f"no creepage found under the forces {target} N")
 
 
-def _forces(found: Sequence[Sheared]) -> Array:
+def _forces(found: Sequence[TangentialSolution]) -> Array:
+    """Forces (2,) in N and moment in N mm, all patches together (3,)."""
     return np.sum([each.forces for each in found], axis=0)

@@ -32,7 +32,11 @@ TOLERANCE = 1e-8  # of the tractions
 
 @dataclass(frozen=True)
 class Creepage:
-    """along and across of 1, spin in 1/mm; of a shift mm, mm and rad."""
+    """Rigid motion of the wheel over the rail: of rolling per rolled length, or one shift.
+
+    along, across: creepages, dimensionless; of a shift, mm.
+    spin: rotation about the normal, 1/mm; of a shift, rad.
+    """
 
     along: float = 0.0
     across: float = 0.0
@@ -45,10 +49,15 @@ class Creepage:
 
 
 @dataclass(frozen=True)
-class Sheared:
-    """Tractions and slip (2, nx, ny) in MPa and, rolling, of 1 (of a shift, mm) under a creepage.
+class TangentialSolution:
+    """Tangential tractions of a patch under a rigid motion, cell by cell.
 
-    bound: mu p (nx, ny), MPa; x (nx,), y (ny,): cell centres, mm; modes (4, 2, nx, ny): see above.
+    x (nx,), y (ny,): cell centres, mm.
+    modes (4, 2, nx, ny): fields of rigid slip along x and y, see the module's text.
+    bound (nx, ny): largest traction that friction allows, mu p, MPa.
+    creepage: the rigid motion.
+    traction (2, nx, ny): of the wheel on the rail along x and y, MPa.
+    slip (2, nx, ny): of the wheel over the rail; dimensionless in rolling, mm of a shift.
     """
 
     x: Array
@@ -61,48 +70,47 @@ class Sheared:
 
     @property
     def forces(self) -> tuple[float, float, float]:
-        """Along and across, N, and the moment, N mm."""
+        """Forces of the wheel on the rail along and across (N) and the moment (N mm)."""
         along, across, moment, _ = self._works
         return float(along), float(across), float(moment)
 
     @property
     def _works(self) -> Array:
-        """(4,) of the tractions on each mode."""
+        """Work (4,) of the tractions on each mode of rigid slip."""
         return np.asarray(self.cell * (self.modes * self.traction).sum(axis=(1, 2, 3)))
 
     @property
     def cell(self) -> float:
-        """Its area, mm2."""
+        """Area of a cell, mm2."""
         return float((self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
 
     @property
     def limit(self) -> float:
-        """mu N, N."""
+        """Largest tangential force that friction allows, mu N, in N."""
         return float(self.bound.sum() * self.cell)
 
     @property
     def areas(self) -> tuple[float, float]:
-        """Of what sticks and of the patch, mm2."""
+        """Area where traction stays below its bound, and area of the patch, mm2."""
         inside = self.bound > 0
         sticks = np.linalg.norm(self.traction, axis=0) < (1 - 1e-6) * self.bound
         return self.cell * float(sticks[inside].sum()), self.cell * float(inside.sum())
 
     @property
     def stick_share(self) -> float:
-        """Of the patch's area."""
+        """Share of the patch's area that sticks, 0 to 1."""
         sticks, touches = self.areas
         return sticks / touches
 
     @property
     def t_gamma(self) -> float:
-        """Rolling, of like bodies: energy dissipated per rolled length, or power over speed, N:
-        tractions times rigid slip. (It counts from undeformed radii, which unlike bodies leave
-        without it.)"""
+        """Energy dissipated per rolled length (N), of bodies of the same material: the work of the
+        tractions on the rigid slip. Bodies of different materials also slip without creepage."""
         return float(self._works @ self.creepage.motion)
 
 
 class HalfSpaceFriction:
-    """A patch with given pressure and coefficient of friction, to be rolled or shifted."""
+    """Tangential contact of half-spaces whose pressure is given: each cell obeys Coulomb's law."""
 
     def __init__(
         self,
@@ -117,9 +125,9 @@ class HalfSpaceFriction:
         settled: Array | None = None,
     ) -> None:
         """x (nx,), y (ny,): cell centres, evenly spaced, mm; pressure (nx, ny), MPa, 0 outside;
-        modes: see `Sheared`, by default those of a plane about x = y = 0.
+        modes: see `TangentialSolution`, by default those of a plane about x = y = 0.
 
-        The pressure stays what it is (see `theory.unlike`), and what it does to unlike surfaces
+        The pressure stays what it is (see `theory.rolling.dissimilar`), and what it does to unlike surfaces
         counts as slip; of a shift what a pressure `settled` (nx, ny) did before it does not.
         ValueError: a shape or value out of range.
         """
@@ -141,37 +149,45 @@ class HalfSpaceFriction:
     def hertz(
         cls, ellipse: Ellipse, friction: float, pair: Pair, *, rolling: bool, cells: int = 64
     ) -> HalfSpaceFriction:
-        """Under the pressure of an ellipse, on so many cells an axis."""
+        """Tangential contact under the pressure of Hertz's ellipse, with `cells` along each axis."""
         t = (np.arange(cells) + 0.5) / cells * 2 - 1
         inside = 1 - t[:, None] ** 2 - t**2
         pressure = ellipse.p0 * np.sqrt(np.maximum(inside, 0.0))
         return cls(ellipse.a * t, ellipse.b * t, pressure, friction, pair, rolling=rolling)
 
-    def at(self, creepage: Creepage, start: Sheared | None = None) -> Sheared:
-        """The tractions at a creepage (rolling) or under a shift from rest; `start`: a solution of
-        this patch to start from, which saves time in a curve."""
+    def solve(
+        self, creepage: Creepage, start: TangentialSolution | None = None
+    ) -> TangentialSolution:
+        """Tractions at a creepage in steady rolling, or under one shift from rest.
+
+        start: an earlier solution of this patch; the iterations begin there. ValueError: they do
+        not converge."""
         return self._found(creepage, self._slip(creepage), start)
 
-    def after(self, before: Sheared, creepage: Creepage) -> Sheared:
-        """The tractions under a shift that was preceded by another one."""
+    def solve_after(self, before: TangentialSolution, creepage: Creepage) -> TangentialSolution:
+        """Tractions under a shift that follows another one, `before`. ValueError: as `solve`."""
         settled = self._slip(before.creepage) - self._influence(before.traction)
         return self._found(creepage, self._slip(creepage) - settled, before)
 
-    def stiffness(self, found: Sheared) -> Array:
+    def stiffness(self, found: TangentialSolution) -> Array:
         """(2, 2) derivatives of the forces by the creepages along and across, N."""
         slip = self._slip(found.creepage)
         changes = self._tractions.changes(found.traction, slip, self._modes[:2])
         return np.asarray(np.einsum("fcij,mcij->fm", self._modes[:2], changes) * found.cell)
 
     def _slip(self, creepage: Creepage) -> Array:
-        """Without tractions, (2, nx, ny)."""
+        """Slip (2, nx, ny) of surfaces without tractions."""
         return np.asarray(np.tensordot(creepage.motion, self._modes, axes=1) - self._drawn)
 
-    def _found(self, creepage: Creepage, slip: Array, start: Sheared | None) -> Sheared:
+    def _found(
+        self, creepage: Creepage, slip: Array, start: TangentialSolution | None
+    ) -> TangentialSolution:
         guess = None if start is None else start.traction
         traction = self._tractions.solve(slip, TOLERANCE, guess)
         left = np.where(self._bound > 0, slip - self._influence(traction), 0)
-        return Sheared(self._x, self._y, self._modes, self._bound, creepage, traction, left)
+        return TangentialSolution(
+            self._x, self._y, self._modes, self._bound, creepage, traction, left
+        )
 
 
 def plane_modes(x: Array, y: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Tangential displacement of two half-spaces by tractions in the cells of a grid.
+"""Influence coefficients: tangential displacement of two half-spaces by tractions on grid cells.
 
 Displacements are those of the wheel's surface relative to the rail's, tractions those of the wheel
 on the rail: a traction leaves the wheel behind. Lengths in mm, tractions and moduli in MPa.
@@ -53,7 +53,7 @@ def pair(young_wheel: float, poisson_wheel: float, young_rail: float, poisson_ra
 
 
 class TractionInfluence:
-    """From tractions (2, nx, ny) to how far they hold the wheel's surface back, (2, nx, ny).
+    """Map from tractions (2, nx, ny) to the slip that they take away (2, nx, ny).
 
     In mm or, `rolling` along +x, per rolled length: upstream differences of second order over half
     a cell, -du/dx = (3 u(x) - 4 u(x + d/2) + u(x + d))/d, which dissipate. Cerruti: a force Q_x
@@ -79,21 +79,21 @@ class TractionInfluence:
         return self._within(moved)
 
     def of_pressure(self, pressure: Array) -> Array:
-        """The same of a pressure (nx, ny): both surfaces are drawn inwards, the softer one further;
-        a force P holds the wheel back by K P/(pi G) x/r^2 (Johnson, 3.18b)."""
+        """Slip (2, nx, ny) that a pressure (nx, ny) takes away: both surfaces move inwards, the
+        softer one further. A force P gives K P/(pi G) x/r^2 (Johnson, 3.18b)."""
         spectra = rfft2(self._kernels(self._boussinesq, self._given))
         return self._within(spectra * rfft2(pressure, self._padded))
 
     def opening(self, traction: Array) -> Array:
-        """What tractions add to the gap (nx, ny), mm (not of `rolling`): by reciprocity, what a
-        pressure does to the surfaces with x and y turned round."""
+        """Change of the normal gap (nx, ny) by tractions, mm; not in rolling. By reciprocity it has
+        the kernel of `of_pressure` with x and y reversed."""
         spectra = rfft2(self._kernels(self._boussinesq, SHIFT))
         return -self._within((spectra * rfft2(traction, self._padded)).sum(axis=0, keepdims=True))[
             0
         ]
 
     def _kernels(self, corners: Callable[[Array, Array], Array], upstream: Upstream) -> Array:
-        """(m, padded) of a cell on all others, the cell itself first."""
+        """Influence (m, padded) of one cell on all others, the cell itself first."""
         total = []
         for cells, weight in upstream:
             X, Y = (
@@ -105,18 +105,19 @@ class TractionInfluence:
         return np.asarray(scale * np.fft.ifftshift(np.sum(total, axis=0), axes=(1, 2)))
 
     def _cerruti(self, X: Array, Y: Array) -> Array:
-        """Integrals along x, across, along y of what is above, at corners X and Y of a cell."""
+        """Corner values (3, ...) of the integral of Cerruti's xx, xy and yy over a cell."""
         nu = self._pair.poisson
         yy, xx = logarithms(X, Y)
         return np.array([xx + (1 - nu) * yy, -nu * np.hypot(X, Y), yy + (1 - nu) * xx])
 
     def _boussinesq(self, X: Array, Y: Array) -> Array:
-        """Those of K x/r^2 and K y/r^2."""
+        """Corner values (2, ...) of the integrals of K x/r^2 and K y/r^2 over a cell."""
         log, angle = np.log(np.hypot(X, Y)), np.arctan(X / Y)
         quarter = math.pi / 2 * np.abs(X) * np.sign(Y)
         parts = Y * log + quarter - X * angle, X * log + Y * angle
         return self._pair.mismatch * np.array(parts)
 
     def _within(self, spectrum: NDArray[np.complex128]) -> Array:
+        """The part (..., nx, ny) inside the grid of a padded spectrum's inverse transform."""
         nx, ny = self._size
         return np.asarray(irfft2(spectrum, self._padded)[:, :nx, :ny])

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from railhead.run.references.rolling_patches import Patch
 from railhead.theory.rolling import dissimilar
-from railhead.theory.rolling.prescribed_forces import under
-from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, Sheared
+from railhead.theory.rolling.prescribed_forces import solve_for_forces
+from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, TangentialSolution
 from railhead.theory.rolling.tangential import Pair
 
 if TYPE_CHECKING:
@@ -79,13 +79,13 @@ def _on_grid(asked: Asked, patches: Sequence[Patch]) -> Opinion:
     scale = found.limit / limit  # the normal forces differ by what the finite bodies do
     along, across = (force / scale for force in found.force)
 
-    def shear(body: HalfSpaceFriction) -> Sheared:
+    def shear(body: HalfSpaceFriction) -> TangentialSolution:
         if asked.rolling:
-            return body.at(Creepage(*found.motion))
-        return under([body], Creepage(), along=along, across=across)[0]
+            return body.solve(Creepage(*found.motion))
+        return solve_for_forces([body], Creepage(), along=along, across=across)[0]
 
     sheared = [
-        dissimilar.rubbed(
+        dissimilar.solve_dissimilar(
             each.pressed, asked.pair, asked.friction, shear,
             rolling=asked.rolling, modes=each.modes,
         )
