@@ -60,7 +60,7 @@ def passing(contact: Contact, radius: float, points: np.ndarray) -> np.ndarray:
     axle, centre = contact.pose.rotation[:, 1], contact.pose.origin
     step = 1e-2
 
-    def solve_after(way: float) -> np.ndarray:
+    def after(way: float) -> np.ndarray:
         turn = Rotation.from_rotvec(axle * way / radius)
         return centre + [way, 0.0, 0.0] + turn.apply(points - centre)
 

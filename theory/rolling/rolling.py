@@ -127,8 +127,9 @@ class HalfSpaceFriction:
         """x (nx,), y (ny,): cell centres, evenly spaced, mm; pressure (nx, ny), MPa, 0 outside;
         modes: see `TangentialSolution`, by default those of a plane about x = y = 0.
 
-        The pressure stays what it is (see `theory.rolling.dissimilar`), and what it does to unlike surfaces
-        counts as slip; of a shift what a pressure `settled` (nx, ny) did before it does not.
+        The pressure does not change (`theory.rolling.dissimilar` solves for it). Where materials
+        differ, the slip that it causes counts; settled (nx, ny): pressure before a shift, whose
+        slip does not count.
         ValueError: a shape or value out of range.
         """
         if pressure.shape != (x.size, y.size) or min(pressure.shape) < 2 or not pressure.min() >= 0:
@@ -149,7 +150,7 @@ class HalfSpaceFriction:
     def hertz(
         cls, ellipse: Ellipse, friction: float, pair: Pair, *, rolling: bool, cells: int = 64
     ) -> HalfSpaceFriction:
-        """Tangential contact under the pressure of Hertz's ellipse, with `cells` along each axis."""
+        """Tangential contact under Hertz's pressure on an ellipse; `cells` along each axis."""
         t = (np.arange(cells) + 0.5) / cells * 2 - 1
         inside = 1 - t[:, None] ** 2 - t**2
         pressure = ellipse.p0 * np.sqrt(np.maximum(inside, 0.0))
