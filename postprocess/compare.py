@@ -1,4 +1,4 @@
-"""The same quantities from the finite elements, from exact Hertz and from the thesis's formulas."""
+"""The same quantities of finite elements, of exact Hertz and of boundary elements."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ import numpy as np
 from railhead.postprocess.findings import Array, DepthAxis, Findings, Frame, OnePatch, Place
 from railhead.postprocess.patch.parts import SMALLEST
 from railhead.postprocess.stress import extremes
-from railhead.theory import thesis
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.bem.patch import PatchSolution
 from railhead.theory.elastic.hertz import Ellipse
@@ -148,23 +147,6 @@ def _half_space_patch(
         "area_mm2": patch.area,
         "max_MPa": patch.max_pressure,
         "load_share": patch.force / force,
-    }
-
-
-def from_thesis(ellipse: Ellipse, poisson: Mapping[str, float]) -> Quantities:
-    """The thesis's route: interpolated m and n, then circular stress formulas with radius a."""
-    route = thesis.thesis_contact(
-        (ellipse.curvature_x, ellipse.curvature_y), (0.0, 0.0),
-        ellipse.contact_modulus, ellipse.load,
-    )  # fmt: skip
-    area = math.pi * route.a * route.b
-    return {
-        "load_N": ellipse.load,
-        "approach_mm": None,
-        "contact_point_mm": None,
-        "patch": {"a_mm": route.a, "b_mm": route.b, "area_mm2": area},
-        "pressure": {"max_MPa": route.p0, "mean_MPa": ellipse.load / area},
-        "stress": extremes.of_thesis(route, poisson),
     }
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from railhead.geometry import profiles
 from railhead.geometry.placement import Pair
 from railhead.geometry.wheelset import Track, place
-from railhead.postprocess.plots.diagrams import FE, HERTZ, THESIS, new_figure
+from railhead.postprocess.plots.diagrams import FE, GREY, HERTZ, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,8 +40,8 @@ def _front(axes: Axes) -> None:
     tread = np.linspace(*wheel.domain, 801)
     outline = Pair(rail, wheel, 460.0).outline(side.pose, tread).points
     axes.fill_between(outline[:, 1], outline[:, 2], 40, color="#eceff2", lw=0)
-    axes.plot(y, rail.height(y), color=THESIS)
-    axes.plot(outline[:, 1], outline[:, 2], color=THESIS)
+    axes.plot(y, rail.height(y), color=GREY)
+    axes.plot(outline[:, 1], outline[:, 2], color=GREY)
     at, c, s = (touch.y, touch.z), np.cos(touch.angle), np.sin(touch.angle)
     _arrow(axes, at, (at[0] + 26 * c, at[1] + 26 * s), FE, "y, s: field side")
     _arrow(axes, at, (at[0] - 26 * s, at[1] + 26 * c), FE, "normal, out of the rail")
@@ -49,8 +49,8 @@ def _front(axes: Axes) -> None:
     axes.plot(*at, "o", color=FE, ms=4)
     _note(axes, "x: to where the wheel rolls,\nout of the page", at, (at[0] + 12, at[1] - 20))
     _arrow(axes, (-62.0, 32.0), (-48.0, 32.0), HERTZ, "wheelset.shift")
-    axes.text(-40, -37, "gauge side", color=THESIS, ha="right")
-    axes.text(42, -37, "field side", color=THESIS)
+    axes.text(-40, -37, "gauge side", color=GREY, ha="right")
+    axes.text(42, -37, "field side", color=GREY)
     axes.set(xlim=(-75, 75), ylim=(-42, 42), title="From the front")
 
 
@@ -72,8 +72,8 @@ def _above(axes: Axes) -> None:
     axes.plot(x[:-2], y[:-2], color=HERTZ)
     _arrow(axes, (x[-6], y[-6]), (x[-1], y[-1]), HERTZ)
     _note(axes, "spin, moment", (2.0, -1.7), (7.5, -3.6), HERTZ)
-    axes.text(6.2, -0.9, "leading edge", color=THESIS)
-    axes.text(-6.2, 0, "trailing edge", color=THESIS, ha="right")
+    axes.text(6.2, -0.9, "leading edge", color=GREY)
+    axes.text(-6.2, 0, "trailing edge", color=GREY, ha="right")
     axes.set(xlim=(-11, 14), ylim=(-6, 8), title="The patch from above")
 
 

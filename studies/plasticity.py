@@ -11,7 +11,7 @@ from typing import Any
 
 import railhead as rh
 from railhead.cli import study
-from railhead.postprocess.plots.diagrams import FE, HERTZ, THESIS, new_figure
+from railhead.postprocess.plots.diagrams import FE, GREY, HERTZ, new_figure
 from railhead.scene import catalogue
 from railhead.studies import tables
 from railhead.theory.elastic import indentation
@@ -175,7 +175,7 @@ def draw(loads: Sequence[Load], spheres: Sequence[Sphere], path: Path) -> None:
         looks: dict[str, dict[str, Any]] = {
             "railhead": {"color": FE, "marker": "o"},
             "Jackson, Green": {"color": HERTZ, "ls": "--"},
-            "Kogut, Etsion": {"color": THESIS, "ls": ":"},
+            "Kogut, Etsion": {"color": GREY, "ls": ":"},
         }
         for by, look in looks.items():
             own = [each for each in spheres if each.by == by]

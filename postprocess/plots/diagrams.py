@@ -21,13 +21,12 @@ from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.subsurface import max_shear, principal
-from railhead.theory.thesis import thesis_axis_stress
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-FE, HERTZ, THESIS = "#1f4e79", "#c8502d", "#7a7a7a"
+FE, HERTZ, GREY = "#1f4e79", "#c8502d", "#7a7a7a"
 BANDS = 10
 CENTRED = 0.01  # of a half length: that near to the first contact is at it
 OFF_AXIS = 0.01  # of the largest shear stress on the axis: one higher by that is named beside it
@@ -147,11 +146,10 @@ def depth(
     ellipse: Hertz | None,
     poisson: float,
     path: Path | None = None,
-    thesis: tuple[float, float] | None = None,
 ) -> Figure:
     """Principal stresses and largest shear (MPa) below the contact centre, over the depth (mm).
 
-    poisson: of the body shown. thesis: (p0 MPa, a mm) for the formulas of a circular patch.
+    poisson: of the body shown.
     """
     axis = findings.axis
     fine = np.linspace(0, float(axis.depth.max()), 301, dtype=np.float64)
@@ -170,10 +168,6 @@ def depth(
             exact = contacts.axis_extrema(ellipse, poisson)
             peak = exact.tau_max_depth, exact.tau_max
             _stresses(panels, fine, _diagonal(normal), "-", HERTZ, name, peak)
-        if thesis is not None:
-            stress = _diagonal(thesis_axis_stress(*thesis, poisson, fine))
-            peak = DepthAxis("half-space", fine, stress).peak(max_shear(stress))
-            _stresses(panels, fine, stress, "--", THESIS, "thesis, circular", peak)
         _name_curves(panels[0], axis)
         panels[0].set(
             xlabel="principal stress, MPa",

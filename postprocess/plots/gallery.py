@@ -11,9 +11,7 @@ from railhead.postprocess.plots import diagrams, section_plots
 from railhead.postprocess.views import render
 from railhead.postprocess.vtu import export
 from railhead.solver.fields import Fields
-from railhead.theory import thesis
 from railhead.theory.elastic.contacts import Hertz
-from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import LineContact
 
 
@@ -33,13 +31,7 @@ def draw(
     # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
     exact = ellipse if len(found.patch.each) < 2 else None
     diagrams.pressure(found, exact, folder / "pressure.png")
-    circular = None
-    if isinstance(exact, Ellipse) and found.subject.thesis:
-        route = thesis.thesis_contact(
-            (exact.curvature_x, exact.curvature_y), (0.0, 0.0), exact.contact_modulus, exact.load
-        )
-        circular = route.p0, route.a
-    diagrams.depth(found, exact, poisson, folder / "depth.png", circular)
+    diagrams.depth(found, exact, poisson, folder / "depth.png")
     if fields.kinematics.dim == 2 or isinstance(ellipse, LineContact):
         section_plots.bodies(fields, found, folder / "wheel_rail.png")
         section_plots.stress_cut(fields, stresses, found, folder / "stress_cut.png")

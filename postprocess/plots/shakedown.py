@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from railhead.postprocess.plots.diagrams import FE, HERTZ, THESIS, new_figure
+from railhead.postprocess.plots.diagrams import FE, GREY, HERTZ, new_figure
 from railhead.theory.friction import shakedown
 
 WIDE, HIGH = 0.6, 6.0  # traction coefficient and p0/k, at least
@@ -31,7 +31,7 @@ def draw(friction: Mapping[str, Any], poisson: float, path: Path, title: str = "
             sliding,
             1 / sliding,
             ":",
-            color=THESIS,
+            color=GREY,
             label="surface limit, FI = 0",
         )
         axes.plot(

@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
 from railhead.postprocess.findings import Array, DepthAxis, Frame, Largest, Peak
-from railhead.theory import thesis
 from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz
 
@@ -77,15 +74,3 @@ def _exact(contact: Hertz, body: str, poisson: float, frame: Frame) -> Largest:
         )
     )
     return Largest(tau, mises)
-
-
-def of_thesis(route: thesis.ThesisContact, poisson: Mapping[str, float]) -> dict[str, Any]:
-    """The thesis's formulas of a circular patch with radius a."""
-    depth = np.linspace(0.0, 3 * min(route.a, route.b), 301, dtype=np.float64)
-    axes = {}
-    for body, nu in poisson.items():
-        normal = thesis.thesis_axis_stress(route.p0, route.a, nu, depth)
-        axes[body] = DepthAxis(body, depth, np.column_stack([normal, np.zeros_like(normal)]))
-    shown = next(iter(axes.values()))
-    bodies = {body: axis.largest for body, axis in axes.items()}
-    return quantities(bodies, below(shown), shown.stress[0, :3])

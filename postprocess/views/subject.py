@@ -14,7 +14,7 @@ def _rail_and_wheel() -> Mapping[str, str]:
 class Subject:
     """title: case, load and pair, above every picture; names: of the bodies by the scene's; along,
     across: where x and s run; gauge: negative s is the gauge side; rolls: towards positive x;
-    rubs: with friction; revolved: a meridian section; thesis: the pair is the thesis's."""
+    rubs: with friction; revolved: a meridian section."""
 
     title: str = ""
     names: Mapping[str, str] = field(default_factory=_rail_and_wheel)
@@ -24,7 +24,6 @@ class Subject:
     rolls: bool = False
     rubs: bool = False
     revolved: bool = False
-    thesis: bool = False
 
     @property
     def y(self) -> str:

@@ -12,7 +12,7 @@ Row = dict[str, Cell]
 """Cells by column: "quantity", "unit", "FE" and what stands beside it; None where there is none."""
 
 FIRST = ("quantity", "unit")
-RELATIVE = ("estimate", "FE - Hertz", "thesis - Hertz")
+RELATIVE = ("estimate", "FE - Hertz")
 """Columns of relative numbers."""
 ROWS = (
     ("semi-axis a, along rail", "mm", ("patch", "a_mm")),
@@ -65,8 +65,8 @@ def plain(summary: Mapping[str, Any]) -> str:
 
 
 def contact(summary: Mapping[str, Any]) -> list[Row]:
-    """Finite elements, estimates, half-spaces, exact Hertz and the thesis side by side; no rows
-    where nothing touches."""
+    """Finite elements, estimates, half-spaces and exact Hertz side by side; no rows where nothing
+    touches."""
     if summary["result"] is None:
         return []
     return [_row(summary, *row) for row in ROWS]
@@ -74,9 +74,7 @@ def contact(summary: Mapping[str, Any]) -> list[Row]:
 
 def _row(summary: Mapping[str, Any], label: str, unit: str, path: tuple[str, ...]) -> Row:
     least = NO_DEPTH * summary["result"]["patch"]["a_mm"] if path[-1].endswith("depth_mm") else 0.0
-    fe, exact, thesis, half = (
-        _get(summary[key], path, least) for key in ("result", "hertz", "thesis", "half_space")
-    )
+    fe, exact, half = (_get(summary[key], path, least) for key in ("result", "hertz", "half_space"))
     row: Row = {
         "quantity": label,
         "unit": unit,
@@ -85,8 +83,6 @@ def _row(summary: Mapping[str, Any], label: str, unit: str, path: tuple[str, ...
         "half-space": half,
         "Hertz": exact,
         "FE - Hertz": _relative(fe, exact),
-        "thesis": thesis,
-        "thesis - Hertz": _relative(thesis, exact),
     }
     if kind := plain(summary):
         row[f"{kind} FE"] = _get(summary[kind], path, least)

@@ -9,10 +9,7 @@ from pathlib import Path
 from railhead.planning.plan import Plan
 from railhead.postprocess.views.subject import Subject
 from railhead.results.report.output_units import brief
-from railhead.scene import catalogue
 from railhead.scene.sections import Rail, Wheel, Wheelset
-
-THESIS = "uic54_thesis"
 
 
 def subject(plan: Plan, load: float) -> Subject:
@@ -42,7 +39,7 @@ def subject(plan: Plan, load: float) -> Subject:
         f"{scene.name}: {force}, {long[1]} on {long[0]}{end}",
         dict(zip(("rail", "wheel"), short, strict=True)),
         along, across, gauge=real, rolls=scene.rolling.given and rubs, rubs=rubs,
-        revolved=contact.revolved, thesis=_thesis(scene.rail, scene.wheel),
+        revolved=contact.revolved,
     )  # fmt: skip
 
 
@@ -89,8 +86,3 @@ def _wheel(wheel: Wheel, bar: bool, roller: bool) -> tuple[str, str]:
         return "roller", f"roller R {rolling:g} mm"
     shape = f"tread arc R {tread:g} mm" if wheel.profile == "arc" else f"tread {profile}"
     return "wheel", f"wheel R {rolling:g} mm, {shape},"
-
-
-def _thesis(rail: Rail, wheel: Wheel) -> bool:
-    own = catalogue.find(THESIS)
-    return bool(rail == own.rail and wheel == own.wheel)

@@ -25,10 +25,8 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
     """The summary of the last level (rank 0), with estimates from all of them."""
     level = levels[-1]
     plan, solution, found = level.plan, level.solution, level.findings
-    scene, ellipse = plan.scene, level.ellipse
-    hertz, thesis = exact_quantities(level), None
-    if isinstance(ellipse, Ellipse):
-        thesis = compare.from_thesis(ellipse, plan.poisson_ratios)
+    scene = plan.scene
+    hertz = exact_quantities(level)
     newton, cost, plain = solution.newton, ending.would_cost, level.plain
     known, source = estimates.estimate(levels)
     bound = {name: each.total for name, each in known.items()}
@@ -58,7 +56,6 @@ def summarise(levels: list[Level], ending: Ending) -> dict[str, Any]:
         "result": level.result and {**level.result, **_more(level)},
         **({} if plain is None else {_kind(level): plain.result}),
         "hertz": hertz,
-        "thesis": thesis,
         "half_space": profiles,
         **({} if rubbed is None else {"half_space_friction": rubbed}),
         "difference": None if level.result is None else compare.difference(level.result, hertz),

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from railhead.postprocess.plots.diagrams import FE, HERTZ, THESIS, new_figure
+from railhead.postprocess.plots.diagrams import FE, GREY, HERTZ, new_figure
 from railhead.studies.creep.changes import Slid
 from railhead.studies.creep.curves import Point
 
-LOOKS = {"railhead": (FE, "o"), "boundary elements": (HERTZ, "-"), "FASTSIM": (THESIS, "--"),
-         "linear theory": (THESIS, ":")}  # fmt: skip
+LOOKS = {"railhead": (FE, "o"), "boundary elements": (HERTZ, "-"), "FASTSIM": (GREY, "--"),
+         "linear theory": (GREY, ":")}  # fmt: skip
 PANELS = (
     ("along", "force_along", "creepage along"),
     ("across", "force_across", "creepage across"),
     ("spin", "force_across", "spin, 1/mm"),
 )
-STRESSES = {"railhead": (FE, "o"), "below": (HERTZ, "-"), "surface": (THESIS, "-")}
+STRESSES = {"railhead": (FE, "o"), "below": (HERTZ, "-"), "surface": (GREY, "-")}
 
 
 def curves(points: Sequence[Point], path: Path) -> None:

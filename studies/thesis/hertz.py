@@ -16,8 +16,8 @@ from railhead.studies.thesis.claims import (
     number,
     statement,
 )
+from railhead.studies.thesis.formulas import exact_coefficients, table_5_3, thesis_contact
 from railhead.theory.elastic.hertz import Ellipse, general_orientation, point_contact
-from railhead.theory.thesis import exact_coefficients, table_5_3, thesis_contact
 
 rules = Rules()
 STANDARD_GRAVITY = 9.80665

@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from railhead.studies.thesis.claims import Facts, Finding, Rules, itself, number
+from railhead.studies.thesis.formulas import exact_coefficients, hertz_coefficients, table_5_3
 from railhead.studies.thesis.hertz import PRINTED_LOAD, principal_curvatures
 from railhead.theory.elastic.hertz import general_orientation, point_contact
-from railhead.theory.thesis import exact_coefficients, hertz_coefficients, table_5_3
 
 rules = Rules()
 CURVE_ANGLE = 0.00165  # rad, of chapter 5.3

@@ -11,13 +11,13 @@ import numpy as np
 
 from railhead.postprocess.findings import Array, AxisPressure, DepthAxis, Findings, Surface
 from railhead.postprocess.patch.surface import SurfaceRecovery
-from railhead.postprocess.plots.diagrams import FE, HERTZ, THESIS, closed_ellipse, new_figure
+from railhead.postprocess.plots.diagrams import FE, GREY, HERTZ, closed_ellipse, new_figure
 from railhead.postprocess.stress.gauss_points import nodal
 from railhead.postprocess.vtu.mirror import whole
 from railhead.solver.fields import Fields
+from railhead.studies.thesis.formulas import thesis_axis_stress
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.subsurface import axis_stress, max_shear, principal, stress
-from railhead.theory.thesis import thesis_axis_stress
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 LABELS = (r"$\sigma_1$", r"$\sigma_2$", r"$\sigma_3$", r"$\tau_{max}$")
 MARKS: dict[str, Any] = {"color": FE, "lw": 0, "marker": "o", "ms": 4, "zorder": 3}
 ROUTES = (("finite elements", MARKS), ("exact Hertz", {"color": HERTZ}),
-          ("thesis", {"color": THESIS, "ls": "--"}))  # fmt: skip
+          ("thesis", {"color": GREY, "ls": "--"}))  # fmt: skip
 
 
 @dataclass(frozen=True)

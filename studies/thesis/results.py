@@ -16,11 +16,11 @@ from railhead.studies.thesis.claims import (
     number,
     statement,
 )
+from railhead.studies.thesis.formulas import thesis_axis_stress
 from railhead.studies.thesis.hertz import AXLE_LOAD, PRINTED_LOAD, under
 from railhead.studies.thesis.stresses import P0, A, exact_stress
 from railhead.theory.elastic import subsurface
 from railhead.theory.elastic.hertz import Ellipse
-from railhead.theory.thesis import thesis_axis_stress
 
 rules = Rules()
 YIELD = (480.0, 520.0)  # MPa, of R260 rail steel

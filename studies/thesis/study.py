@@ -19,6 +19,7 @@ from railhead.geometry.placement import Pair
 from railhead.planning.references import closed_forms
 from railhead.scene import catalogue
 from railhead.studies import tables
+from railhead.studies.thesis import formulas
 from railhead.studies.thesis import hertz as thesis_hertz
 from railhead.studies.thesis import location as thesis_location
 from railhead.studies.thesis import numbers as thesis_numbers
@@ -26,7 +27,6 @@ from railhead.studies.thesis import results as thesis_results
 from railhead.studies.thesis import stresses as thesis_stresses
 from railhead.studies.thesis import surfaces as thesis_surfaces
 from railhead.studies.thesis.claims import Check, Facts, Judged, read_claims
-from railhead.theory import thesis
 from railhead.theory.bem import boundary_element
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class Row:
     reference: str
     check: str
     thesis: float | str
-    closed_forms: float | str
+    exact: float | str
     ours: float | str | None
     unit: str
     grade: str
@@ -94,7 +94,7 @@ def facts(scene: Scene) -> Facts:
     contact = geometry.locate(scene)
     ellipse = closed_forms.ellipse(scene, contact)
     curvatures = (ellipse.curvature_x, 0.0), (0.0, ellipse.curvature_y)
-    route = thesis.thesis_contact(*curvatures, ellipse.contact_modulus, ellipse.load)
+    route = formulas.thesis_contact(*curvatures, ellipse.contact_modulus, ellipse.load)
     numerical = boundary_element.solve(
         contact.half_space_gap(contact.touch), ellipse.contact_modulus, load=ellipse.load,
         half_size=(2 * ellipse.a, 2 * ellipse.b),

@@ -78,15 +78,6 @@ def test_pressure_and_patch_show_hertz_only_when_there_is_one(
     assert count(tmp_path / "patch.png", "black") > count(tmp_path / "alone.png", "black") + 1000
 
 
-def test_thesis_is_shown_when_given(blocks: Callable[..., Any], tmp_path: Path) -> None:
-    case = blocks()
-    e = case.ellipse
-    diagrams.depth(case.findings, e, 0.3, tmp_path / "with.png", thesis=(e.p0, e.a))
-    diagrams.depth(case.findings, e, 0.3, tmp_path / "without.png")
-    with_it, without = (count(tmp_path / f"{n}.png", diagrams.THESIS) for n in ("with", "without"))
-    assert with_it > without + 500
-
-
 def test_depth_of_the_wheel_when_the_rail_has_none(blocks: Callable[..., Any]) -> None:
     findings = blocks().findings
     assert findings.axis.body == "rail"
@@ -119,7 +110,7 @@ def test_nothing_touches_the_edge_and_no_setting_stays(
     before = dict(matplotlib.rcParams)
     case = blocks(load=5.0)
     diagrams.pressure(case.findings, case.ellipse, tmp_path / "1.png")
-    diagrams.depth(case.findings, case.ellipse, 0.3, tmp_path / "2.png", (54.0, 0.3))
+    diagrams.depth(case.findings, case.ellipse, 0.3, tmp_path / "2.png")
     diagrams.patch(case.findings, case.ellipse, tmp_path / "3.png")
     assert dict(matplotlib.rcParams) == before
     for name in "123":

@@ -18,15 +18,11 @@ def test_bodies_have_names_of_their_own() -> None:
     assert "1 kN" in found["long_roller"].title
     assert found["long_roller"].names == {"rail": "block", "wheel": "roller"}
     assert found["sphere_on_plane"].title.endswith("sphere R 8 mm on a rigid plane, as half-spaces")
-    assert not any(each.gauge or each.thesis for each in found.values())
+    assert not any(each.gauge for each in found.values())
 
 
-def test_only_the_thesis_pair_is_held_against_the_thesis() -> None:
-    scene = find("uic54_thesis")
-    for changes, same in (((), True), (("load=50kN",), True), (("rail.inclination=1:40",), False)):
-        found = subject(plan.make(scene.replace(changes)), 1.0)
-        assert found.thesis is same
-        assert found.gauge
+def test_a_real_rail_has_a_gauge_side() -> None:
+    assert subject(plan.make(find("uic54_thesis")), 1.0).gauge
 
 
 def test_a_straight_bar_keeps_its_profile() -> None:

@@ -88,10 +88,10 @@ def answer_rows(summary: Mapping[str, Any], units: Units, found: Findings | None
     result = summary["result"]
     if result is None or found is None:
         return {"columns": [], "rows": []}
-    thesis, names = found.subject.thesis, found.subject.names
+    names = found.subject.names
     columns = {
         "FE": "finite elements", "estimate": "within", "half-space": "half-spaces",
-        "Hertz": "exact Hertz", **({"thesis": "thesis"} if thesis else {}),
+        "Hertz": "exact Hertz",
     }  # fmt: skip
     if kind := quantities.plain(summary):
         columns[f"{kind} FE"] = f"{kind}, finite elements"

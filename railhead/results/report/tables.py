@@ -111,7 +111,7 @@ def _show_prices(prices: Sequence[Mapping[str, Any]] | None, console: Console) -
 
 
 def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAULT) -> None:
-    """Finite elements, exact Hertz and the thesis side by side."""
+    """Finite elements and exact Hertz side by side."""
     if summary["result"] is not None:
         load = units.value(summary["result"]["load_N"], "N")
         title = f"{summary['case']}: {load:.6g} {units.unit('N')}"

@@ -1,7 +1,8 @@
-"""The analytical route of the 2012 thesis, as printed: table 5.3, eqs 4.35-4.38 and 5.2-5.3.
+"""Contact ellipse and stresses by the formulas that the 2012 thesis prints.
 
-It is kept to be compared with: the coefficients are interpolated from a rounded table, and the
-stresses below the surface are those of a circular patch applied to an ellipse.
+These are table 5.3 and eqs 4.35 to 4.38, 5.2 and 5.3, kept to be compared with exact ones. The
+coefficients are interpolated from a rounded table; the stresses below the surface are those of a
+circular patch applied to an ellipse.
 """
 
 import math
