@@ -88,7 +88,10 @@ def slid(name: str, coefficients: Sequence[float], given: dict[str, Any]) -> Ite
     assert ellipse is not None
     width = min(half_lengths(ellipse))
     for mu in EXACT:
-        for by, find in (("below", sliding.hardest_below), ("surface", sliding.hardest_at_surface)):
+        for by, find in (
+            ("below", sliding.peak_below_surface),
+            ("surface", sliding.peak_at_surface),
+        ):
             place = find(ellipse, mu, POISSON)
             yield Slid(name, mu, by, place.von_mises / ellipse.p0, place.depth / width)
 

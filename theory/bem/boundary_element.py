@@ -30,9 +30,12 @@ FAR = 1e9  # mm; a wider gap never closes
 
 @dataclass(frozen=True)
 class Solution:
-    """The patches of one contact: a solution in each window, of which none overlap.
+    """Normal contact of half-spaces in several windows (rectangular domains of cells) that do not
+    overlap.
 
-    coarse: the same on the grids of the search, None where they were the last ones.
+    windows: the solved patches, a window each.
+    coarse: the same contact on the coarser grids of the search; None where these were the last
+        ones.
     """
 
     windows: tuple[PatchSolution, ...]
@@ -41,12 +44,12 @@ class Solution:
 
     @property
     def approach(self) -> float:
-        """Of the bodies along the load, mm."""
+        """Approach of the bodies along the load's direction, mm."""
         return self.windows[0].approach
 
     @property
     def load(self) -> float:
-        """Along the load's direction, N."""
+        """Component of all contact forces along the load's direction, N."""
         return sum(window.load for window in self.windows)
 
     @property
@@ -56,12 +59,12 @@ class Solution:
 
     @property
     def max_pressure(self) -> float:
-        """MPa, of all patches (see `PatchSolution`)."""
+        """Largest pressure of all patches, MPa; see `PatchSolution.max_pressure`."""
         return max(window.max_pressure for window in self.windows)
 
     @property
     def area(self) -> float:
-        """mm^2, of every patch on its own tangent plane."""
+        """Sum of the areas of all patches, each on its own tangent plane, mm2."""
         return sum(patch.area for patch in self.patches)
 
     @property
@@ -118,19 +121,22 @@ def solve_developed(
     cells: int = 128,
     tolerance: float = 1e-8,
 ) -> Solution:
-    """The same on a developed surface, for patches that may lie far apart: gap + u(p) - approach
-    cos(angle) >= 0, and int p cos(angle) dA = load.
+    """Normal contact on a developed (unrolled) curved surface, of patches that may lie far apart.
 
-    windows: (centre, half size) of first domains; patches that are well apart get a domain of
-    `cells` an axis each and displace each other. `angle` maps s (n,) to angles (n,) within +-pi/2;
-    the gap is along the surface's normal. Everything else as in `solve`.
+    Solves gap + u(p) - approach cos(angle) >= 0 with p >= 0 and one of both zero in each cell, and
+    int p cos(angle) dA = load.
+    windows: (centre, half size) of the first domains, mm. Patches that are well apart get a domain
+        of `cells` cells along each axis and displace each other.
+    angle: maps s (n,) to the tilt (n,) of the surface's normal, rad, within +-pi/2; the gap is
+        along that normal.
+    Other arguments, accuracy and errors are those of `solve`.
     """
     given = {"load": load, "approach": approach}
     return _search(gap, contact_modulus, windows, angle, cells, tolerance, True, given)
 
 
 def flat(s: Array) -> Array:
-    """The angle of a plane normal to the load."""
+    """Tilt (n,) of the normal of a plane surface at places s (n,): zero."""
     return np.zeros_like(s)
 
 

@@ -22,9 +22,12 @@ MOST = 8  # domains that one is split into
 def suited(
     patches: Sequence[PatchSolution], domains: Sequence[Array], *, fine: bool, split: bool
 ) -> list[Array]:
-    """The domains for the next solution: each one as it is where it suits the patch, wider where
-    the patch meets its border, narrower or apart where it does not fill it; none where nothing
-    touches. Fine ones only grow."""
+    """Rectangular domains for the next solution, one a patch.
+
+    A domain stays where it suits its patch, grows where the patch meets its border, and shrinks or
+    is split where the patch does not fill it. Where nothing touches there is none. Fine domains
+    only grow.
+    """
     better = []
     for patch, domain in zip(patches, domains, strict=True):
         touching = patch.pressure > 0
@@ -40,7 +43,7 @@ def suited(
 
 
 def merged(domains: Sequence[Array]) -> list[Array]:
-    """The same area in domains that do not overlap."""
+    """Domains that do not overlap and cover the same area as the given ones."""
     return [_around(np.array(group)) for group in _groups(domains, 1.0)]
 
 
@@ -84,7 +87,7 @@ def _near(group: list[Array], other: list[Array], factor: float) -> bool:
 
 
 def _around(boxes: Array) -> Array:
-    """The box around boxes (n, 2, 2)."""
+    """Smallest box (2, 2) around boxes (n, 2, 2)."""
     if len(boxes) == 1:
         return np.asarray(boxes[0])
     low, high = (boxes[:, 0] - boxes[:, 1]).min(axis=0), (boxes[:, 0] + boxes[:, 1]).max(axis=0)

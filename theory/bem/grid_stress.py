@@ -34,12 +34,12 @@ class GridPotential:
 
     @property
     def psi_z(self) -> Array:
-        """psi_z."""
+        """Derivative psi_z of the potential, (n,), MPa."""
         return self._sum(-np.arctan(self.X * self.Y / (self.z * self.R)))
 
     @property
     def depth_times_hessian(self) -> tuple[Array, Array, Array, Array, Array, Array]:
-        """z times psi_xx, psi_yy, psi_zz, psi_xy, psi_xz, psi_yz."""
+        """Depth times psi_xx, psi_yy, psi_zz, psi_xy, psi_xz, psi_yz, each (n,), MPa."""
         along, across = self.X**2 + self.z**2, self.Y**2 + self.z**2
         over_y = _share(self.R, self.Y, along) / self.R  # 1 / (R (R + Y))
         over_x = _share(self.R, self.X, across) / self.R
@@ -50,7 +50,7 @@ class GridPotential:
 
     @property
     def log_hessian(self) -> tuple[Array, Array, Array]:
-        """psi1_xx, psi1_yy, psi1_xy."""
+        """Derivatives psi1_xx, psi1_yy, psi1_xy of the logarithmic potential, each (n,), MPa."""
         X, Y, z, R = self.X, self.Y, self.z, self.R
         xx = np.arctan2(Y * (R - z) * X, X * X * R + z * Y * Y)
         yy = np.arctan2(X * (R - z) * Y, Y * Y * R + z * X * X)
@@ -67,7 +67,9 @@ def stress(patch: PatchSolution, poisson: float, points: Array) -> Array:
 
 
 def largest_von_mises(patch: PatchSolution, poisson: float) -> float:
-    """MPa, below PLACES x PLACES cells of the patch and below its highest one."""
+    """Largest von Mises stress below the pressure of a patch, MPa, searched below a grid of PLACES
+    x PLACES places and below the cell of the largest pressure.
+    """
     top = np.unravel_index(int(np.argmax(patch.pressure)), patch.pressure.shape)
     lines = [
         axis[np.append(np.linspace(filled.min(), filled.max(), PLACES).round().astype(int), most)]
@@ -84,7 +86,7 @@ def largest_von_mises(patch: PatchSolution, poisson: float) -> float:
 
 
 def _edges(centres: Array) -> Array:
-    """Borders (n + 1,) of evenly spaced cells (n,)."""
+    """Borders (n + 1,) between evenly spaced cells with centres (n,), mm."""
     step = centres[1] - centres[0]
     return np.append(centres - step / 2, centres[-1] + step / 2)
 

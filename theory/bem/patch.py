@@ -16,7 +16,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Grid:
-    """Cell centres x (nx,), s (ns,), evenly spaced, and angles (ns,) of the normals."""
+    """Rectangular grid of cells on a developed surface.
+
+    x (nx,), s (ns,): cell centres, evenly spaced, mm.
+    angle (ns,): tilt of the surface's normal, rad.
+    """
 
     x: Array
     s: Array
@@ -51,7 +55,7 @@ class PatchSolution(Grid):
 
     @property
     def load(self) -> float:
-        """Its part along the load, N."""
+        """Component of the contact force along the load's direction, N."""
         return self.cell * float((self.pressure @ np.cos(self.angle)).sum())
 
     @property
@@ -67,7 +71,9 @@ class PatchSolution(Grid):
         return self.area_on(self.plane)
 
     def area_on(self, plane: float) -> float:
-        """The same on a plane tilted by an angle (rad)."""
+        """Area (mm2) of the patch's projection onto a plane tilted by `plane` (rad), by the same
+        chords as `area`.
+        """
         share = np.broadcast_to(np.cos(self.angle - plane), self.pressure.shape)
         pairs = (self.pressure, share), (self.pressure.T, share.T)
         chords = [float(np.subtract(*_edges(p)) @ part[p > 0]) for p, part in pairs]
@@ -81,7 +87,9 @@ class PatchSolution(Grid):
         return float(along * (self.x[1] - self.x[0])), float(across * (self.s[1] - self.s[0]))
 
     def half_extents_on(self, plane: float) -> tuple[float, float]:
-        """The same of its projection onto a plane tilted by an angle (rad)."""
+        """Half lengths (mm) along x and across of the patch's projection onto a plane tilted by
+        `plane` (rad).
+        """
         a, b = self.half_extents
         across = np.flatnonzero(self.pressure.any(axis=0))
         return a, b * float(np.cos(self.angle[across[0] : across[-1] + 1] - plane).mean())

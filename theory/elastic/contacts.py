@@ -15,14 +15,16 @@ Hertz = Ellipse | LineContact
 
 
 def half_lengths(contact: Hertz) -> tuple[float, float]:
-    """a along and b across the rail, mm, of what a mesh must resolve: of a line its half width."""
+    """Half lengths (mm) along and across the rail of the patch that a mesh must resolve: the semi-
+    axes of an ellipse; of a line contact its half width, both times.
+    """
     if isinstance(contact, LineContact):
         return contact.half_width, contact.half_width
     return contact.a, contact.b
 
 
 def curvature(contact: Hertz) -> float:
-    """The largest relative curvature, 1/mm."""
+    """Largest relative curvature of the gap between the bodies, 1/mm."""
     if isinstance(contact, LineContact):
         return contact.strip.curvature
     return max(contact.curvature_x, contact.curvature_y)
@@ -35,14 +37,18 @@ def axis_stress(contact: Hertz, poisson: float, depth: ArrayLike) -> Array:
 
 
 def axis_extrema(contact: Hertz, poisson: float) -> AxisExtrema:
-    """The largest shear and von Mises stresses below the centre."""
+    """Largest shear stress and largest von Mises stress on the normal below the centre of the
+    patch, MPa, with their depths, mm.
+    """
     if isinstance(contact, LineContact):
         return line.axis_extrema(contact, poisson)
     return subsurface.axis_extrema(contact, poisson)
 
 
 def displacement(contact: Hertz, points: Array, young: float, poisson: float) -> Array:
-    """Of the half-space (n, 3), mm, at points (n, 3), z <= 0, mm."""
+    """Displacement (n, 3) of one half-space under the contact pressure, mm, at points (n, 3) with z
+    <= 0, mm; Young's modulus in MPa.
+    """
     if isinstance(contact, LineContact):
         return line.hertz_displacement(contact, points, young, poisson)
     return halfspace.hertz_displacement(contact, points, young, poisson)

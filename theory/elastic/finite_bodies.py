@@ -33,13 +33,17 @@ def held_below(depth: float, poisson: float) -> float:
 
 
 def free_edge(distance: float, poisson: float) -> float:
-    """The same beside a free edge at right angles: that of psi F at the mirrored place, psi/(4 D^3)
-    (R. Guilbault, Journal of Tribology 133, 2011)."""
+    """Curvature of the surface by a force F beside a free edge at right angles, over F (1 -
+    nu^2)/(pi E), 1/mm^3. The edge acts as a force psi F at the mirrored place: psi/(4 D^3), D
+    the distance in mm (R. Guilbault, Journal of Tribology 133, 2011).
+    """
     return image(poisson) / (4 * distance**3)
 
 
 def image(poisson: float) -> float:
-    """Guilbault's psi = 1.29 - (0.08 - 0.5 nu)/(1 - nu): the mirrored force over the force."""
+    """Guilbault's factor psi = 1.29 - (0.08 - 0.5 nu)/(1 - nu): mirrored force that stands for a
+    free edge, over the force.
+    """
     return 1.29 - (0.08 - 0.5 * poisson) / (1 - poisson)
 
 
@@ -50,7 +54,9 @@ def own_curvatures(a: float, b: float) -> tuple[float, float]:
 
 
 def own_approach(a: float, b: float) -> float:
-    """Approach of that ellipse over F/(pi E*): 3/2 R_F(0, a^2, b^2), 1/mm."""
+    """Approach of two half-spaces under Hertz's pressure on an ellipse, over F/(pi E*): 3/2 R_F(0,
+    a^2, b^2), 1/mm; semi-axes a and b in mm.
+    """
     return 1.5 * float(elliprf(0, a * a, b * b))
 
 

@@ -16,8 +16,12 @@ HERTZIAN = 1.9  # approach up to which Jackson and Green keep Hertz
 
 @dataclass(frozen=True)
 class Indentation:
-    """approach and radius of the patch over those of first yield; pressure: mean, over the yield
-    stress."""
+    """A sphere pressed into a flat beyond first yield.
+
+    approach, radius: approach of the bodies and radius of the patch, over their values at first
+        yield.
+    pressure: mean pressure over the yield stress.
+    """
 
     approach: float
     radius: float
@@ -31,8 +35,12 @@ def yield_pressure(nu: float) -> float:
 
 
 def jackson_green(load: float, nu: float, strain: float) -> Indentation:
-    """strain: yield stress over E/(1 - nu^2). Jackson and Green, J. Tribology 127 (2005) 343,
-    eqs. 9, 10, 13 to 16."""
+    """Approach, radius and mean pressure of an elastic-plastic sphere without hardening under a
+    load given over that of first yield.
+
+    strain: yield stress over E/(1 - nu^2). Jackson and Green, J. Tribology 127 (2005) 343, eqs. 9,
+        10, 13 to 16.
+    """
     c, b = yield_pressure(nu), 0.14 * math.exp(23 * strain)
 
     def area(w: float) -> float:
@@ -51,8 +59,12 @@ def jackson_green(load: float, nu: float, strain: float) -> Indentation:
 
 
 def kogut_etsion(load: float, nu: float) -> Indentation:
-    """Kogut and Etsion, J. Appl. Mech. 69 (2002) 657, table 1; their yield pressure is
-    K H, K = 0.454 + 0.41 nu, H = 2.8 Y. Up to 110 times the approach of first yield."""
+    """Approach, radius and mean pressure of an elastic-plastic sphere under a load given over that
+    of first yield.
+
+    Kogut and Etsion, J. Appl. Mech. 69 (2002) 657, table 1; their yield pressure is K H with K =
+    0.454 + 0.41 nu and H = 2.8 Y. Valid up to 110 times the approach of first yield.
+    """
 
     def force(w: float) -> float:
         if w <= 1:
@@ -73,5 +85,7 @@ def residual_depth(approach: float) -> float:
 
 
 def _solve(force: Callable[[float], float], load: float) -> float:
-    """Approach at a load, both over first yield."""
+    """Approach at which a force law reaches a load; approach, force and load over their values at
+    first yield.
+    """
     return float(brentq(lambda w: force(w) - load, 0.0, 10.0 + 2.0 * load))

@@ -37,7 +37,7 @@ class LineContact:
 
     @property
     def half_width(self) -> float:
-        """w, mm."""
+        """Half width of the strip, mm."""
         return self.strip.b
 
     @property
@@ -62,21 +62,23 @@ class LineContact:
 
     @property
     def load(self) -> float:
-        """N."""
+        """Normal force on the whole contact length, N."""
         return self.strip.load_per_length * self.length
 
     @property
     def contact_modulus(self) -> float:
-        """E*, MPa."""
+        """Contact modulus E*, MPa: 1/E* is the sum of (1 - nu^2)/E of both bodies."""
         return self.strip.contact_modulus
 
     @property
     def area(self) -> float:
-        """mm2."""
+        """Area of the patch, half width times two times contact length, mm2."""
         return 2 * self.half_width * self.length
 
     def pressure(self, x: ArrayLike, y: ArrayLike) -> Array:
-        """MPa at x along and y across the rail (mm, broadcast), zero outside."""
+        """Contact pressure in MPa at x along and y across the rail (mm, broadcast against each
+        other), zero outside of the strip.
+        """
         across, along = (y, x) if self.across else (x, y)
         inside = np.abs(np.asarray(along)) <= self.length / 2
         return np.asarray(self.strip.pressure(across) * inside)
@@ -157,7 +159,9 @@ def displacement(
 
 
 def hertz_displacement(contact: LineContact, points: Array, young: float, poisson: float) -> Array:
-    """`displacement` at points in space (n, 3) with z <= 0, as (n, 3): see `theory.halfspace`."""
+    """Displacement (n, 3) of a half-plane under a line contact, mm, at points (n, 3) in space with
+    z <= 0: the function `displacement` in axes of the rail.
+    """
     side = 1 if contact.across else 0
     flat = displacement(
         contact.strip, points[:, side], -points[:, 2], young, poisson, contact.datum

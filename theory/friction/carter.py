@@ -54,6 +54,8 @@ class Carter:
 
 
 def from_creepage(strip: Strip, friction: float, creepage: float) -> Carter:
-    """The rolling strip at a creepage: Q/mu P = 1 - (1 - xi R/(mu w))^2, at most 1."""
+    """Rolling strip whose creepage is given: Q/mu P = 1 - (1 - xi R/(mu w))^2, at most 1, with the
+    relative radius R and half width w.
+    """
     part = min(abs(creepage) / (friction * strip.b * strip.curvature), 1.0)
     return Carter(strip, friction, math.copysign(part * (2 - part), creepage))

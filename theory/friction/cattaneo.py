@@ -36,9 +36,11 @@ def initial_compliance(
 
 @dataclass(frozen=True)
 class CattaneoMindlin:
-    """A Hertz ellipse under a tangential force.
+    """A Hertz ellipse under a tangential force that does not roll: an inner ellipse sticks, the
+    rest slips.
 
-    limit: mu N, N; compliance: of `initial_compliance` in the force's direction, mm/N.
+    limit: largest tangential force mu N, N.
+    compliance: of `initial_compliance` in the direction of the force, mm/N.
     """
 
     limit: float
@@ -53,22 +55,25 @@ class CattaneoMindlin:
         return self._scale * (1 - self._rest(force) ** (2 / 3))
 
     def unloading_approach(self, force: float, largest: float) -> float:
-        """The same on the way back from `largest` to `force` >= -largest (Johnson, 7.53); at force
-        0 what is left of it."""
+        """Tangential approach (mm) when the force falls from `largest` to `force` >= -largest
+        (Johnson, Contact Mechanics, 7.53). At force 0 it is what remains.
+        """
         if not abs(force) <= largest:
             raise ValueError(f"a force between +-{largest} N is reached on the way back: {force}")
         back = self._rest((largest - force) / 2) ** (2 / 3)
         return self._scale * (2 * back - self._rest(largest) ** (2 / 3) - 1)
 
     def energy_per_cycle(self, largest: float) -> float:
-        """Dissipated in a cycle between +-largest, N mm (Johnson, 7.57)."""
+        """Energy dissipated in one cycle of the force between +-largest, N mm (Johnson, Contact
+        Mechanics, 7.57).
+        """
         rest, share = self._rest(largest), largest / self.limit
         loop = 1 - rest ** (5 / 3) - 5 / 6 * share * (1 + rest ** (2 / 3))
         return 7.2 * self.compliance * self.limit**2 * loop
 
     @property
     def _scale(self) -> float:
-        """Approach at the limit, mm."""
+        """Tangential approach at full slip, mm."""
         return 1.5 * self.compliance * self.limit
 
     def _rest(self, force: float) -> float:
@@ -81,7 +86,9 @@ class CattaneoMindlin:
 def ellipse(
     contact: Ellipse, friction: float, shear_modulus: float, poisson: float, *, across: bool
 ) -> CattaneoMindlin:
-    """A Hertz ellipse of like bodies (G in MPa, nu) under a force along x, or across, along y."""
+    """Cattaneo and Mindlin's contact of bodies of the same material (G in MPa, nu) under Hertz's
+    pressure; the force is along x, or with `across` along y.
+    """
     compliance = initial_compliance(contact.a, contact.b, shear_modulus, poisson)
     return CattaneoMindlin(friction * contact.load, compliance[across])
 

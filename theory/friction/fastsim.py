@@ -18,8 +18,13 @@ from railhead.theory.rolling.rolling import Creepage
 STRIPS = 80  # across the patch, and steps along each of them
 
 
-class Forecast(NamedTuple):
-    """Forces in N, the moment in N mm and the share of the patch's area that sticks."""
+class FastsimForces(NamedTuple):
+    """Result of FASTSIM.
+
+    along, across: forces of the wheel on the rail, N.
+    moment: about the normal, N mm.
+    stick_share: share of the patch's area that sticks.
+    """
 
     along: float
     across: float
@@ -35,13 +40,14 @@ def fastsim(
     linear: Coefficients,
     creepage: Creepage,
     strips: int = STRIPS,
-) -> Forecast:
-    """What a creepage does to an ellipse: a along and b across in mm, limit mu N in N, G in MPa.
+) -> FastsimForces:
+    """Forces of a rolling ellipse at a creepage by Kalker's simplified theory.
 
-    Each strip is followed from its leading edge: a step adds the rigid slip over L to the traction,
-    which is scaled back to its bound where it passes it. L_1 = 8 a/(3 G C11), L_2 = 8 a/(3 G C22),
-    L_3 = pi a sqrt(a/b)/(4 G C23). As in the paper the steps are of first order (80 strips are 1 %
-    of mu N from many), and full slip leans from the rigid slip where the flexibilities differ.
+    a along and b across in mm; limit: mu N in N; G in MPa. Each strip is followed from its leading
+    edge. A step adds the rigid slip over L to the traction, which is scaled back to its bound where
+    it exceeds it. L_1 = 8 a/(3 G C11), L_2 = 8 a/(3 G C22), L_3 = pi a sqrt(a/b)/(4 G C23). As in
+    the paper the steps are of first order: 80 strips are within 1 % of mu N of many. Where the
+    flexibilities differ, full slip is not quite along the rigid slip.
     """
     L1, L2 = (8 * a / (3 * shear_modulus * c) for c in (linear.c11, linear.c22))
     L3 = math.pi * a * math.sqrt(a / b) / (4 * shear_modulus * linear.c23)
@@ -62,4 +68,4 @@ def fastsim(
         forces += [along @ cell, across @ cell, (x * across - y * along) @ cell]
         stuck += float(cell[scale == 1].sum())
     area = float(2 * half.sum() * 2 * b / strips)
-    return Forecast(float(forces[0]), float(forces[1]), float(forces[2]), stuck / area)
+    return FastsimForces(float(forces[0]), float(forces[1]), float(forces[2]), stuck / area)

@@ -25,7 +25,7 @@ DEGREE = 10  # of the polynomials
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Kalker's linear creepage coefficients, of 1; C32 = -C23."""
+    """Kalker's linear creepage coefficients, dimensionless; C32 = -C23."""
 
     c11: float
     c22: float
@@ -35,7 +35,9 @@ class Coefficients:
     def forces(
         self, a: float, b: float, shear_modulus: float, creepage: Creepage
     ) -> tuple[float, float, float]:
-        """F_x, F_y in N and M_z in N mm; lengths in mm, G in MPa."""
+        """Forces F_x, F_y (N) of the wheel on the rail and moment M_z (N mm) at a creepage; semi-
+        axes in mm, G in MPa.
+        """
         c = math.sqrt(a * b)
         along, across, spin = creepage.along, creepage.across, c * creepage.spin
         scale = shear_modulus * c * c
@@ -47,14 +49,15 @@ class Coefficients:
 
 
 def coefficients(axis_ratio: float, poisson: float) -> Coefficients:
-    """Of an ellipse with a/b = axis_ratio, by polynomials (Kalker 1967).
+    """Kalker's linear creepage coefficients of an ellipse with a/b = axis_ratio, by polynomials
+    (Kalker 1967).
 
-    Where all sticks, the tractions hold the surface back by u = -(xi_x, xi_y) x + phi (x y,
-    -x^2/2) + f(y), for any f, and vanish at the leading edge. Tractions that are polynomials over
-    sqrt(1 - x^2/a^2 - y^2/b^2) displace by polynomials of the same degree (Galin): those that
-    displace by each part of u are found first, then the f whose sum has the least traction
-    coefficients along the leading edge. Within 0.2 % of the limit of high degrees for a/b from
-    0.2 to 5, 0.4 % from 0.1 to 10. ValueError: an argument out of range.
+    Where all sticks, the tractions displace the surface by u = -(xi_x, xi_y) x + phi (x y, -x^2/2)
+    + f(y), for any f, and vanish at the leading edge. Tractions that are polynomials over sqrt(1 -
+    x^2/a^2 - y^2/b^2) displace by polynomials of the same degree (Galin). Those that displace by
+    each part of u are solved for first. Then f is chosen for the least traction coefficients along
+    the leading edge. Within 0.2 % of the limit of high degrees for a/b from 0.2 to 5, 0.4 % from
+    0.1 to 10. ValueError: an argument out of range.
     """
     if not (0.05 <= axis_ratio <= 20 and 0 <= poisson <= 0.5):
         raise ValueError(

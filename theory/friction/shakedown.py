@@ -28,7 +28,9 @@ DEPTHS, PLACES = 81, 161  # where the shear stress of a strip is looked for
 
 
 def _strip(share: float) -> line.LineContact:
-    """A share of the width of one and the same strip, under its curvature."""
+    """Line contact whose half width is a share of that of a reference strip; the curvature is the
+    same.
+    """
     load = 1e-3 * share**2
     return line.contact(1e-3, (1.0, 1.0), (0.0, 0.0), length=1.0, across=False, load=load)
 
@@ -47,7 +49,9 @@ def shakedown_limit(friction: float, poisson: float, used: float | None = None) 
 
 
 def surface_limit(friction: float, poisson: float, stick: float = 0.0) -> float:
-    """The same of the surface alone; stick: half width that sticks over that of the patch."""
+    """Largest p0/k for which the surface alone shakes down (Melan, von Mises). stick: half width
+    that sticks over half width of the patch; 0 is full slip.
+    """
     wave = -np.cos(np.linspace(0.0, math.pi, PLACES))
     beside = np.linspace(1.0, 3.0, PLACES)
     x = np.concatenate([-beside, wave, 1 - stick + stick * wave, beside])
@@ -94,10 +98,10 @@ def _balanced(stress: Array) -> float:
 
 
 def elastic_limit(friction: float, poisson: float) -> float:
-    """Largest p0/k of a line that does not yield at all, by von Mises."""
+    """Largest p0/k of a line contact in full slip that does not yield anywhere, by von Mises."""
     hardest = max(
         find(STRIP, friction, poisson).von_mises
-        for find in (sliding.hardest_below, sliding.hardest_at_surface)
+        for find in (sliding.peak_below_surface, sliding.peak_at_surface)
     )
     return math.sqrt(3) * STRIP.p0 / hardest
 

@@ -26,8 +26,13 @@ SURFACE = 1e-14  # depth over the half width that tells the sides of a cut
 
 
 @dataclass(frozen=True)
-class Hardest:
-    """The largest von Mises stress in MPa and where, x along and depth, mm, in the plane y = 0."""
+class PeakStress:
+    """Largest von Mises stress in the plane y = 0.
+
+    von_mises: MPa.
+    x: place along the rolling direction, mm.
+    depth: mm.
+    """
 
     von_mises: float
     x: float
@@ -68,14 +73,14 @@ def stress(contact: Hertz, friction: float, poisson: float, points: ArrayLike) -
     return np.asarray(total / (2 * math.pi * DIRECTIONS))
 
 
-def hardest_below(contact: Hertz, friction: float, poisson: float) -> Hardest:
+def peak_below_surface(contact: Hertz, friction: float, poisson: float) -> PeakStress:
     """The largest von Mises stress from a tenth of the smaller half width down, in the plane along
     x through the middle of the patch, to 1e-4 of it."""
     depth = min(half_lengths(contact))
     return _highest(contact, friction, poisson, (0.1 * depth, 1.5 * depth))
 
 
-def hardest_at_surface(contact: Hertz, friction: float, poisson: float) -> Hardest:
+def peak_at_surface(contact: Hertz, friction: float, poisson: float) -> PeakStress:
     """The largest von Mises stress on the surface, in the same plane; with friction it is found at
     the trailing edge, x = -a. To 1e-3 of it."""
     return _highest(contact, friction, poisson, (0.0, 0.0))
@@ -83,8 +88,10 @@ def hardest_at_surface(contact: Hertz, friction: float, poisson: float) -> Harde
 
 def _highest(
     contact: Hertz, friction: float, poisson: float, depths: tuple[float, float]
-) -> Hardest:
-    """On grids that shrink around the highest place of the last one."""
+) -> PeakStress:
+    """Largest von Mises stress between two depths, on grids that shrink around the highest point of
+    the last one.
+    """
     a, _ = half_lengths(contact)
     low, high = np.array([-1.2 * a, depths[0]]), np.array([1.2 * a, depths[1]])
     lowest, highest = low, high
@@ -96,7 +103,7 @@ def _highest(
         best = grid[np.argmax(values)]
         reach = (high - low) / 12
         low, high = np.maximum(best - reach, lowest), np.minimum(best + reach, highest)
-    return Hardest(float(values.max()), float(best[0]), float(best[1]))
+    return PeakStress(float(values.max()), float(best[0]), float(best[1]))
 
 
 def _strip_waves(contact: LineContact, s: Array, depth: Array) -> tuple[Waves, Waves]:

@@ -9,5 +9,7 @@ REGIMES = ("mild", "severe", "catastrophic")
 
 
 def regime(value: float, limits: tuple[float, float]) -> str:
-    """Which of REGIMES."""
+    """Name of the wear regime that a value of T-gamma, or of T-gamma over the area, lies in;
+    limits: between the three regimes, ascending.
+    """
     return REGIMES[sum(value >= limit for limit in limits)]

@@ -175,7 +175,7 @@ def _slipping(context: Context) -> str:
     friction = context.scene.friction.coefficient
     most = max(
         hardest(context.hertz, friction, part.poisson_ratio).von_mises
-        for hardest in (sliding.hardest_below, sliding.hardest_at_surface)
+        for hardest in (sliding.peak_below_surface, sliding.peak_at_surface)
         for part in _yielding(context).values()
     )
     return f": up to {most:.4g} MPa where all slips"
