@@ -16,7 +16,7 @@ from mpi4py import MPI
 from railhead.solver import compat
 from railhead.solver.contact import ContactModel
 from railhead.solver.material.elasticity import Material
-from railhead.solver.setup import Setup, Side
+from railhead.solver.setup import ContactBody, Setup
 
 LOAD, RADIUS, SIZE = 5000.0, 500.0, 12.0  # N, mm, mm: half width and height of a block
 STEEL = Material(207000.0, 0.3)  # Young's modulus in MPa, Poisson's ratio
@@ -68,8 +68,8 @@ def two_blocks(cells: int = 12):
 def solve():
     """Contact points (n, 3) in mm and pressure (n,) in MPa of all processes, and the solution."""
     setup = Setup(
-        fixed=Side(LOWER, CONTACT + LOWER, SUPPORT + LOWER, STEEL),
-        moving=Side(UPPER, CONTACT + UPPER, SUPPORT + UPPER, STEEL),
+        fixed=ContactBody(LOWER, CONTACT + LOWER, SUPPORT + LOWER, STEEL),
+        moving=ContactBody(UPPER, CONTACT + UPPER, SUPPORT + UPPER, STEEL),
         slave=LOWER,
         gap=ball_gap,
         degree=2,

@@ -12,7 +12,7 @@ from railhead.postprocess.stress import bodies
 
 if TYPE_CHECKING:
     from railhead.solver.fields import Fields
-    from railhead.solver.solution import Rubbing
+    from railhead.solver.solution import FrictionSolution
 
 
 def moments(fields: Fields, frame: Frame) -> Moments:
@@ -21,7 +21,11 @@ def moments(fields: Fields, frame: Frame) -> Moments:
 
 
 def findings(
-    fields: Fields, frame: Frame, rubbing: Rubbing | None = None, *, parabolic: bool = False
+    fields: Fields,
+    frame: Frame,
+    rubbing: FrictionSolution | None = None,
+    *,
+    parabolic: bool = False,
 ) -> Findings:
     """Patch, recovered surface fields, and stresses below the contact in every meshed body.
 

@@ -19,7 +19,7 @@ from railhead.solver.algebra import linear, newton
 from railhead.solver.algebra.linear import Preconditioner
 from railhead.solver.algebra.multigrid import Hierarchy, PMultigrid
 from railhead.solver.algebra.problem import ContactProblem, Mask, reduce_problem
-from railhead.solver.algebra.reactions import HeldRows
+from railhead.solver.algebra.reactions import SupportReactions
 from railhead.solver.algebra.stiffness import Stiffness
 from railhead.solver.interface import jumps
 from railhead.solver.interface.jumps import Interface
@@ -87,7 +87,7 @@ class ContactModel:
         )
         supports = self.supports(self.bulk.space)
         self.reduction = constraints.reduce(supports, self.comm)
-        self.held = HeldRows.of(stiffness, supports.held, setup.kinematics.dim)
+        self.held = SupportReactions.of(stiffness, supports.held, setup.kinematics.dim)
         material = next(side for side in sides if side.tag == setup.slave).material
         self.law = setup.law.suited(material.young_modulus, material.lame)
         self.closing: Array = self.interface.normals @ setup.push
@@ -219,14 +219,14 @@ class ContactModel:
             local = result.y.array[self.reduction.approach] if self.reduction.approach >= 0 else 0.0
             approach = float(self.comm.allreduce(local))
         return Solution(
-            displacement,
-            result.pressure,
-            problem.indicator(result.y),
-            approach,
-            self._carried(result.pressure),
-            self._reaction(displacement, result.pressure, force),
-            self._penetration(displacement, approach),
-            result,
+            displacement=displacement,
+            pressure=result.pressure,
+            indicator=problem.indicator(result.y),
+            approach=approach,
+            load=self._carried(result.pressure),
+            reaction=self._reaction(displacement, result.pressure, force),
+            penetration=self._penetration(displacement, approach),
+            newton=result,
         )
 
     def _newton(

@@ -1,8 +1,8 @@
-"""The solution as plain arrays on rank 0: all that postprocessing needs."""
+"""The solution as arrays on rank 0, without mesh or PETSc: all that postprocessing needs."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,20 +11,25 @@ from numpy.typing import NDArray
 
 from railhead.solver import compat
 from railhead.solver.contact import ContactModel
-from railhead.solver.interface.master_surface import Opposite, opposite, outer_nodes
-from railhead.solver.solution import Plastic, Solution
+from railhead.solver.interface.master_surface import MasterSurface, master_surface, outer_nodes
+from railhead.solver.solution import PlasticStrain, Solution
 from railhead.solver.space.cells import Array
 from railhead.solver.space.kinematics import SOLID, Kinematics
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ContactFields:
-    """q quadrature points on f facets of the slave's contact surface, in space.
+    """Values at q quadrature points on the f facets of the slave's contact surface, in space.
 
-    points (q, 3) mm; weights (q,) mm2; pressure (q,) MPa; indicator (q,) MPa, the pressure before
-    its negative part is cut off; gap (q,) mm, negative where the surfaces overlap; normals (q, 3)
-    outwards from the slave; facet (q,) and xi (q, 2 or 1) place them;
-    facet_nodes (f, k): nodes of each facet in `Fields.points`, corners first, basix order.
+    points: (q, 3) mm.
+    weights: area of each point (q,) mm2.
+    pressure: (q,) MPa.
+    indicator: (q,) MPa, the pressure before its negative part is cut off.
+    gap: (q,) mm, negative where the surfaces overlap.
+    normals: (q, 3) outward unit normals of the slave.
+    facet: (q,) the facet that each point lies on, a row of `facet_nodes`.
+    xi: (q, 2) or, in a section, (q, 1) coordinates of each point in its facet.
+    facet_nodes: (f, k) nodes of each facet, rows of `Fields.points`, corners first, basix order.
     """
 
     points: Array
@@ -38,15 +43,24 @@ class ContactFields:
     facet_nodes: NDArray[np.int64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Fields:
-    """n nodes, m cells of the modelled part, in space (a section lies in its plane).
+    """Solution at the n nodes of the m cells of the meshed part, in space; a plane section lies in
+    its plane.
 
-    points (n, 3), displacement (n, 3) mm; cells (m, k) nodes in basix order; body (m,) cell tag;
-    lame (m, 2) MPa; cell: see `compat.cell_type`; degree of the displacement; slave: tag of the
-    body the contact facets belong to; mirrors: normals of the symmetry planes through x = 0 or
-    y = 0 at which the model was cut; kinematics: what a section stands for; plastic: of the cells,
-    None where nothing yields; opposite: the other contact surface, None where it is rigid.
+    points: (n, 3) mm.
+    displacement: (n, 3) mm.
+    cells: (m, k) nodes of each cell, basix order.
+    body: (m,) tag of the body that each cell belongs to.
+    lame: (m, 2) lambda and mu, MPa.
+    cell: type of the cells, see `compat.cell_type`.
+    degree: polynomial degree of the displacement.
+    slave: tag of the body that the contact facets belong to.
+    mirrors: normals of the symmetry planes through x = 0 or y = 0 at which the model was cut.
+    contact: values at the contact points.
+    kinematics: what the coordinates of the mesh stand for.
+    plastic_strain: in the cells; None where nothing yields.
+    master_surface: the other contact surface; None where that body is rigid.
     """
 
     points: Array
@@ -60,22 +74,12 @@ class Fields:
     mirrors: tuple[tuple[float, float, float], ...]
     contact: ContactFields
     kinematics: Kinematics = SOLID
-    plastic: Plastic | None = None
-    opposite: Opposite | None = None
-
-    def among(self, chosen: NDArray[np.bool_]) -> Fields:
-        """The same with some of the cells (m,) alone."""
-        plastic = self.plastic
-        if plastic is not None:
-            plastic = Plastic(plastic.strain[chosen], plastic.equivalent[chosen])
-        return replace(
-            self, cells=self.cells[chosen], body=self.body[chosen], lame=self.lame[chosen],
-            plastic=plastic,
-        )  # fmt: skip
+    plastic_strain: PlasticStrain | None = None
+    master_surface: MasterSurface | None = None
 
 
 def gather(model: ContactModel, solution: Solution) -> Fields | None:
-    """Collect on rank 0; None elsewhere (collective)."""
+    """The fields of a solution of all ranks, on rank 0; None on the others (collective)."""
     comm, space = model.comm, model.bulk.space
     topology = space.mesh.topology
     own_cells = topology.index_map(topology.dim).size_local
@@ -90,51 +94,51 @@ def gather(model: ContactModel, solution: Solution) -> Fields | None:
     interface, kinematics = model.interface, model.setup.kinematics
     gap = model.gaps(solution.displacement, solution.approach)
     offset = comm.exscan(len(interface.slave)) or 0
-    gathered = [
-        _to_root(comm, array)
-        for array in (
-            kinematics.lift(compat.dof_points(space)),
-            kinematics.in_space(solution.displacement.array.reshape(-1, kinematics.dim)),
-            cells,
-            body,
-            model.bulk.lame[:own_cells],
-            kinematics.lift(interface.points),
-            interface.weights,
-            solution.pressure,
-            solution.indicator,
-            gap,
-            kinematics.in_space(interface.normals),
-            interface.facet + offset,
-            interface.xi,
-            outer_nodes(interface.slave),
-        )
-    ]
-    plastic = solution.plastic
+
+    def collected(**arrays: NDArray[Any]) -> dict[str, NDArray[Any]]:
+        return {name: _to_root(comm, array) for name, array in arrays.items()}
+
+    nodal = collected(
+        points=kinematics.lift(compat.dof_points(space)),
+        displacement=kinematics.in_space(solution.displacement.array.reshape(-1, kinematics.dim)),
+        cells=cells.astype(np.int64),
+        body=body,
+        lame=model.bulk.lame[:own_cells],
+    )
+    contact = collected(
+        points=kinematics.lift(interface.points),
+        weights=interface.weights,
+        pressure=solution.pressure,
+        indicator=solution.indicator,
+        gap=gap,
+        normals=kinematics.in_space(interface.normals),
+        facet=interface.facet + offset,
+        xi=interface.xi,
+        facet_nodes=outer_nodes(interface.slave),
+    )
+    plastic = solution.plastic_strain
     if plastic is not None:
         strain, equivalent = (_to_root(comm, a) for a in (plastic.strain, plastic.equivalent))
-        plastic = Plastic(strain, equivalent)
+        plastic = PlasticStrain(strain, equivalent)
     slave, master = interface.slave.gathered(comm), interface.master
     master = None if master is None else master.gathered(comm)
     if comm.rank:
         return None
-    points, displacement, cells, body, lame = gathered[:5]
     facing = None
     if master is not None:
-        facing = opposite(slave, master, model.setup.gap, points, displacement)
+        facing = master_surface(
+            slave, master, model.setup.gap, nodal["points"], nodal["displacement"]
+        )
     return Fields(
-        points,
-        displacement,
-        cells.astype(np.int64),
-        body,
-        lame,
-        compat.cell_type(space.mesh),
-        model.setup.degree,
-        model.setup.slave,
-        tuple(normal for _, normal in model.setup.planes),
-        ContactFields(*gathered[5:]),
-        kinematics,
-        plastic,
-        facing,
+        **nodal,
+        cell=compat.cell_type(space.mesh),
+        degree=model.setup.degree,
+        slave=model.setup.slave,
+        mirrors=tuple(normal for _, normal in model.setup.planes),
+        contact=ContactFields(**contact),
+        kinematics=kinematics,
+        plastic_strain=plastic,
+        master_surface=facing,
     )
 
 

@@ -1,27 +1,35 @@
-"""What is solved: bodies, contact law, supports and symmetry."""
+"""Input of a contact model: bodies, contact law, supports, symmetry, friction, load history."""
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from railhead.solver.interface.jumps import Gap
-from railhead.solver.interface.laws import Law
+from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.material.elasticity import Material
 from railhead.solver.space.cells import Array
 from railhead.solver.space.kinematics import SOLID, Kinematics
 
-LINEAR = ("auto", "direct", "multigrid")  # how linear systems are solved
+LINEAR_SOLVERS = ("auto", "direct", "multigrid")
 FarField = Callable[[float, int, Array], Array]
 """(load N, body tag, points in space (n, 3)) -> displacement (n, 3) of the supported faces, mm."""
 
 
 @dataclass(frozen=True)
-class Side:
-    """Tags of one body: its cells, its contact facets and its supported facets."""
+class ContactBody:
+    """One of the two bodies: where it is on the mesh, and its material.
+
+    tag: MeshTags value of its cells.
+    contact: value of the facets of its contact surface.
+    support: value of the facets that are fixed or belong to the rigid hub.
+    material: an infinite Young's modulus makes the body rigid; it then has no cells.
+    """
 
     tag: int
     contact: int
@@ -30,15 +38,19 @@ class Side:
 
     @property
     def rigid(self) -> bool:
-        """Not meshed: only its exact surface takes part."""
+        """Whether the body is not meshed, and takes part by its exact surface alone."""
         return bool(np.isinf(self.material.young_modulus))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LoadPath:
-    """How bodies that yield are loaded. steps: from the first yield to the load; cycles: how often;
-    unload: take it away in the end; near: points in space (n, 3) mm -> mask of those where yield is
-    followed."""
+    """How bodies that may yield are loaded.
+
+    steps: number of load steps from first yield up to the load.
+    cycles: how often the load is applied.
+    unload: whether it is removed at last, so that the residual state is known.
+    near: points in space (n, 3) mm -> (n,) whether plastic strain is followed there.
+    """
 
     steps: int
     cycles: int
@@ -46,73 +58,95 @@ class LoadPath:
     near: Callable[[Array], NDArray[np.bool_]]
 
 
-@dataclass(frozen=True)
-class Rub:
-    """The wheel over the rail.
+@dataclass(frozen=True, kw_only=True)
+class FrictionSettings:
+    """Coulomb friction of the wheel over the rail: a shift from rest, or steady rolling.
 
-    coefficient: of friction.
-    axes (3, 3): unit vectors along, across and out of the rail at the origin (3,), mm.
-    slip: points (n, 3) -> rigid slip (4, n, 3) of creepages and a spin of 1 and, once, of what
-        turns about axes in the tangent plane at the origin.
-    known: creepage along and across and spin (1/mm) where it rolls.
-    free: index (0 along, 1 across) of motions that follow from a force of the wheel on the rail, N.
-    legs: shares of the load and of these forces, one after the other.
-    far: (0 or 1, body tag, points (n, 3)) -> displacement (n, 3) of the supported faces under 1 N
-        along or across, mm.
+    coefficient: of friction, positive.
+    rolling: steady rolling along +x; otherwise the wheel is shifted.
+    axes: (3, 3) unit vectors along the rail, across it and out of it at the origin.
+    origin: (3,) mm; moments are about it.
+    rigid_slip: points (n, 3) mm -> (4, n, 3) slip of rigid bodies under four motions: unit
+        creepage along, unit creepage across, spin of 1/mm, and the wheel's turning about axes in
+        the tangent plane at the origin, which is always there in full.
+    creepage: prescribed creepage along and across, and spin in 1/mm; zero where a force decides.
+    force_controlled: (index, force) of motions that follow from a force of the wheel on the rail,
+        N; index 0 is along, 1 across.
+    load_steps: (share of the load, share of these forces) of each load step.
+    far_field: (0 along or 1 across, body tag, points (n, 3) mm) -> displacement (n, 3) mm of the
+        supported faces under a force of 1 N; None where the bodies end at their supports.
     """
 
     coefficient: float
     rolling: bool
     axes: Array
     origin: tuple[float, float, float]
-    slip: Callable[[Array], Array]
-    known: tuple[float, float, float]
-    free: tuple[tuple[int, float], ...]
-    legs: tuple[tuple[float, float], ...] = ((1.0, 1.0),)
-    far: Callable[[int, int, Array], Array] | None = None
+    rigid_slip: Callable[[Array], Array]
+    creepage: tuple[float, float, float]
+    force_controlled: tuple[tuple[int, float], ...]
+    load_steps: tuple[tuple[float, float], ...] = ((1.0, 1.0),)
+    far_field: Callable[[int, int, Array], Array] | None = None
 
 
 @dataclass(frozen=True)
 class Setup:
-    """What is solved.
+    """Input of a contact model. Directions, normals, gap and far field are those of space, also
+    where the mesh is a plane section.
 
-    fixed, moving: the body held at its support and the one pushed along `direction` by its rigid
-    hub. gap: exact gap seen from the slave. planes: facet tag and normal of each symmetry plane.
-    far_field: prescribed displacement of both supports on top of the rigid motion.
-    load_control: the load is given and the approach an unknown, or the reverse. kinematics: what
-    the mesh's coordinates stand for; directions, normals, gap and far field are those of space.
-    path: where a body yields. rub: where surfaces do.
-    ValueError for a slave that is not one of the bodies, or rigid, and for an unknown `linear`.
+    fixed: the body that is held at its support.
+    moving: the body that a rigid hub at its support pushes along `direction`.
+    slave: tag of the body whose contact surface carries the contact points.
+    gap: exact initial gap, seen from the slave.
+    degree: polynomial degree of the displacement, 1 or 2.
+    law: Nitsche's method or a penalty.
+    direction: unit vector of the approach.
+    planes: facet tag and normal of each plane of symmetry.
+    far_field: displacement prescribed at both supports on top of the rigid motion.
+    load_control: True prescribes the load, and the approach is unknown; False the reverse.
+    linear: how linear systems are solved, one of `LINEAR_SOLVERS`.
+    kinematics: what the coordinates of the mesh stand for.
+    load_path: load history of bodies that may yield; None: all bodies stay elastic.
+    friction: None: the contact is frictionless.
+
+    Raises ValueError for a slave that is no deformable body, and for an unknown `linear`.
     """
 
-    fixed: Side
-    moving: Side
+    fixed: ContactBody
+    moving: ContactBody
     slave: int
     gap: Gap
     degree: int
-    law: Law = field(default_factory=Law)
+    law: ContactLaw = field(default_factory=ContactLaw)
     direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
     planes: tuple[tuple[int, tuple[float, float, float]], ...] = ()
     far_field: FarField | None = None
     load_control: bool = True
     linear: str = "auto"
     kinematics: Kinematics = SOLID
-    path: LoadPath | None = None
-    rub: Rub | None = None
+    load_path: LoadPath | None = None
+    friction: FrictionSettings | None = None
 
     def __post_init__(self) -> None:
-        bodies = {side.tag: side for side in (self.fixed, self.moving)}
+        bodies = {body.tag: body for body in (self.fixed, self.moving)}
         if self.slave not in bodies or bodies[self.slave].rigid:
             raise ValueError(f"slave {self.slave} is no body that deforms; there are {[*bodies]}")
-        if self.linear not in LINEAR:
-            raise ValueError(f"linear {self.linear!r} is unknown; give one of {LINEAR}")
+        if self.linear not in LINEAR_SOLVERS:
+            raise ValueError(f"linear {self.linear!r} is unknown; give one of {LINEAR_SOLVERS}")
 
     @property
     def parts(self) -> int:
-        """How many times the modelled part makes up the whole."""
+        """Number of symmetric images, the meshed part included, that make up the whole model."""
         return 1 if self.kinematics.revolved else int(2 ** len(self.planes))
 
     @property
     def push(self) -> Array:
-        """The direction in the mesh's coordinates (c,)."""
+        """Unit vector of the approach in the coordinates of the mesh (c,)."""
         return self.kinematics.flatten(np.array(self.direction))
+
+
+def __getattr__(name: str) -> Any:
+    """The former name of `ContactBody`, until version 0.5."""
+    if name != "Side":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    warnings.warn("Side is now called ContactBody", DeprecationWarning, stacklevel=2)
+    return ContactBody

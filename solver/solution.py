@@ -1,4 +1,4 @@
-"""What a contact model finds."""
+"""The solution of one load case, with what plasticity and friction add to it."""
 
 from __future__ import annotations
 
@@ -13,39 +13,63 @@ from railhead.solver.space.cells import Array
 
 
 @dataclass(frozen=True)
-class Plastic:
-    """Plastic strain tensors (m, g, 3, 3) in space and equivalent plastic strain (m, g) at the g
-    Gauss points of this rank's m cells."""
+class PlasticStrain:
+    """Plastic strain at the g Gauss points of each of m cells (m: of this rank, or of all).
+
+    strain: plastic strain tensors in space (m, g, 3, 3).
+    equivalent: equivalent plastic strain (m, g).
+    """
 
     strain: Array
     equivalent: Array
 
 
-@dataclass(frozen=True)
-class Yielding:
-    """How bodies yielded. over: load over that of first yield; steps: Newton's histories of all
-    load steps, of the unloading too; loading: how many of them were taken up to the load for the
-    first time; unloaded: the residual state, the bodies apart (None if it was not asked for);
-    indentation: by tag of a body, how far its surface stays pushed in at most, mm."""
+@dataclass(frozen=True, kw_only=True)
+class PlasticSolution:
+    """Load history of bodies of which at least one yields.
 
-    over: float
-    steps: tuple[NewtonResult, ...]
-    loading: int
-    unloaded: Solution | None
-    indentation: Mapping[int, float]
+    load_over_first_yield: load over the load of first yield.
+    newton_results: results of Newton's method of all load steps, unloading included, in order.
+    first_loading_steps: number of the first of them that lead up to the load for the first time.
+    residual_state: solution after unloading, the bodies apart; None where none was called for.
+    indentation_depth: largest residual displacement of each body's contact surface into the body,
+        mm, by the body's tag; empty without a residual state.
+    """
+
+    load_over_first_yield: float
+    newton_results: tuple[NewtonResult, ...]
+    first_loading_steps: int
+    residual_state: Solution | None = None
+    indentation_depth: Mapping[int, float]
 
 
-@dataclass(frozen=True)
-class Rubbing:
-    """n contact points, of all ranks: points (n, 3) mm, weights (n,) mm2 of the whole model,
-    pressure (n,) MPa; traction (n, 3) MPa of the wheel on the rail; slip (n, 3) of the wheel over
-    the rail, mm in the last leg, or, rolling, of 1; sticks (n,) of those with pressure; motion:
-    creepage, or shift in mm, along and across, and spin (1/mm); force along and across, N; moment
-    N mm about the normal at the origin; limit mu N, N; legs (l, 4): force along and across (N) and
-    motion along and across at the end of each leg; energy: dissipated by slip after the force
-    was reached for the first time, N mm; passes: how often tractions and pressure were found in
-    turn; rigid (n, 3): slip of rigid bodies, mm, or, rolling, of 1; history: the longest of
-    `solver.friction.Sheared`; still: rolling, the same contact without creepage."""
+@dataclass(frozen=True, kw_only=True)
+class FrictionSolution:
+    """Tangential tractions and slip at n contact points of all ranks, at the last load step.
+
+    Slip, motion and creepage are those of the wheel over the rail. A shift has slip in mm;
+    steady rolling has slip over rolled distance, without dimension.
+
+    points: position (n, 3), mm.
+    weights: area of each point (n,) in the whole model, mm2.
+    pressure: (n,) MPa.
+    traction: tangential traction of the wheel on the rail (n, 3), MPa.
+    slip: (n, 3), of a shift since the end of the load step before.
+    sticks: (n,) whether a point with pressure sticks.
+    rigid_motion: along, across and spin about the normal: creepages and spin in 1/mm, or, of a
+        shift, mm and rad.
+    force: of the wheel on the rail along and across, N.
+    moment: about the normal at the origin, N mm.
+    friction_limit: coefficient of friction times normal force, N.
+    load_steps: (l, 4) force along and across (N) and rigid motion along and across at the end of
+        each of l load steps.
+    dissipated_energy: work of friction after the full tangential force was reached for the first
+        time, N mm.
+    coupling_iterations: how many times tractions and pressure were solved alternately.
+    rigid_slip: slip of rigid bodies with the same motion (n, 3).
+    newton_history: residuals of the longest of Newton's iterations, see `TangentialState.history`.
+    without_creepage: for rolling, the same contact at zero creepage and spin.
+    """
 
     points: Array
     weights: Array
@@ -53,27 +77,38 @@ class Rubbing:
     traction: Array
     slip: Array
     sticks: Mask
-    motion: tuple[float, float, float]
+    rigid_motion: tuple[float, float, float]
     force: tuple[float, float]
     moment: float
-    limit: float
-    legs: Array
-    energy: float
-    passes: int
-    rigid: Array
-    history: tuple[float, ...]
-    still: Rubbing | None = None
+    friction_limit: float
+    load_steps: Array
+    dissipated_energy: float
+    coupling_iterations: int
+    rigid_slip: Array
+    newton_history: tuple[float, ...]
+    without_creepage: FrictionSolution | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Solution:
-    """One load case. displacement: owned dofs, mm. pressure (n,) MPa at the interface's points.
+    """Answer of a contact model to one load case, at the n local points of its interface.
 
-    load: what the pressure carries against the direction of the approach, of the whole model, N;
-    reaction: the same at the support, N; approach: mm; penetration: largest overlap, mm.
-    indicator (n,) MPa: the pressure before its negative part is cut off. newton: of the last load
-    step, or of the one that failed. plastic: what has yielded. plain: the same without friction,
-    or, of a frictionless one, without yield, where there is one.
+    Forces are those of the whole model, symmetric images included.
+
+    displacement: values of the owned dofs of `bulk.space`, mm.
+    pressure: contact pressure (n,), MPa.
+    indicator: pressure before its negative part is cut off (n,), MPa; the active set is where it
+        is positive.
+    approach: motion of the hub along the direction of the setup, mm.
+    load: resultant of the contact tractions against that direction, N.
+    reaction: the same force at the support, N.
+    penetration: largest overlap of the surfaces, mm.
+    newton: result of Newton's method of the last load step, or of the one that failed.
+    plastic_strain: of all cells of this rank; None where nothing yields.
+    plasticity: load history; None where nothing yields.
+    friction: tractions and slip; None without friction.
+    reference: with friction, the frictionless solution of the same load case; without friction but
+        with yield, the elastic one; otherwise None.
     """
 
     displacement: PETSc.Vec
@@ -84,7 +119,7 @@ class Solution:
     reaction: float
     penetration: float
     newton: NewtonResult
-    plastic: Plastic | None = None
-    plain: Solution | None = None
-    yielding: Yielding | None = None
-    rubbing: Rubbing | None = None
+    plastic_strain: PlasticStrain | None = None
+    plasticity: PlasticSolution | None = None
+    friction: FrictionSolution | None = None
+    reference: Solution | None = None

@@ -10,7 +10,7 @@ import numpy as np
 from railhead.postprocess.findings import Array
 
 if TYPE_CHECKING:
-    from railhead.solver.solution import Rubbing
+    from railhead.solver.solution import FrictionSolution
 
 
 MOTION = {True: ("creepage_along", "creepage_across", "spin_per_mm"),
@@ -18,7 +18,7 @@ MOTION = {True: ("creepage_along", "creepage_across", "spin_per_mm"),
 LOADS = "force_along_N", "force_across_N", "moment_Nmm", "traction_max_MPa"
 
 
-def wear_number(found: Rubbing, centres: Array) -> float:
+def wear_number(found: FrictionSolution, centres: Array) -> float:
     """The largest of all patches, N: the force on its points, those nearest to its centre, times
     the rigid slip there on the average of the pressure, which spin about the patch leaves out."""
     away = np.linalg.norm(found.points[:, None] - centres, axis=2)
@@ -28,13 +28,13 @@ def wear_number(found: Rubbing, centres: Array) -> float:
         weights = found.weights[own]
         if own.any():
             load = weights * found.pressure[own]
-            creepage = load @ found.rigid[own] / load.sum()
+            creepage = load @ found.rigid_slip[own] / load.sum()
             numbers.append(float(weights @ found.traction[own] @ creepage))
     return max(numbers)
 
 
 def quantities(
-    found: Rubbing,
+    found: FrictionSolution,
     *,
     rolling: bool,
     like: bool,
@@ -55,21 +55,21 @@ def quantities(
         "force_along_N": found.force[0],
         "force_across_N": found.force[1],
         "moment_Nmm": found.moment,
-        "limit_N": found.limit,
-        **dict(zip(MOTION[rolling], found.motion, strict=True)),
+        "limit_N": found.friction_limit,
+        **dict(zip(MOTION[rolling], found.rigid_motion, strict=True)),
         "stick_share": float(share),
         "traction_max_MPa": float(np.linalg.norm(found.traction, axis=1).max()),
-        "newton_steps": len(found.history),
-        "passes": found.passes,
+        "newton_steps": len(found.newton_history),
+        "passes": found.coupling_iterations,
     }
     if cycle:
-        out["energy_per_cycle_Nmm"] = found.energy
+        out["energy_per_cycle_Nmm"] = found.dissipated_energy
     if rolling:
-        slip = found.rigid if like else found.slip
+        slip = found.rigid_slip if like else found.slip
         wear = float(found.weights @ np.einsum("nc,nc->n", found.traction, slip))
         out["t_gamma_N"] = wear
-        if like and found.still is not None:
-            out |= _resolution(out, found.still, found.motion)
+        if like and found.without_creepage is not None:
+            out |= _resolution(out, found.without_creepage, found.rigid_motion)
         if patches is not None:
             out["wear_number_N"] = wear_number(found, patches)
         if speed is not None:
@@ -78,7 +78,7 @@ def quantities(
 
 
 def _resolution(
-    out: Mapping[str, Any], still: Rubbing, motion: tuple[float, float, float]
+    out: Mapping[str, Any], still: FrictionSolution, motion: tuple[float, float, float]
 ) -> dict[str, Any]:
     """ "resolution": by quantity what bodies and mesh have without creepage, where like
     half-spaces have no traction and stick everywhere; of the stick share also the largest share of

@@ -281,7 +281,7 @@ def samples(fields: Fields, frame: Frame, facets: Array) -> Samples:
     force, pressure, size = values.T
     return Samples(
         local[:, 0], local[:, 1], force, pressure, size, even, ((x0, x1), (s0, s1)),
-        yields=fields.plastic is not None,
+        yields=fields.plastic_strain is not None,
     )  # fmt: skip
 
 

@@ -121,7 +121,7 @@ def both(fields: Fields, frame: Frame, pressure: Callable[[Array], Array]) -> Su
         local, moved = frame.local(points)[:, :2], fields.displacement[nodes]
         return Surface(points, local, pieces, pressure(points), gap, moved)
 
-    recovery, other = SurfaceRecovery(fields), fields.opposite
+    recovery, other = SurfaceRecovery(fields), fields.master_surface
     own = surface(recovery.nodes, recovery.triangles, recovery.project(fields.contact.gap))
     if other is None:
         return own, None

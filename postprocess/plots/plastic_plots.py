@@ -37,7 +37,7 @@ def draw(
 ) -> None:
     """Plastic strain and residual von Mises stress below the patch, the pressure beside the elastic
     one and Hertz's, and how far the surfaces stay displaced."""
-    assert pressed.plastic is not None
+    assert pressed.plastic_strain is not None
     patch = found.patch
     axis = 1 if pressed.kinematics.dim == 3 else coordinate(pressed)
     half = (patch.a, patch.b)[axis]
@@ -47,7 +47,7 @@ def draw(
         points, _ = at_gauss(pressed, every)
         _, left = at_gauss(residual, every)
         for axes, values, label in (
-            (strain, 100 * pressed.plastic.equivalent, "equivalent plastic strain, %"),
+            (strain, 100 * pressed.plastic_strain.equivalent, "equivalent plastic strain, %"),
             (stress, von_mises(left), "residual von Mises stress, MPa"),
         ):
             _cut(figure, axes, found, (points, values), axis, label)
@@ -103,8 +103,8 @@ def _left(axes: Axes, residual: Fields, pressed: Fields, found: Findings, half: 
     was no line."""
     frame, subject = found.frame, found.subject
     surfaces = {pressed.slave: np.unique(pressed.contact.facet_nodes)}
-    if pressed.opposite is not None:
-        surfaces[other(pressed.slave)] = pressed.opposite.nodes
+    if pressed.master_surface is not None:
+        surfaces[other(pressed.slave)] = pressed.master_surface.nodes
     rises = {
         tag: 1e3 * residual.displacement[nodes] @ frame.axes[2] for tag, nodes in surfaces.items()
     }

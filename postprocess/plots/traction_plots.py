@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.plots.diagrams import FE, HERTZ, new_figure, rounded
-from railhead.solver.solution import Rubbing
+from railhead.solver.solution import FrictionSolution
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,7 +22,7 @@ THIN = 0.15  # of the patch's half length across: points nearer to its middle li
 
 
 def draw(
-    found: Rubbing, findings: Findings, coefficient: float, path: Path, *, mirrored: bool
+    found: FrictionSolution, findings: Findings, coefficient: float, path: Path, *, mirrored: bool
 ) -> None:  # fmt: skip
     """Stick and slip in the tangent plane with the tractions of the wheel on the rail as arrows
     (not of a section), and the traction along the middle line of the (most loaded) patch against

@@ -15,7 +15,7 @@ from railhead.postprocess.stress.peaks import Search
 from railhead.postprocess.stress.recovery import Recovery
 from railhead.postprocess.stress.solid import Solid
 from railhead.solver.fields import Fields
-from railhead.solver.solution import Rubbing
+from railhead.solver.solution import FrictionSolution
 from railhead.theory.elastic.subsurface import max_shear, von_mises
 
 SAMPLES = 121
@@ -29,7 +29,7 @@ def read(
     centre: tuple[float, float],
     size: float,
     others: list[Part],
-    rubbing: Rubbing | None,
+    rubbing: FrictionSolution | None,
 ) -> Found:
     """By meshed body the stresses below (x, s) = centre and the largest ones; between them, in the
     body that is shown, those below the centres of the other patches; points (n, 3) on the sharp

@@ -21,11 +21,11 @@ def at_reference(
     """Position (m, 3), stress (m, 6) in global axes and |det J| at one reference point. Plastic
     strains are those of the plane through their values at the Gauss points of each cell."""
     x, stress, size = before_yield(fields, cells, reference)
-    if fields.plastic is not None:
+    if fields.plastic_strain is not None:
         points = gauss(fields)
         corner, *rest = np.linalg.pinv(np.column_stack([np.ones(len(points)), points]))
         shares = corner + reference @ np.array(rest)
-        strain = np.einsum("g,mgij->mij", shares, fields.plastic.strain[cells])
+        strain = np.einsum("g,mgij->mij", shares, fields.plastic_strain.strain[cells])
         stress = stress - _relief(fields, cells, strain)
     return x, stress, size
 
@@ -35,16 +35,16 @@ def at_gauss(fields: Fields, cells: NDArray[np.int64]) -> tuple[Array, Array]:
     found = [before_yield(fields, cells, point)[:2] for point in gauss(fields)]
     points = np.stack([x for x, _ in found], axis=1)
     stress = np.stack([s for _, s in found], axis=1)
-    if fields.plastic is not None:
+    if fields.plastic_strain is not None:
         for g in range(stress.shape[1]):
-            stress[:, g] -= _relief(fields, cells, fields.plastic.strain[cells, g])
+            stress[:, g] -= _relief(fields, cells, fields.plastic_strain.strain[cells, g])
     return points, stress
 
 
 def gauss(fields: Fields) -> Array:
     """Reference points (g, d) at which stresses are best, or plastic strains are known."""
     rule = 1 if fields.degree == 1 and fields.cell in ("tetrahedron", "triangle") else 2
-    if fields.plastic is not None:
+    if fields.plastic_strain is not None:
         rule = quadrature_degree(fields.cell, fields.degree, fields.kinematics)
     return np.asarray(basix.make_quadrature(getattr(basix.CellType, fields.cell), rule)[0])
 

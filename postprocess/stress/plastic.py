@@ -14,7 +14,7 @@ from railhead.postprocess.findings import Array, Frame, Place
 from railhead.postprocess.stress.gauss_points import at_gauss, before_yield, gauss
 from railhead.solver.fields import Fields
 from railhead.solver.material.elasticity import quadrature_degree
-from railhead.solver.solution import Yielding
+from railhead.solver.solution import PlasticSolution
 from railhead.theory.elastic.subsurface import von_mises
 
 TRACE = 1e-9  # plastic strain below which a point has not yielded: rounding
@@ -66,20 +66,20 @@ class Left:
         }
 
 
-def left(found: Yielding, fields: Fields, residual: Fields | None, frame: Frame) -> Left:
+def left(found: PlasticSolution, fields: Fields, residual: Fields | None, frame: Frame) -> Left:
     """Of a load, from its fields and those after it."""
     return Left(
-        zone(fields, frame), found.over, found.loading, residual,
+        zone(fields, frame), found.load_over_first_yield, found.first_loading_steps, residual,
         None if residual is None else largest_von_mises(residual),
-        {BODIES[tag]: depth for tag, depth in found.indentation.items()},
+        {BODIES[tag]: depth for tag, depth in found.indentation_depth.items()},
     )  # fmt: skip
 
 
 def zone(fields: Fields, frame: Frame) -> Zone:
     """Of a state with plastic strain."""
-    assert fields.plastic is not None
+    assert fields.plastic_strain is not None
     points, weights = _samples(fields)
-    strain = fields.plastic.equivalent
+    strain = fields.plastic_strain.equivalent
     cell, point = np.unravel_index(int(np.argmax(strain)), strain.shape)
     yields = strain > TRACE
     depths = np.abs(frame.local(points[yields])[:, 2]) if yields.any() else np.zeros(1)

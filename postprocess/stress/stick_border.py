@@ -18,19 +18,19 @@ from railhead.postprocess.stress.gauss_points import COLUMN, ROW
 from railhead.postprocess.stress.recovery import Recovery
 from railhead.postprocess.stress.solid import Solid
 from railhead.solver.fields import Fields
-from railhead.solver.solution import Rubbing
+from railhead.solver.solution import FrictionSolution
 
 INNER = 0.6  # of the way from the middle of a facet to its nodes: where it sticks or slips
 
 
 def stresses(
-    fields: Fields, solid: Solid, recovery: Recovery, rubbing: Rubbing
+    fields: Fields, solid: Solid, recovery: Recovery, rubbing: FrictionSolution
 ) -> tuple[Array, Array]:
     """Places (n, 3) mm on the surface of one body and stresses (n, 6) MPa in global axes there;
     none where all sticks or slips, or where the body has yielded."""
     slips = (rubbing.pressure > 0) & ~rubbing.sticks
     places, nodes, cells = _facets(fields, solid)
-    if fields.plastic is not None or not (slips.any() and len(cells)):
+    if fields.plastic_strain is not None or not (slips.any() and len(cells)):
         return np.zeros((0, 3)), np.zeros((0, 6))
     nearest = cKDTree(rubbing.points).query(places)[1]
     whole = rubbing.sticks[nearest].all(axis=1)
@@ -49,7 +49,7 @@ def _facets(fields: Fields, solid: Solid) -> tuple[Array, Array, NDArray[np.int6
     """Points (f, k, 3) on the facets of the contact surface of a body, their nodes (f, k, 3), and
     the cells (f,) they belong to, as numbers in the solid."""
     own = fields.body[solid.cells[0]] == fields.slave
-    surface = fields.contact if own else fields.opposite
+    surface = fields.contact if own else fields.master_surface
     if surface is None:
         return np.zeros((0, 1, 3)), np.zeros((0, 1, 3)), np.zeros(0, dtype=np.int64)
     on = np.isin(solid.nodes, surface.facet_nodes)
@@ -60,7 +60,7 @@ def _facets(fields: Fields, solid: Solid) -> tuple[Array, Array, NDArray[np.int6
 
 
 def _assembled(
-    fields: Fields, solid: Solid, recovery: Recovery, cells: Array, rubbing: Rubbing,
+    fields: Fields, solid: Solid, recovery: Recovery, cells: Array, rubbing: FrictionSolution,
     slipping: Array,
 ) -> Array:  # fmt: skip
     """Stress (n, 6) with the strain in the surface of cells, carried on to the points that slip

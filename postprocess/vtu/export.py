@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from railhead.meshing.tags import RAIL
 from railhead.postprocess.findings import Array, Surface
 from railhead.solver.fields import Fields
-from railhead.solver.solution import Rubbing
+from railhead.solver.solution import FrictionSolution
 from railhead.theory.elastic.subsurface import directions, max_shear, principal, von_mises
 
 UNITS = {
@@ -75,11 +75,11 @@ def volume_grid(fields: Fields, stress: Array) -> meshio.Mesh:
 
 
 def _plastic(fields: Fields) -> dict[str, list[Array]]:
-    if fields.plastic is None:
+    if fields.plastic_strain is None:
         return {}
-    strain = fields.plastic.strain.mean(axis=1).reshape(-1, 9)
+    strain = fields.plastic_strain.strain.mean(axis=1).reshape(-1, 9)
     return {
-        "equivalent_plastic_strain": [fields.plastic.equivalent.mean(axis=1)],
+        "equivalent_plastic_strain": [fields.plastic_strain.equivalent.mean(axis=1)],
         "plastic_strain": [strain],
     }
 
@@ -131,7 +131,7 @@ def _outwards(surface: Surface, tag: int) -> NDArray[np.int64]:
     return np.where(inwards[:, None], triangles[:, ::-1], triangles)
 
 
-def traction_points(found: Rubbing) -> meshio.Mesh:
+def traction_points(found: FrictionSolution) -> meshio.Mesh:
     """The contact points that touch. Point data: traction (n, 3) MPa of the wheel on the rail; slip
     (n, 3) of the wheel over the rail, mm, or, rolling, of 1; sticks (n,), 1 where it sticks, 0
     where it slips; pressure (n,) MPa."""

@@ -13,12 +13,12 @@ from railhead.postprocess.stress.gauss_points import nodal
 from railhead.postprocess.vtu import export
 from railhead.postprocess.vtu.mirror import whole_grid
 from railhead.solver.fields import Fields
-from railhead.solver.solution import Rubbing
+from railhead.solver.solution import FrictionSolution
 
 
 def write(
     fields: Fields, stress: Array, found: Findings, residual: Fields | None,
-    rubbing: Rubbing | None, folder: Path, *, whole: bool = False,
+    rubbing: FrictionSolution | None, folder: Path, *, whole: bool = False,
 ) -> None:  # fmt: skip
     """solution.vtu and contact.vtu; with the state after the load residual.vtu and solution.pvd,
     with friction traction.vtu. stress (n, 6): of the fields, as `stress.nodal` reads it; whole:
@@ -36,7 +36,7 @@ def _grids(
     stress: Array,
     found: Findings,
     residual: Fields | None,
-    rubbing: Rubbing | None,
+    rubbing: FrictionSolution | None,
 ) -> Iterator[tuple[str, meshio.Mesh]]:
     """One after the other, by name."""
     surfaces = {fields.slave: found.surface}

@@ -112,18 +112,18 @@ def friction(
     second: Mapping[str, Mapping[str, Any]] | None,
 ) -> list[Check]:
     """Tangential forces against the stresses of the bodies, and against half-spaces."""
-    found, scene = level.solution.rubbing, level.plan.scene
+    found, scene = level.solution.friction, level.plan.scene
     if found is None or level.result is None:
         return []
     out = _tangential(level)
     other = (second or {}).get("boundary elements") or (second or {}).get("Carter") or {}
-    both = list(zip(("along", "across"), found.force, found.motion, strict=False))
-    off = [abs(force - other[name]) / found.limit
+    both = list(zip(("along", "across"), found.force, found.rigid_motion, strict=False))
+    off = [abs(force - other[name]) / found.friction_limit
            for way, force, _ in both if (name := f"force_{way}_N") in other]  # fmt: skip
     room = ROUGH + other.get("grid_error", 0.0)
     drift = level.result.get("friction", {}).get("resolution", {})
     rolled = [
-        MISS * (estimates[name].total + drift[name] / found.limit)
+        MISS * (estimates[name].total + drift[name] / found.friction_limit)
         for name in ("force_along_N", "force_across_N")
         if name in estimates and name in drift
     ]
@@ -166,7 +166,7 @@ def _tangential(level: Level) -> list[Check]:
     """The tangential forces, given or found, against those that the stresses of each body carry."""
     from railhead.postprocess.stress.flux import contact_force, pressure_force
 
-    plan, found, fields = level.plan, level.solution.rubbing, level.fields
+    plan, found, fields = level.plan, level.solution.friction, level.fields
     assert found is not None and fields is not None
     axes = Frame(plan.contact.origin, plan.contact.touch.angle).axes[:2]
     _, *given = plan.scene.tangential
@@ -176,7 +176,7 @@ def _tangential(level: Level) -> list[Check]:
         Check(
             f"tangential_flux_{BODIES[body]}",
             float(np.linalg.norm(axes @ (contact_force(fields, body) - pressed) - wanted))
-            / found.limit,
+            / found.friction_limit,
             ROUGH, "the tangential force, over mu N; as for the load", FINER,
         )
         for body in plan.deformable
@@ -204,9 +204,9 @@ def _equations(level: Level) -> list[Check]:
             "give mesh.patch_size, or a scene whose patch is not at an edge",
         ),
     ]  # fmt: skip
-    yielding = solution.yielding
-    if yielding is not None and yielding.unloaded is not None:
-        last = yielding.steps[-1]
+    yielding = solution.plasticity
+    if yielding is not None and yielding.residual_state is not None:
+        last = yielding.newton_results[-1]
         found.append(
             Check(
                 "unloaded", 0.0 if last.converged else 1.0, 0.0,
@@ -416,7 +416,7 @@ def not_made(
             for name in OPINIONS
             if name in resolved(plain) and f"second_opinion_{name}" not in made
         }
-    if level.solution.rubbing is not None:
+    if level.solution.friction is not None:
         name = "friction" if level.plan.scene.rolling.given else "shift"
         reasons = [each["reason"] for each in (rubbed or {}).values() if "reason" in each]
         if f"second_opinion_{name}" not in made:

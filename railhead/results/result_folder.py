@@ -173,7 +173,7 @@ def write_grids(result: Result, folder: Path, *, whole: bool = False) -> Array |
     if fields is None or found is None:
         return None
     residual = None if left is None else left.residual
-    stresses, rubbing = gauss_points.nodal(fields), result.level.solution.rubbing
+    stresses, rubbing = gauss_points.nodal(fields), result.level.solution.friction
     files.write(fields, stresses, found, residual, rubbing, folder, whole=whole)
     return stresses
 
@@ -195,7 +195,7 @@ def write(
             )
             found = replace(found, notes=needed, subject=subject(result.plan, result.load))
         stresses = write_grids(result, work, whole=whole)
-        left, rubbing, fields = result.level.left, result.level.solution.rubbing, result.fields
+        left, rubbing, fields = result.level.left, result.level.solution.friction, result.fields
         residual = None if left is None else left.residual
         if fields is not None and found is not None and stresses is not None and pictures:
             poisson, elastic = result.plan.shown.poisson_ratio, result.level.plain

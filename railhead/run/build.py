@@ -34,14 +34,14 @@ def model(plan: Plan, made: mesh.ContactMesh) -> ContactModel:
     """Assemble the contact model of a plan on its mesh."""
     from railhead.solver.contact import ContactModel
     from railhead.solver.interface.frictional_model import RubbingModel, YieldingRubbingModel
-    from railhead.solver.interface.laws import Law
+    from railhead.solver.interface.laws import ContactLaw
     from railhead.solver.material.yielding import YieldingModel
-    from railhead.solver.setup import Setup, Side
+    from railhead.solver.setup import ContactBody, Setup
 
     scene = plan.scene
 
-    def side(tag: int) -> Side:
-        return Side(tag, CONTACT + tag, SUPPORT + tag, plan.material(tag))
+    def side(tag: int) -> ContactBody:
+        return ContactBody(tag, CONTACT + tag, SUPPORT + tag, plan.material(tag))
 
     setup = Setup(
         fixed=side(RAIL),
@@ -49,7 +49,7 @@ def model(plan: Plan, made: mesh.ContactMesh) -> ContactModel:
         slave=plan.slave,
         gap=plan.surfaces.gap(plan.slave),
         degree=plan.order,
-        law=Law(scene.solver.method, scene.solver.theta, scene.solver.gamma_factor),
+        law=ContactLaw(scene.solver.method, scene.solver.theta, scene.solver.gamma_factor),
         planes=plan.planes,
         load_control=scene.load is not None,
         linear=scene.solver.linear,
@@ -59,8 +59,8 @@ def model(plan: Plan, made: mesh.ContactMesh) -> ContactModel:
         if effect.on:
             setup = EFFECTS[name].apply(setup, plan)
     kind = ContactModel
-    if setup.path is not None:
-        kind = YieldingModel if setup.rub is None else YieldingRubbingModel
-    elif setup.rub is not None:
+    if setup.load_path is not None:
+        kind = YieldingModel if setup.friction is None else YieldingRubbingModel
+    elif setup.friction is not None:
         kind = RubbingModel
     return kind(made.mesh, made.cell_tags, made.facet_tags, setup)

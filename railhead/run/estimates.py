@@ -127,15 +127,15 @@ def resolved(level: Level) -> dict[str, float]:
 def rubbed(level: Level) -> dict[str, float]:
     """What follows of either direction of friction: the motion of a given force, else the force of
     what rolls, over mu N."""
-    found, scene = level.solution.rubbing, level.plan.scene
+    found, scene = level.solution.friction, level.plan.scene
     if found is None:
         return {}
     rolling, values = scene.rolling.given, {}
     for index, (asked, force) in enumerate(zip(scene.tangential[1:], found.force, strict=True)):
         if asked:
-            values[MOTION[rolling][index]] = found.motion[index]
+            values[MOTION[rolling][index]] = found.rigid_motion[index]
         elif rolling and force:
-            values[f"force_{('along', 'across')[index]}_N"] = force / found.limit
+            values[f"force_{('along', 'across')[index]}_N"] = force / found.friction_limit
     return values
 
 

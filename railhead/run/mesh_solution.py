@@ -196,14 +196,14 @@ def _read(
         frame = plan.contact.frame
         from railhead.postprocess import read
 
-        unlike = solution.rubbing is not None and friction.unlike(plan.scene)
-        parabolic = plan.contact.half_space and solution.yielding is None and not unlike
-        findings = read.findings(fields, frame, solution.rubbing, parabolic=parabolic)
+        unlike = solution.friction is not None and friction.unlike(plan.scene)
+        parabolic = plan.contact.half_space and solution.plasticity is None and not unlike
+        findings = read.findings(fields, frame, solution.friction, parabolic=parabolic)
         result = compare.from_findings(findings, solution.load, solution.approach)
-        if solution.rubbing is not None:
+        if solution.friction is not None:
             rolling = plan.scene.rolling
             result["friction"] = traction.quantities(
-                solution.rubbing, rolling=rolling.given, like=not friction.unlike(plan.scene),
+                solution.friction, rolling=rolling.given, like=not friction.unlike(plan.scene),
                 speed=rolling.speed, cycle=plan.scene.friction.cycle,
                 patches=np.array([each.centre for each in findings.patch.each] or [frame.origin]),
             )  # fmt: skip
@@ -217,21 +217,21 @@ def _read(
 
 def _plain(solution: Solution) -> Solution:
     """The same without yield and friction."""
-    return solution if solution.plain is None else _plain(solution.plain)
+    return solution if solution.reference is None else _plain(solution.reference)
 
 
 def _left(
     model: ContactModel, solution: Solution, fields: Fields | None, frame: Frame
 ) -> Left | None:
     """What the load leaves where something yields (rank 0; collective)."""
-    if solution.yielding is None:
+    if solution.plasticity is None:
         return None
     from railhead.postprocess.stress import plastic
     from railhead.solver.fields import gather
 
-    unloaded = solution.yielding.unloaded
+    unloaded = solution.plasticity.residual_state
     residual = None if unloaded is None else gather(model, unloaded)
-    return None if fields is None else plastic.left(solution.yielding, fields, residual, frame)
+    return None if fields is None else plastic.left(solution.plasticity, fields, residual, frame)
 
 
 def solve(

@@ -73,7 +73,7 @@ def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[L
     if known is not None and scene.budget is None and not known.covers(coarse):
         least, coarse = 1, known.finest(ALONE * _asked(plan))
     levels = [solve_level(plan.at_resolution(coarse), None, progress, comm)]
-    if levels[0].solution.yielding is not None:
+    if levels[0].solution.plasticity is not None:
         levels[0] = _stepped(levels[0], progress, comm)
     spent = sum(levels[0].seconds.values())
     while True:

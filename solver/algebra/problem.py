@@ -19,10 +19,10 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from railhead.solver.algebra.reactions import HeldRows
+from railhead.solver.algebra.reactions import SupportReactions
 from railhead.solver.algebra.stiffness import Stiffness
 from railhead.solver.interface.jumps import Interface
-from railhead.solver.interface.laws import Law
+from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.space.cells import Array
 from railhead.solver.space.constraints import Reduction, petsc_matrix
 from railhead.solver.space.operators import add_transposed, vector
@@ -40,7 +40,7 @@ class ContactProblem:
     (n,) MPa. `replace` with another law shares the matrices.
     """
 
-    law: Law
+    law: ContactLaw
     stiffness: Stiffness
     gap: PETSc.Mat
     stress: PETSc.Mat
@@ -55,7 +55,7 @@ class ContactProblem:
         self,
         interface: Interface,
         reduction: Reduction,
-        held: HeldRows,
+        held: SupportReactions,
         prescribed: PETSc.Vec,
         load: float,
         rigid_approach: float,
@@ -279,7 +279,7 @@ def reduce_problem(
     stiffness: PETSc.Mat,
     interface: Interface,
     reduction: Reduction,
-    law: Law,
+    law: ContactLaw,
     closing: Array,
 ) -> ContactProblem:
     """K, N and S in the free unknowns, without a load yet; K on all dofs is used up.

@@ -12,7 +12,7 @@ from railhead.solver.space.operators import chosen
 
 
 @dataclass(frozen=True)
-class HeldRows:
+class SupportReactions:
     """Rows of the unreduced K at the held nodes (fixed faces and hub): all that is needed of it
     once the free unknowns have their own. rows (k,): the local dofs they belong to."""
 
@@ -20,7 +20,7 @@ class HeldRows:
     matrix: PETSc.Mat
 
     @classmethod
-    def of(cls, stiffness: PETSc.Mat, nodes: NDArray[np.bool_], size: int = 3) -> HeldRows:
+    def of(cls, stiffness: PETSc.Mat, nodes: NDArray[np.bool_], size: int = 3) -> SupportReactions:
         """Keep the rows of the marked nodes (n,), `size` dofs each, of a symmetric matrix."""
         local = np.flatnonzero(np.repeat(nodes, size))
         return cls(local, chosen(stiffness, local))

@@ -48,7 +48,7 @@ Entry = TypeVar("Entry", bound=np.generic)
 
 
 @dataclass(frozen=True)
-class Condensed:
+class ContactCompliance:
     """The n points on facets that touch, of all ranks, on every rank.
 
     points (n, 3) mm in space, weights (n,) mm2, tangents (n, k, 3), tau (n,) MPa/mm; step d, mm (1
@@ -87,7 +87,7 @@ class Condensed:
         return np.asarray(self.traces.T @ share.ravel())
 
 
-class Condenser:
+class StaticCondensation:
     """Factorises the tangent of a pressed contact and condenses it. ValueError: it rolls, and a
     surface ends upstream of the patch."""
 
@@ -147,7 +147,7 @@ class Condenser:
         """Tangents at a point, k."""
         return int(self.tangents.shape[1])
 
-    def condense(self, solution: Solution) -> Condensed:
+    def condense(self, solution: Solution) -> ContactCompliance:
         """Around a solution without tractions."""
         model, problem = self.model, self.model.problem
         interface, reduce = model.interface, model.reduction.matrix
@@ -171,20 +171,22 @@ class Condenser:
         values = (self.x, weights, self.tangents, problem.tau[self.own])
         points, weights, along, tau = (self._all(each) for each in values)
         lift = model.setup.kinematics.lift
-        condensed = Condensed(
+        condensed = ContactCompliance(
             lift(points), weights,
             lift(along.reshape(-1, along.shape[2])).reshape(len(points), self.size, 3), tau,
             self.step, traces, answer, movement, closing, model.setup.parts,
             *self.state(solution),
         )  # fmt: skip
-        for axis, (u, y) in zip(model.rub.axes, self.far, strict=False):
+        for axis, (u, y) in zip(model.friction_settings.axes, self.far, strict=False):
             row = condensed.force(axis)
             for known, moved in ((answer, self.answer * u), (movement, self.change * u),
                                  (closing, pressure * y)):  # fmt: skip
                 known += np.outer(self._all(moved.array), row)
         return condensed
 
-    def around(self, contact: Condensed, solution: Solution, nodal: Array) -> Condensed:
+    def around(
+        self, contact: ContactCompliance, solution: Solution, nodal: Array
+    ) -> ContactCompliance:
         """Linear around a solution under tractions (m,) at the nodes."""
         touches, start, moved, pressure = self.state(solution)
         return replace(
@@ -227,7 +229,7 @@ class Condenser:
         self.pc.getFactorMatrix().matSolve(rhs, out)
         return out
 
-    def push(self, nodal: Array, contact: Condensed) -> PETSc.Vec:
+    def push(self, nodal: Array, contact: ContactCompliance) -> PETSc.Vec:
         """What tractions (m,) at the nodes do to the bodies: forces on all dofs, N."""
         weights = np.repeat(self.model.interface.weights[self.own], self.size)
         force = self.jump.createVecRight()

@@ -20,7 +20,7 @@ import scipy.linalg
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from railhead.solver.interface.condensation import Condensed
+from railhead.solver.interface.condensation import ContactCompliance
 from railhead.solver.space.cells import Array
 
 STEPS = 60  # of Newton's method
@@ -31,7 +31,7 @@ LEAST = 1e-300  # below it a vector has no direction
 
 
 @dataclass(frozen=True)
-class TangentialSolution:
+class TangentialState:
     """n points with k tangents. traction (n, k) MPa of the wheel on the rail; slip (n, k) of the
     wheel over the rail: mm since `settled`, or, rolling, of 1; sticks (n,) of those with pressure
     (n,) MPa; nodal (m,): tractions at the nodes; motion (j,): what the given modes of rigid slip
@@ -55,11 +55,11 @@ class TangentialSolution:
         return self.history[-1] <= TOLERANCE
 
 
-class Friction:
+class CoulombContact:
     """A condensed contact with a coefficient of friction. onto (m, n k): the nodes' shape functions
     times weights; mass (m, m): of the nodes."""
 
-    def __init__(self, contact: Condensed, coefficient: float) -> None:
+    def __init__(self, contact: ContactCompliance, coefficient: float) -> None:
         """ValueError: a coefficient that is not positive and finite."""
         if not 0 < coefficient < np.inf:
             raise ValueError(f"friction must be positive and finite, got {coefficient}")
@@ -81,8 +81,8 @@ class Friction:
         forces: Array,
         *,
         settled: Array | None = None,
-        start: TangentialSolution | None = None,
-    ) -> TangentialSolution:
+        start: TangentialState | None = None,
+    ) -> TangentialState:
         """slip (n, k): the rigid one that is known, of the wheel over the rail: mm, or, rolling,
         of 1. modes (j, n, k): further rigid slips, multiplied so that forces along (j, 3) axes in
         space are what is given, N: `forces` (j, 4) holds axes and forces. settled (n, k): of a
@@ -92,7 +92,7 @@ class Friction:
         if settled is not None:
             base -= contact.tau[:, None] * settled
         pull = contact.tau[:, None] * (contact.step * modes)
-        problem = Problem(
+        problem = CoulombEquations(
             self,
             base,
             np.hstack([contact.answer, pull.reshape(-1, n * k).T]).reshape(n, k, -1),
@@ -111,18 +111,18 @@ class Friction:
 
 
 @dataclass(frozen=True)
-class Problem:
+class CoulombEquations:
     """Unknowns x (m + j,): tractions at the nodes and motions. q = base + pull x, with pull
     (n, k, m + j); p = p0 + closing x; rows (j, m) of the tractions are the forces (j,), N."""
 
-    friction: Friction
+    friction: CoulombContact
     base: Array
     pull: Array
     closing: Array
     rows: Array
     forces: Array
 
-    def solve(self, begin: TangentialSolution | None, held: float) -> TangentialSolution:
+    def solve(self, begin: TangentialState | None, held: float) -> TangentialState:
         """Newton's method from all that sticks, or from the solution of a similar problem; held:
         stiffness that its tangent adds to the motions, N/mm."""
         contact, coefficient = self.friction.contact, self.friction.coefficient
@@ -167,7 +167,7 @@ class Problem:
         q, bound, size, _ = self._state(x)
         share = self._share(bound, size)
         slip = (1 - share)[:, None] * q / (contact.tau[:, None] * contact.step)
-        return TangentialSolution(
+        return TangentialState(
             share[:, None] * q, slip, active & (share >= 1),
             np.where(active, bound / coefficient, 0.0), x[:m], x[m:], slips, direction,
             tuple(history),

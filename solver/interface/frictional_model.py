@@ -9,10 +9,10 @@ import numpy as np
 from petsc4py import PETSc
 
 from railhead.solver.contact import ContactModel, LoadCase
-from railhead.solver.interface.condensation import Condenser
-from railhead.solver.interface.load_steps import Legs
+from railhead.solver.interface.condensation import StaticCondensation
+from railhead.solver.interface.load_steps import FrictionHistory
 from railhead.solver.material.yielding import State, YieldingModel
-from railhead.solver.setup import Rub
+from railhead.solver.setup import FrictionSettings
 from railhead.solver.solution import Solution
 from railhead.solver.space.cells import Array
 from railhead.solver.space.operators import vector
@@ -26,10 +26,10 @@ class RubbingModel(ContactModel):
     share: float = 1.0
 
     @property
-    def rub(self) -> Rub:
+    def friction_settings(self) -> FrictionSettings:
         """How they do."""
-        assert self.setup.rub is not None
-        return self.setup.rub
+        assert self.setup.friction is not None
+        return self.setup.friction
 
     def run(self, case: LoadCase) -> Solution:
         """Without friction, then with it, leg by leg."""
@@ -37,13 +37,13 @@ class RubbingModel(ContactModel):
         pressed = found = self.press(case)
         if not pressed.newton.converged:
             return pressed
-        legs = Legs(self, pressed, case)
-        for share, force in self.rub.legs:
+        legs = FrictionHistory(self, pressed, case)
+        for share, force in self.friction_settings.load_steps:
             found = legs.leg(found, share, force)
             if not found.newton.converged:
                 break
         load = found.load + legs.carried
-        return replace(found, load=load, plain=pressed, rubbing=legs.rubbing())
+        return replace(found, load=load, reference=pressed, friction=legs.friction_solution())
 
     def sheared(self, found: Solution, case: LoadCase) -> Solution:
         """Pressed under the tractions among the forces of a case, from a solution without or with
@@ -53,7 +53,7 @@ class RubbingModel(ContactModel):
     def settle(self) -> None:
         """A leg begins: what has yielded stays."""
 
-    def lost_shear(self, condenser: Condenser) -> Array:
+    def lost_shear(self, condenser: StaticCondensation) -> Array:
         """What yield takes of the shear stress t . sigma . n at the condenser's points (n, k), MPa,
         in the last state."""
         return np.zeros((len(condenser.own), condenser.size))
@@ -69,9 +69,12 @@ class RubbingModel(ContactModel):
     def far(self) -> list[PETSc.Vec]:
         """Displacement of the supported faces under 1 N along and across, on all dofs, mm; none of
         bodies that end there."""
-        if self.rub.far is None:
+        if self.friction_settings.far_field is None:
             return []
-        fields = [partial(self.rub.far, way) for way in range(self.setup.kinematics.dim - 1)]
+        fields = [
+            partial(self.friction_settings.far_field, way)
+            for way in range(self.setup.kinematics.dim - 1)
+        ]
         return [vector(self.reduction.matrix, self.following(field)) for field in fields]
 
 
@@ -90,7 +93,7 @@ class YieldingRubbingModel(RubbingModel, YieldingModel):
             return super().sheared(found, case)
         assert case.force is not None
         again = self.loading.sheared(case.force, self._before)
-        return replace(again, plain=found.plain, yielding=found.yielding)
+        return replace(again, reference=found.reference, plasticity=found.plasticity)
 
     def settle(self) -> None:
         """The history of the next leg."""
@@ -98,7 +101,7 @@ class YieldingRubbingModel(RubbingModel, YieldingModel):
             self.plastic.forget()
         self._before = self.plastic.state if self.loading is None else self.loading.state
 
-    def lost_shear(self, condenser: Condenser) -> Array:
+    def lost_shear(self, condenser: StaticCondensation) -> Array:
         """2 mu t . eps_p . n."""
         surface = self.plastic.state[1].plastic[condenser.own]
         strain = self.setup.kinematics.tensors(surface)

@@ -17,7 +17,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from railhead.solver.interface.laws import Law
+from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.material.elasticity import quadrature_degree
 from railhead.solver.space.cells import Array, Index
 from railhead.solver.space.facets import FacetSet
@@ -56,7 +56,7 @@ class Interface:
     gap: PETSc.Mat
     stress: PETSc.Mat
 
-    def stiffness_bound(self, law: Law) -> Array:
+    def stiffness_bound(self, law: ContactLaw) -> Array:
         """(n,) what the law's parameter is a multiple of, MPa/mm: for Nitsche's method the smallest
         stable one. A penalty is stable at any, and twice as much makes its pressure waver more."""
         return LAYERED * self.trace_bound if self.layered and law.sigma else self.trace_bound

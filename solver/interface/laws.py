@@ -18,7 +18,7 @@ STAGE = 10.0  # growth of the parameter from one stage of a stiff law to the nex
 
 
 @dataclass(frozen=True)
-class Law:
+class ContactLaw:
     """method 'nitsche' or 'penalty'; theta 1, 0, -1 (Nitsche; None: see `suited`); factor on the
     safe parameter. ValueError for others."""
 
@@ -49,7 +49,7 @@ class Law:
         """tau over the trace bound of a facet (`interface.trace_bound`)."""
         return self.gamma_factor * (1.0 if self.sigma else PENALTY_FACTOR)
 
-    def suited(self, young_modulus: float, lame: tuple[float, float]) -> Law:
+    def suited(self, young_modulus: float, lame: tuple[float, float]) -> ContactLaw:
         """The law with its theta and factor for a slave of this material.
 
         theta = 1 is coercive down to factor 1, theta = -1 at any factor: it is taken below 1 unless
@@ -64,7 +64,7 @@ class Law:
         return replace(self, theta=theta, gamma_factor=factor)
 
     @property
-    def stages(self) -> list[Law]:
+    def stages(self) -> list[ContactLaw]:
         """Softer laws to solve first, from near the default up to this one."""
         count = max(0, math.ceil(math.log(self.scale / STAGE, STAGE)))
         return [

@@ -9,10 +9,10 @@ import numpy as np
 
 from railhead.solver.algebra.problem import Mask
 from railhead.solver.contact import LoadCase
-from railhead.solver.interface.condensation import Condensed, Condenser
-from railhead.solver.interface.friction import LEAST, Friction, Sheared
-from railhead.solver.setup import Rub
-from railhead.solver.solution import Rubbing, Solution
+from railhead.solver.interface.condensation import ContactCompliance, StaticCondensation
+from railhead.solver.interface.friction import LEAST, CoulombContact, TangentialState
+from railhead.solver.setup import FrictionSettings
+from railhead.solver.solution import FrictionSolution, Solution
 from railhead.solver.space.cells import Array
 
 if TYPE_CHECKING:
@@ -24,21 +24,21 @@ PASSES = 30  # of tractions and pressure in turn
 MEMORY = 5  # of them that the next one draws on
 
 
-class Legs:
+class FrictionHistory:
     """From a contact pressed without friction, each leg from the end of the last: tractions on the
     contact linear around what was found, and bodies pressed under these tractions, in turn until
-    neither changes. sheared: of the last leg. ValueError: as `Condenser`."""
+    neither changes. sheared: of the last leg. ValueError: as `StaticCondensation`."""
 
-    sheared: Sheared
+    sheared: TangentialState
 
     def __init__(self, model: RubbingModel, pressed: Solution, case: LoadCase) -> None:
-        self.model, self.rub, self.case = model, model.rub, case
-        self.condenser = Condenser(model, pressed, rolling=self.rub.rolling)
+        self.model, self.rub, self.case = model, model.friction_settings, case
+        self.condenser = StaticCondensation(model, pressed, rolling=self.rub.rolling)
         self.contact = contact = self.condenser.condense(pressed)
         self.rigid = slips(self.rub, contact)
-        self.motion = np.array([*self.rub.known, 1.0])  # multiples of the modes of rigid slip
+        self.motion = np.array([*self.rub.creepage, 1.0])  # multiples of the modes of rigid slip
         self.known = np.tensordot(self.motion, self.rigid, axes=1)
-        self.modes = [index for index, _ in self.rub.free]
+        self.modes = [index for index, _ in self.rub.force_controlled]
         self.settled = None if self.rub.rolling else contact.moved
         self.nodal: Array = np.zeros(contact.answer.shape[1])
         self.ends: list[Array] = []
@@ -52,11 +52,13 @@ class Legs:
         self.model.settle()
         if share != self.share:
             found = self._loaded(found, share)
-        forces = [[*self.rub.axes[index], force * value] for index, value in self.rub.free]
-        start: Sheared | None = None
+        forces = [
+            [*self.rub.axes[index], force * value] for index, value in self.rub.force_controlled
+        ]
+        start: TangentialState | None = None
         changed, tried = np.inf, list[tuple[Array, Array]]()
         for _ in range(PASSES):
-            friction = Friction(self.contact, self.rub.coefficient)
+            friction = CoulombContact(self.contact, self.rub.coefficient)
             self.sheared = start = friction.solve(
                 self.known,
                 self.rigid[self.modes],
@@ -131,7 +133,7 @@ class Legs:
         rigid = np.tensordot(self.motion, self.rigid, axes=1)
         return np.asarray(contact.moved + given + rigid)
 
-    def _force(self, sheared: Sheared) -> Array:
+    def _force(self, sheared: TangentialState) -> Array:
         """Along and across (2,), N; mirror images cancel what a plane of symmetry turns."""
         total = self.contact.area @ self.contact.in_space(sheared.traction)
         for _, normal in self.model.setup.planes:
@@ -144,16 +146,18 @@ class Legs:
         direction = np.array(self.model.setup.direction)
         return float(self.contact.force(direction) @ self.nodal)
 
-    def rubbing(self) -> Rubbing:
+    def friction_solution(self) -> FrictionSolution:
         """After the last leg; of rolling also what the same contact has without creepage."""
-        found = self._rubbing(self.sheared, self.motion)
+        found = self._friction_solution(self.sheared, self.motion)
         if not self.rub.rolling:
             return found
-        friction = Friction(self.contact, self.rub.coefficient)
+        friction = CoulombContact(self.contact, self.rub.coefficient)
         still = friction.solve(np.zeros_like(self.known), self.rigid[:0], np.zeros((0, 4)))
-        return replace(found, still=self._rubbing(still, np.zeros_like(self.motion)))
+        return replace(
+            found, without_creepage=self._friction_solution(still, np.zeros_like(self.motion))
+        )
 
-    def _rubbing(self, found: Sheared, motion: Array) -> Rubbing:
+    def _friction_solution(self, found: TangentialState, motion: Array) -> FrictionSolution:
         contact, rub = self.contact, self.rub
         traction, area = contact.in_space(found.traction), contact.area
         arm = contact.points - np.array(rub.origin)
@@ -161,13 +165,23 @@ class Legs:
         force = self._force(found)
         along, across, spin = (float(value) for value in motion[:3])
         rigid = np.tensordot(motion, self.rigid, axes=1)
-        return Rubbing(
-            contact.points, area, found.pressure, traction, contact.in_space(found.slip),
-            found.sticks, (along, across, spin), (float(force[0]), float(force[1])),
-            0.0 if self.model.setup.planes else moment,
-            float(rub.coefficient * (area @ found.pressure)), np.array(self.ends), self.energy,
-            self.passes, contact.in_space(rigid), self.history,
-        )  # fmt: skip
+        return FrictionSolution(
+            points=contact.points,
+            weights=area,
+            pressure=found.pressure,
+            traction=traction,
+            slip=contact.in_space(found.slip),
+            sticks=found.sticks,
+            rigid_motion=(along, across, spin),
+            force=(float(force[0]), float(force[1])),
+            moment=0.0 if self.model.setup.planes else moment,
+            friction_limit=float(rub.coefficient * (area @ found.pressure)),
+            load_steps=np.array(self.ends),
+            dissipated_energy=self.energy,
+            coupling_iterations=self.passes,
+            rigid_slip=contact.in_space(rigid),
+            newton_history=self.history,
+        )
 
 
 def mixed(tried: list[tuple[Array, Array]]) -> Array:
@@ -180,6 +194,6 @@ def mixed(tried: list[tuple[Array, Array]]) -> Array:
     return np.asarray(results[-1] - shares @ np.diff(results, axis=0))
 
 
-def slips(rub: Rub, contact: Condensed) -> Array:
-    """Modes of rigid slip (4, n, k), see `Rub`."""
-    return np.einsum("mnc,nkc->mnk", rub.slip(contact.points), contact.tangents)
+def slips(rub: FrictionSettings, contact: ContactCompliance) -> Array:
+    """Modes of rigid slip (4, n, k), see `FrictionSettings`."""
+    return np.einsum("mnc,nkc->mnk", rub.rigid_slip(contact.points), contact.tangents)

@@ -17,7 +17,7 @@ MISSED, FACETED = 0.1, 0.02  # of the gap and of a facet, by which a normal may 
 
 
 @dataclass(frozen=True)
-class Opposite:
+class MasterSurface:
     """n nodes on f facets of the master at which normals of the slave end: facet_nodes (f, k), of
     each facet in `Fields.points`, corners first, basix order; nodes (n,) of all of them; gap (n,)
     mm between the deformed surfaces, along the slave's normal."""
@@ -33,9 +33,9 @@ def outer_nodes(facets: FacetSet) -> NDArray[np.int64]:
     return np.take_along_axis(facets.dofs, closure[facets.local_facet], axis=1)
 
 
-def opposite(
+def master_surface(
     slave: FacetSet, master: FacetSet, exact: Gap, points: Array, displacement: Array
-) -> Opposite:
+) -> MasterSurface:
     """g0 + n . (u_master - u_slave) at the points of the slave whose normals end at the master's
     nodes; these are found by following the normal that the slave has there, until it meets.
 
@@ -63,4 +63,4 @@ def opposite(
     moved = np.einsum("nc,nc->n", normals, displacement[nodes] - other)
     faces = faces[np.isin(faces, nodes).all(axis=1)]
     used = np.isin(nodes, faces)
-    return Opposite(faces, nodes[used], (gap + moved)[used])
+    return MasterSurface(faces, nodes[used], (gap + moved)[used])

@@ -15,7 +15,7 @@ from railhead.solver.contact import NEWTON_TOLERANCE, ContactModel, LoadCase
 from railhead.solver.material.hardening import ROOT, History, deviator
 from railhead.solver.material.plasticity import PlasticProblem, bulk_points, surface_points
 from railhead.solver.setup import Setup
-from railhead.solver.solution import Plastic, Solution, Yielding
+from railhead.solver.solution import PlasticSolution, PlasticStrain, Solution
 from railhead.solver.space.cells import Array
 
 UNLOADING = (0.95, 0.85, 0.4, 0.05)  # of the load, before the bodies part; the first steps follow
@@ -54,12 +54,12 @@ class YieldingModel(ContactModel):
 
     def __init__(self, mesh: object, cell_tags: object, facet_tags: object, setup: Setup) -> None:
         super().__init__(mesh, cell_tags, facet_tags, setup)
-        assert setup.path is not None
+        assert setup.load_path is not None
         materials = self.materials
         slave = materials[setup.slave].hardening
         shared = {each.name: getattr(self.problem, each.name) for each in fields(ContactProblem)}
         shared["force"] = self.problem.force.duplicate()
-        near, reduction, comm = setup.path.near, self.reduction, self.comm
+        near, reduction, comm = setup.load_path.near, self.reduction, self.comm
         self.plastic = PlasticProblem(
             **shared,
             bulk=bulk_points(self.bulk, cell_tags, materials, near, reduction, comm),
@@ -78,31 +78,36 @@ class YieldingModel(ContactModel):
         over = self.over_first_yield(elastic, case.load, case.approach)
         if not elastic.newton.converged or over <= 1:
             return elastic
-        assert self.setup.path is not None
+        assert self.setup.load_path is not None
         self.plastic.forget()
         self.loading = loading = Loading(self, case)
-        up = np.linspace(1 / over, 1.0, self.setup.path.steps + 1)[1:]
+        up = np.linspace(1 / over, 1.0, self.setup.load_path.steps + 1)[1:]
         loading.touching = self.within(elastic.indicator, up[0])
         result = loading.march(up)
         first = len(loading.steps)
-        for _ in range(self.setup.path.cycles - 1):
+        for _ in range(self.setup.load_path.cycles - 1):
             if result.converged and loading.march(UNLOADING).converged:
                 result = loading.march(up)
-        yielding = Yielding(over, tuple(loading.steps), first, None, {})
-        return replace(loading.found, plain=elastic, yielding=yielding)
+        yielding = PlasticSolution(
+            load_over_first_yield=over,
+            newton_results=tuple(loading.steps),
+            first_loading_steps=first,
+            indentation_depth={},
+        )
+        return replace(loading.found, reference=elastic, plasticity=yielding)
 
     def unloaded(self, solution: Solution) -> Solution:
         """With what is left once the load is taken away."""
-        yielding, path, loading = solution.yielding, self.setup.path, self.loading
+        yielding, path, loading = solution.plasticity, self.setup.load_path, self.loading
         assert path is not None
         if not (yielding and loading and path.unload and solution.newton.converged):
             return solution
         left = self._unload(loading)
         yielding = replace(
-            yielding, steps=tuple(loading.steps), unloaded=left,
-            indentation=self._indentation(left, solution.pressure),
+            yielding, newton_results=tuple(loading.steps), residual_state=left,
+            indentation_depth=self._indentation(left, solution.pressure),
         )  # fmt: skip
-        return replace(solution, yielding=yielding)
+        return replace(solution, plasticity=yielding)
 
     def _indentation(self, unloaded: Solution, pressure: Array) -> dict[int, float]:
         """Against the mean normal of the patch that was pressed."""
@@ -155,7 +160,7 @@ class YieldingModel(ContactModel):
             loading.march([0.0])
         return loading.found
 
-    def plastic_strain(self, history: History) -> Plastic:
+    def plastic_strain(self, history: History) -> PlasticStrain:
         """A history on all cells of this rank."""
         topology = self.bulk.space.mesh.topology
         count = topology.index_map(topology.dim).size_local
@@ -166,7 +171,7 @@ class YieldingModel(ContactModel):
         own = self.setup.kinematics.tensors(history.plastic)
         strain[cells] = own.reshape(len(cells), each, 3, 3)
         equivalent[cells] = history.equivalent.reshape(len(cells), each)
-        return Plastic(strain, equivalent)
+        return PlasticStrain(strain, equivalent)
 
     def _released(self, reference: float) -> Released:
         given = {
@@ -232,7 +237,7 @@ class Loading:
         found = model.found(problem, result, prescribed, approach, force)
         if result.converged:
             self.state = problem.state
-        self.found = replace(found, plastic=model.plastic_strain(self.state[0]))
+        self.found = replace(found, plastic_strain=model.plastic_strain(self.state[0]))
         if result.converged:
             self.share, self.y, self.touching = share, result.y, result.pressure > 0
         return result

@@ -16,8 +16,8 @@ from railhead.run import build
 from railhead.run.references import equal_ellipses, rolling_patches
 from railhead.scene import catalogue
 from railhead.solver.contact import LoadCase
-from railhead.solver.interface.condensation import Condenser
-from railhead.solver.interface.friction import Friction
+from railhead.solver.interface.condensation import StaticCondensation
+from railhead.solver.interface.friction import CoulombContact
 from railhead.solver.interface.frictional_model import RubbingModel
 from railhead.solver.interface.load_steps import slips
 from railhead.theory.elastic.hertz import Ellipse
@@ -104,16 +104,18 @@ def rolled(curve: Curve) -> tuple[list[Point], Cost]:
     touching = plan.forecast.touching(model.setup.kinematics.lift(model.interface.points))
     pressed = model.press(LoadCase(plan.scene.load or 0.0, 0.0, touching))
     clock.append(time.process_time())
-    contact = Condenser(model, pressed, rolling=True).condense(pressed)
+    contact = StaticCondensation(model, pressed, rolling=True).condense(pressed)
     clock.append(time.process_time())
-    problem, rigid = Friction(contact, COEFFICIENT), slips(model.rub, contact)
+    problem, rigid = CoulombContact(contact, COEFFICIENT), slips(model.friction_settings, contact)
     area, found, points = contact.area, None, []
     limit = COEFFICIENT * float(area @ np.maximum(contact.pressure, 0.0))
     for motion in curve.motions:
         given = motion.along, motion.across, motion.spin
         slip = np.tensordot(motion.motion, rigid, axes=1)
         found = problem.solve(slip, rigid[:0], np.zeros((0, 4)), start=found)
-        along, across = (float(contact.force(axis) @ found.nodal) for axis in model.rub.axes[:2])
+        along, across = (
+            float(contact.force(axis) @ found.nodal) for axis in model.friction_settings.axes[:2]
+        )
         forces = along / limit, 0.0 if plan.half_y else across / limit
         stick = float(area[found.sticks].sum() / area[contact.touches].sum())
         points.append(Point(curve.case, *given, "railhead", *forces, stick, len(found.history)))

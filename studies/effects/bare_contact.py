@@ -106,7 +106,7 @@ def _unplanned(scene: Scene) -> tuple[int, float]:
     from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, WHEEL
     from railhead.solver.contact import ContactModel
     from railhead.solver.material.elasticity import Material
-    from railhead.solver.setup import Setup, Side
+    from railhead.solver.setup import ContactBody, Setup
     from railhead.theory.elastic import hertz
 
     wheel, radius, load = scene.wheel, scene.wheel.rolling_radius, float(scene.load or 0.0)
@@ -124,8 +124,8 @@ def _unplanned(scene: Scene) -> tuple[int, float]:
     made = mesh.generate([body], grading, Options("tetrahedron", 1, False), MPI.COMM_WORLD)
     steel = Material(wheel.young_modulus, wheel.poisson_ratio)
     setup = Setup(
-        fixed=Side(RAIL, CONTACT + RAIL, SUPPORT + RAIL, Material(math.inf, 0.3)),
-        moving=Side(WHEEL, CONTACT + WHEEL, SUPPORT + WHEEL, steel),
+        fixed=ContactBody(RAIL, CONTACT + RAIL, SUPPORT + RAIL, Material(math.inf, 0.3)),
+        moving=ContactBody(WHEEL, CONTACT + WHEEL, SUPPORT + WHEEL, steel),
         slave=WHEEL,
         gap=ParabolicGap(1 / radius, 1 / radius, -1),
         degree=2,

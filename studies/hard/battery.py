@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from railhead.solver.interface.laws import Law
+from railhead.solver.interface.laws import ContactLaw
 from railhead.studies.hard import contacts, ranks
 from railhead.studies.hard.awkward import iterations, meshes, places, positions, stalled, thin
 from railhead.studies.hard.case import Case, Measured
@@ -77,8 +77,8 @@ def starts() -> Iterator[Case]:
             "start", name, "wrong active set or position; only contact holds the wheel", SAME,
             partial(contacts.start_from, start, distance), newton=15, quick=True,
         )  # fmt: skip
-    for name, law in (("theta 0", Law(theta=0)), ("theta -1", Law(theta=-1)),
-                      ("penalty", Law("penalty"))):  # fmt: skip
+    for name, law in (("theta 0", ContactLaw(theta=0)), ("theta -1", ContactLaw(theta=-1)),
+                      ("penalty", ContactLaw("penalty"))):  # fmt: skip
         yield Case(
             "start", f"random half touches, {name}", "wrong active set, other laws", SAME,
             partial(contacts.start_from, random(0.5), law=law), newton=30,

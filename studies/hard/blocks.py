@@ -17,7 +17,7 @@ from railhead.meshing.sizing import Grading
 from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, SYMMETRY_Y, WHEEL
 from railhead.solver.compat import cell_nodes
 from railhead.solver.material.elasticity import Material
-from railhead.solver.setup import Setup, Side
+from railhead.solver.setup import ContactBody, Setup
 
 STEEL = Material(207000.0, 0.3)
 GAP = ParabolicGap(1 / 2000, 1 / 1600, 1)  # 3 kN on steel touch over about 3 mm
@@ -55,9 +55,9 @@ def block(
     return Body(tag, section, length or size)
 
 
-def side(tag: int, material: Material) -> Side:
+def side(tag: int, material: Material) -> ContactBody:
     """One block."""
-    return Side(tag, CONTACT + tag, SUPPORT + tag, material)
+    return ContactBody(tag, CONTACT + tag, SUPPORT + tag, material)
 
 
 def two_blocks(
@@ -101,7 +101,7 @@ def two_blocks(
     return made, Setup(**{**usual, **changes})
 
 
-def squash(made: mesh.ContactMesh, body: Side, quality: float, count: int) -> int:
+def squash(made: mesh.ContactMesh, body: ContactBody, quality: float, count: int) -> int:
     """Move inner corners of tetrahedra on the contact face towards it until one of the cells
     around has a scaled Jacobian of `quality`; returns how many corners, at most `count`."""
     x, topology = made.mesh.geometry.x, made.mesh.topology

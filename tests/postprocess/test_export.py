@@ -13,7 +13,7 @@ import pyvista as pv
 from vtkmodules.vtkCommonCore import vtkDataArray
 
 from railhead.postprocess.vtu import export
-from railhead.solver.solution import Plastic, Rubbing
+from railhead.solver.solution import FrictionSolution, PlasticStrain
 from railhead.theory.elastic.subsurface import axis_stress
 
 UNITS_LABEL = vtkDataArray.UNITS_LABEL()
@@ -144,8 +144,8 @@ def test_cells_hold_the_mean_of_their_plastic_strains(blocks: Callable[..., Any]
     case = blocks("hexahedron", 1)
     count = len(case.fields.cells)
     strain = np.random.default_rng(0).random((count, 8, 3, 3))
-    plastic = Plastic(strain, strain[..., 0, 0])
-    fields = replace(case.fields, plastic=plastic)
+    plastic = PlasticStrain(strain, strain[..., 0, 0])
+    fields = replace(case.fields, plastic_strain=plastic)
     data = export.volume_grid(fields, case.stress).cell_data
     np.testing.assert_allclose(data["plastic_strain"][0].reshape(-1, 3, 3), strain.mean(axis=1))
     found = data["equivalent_plastic_strain"][0]
@@ -159,7 +159,7 @@ def test_traction_points_are_those_that_touch() -> None:
         pressure=np.array([1.0, 0.0, 2.0, 0.0]), points=vectors, traction=10 * vectors,
         slip=100 * vectors, sticks=np.array([True, True, False, False]),
     )  # fmt: skip
-    grid = export.traction_points(cast(Rubbing, found))
+    grid = export.traction_points(cast(FrictionSolution, found))
     assert grid.points[:, 0].tolist() == [0.0, 2.0]
     assert grid.point_data["traction"][:, 0].tolist() == [0.0, 20.0]
     assert grid.point_data["slip"][:, 0].tolist() == [0.0, 200.0]

@@ -19,9 +19,16 @@ def touching(case, displacement, pressure):
     top = fields.points[np.isclose(fields.points[:, 2], 0.0)]
     zeros, up = np.zeros(len(top)), np.tile([0.0, 0.0, 1.0], (len(top), 1))
     contact = ContactFields(
-        top, zeros + 1.0, pressure(*top[:, :2].T), zeros, zeros, up, zeros.astype(int), top[:, :2],
-        np.zeros((0, 3), dtype=int),
-    )  # fmt: skip
+        points=top,
+        weights=zeros + 1.0,
+        pressure=pressure(*top[:, :2].T),
+        indicator=zeros,
+        gap=zeros,
+        normals=up,
+        facet=zeros.astype(int),
+        xi=top[:, :2],
+        facet_nodes=np.zeros((0, 3), dtype=int),
+    )
     lame = np.tile(LAME, (len(fields.cells), 1))
     return replace(fields, displacement=displacement, lame=lame, contact=contact)
 

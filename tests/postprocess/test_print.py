@@ -19,7 +19,7 @@ from railhead.postprocess.views import fringes, render
 from railhead.postprocess.views.subject import Subject
 from railhead.postprocess.vtu import export
 from railhead.solver.fields import ContactFields
-from railhead.solver.interface.master_surface import Opposite
+from railhead.solver.interface.master_surface import MasterSurface
 
 TITLE = "a case of many words: 110.3 kN, wheel R 420 mm, tread cone20, on rail 54E1, half-spaces"
 
@@ -214,7 +214,7 @@ def test_the_surface_that_yields_is_drawn_whichever_it_is(
     pressed = replace(
         fields,
         contact=cast(ContactFields, SimpleNamespace(facet_nodes=nodes[1][None])),
-        opposite=cast(Opposite, SimpleNamespace(nodes=nodes[2])),
+        master_surface=cast(MasterSurface, SimpleNamespace(nodes=nodes[2])),
     )
     moved = np.full(fields.points.shape, 1e-15)
     moved[nodes[yields], 2] = 2e-3

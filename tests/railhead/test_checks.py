@@ -15,7 +15,7 @@ from railhead.run import estimates
 from railhead.run.mesh_solution import Level, solve_level
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
-from railhead.solver.solution import Yielding
+from railhead.solver.solution import PlasticSolution
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +68,13 @@ def test_solutions_out_of_bounds(level, change, names) -> None:
 )
 def test_a_residual_state_that_was_not_found_fails(level, reason, names) -> None:
     steps = (level.solution.newton, replace(level.solution.newton, reason=reason))
-    yielding = Yielding(2.0, steps, 1, level.solution, {})
+    yielding = PlasticSolution(
+        load_over_first_yield=2.0,
+        newton_results=steps,
+        first_loading_steps=1,
+        residual_state=level.solution,
+        indentation_depth={},
+    )
     assert failed(replace(level, solution=replace(level.solution, yielding=yielding))) == names
 
 

@@ -16,7 +16,7 @@ from railhead.results.report import tables
 from railhead.run.references import equal_ellipses, rolling_patches
 from railhead.run.references.rolling_elements import SEVERAL, Asked, opinion
 from railhead.run.references.rolling_patches import Patch
-from railhead.solver.solution import Rubbing
+from railhead.solver.solution import FrictionSolution
 from railhead.theory.friction import cattaneo, kalker
 from railhead.theory.friction.fastsim import fastsim
 from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction
@@ -24,24 +24,26 @@ from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction
 MU = 0.3
 
 
-def found(limit: float, motion: tuple = (0.0, 0.0, 0.0), force: tuple = (0.0, 0.0)) -> Rubbing:
+def found(
+    limit: float, motion: tuple = (0.0, 0.0, 0.0), force: tuple = (0.0, 0.0)
+) -> FrictionSolution:
     none = np.zeros((0, 3))
-    return Rubbing(
-        none,
-        none[:, 0],
-        none[:, 0],
-        none,
-        none,
-        none[:, 0] > 0,
-        motion,
-        force,
-        0.0,
-        limit,
-        none,
-        0.0,
-        1,
-        none,
-        (),
+    return FrictionSolution(
+        points=none,
+        weights=none[:, 0],
+        pressure=none[:, 0],
+        traction=none,
+        slip=none,
+        sticks=none[:, 0] > 0,
+        rigid_motion=motion,
+        force=force,
+        moment=0.0,
+        friction_limit=limit,
+        load_steps=none,
+        dissipated_energy=0.0,
+        coupling_iterations=1,
+        rigid_slip=none,
+        newton_history=(),
     )
 
 

@@ -16,8 +16,8 @@ from railhead.planning.references import boundary_elements, closed_forms
 from railhead.run.references import rolling_patches
 from railhead.run.references.rolling_elements import Asked, opinion
 from railhead.scene.scene import SceneError
-from railhead.solver.setup import Setup, Side
-from railhead.solver.solution import Rubbing
+from railhead.solver.setup import ContactBody, Setup
+from railhead.solver.solution import FrictionSolution
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.bem.patch import PatchSolution
 from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, TangentialSolution
@@ -179,10 +179,23 @@ def test_patches_and_a_flange_roll_as_half_spaces_do(shift: float, patches: int)
     moves = wheelset_kinematics.of(plan.contact).creepage
     limit = MU * sum(each.pressed.force for each in pressed)
     none = np.zeros((0, 3))
-    found = Rubbing(
-        none, none[:, 0], none[:, 0], none, none, none[:, 0] > 0, tuple(moves.motion[:3]),
-        (0.0, 0.0), 0.0, limit, none, 0.0, 1, 0.0, (),
-    )  # fmt: skip
+    found = FrictionSolution(
+        points=none,
+        weights=none[:, 0],
+        pressure=none[:, 0],
+        traction=none,
+        slip=none,
+        sticks=none[:, 0] > 0,
+        rigid_motion=tuple(moves.motion[:3]),
+        force=(0.0, 0.0),
+        moment=0.0,
+        friction_limit=limit,
+        load_steps=none,
+        dissipated_energy=0.0,
+        coupling_iterations=1,
+        rigid_slip=none,
+        newton_history=(),
+    )
     asked = Asked(found, MU, closed_forms.tangential_pair(plan.scene), True, False)
     answer = opinion(asked, lambda cells: pressed, (16, 32))
     for name in FORCES:
@@ -268,16 +281,20 @@ def test_what_the_wheelset_gives_is_not_given_twice(key: str, value: float) -> N
 
 def test_a_torque_gives_the_force_along_in_the_place_of_its_creepage() -> None:
     plan = planning.make(scene(4.0, 3e-3, rolling={"force_along": 2e3, "speed": 20}))
-    wheel = Side(2, 2, 2, plan.material(2))
-    rub = friction.apply(Setup(wheel, wheel, 2, plan.surfaces.gap(2), 2), plan).rub
+    wheel = ContactBody(2, 2, 2, plan.material(2))
+    rub = friction.apply(Setup(wheel, wheel, 2, plan.surfaces.gap(2), 2), plan).friction
     given = plan.summary()["wheelset"]
-    assert rub is not None and rub.free == ((0, 2000.0),)
-    assert list(rub.known) == [0.0, given["creepage_across"], given["spin_per_mm"]]
+    assert rub is not None and rub.force_controlled == ((0, 2000.0),)
+    assert list(rub.creepage) == [0.0, given["creepage_across"], given["spin_per_mm"]]
     assert given["creepage_across"] < 0 and given["spin_per_mm"] < 0
     both = friction.apply(
         Setup(wheel, wheel, 2, plan.surfaces.gap(2), 2), planning.make(scene(4.0))
     )
-    assert both.rub is not None and both.rub.free == () and both.rub.known[0] < 0
+    assert (
+        both.friction is not None
+        and both.friction.force_controlled == ()
+        and both.friction.creepage[0] < 0
+    )
 
 
 @pytest.mark.parametrize("case, what", [("hertz_ellipse", "half-spaces have no wheelset"),

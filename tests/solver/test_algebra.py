@@ -10,10 +10,10 @@ from petsc4py import PETSc
 
 from railhead.solver.algebra import linear, multigrid, newton
 from railhead.solver.contact import ContactModel
-from railhead.solver.interface.laws import Law
+from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.space import constraints
 
-LAWS = [Law("nitsche", 1), Law("nitsche", 0), Law("nitsche", -1), Law("penalty")]
+LAWS = [*(ContactLaw("nitsche", theta) for theta in (1, 0, -1)), ContactLaw("penalty")]
 IDS = ["theta=1", "theta=0", "theta=-1", "penalty"]
 
 
@@ -21,7 +21,7 @@ IDS = ["theta=1", "theta=0", "theta=-1", "penalty"]
 def models(two_blocks):
     made, setup = two_blocks()
 
-    def build(law: Law = LAWS[0], **changes: object) -> ContactModel:
+    def build(law: ContactLaw = LAWS[0], **changes: object) -> ContactModel:
         return ContactModel(
             made.mesh, made.cell_tags, made.facet_tags, replace(setup, law=law, **changes)
         )
@@ -128,7 +128,7 @@ def test_a_linear_solve_ends_where_it_is_enough(models) -> None:
 
 def test_a_linear_solve_reaches_what_any_must(models) -> None:
     """However little is enough: of a penalty a thousandth of its right-hand side."""
-    problem, _ = loaded(model := models(Law("penalty"), linear="multigrid"))
+    problem, _ = loaded(model := models(ContactLaw("penalty"), linear="multigrid"))
     active = np.linalg.norm(model.interface.points, axis=1) < 3.0
     rhs, out = problem.predictor(active), problem.force.duplicate()
     linear.solve(problem, model.preconditioner, active, rhs, out, 1e-7, lambda _: np.inf)
@@ -328,9 +328,9 @@ def test_a_set_up_is_given_back_before_the_next_one(models) -> None:
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (lambda setup: {"law": Law("nitche")}, "method 'nitche' is unknown"),
-        (lambda setup: {"law": Law(theta=2)}, "theta 2 is not allowed"),
-        (lambda setup: {"law": Law(gamma_factor=0.0)}, "gamma_factor 0.0 is not allowed"),
+        (lambda setup: {"law": ContactLaw("nitche")}, "method 'nitche' is unknown"),
+        (lambda setup: {"law": ContactLaw(theta=2)}, "theta 2 is not allowed"),
+        (lambda setup: {"law": ContactLaw(gamma_factor=0.0)}, "gamma_factor 0.0 is not allowed"),
         (lambda setup: {"linear": "foo"}, "linear 'foo' is unknown"),
         (lambda setup: {"slave": 7}, "slave 7 is no body that deforms"),
         (lambda setup: {"moving": replace(setup.moving, support=97)}, "no support facet carries"),

@@ -8,7 +8,7 @@ from railhead.planning import plan as planning
 from railhead.run import build
 from railhead.scene import catalogue
 from railhead.solver.contact import LoadCase
-from railhead.solver.interface.condensation import Condenser
+from railhead.solver.interface.condensation import StaticCondensation
 from railhead.solver.interface.frictional_model import RubbingModel
 
 
@@ -23,7 +23,7 @@ def test_movements_are_reciprocal(rigid: tuple[str, ...]) -> None:
     model.tangential = np.zeros(2)
     touching = plan.forecast.touching(model.setup.kinematics.lift(model.interface.points))
     pressed = model.press(LoadCase(plan.scene.load or 0.0, 0.0, touching))
-    contact = Condenser(model, pressed, rolling=False).condense(pressed)
+    contact = StaticCondensation(model, pressed, rolling=False).condense(pressed)
     weights = np.repeat(contact.weights, contact.tangents.shape[1])
     work = -contact.traces.T @ (weights[:, None] * contact.movement)
     np.testing.assert_allclose(work, work.T, rtol=0, atol=1e-12 * np.abs(work).max())

@@ -7,7 +7,7 @@ from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing.tags import CONTACT, RAIL, WHEEL
 from railhead.solver.contact import ContactModel
 from railhead.solver.interface import jumps
-from railhead.solver.interface.laws import Law
+from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.space.cells import tabulate
 from railhead.solver.space.facets import FacetSet, facet_closure, reference_facets
 from railhead.solver.space.pairing import pair
@@ -23,8 +23,8 @@ def test_only_nitsches_parameter_is_doubled_where_cells_lie_in_layers(model) -> 
     """A penalty needs no coercivity; doubled it put p_max of `uic54_thesis` off by 2.7 %."""
     found = model.interface
     times = 2 if surface(model, RAIL).cell == "hexahedron" else 1
-    assert found.stiffness_bound(Law("nitsche")) == pytest.approx(times * found.trace_bound)
-    assert found.stiffness_bound(Law("penalty")) == pytest.approx(found.trace_bound)
+    assert found.stiffness_bound(ContactLaw("nitsche")) == pytest.approx(times * found.trace_bound)
+    assert found.stiffness_bound(ContactLaw("penalty")) == pytest.approx(found.trace_bound)
 
 
 def surface(model: ContactModel, tag: int) -> FacetSet:

@@ -9,7 +9,7 @@ from mpi4py import MPI
 
 from railhead.solver.algebra import linear, newton
 from railhead.solver.contact import NEWTON_TOLERANCE, ContactModel
-from railhead.solver.interface.laws import Law
+from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.material.elasticity import Material
 
 
@@ -34,10 +34,10 @@ STEEL = (207000.0, Material(207000.0, 0.3).lame)
 @pytest.mark.parametrize(
     "law, theta, factor",
     [
-        (Law(), 1, 1.0),
-        (Law(gamma_factor=0.1), -1, 0.1),
-        (Law(theta=0, gamma_factor=0.1), 0, 0.1),
-        (Law(theta=1, gamma_factor=0.1), 1, 0.1),
+        (ContactLaw(), 1, 1.0),
+        (ContactLaw(gamma_factor=0.1), -1, 0.1),
+        (ContactLaw(theta=0, gamma_factor=0.1), 0, 0.1),
+        (ContactLaw(theta=1, gamma_factor=0.1), 1, 0.1),
     ],
 )
 def test_theta_follows_the_factor_unless_it_is_given(law, theta, factor) -> None:
@@ -49,7 +49,7 @@ def test_the_parameter_does_not_grow_with_lambda() -> None:
     scales = []
     for nu in (0.49, 0.4999, 0.499999):
         lam, mu = Material(1000.0, nu).lame
-        law = Law().suited(1000.0, (lam, mu))
+        law = ContactLaw().suited(1000.0, (lam, mu))
         assert law.theta == -1
         scales.append(law.scale * (lam + 2 * mu))
     np.testing.assert_allclose(scales, 3000.0)
@@ -89,16 +89,16 @@ def test_it_ends_with_the_residual_that_was_asked_for(model) -> None:
 
 
 def test_stages_lead_up_to_a_stiff_law() -> None:
-    assert [law.scale for law in Law(theta=1).stages] == [1.0]
-    stiff = Law(theta=1, gamma_factor=2e4).stages
+    assert [law.scale for law in ContactLaw(theta=1).stages] == [1.0]
+    stiff = ContactLaw(theta=1, gamma_factor=2e4).stages
     np.testing.assert_allclose([law.scale for law in stiff], [2.0, 20.0, 200.0, 2e3, 2e4])
-    assert stiff[-1] == Law(theta=1, gamma_factor=2e4)
+    assert stiff[-1] == ContactLaw(theta=1, gamma_factor=2e4)
 
 
 @pytest.mark.parametrize("factor", [1e-3, 0.1, 1e2, 1e4, 1e6])
 def test_nitsche_converges_at_any_factor(model, factor: float) -> None:
     reference = press(model()).approach
-    solution = press(model(law=Law(gamma_factor=factor)))
+    solution = press(model(law=ContactLaw(gamma_factor=factor)))
     assert solution.newton.converged
     assert solution.approach == pytest.approx(reference, rel=0.01)
 

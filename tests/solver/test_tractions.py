@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from railhead.solver.interface.condensation import Condensed
-from railhead.solver.interface.friction import Friction, Problem, Sheared
+from railhead.solver.interface.condensation import ContactCompliance
+from railhead.solver.interface.friction import CoulombContact, CoulombEquations, TangentialState
 
 N, M, MU = 12, 8, 0.3  # points, unknown tractions
 
 
-def contact(rng: np.random.Generator) -> Condensed:
+def contact(rng: np.random.Generator) -> ContactCompliance:
     """Points with two tangents whose slip and pressure answer to tractions at random."""
     none: Any = np.zeros((N, 2))
     along = np.broadcast_to(np.eye(3)[:2], (N, 2, 3))
-    return Condensed(
+    return ContactCompliance(
         np.zeros((N, 3)), np.full(N, 0.5), along, np.full(N, 40.0), 1.0,
         sp.csr_matrix(rng.random((2 * N, M))), rng.normal(size=(2 * N, M)), rng.random((2 * N, M)),
         rng.normal(size=(N, M)), 1, np.arange(N) % 4 > 0,
@@ -29,26 +29,37 @@ def test_motions_are_held_where_there_are_any(free: int, tries: int, monkeypatch
     """What does not converge is tried with held motions, but where none is free nothing is."""
     asked = []
 
-    def lost(problem: Problem, begin: Sheared | None, held: float) -> Sheared:
+    def lost(
+        problem: CoulombEquations, begin: TangentialState | None, held: float
+    ) -> TangentialState:
         asked.append(held)
         none = np.zeros((N, 2))
-        return Sheared(none, none, none[:, 0] > 0, none[:, 0], none, none, none[:, 0] > 0, none,
-                       (1.0,))  # fmt: skip
+        return TangentialState(
+            traction=none,
+            slip=none,
+            sticks=none[:, 0] > 0,
+            pressure=none[:, 0],
+            nodal=none,
+            motion=none,
+            slips=none[:, 0] > 0,
+            direction=none,
+            history=(1.0,),
+        )
 
-    monkeypatch.setattr(Problem, "solve", lost)
-    friction, modes = Friction(contact(np.random.default_rng(1)), MU), np.ones((free, N, 2))
+    monkeypatch.setattr(CoulombEquations, "solve", lost)
+    friction, modes = CoulombContact(contact(np.random.default_rng(1)), MU), np.ones((free, N, 2))
     friction.solve(np.zeros((N, 2)), modes, np.ones((free, 4)))
     assert len(asked) == tries and asked[0] == 0.0 and all(held > 0 for held in asked[1:])
 
 
-def pushed_apart(push: float) -> Condensed:
+def pushed_apart(push: float) -> ContactCompliance:
     """Twelve points in a row with one tangent, driven apart so that all may slip; the right half is
     pressed harder."""
     x = np.linspace(-1.0, 1.0, 12)
     n = len(x)
     none: Any = np.zeros((n, 1))
     along = np.broadcast_to(np.eye(3)[0], (n, 1, 3))
-    return Condensed(
+    return ContactCompliance(
         np.stack([x, 0 * x, 0 * x], axis=1), np.full(n, 0.1), along, np.full(n, 40.0), 1.0,
         sp.identity(n, format="csr"), -0.1 * np.eye(n), none, np.zeros((n, n)), 1,
         np.ones(n, dtype=bool), push * x[:, None], none, 100 + 7 * x,
@@ -60,7 +71,7 @@ def test_where_all_would_slip_the_force_decides_the_motion() -> None:
     choose how far they move."""
     axis, modes = np.array([[1.0, 0.0, 0.0, 0.0]]), np.ones((1, 12, 1))
     found = [
-        Friction(pushed_apart(push), MU).solve(np.zeros((12, 1)), modes, axis)
+        CoulombContact(pushed_apart(push), MU).solve(np.zeros((12, 1)), modes, axis)
         for push in (500.0, 500.0 * (1 + 1e-9))
     ]
     for each in found:
@@ -76,19 +87,19 @@ def test_a_force_beyond_friction_is_not_converged() -> None:
     limit = MU * float(contact.area @ contact.pressure)
     for share, reached in ((0.99, True), (1.01, False)):
         axis = np.array([[1.0, 0.0, 0.0, share * limit]])
-        found = Friction(contact, MU).solve(np.zeros((12, 1)), np.ones((1, 12, 1)), axis)
+        found = CoulombContact(contact, MU).solve(np.zeros((12, 1)), np.ones((1, 12, 1)), axis)
         assert found.converged == reached
 
 
 def test_the_tangent_is_the_derivative_of_the_residual() -> None:
     """Of points that stick, slip and do not touch, with a motion that follows from a force."""
     rng = np.random.default_rng(1)
-    friction = Friction(contact(rng), MU)
+    friction = CoulombContact(contact(rng), MU)
     pressed = friction.contact
     pull = np.hstack([pressed.answer, rng.normal(size=(2 * N, 1))]).reshape(N, 2, -1)
     closing = np.hstack([pressed.closing, np.zeros((N, 1))])
     rows = rng.normal(size=(1, M))
-    problem = Problem(friction, pressed.start, pull, closing, rows, np.array([3.0]))
+    problem = CoulombEquations(friction, pressed.start, pull, closing, rows, np.array([3.0]))
     x, way = rng.normal(size=M + 1), rng.normal(size=M + 1)
     slips = pressed.touches & (rng.random(N) < 0.5)
     assert 0 < slips.sum() < pressed.touches.sum()

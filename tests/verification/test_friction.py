@@ -84,7 +84,7 @@ def test_a_patch_that_is_shifted_there_and_back_is_mindlin_s() -> None:
     assert math.sqrt(answer["stick_share"]) == pytest.approx(exact.stick_ratio(force), abs=0.03)
     energy = exact.energy_per_cycle(force)
     assert answer["energy_per_cycle_Nmm"] == pytest.approx(energy, rel=0.05)
-    there, back, again = found.level.solution.rubbing.legs[:, 2]
+    there, back, again = found.level.solution.friction.load_steps[:, 2]
     assert -back == pytest.approx(there, rel=1e-3) and again == pytest.approx(there, rel=1e-3)
 
 
@@ -123,12 +123,13 @@ def yielding(**changes: object) -> rh.Scene:
 def test_a_shift_makes_bodies_yield_further() -> None:
     found = solved(yielding())
     assert found.level.solution.newton.converged, found.failed
-    rubbing, plain = found.level.solution.rubbing, found.level.solution.plain
-    assert plain.plain is not None and rubbing.passes > 4
+    rubbing, plain = found.level.solution.friction, found.level.solution.reference
+    assert plain.reference is not None and rubbing.coupling_iterations > 4
     assert rubbing.force[0] == pytest.approx(60e3, rel=1e-3)
     size = np.linalg.norm(rubbing.traction, axis=1)
     assert np.all(size <= MU * rubbing.pressure * (1 + 1e-9))
-    shear = found.level.solution.plastic.equivalent.max() / plain.plastic.equivalent.max()
+    strain = found.level.solution.plastic_strain.equivalent.max()
+    shear = strain / plain.plastic_strain.equivalent.max()
     assert shear > 1.05  # the shift adds to what the load has done
 
 
@@ -141,7 +142,7 @@ def test_unloaded_half_spaces_are_pulled_by_nothing() -> None:
     found = mesh_solution.solve(
         plan, model, Frame(plan.contact.origin, 0.0), lambda step, residual: None
     )
-    left = found.yielding.unloaded
+    left = found.plasticity.residual_state
     assert left is not None and left.newton.converged
     held = model.supports(model.bulk.space).fixed
     for state, least, most in ((found, 1e-4, 1.0), (left, 0.0, 0.0)):
@@ -187,16 +188,16 @@ def test_what_turns_about_the_tangents_acts_as_creepage_along_does() -> None:
     answers = []
     for known, share in ((5e-4, 0.0), (2e-4, 3e-4)):
         model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
-        rub = model.setup.rub
+        rub = model.setup.friction
 
         def slip(points: np.ndarray, rub=rub, share=share) -> np.ndarray:
-            modes = rub.slip(points)
+            modes = rub.rigid_slip(points)
             return np.array([*modes[:3], share * modes[0]])
 
-        rub = replace(rub, known=(known, 0.0, 0.0), slip=slip)
-        model.setup = replace(model.setup, rub=rub)
+        rub = replace(rub, creepage=(known, 0.0, 0.0), rigid_slip=slip)
+        model.setup = replace(model.setup, friction=rub)
         touching = plan.forecast.touching(model.setup.kinematics.lift(model.interface.points))
-        found = model.solve(load=110e3, active=touching).rubbing
+        found = model.solve(load=110e3, active=touching).friction
         answers.append(quantities(found, rolling=True, like=True, speed=None, cycle=False))
     one, other = answers
     for name in ("force_along_N", "t_gamma_N"):
@@ -273,7 +274,7 @@ def test_however_little_friction_there_is_a_shift_is_cattaneo_s(coefficient: flo
 def test_nothing_pushes_a_sphere_aside_that_is_pressed() -> None:
     """A meridian section has no motion along: tractions vanish on the axis and point inwards."""
     found = solved(rh.find("sphere_on_plane").replace(friction={"coefficient": MU}))
-    rubbing = found.level.solution.rubbing
+    rubbing = found.level.solution.friction
     assert found.passed, found.failed
     assert friction(found)["shift_along_mm"] == 0 and 0.65 < friction(found)["stick_share"] < 0.85
     radius, along = rubbing.points[:, 0], rubbing.traction[:, 0]
@@ -291,7 +292,7 @@ def test_tractions_on_a_curved_surface_carry_their_part_of_the_load() -> None:
     found = solved(scene.replace(friction={"coefficient": MU}))
     solution = found.level.solution
     assert found.passed, found.failed
-    push = -solution.rubbing.weights @ solution.rubbing.traction[:, 2]
+    push = -solution.friction.weights @ solution.friction.traction[:, 2]
     assert 200 < push < 300
     assert solution.load == pytest.approx(solution.reaction, rel=1e-9)
 

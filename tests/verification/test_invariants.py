@@ -9,14 +9,14 @@ from scipy.spatial.transform import Rotation
 from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing.tags import RAIL, WHEEL
 from railhead.solver import compat
-from railhead.solver.interface.laws import Law
+from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.material.elasticity import Material
 
-LAWS = [Law("nitsche", 1), Law("nitsche", -1), Law("penalty")]
+LAWS = [ContactLaw("nitsche", 1), ContactLaw("nitsche", -1), ContactLaw("penalty")]
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_force_balance_and_reaction(two_blocks, solve, law: Law) -> None:
+def test_force_balance_and_reaction(two_blocks, solve, law: ContactLaw) -> None:
     made, setup = two_blocks(law=law)
     _, solution = solve(made, setup, load=3000.0)
     assert solution.newton.converged

@@ -10,7 +10,7 @@ from railhead.meshing.tags import RAIL, WHEEL
 from railhead.postprocess.stress import gauss_points
 from railhead.solver.contact import ContactModel
 from railhead.solver.fields import gather
-from railhead.solver.interface.laws import Law
+from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.material.elasticity import Material, assemble
 
 SOFT = Material(1000.0, 0.0)
@@ -49,9 +49,9 @@ def test_bulk_constant_stress(two_blocks, cell: str, degree: int) -> None:
 
 
 @pytest.mark.parametrize("degree, tolerance", [(1, 0.03), (2, 0.01)])
-@pytest.mark.parametrize("law", [Law("nitsche", 1), Law("nitsche", 0), Law("nitsche", -1)])
+@pytest.mark.parametrize("law", [ContactLaw("nitsche", theta) for theta in (1, 0, -1)])
 def test_contact_patch_test_of_nitsche_on_non_matching_meshes(
-    two_blocks, solve, degree: int, tolerance: float, law: Law
+    two_blocks, solve, degree: int, tolerance: float, law: ContactLaw
 ) -> None:
     """Two blocks pressed flat together, approach 1 %: pressure E * approach / height everywhere.
 
@@ -73,7 +73,7 @@ def test_contact_patch_test_of_nitsche_on_non_matching_meshes(
 def test_contact_patch_test_of_penalty_is_off_by_its_own_compliance(two_blocks, solve) -> None:
     """Mean pressure 0.4 % low from the springs; locally it wavers by a third on P1."""
     made, setup = two_blocks(
-        materials=(SOFT, SOFT), degree=1, law=Law("penalty"), gap=FLAT, load_control=False
+        materials=(SOFT, SOFT), degree=1, law=ContactLaw("penalty"), gap=FLAT, load_control=False
     )
     model, solution = solve(made, setup, radius=1e9, approach=0.2)
     weights = model.interface.weights

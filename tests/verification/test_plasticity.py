@@ -127,10 +127,11 @@ def test_a_surface_that_bulges_everywhere_has_a_negative_depth(normal, depth) ->
 
 def test_cycles_press_the_spot_as_often_as_asked() -> None:
     """Four steps up, four down and one apart; in between four down and four up."""
-    counts = [
-        len(rh.solve(pressed(2.0, cycles=cycles), quiet=True).level.solution.yielding.steps)
+    found = [
+        rh.solve(pressed(2.0, cycles=cycles), quiet=True).level.solution.plasticity
         for cycles in (1, 3)
     ]
+    counts = [len(each.newton_results) for each in found]
     assert counts == [9, 25]
 
 
@@ -282,7 +283,7 @@ def solid() -> tuple[planning.Plan, YieldingModel, Solution]:
     model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
     frame = Frame(plan.contact.origin, plan.contact.touch.angle)
     solution = mesh_solution.solve(plan, model, frame, lambda step, residual: None)
-    assert isinstance(model, YieldingModel) and solution.yielding
+    assert isinstance(model, YieldingModel) and solution.plasticity
     return plan, model, solution
 
 
@@ -311,6 +312,6 @@ def test_the_tangent_is_the_derivative_of_the_residual(solid) -> None:
 
 def test_newton_takes_few_steps(solid) -> None:
     _, _, solution = solid
-    for result in solution.yielding.steps:
+    for result in solution.plasticity.newton_results:
         assert result.converged and len(result.history) <= 9  # the first one is the start
         assert max(step.linear_iterations for step in result.history) <= 35

@@ -18,9 +18,9 @@ from railhead.postprocess.stress import gauss_points
 from railhead.solver import compat
 from railhead.solver.contact import ContactModel
 from railhead.solver.fields import gather
-from railhead.solver.interface.laws import Law
+from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.material.elasticity import Material, assemble
-from railhead.solver.setup import Setup, Side
+from railhead.solver.setup import ContactBody, Setup
 from railhead.solver.space.kinematics import Kinematics
 
 XZ = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -28,8 +28,8 @@ PLANE, RING = Kinematics(XZ, thickness=5.0), Kinematics(XZ, revolved=True)
 SOFT = Material(1000.0, 0.0)
 
 
-def side(tag: int, material: Material) -> Side:
-    return Side(tag, CONTACT + tag, SUPPORT + tag, material)
+def side(tag: int, material: Material) -> ContactBody:
+    return ContactBody(tag, CONTACT + tag, SUPPORT + tag, material)
 
 
 def two_blocks(
@@ -134,8 +134,11 @@ def test_mean_dilatation_of_a_ring_is_that_of_its_volume() -> None:
 
 @pytest.mark.parametrize("kinematics", [PLANE, RING], ids=["plane strain", "revolved"])
 @pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
-@pytest.mark.parametrize("law", [Law(), Law("nitsche", 0), Law("nitsche", -1), Law("penalty")])
-def test_contact_patch_test_and_balance(kinematics: Kinematics, cell: str, law: Law) -> None:
+@pytest.mark.parametrize(
+    "law",
+    [ContactLaw(), ContactLaw("nitsche", 0), ContactLaw("nitsche", -1), ContactLaw("penalty")],
+)
+def test_contact_patch_test_and_balance(kinematics: Kinematics, cell: str, law: ContactLaw) -> None:
     """Blocks pressed flat together: the whole load arrives. Against a rigid rail the pressure is
     even; springs of unequal facets (penalty) make it waver by a sixth."""
     area = 81 * np.pi if kinematics.revolved else 2 * 9 * 5.0

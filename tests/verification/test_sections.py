@@ -17,7 +17,7 @@ from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from railhead.solver.contact import ContactModel
 from railhead.solver.material.elasticity import Material
-from railhead.solver.setup import Setup, Side
+from railhead.solver.setup import ContactBody, Setup
 from railhead.solver.space.kinematics import Kinematics
 from railhead.theory.elastic import line
 from railhead.theory.elastic.hertz import line_contact
@@ -150,8 +150,8 @@ def test_disc_free_to_slide_on_its_diametral_plane_gives_johnsons_approach() -> 
     across = Kinematics(np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), thickness=2.0)
     flat = plane.StraightTread(profiles.single_radius(math.inf, 99.0), 0.0)
     setup = Setup(
-        fixed=Side(RAIL, CONTACT + RAIL, 99, Material(young, poisson)),
-        moving=Side(WHEEL, CONTACT + WHEEL, SUPPORT + WHEEL, Material(math.inf, 0.3)),
+        fixed=ContactBody(RAIL, CONTACT + RAIL, 99, Material(young, poisson)),
+        moving=ContactBody(WHEEL, CONTACT + WHEEL, SUPPORT + WHEEL, Material(math.inf, 0.3)),
         slave=RAIL, gap=ExactGap(RailSurface(arc), flat), degree=2, kinematics=across,
         planes=((SYMMETRY_X, (0.0, 1.0, 0.0)), (SUPPORT + RAIL, (0.0, 0.0, 1.0))),
     )  # fmt: skip

@@ -16,7 +16,7 @@ from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, Tangent
 from railhead.theory.rolling.tangential import Pair
 
 if TYPE_CHECKING:
-    from railhead.solver.solution import Rubbing
+    from railhead.solver.solution import FrictionSolution
 
 Array = NDArray[np.float64]
 LIKE = 1e-9  # |K/G| that is rounding
@@ -30,7 +30,7 @@ class Asked:
     """What was found, and its coefficient, materials and kind; shifts: whether the shift is one of
     half-spaces (other bodies shift with all that holds them)."""
 
-    found: Rubbing
+    found: FrictionSolution
     friction: float
     pair: Pair
     rolling: bool
@@ -58,7 +58,7 @@ def opinion(
     ways = ("shift_along_mm", "shift_across_mm")
     size = float(np.linalg.norm([better.get(way, 0.0) for way in ways]))
     if asked.rolling:
-        ways, size = ("force_along_N", "force_across_N"), asked.found.limit
+        ways, size = ("force_along_N", "force_across_N"), asked.found.friction_limit
     changes = [abs(better[way] - found[way]) for way in ways if way in found]
     return {**better, "grid_error": max(changes, default=0.0) / (size or 1.0)}
 
@@ -76,12 +76,12 @@ def _on_grid(asked: Asked, patches: Sequence[Patch]) -> Opinion:
     if len(patches) > 1 and not asked.rolling:
         raise ValueError(SEVERAL)
     found, limit = asked.found, asked.friction * sum(each.pressed.force for each in patches)
-    scale = found.limit / limit  # the normal forces differ by what the finite bodies do
+    scale = found.friction_limit / limit  # the normal forces differ by what the finite bodies do
     along, across = (force / scale for force in found.force)
 
     def shear(body: HalfSpaceFriction) -> TangentialSolution:
         if asked.rolling:
-            return body.solve(Creepage(*found.motion))
+            return body.solve(Creepage(*found.rigid_motion))
         return solve_for_forces([body], Creepage(), along=along, across=across)[0]
 
     sheared = [

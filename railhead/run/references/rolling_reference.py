@@ -29,7 +29,7 @@ def opinions(level: Level, profiles: Solution | str | None) -> Opinions | None:
     """ "half_space_friction" of summary.json: by method, what it says of the motion (rolling) or of
     the forces (a shift) that were found, or the reason why it knows no answer. None without
     friction. profiles: of `second_opinion.solve`."""
-    found = level.solution.rubbing
+    found = level.solution.friction
     if found is None or level.findings is None:
         return None
     scene, contact = level.plan.scene, level.plan.contact
@@ -52,13 +52,13 @@ def _strip(asked: Asked, line: LineContact) -> Opinions:
         rubbed = opinion(asked, lambda cells: rolling_patches.strip(strip, cells), STRIP_CELLS)
         return {"boundary elements": {key: rubbed[key] for key in STRIP if key in rubbed}}
     if not asked.rolling:
-        share = float(np.hypot(*found.force) / found.limit)
+        share = float(np.hypot(*found.force) / found.friction_limit)
         return {"Cattaneo": {"stick_share": cattaneo.strip_stick_ratio(min(share, 1.0))}}
     if line.across:
         return {}
-    rolled = carter.from_creepage(strip, asked.friction, found.motion[0])
-    stick, force = rolled.stick_half_width / strip.b, rolled.share * found.limit
-    wear = force * found.motion[0]
+    rolled = carter.from_creepage(strip, asked.friction, found.rigid_motion[0])
+    stick, force = rolled.stick_half_width / strip.b, rolled.share * found.friction_limit
+    wear = force * found.rigid_motion[0]
     return {"Carter": {"force_along_N": force, "stick_share": stick, "t_gamma_N": wear}}
 
 
@@ -92,17 +92,17 @@ def _known(method: Callable[[], dict[str, Any]]) -> dict[str, Any]:
 
 def _fastsim(asked: Asked, patches: Sequence[Patch]) -> dict[str, Any]:
     found = asked.found
-    rolled = equal_ellipses.fastsim(patches, found.limit, asked.pair, found.motion)
+    rolled = equal_ellipses.fastsim(patches, found.friction_limit, asked.pair, found.rigid_motion)
     return {**named(rolled.forces, rolled.stick_share), "t_gamma_N": rolled.t_gamma}
 
 
 def _mindlin(asked: Asked, ellipse: Ellipse) -> dict[str, Any]:
     found, pair = asked.found, asked.pair
-    force = min(float(np.hypot(*found.force)), found.limit)
+    force = min(float(np.hypot(*found.force)), found.friction_limit)
     compliances = cattaneo.initial_compliance(
         ellipse.a, ellipse.b, pair.shear_modulus, pair.poisson
     )
-    ways = [cattaneo.CattaneoMindlin(found.limit, each) for each in compliances]
+    ways = [cattaneo.CattaneoMindlin(found.friction_limit, each) for each in compliances]
     out = {"stick_share": ways[0].stick_ratio(force) ** 2}
     if asked.shifts and force:
         for way, part, known in zip(("along", "across"), found.force, ways, strict=True):

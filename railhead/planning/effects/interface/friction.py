@@ -86,7 +86,7 @@ def decide(context: Context) -> Effect:
 
 def apply(setup: Setup, plan: Plan) -> Setup:
     """The coefficient and the wheel's motion."""
-    from railhead.solver.setup import Rub
+    from railhead.solver.setup import FrictionSettings
 
     scene, contact = plan.scene, plan.contact
     frame = contact.frame
@@ -104,13 +104,18 @@ def apply(setup: Setup, plan: Plan) -> Setup:
             free.append((index, float(getattr(given, f"force_{way}") or 0.0)))
     far = CerrutiFarField(plan) if contact.half_space and not contact.plane else None
     motion = known[0], known[1], known[2]
-    rub = Rub(
-        friction.coefficient, rolling.given, frame.axes, frame.origin,
-        wheelset_kinematics.rigid_slip(contact),
-        motion, tuple(free), legs(scene, line=contact.line, yields=plan.effects["plasticity"].on),
-        far,
-    )  # fmt: skip
-    return replace(setup, rub=rub)
+    settings = FrictionSettings(
+        coefficient=friction.coefficient,
+        rolling=rolling.given,
+        axes=frame.axes,
+        origin=frame.origin,
+        rigid_slip=wheelset_kinematics.rigid_slip(contact),
+        creepage=motion,
+        force_controlled=tuple(free),
+        load_steps=legs(scene, line=contact.line, yields=plan.effects["plasticity"].on),
+        far_field=far,
+    )
+    return replace(setup, friction=settings)
 
 
 def legs(scene: Scene, *, line: bool, yields: bool) -> tuple[tuple[float, float], ...]:

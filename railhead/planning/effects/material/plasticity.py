@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from railhead.planning.patch.forecast import Zone
     from railhead.planning.plan import Plan
     from railhead.solver.material.hardening import Hardening
-    from railhead.solver.setup import Setup, Side
+    from railhead.solver.setup import ContactBody, Setup
 
 STEPS = 4  # from first yield to the load: the centre pressure is within 1.5 % of many steps
 LINE_STEPS = 16  # the same of a line, where four leave the strain 20 % and more too large
@@ -72,18 +72,25 @@ def apply(setup: Setup, plan: Plan) -> Setup:
 
     scene = plan.scene
 
-    def yielding(side: Side) -> Side:
+    def yielding(side: ContactBody) -> ContactBody:
         part = scene.rail if BODIES[side.tag] == "rail" else scene.wheel
         if side.rigid or not part.yields:
             return side
         return replace(side, material=replace(side.material, hardening=hardening(part)))
 
     law = setup.law
-    if setup.rub is not None and law.theta is None:  # with 1 Newton's method may swing under shear
+    if (
+        setup.friction is not None and law.theta is None
+    ):  # with 1 Newton's method may swing under shear
         law = replace(law, theta=0)
-    path = LoadPath(plan.load_steps, scene.cycles, scene.unload, Near(plan.forecast.zones))
+    path = LoadPath(
+        steps=plan.load_steps,
+        cycles=scene.cycles,
+        unload=scene.unload,
+        near=Near(plan.forecast.zones),
+    )
     fixed, moving = yielding(setup.fixed), yielding(setup.moving)
-    return replace(setup, fixed=fixed, moving=moving, path=path, law=law)
+    return replace(setup, fixed=fixed, moving=moving, load_path=path, law=law)
 
 
 def check(context: Context, effect: Effect, found: Findings) -> After | None:
