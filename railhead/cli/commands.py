@@ -14,7 +14,6 @@ from pathlib import Path
 import click
 
 from railhead import __version__
-from railhead.results import pipeline
 from railhead.run import process
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError
@@ -136,6 +135,7 @@ def run(
         if count > 1:
             launch.restart(count, arguments)
 
+    from railhead.results import pipeline
     from railhead.results.report import tables, terminal
     from railhead.run import refinement
 

@@ -20,7 +20,7 @@ DEAF = f"""
 import sys
 from collections import deque
 from itertools import repeat
-from railhead import study
+from railhead.cli import study
 
 class Long:
     STUDY = "keeps the interpreter's lock, as PETSc does"

@@ -11,7 +11,7 @@ from railhead.run import process
 
 GIVEN_BACK = """
 import psutil
-from railhead import process
+from railhead.run import process
 
 process.prepare()
 taken = [bytearray(100_000) for _ in range(3000)]

@@ -15,7 +15,7 @@ import railhead
 import railhead as rh
 from railhead.theory.elastic.hertz import point_contact
 
-DOCS = Path(__file__).parents[2] / "docs"
+DOCS = Path(__file__).parents[1] / "docs"
 PAGE = DOCS / "api.md"
 
 

@@ -20,8 +20,8 @@ def loaded(code: str) -> set[str]:
 
 def command(*arguments: str) -> str:
     """Code that runs the command to its end."""
-    main = f"from railhead import cli; assert cli._status({list(arguments)}) == 0"
-    return f"from railhead import process; process.prepare(); {main}"
+    main = f"from railhead.cli import commands; assert commands._status({list(arguments)}) == 0"
+    return f"from railhead.run import process; process.prepare(); {main}"
 
 
 def test_the_package_and_the_list_import_nothing_heavy() -> None:
@@ -48,4 +48,4 @@ def test_a_plan_imports_no_solver(case, tmp_path, monkeypatch) -> None:
 
 
 def test_the_solver_is_imported_while_gmsh_works() -> None:
-    assert "dolfinx" not in loaded("from railhead import refine")
+    assert "dolfinx" not in loaded("from railhead.run import refinement")

@@ -41,9 +41,9 @@ def mark(file: str) -> None:
 
 def test_jobs_end_with_the_process_that_asked_for_them(tmp_path: Path) -> None:
     file = tmp_path / "pid"
-    script = "import sys; sys.path.insert(0, sys.argv[1])\nimport test_pool\n"
+    script = "import sys; sys.path.insert(0, sys.argv[1])\nimport test_worker_pool\n"
     script += "from railhead.sweeps.worker_pool import attempts\n"
-    script += "if __name__ == '__main__': list(attempts(test_pool.mark, [(sys.argv[2],)]))"
+    script += "if __name__ == '__main__': list(attempts(test_worker_pool.mark, [(sys.argv[2],)]))"
     (tmp_path / "ask.py").write_text(script)
     here = str(Path(__file__).parent)
     asking = subprocess.Popen([sys.executable, str(tmp_path / "ask.py"), here, str(file)])
