@@ -26,7 +26,12 @@ PEAK_SAMPLES = 8  # either side of the largest one
 
 @dataclass(frozen=True)
 class Frame:
-    """origin (3,) mm; angle of the tangent s to the horizontal, rad."""
+    """Axes of a contact: x along the rail, s along the common tangent across it, and the outward
+    normal of the rail.
+
+    origin (3,): contact point, mm.
+    angle: of the tangent s to the horizontal, rad.
+    """
 
     origin: tuple[float, float, float]
     angle: float
@@ -38,25 +43,32 @@ class Frame:
         return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
 
     def place(self, x: float, s: float, height: float = 0.0) -> Place:
-        """Global, mm."""
+        """Point in space (mm) from x, s and the height over the tangent plane (mm)."""
         px, py, pz = np.array(self.origin) + np.array([x, s, height]) @ self.axes
         return float(px), float(py), float(pz)
 
     def below(self, x: float, s: float, body: str, depth: float) -> Place:
-        """A point in the rail or the wheel, global, mm."""
+        """Point in space (mm) at a depth (mm) below the tangent plane, inside the 'rail' or the
+        'wheel'.
+        """
         return self.place(x, s, -depth if body == "rail" else depth)
 
     def local(self, points: Array) -> Array:
-        """(n, 3) global -> (x, s, height over the tangent plane), mm."""
+        """Coordinates (n, 3) x, s and height over the tangent plane, mm, of points in space (n, 3),
+        mm.
+        """
         return np.asarray((points - np.array(self.origin)) @ self.axes.T)
 
 
 @dataclass(frozen=True)
 class Surface:
-    """What was found on the modelled part of a contact surface.
+    """Fields on the modelled part of a contact surface.
 
-    points, displacement (n, 3) mm; local (n, 2): x, s; triangles (t, 3); pressure (n,) MPa (P1 on
-    the triangles, not negative); gap (n,) mm. Of a section: lines (t, 2) in the place of triangles.
+    points, displacement (n, 3): nodes and their displacement, mm.
+    local (n, 2): x and s of the nodes, mm.
+    triangles (t, 3): nodes of each triangle; of a section lines (t, 2).
+    pressure (n,): contact pressure at the nodes, linear between them, never negative, MPa.
+    gap (n,): distance to the other body, mm.
     """
 
     points: Array
@@ -69,10 +81,14 @@ class Surface:
 
 @dataclass(frozen=True)
 class OnePatch:
-    """One of several separate patches, in its own tangent plane.
+    """One of several separate contact patches, in its own tangent plane.
 
-    centre of pressure (3,) mm; angle: contact angle, rad; a, b: half lengths mm; area mm2;
-    max_pressure MPa; share of the whole force.
+    centre (3,): centre of pressure, mm.
+    angle: contact angle, rad.
+    a, b: half lengths along and across, mm.
+    area: mm2.
+    max_pressure: MPa.
+    share: part of the whole contact force, 0 to 1.
     """
 
     centre: tuple[float, float, float]
@@ -86,14 +102,17 @@ class OnePatch:
 
 @dataclass(frozen=True)
 class Patch:
-    """The whole contact patch (symmetric parts included).
+    """The contact patch, parts that symmetry left out included.
 
-    a, b: semi-axes along x and s from second moments, mm, where the pressure is Hertz's, else half
-    lengths of the outline, or half width and half length of a line contact; centre: (x, s) of the
-    pressure's centroid; area mm2; max_pressure, mean_pressure MPa; outlines: closed curves (k, 2)
-    of (x, s), one for each separate patch. Where there are several (each: one entry a patch), a, b
-    and centre are those of the most loaded one. scatter: relative differences of a, b, area and
-    max_pressure from other readings of the same solution; it says nothing of the mesh.
+    a, b: semi-axes along x and s from second moments where the pressure is Hertz's, else half
+        lengths of the outline; of a line contact half width and half length, mm.
+    centre: (x, s) of the pressure's centroid, mm.
+    area: mm2.
+    max_pressure, mean_pressure: MPa.
+    outlines: closed curves (k, 2) of (x, s), one a separate patch.
+    each: one entry a separate patch; then a, b and centre are those of the most loaded one.
+    scatter: relative differences of a, b, area and max_pressure from other readings of the same
+        solution. They say nothing of the mesh.
     """
 
     a: float
@@ -124,8 +143,13 @@ class Patch:
 
 @dataclass(frozen=True)
 class Peak:
-    """The largest of a stress: value MPa, depth below the contact surface mm, its place (mm) if
-    that is known; rivals: depths of other hills in the body whose tops are within RIVAL of it."""
+    """Largest value of a stress in a body.
+
+    value: MPa.
+    depth: below the contact surface, mm.
+    place: in space, mm; None where it is not known.
+    rivals: depths (mm) of other local maxima whose values are within RIVAL of it.
+    """
 
     value: float
     depth: float
@@ -147,8 +171,12 @@ class Largest:
 
 @dataclass(frozen=True)
 class DepthAxis:
-    """Stress below the contact in one body: depth (k,) mm, stress (k, 6) MPa; line: where the axis
-    starts (mm) and its direction, global."""
+    """Stress along the normal below the contact in one body.
+
+    depth (k,): mm.
+    stress (k, 6): MPa, in space.
+    line: start of the axis (mm) and its direction, in space.
+    """
 
     body: str
     depth: Array
@@ -199,7 +227,7 @@ class DepthAxis:
 
     @property
     def largest(self) -> Largest:
-        """On this axis."""
+        """Largest shear and von Mises stress on this axis."""
         return Largest(self._peak(max_shear(self.stress)), self._peak(von_mises(self.stress)))
 
     def _peak(self, values: Array) -> Peak:
@@ -212,8 +240,13 @@ class DepthAxis:
 
 @dataclass(frozen=True)
 class AxisPressure:
-    """Recovered pressure along x or s: coordinate (k,), pressure (k,); at: the other coordinate of
-    the line, mm: of the largest pressure of the (most loaded) patch, of an ellipse its centre."""
+    """Contact pressure along a line in x or s.
+
+    coordinate (k,): mm.
+    pressure (k,): MPa.
+    at: the other coordinate of the line, mm: that of the largest pressure of the most loaded patch,
+        of an ellipse its centre.
+    """
 
     coordinate: Array
     pressure: Array
@@ -222,18 +255,25 @@ class AxisPressure:
 
 @dataclass(frozen=True)
 class Findings:
-    """All of it. depth: by body name; along: pressure along x; across: along s.
+    """Everything that is read out of one solution.
 
-    largest: stresses by body name; also: axes below the other patches, in the order of
-    `Patch.each`, in the body of `axis`.
-
-    hertzian: whether the pressure is close enough to a semi-ellipsoid for the moments to give the
-    semi-axes; shape_error: relative L2 distance of the pressure from that semi-ellipsoid; notes:
-    what every picture has to say below it; subject: what it is of. The next three are those of
-    `postprocess.quality`: noise, relative; elements_across: along and across the most loaded patch;
-    edge_distance of the patch over its smaller half length. misfit: of the smooth stresses around
-    the largest ones from those of the elements, relative. opposite: as surface, of the other body,
-    None where that is rigid. dissipated: by friction per rolled length, N; NaN where nothing rolls.
+    frame: axes of the contact.
+    patch: the contact patch.
+    surface: fields on the contact surface that carries the pressure.
+    depth: stresses below the contact, by body name.
+    along, across: pressure along x and along s.
+    shape_error: relative L2 distance of the pressure from the nearest semi-ellipsoid.
+    hertzian: whether moments of the pressure give the semi-axes.
+    largest: largest stresses, by body name.
+    also: axes below the other patches, in the order of `Patch.each`, in the body of `axis`.
+    notes: remarks that every picture shows below it.
+    subject: what pictures are of, in words.
+    noise: relative L2 scatter of the computed pressure.
+    elements_across: elements along and across the most loaded patch.
+    edge_distance: of the patch from an edge of the body, over its smaller half length.
+    misfit: relative difference of smoothed and element stresses around the largest ones.
+    opposite: fields on the contact surface of the other body; None where it is rigid.
+    dissipated: energy by friction per rolled length, N; NaN where nothing rolls.
     """
 
     frame: Frame

@@ -185,12 +185,12 @@ def depth(
 
 
 def minus(text: str) -> str:
-    """With the sign that axes have."""
+    """A number's text with the minus sign that axes have."""
     return text.replace("-", "\N{MINUS SIGN}")
 
 
 def rounded(place: float, size: float) -> str:
-    """To three digits, or to 1e-3 of a size, mm."""
+    """A coordinate (mm) as text: three digits, or 1e-3 of a size (mm)."""
     return minus(f"{place if abs(place) > 1e-3 * size else 0.0:.3g}")
 
 
@@ -201,13 +201,13 @@ def _kind(ellipse: Hertz) -> str:
 
 
 def _centred(findings: Findings) -> bool:
-    """Whether the axis starts at the origin, below which Hertz's patch lies."""
+    """Whether the depth axis starts at the first contact, below which Hertz's patch lies."""
     (x, s), patch = findings.patch.centre, findings.patch
     return max(abs(x) / patch.a, abs(s) / patch.b) < CENTRED
 
 
 def _elsewhere(findings: Findings) -> str:
-    """The body's largest shear stress, if it is not on the axis."""
+    """Text: the body's largest shear stress, where it is not on the depth axis; else empty."""
     axis = findings.axis
     largest = findings.largest[axis.body].tau.value
     if largest < (1 + OFF_AXIS) * axis.peak(max_shear(axis.stress))[1]:
@@ -216,7 +216,7 @@ def _elsewhere(findings: Findings) -> str:
 
 
 def _below(findings: Findings) -> str:
-    """Where the axis starts."""
+    """Text: where the depth axis starts."""
     x, s = findings.patch.centre
     if findings.also:
         return ", below the most loaded patch"

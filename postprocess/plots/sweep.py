@@ -128,7 +128,7 @@ def _along(lines: Sequence[Array]) -> float:
 
 
 def _by_values(columns: Sequence[str], rows: Rows) -> list[str]:
-    """The column with the most values first."""
+    """Columns in the order of how many different values they have, most first."""
     return sorted(columns, key=lambda name: -len(_values(name, rows)))
 
 
@@ -142,7 +142,7 @@ def _numbers(column: str, rows: Rows) -> bool:
 
 
 def _places(column: str, own: Rows, rows: Rows) -> Array:
-    """Numbers where they are, words one after the other."""
+    """Positions on an axis: numbers where they are, words at 0, 1, 2 ..."""
     if _numbers(column, rows):
         return np.array([float(row[column]) for row in own])
     order = {value: float(place) for place, value in enumerate(_values(column, rows))}

@@ -86,7 +86,9 @@ def _map(axes: Axes, local: Array, traction: Array, sticks: NDArray[np.bool_]) -
 
 
 def thinned(local: Array, cell: float) -> NDArray[np.int64]:
-    """Of the points (n, 2) that which is nearest to the middle of each square of a grid, mm."""
+    """Indices of a subset of points (n, 2): the one nearest to the middle of each square of a grid
+    of cells (mm).
+    """
     square = np.floor(local / cell)
     off = np.hypot(*(local - (square + 0.5) * cell).T)
     order = np.argsort(off)

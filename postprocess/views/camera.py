@@ -30,9 +30,12 @@ def load_pyvista() -> Any:
 
 @dataclass(frozen=True)
 class Camera:
-    """Looks at `focal` (3,) mm from the direction `towards` (3,), z or `up` upwards.
+    """A parallel camera.
 
-    half_width, half_height: of what is seen, mm; pixels: of the longer side.
+    focal (3,): point in the middle of the image, mm.
+    towards (3,): direction from there to the eye; z, or `up`, points upwards.
+    half_width, half_height: of what is seen, mm.
+    pixels: of the longer side.
     """
 
     focal: Array
@@ -51,7 +54,7 @@ class Camera:
         return np.array([right, np.cross(eye, right), eye])
 
     def project(self, points: Array) -> Array:
-        """(n, 3) mm -> (n, 2) mm in the image, from its middle."""
+        """Position (n, 2) in the image, mm from its middle, of points (n, 3) in space, mm."""
         return np.asarray((points - self.focal) @ self.axes[:2].T)
 
     def shoot(self, meshes: list[tuple[Any, dict[str, Any]]]) -> NDArray[np.uint8]:
@@ -62,7 +65,7 @@ class Camera:
         return np.asarray(image)
 
     def plotter(self, meshes: list[tuple[Any, dict[str, Any]]]) -> Any:
-        """A pyvista plotter of them, to be closed."""
+        """A pyvista plotter of meshes, each with its options for `add_mesh`; the caller closes it."""
         half = np.array([self.half_width, self.half_height])
         size = np.round(half / half.max() * self.pixels).astype(int)
         pv = load_pyvista()

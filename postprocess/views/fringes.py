@@ -19,8 +19,13 @@ MAPS = ("YlGnBu_r", "YlOrRd")
 
 @dataclass(frozen=True)
 class Cut:
-    """One body: places (n, 2) in the cut, mm, triangles (t, 3), sigma_3 and the largest shear
-    stress (n,) each, MPa; rim: lines (k, 2, 2) of its outline."""
+    """One body in a cut.
+
+    places (n, 2): nodes in the cut, mm.
+    triangles (t, 3): nodes of each triangle.
+    sigma_3, shear (n,): least principal stress and largest shear stress, MPa.
+    rim (k, 2, 2): lines of the outline, mm.
+    """
 
     local: Array
     triangles: NDArray[np.int64]

@@ -132,7 +132,7 @@ def patch_on_rail(
 
 
 def camera_over(findings: Findings) -> Camera:
-    """Sees the whole patch obliquely from above."""
+    """A camera that sees the whole patch obliquely from above."""
     frame = findings.frame
     low, high = findings.patch.box
     reach = (high - low).max() * (SEVERAL if len(findings.patch.outlines) > 1 else 1.0)
@@ -142,7 +142,7 @@ def camera_over(findings: Findings) -> Camera:
 
 
 def bodies_of(grid: meshio.Mesh) -> dict[str, Any]:
-    """Grid of each body, by name."""
+    """The cells of each body as a pyvista grid, by body name."""
     volume = load_pyvista().from_meshio(grid)
     tags = np.unique(volume["body"])
     return {BODIES[int(tag)]: volume.extract_cells(volume["body"] == tag) for tag in tags}
@@ -165,7 +165,7 @@ def split(surface: Any, frame: Frame, patch: Patch) -> tuple[Any, Any]:
 
 
 def outer(part: Any) -> Any:
-    """Outer faces, with the straight edges of the cells."""
+    """Outer faces of a body as a pyvista surface, with the cells' straight edges."""
     return part.extract_surface(nonlinear_subdivision=0, algorithm="dataset_surface")
 
 
@@ -181,7 +181,7 @@ def mirrored(surface: Any, axes: list[int]) -> Any:
 
 
 def behind(part: Any, findings: Findings) -> Any:
-    """Skin of the half of a body at x below that of the contact."""
+    """Outer faces of the half of a body that lies at smaller x than the contact."""
     frame = findings.frame
     cut = cut_axes(frame.local(part.points))
     if 0 in cut:
@@ -213,7 +213,7 @@ def _section(part: Any, frame: Frame, offset: float) -> Any:
 
 
 def _rim(section: Any, frame: Frame) -> Array:
-    """Lines (k, 2, 2) around a section."""
+    """Outline of a section as lines (k, 2, 2) in s and height, mm."""
     rim = section.extract_feature_edges(
         boundary_edges=True, feature_edges=False, manifold_edges=False, non_manifold_edges=False
     )
@@ -257,7 +257,7 @@ def _dimensions(axes: Axes, camera: Camera, findings: Findings) -> None:
 
 
 def _around(points: Array, towards: Array) -> Camera:
-    """A camera from that direction which sees all the points."""
+    """A camera that looks from the direction `towards` and sees all points (n, 3)."""
     image = Camera(np.zeros(3), towards, 1.0, 1.0)
     flat = image.project(points)
     middle = (flat.min(0) + flat.max(0)) / 2 @ image.axes[:2]
@@ -265,7 +265,7 @@ def _around(points: Array, towards: Array) -> Camera:
 
 
 def _global(frame: Frame, local: ArrayLike) -> Array:
-    """(n, 3) points x, s, height in the contact frame -> global, mm."""
+    """Points (n, 3) in space, mm, from x, s and height in the contact frame (n, 3)."""
     return np.asarray(np.array(frame.origin) + np.asarray(local) @ frame.axes)
 
 

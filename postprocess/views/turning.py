@@ -37,8 +37,15 @@ PIXELS = 900
 
 @dataclass(frozen=True)
 class View:
-    """name; top: value (MPa) of the last of `colours` (hex), the first being 0; scene: for vtk.js's
-    OfflineLocalView, a zip; still: the same as PNG, for paper."""
+    """A scene that turns in a browser.
+
+    name: its title.
+    text: what is seen.
+    top: value (MPa) of the last colour; the first is 0.
+    colours: hexadecimal.
+    scene: zip for vtk.js's OfflineLocalView.
+    still: the same view as PNG, for paper.
+    """
 
     name: str
     text: str
@@ -137,7 +144,7 @@ def _swept_bodies(fields: Fields, findings: Findings, volume: meshio.Mesh) -> li
 
 
 def _along(fields: Fields, findings: Findings) -> Array:
-    """What a section is swept by, mm: away from the eye."""
+    """Vector (3,) by which a section is swept to a body, mm, away from the eye."""
     patch, axis = findings.patch, _axis(fields)
     length = min(fields.kinematics.thickness, LONGEST * (patch.a, patch.b)[axis])
     return np.asarray(length * (findings.frame.axes[1] if axis == 0 else -findings.frame.axes[0]))
@@ -195,7 +202,7 @@ def _view(
 
 
 def packed(plotter: Any) -> bytes:
-    """A rendered scene as vtk.js reads it."""
+    """A rendered pyvista scene as a zip that vtk.js reads."""
     from trame_vtk.modules.vtk.serializers import (
         SynchronizationContext,
         extract_array_hash,
@@ -224,7 +231,7 @@ def packed(plotter: Any) -> bytes:
 
 
 def viewer() -> str:
-    """The page of vtk.js that shows such a scene; it calls loadDataSet()."""
+    """The HTML page of vtk.js that shows such a zip; it calls loadDataSet()."""
     from trame_vtk.tools.vtksz2html import HTML_VIEWER_PATH
 
     return str(HTML_VIEWER_PATH.read_text(encoding="utf-8"))

@@ -85,8 +85,10 @@ def _plastic(fields: Fields) -> dict[str, list[Array]]:
 
 
 def series(files: Mapping[float, str], path: Path) -> None:
-    """A .pvd file that lets ParaView step through .vtu files, by time; their paths are seen from
-    its folder. OSError."""
+    """Write a .pvd file with which ParaView steps through .vtu files.
+
+    files: path by time; paths are relative to the file's folder. OSError: it cannot be written.
+    """
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
     collection = ElementTree.SubElement(root, "Collection")
     for time, file in sorted(files.items()):
@@ -122,7 +124,9 @@ def contact_grid(surfaces: Mapping[int, Surface]) -> meshio.Mesh:
 
 
 def _outwards(surface: Surface, tag: int) -> NDArray[np.int64]:
-    """Its triangles (t, 3), looking up from the rail and down from the wheel; lines as they are."""
+    """Triangles (t, 3) of a contact surface, wound so that they face out of the body with that tag;
+    lines unchanged.
+    """
     triangles = surface.triangles
     if triangles.shape[1] < 3:
         return triangles

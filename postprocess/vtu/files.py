@@ -38,7 +38,7 @@ def _grids(
     residual: Fields | None,
     rubbing: FrictionSolution | None,
 ) -> Iterator[tuple[str, meshio.Mesh]]:
-    """One after the other, by name."""
+    """Grids of all files of a result, each with its file name."""
     surfaces = {fields.slave: found.surface}
     if found.opposite is not None:
         surfaces[other(fields.slave)] = found.opposite

@@ -40,7 +40,7 @@ def cut_axes(local: Array) -> list[int]:
 
 
 def whole(surface: Surface) -> Surface:
-    """The contact surface with its mirror images; it is returned as it is if it was not cut."""
+    """A contact surface together with its mirror images; unchanged if symmetry left nothing out."""
     for axis in cut_axes(surface.local):
         flip = np.where(np.arange(3) == axis, -1.0, 1.0)
         points, local = surface.points * flip, surface.local * flip[:2]
