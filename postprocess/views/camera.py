@@ -65,7 +65,7 @@ class Camera:
         return np.asarray(image)
 
     def plotter(self, meshes: list[tuple[Any, dict[str, Any]]]) -> Any:
-        """A pyvista plotter of meshes, each with its options for `add_mesh`; the caller closes it."""
+        """A pyvista plotter of meshes with options for `add_mesh`; the caller closes it."""
         half = np.array([self.half_width, self.half_height])
         size = np.round(half / half.max() * self.pixels).astype(int)
         pv = load_pyvista()
