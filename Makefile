@@ -1,6 +1,6 @@
 .PHONY: run test test-all setup lint docs peers
 STUDIES = accuracy-cost error-bounds load-sweep scaling ranks thesis effects plasticity creep profiles hard-cases fuzz
-ROOMS = cases meshing postprocess solver studies theory
+ROOMS = cases meshing postprocess solver theory
 
 run: setup
 	.venv/bin/railhead run uic54_thesis
@@ -23,7 +23,7 @@ docs: setup
 	    cp results/$$study/*.png docs/ 2>/dev/null || true; \
 	done
 	cat results/scaling/page.md >> docs/accuracy-cost.md
-	.venv/bin/python -P tests/pages.py docs/tutorial.md docs/nitsche.md
+	PYTHONPATH=. .venv/bin/python -P tests/pages.py docs/tutorial.md docs/nitsche.md
 	.venv/bin/railhead run uic54_thesis
 	cp results/uic54_thesis/wheel_rail.png docs/uic54_thesis.png
 
@@ -39,5 +39,6 @@ lint: setup
 	.venv/bin/ruff format --check .
 	rm -rf .built && mkdir -p .built/railhead
 	ln -s $(CURDIR)/railhead/* $(addprefix $(CURDIR)/,$(ROOMS)) .built/railhead
-	MYPYPATH=.built .venv/bin/mypy -p railhead
+	ln -s $(CURDIR)/studies $(CURDIR)/tests/block_pairs.py .built
+	MYPYPATH=.built .venv/bin/mypy -p railhead -p studies
 	cd .built && ../.venv/bin/lint-imports --config ../pyproject.toml --no-cache && cd ..

@@ -41,7 +41,7 @@ def percent(value: float | None) -> str:
 def render(name: str, /, **values: Any) -> str:
     """The text of templates/<name>.md.j2 with the values in their places, all of them given."""
     pages = Environment(
-        loader=PackageLoader("railhead.studies"),
+        loader=PackageLoader("studies"),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

@@ -6,6 +6,7 @@ process.prepare()  # as the command does: one thread of BLAS, before numpy loads
 
 from collections.abc import Callable
 
+import block_pairs
 import numpy as np
 import pytest
 from hypothesis import settings
@@ -13,7 +14,6 @@ from hypothesis import settings
 from railhead.meshing import mesh
 from railhead.solver.contact import ContactModel
 from railhead.solver.setup import Setup
-from railhead.studies.hard import blocks
 
 settings.register_profile("default", max_examples=20)
 settings.register_profile("thorough", max_examples=200)
@@ -28,8 +28,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture(scope="session")
 def two_blocks() -> Callable[..., tuple[mesh.ContactMesh, Setup]]:
-    """Mesh and set-up of two quarter blocks, non-matching: see `studies.hard.blocks`."""
-    return blocks.two_blocks
+    """Mesh and set-up of two quarter blocks, non-matching: see `block_pairs`."""
+    return block_pairs.two_blocks
 
 
 @pytest.fixture(scope="session")

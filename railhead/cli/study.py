@@ -1,20 +1,21 @@
-"""Studies: entry points of the group railhead.studies, modules with a line STUDY and a function
-`main(out, *, quick)`.
+"""Studies of the checkout that this package runs from: the modules named in studies/__init__.py.
 
-A study writes a CSV, a picture and a page into a folder that appears complete or not at all. One
-that needs other programs has `install()` too, and KEEPS: names in its folder that a new run leaves.
+A study writes tables, pictures and a page into a folder that appears complete or not at all. The
+installed package has no studies.
 """
 
 from __future__ import annotations
 
 import difflib
-from importlib.metadata import entry_points
+import sys
+from importlib import import_module
 from pathlib import Path
 from typing import Protocol, cast
 
 from railhead.scene.scene import SceneError
 
 PAGE = "page.md"
+ROOT = Path(__file__).resolve().parents[2]  # of the checkout
 
 
 class Study(Protocol):
@@ -26,15 +27,23 @@ class Study(Protocol):
         """Compute, and write <name>.csv, pictures and page.md into `out`."""
 
 
+def modules() -> dict[str, str]:
+    """Module of each study by its name. SceneError: the package does not lie in a checkout."""
+    folders = [str(ROOT), str(ROOT / "tests")]  # set-ups that studies and tests share
+    if not (ROOT / "studies" / "__init__.py").is_file():
+        raise SceneError("study", "studies need a checkout of the repository; install it editable")
+    sys.path.extend(folder for folder in folders if folder not in sys.path)
+    return dict(import_module("studies").STUDIES)
+
+
 def names() -> list[str]:
-    """Of all studies."""
-    return sorted(entry_points(group="railhead.studies").names)
+    """Names of all studies, sorted."""
+    return sorted(modules())
 
 
 def load(name: str) -> Study:
-    """Import a study of `names`."""
-    (found,) = entry_points(group="railhead.studies", name=name)
-    return cast(Study, found.load())
+    """Import the study of a name."""
+    return cast(Study, import_module(modules()[name]))
 
 
 def canonical(name: str) -> str:

@@ -409,7 +409,7 @@ def _cell_table() -> dict[str, Any]:
 
 
 def unknowns_per_cell(kind: str, cell: str, order: int) -> float:
-    """Of a predicted cell in a 'solid' or 'section': measured by `studies.cells`."""
+    """Of a predicted cell in a 'solid' or 'section': measured by `studies.accuracy.cells`."""
     return float(_cell_table()[kind][cell][str(order)])
 
 

@@ -7,10 +7,10 @@ from functools import partial
 
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
-from railhead.studies.hard import contacts
-from railhead.studies.hard.case import KRYLOV, Case
-from railhead.studies.hard.maps import EITHER
-from railhead.studies.hard.scenes import (
+from studies.hard import contacts
+from studies.hard.case import KRYLOV, Case
+from studies.hard.maps import EITHER
+from studies.hard.scenes import (
     ELLIPSE,
     HEAD,
     LIMIT,

@@ -9,14 +9,14 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from railhead.solver.interface.laws import ContactLaw
-from railhead.studies.hard import contacts, ranks
-from railhead.studies.hard.awkward import iterations, meshes, places, positions, stalled, thin
-from railhead.studies.hard.case import Case, Measured
-from railhead.studies.hard.contacts import near, random
-from railhead.studies.hard.maps import LAWS, factor_cases, material_cases
-from railhead.studies.hard.random_cases import plan_cases, run_cases
-from railhead.studies.hard.rubbing import rubbing
-from railhead.studies.hard.scenes import (
+from studies.hard import contacts, ranks
+from studies.hard.awkward import iterations, meshes, places, positions, stalled, thin
+from studies.hard.case import Case, Measured
+from studies.hard.contacts import near, random
+from studies.hard.maps import LAWS, factor_cases, material_cases
+from studies.hard.random_cases import plan_cases, run_cases
+from studies.hard.rubbing import rubbing
+from studies.hard.scenes import (
     ELLIPSE,
     HEAD,
     against_finer,
@@ -24,8 +24,8 @@ from railhead.studies.hard.scenes import (
     against_hertz,
     outgrown,
 )
-from railhead.studies.hard.worn import worn
-from railhead.studies.hard.yielding import yielding
+from studies.hard.worn import worn
+from studies.hard.yielding import yielding
 
 BOUNDARY, HERTZ, FINER, SAME = "boundary elements", "exact Hertz", "own finer mesh", "invariance"
 

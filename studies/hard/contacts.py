@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
+import block_pairs
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,14 +15,14 @@ from railhead.meshing.mesh import ContactMesh
 from railhead.postprocess import read
 from railhead.postprocess.findings import Findings, Frame
 from railhead.results.checks import BALANCE, NOISE
+from railhead.solver.compat import cell_nodes
 from railhead.solver.contact import ContactModel
 from railhead.solver.fields import Fields, gather
 from railhead.solver.interface.jumps import Gap
 from railhead.solver.material.elasticity import Material
-from railhead.solver.setup import Setup
+from railhead.solver.setup import Setup, Side
 from railhead.solver.solution import Solution
-from railhead.studies.hard import blocks
-from railhead.studies.hard.case import Deviation, Measured
+from studies.hard.case import Deviation, Measured
 
 Array = NDArray[np.float64]
 Start = Callable[[ContactModel], NDArray[np.bool_]]
@@ -100,7 +101,7 @@ def differ(one: Solution, other: Solution, approach: float) -> float:
     return float(max(pressure, abs(one.approach - other.approach) / abs(approach)))
 
 
-def offset(distance: float, gap: Gap = blocks.GAP) -> Gap:
+def offset(distance: float, gap: Gap = block_pairs.GAP) -> Gap:
     """The same surfaces, further apart by `distance` mm."""
 
     def moved(points: Array) -> tuple[Array, Array]:
@@ -112,7 +113,7 @@ def offset(distance: float, gap: Gap = blocks.GAP) -> Gap:
 
 def start_from(start: Start, distance: float = 0.0, **changes: Any) -> Measured:
     """From a bad start, the bodies `distance` mm apart: the answer must be that of a good start."""
-    made, setup = blocks.two_blocks(**changes)
+    made, setup = block_pairs.two_blocks(**changes)
     good = solve(made, setup, near())
     bad = solve(made, replace(setup, gap=offset(distance, setup.gap)), start)
     shifted = replace(bad.solution, approach=bad.solution.approach - distance)
@@ -125,7 +126,7 @@ def transformed(matrix: Array, length: float = 1.0, stress: float = 1.0) -> Meas
 
     length, stress: numbers in the new units over those in mm and MPa.
     """
-    made, setup = blocks.two_blocks()
+    made, setup = block_pairs.two_blocks()
     good = solve(made, setup, near())
     gap = setup.gap
 
@@ -133,13 +134,13 @@ def transformed(matrix: Array, length: float = 1.0, stress: float = 1.0) -> Meas
         gaps, normals = gap(np.asarray(points @ matrix / length))
         return gaps * length, normals @ matrix.T
 
-    moved, other = blocks.two_blocks()
+    moved, other = block_pairs.two_blocks()
     moved.mesh.geometry.x[:] = length * moved.mesh.geometry.x @ matrix.T
-    steel = Material(blocks.STEEL.young_modulus * stress, blocks.STEEL.poisson_ratio)
+    steel = Material(block_pairs.STEEL.young_modulus * stress, block_pairs.STEEL.poisson_ratio)
     other = replace(
         other,
-        fixed=blocks.side(other.fixed.tag, steel),
-        moving=blocks.side(other.moving.tag, steel),
+        fixed=block_pairs.side(other.fixed.tag, steel),
+        moving=block_pairs.side(other.moving.tag, steel),
         gap=turned,
         direction=tuple(matrix @ np.array(other.direction)),
         planes=tuple((tag, tuple(matrix @ np.array(normal))) for tag, normal in other.planes),
@@ -159,7 +160,7 @@ def transformed(matrix: Array, length: float = 1.0, stress: float = 1.0) -> Meas
 def path(loads: list[float]) -> Measured:
     """Loads up and down on one mesh, each from the last one's active set; the last load solved
     afresh is the reference."""
-    made, setup = blocks.two_blocks()
+    made, setup = block_pairs.two_blocks()
     stepping = solve(made, setup, near(), loads[0])
     steps = [stepping]
     for load in loads[1:]:
@@ -180,8 +181,8 @@ def against_matched(
 ) -> Measured:
     """Meshes of sizes h and ratio * h: approach and largest pressure of a matched mesh of size
     `fine` (mm) are the reference."""
-    found = solve(*blocks.two_blocks(h=h, ratio=ratio, **changes), near())
-    reference = solve(*blocks.two_blocks(h=fine), near())
+    found = solve(*block_pairs.two_blocks(h=h, ratio=ratio, **changes), near())
+    reference = solve(*block_pairs.two_blocks(h=fine), near())
     findings, exact = found.findings(), reference.findings()
     return found.measured(
         max(
@@ -195,9 +196,9 @@ def against_matched(
 def slivers(quality: float, count: int, limit: float) -> Measured:
     """`count` cells at the contact face squashed to a scaled Jacobian: the regular mesh is the
     reference for approach and largest pressure."""
-    made, setup = blocks.two_blocks(h=1.0)
+    made, setup = block_pairs.two_blocks(h=1.0)
     good = solve(made, setup, near())
-    squashed = blocks.squash(made, setup.fixed, quality, count)
+    squashed = squash(made, setup.fixed, quality, count)
     found = solve(made, setup, near())
     findings = found.findings()
     deviation = max(
@@ -208,6 +209,46 @@ def slivers(quality: float, count: int, limit: float) -> Measured:
     if squashed < count:
         measured = replace(measured, deviations={})
     return replace(measured, remark=f"{squashed} cells squashed")
+
+
+def squash(made: ContactMesh, body: Side, quality: float, count: int) -> int:
+    """Move inner corners of tetrahedra on the contact face towards it until one of the cells
+    around has a scaled Jacobian of `quality`; returns how many corners, at most `count`."""
+    x, topology = made.mesh.geometry.x, made.mesh.topology
+    for pair in ((2, 3), (3, 0)):
+        topology.create_connectivity(*pair)
+    nodes = cell_nodes(made.mesh)
+    cells = [
+        topology.connectivity(2, 3).links(facet)[0] for facet in made.facet_tags.find(body.contact)
+    ]
+    outer = {node for cell in cells for node in nodes[cell] if abs(x[node, 2]) < 1e-9}
+    squashed = 0
+    for cell in sorted(cells, key=lambda c: float(np.linalg.norm(x[nodes[c]].mean(axis=0)))):
+        inner = [node for node in nodes[cell] if node not in outer and (x[node, :2] > 1e-9).all()]
+        if len(inner) != 1 or squashed == count:
+            continue
+        apex, start = inner[0], x[inner[0]].copy()
+        around = nodes[(nodes == apex).any(axis=1)]
+        foot = x[[node for node in nodes[cell] if node != apex]].mean(axis=0)
+        sign = np.sign(scaled_jacobian(x[around]))
+        for height in np.geomspace(1.0, 1e-3, 400):
+            x[apex] = foot + height * (start - foot)
+            worst = float((sign * scaled_jacobian(x[around])).min())
+            if worst < 1.05 * quality:
+                break
+        if worst > 0.5 * quality:
+            squashed += 1
+        else:
+            x[apex] = start
+    return squashed
+
+
+def scaled_jacobian(corners: Array) -> Array:
+    """(n, 4, 3) -> (n,) scaled Jacobian of tetrahedra, 1 or -1 for the regular one: sqrt(2) 6 V
+    over the largest product of the three edges at a corner."""
+    edges = corners[:, [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]]] - corners[:, :, None]
+    product = np.linalg.norm(edges, axis=3).prod(axis=2).max(axis=1)
+    return np.asarray(np.sqrt(2) * np.linalg.det(edges[:, 0]) / product)
 
 
 def two_patches(height: float, h: float, fine: float, limit: float) -> Measured:
@@ -226,7 +267,7 @@ def two_patches(height: float, h: float, fine: float, limit: float) -> Measured:
         return float(force[interface.points[:, 1] < 0].sum() / force.sum())
 
     one, two = (
-        solve(*blocks.two_blocks(20.0, size, fine=(0.2, 0.45), half=False, gap=gap), near(9.0))
+        solve(*block_pairs.two_blocks(20.0, size, fine=(0.2, 0.45), half=False, gap=gap), near(9.0))
         for size in (h, fine)
     )
     deviation = max(
@@ -246,7 +287,7 @@ def line_contact(
     section 4.2 (c)).
     """
     soft = Material(207000.0, 0.0)
-    made, setup = blocks.two_blocks(
+    made, setup = block_pairs.two_blocks(
         size=20.0 * max(half_widths),
         length=2.0 * h,
         h=h,

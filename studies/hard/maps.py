@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from railhead.studies.hard.case import Case
-from railhead.studies.hard.scenes import ELLIPSE, against_hertz
+from studies.hard.case import Case
+from studies.hard.scenes import ELLIPSE, against_hertz
 
 LAWS = {
     "default": (),

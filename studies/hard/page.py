@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from railhead.studies.hard.case import Outcome
-from railhead.studies.hard.failure_map import Cell, Map
-from railhead.studies.hard.maps import FACTOR_MAP, FACTORS, LAWS, MATERIAL_MAP, POISSON, STIFFNESS
-from railhead.studies.tables import percent, render
+from studies.hard.case import Outcome
+from studies.hard.failure_map import Cell, Map
+from studies.hard.maps import FACTOR_MAP, FACTORS, LAWS, MATERIAL_MAP, POISSON, STIFFNESS
+from studies.tables import percent, render
 
 
 def _cell(outcome: Outcome | None) -> Cell:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from railhead.scene.scene import Scene
-from railhead.studies.hard.case import Case, Deviation, Measured
-from railhead.studies.hard.random_scenes import Seeded, plans, runnable, scene
-from railhead.studies.hard.scenes import Solve, against_half_space, against_hertz
+from studies.hard.case import Case, Deviation, Measured
+from studies.hard.random_scenes import Seeded, plans, runnable, scene
+from studies.hard.scenes import Solve, against_half_space, against_hertz
 
 PLANS, RUNS, SEED = 500, 60, 54
 

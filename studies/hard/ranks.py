@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from railhead.cli import launch
-from railhead.studies.hard.case import Deviation, Measured
-from railhead.studies.hard.scenes import HALF_SPACE, off, quantities
+from studies.hard.case import Deviation, Measured
+from studies.hard.scenes import HALF_SPACE, off, quantities
 
 SAME = 1e-6  # what solutions to 1e-8 of the force may differ by
 TRACES = ("OMPI_", "PMIX_", "ORTE_", "OPAL_")

@@ -13,10 +13,10 @@ from typing import Any
 from railhead.results import pipeline
 from railhead.results.result import Result
 from railhead.scene.scene import Rail, Scene, Wheel
-from railhead.studies.hard.case import Case, Deviation, Measured
-from railhead.studies.hard.scenes import ELLIPSE, measure, refusals
 from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction import carter, cattaneo
+from studies.hard.case import Case, Deviation, Measured
+from studies.hard.scenes import ELLIPSE, measure, refusals
 
 MU, LOAD, WIDTH = 0.3, 1e5, 100.0
 FORCE, STICK = 0.012, 0.03

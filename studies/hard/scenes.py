@@ -28,8 +28,8 @@ from railhead.run.references.allowance import allowance
 from railhead.run.references.half_space_reference import CELLS, motion
 from railhead.run.refinement import Ending
 from railhead.scene.scene import Scene, SceneError
-from railhead.studies.hard.case import Deviation, Measured
 from railhead.theory.elastic.hertz import Ellipse
+from studies.hard.case import Deviation, Measured
 
 Summary = Mapping[str, Any]
 Solve = Callable[[], Measured]

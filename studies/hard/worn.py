@@ -13,8 +13,8 @@ import numpy as np
 from railhead.geometry import profiles
 from railhead.results import pipeline
 from railhead.scene.scene import Scene
-from railhead.studies.hard.case import Case, Measured
-from railhead.studies.hard.scenes import (
+from studies.hard.case import Case, Measured
+from studies.hard.scenes import (
     Solve,
     against_boundary_elements,
     half_space,

@@ -22,9 +22,9 @@ from railhead.run.mesh_solution import solve_level
 from railhead.run.progress import Progress
 from railhead.run.refinement import Ending
 from railhead.scene.scene import Rail, Scene, Wheel
-from railhead.studies.hard.case import Case, Deviation, Measured
-from railhead.studies.hard.scenes import measure, off, refusals
 from railhead.theory.elastic import indentation
+from studies.hard.case import Case, Deviation, Measured
+from studies.hard.scenes import measure, off, refusals
 
 YIELD, RADIUS, YOUNG, POISSON = 480.0, 100.0, 207e3, 0.3
 STEEL = {"yield_stress": YIELD}

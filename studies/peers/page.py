@@ -9,10 +9,10 @@ from importlib.metadata import version
 from statistics import median
 from typing import Any
 
-from railhead.studies import tables
-from railhead.studies.peers import running
-from railhead.studies.peers.peer import Peer
-from railhead.studies.peers.reading import Run
+from studies import tables
+from studies.peers import running
+from studies.peers.peer import Peer
+from studies.peers.reading import Run
 
 OURS = "railhead"
 TRAVEL = 0.04126  # mm of the far ends towards each other: close to 25 kN on these blocks

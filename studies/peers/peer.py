@@ -7,11 +7,11 @@ import pkgutil
 from collections.abc import Mapping
 from typing import Any, Protocol, cast
 
-from railhead.studies.peers import codes
+from studies.peers import codes
 
 
 class Peer(Protocol):
-    """See `railhead.studies.peers.codes`."""
+    """See `studies.peers.codes`."""
 
     TITLE: str
     METHOD: str

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from railhead.postprocess.plots.diagrams import FE, new_figure
-from railhead.studies.peers.page import OURS, medians
-from railhead.studies.peers.reading import Run
+from studies.peers.page import OURS, medians
+from studies.peers.reading import Run
 
 PANELS = {"error_p_max": "largest pressure", "error_area": "area of the patch"}
 COLOURS = ("#3b8f5a", "#c8502d", "#7b4fa3", "#b8860b", "#4fa3a3", "#777777", "#a3324f", "#5b6ee1")

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from railhead.studies.peers.running import Cost
 from railhead.theory.elastic import hertz, subsurface
+from studies.peers.running import Cost
 
 LEAST = 0.15  # of the largest pressure: below it, pressures are no part of the fit
 

@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from railhead.run.progress import Progress
-from railhead.studies.peers import blocks, running
-from railhead.studies.peers import install as installing
-from railhead.studies.peers.page import OURS, TRAVEL
-from railhead.studies.peers.page import page as page_of
-from railhead.studies.peers.peer import Peer, peers
-from railhead.studies.peers.reading import UNITS, Run, fitted_run, own_run
-from railhead.studies.tables import write_csv
+from studies.peers import blocks, running
+from studies.peers import install as installing
+from studies.peers.page import OURS, TRAVEL
+from studies.peers.page import page as page_of
+from studies.peers.peer import Peer, peers
+from studies.peers.reading import UNITS, Run, fitted_run, own_run
+from studies.tables import write_csv
 
 STUDY = "hertz_ellipse by other codes, measured beside this one (--install gets them)"
 CASE = "hertz_ellipse"
@@ -44,7 +44,7 @@ def install() -> None:
 def main(out: Path, *, quick: bool) -> None:
     """Run every code that is installed (quick: its coarsest mesh, and ours on a coarse one); CSV,
     picture, page."""
-    from railhead.studies.peers import plot
+    from studies.peers import plot
 
     versions: dict[str, str] = {}
     absent: dict[str, str] = {}

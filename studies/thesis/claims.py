@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from railhead.studies.thesis.formulas import ThesisContact
 from railhead.theory.elastic.hertz import Ellipse
+from studies.thesis.formulas import ThesisContact
 
 EXACT = 1e-3  # relative difference that passes as rounding
 CLOSE = 2e-2  # relative difference of an approximation

@@ -5,7 +5,8 @@ import math
 import numpy as np
 from scipy.integrate import quad
 
-from railhead.studies.thesis.claims import (
+from railhead.theory.elastic.hertz import Ellipse, general_orientation, point_contact
+from studies.thesis.claims import (
     Check,
     Facts,
     Finding,
@@ -16,8 +17,7 @@ from railhead.studies.thesis.claims import (
     number,
     statement,
 )
-from railhead.studies.thesis.formulas import exact_coefficients, table_5_3, thesis_contact
-from railhead.theory.elastic.hertz import Ellipse, general_orientation, point_contact
+from studies.thesis.formulas import exact_coefficients, table_5_3, thesis_contact
 
 rules = Rules()
 STANDARD_GRAVITY = 9.80665

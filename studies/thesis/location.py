@@ -5,9 +5,9 @@ import math
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from railhead.studies.thesis import geometry
-from railhead.studies.thesis.claims import Facts, Finding, Rules, equation, number, statement
-from railhead.studies.thesis.surfaces import (
+from studies.thesis import geometry
+from studies.thesis.claims import Facts, Finding, Rules, equation, number, statement
+from studies.thesis.surfaces import (
     BANK,
     CONE,
     HALF_AXLE,

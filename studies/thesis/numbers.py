@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from railhead.studies.thesis.claims import Facts, Finding, Rules, itself, number
-from railhead.studies.thesis.formulas import exact_coefficients, hertz_coefficients, table_5_3
-from railhead.studies.thesis.hertz import PRINTED_LOAD, principal_curvatures
 from railhead.theory.elastic.hertz import general_orientation, point_contact
+from studies.thesis.claims import Facts, Finding, Rules, itself, number
+from studies.thesis.formulas import exact_coefficients, hertz_coefficients, table_5_3
+from studies.thesis.hertz import PRINTED_LOAD, principal_curvatures
 
 rules = Rules()
 CURVE_ANGLE = 0.00165  # rad, of chapter 5.3

@@ -6,9 +6,9 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from railhead.studies.tables import render
-from railhead.studies.thesis import values
-from railhead.studies.thesis.claims import CLOSE, CLOSE_CURVE, EXACT, Check, Facts, Judged, Verdict
+from studies.tables import render
+from studies.thesis import values
+from studies.thesis.claims import CLOSE, CLOSE_CURVE, EXACT, Check, Facts, Judged, Verdict
 
 CHAPTERS = {
     "1": "1 Introduction", "2": "2 Literature", "3": "3 Surfaces", "4": "4 Contact point",

@@ -15,9 +15,9 @@ from railhead.postprocess.plots.diagrams import FE, GREY, HERTZ, closed_ellipse,
 from railhead.postprocess.stress.gauss_points import nodal
 from railhead.postprocess.vtu.mirror import whole
 from railhead.solver.fields import Fields
-from railhead.studies.thesis.formulas import thesis_axis_stress
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.subsurface import axis_stress, max_shear, principal, stress
+from studies.thesis.formulas import thesis_axis_stress
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

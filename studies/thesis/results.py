@@ -4,7 +4,9 @@ import math
 
 import numpy as np
 
-from railhead.studies.thesis.claims import (
+from railhead.theory.elastic import subsurface
+from railhead.theory.elastic.hertz import Ellipse
+from studies.thesis.claims import (
     CLOSE_CURVE,
     EXACT,
     Check,
@@ -16,11 +18,9 @@ from railhead.studies.thesis.claims import (
     number,
     statement,
 )
-from railhead.studies.thesis.formulas import thesis_axis_stress
-from railhead.studies.thesis.hertz import AXLE_LOAD, PRINTED_LOAD, under
-from railhead.studies.thesis.stresses import P0, A, exact_stress
-from railhead.theory.elastic import subsurface
-from railhead.theory.elastic.hertz import Ellipse
+from studies.thesis.formulas import thesis_axis_stress
+from studies.thesis.hertz import AXLE_LOAD, PRINTED_LOAD, under
+from studies.thesis.stresses import P0, A, exact_stress
 
 rules = Rules()
 YIELD = (480.0, 520.0)  # MPa, of R260 rail steel

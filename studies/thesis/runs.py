@@ -10,10 +10,10 @@ import numpy as np
 from railhead.postprocess.findings import Findings
 from railhead.results.pipeline import Result, run
 from railhead.run.progress import Progress
-from railhead.studies.thesis import plots as thesis_plots
-from railhead.studies.thesis.hertz import AXLE_LOAD
 from railhead.theory.elastic import subsurface
 from railhead.theory.elastic.hertz import Ellipse
+from studies.thesis import plots as thesis_plots
+from studies.thesis.hertz import AXLE_LOAD
 
 if TYPE_CHECKING:
     from railhead.scene.scene import Scene

@@ -5,10 +5,10 @@ import math
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from railhead.studies.thesis.claims import EXACT, Facts, Finding, Rules, number, statement
-from railhead.studies.thesis.formulas import Array, thesis_axis_stress
 from railhead.theory.elastic import subsurface
 from railhead.theory.elastic.hertz import Ellipse, point_contact
+from studies.thesis.claims import EXACT, Facts, Finding, Rules, number, statement
+from studies.thesis.formulas import Array, thesis_axis_stress
 
 rules = Rules()
 P0, A = 794.9, 4.34  # MPa, mm, as printed: what the thesis puts into eqs 5.2 and 5.3

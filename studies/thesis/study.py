@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -11,23 +10,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railhead.cli import main as command
 from railhead.cli import study
 from railhead.contact import solid as geometry
 from railhead.geometry import profiles, wheelset
 from railhead.geometry.placement import Pair
 from railhead.planning.references import closed_forms
 from railhead.scene import catalogue
-from railhead.studies import tables
-from railhead.studies.thesis import formulas
-from railhead.studies.thesis import hertz as thesis_hertz
-from railhead.studies.thesis import location as thesis_location
-from railhead.studies.thesis import numbers as thesis_numbers
-from railhead.studies.thesis import results as thesis_results
-from railhead.studies.thesis import stresses as thesis_stresses
-from railhead.studies.thesis import surfaces as thesis_surfaces
-from railhead.studies.thesis.claims import Check, Facts, Judged, read_claims
 from railhead.theory.bem import boundary_element
+from studies import tables
+from studies.thesis import formulas
+from studies.thesis import hertz as thesis_hertz
+from studies.thesis import location as thesis_location
+from studies.thesis import numbers as thesis_numbers
+from studies.thesis import results as thesis_results
+from studies.thesis import stresses as thesis_stresses
+from studies.thesis import surfaces as thesis_surfaces
+from studies.thesis.claims import Check, Facts, Judged, read_claims
 
 if TYPE_CHECKING:
     from railhead.scene.scene import Scene
@@ -63,9 +61,9 @@ class Row:
 
 def main(out: Path, *, quick: bool) -> None:
     """Write thesis.csv, thesis_runs.csv, three pictures and the page; quick: closed forms only."""
-    from railhead.studies.thesis import page as thesis_page
-    from railhead.studies.thesis import plots as thesis_plots
-    from railhead.studies.thesis import runs as thesis_runs
+    from studies.thesis import page as thesis_page
+    from studies.thesis import plots as thesis_plots
+    from studies.thesis import runs as thesis_runs
 
     scene = catalogue.find(CASE)
     given = facts(scene)
@@ -137,7 +135,3 @@ def _rows(item: Judged) -> Sequence[Row]:
         )
         for check in checks
     ]  # fmt: skip
-
-
-if __name__ == "__main__":
-    command(["study", "thesis", *sys.argv[1:]])

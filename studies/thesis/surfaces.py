@@ -5,8 +5,8 @@ import math
 import numpy as np
 from scipy.integrate import quad
 
-from railhead.studies.thesis import geometry
-from railhead.studies.thesis.claims import Check, Facts, Finding, Rules, equation, number, statement
+from studies.thesis import geometry
+from studies.thesis.claims import Check, Facts, Finding, Rules, equation, number, statement
 
 rules = Rules()
 YAW, BANK, PITCH = 0.3, 0.2, 0.15  # rad, angles at which equations are evaluated

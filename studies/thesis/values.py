@@ -6,12 +6,12 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from railhead.studies.thesis.claims import Facts
-from railhead.studies.thesis.hertz import PRINTED_LOAD, under
-from railhead.studies.thesis.results import YIELD
-from railhead.studies.thesis.runs import DEFAULT, HEXAHEDRA, WHEEL
-from railhead.studies.thesis.stresses import P0, exact_stress, thesis_shear
 from railhead.theory.elastic import subsurface
+from studies.thesis.claims import Facts
+from studies.thesis.hertz import PRINTED_LOAD, under
+from studies.thesis.results import YIELD
+from studies.thesis.runs import DEFAULT, HEXAHEDRA, WHEEL
+from studies.thesis.stresses import P0, exact_stress, thesis_shear
 
 CIRCLE_SHAKEDOWN = 4.7  # p0/k, circular patch
 STRIP_SHAKEDOWN = 4.0  # p0/k, line contact

@@ -18,7 +18,6 @@ from railhead.postprocess.plots import diagrams
 from railhead.postprocess.views import render
 from railhead.postprocess.views.subject import Subject
 from railhead.postprocess.vtu import export
-from railhead.studies.accuracy_cost import plot as accuracy_plot
 
 
 def lopsided(case: Any) -> Any:
@@ -121,12 +120,3 @@ def test_pictures_say_what_they_are_of(blocks: Callable[..., Any], drawn: list[A
     with diagrams.new_figure(None, 4, 3, titled) as body:
         body.add_subplot()
     assert [text.get_text() for text in body.figure.subfigs[0].texts] == ["a case: 25 kN"]
-
-
-def test_the_pareto_front_is_the_lower_left_edge(drawn: list[Any], tmp_path: Path) -> None:
-    shared = {"case": "c", "method": "nitsche", "element": "tetrahedron 2", "converged": True}
-    runs = ((1.0, 0.1, None), (3.0, 0.01, None), (2.0, 0.02, 0.05), (2.5, 0.05, None))
-    rows = [{**shared, "seconds": t, "error": e, "asked": a} for t, e, a in runs]
-    accuracy_plot.draw(rows, tmp_path / "a.png")
-    (front,) = [args for args, options in drawn if options.get("where") == "post"]
-    assert front == ([1.0, 2.0, 3.0], [10.0, 2.0, 1.0])

@@ -6,9 +6,10 @@ from pathlib import Path
 import pytest
 
 from railhead.cli import study
-from railhead.studies.creep import changes, page
-from railhead.studies.creep.changes import Slid
-from railhead.studies.creep.curves import Cost, Point
+from studies.mechanics import creep_page as page
+from studies.mechanics import friction_changes as changes
+from studies.mechanics.creep_curves import Cost, Point
+from studies.mechanics.friction_changes import Slid
 
 
 def rows(path: Path) -> list[dict[str, str]]:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from railhead.cli import study
-from railhead.studies.effects import page as effects_page
+from studies.cost import bare_contact, effects_page
 
 
 @pytest.fixture(scope="module")
@@ -67,3 +67,11 @@ def test_what_the_scene_switched_off_is_no_fault_of_the_plan() -> None:
 def test_an_effect_kept_without_need_is_named_too() -> None:
     told = effects_page.verdict([run("", True, 0.0), run("far_field", False, 0.001)])
     assert "0 change one of them" in told and "Not so `far_field`" in told
+
+
+def test_off_effects_cost_no_unknown_no_form_and_no_digit() -> None:
+    """The plan with all optional effects off is the bare contact, built without a plan."""
+    planned, direct = bare_contact.compare(1, patch_size=0.4)
+    assert planned.unknowns == direct.unknowns
+    assert planned.forms == direct.forms == 1
+    assert planned.p_max == pytest.approx(direct.p_max, rel=1e-10)

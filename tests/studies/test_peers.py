@@ -13,10 +13,10 @@ from click.testing import CliRunner
 
 from railhead.cli import commands, study
 from railhead.results import result_folder
-from railhead.studies.peers import blocks, install, page, peer, reading, running
-from railhead.studies.peers import study as peers_study
-from railhead.studies.peers.codes import calculix
 from railhead.theory.elastic import hertz, subsurface
+from studies.peers import blocks, install, page, peer, reading, running
+from studies.peers import study as peers_study
+from studies.peers.codes import calculix
 
 CASE = {"load": 25e3, "travel": 0.04, "rail_radius": 300.0, "wheel_radius": 420.0,
         "young": 207e3, "poisson": 0.3}  # fmt: skip

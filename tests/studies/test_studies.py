@@ -4,14 +4,15 @@ import csv
 import os
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
-from railhead.cli import study
+from railhead.cli import main, study
 from railhead.scene.scene import SceneError
-from railhead.studies.accuracy_cost import page as accuracy_page
-from railhead.studies.load_sweep import page as sweep_page
+from studies.accuracy import accuracy_cost_page as accuracy_page
+from studies.mechanics import load_sweep_page as sweep_page
 
 Rows = list[dict[str, float]]
 
@@ -143,6 +144,27 @@ def test_an_unknown_study_is_one_line_and_nothing_written(name, tmp_path) -> Non
     assert len(done.stderr.strip().splitlines()) == 1
     assert "study" in done.stderr and "load_sweep" in done.stderr
     assert os.listdir(tmp_path) == []
+
+
+def test_without_a_checkout_the_command_says_in_one_line_that_it_needs_one(
+    tmp_path, monkeypatch, capsys
+) -> None:
+    monkeypatch.setattr(study, "ROOT", tmp_path)
+    monkeypatch.chdir(tmp_path)
+    for arguments in (["study"], ["study", "load_sweep"]):
+        with pytest.raises(SystemExit) as ended:
+            main(arguments)
+        assert ended.value.code == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert "studies need a checkout" in line
+    assert os.listdir(tmp_path) == []
+
+
+def test_studies_are_no_part_of_what_is_installed() -> None:
+    with (study.ROOT / "pyproject.toml").open("rb") as file:
+        setuptools = tomllib.load(file)["tool"]["setuptools"]
+    named = [*setuptools["packages"], *setuptools["package-dir"], *setuptools["package-data"]]
+    assert not [name for name in named if "studies" in name]
 
 
 def test_a_folder_with_other_files_is_left_alone(tmp_path) -> None:

@@ -2,13 +2,15 @@
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 
-from railhead.studies import calibrate, error_bounds, ranks, scaling
-from railhead.studies.accuracy_cost import page as accuracy_page
-from railhead.studies.hard import page as hard_page
-from railhead.studies.hard.case import Case, Deviation, Measured, Outcome
-from railhead.studies.tables import table
-from railhead.studies.trends import pareto, power_law
+from studies.accuracy import accuracy_cost_page as accuracy_page
+from studies.accuracy import accuracy_cost_plot, calibrate, error_bounds
+from studies.cost import ranks, scaling
+from studies.hard import page as hard_page
+from studies.hard.case import Case, Deviation, Measured, Outcome
+from studies.tables import table
+from studies.trends import pareto, power_law
 
 
 def run(method: str, element: str, n: float, seconds: float, error: float, **changes: object):
@@ -162,3 +164,14 @@ def test_hard_cases_page_names_what_fails_and_what_is_refused() -> None:
     assert "4 cases: 1 are right, 1 are refused by a check as they may be, 2 fail." in text
     assert "- **load: off**: area_mm2 off by 0.03, 0.02 allowed" in text
     assert "- **load: lost**: the process crashed" in text
+
+
+def test_the_pareto_front_is_the_lower_left_edge(monkeypatch, tmp_path) -> None:
+    drawn = []
+    monkeypatch.setattr(Axes, "step", lambda axes, *values, **options: drawn.append(values))
+    shared = {"case": "c", "method": "nitsche", "element": "tetrahedron 2", "converged": True}
+    runs = ((1.0, 0.1, None), (3.0, 0.01, None), (2.0, 0.02, 0.05), (2.5, 0.05, None))
+    rows = [{**shared, "seconds": t, "error": e, "asked": a} for t, e, a in runs]
+    accuracy_cost_plot.draw(rows, tmp_path / "a.png")
+    (front,) = drawn  # the only step line
+    assert front == ([1.0, 2.0, 3.0], [10.0, 2.0, 1.0])

@@ -2,7 +2,7 @@
 
 import pytest
 
-from railhead.studies.thesis.claims import (
+from studies.thesis.claims import (
     Check,
     Finding,
     Grade,

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from railhead.studies.thesis.formulas import (
+from railhead.theory.elastic.hertz import Ellipse, contact_modulus, point_contact
+from studies.thesis.formulas import (
     exact_coefficients,
     hertz_coefficients,
     table_5_3,
     thesis_axis_stress,
     thesis_contact,
 )
-from railhead.theory.elastic.hertz import Ellipse, contact_modulus, point_contact
 
 WHEEL, RAIL = (1 / 420, 0.0), (0.0, 1 / 300)
 REFERENCE = Path(__file__).parents[1] / "theory" / "data" / "hertz_thesis.json"

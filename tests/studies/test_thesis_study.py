@@ -11,11 +11,11 @@ from railhead.cli import study as study_runner
 from railhead.geometry import profiles, wheelset
 from railhead.geometry.placement import Pair
 from railhead.scene import catalogue
-from railhead.studies.thesis import geometry as thesis_geometry
-from railhead.studies.thesis import runs as thesis_runs
-from railhead.studies.thesis import study
-from railhead.studies.thesis.claims import Facts, Verdict
 from railhead.theory.elastic.hertz import point_contact
+from studies.thesis import geometry as thesis_geometry
+from studies.thesis import runs as thesis_runs
+from studies.thesis import study
+from studies.thesis.claims import Facts, Verdict
 
 DIFFERENT: dict[int, Verdict] = {}
 """Claims whose computed verdict is not the reference's, with ours."""

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from finite_differences import Array, jacobian
 
-from railhead.studies.thesis.formulas import thesis_axis_stress
 from railhead.theory.elastic.hertz import Ellipse, line_contact, point_contact
 from railhead.theory.elastic.subsurface import (
     axis_extrema,
@@ -19,6 +18,7 @@ from railhead.theory.elastic.subsurface import (
     surface_centre_stress,
     von_mises,
 )
+from studies.thesis.formulas import thesis_axis_stress
 
 CURVATURE_RATIOS = [1e-3, 0.1, 0.9, 1.0, 1 + 1e-9, 5.0]
 

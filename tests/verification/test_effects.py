@@ -10,10 +10,7 @@ from scipy.spatial import cKDTree
 
 from railhead.meshing.mesh import ContactMesh
 from railhead.meshing.tags import CONTACT, SUPPORT
-from railhead.planning.references import rail_twist
 from railhead.solver import compat
-from railhead.studies import twist as measured
-from railhead.studies.effects import bare_contact
 
 
 def mirrored(made: ContactMesh, axis: int, size: float) -> ContactMesh:
@@ -58,22 +55,3 @@ def test_quarter_and_whole_model_agree_on_mirrored_meshes(two_blocks, solve) -> 
         assert distance.max() < 1e-9
         scale = quarter.pressure.max()
         np.testing.assert_allclose(full.pressure[partner], quarter.pressure, atol=1e-8 * scale)
-
-
-def test_off_effects_cost_no_unknown_no_form_and_no_digit() -> None:
-    """The plan with all optional effects off is the bare contact, built without a plan."""
-    planned, direct = bare_contact.compare(1, patch_size=0.4)
-    assert planned.unknowns == direct.unknowns
-    assert planned.forms == direct.forms == 1
-    assert planned.p_max == pytest.approx(direct.p_max, rel=1e-10)
-
-
-@pytest.mark.parametrize(
-    "profile, inclination", [("54E1", "0"), pytest.param("60E1", "1:40", marks=pytest.mark.slow)]
-)
-def test_a_whole_rail_twists_as_the_plan_expects(profile: str, inclination: str) -> None:
-    """Head at the wheel, of a mesh as `railhead study calibrate` measures it on."""
-    solved = measured.solved(profile, inclination)
-    angle, _ = measured.turn(solved)
-    planned = solved.plan
-    assert rail_twist.twist(planned.contact, planned.estimate) == pytest.approx(angle, rel=0.1)

@@ -3,7 +3,7 @@
     TITLE, METHOD, SETTINGS   names and sentences of the page
     PIP, DEBIAN               packages; with DEBIAN's it runs in Debian's Python, else in the venv
     RUNS                      {label: keywords of `solve`}, coarse to fine; "mesh" is [cell, order,
-                              size in mm] of `railhead.studies.peers.blocks`, read before the call
+                              size in mm] of `studies.peers.blocks`, read before the call
     version() -> str          raises where the code is not there
     solve(case, mesh, **run)  -> {unknowns, force, pressure_max, x, y, pressure, [approach,
                               tau_max, iterations]}, in N, mm and MPa, of the whole contact

@@ -6,9 +6,9 @@ import pytest
 
 from railhead.results.pipeline import run
 from railhead.run import estimates
-from railhead.studies.hard.battery import CASES, QUICK
-from railhead.studies.hard.case import Case, Deviation, Measured
-from railhead.studies.hard.scenes import ELLIPSE, HALF_SPACE, against_hertz, deviations, resolved
+from studies.hard.battery import CASES, QUICK
+from studies.hard.case import Case, Deviation, Measured
+from studies.hard.scenes import ELLIPSE, HALF_SPACE, against_hertz, deviations, resolved
 
 
 @pytest.mark.slow

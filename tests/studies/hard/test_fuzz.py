@@ -11,10 +11,10 @@ from strategies import broken_toml, scenes
 
 from railhead.cli import commands, main
 from railhead.scene.scene import Scene
-from railhead.studies import fuzz as study
-from railhead.studies.hard import fuzz_scenes
-from railhead.studies.hard.fuzz_scenes import Fuzzed, fuzz
-from railhead.studies.hard.random_scenes import plans
+from studies.hard import fuzz as study
+from studies.hard import fuzz_scenes
+from studies.hard.fuzz_scenes import Fuzzed, fuzz
+from studies.hard.random_scenes import plans
 
 patient = settings(
     deadline=None,

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from statistics import median
 from typing import Any
 
-from railhead.studies.tables import render
-from railhead.studies.trends import power_law
+from studies.tables import render
+from studies.trends import power_law
 
 Row = Mapping[str, Any]
 """One load with the fields of the study's CSV, without units."""

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railhead.cli import main as command
 from railhead.cli.study import PAGE
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
-from railhead.studies.effects import bare_contact
-from railhead.studies.tables import write_csv
+from studies.cost import bare_contact
+from studies.tables import write_csv
 
 if TYPE_CHECKING:
     from railhead.scene.scene import Scene
@@ -60,7 +58,7 @@ class Run:
 
 def main(out: Path, *, quick: bool) -> None:
     """Run all scenes (quick: the last one), and write two CSV files and the page."""
-    from railhead.studies.effects import page as effects_page
+    from studies.cost import effects_page as effects_page
 
     names = list(SCENES)[-1:] if quick else list(SCENES)
     with Progress(quiet=False) as progress:
@@ -135,7 +133,3 @@ def _quantities(result: dict[str, Any]) -> dict[str, float]:
         "tau_max": result["stress"]["tau_max_MPa"],
         "approach": result["approach_mm"],
     }
-
-
-if __name__ == "__main__":
-    command(["study", "effects", *sys.argv[1:]])

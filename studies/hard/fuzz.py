@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from railhead.cli import study
-from railhead.studies import tables
-from railhead.studies.hard.fuzz_scenes import MOST, Fuzzed, fuzz
 from railhead.sweeps.worker_pool import attempts
+from studies import tables
+from studies.hard.fuzz_scenes import MOST, Fuzzed, fuzz
 
 STUDY = "500 fuzzed scenes: no traceback, no abort, no wrong number with status 0"
 SCENES, SEED, SECONDS = 500, 2024, 180.0
@@ -55,9 +55,3 @@ def page(found: Sequence[Fuzzed], seconds: Sequence[float]) -> str:
         "fuzz", found=found, seed=SEED, most=MOST, rows=rows, seconds=seconds,
         failed=failed.most_common(),
     )  # fmt: skip
-
-
-if __name__ == "__main__":
-    from railhead.cli import main as command
-
-    command(["study", "fuzz", *sys.argv[1:]])

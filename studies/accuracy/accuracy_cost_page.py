@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from railhead.studies.tables import percent, render
-from railhead.studies.trends import pareto, power_law
+from studies.tables import percent, render
+from studies.trends import pareto, power_law
 
 Row = Mapping[str, Any]
 """One run with the fields of the study's CSV."""

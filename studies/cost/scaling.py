@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import time
@@ -10,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from railhead.cli import study
-from railhead.studies import tables
+from studies import tables
 
 STUDY = "time and memory per unknown, contact against one linear elastic solve"
 SIZES = (0.53, 0.4, 0.3, 0.22, 0.16, 0.142, 0.112)  # mm in the patch of hertz_ellipse
@@ -111,10 +112,11 @@ def main(out: Path, *, quick: bool) -> None:
     for size in SIZES[:2] if quick else SIZES:
         print(f"patch size {size:g} mm", file=sys.stderr)
         done = subprocess.run(
-            [sys.executable, "-m", "railhead.studies.scaling", str(size)],
+            [sys.executable, "-m", "studies.cost.scaling", str(size)],
             capture_output=True,
             text=True,
             check=True,
+            env=os.environ | {"PYTHONPATH": str(study.ROOT)},
         )
         records.append(Record(**json.loads(done.stdout.splitlines()[-1])))
     tables.write_csv(out / "scaling.csv", records)

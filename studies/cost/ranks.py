@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from railhead.cli import launch, study
-from railhead.studies import tables
+from studies import tables
 
 STUDY = "one process against two, by parts of a run, and a forecast for more"
 SIZES = (0.4, 0.28, 0.22, 0.142, 0.112)  # mm in the patch of hertz_ellipse
@@ -74,8 +74,10 @@ def measure(patch_size: float) -> dict[str, float]:
 
 
 def _record(patch_size: float, ranks: int) -> Record:
-    command = [sys.executable, "-m", "railhead.studies.ranks", str(patch_size)]
-    launcher, environment = launch.under_mpirun(ranks, os.environ | {"OMP_NUM_THREADS": "1"})
+    command = [sys.executable, "-m", "studies.cost.ranks", str(patch_size)]
+    launcher, environment = launch.under_mpirun(
+        ranks, os.environ | {"OMP_NUM_THREADS": "1", "PYTHONPATH": str(study.ROOT)}
+    )
     begin = time.time()
     done = subprocess.run(
         [*launcher, *command], capture_output=True, text=True, check=True, env=environment

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from railhead.cli import study
-from railhead.studies import tables
+from studies import tables
 
 STUDY = "hard cases: loads, starts, shapes, stiffness, meshes, places, factors, random scenes"
 
@@ -34,10 +34,10 @@ class Record:
 
 def main(out: Path, *, quick: bool) -> None:
     """Write hard_cases.csv, hard_cases.png and page.md; quick: the cases of the tests."""
-    from railhead.studies.hard import failure_map, page
-    from railhead.studies.hard.battery import CASES, QUICK, solve
-    from railhead.studies.hard.case import Outcome
     from railhead.sweeps.worker_pool import attempts
+    from studies.hard import failure_map, page
+    from studies.hard.battery import CASES, QUICK, solve
+    from studies.hard.case import Outcome
 
     def record(outcome: Outcome) -> Record:
         case, found = outcome.case, outcome.measured
@@ -70,9 +70,3 @@ def main(out: Path, *, quick: bool) -> None:
     tables.write_csv(out / "hard_cases.csv", [record(outcome) for outcome in done])
     failure_map.draw(page.maps(done), out / "hard_cases.png")
     (out / study.PAGE).write_text(page.page(done), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    from railhead.cli import main as command
-
-    command(["study", "hard_cases", *sys.argv[1:]])

@@ -7,10 +7,14 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from railhead.cli import study
-from railhead.studies import friction_axes, tables
-from railhead.studies.creep import changes, curves, page, plot
-from railhead.studies.creep.changes import Left, Slid
-from railhead.studies.creep.curves import Cost, Point
+from studies import tables
+from studies.mechanics import creep_curves as curves
+from studies.mechanics import creep_page as page
+from studies.mechanics import creep_plot as plot
+from studies.mechanics import friction_axes
+from studies.mechanics import friction_changes as changes
+from studies.mechanics.creep_curves import Cost, Point
+from studies.mechanics.friction_changes import Left, Slid
 
 STUDY = "creep curves against half-spaces, FASTSIM and linear theory; what friction costs, changes"
 

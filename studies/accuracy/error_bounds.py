@@ -16,8 +16,9 @@ from railhead.results import pipeline
 from railhead.run import estimates
 from railhead.run.estimates import QUANTITIES
 from railhead.scene.scene import Scene
-from railhead.studies import families, tables
 from railhead.sweeps.worker_pool import attempts
+from studies import tables
+from studies.accuracy import families
 
 STUDY = "estimates against true errors, 20 random scenes of each family"
 SEED = 2028

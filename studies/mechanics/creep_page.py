@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from railhead.studies import tables
-from railhead.studies.creep import changes
-from railhead.studies.creep.changes import Left, Slid
-from railhead.studies.creep.curves import COEFFICIENT, Cost, Point
+from studies import tables
+from studies.mechanics import friction_changes as changes
+from studies.mechanics.creep_curves import COEFFICIENT, Cost, Point
+from studies.mechanics.friction_changes import Left, Slid
 
 METHODS = ("boundary elements", "FASTSIM", "linear theory")
 UNITS = {

@@ -22,9 +22,9 @@ from railhead.geometry.profiles import Array, Piece, Profile
 from railhead.planning.accuracy import uncertainty
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.scene.scene import Scene, SceneError
-from railhead.studies import tables
 from railhead.sweeps import worker_pool
 from railhead.theory.bem.boundary_element import Solution
+from studies import tables
 
 STUDY = "noise of measured profiles: seeds, levels and spacings on worn rails and wheels"
 NOISES: tuple[float, ...] = (0.0, 2.0, 10.0, 20.0)  # um

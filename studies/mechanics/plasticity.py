@@ -13,8 +13,8 @@ import railhead as rh
 from railhead.cli import study
 from railhead.postprocess.plots.diagrams import FE, GREY, HERTZ, new_figure
 from railhead.scene import catalogue
-from railhead.studies import tables
 from railhead.theory.elastic import indentation
+from studies import tables
 
 STUDY = "yield of the thesis's rail from 5 to 200 kN, and of a sphere up to 100 times first yield"
 LOADS = (5.0, 10.0, 25.0, 50.0, 100.0, 200.0)  # kN

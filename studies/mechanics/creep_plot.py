@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from railhead.postprocess.plots.diagrams import FE, GREY, HERTZ, new_figure
-from railhead.studies.creep.changes import Slid
-from railhead.studies.creep.curves import Point
+from studies.mechanics.creep_curves import Point
+from studies.mechanics.friction_changes import Slid
 
 LOOKS = {"railhead": (FE, "o"), "boundary elements": (HERTZ, "-"), "FASTSIM": (GREY, "--"),
          "linear theory": (GREY, ":")}  # fmt: skip

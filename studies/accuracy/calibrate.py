@@ -21,10 +21,11 @@ from railhead.run import estimates
 from railhead.run.estimates import QUANTITIES, READ
 from railhead.run.mesh_solution import Level
 from railhead.scene.scene import Scene
-from railhead.studies import families, tables
-from railhead.studies.cells import measure_cells
-from railhead.studies.twist import measure_twist
 from railhead.sweeps.worker_pool import attempts
+from studies import tables
+from studies.accuracy import families
+from studies.accuracy.cells import measure_cells
+from studies.accuracy.twist import measure_twist
 
 STUDY = "error laws by family, from random scenes of known answer"
 SEED = 1

@@ -10,7 +10,7 @@ import numpy as np
 
 from railhead.postprocess.findings import Array
 from railhead.postprocess.plots.diagrams import FE, HERTZ, new_figure
-from railhead.studies.trends import power_law
+from studies.trends import power_law
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railhead.cli import main as command
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
-from railhead.studies.tables import write_csv
+from studies.tables import write_csv
 
 if TYPE_CHECKING:
     from railhead.meshing.sizing import Grading
@@ -58,8 +56,8 @@ def main(out: Path, *, quick: bool) -> None:
     """Sweep every case (quick: half-spaces and four loads), and write CSV, picture and page."""
     import numpy as np
 
-    from railhead.studies.load_sweep import page as sweep_page
-    from railhead.studies.load_sweep import plot as sweep_plot
+    from studies.mechanics import load_sweep_page as sweep_page
+    from studies.mechanics import load_sweep_plot as sweep_plot
 
     names = list(CASES)[: 1 if quick else None]
     loads = [float(load) for load in np.geomspace(LOWEST, HIGHEST, 4 if quick else COUNT)]
@@ -126,7 +124,9 @@ def _point(
     fields = gather(model, solution)
     assert fields is not None  # one process
     values = compare.from_findings(
-        read.findings(fields, frame), solution.load, solution.approach
+        read.findings(fields, frame, parabolic=plan.contact.half_space),
+        solution.load,
+        solution.approach,
     )  # fmt: skip
     reference = compare.from_hertz(ellipse, plan.poisson_ratios, frame.angle, frame.origin)
     return Point(
@@ -151,7 +151,3 @@ def _quantities(values: dict[str, Any]) -> tuple[float, float, float, float, flo
         values["approach_mm"],
         stress["tau_max_MPa"],
     )
-
-
-if __name__ == "__main__":
-    command(["study", "load_sweep", *sys.argv[1:]])

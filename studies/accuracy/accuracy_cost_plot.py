@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from railhead.postprocess.plots.diagrams import new_figure
-from railhead.studies.trends import pareto
+from studies.trends import pareto
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from railhead.cli import main as command
 from railhead.run import estimates
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
-from railhead.studies.tables import write_csv
+from studies.tables import write_csv
 
 STUDY = "error against time: penalty and Nitsche, four elements, four sizes, asked accuracies"
 CASES = ("hertz_ellipse", "sphere_on_plane", "uic54_thesis")
@@ -82,8 +80,8 @@ class Case:
 
 def main(out: Path, *, quick: bool) -> None:
     """Run everything (quick: half-spaces, two sizes, one asked accuracy); CSV, picture, page."""
-    from railhead.studies.accuracy_cost import page as accuracy_page
-    from railhead.studies.accuracy_cost import plot as work_precision
+    from studies.accuracy import accuracy_cost_page as accuracy_page
+    from studies.accuracy import accuracy_cost_plot as work_precision
 
     runs: list[Run] = []
     with Progress(quiet=False) as progress:
@@ -220,7 +218,3 @@ def _errors(result: dict[str, Any] | None, exact: dict[str, float]) -> dict[str,
 def _flat(values: dict[str, Any]) -> dict[str, float]:
     found = estimates.flat(values)
     return {column: found[name] for column, name in QUANTITIES.items()}
-
-
-if __name__ == "__main__":
-    command(["study", "accuracy_cost", *sys.argv[1:]])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from railhead.studies.tables import render
+from studies.tables import render
 
 Row = Mapping[str, Any]
 """One run with the fields of the study's CSV, without units."""

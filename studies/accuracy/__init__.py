@@ -1,0 +1,1 @@
+"""What error estimates rest on, whether they hold, and what accuracy costs."""

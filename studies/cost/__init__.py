@@ -1,0 +1,1 @@
+"""What a solve costs: time and memory by size, by processes, and by effect."""

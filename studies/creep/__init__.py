@@ -1,1 +1,0 @@
-"""Creep curves, what friction costs and changes, and stresses under full sliding."""

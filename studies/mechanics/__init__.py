@@ -1,0 +1,1 @@
+"""Physics beside closed forms: loads, yield, friction, worn profiles."""

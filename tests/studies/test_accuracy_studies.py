@@ -1,0 +1,57 @@
+"""Error envelopes, families of scenes, and the twist of a rail, as the studies measure them."""
+
+from itertools import islice
+
+import numpy as np
+import pytest
+
+from railhead.planning import plan as planning
+from railhead.planning.accuracy import error_envelopes
+from railhead.planning.references import rail_twist
+from studies.accuracy import calibrate, error_bounds, families
+from studies.accuracy import twist as measured
+
+
+def test_every_calibrated_family_holds_its_own_scenes_and_no_foreign_ones() -> None:
+    parts = {part: name for name in families.RECIPES for part in families.parts(name)}
+    for known in error_envelopes.families():
+        drawn = islice(families.scenes(parts[known.name], 3), 20)
+        found = {error_envelopes.family(planning.make(scene).setting).name for scene in drawn}
+        assert known.name in found
+        assert all(parts[name] == parts[known.name] for name in found)
+    odd = next(families.scenes("outside", 3))
+    assert error_envelopes.family(planning.make(odd).setting) is None
+
+
+def test_an_envelope_lies_above_all_errors_and_follows_their_slope() -> None:
+    n = np.repeat([3.0, 6.0, 12.0], 20)
+    errors = 0.01 * (6 / n) ** 2 * np.random.default_rng(1).uniform(0.1, 1.0, n.size)
+    law = calibrate.envelope(n, errors)
+    assert law.order == pytest.approx(2.0, abs=0.3)
+    assert all(errors <= [law(each) for each in n])
+    assert law.value < 1.5 * 0.01
+
+
+def test_estimates_hold_in_random_sections() -> None:
+    """The small version of `railhead study error-bounds`."""
+    records = [
+        record
+        for name in ("plane strain", "meridian")
+        for index, scene in zip(range(6), families.scenes(name, 77), strict=False)
+        for record in error_bounds.measure(name, scene, error_bounds.asked(name, index))
+    ]
+    found = error_bounds.verdict(records)
+    assert len({record.scene for record in records}) == 12
+    assert found["estimated"] == 1.0
+    assert found["holds"] >= 0.95 and found["worst"] < 1.5
+
+
+@pytest.mark.parametrize(
+    "profile, inclination", [("54E1", "0"), pytest.param("60E1", "1:40", marks=pytest.mark.slow)]
+)
+def test_a_whole_rail_twists_as_the_plan_expects(profile: str, inclination: str) -> None:
+    """Head at the wheel, of a mesh as `railhead study calibrate` measures it on."""
+    solved = measured.solved(profile, inclination)
+    angle, _ = measured.turn(solved)
+    planned = solved.plan
+    assert rail_twist.twist(planned.contact, planned.estimate) == pytest.approx(angle, rel=0.1)
