@@ -1,8 +1,11 @@
 """Pages of docs/ that are programs: Python blocks that run in their order, in one namespace.
 
 What a block prints stands in a block of text right behind it, and a picture of the folder that is
-named after the page is a file that the page writes. ``PYTHONPATH=. python -P tests/pages.py docs/PAGE.md`` runs
-a page and puts both in their places.
+named after the page is a file that the page writes.
+
+    PYTHONPATH=. python -P tests/pages.py docs/PAGE.md
+
+runs a page and puts both in their places.
 """
 
 import contextlib
