@@ -20,7 +20,7 @@ from railhead.solver.contact import ContactModel
 from railhead.solver.fields import Fields, gather
 from railhead.solver.interface.jumps import Gap
 from railhead.solver.material.elasticity import Material
-from railhead.solver.setup import Setup, Side
+from railhead.solver.setup import ContactBody, Setup
 from railhead.solver.solution import Solution
 from studies.hard.case import Deviation, Measured
 
@@ -211,7 +211,7 @@ def slivers(quality: float, count: int, limit: float) -> Measured:
     return replace(measured, remark=f"{squashed} cells squashed")
 
 
-def squash(made: ContactMesh, body: Side, quality: float, count: int) -> int:
+def squash(made: ContactMesh, body: ContactBody, quality: float, count: int) -> int:
     """Move inner corners of tetrahedra on the contact face towards it until one of the cells
     around has a scaled Jacobian of `quality`; returns how many corners, at most `count`."""
     x, topology = made.mesh.geometry.x, made.mesh.topology
