@@ -15,7 +15,7 @@ from railhead.meshing.bodies import Body, Options
 from railhead.meshing.sizing import Grading
 from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, SYMMETRY_Y, WHEEL
 from railhead.solver.material.elasticity import Material
-from railhead.solver.setup import Setup, Side
+from railhead.solver.setup import ContactBody, Setup
 
 STEEL = Material(207000.0, 0.3)
 GAP = ParabolicGap(1 / 2000, 1 / 1600, 1)  # 3 kN on steel touch over about 3 mm
@@ -53,9 +53,9 @@ def block(
     return Body(tag, section, length or size)
 
 
-def side(tag: int, material: Material) -> Side:
+def side(tag: int, material: Material) -> ContactBody:
     """One block."""
-    return Side(tag, CONTACT + tag, SUPPORT + tag, material)
+    return ContactBody(tag, CONTACT + tag, SUPPORT + tag, material)
 
 
 def two_blocks(
