@@ -20,11 +20,18 @@ from railhead.theory.elastic.subsurface import von_mises
 TRACE = 1e-9  # plastic strain below which a point has not yielded: rounding
 
 
-@dataclass(frozen=True)
-class Zone:
-    """strain: largest equivalent plastic strain, at a Gauss point of a body (name) and place (mm);
-    volume mm3 of the whole model; depth: of the deepest point that yields, mm; top: of the
-    shallowest one."""
+@dataclass(frozen=True, kw_only=True)
+class PlasticZone:
+    """Where the bodies have yielded.
+
+    Attributes
+    ----------
+    strain : largest equivalent plastic strain.
+    body : name of the body that has it.
+    place : its Gauss point, mm.
+    volume : volume that has yielded, of the whole model, mm3.
+    depth, top : of the deepest and the shallowest point that has yielded, mm.
+    """
 
     strain: float
     body: str
@@ -34,26 +41,34 @@ class Zone:
     top: float
 
 
-@dataclass(frozen=True)
-class Left:
-    """over: load over that of first yield; steps: load steps; residual: the unloaded fields (None
-    if they were not asked for) with their largest von Mises stress (MPa) and, by body, how far its
-    surface stays pushed in (mm)."""
+@dataclass(frozen=True, kw_only=True)
+class ResidualState:
+    """What a load that made bodies yield leaves behind.
 
-    zone: Zone
-    over: float
-    steps: int
-    residual: Fields | None
-    von_mises: float | None
+    Attributes
+    ----------
+    zone : where the bodies have yielded.
+    load_over_first_yield : load over the load of first yield.
+    load_steps : number of steps in which the load was applied.
+    unloaded : fields without the load; None where they were not computed.
+    largest_von_mises : of the unloaded fields, MPa; None without them.
+    indentation : how far each body's surface stays pushed in, by name, mm.
+    """
+
+    zone: PlasticZone
+    load_over_first_yield: float
+    load_steps: int
+    unloaded: Fields | None
+    largest_von_mises: float | None
     indentation: Mapping[str, float]
 
     def summary(self, elastic_pressure: float, shear_yield: float) -> dict[str, Any]:
-        """As "plastic" in summary.json. elastic_pressure: the largest without yield; shear_yield:
-        of the body that yields first, MPa."""
+        """ "plastic" of summary.json. elastic_pressure: largest without yield, MPa; shear_yield: of
+        the body that yields first, MPa."""
         zone = self.zone
         return {
-            "load_over_first_yield": self.over,
-            "load_steps": self.steps,
+            "load_over_first_yield": self.load_over_first_yield,
+            "load_steps": self.load_steps,
             "strain_max": zone.strain,
             "body": zone.body,
             "place_mm": list(zone.place),
@@ -61,22 +76,27 @@ class Left:
             "depth_mm": zone.depth,
             "top_mm": zone.top,
             **{f"residual_depth_{body}_mm": depth for body, depth in self.indentation.items()},
-            "residual_von_mises_max_MPa": self.von_mises,
+            "residual_von_mises_max_MPa": self.largest_von_mises,
             "elastic_p0_over_k": elastic_pressure / shear_yield,
         }
 
 
-def left(found: PlasticSolution, fields: Fields, residual: Fields | None, frame: Frame) -> Left:
-    """Of a load, from its fields and those after it."""
-    return Left(
-        zone(fields, frame), found.load_over_first_yield, found.first_loading_steps, residual,
-        None if residual is None else largest_von_mises(residual),
-        {BODIES[tag]: depth for tag, depth in found.indentation_depth.items()},
-    )  # fmt: skip
+def residual_state(
+    yielding: PlasticSolution, fields: Fields, unloaded: Fields | None, frame: Frame
+) -> ResidualState:
+    """Read from the fields under the load, and from those without it where there are any."""
+    return ResidualState(
+        zone=plastic_zone(fields, frame),
+        load_over_first_yield=yielding.load_over_first_yield,
+        load_steps=yielding.first_loading_steps,
+        unloaded=unloaded,
+        largest_von_mises=None if unloaded is None else largest_von_mises(unloaded),
+        indentation={BODIES[tag]: depth for tag, depth in yielding.indentation_depth.items()},
+    )
 
 
-def zone(fields: Fields, frame: Frame) -> Zone:
-    """Of a state with plastic strain."""
+def plastic_zone(fields: Fields, frame: Frame) -> PlasticZone:
+    """Where a state has plastic strain above TRACE; depths are along the frame's normal."""
     assert fields.plastic_strain is not None
     points, weights = _samples(fields)
     strain = fields.plastic_strain.equivalent
@@ -85,11 +105,14 @@ def zone(fields: Fields, frame: Frame) -> Zone:
     depths = np.abs(frame.local(points[yields])[:, 2]) if yields.any() else np.zeros(1)
     x, y, z = (float(value) for value in points[cell, point])
     parts = 1 if fields.kinematics.revolved else 2 ** len(fields.mirrors)
-    return Zone(
-        float(strain.max()), BODIES[int(fields.body[cell])], (x, y, z),
-        float(weights[yields].sum()) * parts, float(depths.max()),
-        float(depths.min()),
-    )  # fmt: skip
+    return PlasticZone(
+        strain=float(strain.max()),
+        body=BODIES[int(fields.body[cell])],
+        place=(x, y, z),
+        volume=float(weights[yields].sum()) * parts,
+        depth=float(depths.max()),
+        top=float(depths.min()),
+    )
 
 
 def largest_von_mises(fields: Fields) -> float:

@@ -19,7 +19,7 @@ from railhead.planning.accuracy.error_envelopes import RANGE
 from railhead.planning.plan import LINEAR_REFINEMENT
 from railhead.postprocess.findings import Frame
 from railhead.run.estimates import Estimate, flat, resolved, worst
-from railhead.run.mesh_solution import Level
+from railhead.run.mesh_solution import MeshSolution
 from railhead.scene import steels
 
 ROUGH = 0.05  # relative: what a number without an asked accuracy may be off by at most
@@ -79,7 +79,7 @@ SOLVER = (
 
 
 def run(
-    level: Level,
+    solved: MeshSolution,
     estimates: Mapping[str, Estimate],
     second: Mapping[str, Any],
     *,
@@ -91,15 +91,15 @@ def run(
     "grid_error" as in `second_opinion.half_space`, or the "reason" why there are none; reached:
     whether the asked accuracy was met, None without one.
     """
-    checks = [_effects(level), *_equations(level)]
-    if level.result is not None and level.findings is not None:
-        checks += _mesh(level)
-        checks += _physics(level)
-        checks += _shape(level.plain or level, estimates)
-        checks += _opinion(level.plain or level, estimates, second)
+    checks = [_effects(solved), *_equations(solved)]
+    if solved.result is not None and solved.findings is not None:
+        checks += _mesh(solved)
+        checks += _physics(solved)
+        checks += _shape(solved.elastic_reference or solved, estimates)
+        checks += _opinion(solved.elastic_reference or solved, estimates, second)
     if reached is not None:
-        off = worst(estimates, level)
-        asked = float(level.plan.scene.accuracy or 0.0)
+        off = worst(estimates, solved)
+        asked = float(solved.plan.scene.accuracy or 0.0)
         off = off if reached else max(off, math.nextafter(asked, math.inf))
         advice = "ask for less, or give a larger budget; see accuracy.would_cost"
         checks.append(Check("accuracy", off, asked, "asked", advice))
@@ -107,21 +107,21 @@ def run(
 
 
 def friction(
-    level: Level,
+    solved: MeshSolution,
     estimates: Mapping[str, Estimate],
     second: Mapping[str, Mapping[str, Any]] | None,
 ) -> list[Check]:
     """Tangential forces against the stresses of the bodies, and against half-spaces."""
-    found, scene = level.solution.friction, level.plan.scene
-    if found is None or level.result is None:
+    found, scene = solved.solution.friction, solved.plan.scene
+    if found is None or solved.result is None:
         return []
-    out = _tangential(level)
+    out = _tangential(solved)
     other = (second or {}).get("boundary elements") or (second or {}).get("Carter") or {}
     both = list(zip(("along", "across"), found.force, found.rigid_motion, strict=False))
     off = [abs(force - other[name]) / found.friction_limit
            for way, force, _ in both if (name := f"force_{way}_N") in other]  # fmt: skip
     room = ROUGH + other.get("grid_error", 0.0)
-    drift = level.result.get("friction", {}).get("resolution", {})
+    drift = solved.result.get("friction", {}).get("resolution", {})
     rolled = [
         MISS * (estimates[name].total + drift[name] / found.friction_limit)
         for name in ("force_along_N", "force_across_N")
@@ -151,9 +151,9 @@ def friction(
     return out
 
 
-def _effects(level: Level) -> Check:
+def _effects(solved: MeshSolution) -> Check:
     """Effects that are called for, not simulated and not overruled."""
-    missing = effects.left_out(level.plan.effects, level.after)
+    missing = effects.left_out(solved.plan.effects, solved.after)
     why = "; ".join(f"{name}: {reason}" for name, reason in missing.items())
     overrule = " ".join(f"--without {name}" for name in missing)
     return Check(
@@ -162,11 +162,11 @@ def _effects(level: Level) -> Check:
     )  # fmt: skip
 
 
-def _tangential(level: Level) -> list[Check]:
+def _tangential(solved: MeshSolution) -> list[Check]:
     """The tangential forces, given or found, against those that the stresses of each body carry."""
     from railhead.postprocess.stress.flux import contact_force, pressure_force
 
-    plan, found, fields = level.plan, level.solution.friction, level.fields
+    plan, found, fields = solved.plan, solved.solution.friction, solved.fields
     assert found is not None and fields is not None
     axes = Frame(plan.contact.origin, plan.contact.touch.angle).axes[:2]
     _, *given = plan.scene.tangential
@@ -183,23 +183,23 @@ def _tangential(level: Level) -> list[Check]:
     ]  # fmt: skip
 
 
-def _equations(level: Level) -> list[Check]:
-    solution, scene = level.solution, level.plan.scene
+def _equations(solved: MeshSolution) -> list[Check]:
+    solution, scene = solved.solution, solved.plan.scene
     newton = solution.newton
     target = scene.load if scene.load is not None else solution.reaction
     balance = max(_off(solution.load, target), _off(solution.reaction, solution.load))
     found = [
         Check(
-            "converged", 0.0 if newton.converged and level.result is not None else math.inf, 0.0,
+            "converged", 0.0 if newton.converged and solved.result is not None else math.inf, 0.0,
             f"Newton's method: {newton.reason}", SOLVER,
         ),
         Check("force_balance", balance, BALANCE, "equations solved to 1e-8", SOLVER),
         Check(
-            "approach_reached", level.approach_error, BALANCE, "the given approach",
+            "approach_reached", solved.approach_error, BALANCE, "the given approach",
             "give the load in the place of the approach",
         ),
         Check(
-            "patch_settled", 0.0 if level.settled else 1.0, 0.0,
+            "patch_settled", 0.0 if solved.mesh_fits_patch else 1.0, 0.0,
             "the mesh is around the patch that was found",
             "give mesh.patch_size, or a scene whose patch is not at an edge",
         ),
@@ -216,14 +216,14 @@ def _equations(level: Level) -> list[Check]:
     return found
 
 
-def _mesh(level: Level) -> list[Check]:
-    plan, found, solution = level.plan, level.findings, level.solution
+def _mesh(solved: MeshSolution) -> list[Check]:
+    plan, found, solution = solved.plan, solved.findings, solved.solution
     assert found is not None
     least = RANGE[0] * (LINEAR_REFINEMENT if plan.order == 1 else 1.0)
     allowed = max(ROUGH, plan.scene.accuracy or 0.0)
     along, wide = found.elements_across
     across = max(along, wide) if plan.section else min(along, wide)
-    nodes = _touching_nodes(level)
+    nodes = _touching_nodes(solved)
     fitted = allowed * math.sqrt(nodes)
     noisy = (
         f"a fit over {nodes} nodes leaves one over their square root of it"
@@ -247,30 +247,30 @@ def _mesh(level: Level) -> list[Check]:
     ]  # fmt: skip
 
 
-def _touching_nodes(level: Level) -> int:
+def _touching_nodes(solved: MeshSolution) -> int:
     """Nodes of facets with pressure, of the whole model: as many independent values it has."""
-    assert level.fields is not None
-    contact = level.fields.contact
+    assert solved.fields is not None
+    contact = solved.fields.contact
     touching = contact.facet_nodes[np.unique(contact.facet[contact.pressure > 0])]
-    return int(np.unique(touching).size * 2 ** len(level.fields.mirrors))
+    return int(np.unique(touching).size * 2 ** len(solved.fields.mirrors))
 
 
-def _physics(level: Level) -> list[Check]:
+def _physics(solved: MeshSolution) -> list[Check]:
     from railhead.postprocess.stress.flux import contact_force
 
-    plan, found, solution, result = level.plan, level.findings, level.solution, level.result
-    assert found is not None and level.fields is not None and result is not None
+    plan, found, solution, result = solved.plan, solved.findings, solved.solution, solved.result
+    assert found is not None and solved.fields is not None and result is not None
     allowed = max(ROUGH, plan.scene.accuracy or 0.0)
     if plan.order == 1:
         allowed *= LINEAR_REFINEMENT  # stresses are constant in linear cells
     fluxes = [
         Check(
-            f"flux_{BODIES[body]}", _off(-contact_force(level.fields, body)[2], solution.load),
+            f"flux_{BODIES[body]}", _off(-contact_force(solved.fields, body)[2], solution.load),
             allowed, "the load; the elements' stresses are integrated around the patch", FINER,
         )
         for body in plan.deformable
     ]  # fmt: skip
-    elastic = (level.plain or level).result or result  # yield cuts both
+    elastic = (solved.elastic_reference or solved).result or result  # yield cuts both
     shear = elastic["stress"]["tau_max_MPa"] / elastic["pressure"]["max_MPa"]
     why = "0.266 to 0.488 in Hertz's ellipses, and a quarter more room"
     mises = elastic["stress"]["von_mises_max_MPa"] / elastic["stress"]["tau_max_MPa"]
@@ -287,17 +287,17 @@ def _physics(level: Level) -> list[Check]:
         Check("mises_over_shear_least", mises, math.sqrt(3.0) * (1 - READ), bounds, FINER,
               least=True),
     ]  # fmt: skip
-    if level.left is not None:
+    if solved.residual_state is not None:
         checks.append(
             Check(
                 "load_over_first_yield",
-                level.left.over,
+                solved.residual_state.load_over_first_yield,
                 FAR_BEYOND,
                 "as far as spheres of others go; strains are no longer small beyond",
                 "give a smaller load",
             )  # fmt: skip
         )
-    checks += _strains(level)
+    checks += _strains(solved)
     across = max(found.elements_across) if plan.section else min(found.elements_across)
     checks.append(
         Check(
@@ -312,9 +312,9 @@ def _physics(level: Level) -> list[Check]:
     return checks
 
 
-def _strains(level: Level) -> list[Check]:
+def _strains(solved: MeshSolution) -> list[Check]:
     """Whether strains are small enough for linear theory, and the pressure for any steel."""
-    plan, result = level.plan, level.result
+    plan, result = solved.plan, solved.result
     assert result is not None
     pressure, advice = result["pressure"]["max_MPa"], "give a smaller load"
     parts = {"rail": plan.scene.rail, "wheel": plan.scene.wheel}
@@ -334,20 +334,20 @@ def _strains(level: Level) -> list[Check]:
     return checks
 
 
-def _shape(level: Level, estimates: Mapping[str, Estimate]) -> list[Check]:
+def _shape(solved: MeshSolution, estimates: Mapping[str, Estimate]) -> list[Check]:
     """Largest pressure, area and load against each other, where the pressure is a semi-ellipsoid
     (3/2 of the mean) or a semi-ellipse (4/pi)."""
-    found, result = level.findings, level.result
+    found, result = solved.findings, solved.result
     assert found is not None and result is not None
     if not found.hertzian:
         return []
-    line = level.setting.shape == "plane strain"
-    normal = level.solution.load / math.cos(level.plan.contact.touch.angle)
+    line = solved.setting.shape == "plane strain"
+    normal = solved.solution.load / math.cos(solved.plan.contact.touch.angle)
     mean = normal / result["patch"]["area_mm2"]
     peak = (4 / math.pi if line else 1.5) * mean
     names = ("max_MPa", "area_mm2")
     room = sum(_room(estimates, name) for name in names)
-    sensitivity = 1.0 if level.setting.parabolic else 2.0 if line else ROUNDED
+    sensitivity = 1.0 if solved.setting.parabolic else 2.0 if line else ROUNDED
     off = sensitivity * found.shape_error
     return [
         Check(
@@ -360,13 +360,13 @@ def _shape(level: Level, estimates: Mapping[str, Estimate]) -> list[Check]:
 
 
 def _opinion(
-    level: Level, estimates: Mapping[str, Estimate], second: Mapping[str, Any]
+    solved: MeshSolution, estimates: Mapping[str, Estimate], second: Mapping[str, Any]
 ) -> list[Check]:
     """Finite elements against the second opinion, within both errors and what it cannot know."""
     if _unknown(second):
         return []  # `not_made` has the reason
     checks = []
-    own, other = resolved(level), flat(second)
+    own, other = resolved(solved), flat(second)
     for name in OPINIONS:
         if name not in own or name not in other:
             continue
@@ -394,14 +394,14 @@ def _unknown(second: Mapping[str, Any]) -> str:
 
 
 def not_made(
-    level: Level,
+    solved: MeshSolution,
     judged: Sequence[Check],
     second: Mapping[str, Any],
     rubbed: Mapping[str, Mapping[str, Any]] | None,
 ) -> dict[str, str]:
     """Why a second opinion is missing, by the name of the check that was not made of it; second and
     rubbed as in `run` and `friction`."""
-    plain = level.plain or level
+    plain = solved.elastic_reference or solved
     if plain.result is None:
         return {}
     made, out = {each.name for each in judged}, {}
@@ -416,8 +416,8 @@ def not_made(
             for name in OPINIONS
             if name in resolved(plain) and f"second_opinion_{name}" not in made
         }
-    if level.solution.friction is not None:
-        name = "friction" if level.plan.scene.rolling.given else "shift"
+    if solved.solution.friction is not None:
+        name = "friction" if solved.plan.scene.rolling.given else "shift"
         reasons = [each["reason"] for each in (rubbed or {}).values() if "reason" in each]
         if f"second_opinion_{name}" not in made:
             out[f"second_opinion_{name}"] = next(iter(reasons), HELD)

@@ -9,9 +9,9 @@ from railhead.planning.cost import machine
 from railhead.planning.plan import Plan
 from railhead.results.result import Result
 from railhead.results.summary import summarise
-from railhead.run.mesh_solution import Level
+from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
-from railhead.run.refinement import Ending, refine, unforeseen
+from railhead.run.refinement import Ending, refine, unplanned_yield
 from railhead.scene.scene import Rail, Scene, Wheel
 
 
@@ -25,15 +25,15 @@ def run(
 def solve(plan: Plan, progress: Progress, comm: MPI.Intracomm = MPI.COMM_WORLD) -> Result:
     """Solve what is planned. Raises SceneError for a mesh that does not fit, MeshError."""
     levels, ending = refine(plan, progress, comm)
-    if why := unforeseen(levels[-1], comm):
+    if why := unplanned_yield(levels[-1], comm):
         levels, ending = refine(plan.turned_on("plasticity", why), progress, comm)
     return result(levels, ending, comm)
 
 
-def result(levels: list[Level], ending: Ending, comm: MPI.Intracomm) -> Result:
+def result(levels: list[MeshSolution], ending: Ending, comm: MPI.Intracomm) -> Result:
     """Of the last of some meshes, alike on all ranks."""
-    level = levels[-1]
-    return Result(level, comm.bcast(None if level.fields is None else summarise(levels, ending)))
+    solved = levels[-1]
+    return Result(solved, comm.bcast(None if solved.fields is None else summarise(levels, ending)))
 
 
 def measure_speed() -> float:

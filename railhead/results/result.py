@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from railhead.results.report import terminal
 from railhead.results.report.output_units import Units
-from railhead.run.mesh_solution import Level
+from railhead.run.mesh_solution import MeshSolution
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,7 +38,7 @@ class Result:
     tau_max_depth, von_mises_max; a name is missing where there is no bound.
     """
 
-    level: Level
+    mesh_solution: MeshSolution
     summary: dict[str, Any]
 
     def __repr__(self) -> str:
@@ -129,14 +129,14 @@ class Result:
     @property
     def mesh(self) -> Any:
         """The dolfinx mesh of both bodies (of the modelled part, where there is symmetry)."""
-        return self.level.mesh.mesh
+        return self.mesh_solution.mesh.mesh
 
     @property
     def displacement(self) -> Any:
         """A dolfinx Function on `mesh`, mm."""
         from railhead.solver import compat
 
-        return compat.function(self.level.space, self.level.solution.displacement)
+        return compat.function(self.mesh_solution.space, self.mesh_solution.solution.displacement)
 
     def save(
         self, folder: str | Path, *, pictures: bool = True, report: bool = True,
@@ -172,22 +172,22 @@ class Result:
     @property
     def plan(self) -> Plan:
         """The plan of the finest mesh."""
-        return self.level.plan
+        return self.mesh_solution.plan
 
     @property
     def ellipse(self) -> Hertz:
         """Exact Hertz under the same load."""
-        return self.level.ellipse
+        return self.mesh_solution.ellipse
 
     @property
     def fields(self) -> Fields | None:
         """The solution as arrays (rank 0)."""
-        return self.level.fields
+        return self.mesh_solution.fields
 
     @property
     def findings(self) -> Findings | None:
         """What was read out of it (rank 0)."""
-        return self.level.findings
+        return self.mesh_solution.findings
 
 
 @dataclass(frozen=True)

@@ -169,11 +169,11 @@ def write_grids(result: Result, folder: Path, *, whole: bool = False) -> Array |
     from railhead.postprocess.stress import gauss_points
     from railhead.postprocess.vtu import files
 
-    left, found, fields = result.level.left, result.findings, result.fields
+    found, fields = result.findings, result.fields
     if fields is None or found is None:
         return None
-    residual = None if left is None else left.residual
-    stresses, rubbing = gauss_points.nodal(fields), result.level.solution.friction
+    residual = result.mesh_solution.unloaded_fields
+    stresses, rubbing = gauss_points.nodal(fields), result.mesh_solution.solution.friction
     files.write(fields, stresses, found, residual, rubbing, folder, whole=whole)
     return stresses
 
@@ -189,16 +189,19 @@ def write(
     with replacing(folder) as work:
         found, grids = result.findings, None
         if found is not None:
-            after = result.level.after.items()
+            after = result.mesh_solution.after.items()
             needed = tuple(
                 f"{name.replace('_', ' ')}: {each.why}" for name, each in after if each.needed
             )
             found = replace(found, notes=needed, subject=subject(result.plan, result.load))
         stresses = write_grids(result, work, whole=whole)
-        left, rubbing, fields = result.level.left, result.level.solution.friction, result.fields
-        residual = None if left is None else left.residual
+        rubbing, fields = result.mesh_solution.solution.friction, result.fields
+        residual = result.mesh_solution.unloaded_fields
         if fields is not None and found is not None and stresses is not None and pictures:
-            poisson, elastic = result.plan.shown.poisson_ratio, result.level.plain
+            poisson, elastic = (
+                result.plan.shown.poisson_ratio,
+                result.mesh_solution.elastic_reference,
+            )
             grids = gallery.draw(fields, stresses, found, result.ellipse, poisson, work)
             if residual is not None and elastic is not None and elastic.findings:
                 exact = result.ellipse if len(found.patch.each) < 2 else None

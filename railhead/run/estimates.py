@@ -29,7 +29,7 @@ from railhead.theory.elastic.subsurface import max_shear
 
 if TYPE_CHECKING:
     from railhead.postprocess.findings import Findings
-    from railhead.run.mesh_solution import Level
+    from railhead.run.mesh_solution import MeshSolution
 
 SPREAD = 2.0  # times the change between meshes a step apart: first-order convergence leaves
 # 1/(STEP - 1) = 1.67 of it
@@ -89,10 +89,10 @@ class Estimate:
         return lost((self.total - self.reading) / self.flatness)
 
 
-def worst(found: Mapping[str, Estimate], level: Level) -> float:
+def worst(found: Mapping[str, Estimate], solved: MeshSolution) -> float:
     """The largest of what counts against an asked accuracy; infinite where a quantity that the mesh
     can tell has no estimate."""
-    if level.result is None or set(found) != set(resolved(level)):
+    if solved.result is None or set(found) != set(resolved(solved)):
         return math.inf
     return max((each.counts for each in found.values()), default=math.inf)
 
@@ -109,25 +109,25 @@ def flat(result: Mapping[str, Any]) -> dict[str, float]:
     return values
 
 
-def resolved(level: Level) -> dict[str, float]:
+def resolved(solved: MeshSolution) -> dict[str, float]:
     """The quantities of a mesh that it can tell: a largest shear stress within one element of the
     surface, or on a spike much narrower than one, has no depth; the length of a line is given."""
-    values = flat(level.result or {}) | rubbed(level)
-    if level.plan.contact.line:
-        values.pop("b_mm" if level.plan.contact.lengthwise else "a_mm", None)
+    values = flat(solved.result or {}) | rubbed(solved)
+    if solved.plan.contact.line:
+        values.pop("b_mm" if solved.plan.contact.lengthwise else "a_mm", None)
     depth = values.get("tau_max_depth_mm")
-    if depth is None or level.findings is None or level.result is None:
+    if depth is None or solved.findings is None or solved.result is None:
         return values
-    flatness = depth * scales(level.findings, level.result)["tau_max_depth_mm"]
-    if depth < level.grading.size or flatness < SPIKE * level.grading.size:
+    flatness = depth * scales(solved.findings, solved.result)["tau_max_depth_mm"]
+    if depth < solved.grading.size or flatness < SPIKE * solved.grading.size:
         del values["tau_max_depth_mm"]
     return values
 
 
-def rubbed(level: Level) -> dict[str, float]:
+def rubbed(solved: MeshSolution) -> dict[str, float]:
     """What follows of either direction of friction: the motion of a given force, else the force of
     what rolls, over mu N."""
-    found, scene = level.solution.friction, level.plan.scene
+    found, scene = solved.solution.friction, solved.plan.scene
     if found is None:
         return {}
     rolling, values = scene.rolling.given, {}
@@ -238,38 +238,38 @@ def next_resolution(n: float, worst: float, accuracy: float) -> float:
     return n * min(max(1.1 * worst / accuracy, 1.25), STEP)
 
 
-def estimate(levels: Sequence[Level]) -> tuple[dict[str, Estimate], str]:
+def estimate(levels: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
     """Estimates of the last of some meshes of a scene by quantity, and the source of their mesh
     parts (rank 0). A quantity without a mesh part or without a bound of its reading has none;
     neither has a run that did not converge."""
-    level = levels[-1]
-    if level.result is None or level.findings is None or not level.solution.newton.converged:
+    solved = levels[-1]
+    if solved.result is None or solved.findings is None or not solved.solution.newton.converged:
         return {}, "no solution"
-    solved = [
+    values = [
         (each.resolution, resolved(each), reading(each.findings))
         for each in levels
         if each.findings is not None
     ]
-    known = level.family
-    flatness = scales(level.findings, level.result)
-    parts, source = mesh_parts(solved, known, flatness)
+    known = solved.family
+    flatness = scales(solved.findings, solved.result)
+    parts, source = mesh_parts(values, known, flatness)
     overlap = 0.0
-    if level.plan.scene.solver.method == "penalty":
-        overlap = abs(level.solution.penetration / level.solution.approach)
-    doubt = 2 * (parts.get("tau_max_MPa", 0.0) + solved[-1][2].get("tau_max_MPa", 0.0))
-    scatter = reading(level.findings, max(RIVAL, doubt))
-    geometry = level.off_surface / min(level.plan.zone)
+    if solved.plan.scene.solver.method == "penalty":
+        overlap = abs(solved.solution.penetration / solved.solution.approach)
+    doubt = 2 * (parts.get("tau_max_MPa", 0.0) + values[-1][2].get("tau_max_MPa", 0.0))
+    scatter = reading(solved.findings, max(RIVAL, doubt))
+    geometry = solved.off_surface / min(solved.plan.zone)
     found = {
         name: Estimate(
             mesh,
             scatter.get(name, 0.0),
             overlap * (known.overlap[name] if known is not None else 1.0),
-            level.plan.left_out,
+            solved.plan.left_out,
             geometry,
-            levels[0].stepping.get(name, 0.0)
-            * plasticity.steps(level.plan.context)
-            / level.plan.load_steps,
-            level.plan.hidden,
+            levels[0].load_step_errors.get(name, 0.0)
+            * plasticity.steps(solved.plan.context)
+            / solved.plan.load_steps,
+            solved.plan.hidden,
             flatness.get(name),
         )
         for name, mesh in parts.items()

@@ -33,25 +33,38 @@ from railhead.theory.elastic.contacts import Hertz
 
 if TYPE_CHECKING:
     from railhead.postprocess.patch.patch import Moments
-    from railhead.postprocess.stress.plastic import Left
+    from railhead.postprocess.stress.plastic import ResidualState
     from railhead.solver.contact import ContactModel
     from railhead.solver.fields import Fields
     from railhead.solver.solution import Solution
 
-OUTGROWN = 1.25  # patch over the finely meshed ellipse, either way, that calls for a new mesh
+REMESH_RATIO = 1.25  # found over expected patch, either way, beyond which it is meshed again
 MAX_MESHES = 3
-MAX_LOADS = 6  # that are tried to meet a given approach between half-spaces ...
-REACHED = 1e-9  # ... to this relative error
+MAX_APPROACH_SOLVES = 6  # loads that are tried to meet a given approach between half-spaces
+APPROACH_TOLERANCE = 1e-9  # relative, of that approach
 
 
-@dataclass(frozen=True)
-class Level:
-    """fields, findings and result ("result" of summary.json) are None off rank 0, the last two
-    also where nothing touches. space: of the displacement. ellipse: exact Hertz under the load that
-    was found. settled: the patch that was found is the one that was meshed for. plain: the same
-    without yield or friction, where there is one. Where bodies yield, left: what the load leaves
-    (rank 0); stepping: relative error by quantity of taking the load in as many steps as usual,
-    where that was looked at."""
+@dataclass(frozen=True, kw_only=True)
+class MeshSolution:
+    """A scene solved on one mesh, and what was read from it.
+
+    Attributes
+    ----------
+    plan, grading, mesh : what was solved, sizes of the elements, the mesh.
+    space : function space of the displacement (dolfinx).
+    unknowns : number of unknowns.
+    ranks : number of MPI processes.
+    solution : displacement, pressure, forces, and how Newton's method went.
+    ellipse : exact Hertz under the load of the solution.
+    fields : the solution as arrays; None off rank 0.
+    findings : patch, pressure and stresses; None off rank 0 and where nothing touches.
+    result : "result" of summary.json; None where `findings` is.
+    mesh_fits_patch : whether the patch lies where the mesh is fine.
+    seconds : time by stage.
+    elastic_reference : the same scene without yield or friction; None where it has neither.
+    residual_state : what a load that made bodies yield leaves (rank 0); None without yield.
+    load_step_errors : relative error by quantity of the usual number of load steps, where measured.
+    """
 
     plan: Plan
     grading: Grading
@@ -64,21 +77,21 @@ class Level:
     fields: Fields | None
     findings: Findings | None
     result: dict[str, Any] | None
-    settled: bool
+    mesh_fits_patch: bool
     seconds: dict[str, float]
-    plain: Level | None = None
-    left: Left | None = None
-    stepping: Mapping[str, float] = field(default_factory=dict)
+    elastic_reference: MeshSolution | None = None
+    residual_state: ResidualState | None = None
+    load_step_errors: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def approach_error(self) -> float:
-        """Of the approach, relative to the one asked for; 0 where the load is given."""
-        asked = self.plan.scene.approach
-        return abs(self.solution.approach / asked - 1) if asked else 0.0
+        """Relative deviation from the scene's approach; 0 where the scene has a load."""
+        target = self.plan.scene.approach
+        return abs(self.solution.approach / target - 1) if target else 0.0
 
     @property
     def after(self) -> dict[str, After]:
-        """The effects' indicators on the solution (rank 0)."""
+        """What the solution says about each effect of the plan, by name (rank 0)."""
         if self.findings is None:
             return {}
         plan = self.plan
@@ -86,19 +99,25 @@ class Level:
 
     @property
     def resolution(self) -> float:
-        """Elements per smaller semi-axis of the patch that was meshed for."""
+        """Elements per smaller semi-axis of the patch that the mesh was made for."""
         return self.grading.resolution
 
     @property
     def setting(self) -> Setting:
-        """What the errors of this mesh depend on, now that the patch is known (rank 0)."""
+        """What the discretisation error depends on, with the shape of the solved patch (rank 0)."""
         plan, found = self.plan, self.findings
         return plan.setting if found is None else replace(plan.setting, ellipse=found.hertzian)
 
     @property
     def family(self) -> Family | None:
-        """Whose error laws hold for it (rank 0): none were measured with yield or friction."""
+        """The calibrated error envelopes that hold for this solution (rank 0); None where there are
+        none, as with yield or friction."""
         return error_envelopes.family(self.setting) if self.plan.plain else None
+
+    @property
+    def unloaded_fields(self) -> Fields | None:
+        """Fields after the load is taken off; None without yield or where not computed."""
+        return None if self.residual_state is None else self.residual_state.unloaded
 
     @property
     def off_surface(self) -> float:
@@ -110,16 +129,17 @@ class Level:
         return float(np.max(gap.off_surface(contact.points[contact.pressure > 0]), initial=0.0))
 
     def finer(self, n: float) -> tuple[Plan, Grading]:
-        """Plan and grading of a mesh around the same patch with n elements per semi-axis."""
+        """Plan and element sizes of a mesh around the same patch, n elements per semi-axis."""
         plan = self.plan.at_resolution(n)
         return plan, plan.grading()
 
 
-def solve_level(
+def mesh_and_solve(
     plan: Plan, grading: Grading | None, progress: Progress, comm: MPI.Intracomm
-) -> Level:
-    """Mesh (as planned without a grading) and solve; where the patch is not the predicted one,
-    mesh again around it."""
+) -> MeshSolution:
+    """Mesh the bodies of a plan and solve; collective. Where the patch is not the expected one,
+    both are done again around it, at most MAX_MESHES times. grading: element sizes, None: the
+    plan's. MeshError: gmsh cannot mesh the bodies."""
     grading = grading or plan.grading()
     clock = _Clock()
     frame = plan.contact.frame
@@ -136,33 +156,36 @@ def solve_level(
         solution = solve(plan, model, frame, progress.newton)
         clock.lap("solve")
         fields, unknowns, space = gather(model, solution), model.unknowns, model.bulk.space
-        left = _left(model, solution, fields, frame)
-        plain = _plain(solution)
-        plain_fields = None if plain is solution else gather(model, plain)
+        state = _residual_state(model, solution, fields, frame)
+        elastic = _elastic_reference(solution)
+        elastic_fields = None if elastic is solution else gather(model, elastic)
         model.release()
-        better = comm.bcast(None if fields is None else _regrade(plan, grading, fields, frame))
+        better = comm.bcast(
+            None if fields is None else _remesh_for_found_patch(plan, grading, fields, frame)
+        )
         if better is None or attempt == MAX_MESHES or not solution.newton.converged:
             break
         plan, grading = better
     progress.stage("reading the result")
 
-    def level(fields: Fields | None, solution: Solution) -> Level:
+    def read(fields: Fields | None, solution: Solution) -> MeshSolution:
         return _read(
             plan, grading, mesh, (space, unknowns), solution, fields, better is None, clock
-        )  # fmt: skip
+        )
 
-    found = level(fields, solution)
-    if plain is not solution:
-        found = replace(found, plain=level(plain_fields, plain), left=left)
+    solved = read(fields, solution)
+    if elastic is not solution:
+        reference = read(elastic_fields, elastic)
+        solved = replace(solved, elastic_reference=reference, residual_state=state)
     clock.lap("postprocess")
-    return found
+    return solved
 
 
-def solve_on(
+def solve_on_mesh(
     mesh: ContactMesh, model: ContactModel, plan: Plan, progress: Progress, comm: MPI.Intracomm
-) -> Level | None:
-    """Solve the load of a plan, without yield and friction, on a mesh at least as fine as its own;
-    None where that mesh does not suit what is found."""
+) -> MeshSolution | None:
+    """Solve the load of a plan without yield and friction on a mesh that exists; collective. None
+    where Newton's method does not converge or the patch is not where the mesh is fine."""
     clock = _Clock()
     progress.stage(f"solving {model.unknowns} unknowns")
     frame = plan.contact.frame
@@ -171,13 +194,15 @@ def solve_on(
     from railhead.solver.fields import gather
 
     fields, grading = gather(model, solution), plan.grading()
-    better = comm.bcast(None if fields is None else _regrade(plan, grading, fields, frame))
+    better = comm.bcast(
+        None if fields is None else _remesh_for_found_patch(plan, grading, fields, frame)
+    )
     if better is not None or not solution.newton.converged:
         return None
     size = model.bulk.space, model.unknowns
-    found = _read(plan, grading, mesh, size, solution, fields, True, clock)
+    solved = _read(plan, grading, mesh, size, solution, fields, True, clock)
     clock.lap("postprocess")
-    return found
+    return solved
 
 
 def _read(
@@ -187,10 +212,10 @@ def _read(
     size: tuple[Any, int],
     solution: Solution,
     fields: Fields | None,
-    settled: bool,
+    mesh_fits_patch: bool,
     clock: _Clock,
-) -> Level:
-    """What a solution on a mesh tells; size: space of the displacement, and unknowns."""
+) -> MeshSolution:
+    """Read patch, stresses and friction; size: space of the displacement, and unknowns."""
     findings = result = None
     if fields is not None and np.any(fields.contact.pressure > 0):
         frame = plan.contact.frame
@@ -209,35 +234,52 @@ def _read(
             )  # fmt: skip
             findings = replace(findings, dissipated=result["friction"].get("t_gamma_N", math.nan))
     ellipse = closed_forms.estimate(plan.scene, plan.contact, solution.load or None)
-    return Level(
-        plan, grading, mesh, *size, mesh.mesh.comm.size, solution, ellipse, fields, findings,
-        result, settled, clock.seconds,
-    )  # fmt: skip
+    space, unknowns = size
+    return MeshSolution(
+        plan=plan,
+        grading=grading,
+        mesh=mesh,
+        space=space,
+        unknowns=unknowns,
+        ranks=mesh.mesh.comm.size,
+        solution=solution,
+        ellipse=ellipse,
+        fields=fields,
+        findings=findings,
+        result=result,
+        mesh_fits_patch=mesh_fits_patch,
+        seconds=clock.seconds,
+    )
 
 
-def _plain(solution: Solution) -> Solution:
-    """The same without yield and friction."""
-    return solution if solution.reference is None else _plain(solution.reference)
+def _elastic_reference(solution: Solution) -> Solution:
+    """The solution without yield and friction that one with them started from, or itself."""
+    return solution if solution.reference is None else _elastic_reference(solution.reference)
 
 
-def _left(
+def _residual_state(
     model: ContactModel, solution: Solution, fields: Fields | None, frame: Frame
-) -> Left | None:
-    """What the load leaves where something yields (rank 0; collective)."""
+) -> ResidualState | None:
+    """What the load leaves where a body yields (on rank 0; collective)."""
     if solution.plasticity is None:
         return None
     from railhead.postprocess.stress import plastic
     from railhead.solver.fields import gather
 
-    unloaded = solution.plasticity.residual_state
-    residual = None if unloaded is None else gather(model, unloaded)
-    return None if fields is None else plastic.left(solution.plasticity, fields, residual, frame)
+    after = solution.plasticity.residual_state
+    unloaded = None if after is None else gather(model, after)
+    if fields is None:
+        return None
+    return plastic.residual_state(solution.plasticity, fields, unloaded, frame)
 
 
 def solve(
     plan: Plan, model: ContactModel, frame: Frame, progress: Callable[[int, float], None]
 ) -> Solution:
-    """Solve the plan's load or approach, starting from the forecast."""
+    """Solve for the scene's load or approach, starting from the points of the forecast patch.
+
+    Between half-spaces the far field is that of a load. An approach is met there by secants in the
+    logarithms of load and approach, from load ~ approach^1.5 (Hertz)."""
     scene = plan.scene
 
     def at(load: float, approach: float = 0.0) -> Solution:
@@ -254,13 +296,15 @@ def solve(
     target = float(scene.approach or 0.0)
     if not model.setup.load_control:
         return at(0.0, target)
-    # Half-spaces: the far field needs the load. It grows about as approach^1.5, then by secants.
     load, power = plan.estimate.load, 1.5
     tried: list[tuple[float, float]] = []
-    for _ in range(MAX_LOADS):
+    for _ in range(MAX_APPROACH_SOLVES):
         solution = at(load)
         found = solution.approach
-        if not (solution.newton.converged and found > 0) or abs(found / target - 1) < REACHED:
+        if (
+            not (solution.newton.converged and found > 0)
+            or abs(found / target - 1) < APPROACH_TOLERANCE
+        ):
             break
         tried.append((math.log(load), math.log(found)))
         if len(tried) > 1:
@@ -270,29 +314,30 @@ def solve(
     return solution
 
 
-def _regrade(
+def _remesh_for_found_patch(
     plan: Plan, grading: Grading, fields: Fields, frame: Frame
 ) -> tuple[Plan, Grading] | None:
-    """A mesh around the patch that was found, where it is not the one that was predicted."""
+    """Plan and element sizes around the solved patch; None where it is the expected one within
+    REMESH_RATIO, or nothing touches."""
     if not np.any(fields.contact.pressure > 0):
         return None
     from railhead.postprocess import read
 
     found = read.moments(fields, frame)
     x, s, a, b = plan.forecast.moments
-    fits = all(1 / OUTGROWN < ratio < OUTGROWN for ratio in (found.a / a, found.b / b))
+    fits = all(1 / REMESH_RATIO < ratio < REMESH_RATIO for ratio in (found.a / a, found.b / b))
     beside = abs(found.centre[0] - x) / a, abs(found.centre[1] - s) / b
-    if fits and max(beside) < OUTGROWN - 1:
+    if fits and max(beside) < REMESH_RATIO - 1:
         return None
-    expected = found_forecast(fields, found, frame)
+    expected = forecast_from_solution(fields, found, frame)
     if plan.scene.mesh.patch_size is None:
         plan = replace(plan, patch_size=expected.minor / grading.resolution)
     plan = replace(plan, forecast=expected)
     return plan, plan.grading()
 
 
-def found_forecast(fields: Fields, found: Moments, frame: Frame) -> Forecast:
-    """What a finer or better placed mesh can expect, from a solution."""
+def forecast_from_solution(fields: Fields, found: Moments, frame: Frame) -> Forecast:
+    """The patch of a solution as a forecast for the next mesh; moments: those of its pressure."""
     contact = fields.contact
     points, touches = contact.points, contact.pressure > 0
     if fields.kinematics.dim == 2:

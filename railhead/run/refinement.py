@@ -12,7 +12,7 @@ from railhead.planning.accuracy import error_envelopes
 from railhead.planning.cost import machine, price
 from railhead.planning.plan import Plan
 from railhead.run import estimates
-from railhead.run.mesh_solution import Level, solve_level
+from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
 
 MAX_LEVELS = 5
@@ -33,19 +33,21 @@ class Ending:
     would_cost: tuple[int, float] | None = None
 
 
-def refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[Level], Ending]:
+def refine(
+    plan: Plan, progress: Progress, comm: MPI.Intracomm
+) -> tuple[list[MeshSolution], Ending]:
     """The solved meshes of a plan, coarsest first, and why there are no more of them. Raises
     SceneError for a mesh that does not fit into the memory, MeshError."""
     price.check_memory(plan, comm.bcast(machine.free_memory()))
     if plan.scene.one_mesh:
-        return [solve_level(plan, plan.grading(), progress, comm)], Ending(ONE_MESH)
+        return [mesh_and_solve(plan, plan.grading(), progress, comm)], Ending(ONE_MESH)
     return _refine(plan, progress, comm)
 
 
-def unforeseen(level: Level, comm: MPI.Intracomm) -> str:
+def unplanned_yield(solved: MeshSolution, comm: MPI.Intracomm) -> str:
     """Why bodies yield that the plan took for elastic; empty where they do not, where a person
     wants them elastic, or where friction keeps them so."""
-    effect, after = level.plan.effects["plasticity"], level.after.get("plasticity")
+    effect, after = solved.plan.effects["plasticity"], solved.after.get("plasticity")
     kept = effect.on or effect.override or "on" in effect.refused
     if after is None or not after.needed or kept:
         return comm.bcast("")
@@ -57,7 +59,9 @@ def telling(*, quiet: bool, since: float | None = None) -> Progress:
     return Progress(quiet=quiet or MPI.COMM_WORLD.rank > 0, since=since)
 
 
-def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[Level], Ending]:
+def _refine(
+    plan: Plan, progress: Progress, comm: MPI.Intracomm
+) -> tuple[list[MeshSolution], Ending]:
     """Solve on a coarse and a fine mesh, and on finer ones until the estimates meet the accuracy.
 
     Outside the calibrated families a third mesh, coarser still, comes first. Where the laws do not
@@ -72,7 +76,7 @@ def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[L
     least = 2
     if known is not None and scene.budget is None and not known.covers(coarse):
         least, coarse = 1, known.finest(ALONE * _asked(plan))
-    levels = [solve_level(plan.at_resolution(coarse), None, progress, comm)]
+    levels = [mesh_and_solve(plan.at_resolution(coarse), None, progress, comm)]
     if levels[0].solution.plasticity is not None:
         levels[0] = _stepped(levels[0], progress, comm)
     spent = sum(levels[0].seconds.values())
@@ -96,20 +100,20 @@ def _refine(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> tuple[list[L
             stop = stop or "the error laws end at coarser meshes"
         if stop or len(levels) == MAX_LEVELS:
             return levels, Ending(stop or "too many meshes", cost)
-        level = solve_level(finer, grading, progress, comm)
-        levels.append(level)
-        spent += sum(level.seconds.values())
+        solved = mesh_and_solve(finer, grading, progress, comm)
+        levels.append(solved)
+        spent += sum(solved.seconds.values())
 
 
-def _stepped(level: Level, progress: Progress, comm: MPI.Intracomm) -> Level:
+def _stepped(solved: MeshSolution, progress: Progress, comm: MPI.Intracomm) -> MeshSolution:
     """A coarse level that knows what its load steps cost, and plans as many for finer ones as the
     accuracy wants: twice as many nearly halve their error."""
-    plan = level.plan
+    plan = solved.plan
     twice = replace(plan, load_steps=2 * plan.load_steps)
-    other = solve_level(twice, level.grading, progress, comm)
+    other = mesh_and_solve(twice, solved.grading, progress, comm)
     error: dict[str, float] = {}
-    if level.result is not None and other.result is not None:
-        found, better = estimates.flat(level.result), estimates.flat(other.result)
+    if solved.result is not None and other.result is not None:
+        found, better = estimates.flat(solved.result), estimates.flat(other.result)
         error = {
             name: STEP_ERROR * abs(found[name] / better[name] - 1)
             for name in found
@@ -118,7 +122,7 @@ def _stepped(level: Level, progress: Progress, comm: MPI.Intracomm) -> Level:
     shared = {name: value for name, value in error.items() if name not in error_envelopes.PLACES}
     more = max(shared.values(), default=0.0) / (STEPPING * (plan.scene.accuracy or 1.0))
     steps = plan.load_steps * min(max(1, math.ceil(comm.bcast(more))), MOST_STEPS)
-    return replace(level, plan=replace(plan, load_steps=steps), stepping=error)
+    return replace(solved, plan=replace(plan, load_steps=steps), load_step_errors=error)
 
 
 def _spent(budget: float, seconds: float) -> str:
@@ -133,24 +137,24 @@ def _asked(plan: Plan) -> float:
     return (plan.scene.accuracy or 0.0) - plan.left_out
 
 
-def _worst(levels: list[Level]) -> float:
+def _worst(levels: list[MeshSolution]) -> float:
     """What counts of the estimates of the last mesh."""
     return estimates.worst(estimates.estimate(levels)[0], levels[-1])
 
 
-def _next(levels: list[Level], worst: float, wanted: float) -> tuple[float, bool]:
+def _next(levels: list[MeshSolution], worst: float, wanted: float) -> tuple[float, bool]:
     """Elements per semi-axis of the next mesh, and whether an estimate can be had there."""
-    level = levels[-1]
-    n, asked = level.resolution, level.plan.scene.accuracy
-    known = level.family
+    solved = levels[-1]
+    n, asked = solved.resolution, solved.plan.scene.accuracy
+    known = solved.family
     if known is None or (len(levels) > 1 and not math.isfinite(worst)):
         return error_envelopes.STEP * n, True
     if len(levels) > 1:
         wanted = estimates.next_resolution(n, worst, asked or worst)
     else:
-        if asked is not None and level.plan.scene.budget is None:
-            found = estimates.reading(level.findings) if level.findings is not None else {}
-            wanted = known.read_no_better(n, found).finest(_asked(level.plan))
+        if asked is not None and solved.plan.scene.budget is None:
+            found = estimates.reading(solved.findings) if solved.findings is not None else {}
+            wanted = known.read_no_better(n, found).finest(_asked(solved.plan))
         wanted = max(wanted, 1.25 * n)
     return wanted, known.covers(wanted, [each.resolution for each in levels])
 

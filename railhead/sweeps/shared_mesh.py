@@ -21,7 +21,7 @@ from railhead.planning.plan import Plan
 from railhead.results import pipeline
 from railhead.results.result import Result
 from railhead.run import build, refinement
-from railhead.run.mesh_solution import solve_on
+from railhead.run.mesh_solution import solve_on_mesh
 from railhead.run.progress import Progress
 from railhead.run.refinement import Ending
 from railhead.scene.scene import Scene, SceneError
@@ -106,7 +106,7 @@ def _model(
 def _on(
     mesh: ContactMesh, model: ContactModel, plan: Plan, progress: Progress, comm: MPI.Intracomm
 ) -> Result | None:
-    level = solve_on(mesh, model, plan, progress, comm)
-    if level is None or refinement.unforeseen(level, comm):
+    solved = solve_on_mesh(mesh, model, plan, progress, comm)
+    if solved is None or refinement.unplanned_yield(solved, comm):
         return None
-    return pipeline.result([level], Ending(refinement.ONE_MESH), comm)
+    return pipeline.result([solved], Ending(refinement.ONE_MESH), comm)

@@ -139,25 +139,25 @@ def cubic_meshes(case: Case, sizes: int | None, progress: Progress) -> Iterator[
     from mpi4py import MPI
 
     from railhead.planning import plan as planning
-    from railhead.run.mesh_solution import solve_level
+    from railhead.run.mesh_solution import mesh_and_solve
 
     plan = replace(planning.make(case.scene), order=3)
     silent, comm = Progress(quiet=True), MPI.COMM_WORLD
     progress.stage(f"{case.scene.name}: {CUBIC}, warm-up")
-    solve_level(plan.at_resolution(CUBIC_SIZES[0]), None, silent, comm)
+    mesh_and_solve(plan.at_resolution(CUBIC_SIZES[0]), None, silent, comm)
     for n in CUBIC_SIZES[:sizes]:
         progress.stage(f"{case.scene.name}: nitsche, {CUBIC}, b/{n:g}")
-        level = solve_level(plan.at_resolution(n), None, silent, comm)
-        history = level.solution.newton.history
+        solved = mesh_and_solve(plan.at_resolution(n), None, silent, comm)
+        history = solved.solution.newton.history
         yield Run(
-            case.scene.name, "nitsche", CUBIC, None, n, level.grading.size, level.unknowns,
-            seconds=sum(level.seconds.values()),
-            seconds_solve=level.seconds["solve"],
+            case.scene.name, "nitsche", CUBIC, None, n, solved.grading.size, solved.unknowns,
+            seconds=sum(solved.seconds.values()),
+            seconds_solve=solved.seconds["solve"],
             newton_iterations=len(history),
             linear_iterations=sum(step.linear_iterations for step in history),
-            converged=level.solution.newton.converged,
-            failure="" if level.solution.newton.converged else level.solution.newton.reason,
-            **_errors(level.result, case.exact),
+            converged=solved.solution.newton.converged,
+            failure="" if solved.solution.newton.converged else solved.solution.newton.reason,
+            **_errors(solved.result, case.exact),
         )  # fmt: skip
 
 

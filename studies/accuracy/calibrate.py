@@ -19,7 +19,7 @@ from railhead.postprocess import read
 from railhead.postprocess.findings import Frame
 from railhead.run import estimates
 from railhead.run.estimates import QUANTITIES, READ
-from railhead.run.mesh_solution import Level
+from railhead.run.mesh_solution import MeshSolution
 from railhead.scene.scene import Scene
 from railhead.sweeps.worker_pool import attempts
 from studies import tables
@@ -66,28 +66,31 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Recor
     )
     exact: dict[str, float] = {}
     for n in resolutions:
-        level = families.solved(scene, n)
-        if level is None or level.findings is None or not level.solution.newton.converged:
+        solved = families.solved(scene, n)
+        if solved is None or solved.findings is None or not solved.solution.newton.converged:
             continue
-        exact = exact or families.truth(name, scene, level)
+        exact = exact or families.truth(name, scene, solved)
         turn = TURNED if setting.turned else {}
-        found, scatter = estimates.resolved(level), estimates.reading(level.findings)
-        otherwise = in_general(level)
-        scale = estimates.scales(level.findings, level.result or {})
+        found, scatter = (
+            estimates.resolved(solved),
+            estimates.reading(solved.findings),
+        )
+        otherwise = in_general(solved)
+        scale = estimates.scales(solved.findings, solved.result or {})
         penalty = scene.solver.method == "penalty"
-        overlap = abs(level.solution.penetration / level.solution.approach) if penalty else 0.0
+        overlap = abs(solved.solution.penetration / solved.solution.approach) if penalty else 0.0
         records += [
             Record(
-                part, scene.name, level.resolution, level.unknowns, turn.get(key, key),
-                max(abs(found[key] / value - 1) - level.plan.left_out, 0.0),
+                part, scene.name, solved.resolution, solved.unknowns, turn.get(key, key),
+                max(abs(found[key] / value - 1) - solved.plan.left_out, 0.0),
                 scatter.get(key, 0.0), overlap, scale.get(key, 1.0),
             )
             for key, value in exact.items() if key in found and value
         ]  # fmt: skip
         records += [
             Record(
-                part, scene.name, level.resolution, level.unknowns, turn.get(key, key),
-                max(abs(read / exact[key] - 1) - level.plan.left_out, 0.0), scatter, overlap, 1.0,
+                part, scene.name, solved.resolution, solved.unknowns, turn.get(key, key),
+                max(abs(read / exact[key] - 1) - solved.plan.left_out, 0.0), scatter, overlap, 1.0,
                 general=True,
             )
             for key, (read, scatter) in otherwise.items() if key in found and exact.get(key)
@@ -95,12 +98,12 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Recor
     return records
 
 
-def in_general(level: Level) -> dict[str, tuple[float, float]]:
+def in_general(solved: MeshSolution) -> dict[str, tuple[float, float]]:
     """Value and reading's part of what is read of the pressure, by quantity, as if the patch were
     no ellipse by construction."""
-    fields = level.fields
+    fields = solved.fields
     assert fields is not None
-    plan = level.plan
+    plan = solved.plan
     frame = Frame(plan.contact.origin, plan.contact.touch.angle)
     found = read.findings(fields, frame).patch
     return {key: (getattr(found, name), found.scatter[name]) for key, name in READ.items()}

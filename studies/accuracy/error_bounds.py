@@ -91,7 +91,7 @@ def measure(name: str, scene: Scene, accuracy: float | None) -> list[Record]:
             cost["seconds"]["total"] / predicted, key, summary["accuracy"]["bound"].get(key),
             abs(found[key] / value - 1),
         )
-        for key, value in families.truth(name, scene, result.level).items()
+        for key, value in families.truth(name, scene, result.mesh_solution).items()
         if key in found and value
     ]  # fmt: skip
 

@@ -20,7 +20,7 @@ from railhead.planning import plan as planning
 from railhead.planning.accuracy import error_envelopes
 from railhead.results.summary import exact_quantities
 from railhead.run import estimates
-from railhead.run.mesh_solution import Level, solve_level
+from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic.hertz import point_contact
@@ -335,21 +335,21 @@ def scenes(name: str, seed: int) -> Iterator[Scene]:
             yield scene
 
 
-def solved(scene: Scene, n: float | None = None) -> Level | None:
+def solved(scene: Scene, n: float | None = None) -> MeshSolution | None:
     """One mesh, at n elements per semi-axis or as planned; None where gmsh cannot make it."""
     plan = planning.make(scene)
     try:
-        return solve_level(
+        return mesh_and_solve(
             plan if n is None else plan.at_resolution(n), None, Progress(quiet=True), MPI.COMM_WORLD
         )
     except MeshError:
         return None
 
 
-def truth(name: str, scene: Scene, level: Level) -> dict[str, float]:
+def truth(name: str, scene: Scene, mesh_solution: MeshSolution) -> dict[str, float]:
     """The quantities as they should be: exact Hertz under the load found, or a fine mesh."""
     recipe = RECIPES[name]
     if recipe.exact:
-        return estimates.flat(exact_quantities(level))
+        return estimates.flat(exact_quantities(mesh_solution))
     fine = solved(scene, FINE * recipe.resolutions[-1])
     return {} if fine is None or fine.result is None else estimates.flat(fine.result)

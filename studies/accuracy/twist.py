@@ -14,7 +14,7 @@ import numpy as np
 
 from railhead.planning import plan as planning
 from railhead.planning.references.rail_twist import lever
-from railhead.run.mesh_solution import Level
+from railhead.run.mesh_solution import MeshSolution
 from railhead.scene import catalogue
 
 PROFILES = ("54E1", "60E1")
@@ -29,37 +29,39 @@ FLANK: dict[str, Any] = {
 def measure_twist() -> dict[str, Any]:
     """{"centre_mm": below the crown, "compliance": {profile: C, 1/mm3}}, two digits each."""
     levels = {profile: [solved(profile, slope) for slope in SLOPES] for profile in PROFILES}
-    turns = {profile: [turn(level) for level in each] for profile, each in levels.items()}
+    turns = {
+        profile: [turn(mesh_solution) for mesh_solution in each] for profile, each in levels.items()
+    }
     centre = two_digits(float(np.mean([depth for each in turns.values() for _, depth in each])))
     compliance = {}
     for profile, each in levels.items():
         found = []
-        for level, (angle, _) in zip(each, turns[profile], strict=True):
-            moment = -level.solution.load * lever(level.plan.contact, centre)
-            found.append(angle * level.plan.scene.rail.young_modulus / moment)
+        for mesh_solution, (angle, _) in zip(each, turns[profile], strict=True):
+            moment = -mesh_solution.solution.load * lever(mesh_solution.plan.contact, centre)
+            found.append(angle * mesh_solution.plan.scene.rail.young_modulus / moment)
         compliance[profile] = two_digits(float(np.mean(found)))
     return {"centre_mm": centre, "compliance": compliance}
 
 
-def solved(profile: str, inclination: str) -> Level:
+def solved(profile: str, inclination: str) -> MeshSolution:
     """A whole rail under half an axle."""
     from mpi4py import MPI
 
-    from railhead.run.mesh_solution import solve_level
+    from railhead.run.mesh_solution import mesh_and_solve
     from railhead.run.progress import Progress
 
     scene = catalogue.find("uic54_22t5_axle").replace(
         [f"rail.profile={profile}", f"rail.inclination={inclination}", "mesh.patch_size=5",
          "effects.rail_section=on", "effects.plasticity=off"]
     )  # fmt: skip
-    return solve_level(planning.make(scene), None, Progress(quiet=True), MPI.COMM_WORLD)
+    return mesh_and_solve(planning.make(scene), None, Progress(quiet=True), MPI.COMM_WORLD)
 
 
-def turn(level: Level) -> tuple[float, float]:
+def turn(mesh_solution: MeshSolution) -> tuple[float, float]:
     """Rotation of the head at the wheel, rad, and depth of the point below the crown that it turns
     about, mm: u_y = c - angle z and u_z = d + angle y, fitted to its flanks."""
-    assert level.fields is not None
-    points, moved = level.fields.points, level.fields.displacement
+    assert mesh_solution.fields is not None
+    points, moved = mesh_solution.fields.points, mesh_solution.fields.displacement
     x, y, z = points.T
     low, high = FLANK["z"]
     flank = (np.abs(x) < FLANK["x"]) & (np.abs(y) > FLANK["y"]) & (z > low) & (z < high)

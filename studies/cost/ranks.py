@@ -57,7 +57,7 @@ def measure(patch_size: float) -> dict[str, float]:
     scene = catalogue.find("hertz_ellipse").replace([f"mesh.patch_size={patch_size}"])
     result = pipeline.run(scene, Progress(quiet=True))
     comm, end = MPI.COMM_WORLD, time.time()
-    space = result.level.space
+    space = result.mesh_solution.space
     nodes, places = compat.cell_dofs(space), space.dofmap.index_map
     rows = np.repeat(np.arange(len(nodes)), nodes.shape[1])
     touching = sp.csr_matrix((np.ones(nodes.size, np.int8), (rows, nodes.ravel())))

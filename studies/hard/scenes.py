@@ -22,7 +22,7 @@ from railhead.results import pipeline
 from railhead.results.checks import MISS
 from railhead.results.summary import summarise
 from railhead.run import estimates
-from railhead.run.mesh_solution import Level, solve_level
+from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.run.references.allowance import allowance
 from railhead.run.references.half_space_reference import CELLS, motion
@@ -129,7 +129,7 @@ def against_hertz(scene: Scene, n: float | None = 4.0, limit: float = LIMIT) -> 
     return refusals(solve)
 
 
-def half_space(scene: Scene, level: Level) -> Summary:
+def half_space(scene: Scene, mesh_solution: MeshSolution) -> Summary:
     """Boundary elements on the profiles of a scene with a load, twice as fine as beside a result,
     nested as "half_space" of a summary; level: a solution of it. Raises ValueError where they know
     no answer."""
@@ -140,7 +140,7 @@ def half_space(scene: Scene, level: Level) -> Summary:
     points, plane = boundary_elements.develop(contact).points, contact.touch.angle
     other = compare.from_half_space(found, points, plane, hertzian=plan.forecast.hertzian)
     allowed = {name: vars(each) | {"total": each.total}
-               for name, each in allowance(plan, found, motion(level)).items()}  # fmt: skip
+               for name, each in allowance(plan, found, motion(mesh_solution)).items()}  # fmt: skip
     return {**other, "allowance": allowed}
 
 
@@ -151,7 +151,9 @@ def against_half_space(scene: Scene, n: float | None = 4.0, limit: float = LIMIT
         result = pipeline.run(scene if n is None else resolved(scene, n))
         return measure(
             result,
-            against_boundary_elements(result.summary, half_space(scene, result.level), limit),
+            against_boundary_elements(
+                result.summary, half_space(scene, result.mesh_solution), limit
+            ),
         )
 
     return refusals(solve)
@@ -187,12 +189,12 @@ def positioned(scene: Scene, single: float, several: float) -> Solve:
 
     def solve() -> Measured:
         result = pipeline.run(scene)
-        second = half_space(scene, result.level)
+        second = half_space(scene, result.mesh_solution)
         pressure = off(quantities(result.summary)["max_MPa"], second["pressure"]["max_MPa"])
         patches = len(second["patches"])
         allowed = single if patches == 1 else several
         return measure(result, {"max_MPa": Deviation(pressure, allowed)},
-                       f"{patches} patches, {result.level.unknowns} unknowns")  # fmt: skip
+                       f"{patches} patches, {result.mesh_solution.unknowns} unknowns")  # fmt: skip
 
     return refusals(solve)
 
@@ -206,10 +208,10 @@ def outgrown(
     def solve() -> Measured:
         wrong = planning.make(resolved(meshed, n))
         plan = replace(planning.make(scene), forecast=wrong.forecast, patch_size=wrong.patch_size)
-        level = solve_level(plan, None, Progress(quiet=True), MPI.COMM_WORLD)
-        result = pipeline.Result(level, summarise([level], Ending("one mesh")))
+        mesh_solution = mesh_and_solve(plan, None, Progress(quiet=True), MPI.COMM_WORLD)
+        result = pipeline.Result(mesh_solution, summarise([mesh_solution], Ending("one mesh")))
         if not fine:
-            found = against_boundary_elements(result.summary, half_space(scene, level))
+            found = against_boundary_elements(result.summary, half_space(scene, mesh_solution))
             return measure(result, found)
         finer = pipeline.run(resolved(scene, fine)).summary
         unknown = finer["accuracy"]["bound"]

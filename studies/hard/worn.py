@@ -80,7 +80,7 @@ def against_true_profile(wear: Wear, noise: float) -> Solve:
             smooth = resolved(wear.scene(Path(folder), 0.0), ELEMENTS)
             size = f"mesh.patch_size={smooth.mesh.patch_size!r}"
             result = pipeline.run(wear.scene(Path(folder), noise).replace([size]))
-            true = half_space(smooth, result.level)
+            true = half_space(smooth, result.mesh_solution)
         return measure(result, against_boundary_elements(result.summary, true))
 
     return refusals(solve)

@@ -18,7 +18,7 @@ from mpi4py import MPI
 from railhead.planning import plan as planning
 from railhead.results import pipeline
 from railhead.results.summary import summarise
-from railhead.run.mesh_solution import solve_level
+from railhead.run.mesh_solution import mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.run.refinement import Ending
 from railhead.scene.scene import Rail, Scene, Wheel
@@ -79,8 +79,8 @@ def _finer(scene: Scene) -> dict[str, float]:
     plan = planning.make(scene)
     plan = plan.at_resolution(FINE * plan.resolution)
     plan = replace(plan, load_steps=2 * plan.load_steps)
-    level = solve_level(plan, None, Progress(quiet=True), MPI.COMM_WORLD)
-    return quantities(summarise([level], Ending("one mesh")))
+    solved = mesh_and_solve(plan, None, Progress(quiet=True), MPI.COMM_WORLD)
+    return quantities(summarise([solved], Ending("one mesh")))
 
 
 def _same(scene: Scene, length: float = 1.0) -> dict[str, float]:

@@ -113,13 +113,13 @@ def _run(elements: str, result: Result) -> Run:
     found, error, hertz = summary["result"], summary["difference"], summary["hertz"]
     stress, surface = found["stress"]["axis"], np.array(found["stress"]["surface_centre_MPa"])
     shear = np.ptp(surface) / np.ptp(hertz["stress"]["surface_centre_MPa"])
-    grading = result.level.grading
+    grading = result.mesh_solution.grading
     return Run(
         elements=elements,
         per_semi_axis=result.ellipse.b / grading.size,
         load=found["load_N"],
-        unknowns=result.level.unknowns,
-        seconds=sum(result.level.seconds.values()),
+        unknowns=result.mesh_solution.unknowns,
+        seconds=sum(result.mesh_solution.seconds.values()),
         a=found["patch"]["a_mm"],
         b=found["patch"]["b_mm"],
         p0=found["pressure"]["max_MPa"],

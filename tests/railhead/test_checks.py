@@ -12,29 +12,29 @@ from railhead.postprocess.stress.recovery import Recovery
 from railhead.results import checks
 from railhead.results.summary import exact_quantities
 from railhead.run import estimates
-from railhead.run.mesh_solution import Level, solve_level
+from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from railhead.solver.solution import PlasticSolution
 
 
 @pytest.fixture(scope="module")
-def level() -> Level:
+def mesh_solution() -> MeshSolution:
     plan = planning.make(catalogue.find("sphere_on_plane"))
-    return solve_level(plan, None, Progress(quiet=True), MPI.COMM_SELF)
+    return mesh_and_solve(plan, None, Progress(quiet=True), MPI.COMM_SELF)
 
 
 UNKNOWN = {"reason": "nobody knows"}
 
 
-def failed(level: Level, second=UNKNOWN, reached=None) -> list[str]:
-    known, _ = estimates.estimate([level])
-    judged = checks.run(level, known, second, reached=reached)
+def failed(mesh_solution: MeshSolution, second=UNKNOWN, reached=None) -> list[str]:
+    known, _ = estimates.estimate([mesh_solution])
+    judged = checks.run(mesh_solution, known, second, reached=reached)
     return [check.name for check in judged if not check.passed]
 
 
-def test_a_good_result_passes(level) -> None:
-    assert failed(level, {**exact_quantities(level), "allowance": {}}) == []
+def test_a_good_result_passes(mesh_solution) -> None:
+    assert failed(mesh_solution, {**exact_quantities(mesh_solution), "allowance": {}}) == []
 
 
 @pytest.mark.parametrize(
@@ -47,8 +47,10 @@ def test_a_good_result_passes(level) -> None:
         ({"misfit": 0.06}, "stress_misfit"),
     ],
 )
-def test_findings_out_of_bounds(level, change, name) -> None:
-    assert failed(replace(level, findings=replace(level.findings, **change))) == [name]
+def test_findings_out_of_bounds(mesh_solution, change, name) -> None:
+    assert failed(replace(mesh_solution, findings=replace(mesh_solution.findings, **change))) == [
+        name
+    ]
 
 
 @pytest.mark.parametrize(
@@ -59,47 +61,57 @@ def test_findings_out_of_bounds(level, change, name) -> None:
         ({"penetration": 1.0}, ["penetration"]),
     ],
 )
-def test_solutions_out_of_bounds(level, change, names) -> None:
-    assert failed(replace(level, solution=replace(level.solution, **change))) == names
+def test_solutions_out_of_bounds(mesh_solution, change, names) -> None:
+    assert (
+        failed(replace(mesh_solution, solution=replace(mesh_solution.solution, **change))) == names
+    )
 
 
 @pytest.mark.parametrize(
     ("reason", "names"), [("residual below tolerance", []), ("too many steps", ["unloaded"])]
 )
-def test_a_residual_state_that_was_not_found_fails(level, reason, names) -> None:
-    steps = (level.solution.newton, replace(level.solution.newton, reason=reason))
+def test_a_residual_state_that_was_not_found_fails(mesh_solution, reason, names) -> None:
+    steps = (mesh_solution.solution.newton, replace(mesh_solution.solution.newton, reason=reason))
     yielding = PlasticSolution(
         load_over_first_yield=2.0,
         newton_results=steps,
         first_loading_steps=1,
-        residual_state=level.solution,
+        residual_state=mesh_solution.solution,
         indentation_depth={},
     )
-    assert failed(replace(level, solution=replace(level.solution, yielding=yielding))) == names
+    assert (
+        failed(
+            replace(mesh_solution, solution=replace(mesh_solution.solution, plasticity=yielding))
+        )
+        == names
+    )
 
 
-def test_an_unsettled_mesh_fails(level) -> None:
-    assert failed(replace(level, settled=False)) == ["patch_settled"]
+def test_an_unsettled_mesh_fails(mesh_solution) -> None:
+    assert failed(replace(mesh_solution, mesh_fits_patch=False)) == ["patch_settled"]
 
 
-def test_a_missed_approach_fails(level) -> None:
-    scene = level.plan.scene.replace([f"approach={1.01 * level.solution.approach!r}"])
+def test_a_missed_approach_fails(mesh_solution) -> None:
+    scene = mesh_solution.plan.scene.replace(
+        [f"approach={1.01 * mesh_solution.solution.approach!r}"]
+    )
     missed = replace(
-        level, plan=replace(level.plan, context=replace(level.plan.context, scene=scene))
+        mesh_solution,
+        plan=replace(mesh_solution.plan, context=replace(mesh_solution.plan.context, scene=scene)),
     )
     assert "approach_reached" in failed(missed)
 
 
-def test_stresses_that_do_not_carry_the_load_fail(level) -> None:
-    weak = replace(level.fields, lame=0.9 * level.fields.lame)
-    assert failed(replace(level, fields=weak)) == ["flux_wheel"]
+def test_stresses_that_do_not_carry_the_load_fail(mesh_solution) -> None:
+    weak = replace(mesh_solution.fields, lame=0.9 * mesh_solution.fields.lame)
+    assert failed(replace(mesh_solution, fields=weak)) == ["flux_wheel"]
 
 
-def changed(level: Level, table: str, quantity: str, factor: float) -> Level:
+def changed(mesh_solution: MeshSolution, table: str, quantity: str, factor: float) -> MeshSolution:
     """With one reported number times a factor."""
-    values = {**level.result[table]}
+    values = {**mesh_solution.result[table]}
     values[quantity] *= factor
-    return replace(level, result={**level.result, table: values})
+    return replace(mesh_solution, result={**mesh_solution.result, table: values})
 
 
 @pytest.mark.parametrize(
@@ -112,8 +124,8 @@ def changed(level: Level, table: str, quantity: str, factor: float) -> Level:
         ("von_mises_max_MPa", 1.1, {"mises_over_shear"}),
     ],
 )
-def test_implausible_stresses_fail(level, quantity, factor, names) -> None:
-    assert set(failed(changed(level, "stress", quantity, factor))) == names
+def test_implausible_stresses_fail(mesh_solution, quantity, factor, names) -> None:
+    assert set(failed(changed(mesh_solution, "stress", quantity, factor))) == names
 
 
 @pytest.mark.parametrize("case", ["roller_on_block", "sphere_on_plane"])
@@ -127,7 +139,7 @@ def test_implausible_stresses_fail(level, quantity, factor, names) -> None:
 )
 def test_pressure_area_and_load_that_disagree_fail(case, table, quantity, factor, names) -> None:
     """Real bodies in a section, which have no second opinion, too."""
-    solved = solve_level(
+    solved = mesh_and_solve(
         planning.make(catalogue.find(case)), None, Progress(quiet=True), MPI.COMM_SELF
     )
     assert failed(solved) == []
@@ -140,7 +152,7 @@ def test_smooth_stresses_that_are_not_the_elements_fail(monkeypatch) -> None:
     monkeypatch.setattr(
         Recovery, "_fit", lambda self, points: (1.1 * fit(self, points)[0], fit(self, points)[1])
     )
-    solved = solve_level(
+    solved = mesh_and_solve(
         planning.make(catalogue.find("roller_on_block")), None, Progress(quiet=True), MPI.COMM_SELF
     )
     assert failed(solved) == ["stress_misfit"]
@@ -149,43 +161,43 @@ def test_smooth_stresses_that_are_not_the_elements_fail(monkeypatch) -> None:
 @pytest.mark.parametrize(
     "quantity", ["a_mm", "b_mm", "max_MPa", "area_mm2", "tau_max_MPa", "von_mises_max_MPa"]
 )
-def test_another_second_opinion_fails(level, quantity) -> None:
-    second = {**exact_quantities(level), "allowance": {}}
+def test_another_second_opinion_fails(mesh_solution, quantity) -> None:
+    second = {**exact_quantities(mesh_solution), "allowance": {}}
     tables = {"max_MPa": "pressure"} | dict.fromkeys(("a_mm", "b_mm", "area_mm2"), "patch")
     table = tables.get(quantity, "stress")
-    bound = estimates.estimate([level])[0][quantity].total
+    bound = estimates.estimate([mesh_solution])[0][quantity].total
     for factor, names in ((1 + 0.9 * bound, []), (1 + 3 * bound, [f"second_opinion_{quantity}"])):
         other = {**second, table: {**second[table]}}
-        other[table][quantity] = level.result[table][quantity] * factor
-        assert failed(level, other) == names
+        other[table][quantity] = mesh_solution.result[table][quantity] * factor
+        assert failed(mesh_solution, other) == names
     wide = {**other, "allowance": {quantity: {"total": 0.05}}}
-    assert failed(level, wide) == []
+    assert failed(mesh_solution, wide) == []
 
 
-def test_without_an_estimate_a_number_may_be_off_by_one_in_twenty(level) -> None:
-    second = {**exact_quantities(level), "allowance": {}}
+def test_without_an_estimate_a_number_may_be_off_by_one_in_twenty(mesh_solution) -> None:
+    second = {**exact_quantities(mesh_solution), "allowance": {}}
     for factor, names in ((1.04, []), (1.06, ["second_opinion_approach_mm"])):
-        other = {**second, "approach_mm": level.result["approach_mm"] * factor}
-        judged = checks.run(level, {}, other, reached=None)
+        other = {**second, "approach_mm": mesh_solution.result["approach_mm"] * factor}
+        judged = checks.run(mesh_solution, {}, other, reached=None)
         assert [check.name for check in judged if not check.passed] == names
 
 
-def test_what_a_second_opinion_leaves_out_unknown_is_not_compared(level) -> None:
+def test_what_a_second_opinion_leaves_out_unknown_is_not_compared(mesh_solution) -> None:
     """Half-spaces know no approach of bodies that are held."""
-    second = {**exact_quantities(level), "allowance": {"max_MPa": {"total": 0.01}}}
-    second["approach_mm"] = 2 * level.result["approach_mm"]
-    known, _ = estimates.estimate([level])
-    judged = checks.run(level, known, second, reached=None)
+    second = {**exact_quantities(mesh_solution), "allowance": {"max_MPa": {"total": 0.01}}}
+    second["approach_mm"] = 2 * mesh_solution.result["approach_mm"]
+    known, _ = estimates.estimate([mesh_solution])
+    judged = checks.run(mesh_solution, known, second, reached=None)
     assert all(check.passed for check in judged)
-    missing = checks.not_made(level, judged, second, None)
+    missing = checks.not_made(mesh_solution, judged, second, None)
     assert missing["second_opinion_approach_mm"] == "what half-spaces leave out of it is not known"
     assert "second_opinion_max_MPa" not in missing
 
 
-def test_a_missing_second_opinion_has_its_reason(level) -> None:
-    judged = checks.run(level, {}, UNKNOWN, reached=None)
+def test_a_missing_second_opinion_has_its_reason(mesh_solution) -> None:
+    judged = checks.run(mesh_solution, {}, UNKNOWN, reached=None)
     assert not any("second_opinion" in each.name for each in judged)
-    missing = checks.not_made(level, judged, UNKNOWN, None)
+    missing = checks.not_made(mesh_solution, judged, UNKNOWN, None)
     assert missing == {"second_opinion": "nobody knows"}
     assert checks.summary(judged, missing)["not_made"] == missing
 
@@ -203,13 +215,14 @@ def test_the_second_opinion_is_about_the_problem_of_the_scene(given, checked) ->
     assert ("of the problem that was chosen" in summary["accuracy"]["source"]) != checked
 
 
-def test_a_missed_accuracy_fails(level) -> None:
-    asked = level.plan.scene.replace(["accuracy=5%"])
-    level = replace(
-        level, plan=replace(level.plan, context=replace(level.plan.context, scene=asked))
+def test_a_missed_accuracy_fails(mesh_solution) -> None:
+    asked = mesh_solution.plan.scene.replace(["accuracy=5%"])
+    mesh_solution = replace(
+        mesh_solution,
+        plan=replace(mesh_solution.plan, context=replace(mesh_solution.plan.context, scene=asked)),
     )
-    assert failed(level, reached=True) == []
-    assert failed(level, reached=False) == ["accuracy"]
+    assert failed(mesh_solution, reached=True) == []
+    assert failed(mesh_solution, reached=False) == ["accuracy"]
 
 
 def test_the_range_of_shear_over_pressure_is_that_of_hertz() -> None:
@@ -253,5 +266,5 @@ def test_loads_beyond_small_strain_or_any_steel_are_not_signed(modulus, load, na
     """A sphere of 8 mm on a rigid plane: p0/E* 0.177 and 0.202; 4.0 and 4.3 GPa in steel."""
     scene = catalogue.find("sphere_on_plane").replace(load=load, wheel={"young_modulus": modulus})
     plan = planning.make(scene)
-    found = solve_level(plan, None, Progress(quiet=True), MPI.COMM_SELF)
+    found = mesh_and_solve(plan, None, Progress(quiet=True), MPI.COMM_SELF)
     assert {"small_strain", "pressure_of_steel"} & set(failed(found)) == names

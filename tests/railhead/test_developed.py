@@ -12,7 +12,7 @@ from railhead.contact import solid as geometry
 from railhead.contact.solid import Contact
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.postprocess import compare
-from railhead.run.mesh_solution import Level
+from railhead.run.mesh_solution import MeshSolution
 from railhead.run.references.half_space_reference import half_space, solve
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
@@ -150,11 +150,11 @@ def test_developed_rail_keeps_lengths_and_normals() -> None:
 def test_a_second_opinion_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
     contact, ellipse = located(MANCHESTER)
     plan, load = SimpleNamespace(contact=contact), SimpleNamespace(load=10e3)
-    level = SimpleNamespace(plan=plan, solution=load, ellipse=ellipse, findings=object())
+    mesh_solution = SimpleNamespace(plan=plan, solution=load, ellipse=ellipse, findings=object())
 
     def fail(*_: object) -> None:
         raise ValueError("no bounded contact found")
 
     monkeypatch.setattr(boundary_elements, "solve", fail)
-    found = half_space(cast(Level, level), solve(cast(Level, level)))
+    found = half_space(cast(MeshSolution, mesh_solution), solve(cast(MeshSolution, mesh_solution)))
     assert found == {"reason": "boundary elements: no bounded contact found"}

@@ -242,12 +242,14 @@ def test_a_shift_beside_the_opinion_s_is_refused(strip: rh.Result) -> None:
     for other, passes in ((0.97 * shift, True), (0.9 * shift, False)):
         second = {"boundary elements": {"shift_along_mm": other, "shift_across_mm": 0.0}}
         (judged,) = (
-            each for each in checks.friction(strip.level, {}, second) if "shift" in each.name
+            each
+            for each in checks.friction(strip.mesh_solution, {}, second)
+            if "shift" in each.name
         )
         assert judged.passed == passes
     names = {
         each.name
-        for each in checks.friction(strip.level, {}, {"boundary elements": {"reason": ""}})
+        for each in checks.friction(strip.mesh_solution, {}, {"boundary elements": {"reason": ""}})
     }
     assert names == {"tangential_flux_rail", "tangential_flux_wheel"}
 
@@ -257,23 +259,23 @@ def test_tangential_forces_that_the_stresses_do_not_carry_are_refused(
     strip: rh.Result, part: str
 ) -> None:
     """A force that was given and missed by a tenth of mu N, or stresses without their shear."""
-    level = strip.level
-    judged = checks.friction(level, {}, None)
+    solved = strip.mesh_solution
+    judged = checks.friction(solved, {}, None)
     assert all(check.passed and check.value < 1e-3 for check in judged if "flux" in check.name)
     if part == "force":
-        scene = level.plan.scene.replace(["friction.force_along=13.3kN"])
-        context = replace(level.plan.context, scene=scene)
-        level = replace(level, plan=replace(level.plan, context=context))
+        scene = solved.plan.scene.replace(["friction.force_along=13.3kN"])
+        context = replace(solved.plan.context, scene=scene)
+        solved = replace(solved, plan=replace(solved.plan, context=context))
     else:
-        level = replace(level, fields=level.plain.fields)
-    failed = {check.name for check in checks.friction(level, {}, None) if not check.passed}
+        solved = replace(solved, fields=solved.elastic_reference.fields)
+    failed = {check.name for check in checks.friction(solved, {}, None) if not check.passed}
     assert failed == {"tangential_flux_rail", "tangential_flux_wheel"}
 
 
 def test_what_is_not_known_is_said_below_the_table(strip: rh.Result) -> None:
     second = {"boundary elements": {"reason": "no reason"}, "Cattaneo": {"stick_share": 0.8348}}
-    judged = checks.friction(strip.level, {}, second)
-    missing = checks.not_made(strip.level, judged, {"reason": "a strip"}, second)
+    judged = checks.friction(strip.mesh_solution, {}, second)
+    missing = checks.not_made(strip.mesh_solution, judged, {"reason": "a strip"}, second)
     assert missing == {"second_opinion": "a strip", "second_opinion_shift": "no reason"}
     text, summary = StringIO(), strip.as_dict()
     summary |= {"half_space_friction": second, "checks": summary["checks"] | {"not_made": missing}}

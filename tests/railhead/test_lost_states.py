@@ -79,21 +79,21 @@ def _endless(y):
     return out
 
 
-def one(*changes: str) -> mesh_solution.Level:
+def one(*changes: str) -> mesh_solution.MeshSolution:
     decided = plan.make(catalogue.find("hertz_ellipse").replace([*COARSE, *changes]))
-    return mesh_solution.solve_level(decided, None, Progress(quiet=True), MPI.COMM_WORLD)
+    return mesh_solution.mesh_and_solve(decided, None, Progress(quiet=True), MPI.COMM_WORLD)
 
 
 def test_a_patch_that_no_mesh_fits_is_not_settled(monkeypatch) -> None:
-    assert one().settled
-    monkeypatch.setattr(mesh_solution, "OUTGROWN", 1 + 1e-9)
+    assert one().mesh_fits_patch
+    monkeypatch.setattr(mesh_solution, "REMESH_RATIO", 1 + 1e-9)
     monkeypatch.setattr(mesh_solution, "MAX_MESHES", 2)
-    assert not one().settled
+    assert not one().mesh_fits_patch
 
 
 def test_an_approach_that_is_not_reached_is_told(monkeypatch) -> None:
     assert one().approach_error == 0.0
-    monkeypatch.setattr(mesh_solution, "MAX_LOADS", 1)
+    monkeypatch.setattr(mesh_solution, "MAX_APPROACH_SOLVES", 1)
     found = one("approach=0.03")
     assert found.approach_error == abs(found.solution.approach / 0.03 - 1) > mesh_solution.REACHED
 
@@ -102,8 +102,8 @@ def test_an_approach_that_is_not_reached_is_told(monkeypatch) -> None:
     "case, more", [("hertz_ellipse", COARSE), ("long_roller", []), ("sphere_on_plane", [])]
 )
 def test_an_approach_between_half_spaces_takes_four_loads(case, more, monkeypatch) -> None:
-    monkeypatch.setattr(mesh_solution, "MAX_LOADS", 4)
+    monkeypatch.setattr(mesh_solution, "MAX_APPROACH_SOLVES", 4)
     asked = ["approach=0.02", "rail.extent=half-space", *more]
     decided = plan.make(catalogue.find(case).replace(asked))
-    found = mesh_solution.solve_level(decided, None, Progress(quiet=True), MPI.COMM_WORLD)
+    found = mesh_solution.mesh_and_solve(decided, None, Progress(quiet=True), MPI.COMM_WORLD)
     assert found.approach_error < mesh_solution.REACHED

@@ -208,8 +208,10 @@ def test_patches_and_a_flange_roll_as_half_spaces_do(shift: float, patches: int)
 def test_finite_elements_roll_as_half_spaces_do(shift: float) -> None:
     """The same two, whole: forces within 0.02 mu N of half-spaces with a slip of their own."""
     found = rh.solve(loaded(shift, mesh={"patch_size": 1.5}).scene, quiet=True)
-    contact, answer = found.level.plan.contact, found.as_dict()["result"]["friction"]
-    known = boundary_elements.solve(contact, found.level.ellipse, found.level.solution.load, 64)
+    contact, answer = found.mesh_solution.plan.contact, found.as_dict()["result"]["friction"]
+    known = boundary_elements.solve(
+        contact, found.mesh_solution.ellipse, found.mesh_solution.solution.load, 64
+    )
     rolled = independent(contact, known, 460.0)
     for name in FORCES:
         assert answer[name] / answer["limit_N"] == pytest.approx(rolled[name], abs=0.02)

@@ -202,8 +202,8 @@ def test_loads_that_want_unlike_meshes_share_none(case: str, key: str, given: li
 
 @pytest.mark.parametrize(
     ("module", "name", "found"),
-    [(refinement, "unforeseen", lambda level, comm: "it yields"),
-     (mesh_solution, "_regrade", lambda plan, grading, fields, frame: grading),
+    [(refinement, "unplanned_yield", lambda level, comm: "it yields"),
+     (mesh_solution, "_remesh_for_found_patch", lambda plan, grading, fields, frame: grading),
      (price, "fits", lambda plan, free: False)],
     ids=["it yields", "another patch than the forecast one", "no memory"],
 )  # fmt: skip

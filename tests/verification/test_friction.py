@@ -84,7 +84,7 @@ def test_a_patch_that_is_shifted_there_and_back_is_mindlin_s() -> None:
     assert math.sqrt(answer["stick_share"]) == pytest.approx(exact.stick_ratio(force), abs=0.03)
     energy = exact.energy_per_cycle(force)
     assert answer["energy_per_cycle_Nmm"] == pytest.approx(energy, rel=0.05)
-    there, back, again = found.level.solution.friction.load_steps[:, 2]
+    there, back, again = found.mesh_solution.solution.friction.load_steps[:, 2]
     assert -back == pytest.approx(there, rel=1e-3) and again == pytest.approx(there, rel=1e-3)
 
 
@@ -122,13 +122,13 @@ def yielding(**changes: object) -> rh.Scene:
 
 def test_a_shift_makes_bodies_yield_further() -> None:
     found = solved(yielding())
-    assert found.level.solution.newton.converged, found.failed
-    rubbing, plain = found.level.solution.friction, found.level.solution.reference
+    assert found.mesh_solution.solution.newton.converged, found.failed
+    rubbing, plain = found.mesh_solution.solution.friction, found.mesh_solution.solution.reference
     assert plain.reference is not None and rubbing.coupling_iterations > 4
     assert rubbing.force[0] == pytest.approx(60e3, rel=1e-3)
     size = np.linalg.norm(rubbing.traction, axis=1)
     assert np.all(size <= MU * rubbing.pressure * (1 + 1e-9))
-    strain = found.level.solution.plastic_strain.equivalent.max()
+    strain = found.mesh_solution.solution.plastic_strain.equivalent.max()
     shear = strain / plain.plastic_strain.equivalent.max()
     assert shear > 1.05  # the shift adds to what the load has done
 
@@ -274,7 +274,7 @@ def test_however_little_friction_there_is_a_shift_is_cattaneo_s(coefficient: flo
 def test_nothing_pushes_a_sphere_aside_that_is_pressed() -> None:
     """A meridian section has no motion along: tractions vanish on the axis and point inwards."""
     found = solved(rh.find("sphere_on_plane").replace(friction={"coefficient": MU}))
-    rubbing = found.level.solution.friction
+    rubbing = found.mesh_solution.solution.friction
     assert found.passed, found.failed
     assert friction(found)["shift_along_mm"] == 0 and 0.65 < friction(found)["stick_share"] < 0.85
     radius, along = rubbing.points[:, 0], rubbing.traction[:, 0]
@@ -290,7 +290,7 @@ def test_tractions_on_a_curved_surface_carry_their_part_of_the_load() -> None:
     plane = rh.Rail(profile="arc", crown_radius=math.inf, young_modulus=math.inf)
     scene = rh.Scene(load=1e4, rail=plane, wheel=ball, mesh={"patch_size": 0.5})
     found = solved(scene.replace(friction={"coefficient": MU}))
-    solution = found.level.solution
+    solution = found.mesh_solution.solution
     assert found.passed, found.failed
     push = -solution.friction.weights @ solution.friction.traction[:, 2]
     assert 200 < push < 300

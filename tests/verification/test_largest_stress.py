@@ -78,7 +78,7 @@ def test_patch_that_is_no_ellipse_has_its_largest_stress_beside_the_axis() -> No
         assert found[name] > 1.05 * found["axis"][name]
         assert found[name] == pytest.approx(invariant(nodal).max(), rel=0.03)
         assert found[name] == pytest.approx(other[name], rel=0.03)
-    context = fine.level.plan.context
+    context = fine.mesh_solution.plan.context
     foreseen = context.von_mises(scene.rail.poisson_ratio)  # by boundary elements
     assert foreseen == pytest.approx(found["von_mises_max_MPa"], rel=0.03)
     assert abs(context.hertz.p0 / fine.summary["result"]["pressure"]["max_MPa"] - 1) > 0.03

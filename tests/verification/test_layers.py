@@ -10,7 +10,7 @@ from mpi4py import MPI
 
 from railhead.planning import plan as planning
 from railhead.run import estimates
-from railhead.run.mesh_solution import Level, solve_level
+from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from railhead.theory.elastic.hertz import line_contact
@@ -22,15 +22,15 @@ BLOCK = "rail.extent=head", RIGID, "rail.width=60", "wheel.width=60"
 CYLINDERS = "wheel.transverse_radius=-14", "rail.length=10", "load=20kN", "wheel.width=30"
 
 
-def solved(case: str, *keys: str) -> Level:
+def solved(case: str, *keys: str) -> MeshSolution:
     """At default settings."""
     plan = planning.make(catalogue.find(case).replace(list(keys)))
-    return solve_level(plan, None, Progress(quiet=True), MPI.COMM_SELF)
+    return mesh_and_solve(plan, None, Progress(quiet=True), MPI.COMM_SELF)
 
 
-def worst(level: Level, truth: dict[str, float]) -> float:
+def worst(mesh_solution: MeshSolution, truth: dict[str, float]) -> float:
     """Largest error over its estimate."""
-    found, values = estimates.estimate([level])[0], estimates.resolved(level)
+    found, values = estimates.estimate([mesh_solution])[0], estimates.resolved(mesh_solution)
     assert set(truth) <= set(found)
     return max(abs(values[key] / true - 1) / found[key].total for key, true in truth.items())
 
@@ -50,18 +50,18 @@ def test_the_layer_has_the_limits_of_a_half_plane_and_of_an_oedometer() -> None:
 @pytest.mark.parametrize("depth", [1.5, 2.0, 3.0, 5.0, 8.0, 20.0])
 def test_strips_on_layers_hold_their_estimates(depth: float) -> None:
     """Read as an ellipse, a is 0.40 % short at 3 mm under an estimate of 0.11 %."""
-    level = solved("long_roller", RIGID, f"rail.depth={depth}mm")
-    length = level.fields.kinematics.thickness
+    mesh_solution = solved("long_roller", RIGID, f"rail.depth={depth}mm")
+    length = mesh_solution.fields.kinematics.thickness
     half, peak = elastic_layer.strip(110e3 / length, 420.0, YOUNG, POISSON, depth)
     truth = {"a_mm": half, "area_mm2": 2 * half * length, "max_MPa": peak}
-    assert worst(level, truth) < SIGNED
+    assert worst(mesh_solution, truth) < SIGNED
 
 
 def test_an_elliptic_patch_on_a_layer_holds_its_estimates() -> None:
     """Read as an ellipse, its area is 1.4 % small under an estimate of 0.4 %."""
     truth = elastic_layer.patch(25e3, (420.0, 300.0), YOUNG, POISSON, 3.0, (3.5, 2.95))
-    level = solved("hertz_ellipse", *BLOCK, "rail.depth=3mm")
-    assert worst(level, truth) < SIGNED
+    mesh_solution = solved("hertz_ellipse", *BLOCK, "rail.depth=3mm")
+    assert worst(mesh_solution, truth) < SIGNED
 
 
 def test_spheres_on_blocks_and_conformal_cylinders_hold_their_estimates() -> None:

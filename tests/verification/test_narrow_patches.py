@@ -14,7 +14,7 @@ from railhead.postprocess import read
 from railhead.postprocess.findings import Frame
 from railhead.results.pipeline import run
 from railhead.run import build
-from railhead.run.mesh_solution import found_forecast, solve_level
+from railhead.run.mesh_solution import forecast_from_solution, mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from railhead.solver import compat
@@ -85,7 +85,7 @@ def test_unknowns_of_stretched_meshes_are_foreseen(radius: float, cell: str) -> 
 
 def test_a_mesh_around_a_found_needle_is_as_narrow_as_the_needle() -> None:
     plan = planned("hertz_ellipse", "rail.crown_radius=1.5").at_resolution(3.0)
-    level = solve_level(plan, None, Progress(quiet=True), MPI.COMM_WORLD)
+    solved = mesh_and_solve(plan, None, Progress(quiet=True), MPI.COMM_WORLD)
     frame = Frame(plan.contact.origin, plan.contact.touch.angle)
-    expected = found_forecast(level.fields, read.moments(level.fields, frame), frame)
+    expected = forecast_from_solution(solved.fields, read.moments(solved.fields, frame), frame)
     assert expected.minor == pytest.approx(plan.forecast.minor, rel=0.1)

@@ -128,7 +128,7 @@ def test_a_surface_that_bulges_everywhere_has_a_negative_depth(normal, depth) ->
 def test_cycles_press_the_spot_as_often_as_asked() -> None:
     """Four steps up, four down and one apart; in between four down and four up."""
     found = [
-        rh.solve(pressed(2.0, cycles=cycles), quiet=True).level.solution.plasticity
+        rh.solve(pressed(2.0, cycles=cycles), quiet=True).mesh_solution.solution.plasticity
         for cycles in (1, 3)
     ]
     counts = [len(each.newton_results) for each in found]
@@ -223,10 +223,10 @@ def test_what_is_left_carries_no_force(five: rh.Result) -> None:
     """The residual stresses are in balance, and not zero."""
     from railhead.postprocess.stress.flux import contact_force
 
-    left = five.level.left
-    assert left is not None and left.residual is not None
-    assert left.von_mises > 0.2 * Y
-    residual = replace(left.residual, contact=five.fields.contact)  # where the wheel had touched
+    state = five.mesh_solution.residual_state
+    assert state is not None and state.unloaded is not None
+    assert state.largest_von_mises > 0.2 * Y
+    residual = replace(state.unloaded, contact=five.fields.contact)  # where the wheel had touched
     assert np.abs(contact_force(residual, RAIL)).max() < 0.02 * five.load
 
 
@@ -234,7 +234,7 @@ def test_an_accuracy_covers_mesh_and_load_steps() -> None:
     """Sixteen times as many load steps on a finer mesh stay within the estimate."""
     from mpi4py import MPI
 
-    from railhead.run.mesh_solution import solve_level
+    from railhead.run.mesh_solution import mesh_and_solve
     from railhead.run.progress import Progress
 
     scene = pressed(5.0)
@@ -243,7 +243,7 @@ def test_an_accuracy_covers_mesh_and_load_steps() -> None:
     assert accuracy["reached"] and found.passed
     assert 0.005 < accuracy["parts"]["max_MPa"]["load_steps"] < 0.03
     plan = replace(planning.make(scene).at_resolution(18.0), load_steps=64)
-    fine = solve_level(plan, None, Progress(quiet=True), MPI.COMM_WORLD).result
+    fine = mesh_and_solve(plan, None, Progress(quiet=True), MPI.COMM_WORLD).result
     for name, value in estimates.flat(found.as_dict()["result"]).items():
         if name != "tau_max_depth_mm":
             error = abs(value / estimates.flat(fine)[name] - 1)

@@ -8,59 +8,61 @@ from railhead.meshing.tags import RAIL
 from railhead.planning.references import boundary_elements
 from railhead.postprocess import compare
 from railhead.postprocess.patch import body_motion as bodily
-from railhead.run.mesh_solution import Level
+from railhead.run.mesh_solution import MeshSolution
 from railhead.run.references.allowance import allowance
 from railhead.theory.bem.boundary_element import Solution
 
 CELLS = 128
 
 
-def solve(level: Level) -> Solution | str | None:
+def solve(solved: MeshSolution) -> Solution | str | None:
     """The profiles as half-spaces under the load that was found, or the reason why that is not
     known. None where exact Hertz is the answer of half-spaces (these, and line contacts) or nothing
     touches."""
-    contact = level.plan.contact
-    if contact.half_space or contact.line or level.findings is None:
+    contact = solved.plan.contact
+    if contact.half_space or contact.line or solved.findings is None:
         return None
     try:
-        return boundary_elements.solve(contact, level.ellipse, level.solution.load, CELLS)
+        return boundary_elements.solve(contact, solved.ellipse, solved.solution.load, CELLS)
     except ValueError as error:
         return f"boundary elements: {error}"
 
 
-def half_space(level: Level, solution: Solution | str | None) -> dict[str, Any] | None:
+def half_space(solved: MeshSolution, solution: Solution | str | None) -> dict[str, Any] | None:
     """ "half_space" of summary.json: what `solve` found, or why not."""
-    contact, found = level.plan.contact, level.findings
+    contact, found = solved.plan.contact, solved.findings
     if solution is None or found is None:
         return None
     if isinstance(solution, str):
         return {"reason": solution}
     points, plane = boundary_elements.develop(contact).points, contact.touch.angle
     opinion = compare.from_half_space(solution, points, plane, hertzian=found.hertzian)
-    return {**opinion, "allowance": _allowance(level, solution)}
+    return {**opinion, "allowance": _allowance(solved, solution)}
 
 
-def motion(level: Level) -> tuple[float, float]:
+def motion(solved: MeshSolution) -> tuple[float, float]:
     """Rotation of the rail (rad) and movement aside of the wheel (mm), against each other, that
     the solution shows beside the patch (rank 0); none in a section, which is symmetric."""
-    found, fields = level.findings, level.fields
+    found, fields = solved.findings, solved.fields
     assert found is not None and fields is not None
-    if level.plan.section:
+    if solved.plan.section:
         return 0.0, 0.0
     angle = aside = 0.0
-    for tag in level.plan.deformable:
+    for tag in solved.plan.deformable:
         sign = 1.0 if tag == RAIL else -1.0
-        turned, moved = bodily.motion(fields, tag, found.patch.each, level.solution.load)
+        turned, moved = bodily.motion(fields, tag, found.patch.each, solved.solution.load)
         angle, aside = angle + sign * turned, aside - sign * moved
     return angle, aside - angle * found.patch.each[0].centre[2]
 
 
-def _allowance(level: Level, solution: Solution) -> dict[str, Any]:
+def _allowance(solved: MeshSolution, solution: Solution) -> dict[str, Any]:
     """Relative, by quantity and part, or the reason why it is not known."""
     try:
-        allowed = allowance(level.plan, solution, motion(level))
+        allowed = allowance(solved.plan, solution, motion(solved))
     except ValueError as error:
         return {"reason": f"twist: {error}"}
-    if level.findings is not None and level.findings.hertzian:  # half lengths are those of ellipses
+    if (
+        solved.findings is not None and solved.findings.hertzian
+    ):  # half lengths are those of ellipses
         allowed |= dict.fromkeys(("a_mm", "b_mm"), allowed["area_mm2"])
     return {key: {**vars(value), "total": value.total} for key, value in allowed.items()}

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from railhead.planning.references import closed_forms
-from railhead.run.mesh_solution import Level
+from railhead.run.mesh_solution import MeshSolution
 from railhead.run.references import equal_ellipses, rolling_patches
 from railhead.run.references.rolling_elements import Asked, named, opinion
 from railhead.run.references.rolling_patches import Patch
@@ -25,23 +25,23 @@ TURNED = "a strip of unlike bodies across the rail"
 Opinions = dict[str, dict[str, Any]]
 
 
-def opinions(level: Level, profiles: Solution | str | None) -> Opinions | None:
+def opinions(solved: MeshSolution, profiles: Solution | str | None) -> Opinions | None:
     """ "half_space_friction" of summary.json: by method, what it says of the motion (rolling) or of
     the forces (a shift) that were found, or the reason why it knows no answer. None without
     friction. profiles: of `second_opinion.solve`."""
-    found = level.solution.friction
-    if found is None or level.findings is None:
+    found = solved.solution.friction
+    if found is None or solved.findings is None:
         return None
-    scene, contact = level.plan.scene, level.plan.contact
+    scene, contact = solved.plan.scene, solved.plan.contact
     asked = Asked(
         found, scene.friction.coefficient, closed_forms.tangential_pair(scene),
-        scene.rolling.given, contact.half_space and not level.plan.section,
+        scene.rolling.given, contact.half_space and not solved.plan.section,
     )  # fmt: skip
     if not (asked.like or asked.rolling):
         return {"boundary elements": {"reason": GROWN}}
-    if isinstance(level.ellipse, LineContact):
-        return _strip(asked, level.ellipse)
-    return _solid(asked, level, level.ellipse, profiles)
+    if isinstance(solved.ellipse, LineContact):
+        return _strip(asked, solved.ellipse)
+    return _solid(asked, solved, solved.ellipse, profiles)
 
 
 def _strip(asked: Asked, line: LineContact) -> Opinions:
@@ -63,14 +63,14 @@ def _strip(asked: Asked, line: LineContact) -> Opinions:
 
 
 def _solid(
-    asked: Asked, level: Level, ellipse: Ellipse, profiles: Solution | str | None
+    asked: Asked, solved: MeshSolution, ellipse: Ellipse, profiles: Solution | str | None
 ) -> Opinions:
-    assert level.findings is not None
-    hertzian, load = level.findings.hertzian, level.solution.load
+    assert solved.findings is not None
+    hertzian, load = solved.findings.hertzian, solved.solution.load
 
     def patches(cells: int) -> Sequence[Patch]:
         return rolling_patches.patches(
-            level.plan.contact, ellipse, hertzian=hertzian, load=load, cells=cells,
+            solved.plan.contact, ellipse, hertzian=hertzian, load=load, cells=cells,
             profiles=profiles,
         )  # fmt: skip
 

@@ -149,7 +149,7 @@ def test_what_is_called_for_and_left_out_fails_first_unless_a_person_overrules_i
         name: replace(each, override=name in ("plasticity", "heat"))
         for name, each in plan.effects.items()
     }
-    assert effects.left_out(accepted, result.level.after) == {}
+    assert effects.left_out(accepted, result.mesh_solution.after) == {}
 
 
 def test_the_plan_says_what_tractions_and_heat_may_bring() -> None:
