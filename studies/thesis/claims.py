@@ -134,21 +134,8 @@ class Facts:
     boundary_element_p0: float
 
 
-class Rules(dict[int, Callable[[Facts], Finding]]):
-    """Rules by the number of the claim; an instance decorates them."""
-
-    def __call__(
-        self, number: int
-    ) -> Callable[[Callable[[Facts], Finding]], Callable[[Facts], Finding]]:
-        """Register a rule. ValueError: the claim has one already."""
-
-        def register(rule: Callable[[Facts], Finding]) -> Callable[[Facts], Finding]:
-            if number in self:
-                raise ValueError(f"claim {number} has a rule already")
-            self[number] = rule
-            return rule
-
-        return register
+Rule = Callable[[Facts], Finding]
+"""Computes the checks of one claim."""
 
 
 def number(

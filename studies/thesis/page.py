@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from railhead.theory.elastic import subsurface
 from studies.tables import render
-from studies.thesis import values
 from studies.thesis.claims import CLOSE, CLOSE_CURVE, EXACT, Check, Facts, Judged, Verdict
+from studies.thesis.rules_hertz import PRINTED_LOAD, under
+from studies.thesis.rules_stress import P0, YIELD, exact_stress, thesis_shear
+from studies.thesis.runs import DEFAULT, HEXAHEDRA, WHEEL
 
 CHAPTERS = {
     "1": "1 Introduction", "2": "2 Literature", "3": "3 Surfaces", "4": "4 Contact point",
     "5": "5 Simulation", "6": "6 Results", "7": "7 Conclusions", "all": "All chapters",
 }  # fmt: skip
+CIRCLE_SHAKEDOWN = 4.7  # p0/k, circular patch
+STRIP_SHAKEDOWN = 4.0  # p0/k, line contact
 
 
 def page(facts: Facts, judged: Sequence[Judged], runs: Sequence[Mapping[str, Any]]) -> str:
@@ -31,10 +37,10 @@ def page(facts: Facts, judged: Sequence[Judged], runs: Sequence[Mapping[str, Any
             title: _chapter([item for item in judged if item.claim.chapter == chapter])
             for chapter, title in CHAPTERS.items()
         },
-        touches=values.touches(facts),
-        **values.findings(facts),
-        **values.elements(facts, runs),
-        **values.strength(facts, runs),
+        touches=_touches(facts),
+        **_findings(facts),
+        **_elements(facts, runs),
+        **_strength(facts, runs),
     )
 
 
@@ -72,3 +78,67 @@ def _cells(check: Check | None) -> list[str]:
 
 def _value(value: float | str) -> str:
     return value if isinstance(value, str) else f"{value:.6g}"
+
+
+def _findings(facts: Facts) -> dict[str, Any]:
+    """Of the five most important ones."""
+    c, wheel = facts.ellipse, under(facts.ellipse, WHEEL)
+    return {
+        "wheel": wheel,
+        "wheel_mises": subsurface.axis_extrema(wheel, facts.poisson).von_mises_max,
+        "extrema": subsurface.axis_extrema(c, facts.poisson),
+        "surface_shear": (exact_stress(facts, 0.0).max() + c.p0) / 2,
+        "printed_p0": P0,
+        "printed_shear": thesis_shear(facts)[1],
+    }
+
+
+def _touches(facts: Facts) -> list[tuple[str, ...]]:
+    """Where the wheel touches the 54E1, by tread and inclination."""
+    return [
+        (tread, *(f"{facts.profiles[f'y {tread} {i}'] + 0.0:.2f}" for i in ("0", "1:40", "1:20")))
+        for tread in ("cylinder", "cone40", "cone20")
+    ]
+
+
+def _elements(facts: Facts, runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Linear hexahedra with a penalty beside the default, at 25 kN."""
+    if not runs:
+        return {"coarse": None}
+    own = [r for r in runs if r["elements"] == HEXAHEDRA]
+    best = next(r for r in runs if r["elements"] == DEFAULT and abs(r["load"] - PRINTED_LOAD) < 1)
+    names = ("a", "b", "p0", "tau_max", "tau_depth", "tau_surface")
+    lines = []
+    for row in (*own, best):
+        errors = [f"{row[f'error_{name}']:+.1%}" for name in names]
+        cost = row["unknowns"], f"{row['seconds'] / best['seconds']:.2f}"
+        size = f"b/{row['per_semi_axis']:.0f}"
+        lines.append((row["elements"], size, *cost, *errors, f"{row['surface_ratio']:.3f}"))
+    s_x, s_y, _ = exact_stress(facts, 0.0)
+    return {"coarse": own[0], "elements": lines, "ratio": s_x / s_y}
+
+
+def _strength(facts: Facts, runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """25 kN and a real wheel against yield and shakedown."""
+    c = facts.ellipse
+    lines = []
+    for load in (PRINTED_LOAD, WHEEL):
+        contact = under(c, load)
+        mises = subsurface.axis_extrema(contact, facts.poisson).von_mises_max
+        fe = next((r for r in runs if r["elements"] == DEFAULT and abs(r["load"] - load) < 1), None)
+        ours = ("-", "-") if fe is None else (f"{fe['p0']:.0f}", f"{fe['mises_max']:.0f}")
+        lines.append((f"{load / 1e3:.1f}", f"{contact.p0:.0f}", ours[0], f"{mises:.0f}", ours[1]))
+    share = subsurface.axis_extrema(c, facts.poisson).von_mises_max / c.p0
+    strip, circle = (
+        (factor, *(factor * sigma / math.sqrt(3) for sigma in YIELD))
+        for factor in (STRIP_SHAKEDOWN, CIRCLE_SHAKEDOWN)
+    )
+    return {
+        "loads": lines,
+        "share": share,
+        "yields": YIELD,
+        "onset": tuple(c.load * (sigma / (share * c.p0)) ** 3 / 1e3 for sigma in YIELD),
+        "overload": WHEEL / PRINTED_LOAD,
+        "strip": strip,
+        "circle": circle,
+    }

@@ -6,7 +6,6 @@ from studies.thesis.claims import (
     Check,
     Finding,
     Grade,
-    Rules,
     Verdict,
     equation,
     half_last_digit,
@@ -75,13 +74,6 @@ def test_equations_and_self_contradictions() -> None:
     assert equation("x", [1, 2], [1, 2.1]).grade == F
     assert itself("x", "3.46", 3.4641).grade == H
     assert itself("x", "3.46", 3.4659).grade == X
-
-
-def test_a_claim_has_one_rule() -> None:
-    rules = Rules()
-    rules(1)(lambda facts: finding(H))
-    with pytest.raises(ValueError, match="claim 1 has a rule already"):
-        rules(1)(lambda facts: finding(H))
 
 
 def test_all_claims_are_read_in_order() -> None:
