@@ -72,7 +72,7 @@ def test_what_cannot_be_written_is_said(tmp_path) -> None:
 
 def check_sweep(table: railhead.Sweep, file: Path) -> None:
     """Every combination, the last key fastest, with its own numbers in the file."""
-    with file.open(encoding="utf-8") as lines:
+    with file.open(encoding="utf-8-sig") as lines:
         rows = list(csv.DictReader(lines))
     changed = [(float(row["wheel.rolling_radius"]), float(row["load"])) for row in rows]
     assert changed == [(420, 2000), (420, 4000), (460, 2000), (460, 4000)]

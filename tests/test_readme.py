@@ -12,7 +12,7 @@ import pytest
 from railhead.cli import study
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
-from railhead.sweeps import grid
+from railhead.sweeps.grid import ParameterGrid, parse_values
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -46,7 +46,7 @@ def test_commands_are_accepted(line: str) -> None:
     elif command == "sweep":
         case, option, values = arguments
         assert option == "--over"
-        assert len(grid.scenes(catalogue.find(case), grid.written([values]))) > 1
+        assert len(ParameterGrid.combine(catalogue.find(case), parse_values([values])).scenes) > 1
     elif command != "list" and not arguments[0].endswith(".toml"):
         scene = catalogue.find(arguments[0])
         pairs = zip(arguments[1::2], arguments[2::2], strict=True)

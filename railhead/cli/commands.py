@@ -197,28 +197,28 @@ def sweep(
 ) -> int:
     """Solve a case for every combination of values, side by side."""
     from railhead.results import result_folder
-    from railhead.sweeps import grid
+    from railhead.sweeps.grid import ParameterGrid, parse_values
 
-    scene, over = _scene(case, assignments, switched_on, switched_off), grid.written(lists)
-    scenes = grid.scenes(scene, over)
-    grid.distinct(scenes, list(over))
+    scene, values = _scene(case, assignments, switched_on, switched_off), parse_values(lists)
+    grid = ParameterGrid.combine(scene, values)
+    grid.refuse_duplicates()
     folder = out if out is not None else Path("results") / f"{scene.name}_sweep"
     result_folder.check_folder(folder)
 
-    from railhead.sweeps import parallel as campaigns
+    from railhead.sweeps import parallel, sweep_table
 
-    campaign = campaigns.Campaign(scene, scenes, list(over), folder, vtu)
-    found = campaigns.run(campaign, resume=resume, pictures=not no_pictures, quiet=quiet)
-    if found is None:  # a rank that worked for the first one
+    task = parallel.ParallelSweep(grid=grid, folder=folder, vtu=vtu)
+    status = parallel.run(task, resume=resume, pictures=not no_pictures, quiet=quiet)
+    if status is None:  # a rank that worked for the first one
         return SOLVED
-    wrong = {number: said for number, said in enumerate(found) if said != campaigns.PASSED}
-    for number, said in wrong.items():
-        click.echo(f"{campaign.name(number)}: {said}", err=True)
+    failed = {number: text for number, text in status.items() if text != sweep_table.PASSED}
+    for number, text in failed.items():
+        click.echo(f"{grid.label(number)}: {text}", err=True)
     if not quiet:
-        verdict = f"{len(wrong)} not passed" if wrong else "all passed"
-        click.echo(f"{len(found)} combinations, {verdict}")
+        verdict = f"{len(failed)} not passed" if failed else "all passed"
+        click.echo(f"{len(status)} combinations, {verdict}")
         click.echo(f"written to {folder}/")
-    return CHECK_FAILED if wrong else SOLVED
+    return CHECK_FAILED if failed else SOLVED
 
 
 @railhead.command()

@@ -1,1 +1,1 @@
-"""Many scenes: grids of values, side by side in processes, records and tables."""
+"""Many scenes: grids of values, solved one after the other or side by side, records, tables."""

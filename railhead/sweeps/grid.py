@@ -1,11 +1,13 @@
-"""Combinations of values of a scene's keys: lists, and ranges first:last:step."""
+"""Combinations of values of a scene's keys, given as lists and as ranges first:last:step."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from decimal import Decimal
 from itertools import product
+from math import prod
 from typing import TYPE_CHECKING
 
 from railhead.scene.scene import SceneError, assignment, checked, unit
@@ -13,14 +15,69 @@ from railhead.scene.scene import SceneError, assignment, checked, unit
 if TYPE_CHECKING:
     from railhead.scene.scene import Scene
 
-MOST = 10_000  # combinations of a sweep
+MAX_COMBINATIONS = 10_000
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _RANGE = re.compile(r"\s*:\s*".join([f"({_NUMBER.pattern})"] * 3) + r"\s*(.*)")
 
 
-def written(texts: Sequence[str]) -> dict[str, list[object]]:
-    """Values by key of texts key=value,value,... as `Scene.replace` takes them: each a value as in
-    key=value, or a range with one unit at its end, 0:10:0.5mm. Raises SceneError."""
+@dataclass(frozen=True, kw_only=True)
+class ParameterGrid:
+    """Scenes that differ in the values of some keys.
+
+    base: the scene before any of the values is set.
+    keys: dotted keys whose values change.
+    scenes: one for each combination of values; the last key changes fastest.
+    """
+
+    base: Scene
+    keys: list[str]
+    scenes: list[Scene]
+
+    @classmethod
+    def combine(cls, scene: Scene, lists: Mapping[str, Sequence[object]]) -> ParameterGrid:
+        """The grid of all combinations of lists of values by key. Raises SceneError for a wrong key
+        or value and for more than MAX_COMBINATIONS."""
+        total = prod(map(len, lists.values()))
+        if total > MAX_COMBINATIONS:
+            text = f"makes {total} combinations; give at most {MAX_COMBINATIONS}"
+            raise SceneError("--over", text)
+        scenes = [
+            checked(scene).replace(**dict(zip(lists, values, strict=True)))
+            for values in product(*lists.values())
+        ]
+        return cls(base=scene, keys=list(lists), scenes=scenes)
+
+    def values(self, number: int) -> dict[str, object]:
+        """Values of the changing keys in scene `number`, in base units."""
+        return {key: self.scenes[number].value(key) for key in self.keys}
+
+    def label(self, number: int) -> str:
+        """Keys, units and values of scene `number` as text, e.g. "load [N] = 25000.0"."""
+        pairs = (f"{column(key)} = {value}" for key, value in self.values(number).items())
+        return ", ".join(pairs) or "the scene"
+
+    def refuse_duplicates(self) -> None:
+        """Raise SceneError where two scenes have the same values of all keys."""
+        seen: set[tuple[object, ...]] = set()
+        for number in range(len(self.scenes)):
+            values = self.values(number)
+            if tuple(values.values()) in seen:
+                text = ", ".join(f"{key}={value}" for key, value in values.items())
+                raise SceneError("--over", f"gives {text} twice; give each value once")
+            seen.add(tuple(values.values()))
+
+
+def column(key: str) -> str:
+    """Header of a table's column with the values of a key, with its unit: "load [N]"."""
+    return f"{key} [{unit(key)}]" if unit(key) else key
+
+
+def parse_values(texts: Sequence[str]) -> dict[str, list[object]]:
+    """Lists of values by key from texts "key=value,value,...".
+
+    A value is written as in key=value, or as a range with one unit at its end, "0:10:0.5mm".
+    Raises SceneError for anything else, a key given twice, and a number without its unit.
+    """
     lists: dict[str, list[object]] = {}
     for text in texts:
         key, equals, values = (part.strip() for part in text.partition("="))
@@ -30,65 +87,42 @@ def written(texts: Sequence[str]) -> dict[str, list[object]]:
             )
         if key in lists:
             raise SceneError(key, "is given twice with --over; give one list of values")
-        items = [each for item in values.split(",") for each in _values(key, item.strip())]
-        _same_units(key, items)
+        items = [each for item in values.split(",") for each in _expand(key, item.strip())]
+        _check_units(key, items)
         lists[key] = [assignment(f"{key}={item}")[1] for item in items]
     return lists
 
 
-def _values(key: str, item: str) -> Iterator[str]:
+def _expand(key: str, item: str) -> Iterator[str]:
+    """The values of a range, or the one value that is no range."""
     if not item:
         raise SceneError(key, "a value between two commas is missing; give one")
     if item.count(":") < 2:
         yield item
         return
-    found = _RANGE.fullmatch(item)
-    if not found:
+    match = _RANGE.fullmatch(item)
+    if not match:
         raise SceneError(
             key, f"{item!r} is no range; write first:last:step, one unit at the end, 0:10:0.5mm"
         )
-    first, last, step = (Decimal(number) for number in found.groups()[:3])
+    first, last, step = (Decimal(number) for number in match.groups()[:3])
     if not step or (last != first and (last > first) != (step > 0)):
         raise SceneError(key, f"{item!r} never gets to its end; give a step towards it")
     try:
         count = (last - first) / step
     except ArithmeticError:  # too large for a number
         count = Decimal("inf")
-    if count >= MOST:
-        raise SceneError(key, f"{item!r} has too many values; give at most {MOST}")
+    if count >= MAX_COMBINATIONS:
+        raise SceneError(key, f"{item!r} has too many values; give at most {MAX_COMBINATIONS}")
     for number in range(int(count) + 1):
-        yield f"{first + number * step}{found[4]}"
+        yield f"{first + number * step}{match[4]}"
 
 
-def _same_units(key: str, items: Sequence[str]) -> None:
+def _check_units(key: str, items: Sequence[str]) -> None:
     """Refuse 25,50kN, which is 25 N beside 50 kN."""
     numbers = [item for item in items if _NUMBER.match(item)]
     bare = [item for item in numbers if _NUMBER.fullmatch(item)]
-    lone = next((item for item in bare if Decimal(item)), None)
-    if unit(key) and lone and len(bare) < len(numbers):
-        raise SceneError(key, f"{lone!r} has no unit and others have one; give each its unit")
-
-
-def scenes(scene: Scene, lists: Mapping[str, Sequence[object]]) -> list[Scene]:
-    """A scene for each combination of values by key, the last key changing fastest. Raises
-    SceneError."""
-    total = 1
-    for values in lists.values():
-        total *= len(values)
-    if total > MOST:
-        raise SceneError("--over", f"makes {total} combinations; give at most {MOST}")
-    return [
-        checked(scene).replace(**dict(zip(lists, chosen, strict=True)))
-        for chosen in product(*lists.values())
-    ]
-
-
-def distinct(made: Sequence[Scene], keys: Sequence[str]) -> None:
-    """Refuse values that are given twice."""
-    seen: set[tuple[object, ...]] = set()
-    for scene in made:
-        values = tuple(scene.value(key) for key in keys)
-        if values in seen:
-            said = ", ".join(f"{key}={value}" for key, value in zip(keys, values, strict=True))
-            raise SceneError("--over", f"gives {said} twice; give each value once")
-        seen.add(values)
+    without_unit = next((item for item in bare if Decimal(item)), None)
+    if unit(key) and without_unit and len(bare) < len(numbers):
+        text = f"{without_unit!r} has no unit and others have one; give each its unit"
+        raise SceneError(key, text)

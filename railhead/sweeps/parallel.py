@@ -1,11 +1,13 @@
-"""A sweep as a command: combinations side by side, a record of each, a table and pictures."""
+"""A sweep as a command: scenes solved side by side, a record of each, a table and pictures."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import json
+from collections.abc import Collection, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -14,86 +16,90 @@ import numpy as np
 from mpi4py import MPI
 
 from railhead import __version__
-from railhead.planning import plan as planning
 from railhead.planning.cost import price
-from railhead.planning.plan import Plan
 from railhead.results import result_folder, table_file
 from railhead.results.subject import shared_y
 from railhead.run import process, refinement
 from railhead.run.progress import Progress
 from railhead.scene.scene import Scene, SceneError
-from railhead.sweeps import shared_mesh, store, sweep_table, worker_pool
+from railhead.sweeps import runner, store, sweep_table, worker_pool
+from railhead.sweeps.grid import ParameterGrid, column
 
 POLL = 0.5  # s between looks at what is done
 TABLE = "sweep.csv"
-GONE = "its record is gone: something else has written into the folder"
-PASSED = sweep_table.PASSED
+LOST_RECORD = "its record is gone: something else has written into the folder"
 
 
-@dataclass(frozen=True)
-class Campaign:
-    """scenes: of all combinations; keys: dotted, those that change; vtu: whether each leaves files
-    for ParaView."""
+@dataclass(frozen=True, kw_only=True)
+class ParallelSweep:
+    """What the command `railhead sweep` solves and where it writes.
 
-    base: Scene
-    scenes: Sequence[Scene]
-    keys: Sequence[str]
+    grid: the scenes.
+    folder: of records, table and pictures.
+    vtu: whether each scene leaves files for ParaView.
+    """
+
+    grid: ParameterGrid
     folder: Path
     vtu: bool = False
 
-    def values(self, number: int) -> dict[str, object]:
-        """What changes, in base units."""
-        return {key: self.scenes[number].value(key) for key in self.keys}
-
-    def name(self, number: int) -> str:
-        """One combination in words."""
-        said = ", ".join(
-            f"{sweep_table.column(key)} = {value}" for key, value in self.values(number).items()
-        )
-        return said or "the scene"
-
     @property
-    def asked(self) -> dict[str, Any]:
-        """All that decides what is kept of a combination. OSError: a file cannot be read."""
-        over = {key: [each.value(key) for each in self.scenes] for key in self.keys}
-        files = {path for scene in self.scenes for path in scene.files}
+    def request(self) -> dict[str, Any]:
+        """All that decides what the records hold, with checksums of the files that scenes name.
+        Raises OSError where one cannot be read."""
+        scenes, keys = self.grid.scenes, self.grid.keys
+        over = {key: list(dict.fromkeys(each.value(key) for each in scenes)) for key in keys}
+        files = {path for scene in scenes for path in scene.files}
         return {
             "railhead": __version__,
-            "scene": self.base.model_dump(exclude_none=True),
-            "over": {key: list(dict.fromkeys(values)) for key, values in over.items()},
+            "scene": self.grid.base.model_dump(exclude_none=True),
+            "over": over,
             "files": {str(path): sha256(path.read_bytes()).hexdigest() for path in sorted(files)},
             **({"vtu": True} if self.vtu else {}),
         }
 
     @property
     def times(self) -> list[float]:
-        """Of the combinations in ParaView: the values of the one key that changes, in base units,
-        where these are numbers; else the combinations' own numbers."""
-        values = [scene.value(key) for scene in self.scenes for key in self.keys]
+        """Times of the scenes in ParaView: the values of the one key that changes, in base units,
+        where these are finite numbers; else the numbers of the scenes from 0."""
+        count = len(self.grid.scenes)
+        values = [value for n in range(count) for value in self.grid.values(n).values()]
         numbers = [float(each) for each in values if isinstance(each, int | float)]
-        if len(self.keys) == 1 and len(numbers) == len(values) and np.isfinite(numbers).all():
+        if len(self.grid.keys) == 1 and len(numbers) == count and np.isfinite(numbers).all():
             return numbers
-        return [float(number) for number in range(len(self.scenes))]
+        return [float(number) for number in range(count)]
+
+    def matches(self, number: int, record: Mapping[str, Any]) -> bool:
+        """Whether a record is one of scene `number`. LookupError, TypeError or ValueError: it is
+        no record at all."""
+        sweep_table.check(record)
+        values = json.loads(result_folder.to_json(self.grid.values(number)))
+        return bool(record["over"] == values)
 
 
-def run(campaign: Campaign, *, resume: bool, pictures: bool, quiet: bool) -> list[str] | None:
-    """Solve what is not done yet and write table and pictures. Returns the status of each
-    combination, on the first rank; None on the others, which work for it. Raises SceneError before
-    anything is solved, OSError where nothing can be written."""
+def run(
+    sweep: ParallelSweep, *, resume: bool, pictures: bool, quiet: bool
+) -> dict[int, str] | None:
+    """Solve what has no record yet and write table and pictures.
+
+    Returns the status of each scene by number on the first rank of MPI, None on the others, which
+    work for it. Raises SceneError before anything is solved, OSError where nothing can be written.
+    """
     comm = MPI.COMM_WORLD
     groups: list[list[int]] = []
-    y = ""
+    y_label = ""
     problem: Exception | None = None
     with ExitStack() as claim:
         if comm.rank == 0:
             try:
-                plans = _plans(campaign, quiet)
-                groups, y = shared_mesh.groups(plans), shared_y(plans)
-                store.begin(campaign.folder, campaign.asked, resume=resume)
-                claim.enter_context(store.claimed(campaign.folder))
-                store.check(campaign.folder, campaign.values, sweep_table.check)
-                if campaign.vtu:
-                    store.forget_without_grids(campaign.folder)
+                with refinement.telling(quiet=quiet) as progress:
+                    plans = runner.plan_all(sweep.grid, progress)
+                groups, y_label = runner.group_by_mesh(plans), shared_y(plans)
+                store.begin(sweep.folder, sweep.request, resume=resume)
+                claim.enter_context(store.claimed(sweep.folder))
+                store.check(sweep.folder, sweep.matches)
+                if sweep.vtu:
+                    store.drop_without_vtu(sweep.folder)
             except (SceneError, OSError) as error:
                 problem = error
         if (problem := comm.bcast(problem)) is not None:
@@ -103,118 +109,113 @@ def run(campaign: Campaign, *, resume: bool, pictures: bool, quiet: bool) -> lis
                 return None
             workers = worker_pool.workers(comm.size)
             with Progress(quiet=quiet) as progress:
-                progress.jobs(len(store.done(campaign.folder)), len(campaign.scenes))
-                faults = _solve_all(campaign, groups, workers, submit, progress)
-                # What was to be solved after the one that crashed, each by itself.
-                lost = [[number] for group in groups if len(group) > 1 for number in group]
-                again = [each for each in lost if each[0] in faults]
-                faults |= _solve_all(campaign, again, workers, submit, progress)
-        return _write(campaign, faults, y, pictures=pictures)
+                solve = partial(_solve_all, sweep, workers, submit, progress)
+                faults = solve(groups)
+                # A crash takes the rest of its group with it: these again, each alone.
+                again = [[n] for group in groups if len(group) > 1 for n in group if n in faults]
+                faults |= solve(again)
+        return _write(sweep, faults, y_label, pictures=pictures)
 
 
 def _solve_all(
-    campaign: Campaign, groups: Sequence[Sequence[int]], workers: int, submit: worker_pool.Submit,
+    sweep: ParallelSweep,
+    workers: int,
+    submit: worker_pool.Submit,
     progress: Progress,
-) -> dict[int, str]:  # fmt: skip
-    """Solve what has no record of groups that share a mesh; why some of them still have none."""
-    folder, scenes = campaign.folder, campaign.scenes
-    finished, jobs = store.done(folder), {}
-    left = [
-        (group, [place for place, number in enumerate(group) if number not in finished])
-        for group in groups
-    ]
-    left = [(group, wanted) for group, wanted in left if wanted]
-    for group, wanted in left:
-        chosen = [scenes[number] for number in group]
-        for part in shares(wanted, len(left), workers):
-            job = submit(_solve, folder, campaign.keys, group, chosen, part, campaign.vtu)
-            jobs[job] = [group[each] for each in part]
+    groups: Sequence[Sequence[int]],
+) -> dict[int, str]:
+    """Solve the scenes that have no record; returns by number why some still have none."""
+    finished, total = store.done(sweep.folder), len(sweep.grid.scenes)
+    progress.jobs(len(finished), total)
+    missing = [[number for number in group if number not in finished] for group in groups]
+    busy = sum(map(bool, missing))
+    numbers_of = {}
+    for group, wanted in zip(groups, missing, strict=True):
+        scenes = {number: sweep.grid.scenes[number] for number in group}
+        for part in share(wanted, busy, workers):
+            job = submit(_solve, sweep.folder, sweep.grid.keys, scenes, part, sweep.vtu)
+            numbers_of[job] = part
     faults: dict[int, str] = {}
-    pending = set(jobs)
+    pending = set(numbers_of)
     while pending:
         ended, pending = wait(pending, POLL, FIRST_COMPLETED)
         for job in ended:
             attempt = worker_pool.outcome(job)
-            faults |= dict.fromkeys(jobs[job], attempt.fault) | (attempt.value or {})
-        progress.jobs(len(store.done(folder)), len(scenes))
-    return {number: faults[number] or GONE for number in faults.keys() - store.done(folder)}
+            faults |= dict.fromkeys(numbers_of[job], attempt.fault) | (attempt.value or {})
+        progress.jobs(len(store.done(sweep.folder)), total)
+    without_record = faults.keys() - store.done(sweep.folder)
+    return {number: faults[number] or LOST_RECORD for number in without_record}
 
 
-def shares(wanted: Sequence[int], groups: int, workers: int) -> list[Sequence[int]]:
-    """What is wanted of one of several groups, shared among the processes that would have nothing
-    to do. Each makes the mesh of the whole group again: it waits for that in any case."""
-    parts = min(len(wanted), max(1, workers // groups))
-    return [wanted[first::parts] for first in range(parts)]
+def share(numbers: Sequence[int], groups: int, workers: int) -> list[Sequence[int]]:
+    """The numbers of one of several groups in as many parts as there are processes for it. Each
+    process makes the mesh of the whole group again: it would wait for that in any case."""
+    parts = min(len(numbers), max(1, workers // max(1, groups)))
+    return [numbers[first::parts] for first in range(parts)]
 
 
 def _solve(
-    folder: Path, keys: Sequence[str], group: Sequence[int], scenes: Sequence[Scene],
-    wanted: Sequence[int], vtu: bool,
-) -> dict[int, str]:  # fmt: skip
-    """In a process of its own: solve and keep a record of each, after its files; why some of them
-    have none."""
-    short: dict[int, str] = {}
-    for place, found in shared_mesh.run(scenes, wanted, Progress(quiet=True), MPI.COMM_SELF):
-        if vtu and not isinstance(found, Exception):
-            target = store.grids(folder, group[place])
-            target.mkdir(exist_ok=True)
-            result_folder.write_grids(found, target)
-        if isinstance(found, price.NoMemoryError):  # another time it may fit
-            short[group[place]] = str(found)
+    folder: Path,
+    keys: Collection[str],
+    group: Mapping[int, Scene],
+    wanted: Sequence[int],
+    vtu: bool,
+) -> dict[int, str]:
+    """In a process of its own: solve the wanted scenes of a group and write the record of each,
+    after its .vtu files. Returns by number why some have none: not enough free memory now."""
+    faults: dict[int, str] = {}
+    solved = runner.solve_group(group, wanted, Progress(quiet=True), MPI.COMM_SELF)
+    for number, result in solved:
+        if isinstance(result, price.NoMemoryError):  # another time it may fit
+            faults[number] = str(result)
             continue
-        over = {key: scenes[place].value(key) for key in keys}
-        store.write(folder, group[place], {"over": over, **sweep_table.record(found)})
+        if vtu and not isinstance(result, Exception):
+            store.vtu_folder(folder, number).mkdir(exist_ok=True)
+            result_folder.write_grids(result, store.vtu_folder(folder, number))
+        over = {key: group[number].value(key) for key in keys}
+        store.write(folder, number, {"over": over, **sweep_table.record(result)})
     process.trim()
-    return short
+    return faults
 
 
-def _write(campaign: Campaign, faults: Mapping[int, str], y: str, *, pictures: bool) -> list[str]:
-    """Table and pictures, beside the records; faults: of what may have none; y: its label."""
-    from railhead.postprocess.plots import sweep
+def _write(
+    sweep: ParallelSweep, faults: Mapping[int, str], y_label: str, *, pictures: bool
+) -> dict[int, str]:
+    """Write table and pictures beside the records; returns the status of each scene.
 
-    done = store.done(campaign.folder)
-    kept = [
-        store.read(campaign.folder, number) if number in done else {"fault": faults[number]}
-        for number in range(len(campaign.scenes))
+    faults: why scenes without a record have none. y_label: of y in the pictures.
+    """
+    from railhead.postprocess.plots import sweep as plots
+
+    grid, done = sweep.grid, store.done(sweep.folder)
+    records = [
+        store.read(sweep.folder, number) if number in done else {"fault": faults[number]}
+        for number in range(len(grid.scenes))
     ]
-    values = [campaign.values(number) for number in range(len(kept))]
-    rows = [sweep_table.row(*each) for each in zip(values, kept, strict=True)]
-    with result_folder.replacing(campaign.folder) as work:
-        store.keep(campaign.folder, work)
+    rows = [sweep_table.row(grid.values(number), each) for number, each in enumerate(records)]
+    status = {number: row[sweep_table.CHECKS] for number, row in enumerate(rows)}
+    with result_folder.replacing(sweep.folder) as work:
+        store.copy(sweep.folder, work)
         (work / TABLE).write_bytes(table_file.encoded(rows))
-        if campaign.vtu:
-            _collect(campaign, [row[sweep_table.CHECKS] for row in rows], work)
-        if pictures and 1 <= len(campaign.keys) <= 2:
-            columns = [sweep_table.column(key) for key in campaign.keys]
-            title = f"sweep of {campaign.scenes[0].name} over {' and '.join(campaign.keys)}"
-            sweep.curves(columns, rows, work / "sweep.png", y, title)
-            outlines: list[Any] = [each.get("outlines", []) for each in kept]
-            sweep.patches(columns, rows, outlines, work / "patches.png", y, title)
-    return [row[sweep_table.CHECKS] for row in rows]
+        if sweep.vtu:
+            _write_time_series(sweep, status, work)
+        if pictures and 1 <= len(grid.keys) <= 2:
+            columns = [column(key) for key in grid.keys]
+            title = f"sweep of {grid.scenes[0].name} over {' and '.join(grid.keys)}"
+            plots.curves(columns, rows, work / "sweep.png", y_label, title)
+            outlines: list[Any] = [each.get("outlines", []) for each in records]
+            plots.patches(columns, rows, outlines, work / "patches.png", y_label, title)
+    return status
 
 
-def _collect(campaign: Campaign, said: Sequence[str], work: Path) -> None:
-    """The combinations that passed as time steps for ParaView."""
+def _write_time_series(sweep: ParallelSweep, status: Mapping[int, str], work: Path) -> None:
+    """The scenes that passed as time steps for ParaView."""
     from railhead.postprocess.vtu import export
 
     for name in store.SERIES:
         files = {
-            time: f"{store.grids(Path(), number)}/{name}.vtu"
-            for number, (time, each) in enumerate(zip(campaign.times, said, strict=True))
-            if each == PASSED
+            sweep.times[number]: f"{store.vtu_folder(Path(), number)}/{name}.vtu"
+            for number, text in status.items()
+            if text == sweep_table.PASSED
         }
         export.series(files, work / f"{name}.pvd")
-
-
-def _plans(campaign: Campaign, quiet: bool) -> list[Plan]:
-    """Of all scenes: what makes no contact problem is refused before anything is solved."""
-    made = []
-    with refinement.telling(quiet=quiet) as progress:
-        for number, scene in enumerate(campaign.scenes):
-            if number % 10 == 0:
-                progress.stage(f"planning {number + 1} of {len(campaign.scenes)}")
-            try:
-                made.append(planning.make(scene))
-            except SceneError as error:
-                raise SceneError(error.key, f"{error.text} ({campaign.name(number)})") from None
-    return made

@@ -1,5 +1,8 @@
-"""Jobs side by side, one process a core, each with one thread: a job that hangs, raises or crashes
-ends alone. Under mpirun the ranks but the first work, on as many machines as it uses."""
+"""Jobs side by side: one process for each core, each with one thread.
+
+A job that hangs, raises or crashes ends alone. Under mpirun all ranks but the first do the jobs, on
+as many machines as mpirun uses.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
-from concurrent.futures import TimeoutError as LateError
+from concurrent.futures import TimeoutError as LimitExceededError
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
@@ -19,15 +22,15 @@ from railhead.meshing.apart import die_with_parent
 from railhead.run.process import prepare
 
 T = TypeVar("T")
-JOBS_PER_PROCESS = 8  # memory that libraries keep is given back with the process
+JOBS_PER_PROCESS = 8  # then a new one: libraries keep memory that ends with the process
 
 
 @dataclass(frozen=True)
 class Attempt(Generic[T]):
-    """What a job returned.
+    """The outcome of a job.
 
-    value: None where it did not end as it should.
-    seconds: of the job, 0 where its process crashed.
+    value: what the job returned; None where it raised, crashed or took longer than its limit.
+    seconds: duration of the job; 0 where its process crashed.
     fault: why there is no value, in one line, else empty.
     """
 
@@ -44,9 +47,10 @@ def attempts(
     jobs: Sequence[tuple[Any, ...]],
     limits: Sequence[float | None] | None = None,
 ) -> Iterator[Attempt[T]]:
-    """work(*job) for each job, in their order, each within its limit (s; None: without).
+    """Call work(*job) for each job in a process of its own; yields the outcomes in their order.
 
-    `work`, its arguments and its value are pickled.
+    limits: longest duration of each job in s; None for no limit. `work`, its arguments and its
+    value are pickled.
     """
     limits = limits or [None] * len(jobs)
     with _processes() as pool:
@@ -59,8 +63,11 @@ def attempts(
 
 @contextmanager
 def submitting(ranks: int) -> Iterator[Submit | None]:
-    """A function of work and its arguments that returns the future of their Attempt. With several
-    ranks, to be called on all of them, it is None on those that work."""
+    """A function submit(work, *arguments) that starts a job and returns the future of its Attempt.
+
+    ranks: number of MPI ranks. With several of them, call this on all: it yields None on those that
+    do the jobs, after the last job.
+    """
     if ranks > 1:
         from mpi4py.futures import MPICommExecutor
 
@@ -72,15 +79,15 @@ def submitting(ranks: int) -> Iterator[Submit | None]:
 
 
 def workers(ranks: int) -> int:
-    """How many jobs of `submitting` run side by side."""
+    """The number of jobs that `submitting` runs at the same time."""
     return ranks - 1 if ranks > 1 else os.cpu_count() or 1
 
 
 def outcome(future: Future[Attempt[T]], limit: float | None = None) -> Attempt[T]:
-    """Of a future, when it is done; limit: that it was given, s."""
+    """Wait for a job of `submitting` and return its outcome; limit: the one it was given, in s."""
     try:
         return future.result()
-    except LateError:
+    except LimitExceededError:
         return Attempt(None, limit or 0.0, f"not back after {limit:g} s")
     except ProcessExpired:
         return Attempt(None, 0.0, "the process crashed")
@@ -99,8 +106,8 @@ def _processes() -> Iterator[ProcessPool]:
 
 
 def _single() -> None:
-    """One thread in this process, which ends with its parent and is no rank; neither numpy nor MPI
-    is loaded yet."""
+    """Set up a new process, before numpy and MPI are loaded: one thread, no rank of MPI, ended with
+    its parent."""
     die_with_parent()
     for name in [name for name in os.environ if name.startswith(("OMPI_", "PMIX_"))]:
         del os.environ[name]

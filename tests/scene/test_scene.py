@@ -12,7 +12,17 @@ import pytest
 from pydantic import ValidationError
 
 from railhead.scene import units
-from railhead.scene.scene import Effects, Mesh, Rail, Scene, SceneError, Solver, Wheel, Wheelset
+from railhead.scene.scene import (
+    Effects,
+    Mesh,
+    Rail,
+    Scene,
+    SceneError,
+    Solver,
+    Wheel,
+    Wheelset,
+    unit,
+)
 
 INF = math.inf
 HALF = {"rail.extent": "half-space"}
@@ -192,3 +202,10 @@ def test_what_a_message_gives_as_an_example_is_read() -> None:
                     assert math.isfinite(number), (name, example)
                     read += 1
     assert read > 50
+
+
+def test_units_of_keys() -> None:
+    known = {"load": "N", "rail.smoothing": "mm", "wheelset.yaw": "rad", "rail.profile": "",
+             "rail.yield_stress": "MPa", "rail.inclination": "", "rolling.spin": "1/mm",
+             "friction.tangential_load": "N", "no.key": ""}  # fmt: skip
+    assert {key: unit(key) for key in known} == known

@@ -1,0 +1,41 @@
+"""The command `railhead sweep` in tests: what it is given and what it leaves behind."""
+
+import csv
+import io
+import sys
+from pathlib import Path
+
+import pytest
+
+from railhead.cli import commands
+
+SIX = ("--over", "load=50kN,80kN,110kN", "--over", "wheel.rolling_radius=420mm,460mm")
+
+ROLLER = ("long_roller", "--set", "mesh.patch_size=0.4", "--quiet")
+
+
+COMMAND = [sys.executable, "-c", "from railhead.cli import main; main()", "sweep"]
+
+
+KEYS = {"load": "load [N]", "wheel.rolling_radius": "wheel.rolling_radius [mm]"}
+
+
+def sweep(*arguments: str) -> int:
+    with pytest.raises(SystemExit) as ended:
+        commands.main(["sweep", *arguments])
+    return int(ended.value.code or 0)
+
+
+def refused(capsys, folder: Path, *arguments: str) -> str:
+    """One line on standard error, status 2, nothing solved or written."""
+    assert sweep(*arguments, "--out", str(folder)) == 2
+    out, err = capsys.readouterr()
+    *before, line = err.splitlines()
+    assert out == "" and all("planning" in each for each in before) and not folder.exists()
+    return line
+
+
+def rows(folder: Path) -> list[dict[str, str]]:
+    raw = (folder / "sweep.csv").read_bytes()
+    assert raw.startswith(b"\xef\xbb\xbf") and raw.count(b"\r\n") == raw.count(b"\n")
+    return list(csv.DictReader(io.StringIO(raw.decode("utf-8-sig"))))

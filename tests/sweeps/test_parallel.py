@@ -1,0 +1,273 @@
+"""Scenes solved side by side: table, files for ParaView, crashes, kills."""
+
+import json
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from concurrent.futures import Future
+from contextlib import contextmanager
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import outside
+import pytest
+import pyvista
+from solved import solved
+from sweep_command import COMMAND, KEYS, ROLLER, SIX, rows, sweep
+
+import railhead as rh
+from railhead.sweeps import parallel, store, worker_pool
+from railhead.sweeps.grid import ParameterGrid, parse_values
+
+
+def test_a_row_for_each_combination(swept: Path) -> None:
+    found = rows(swept)
+    given = [(float(row[KEYS["load"]]), float(row[KEYS["wheel.rolling_radius"]])) for row in found]
+    assert given == [(p, r) for p in (5e4, 8e4, 11e4) for r in (420, 460)]
+    assert {row["checks"] for row in found} == {"passed"}
+    assert sorted(os.listdir(swept)) == sorted(
+        [".railhead", "patches.png", "records", "sweep.csv", "sweep.json", "sweep.png"]
+    )
+    for row in found:
+        assert float(row["found load [N]"]) == pytest.approx(float(row["load [N]"]))
+
+
+def test_combinations_with_a_mesh_of_their_own_are_single_runs(tmp_path: Path) -> None:
+    over = ("--over", "wheel.rolling_radius=420mm,460mm", "--no-pictures")
+    assert sweep(*ROLLER, *over, "--out", str(tmp_path / "out")) == 0
+    for row in rows(tmp_path / "out"):
+        radius = float(row[KEYS["wheel.rolling_radius"]])
+        scene = rh.find("long_roller").replace(["mesh.patch_size=0.4"])
+        one = solved(scene.replace(wheel={"rolling_radius": radius}))
+        for name, value in (("p_max [MPa]", one.pressure.max), ("a [mm]", one.patch.a),
+                            ("tau_max [MPa]", one.stress.tau_max),
+                            ("found approach [mm]", one.approach)):  # fmt: skip
+            assert float(row[name]) == pytest.approx(value, rel=1e-9), name
+
+
+def test_one_group_of_loads_is_shared_among_idle_processes() -> None:
+    """Every load once; where there is a group for each process, none is split."""
+    assert parallel.share([0, 1, 2, 3, 4], groups=1, workers=2) == [[0, 2, 4], [1, 3]]
+    assert parallel.share([3, 4], groups=1, workers=8) == [[3], [4]]
+    assert parallel.share([0, 1, 2], groups=2, workers=3) == [[0, 1, 2]]
+    assert parallel.share([0, 1, 2], groups=3, workers=1) == [[0, 1, 2]]
+
+
+def test_shared_loads_give_the_same_numbers(swept: Path, tmp_path: Path, monkeypatch) -> None:
+    """The mesh is made again in each process: three of them here, one a group in `swept`."""
+    monkeypatch.setattr(worker_pool, "workers", lambda ranks: 3)
+    over = ("--over", "load=50kN,80kN,110kN", "--set", "wheel.rolling_radius=420mm")
+    out = ("--no-pictures", "--out", str(tmp_path / "out"))
+    assert sweep(*ROLLER, *over, *out) == 0
+    alone = [row for row in rows(swept) if row[KEYS["wheel.rolling_radius"]] == "420.0"]
+    for one, other in zip(alone, rows(tmp_path / "out"), strict=True):
+        assert one["unknowns"] == other["unknowns"]
+        for name in ("p_max [MPa]", "area [mm2]", "a [mm]", "tau_max [MPa]", "found approach [mm]"):
+            assert float(one[name]) == pytest.approx(float(other[name]), rel=1e-10), name
+
+
+def steps(collection: Path) -> dict[float, Path]:
+    """Files by time, as ParaView reads a .pvd file."""
+    sets = ElementTree.parse(collection).getroot().findall("Collection/DataSet")
+    return {float(each.attrib["timestep"]): collection.parent / each.attrib["file"]
+            for each in sets}  # fmt: skip
+
+
+def test_a_sweep_opens_as_time_steps(tmp_path: Path) -> None:
+    """Meshes that differ; what does not pass is left out, also after --resume."""
+    out, over = tmp_path / "out", ("--over", "wheel.rolling_radius=420mm,460mm,500mm", "--vtu")
+    command = (*ROLLER, *over, "--no-pictures", "--out", str(out))
+    assert sweep(*command) == 0
+    for name in ("solution", "contact"):
+        reader = pyvista.PVDReader(out / f"{name}.pvd")
+        assert reader.time_values == [420.0, 460.0, 500.0]
+        files = steps(out / f"{name}.pvd")
+        sizes = {pyvista.read(file).n_points for file in files.values()}
+        assert len(sizes) > 1 or name == "contact"
+        for radius, file in files.items():
+            number = [420.0, 460.0, 500.0].index(radius)
+            top = float(rows(out)[number]["p_max [MPa]"])
+            if name == "contact":
+                assert pyvista.read(file)["pressure"].max() == pytest.approx(top, rel=0.01)
+    fault = {"over": {"wheel.rolling_radius": 460.0}, "fault": "gmsh: no"}
+    (out / "records" / "00001.json").write_text(json.dumps(fault))
+    (out / "records" / "00002.json").unlink()
+    (out / "vtu" / "00000" / "contact.vtu").unlink()
+    assert sweep(*command, "--resume") == 1
+    assert list(steps(out / "contact.pvd")) == [420.0, 500.0]
+    assert all(Path(file).is_file() for file in steps(out / "contact.pvd").values())
+    assert sorted(os.listdir(out)) == sorted(
+        [".railhead", "contact.pvd", "records", "solution.pvd", "sweep.csv", "sweep.json", "vtu"]
+    )
+    assert sweep(*command) == 0  # again, in its place
+
+
+def test_files_for_paraview_are_part_of_what_was_asked(swept: Path, capsys) -> None:
+    assert sweep(*ROLLER, *SIX, "--vtu", "--out", str(swept), "--resume") == 2
+    assert "vtu not given and not True" in capsys.readouterr().err
+
+
+def test_several_keys_are_counted(tmp_path: Path) -> None:
+    scene = rh.find("long_roller")
+
+    def times(*texts: str) -> list[float]:
+        grid = ParameterGrid.combine(scene, parse_values(texts))
+        return parallel.ParallelSweep(grid=grid, folder=tmp_path).times
+
+    assert times("load=25kN,50kN") == [25e3, 50e3]
+    assert times("load=25kN,50kN", "wheel.rolling_radius=420,460") == [0, 1, 2, 3]
+    assert times("wheel.rolling_radius=420,inf") == [0, 1]
+    assert times("solver.method=penalty,nitsche") == [0, 1]
+
+
+def loads(case: str, values: list[float], folder: Path) -> parallel.ParallelSweep:
+    """A sweep over loads that is not run yet."""
+    grid = ParameterGrid.combine(rh.find(case), {"load": values})
+    return parallel.ParallelSweep(grid=grid, folder=folder)
+
+
+def test_a_record_that_goes_while_a_sweep_runs_is_said(tmp_path: Path, monkeypatch) -> None:
+    task = loads("long_roller", [50e3, 80e3], tmp_path / "sweep")
+    monkeypatch.setattr(parallel, "_solve", _nothing)
+    found = parallel.run(task, resume=False, pictures=False, quiet=True)
+    assert found == dict.fromkeys([0, 1], f"NOT SOLVED: {parallel.LOST_RECORD}")
+
+
+def _nothing(*_: object) -> dict[int, str]:
+    return {}
+
+
+def test_another_profile_under_the_same_name_is_another_sweep(capsys, tmp_path: Path) -> None:
+    """Else old numbers and new ones would stand in one table."""
+    y = np.linspace(-30.0, 30.0, 121)
+    file, out = tmp_path / "p.csv", tmp_path / "out"
+    scene = tmp_path / "scene.toml"
+    scene.write_text('load = "25 kN"\n[rail]\nprofile = "p.csv"\n')
+    asked = (str(scene), "--over", "load=25kN,30kN", "--set", "mesh.patch_size=2mm", "--quiet",
+             "--no-pictures", "--out", str(out))  # fmt: skip
+    np.savetxt(file, np.column_stack([y, -(y**2) / 600]), delimiter=",")
+    assert sweep(*asked) in (0, 1)
+    capsys.readouterr()
+    np.savetxt(file, np.column_stack([y, -(y**2) / 400]), delimiter=",")
+    assert sweep(*asked, "--resume") == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "holds another sweep, with files." in line and "p.csv" in line
+
+
+def test_one_that_does_not_converge_leaves_the_others(tmp_path: Path, capsys) -> None:
+    out = tmp_path / "out"
+    over = ("--over", "solver.max_newton=1,30", "--no-pictures")
+    assert (
+        sweep("hertz_ellipse", "--set", "mesh.patch_size=1", "--quiet", *over, "--out", str(out))
+        == 1
+    )
+    one, other = rows(out)
+    assert one["checks"].startswith("NOT CONVERGED: too many Newton steps")
+    assert one["p_max [MPa]"] == "" and one["solver.max_newton"] == "1"
+    assert other["checks"] == "passed" and float(other["p_max [MPa]"]) > 700
+    assert "solver.max_newton = 1: NOT CONVERGED" in capsys.readouterr().err
+
+
+def test_a_process_that_crashes_leaves_the_others(tmp_path: Path, monkeypatch) -> None:
+    """Its row says so, and it is tried again by --resume."""
+    task = loads("sphere_on_plane", [100, 200], tmp_path / "out")
+    store.begin(task.folder, task.request, resume=False)
+    store.write(task.folder, 1, {"fault": "gmsh: no"})
+    found = parallel._write(task, {0: "the process crashed"}, "y, mm", pictures=True)
+    assert found == {0: "NOT SOLVED: the process crashed", 1: "NOT SOLVED: gmsh: no"}
+    assert store.done(task.folder) == {1}
+    assert [row["load [N]"] for row in rows(task.folder)] == ["100.0", "200.0"]
+
+
+def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypatch) -> None:
+    """The process dies at the second of three loads on one mesh, and again alone."""
+    task = loads("sphere_on_plane", [100, 200, 300], tmp_path / "out")
+    asked: list[list[int]] = []
+
+    @contextmanager
+    def one_process(ranks: int) -> Iterator[worker_pool.Submit]:
+        def submit(work, folder, keys, group, wanted, vtu) -> Future:
+            asked.append(list(wanted))
+            future: Future = Future()
+            first = next(iter(group))
+            if first != 1:
+                over = {"load": group[first].load}
+                store.write(folder, first, {"over": over, "fault": "none of a test"})
+            lost = "the process crashed" if 1 in group else ""
+            future.set_result(worker_pool.Attempt(None, 0.0, lost))
+            return future
+
+        yield submit
+
+    monkeypatch.setattr(worker_pool, "submitting", one_process)
+    monkeypatch.setattr(worker_pool, "workers", lambda ranks: 1)
+    found = parallel.run(task, resume=False, pictures=False, quiet=True)
+    assert asked == [[0, 1, 2], [1], [2]]
+    reasons = ("none of a test", "the process crashed", "none of a test")
+    assert found == {number: f"NOT SOLVED: {why}" for number, why in enumerate(reasons)}
+    asked.clear()
+    parallel.run(task, resume=True, pictures=False, quiet=True)
+    assert asked == [[1], [1]]  # on the mesh of all three, and by itself
+
+
+def test_what_has_no_memory_now_is_tried_again_by_resume(tmp_path: Path, monkeypatch) -> None:
+    """It has a row that says why, and no record."""
+    scene = rh.find("sphere_on_plane")
+    (tmp_path / "records").mkdir()
+    monkeypatch.setattr("railhead.run.refinement.machine.free_memory", lambda: 0)
+    short = parallel._solve(tmp_path, [], {7: scene}, [7], False)
+    assert list(short) == [7] and "GB free" in short[7]
+    assert store.done(tmp_path) == set()
+    monkeypatch.undo()
+    assert parallel._solve(tmp_path, [], {7: scene}, [7], False) == {}
+    assert store.done(tmp_path) == {7}
+
+
+@pytest.mark.system
+def test_a_kill_loses_only_what_was_running(tmp_path: Path) -> None:
+    """SIGKILL after the first records; --resume leaves these as they are."""
+    out = tmp_path / "out"
+    arguments = ["--over", "load=60:80:10kN", "--over", "wheel.rolling_radius=420mm,460mm",
+                 "--no-pictures", "--out", str(out)]  # fmt: skip
+    started = subprocess.Popen([*COMMAND, *ROLLER, *arguments], stderr=subprocess.DEVNULL)
+    while not store.done(out):
+        assert started.poll() is None
+        time.sleep(0.02)
+    started.send_signal(signal.SIGKILL)
+    started.wait()
+    time.sleep(1.0)  # processes of the sweep die with it
+    done = {path.name: path.stat().st_mtime_ns for path in (out / "records").glob("[0-9]*")}
+    assert 1 <= len(done) < 6 and not (out / "sweep.csv").exists()
+    stamp = json.loads((out / "records" / min(done)).read_text())
+    stamp["summary"]["result"]["pressure"]["max_MPa"] = 1234.5  # to be found in the table
+    (out / "records" / min(done)).write_text(json.dumps(stamp))
+    solved = subprocess.run(
+        [*COMMAND, *ROLLER, *arguments, "--resume"], check=False, capture_output=True, text=True
+    )
+    assert solved.returncode == 0, solved.stderr
+    found = rows(out)
+    assert len(found) == 6 and {row["checks"] for row in found} == {"passed"}
+    assert [row["p_max [MPa]"] for row in found].count("1234.5") == 1
+    assert not list((out / "records").glob(".*"))
+
+
+@pytest.mark.system
+def test_two_ranks_give_the_same_table(swept: Path, tmp_path: Path) -> None:
+    """The first gives the work, the other does it."""
+    done = subprocess.run(
+        ["mpirun", "--oversubscribe", "-n", "2", *COMMAND, *ROLLER, *SIX, "--no-pictures",
+         "--out", str(tmp_path / "out")],
+        env=outside.environment() | outside.ROOT, capture_output=True, text=True, timeout=300,
+        check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    for one, two in zip(rows(swept), rows(tmp_path / "out"), strict=True):
+        assert one.keys() == two.keys()
+        for name, value in one.items():
+            if name in ("checks", "tau_max body") or not value:
+                assert two[name] == value, name
+            else:
+                assert float(two[name]) == pytest.approx(float(value), rel=1e-9, abs=1e-12), name

@@ -1,0 +1,127 @@
+"""The folder of a sweep: resumed, broken, in use."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from solved import solved
+from sweep_command import ROLLER, SIX, sweep
+
+from railhead.sweeps import store, sweep_table
+
+
+def test_another_sweep_is_not_gone_on_with(swept: Path, capsys, tmp_path: Path) -> None:
+    before = (swept / "sweep.csv").read_bytes()
+    out = ("--out", str(swept), "--resume")
+    other = ("--over", "load=50kN,80kN,111kN", "--over", "wheel.rolling_radius=420mm,460mm")
+    assert sweep(*ROLLER, *other, *out) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "--resume: " in line and "over.load [50000.0, 80000.0, 110000.0]" in line
+    assert sweep(*ROLLER, *SIX, *out, "--set", "solver.max_newton=20") == 2
+    assert "scene.solver.max_newton 30 and not 20" in capsys.readouterr().err
+    assert (swept / "sweep.csv").read_bytes() == before
+    swapped = (*SIX[2:], *SIX[:2])
+    assert sweep(*ROLLER, *swapped, *out) == 2
+    assert "holds this sweep with --over in another order" in capsys.readouterr().err
+    single = tmp_path / "single"
+    solved("sphere_on_plane").save(single, pictures=False)
+    assert sweep(*ROLLER, *SIX, "--out", str(single), "--resume") == 2
+    assert "holds no sweep" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("content", [
+    None, "{}", '{"fault": ""}', "[]", '{"fault": "", "summary": {}}',
+    '{"fault": "", "summary": null}', '{"fault": "", "summary": {"checks": {"converged": true}}}',
+    '{"fault": "gmsh: no"}', '{"over": {}, "fault": "gmsh: no"}',
+])  # fmt: skip
+@pytest.mark.parametrize("name", ["sweep.json", "records/00000.json"])
+def test_a_broken_file_is_said(
+    swept: Path, name: str, content: str | None, capsys, tmp_path: Path
+) -> None:
+    folder = tmp_path / "sweep"
+    shutil.copytree(swept, folder)
+    half = (folder / name).read_text(encoding="utf-8")[:100]
+    (folder / name).write_text(half if content is None else content, encoding="utf-8")
+    assert sweep(*ROLLER, *SIX, "--out", str(folder), "--resume") == 2
+    err = capsys.readouterr().err
+    assert len(err.splitlines()) == 1
+    if name.startswith("records") or content in (None, "[]"):
+        assert f"{name}' is broken; delete it and resume again" in err
+    else:
+        assert "holds another sweep" in err
+
+
+@pytest.mark.parametrize(
+    ("place", "value"),
+    [
+        (("outlines",), "abc"), (("outlines",), [[[0.0, 1.0, 2.0]]]),
+        (("summary", "result", "pressure", "max_MPa"), "abc"),
+        (("summary", "result", "contact_point_mm"), [0.0]), (("over", "load"), 80000.0),
+    ],
+)  # fmt: skip
+def test_a_record_that_is_none_of_its_combination_is_said(
+    swept: Path, place: tuple[str, ...], value: object, capsys, tmp_path: Path
+) -> None:
+    """As it would be by a hand, or copied from another combination."""
+    folder = tmp_path / "sweep"
+    shutil.copytree(swept, folder)
+    record = folder / "records" / "00000.json"
+    kept = json.loads(record.read_text())
+    inner = kept
+    for key in place[:-1]:
+        inner = inner[key]
+    inner[place[-1]] = value
+    record.write_text(json.dumps(kept))
+    assert sweep(*ROLLER, *SIX, "--out", str(folder), "--resume") == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "00000.json' is broken; delete it and resume again" in line
+
+
+def test_what_else_lies_among_the_records_is_left_alone(swept: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "sweep"
+    shutil.copytree(swept, folder)
+    shutil.copy(folder / "records" / "00001.json", folder / "records" / "00001 (copy).json")
+    assert len(store.done(folder)) == 6
+    store.check(folder, lambda number, record: sweep_table.check(record) is None)
+
+
+def test_a_lost_folder_of_records_is_made_again(tmp_path: Path) -> None:
+    asked = {"vtu": True}
+    store.begin(tmp_path / "sweep", asked, resume=False)
+    shutil.rmtree(tmp_path / "sweep" / "records")
+    shutil.rmtree(tmp_path / "sweep" / "vtu")
+    store.begin(tmp_path / "sweep", asked, resume=True)
+    assert store.done(tmp_path / "sweep") == set()
+    store.write(tmp_path / "sweep", 0, {"fault": "gmsh: no"})
+    assert (tmp_path / "sweep" / "vtu").is_dir()
+
+
+@pytest.mark.parametrize("more", [(), ("--resume",)])
+def test_a_folder_in_use_is_left_alone(swept: Path, more: tuple, capsys, tmp_path: Path) -> None:
+    """The second sweep threw the first one's records away."""
+    folder = tmp_path / "sweep"
+    shutil.copytree(swept, folder)
+    before = {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
+    with store.claimed(folder):
+        assert sweep(*ROLLER, *SIX, "--out", str(folder), *more) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "--out: " in line and "in use by a sweep that runs; wait for it" in line
+    assert before == {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
+    with store.claimed(folder):
+        pass
+
+
+def test_a_record_appears_whole_or_not_at_all(tmp_path: Path, monkeypatch) -> None:
+    """The disk is full after half of it."""
+    store.begin(tmp_path / "sweep", {"case": "a"}, resume=False)
+    whole = Path.write_text
+
+    def half(path: Path, text: str, **options: str) -> int:
+        whole(path, text[: len(text) // 2], **options)
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", half)
+    with pytest.raises(OSError, match="No space"):
+        store.write(tmp_path / "sweep", 3, {"fault": "", "summary": {}})
+    assert store.done(tmp_path / "sweep") == set()
