@@ -56,7 +56,7 @@ class Section(BaseModel):
     def _first_problem(cls, error: ValidationError) -> SceneError:
         """Put the first of pydantic's findings into one line."""
         first = error.errors(include_url=False)[0]
-        key = ".".join(str(part) for part in first["loc"])
+        key = str(first["loc"][0]) if first["loc"] else ""  # then the branches of a union
         value = show(first["input"])
         match first["type"]:
             case "value_error":
@@ -113,20 +113,6 @@ def from_file(profile: str) -> bool:
     return os.path.isabs(profile)
 
 
-def _wavelength(value: object) -> float | str:
-    """Return auto, or a length in mm."""
-    if value == "auto":
-        return "auto"
-    allowed = 'auto or a wavelength from 1 to 100 mm, e.g. 10 or "10 mm"'
-    try:
-        number = units.to_base(value, units.LENGTH)
-    except ValueError:
-        raise ValueError(f"{show(value)} is not a length; give {allowed}") from None
-    if not 1 <= number <= 100:
-        raise ValueError(f"{show(value)} is not allowed; give {allowed}")
-    return number
-
-
 def _curve() -> BeforeValidator:
     """Return a validator of a .csv file with a stress-strain curve (kept absolute)."""
 
@@ -173,9 +159,7 @@ class Part(Section):
     profile_mirror: Switch = "auto"
     profile_flip: Switch = "auto"
     profile_origin: Literal["auto", "file"] = "auto"
-    smoothing: Annotated[float | Literal["auto"], BeforeValidator(_wavelength), units.LENGTH] = (
-        "auto"
-    )
+    smoothing: units.Wavelength | Literal["auto"] = "auto"
 
     @model_validator(mode="after")
     def _one_way_to_yield(self) -> Self:

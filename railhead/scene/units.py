@@ -1,16 +1,17 @@
-"""Quantities as people write them: a number in N, mm, MPa, or a string with its unit.
+"""Numbers with units: read from what a person writes, checked against a range, in base units.
 
-Each quantity of a scene is an annotated number (`Force`, `BodyLength`, ...): pydantic reads its
-value through `to_base`, checks the range, and stores the number in the base unit.
+Each type of number in a scene (`Force`, `BodyLength`, ...) is an annotated float or int: pydantic
+calls its validator, which converts the value to the base unit (N, mm, MPa, s, rad) and refuses what
+is no such quantity or out of range, in one line.
 """
 
 import math
 import re
 import reprlib
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
-from functools import lru_cache, partial
+from functools import lru_cache
 from numbers import Real
 from typing import TYPE_CHECKING, Annotated, get_args
 
@@ -24,23 +25,15 @@ _TEXT = re.compile(rf"({_NUMBER})\s*(.*)", re.DOTALL)
 _RUN = re.compile(rf"[:/]\s*({_NUMBER})")  # what follows the 1 in 1:20
 _POWER = r"[A-Za-z\u00b5\u03bc]+(?:(?:\*\*|\^)-?[1-9]|[²³])?"  # either micro sign
 _UNIT = re.compile(rf"(?:1\s*/\s*)?{_POWER}(?:\s*[*/]\s*{_POWER})*")  # 1/m as well
-# The usual ones, by base unit: pint has all of them, but to import it takes a tenth of a short run.
-_USUAL = {
-    "N": {"N": 1, "kN": 1000},
-    "mm": {"mm": 1, "m": 1000},
-    "MPa": {"MPa": 1, "GPa": 1000},
-    "s": {"s": 1, "min": 60},
-}
-_ANGLES = {"deg": math.pi / 180, "°": math.pi / 180, "mrad": 1e-3, "rad": 1.0}
 
 
-class _Brief(reprlib.Repr):
+class _ShortRepr(reprlib.Repr):
     def __init__(self) -> None:
         super().__init__()
         self.maxstring = self.maxother = 100
 
     def repr_int(self, x: int, level: int) -> str:
-        """Python refuses to print integers of more than 4300 digits."""
+        """`repr` of an integer; Python refuses to print one of more than 4300 digits."""
         try:
             str(x)
         except ValueError:
@@ -49,251 +42,274 @@ class _Brief(reprlib.Repr):
 
 
 def show(value: object) -> str:
-    """Return a short ``repr`` of any value, on one line."""
-    return " ".join(_Brief().repr(value).split())
+    """A short `repr` of any value, on one line."""
+    return " ".join(_ShortRepr().repr(value).split())
 
 
 @lru_cache(maxsize=1)
 def _registry() -> "pint.UnitRegistry[Decimal]":
-    """Return the unit registry; only a string with a rare unit needs it."""
+    """The units of pint, whose import takes a tenth of a short run: only for rare units."""
     import pint
 
     return pint.UnitRegistry(non_int_type=Decimal)
 
 
-def _physical(number: str, unit: str, *, base: str) -> float:
-    """Convert exactly, in decimals, so that "0.42 m" is the same float as 420."""
-    if factor := _USUAL.get(base, {}).get(unit):
-        return float(Decimal(number) * factor)
-    if unit.startswith("/"):
-        unit = f"1{unit}"
-    if not _UNIT.fullmatch(unit):
-        raise ValueError(unit)
-    registry = _registry()
-    try:
-        return float(registry.Quantity(Decimal(number), unit).to(base).magnitude)
-    except AttributeError as unknown:  # pint's UndefinedUnitError is one
-        raise ValueError(unit) from unknown
-
-
 def to_reader(base: str, unit: str) -> float:
-    """How many of a unit make one of the base unit."""
+    """The number of a unit in one base unit, e.g. 0.001 for N and kN."""
     return float(_registry().Quantity(1, base).to(unit).magnitude)
 
 
-def _per_cent(number: str, unit: str) -> float:
-    """Convert per cent."""
-    if unit != "%":
-        raise ValueError(unit)
-    return float(number) / 100
+@dataclass(frozen=True, kw_only=True, eq=False)
+class QuantityKind:
+    """A kind of physical quantity and how it is written.
 
-
-def _slope(number: str, unit: str) -> float:
-    """Convert an angle below 90 degrees (to its tangent), 1:20, 1/20, or per cent."""
-    if unit in _ANGLES:
-        angle = float(number) * _ANGLES[unit]
-        if abs(angle) < math.pi / 2:
-            return math.tan(angle)
-    if run := _RUN.fullmatch(unit):
-        return float(number) / float(run[1])
-    return _per_cent(number, unit)
-
-
-def _angle(number: str, unit: str) -> float:
-    """Convert an angle to radians."""
-    if unit in _ANGLES:
-        return float(number) * _ANGLES[unit]
-    raise ValueError(unit)
-
-
-def _speed(number: str, unit: str) -> float:
-    """Convert to m/s; per hour as railways write it."""
-    return _physical(number, unit.replace("km/h", "kilometer/hour"), base="m/s")
-
-
-@dataclass(frozen=True)
-class Dimension:
-    """What a kind of quantity is called, how to write it, how to convert (number, unit), and to
-    which unit."""
+    noun: its name with an article, for messages.
+    hint: how to write it, for messages.
+    unit: base unit; empty for plain numbers.
+    factors: base units in one of its usual units.
+    pint: whether other units of the same dimension are read, too.
+    """
 
     noun: str
     hint: str
-    convert: Callable[[str, str], float]
     unit: str = ""
+    factors: Mapping[str, Decimal | float] = field(default_factory=dict)
+    pint: bool = False
+
+    def convert(self, number: str, unit: str) -> float:
+        """A decimal number with a unit in the base unit. Raises ValueError, TypeError or
+        ArithmeticError where the unit is none of this kind.
+
+        In decimals, so that "0.42 m" is the same float as 420."""
+        factor = self.factors.get(unit)
+        if isinstance(factor, float):  # of an angle: no decimal has it
+            return float(number) * factor
+        if factor is not None:
+            return float(Decimal(number) * factor)
+        unit = f"1{unit}" if unit.startswith("/") else unit
+        if not self.pint or not _UNIT.fullmatch(unit):
+            raise ValueError(unit)
+        try:
+            return float(_registry().Quantity(Decimal(number), unit).to(self.unit).magnitude)
+        except AttributeError as unknown:  # pint's UndefinedUnitError is one
+            raise ValueError(unit) from unknown
 
 
-FORCE = Dimension(
-    "a force",
-    'newtons or a force with its unit, e.g. 25000 or "25 kN"',
-    partial(_physical, base="N"),
-    "N",
-)
-LENGTH = Dimension(
-    "a length",
-    'millimetres or a length with its unit, e.g. 420 or "0.42 m"',
-    partial(_physical, base="mm"),
-    "mm",
-)
-STRESS = Dimension(
-    "a stress",
-    'megapascals or a stress with its unit, e.g. 207000 or "207 GPa"',
-    partial(_physical, base="MPa"),
-    "MPa",
-)
-DURATION = Dimension(
-    "a duration",
-    'seconds or a time with its unit, e.g. 30 or "2 min"',
-    partial(_physical, base="s"),
-    "s",
-)
-NUMBER = Dimension("a number", "a plain number, e.g. 1", _per_cent)
-FRACTION = Dimension("a fraction", 'a number or per cent, e.g. 0.01 or "1%"', _per_cent)
-CURVATURE = Dimension(
-    "a curvature",
-    'a number in 1/mm or with its unit, e.g. 0.0002 or "0.2 1/m"',
-    partial(_physical, base="1/mm"),
-    "1/mm",
-)
-SPEED = Dimension("a speed", 'm/s or a speed with its unit, e.g. 20 or "72 km/h"', _speed, "m/s")
-ANGLE = Dimension(
-    "an angle", 'radians or an angle with its unit, e.g. 0.002 or "2 mrad"', _angle, "rad"
-)
-SLOPE = Dimension("a slope", 'a slope or an angle, e.g. 0.05, "1:20" or "2.86 deg"', _slope)
+class SlopeKind(QuantityKind):
+    """A slope: an angle below 90 degrees, whose tangent is taken, 1:20, 1/20, or per cent."""
+
+    def convert(self, number: str, unit: str) -> float:
+        """The slope, as in `QuantityKind.convert`."""
+        if unit in ANGLE.factors and abs(angle := ANGLE.convert(number, unit)) < math.pi / 2:
+            return math.tan(angle)
+        if run := _RUN.fullmatch(unit):
+            return float(number) / float(run[1])
+        return super().convert(number, unit)
 
 
-def to_base(value: object, dimension: Dimension) -> float:
-    """Return a number, or a string with a unit, as a float in N, mm, MPa or without unit.
+_PER_CENT = {"%": Decimal("0.01")}
+FORCE = QuantityKind(
+    noun="a force",
+    hint='newtons or a force with its unit, e.g. 25000 or "25 kN"',
+    unit="N",
+    factors={"N": Decimal(1), "kN": Decimal(1000)},
+    pint=True,
+)
+LENGTH = QuantityKind(
+    noun="a length",
+    hint='millimetres or a length with its unit, e.g. 420 or "0.42 m"',
+    unit="mm",
+    factors={"mm": Decimal(1), "m": Decimal(1000)},
+    pint=True,
+)
+WAVELENGTH = replace(LENGTH, hint='auto or a wavelength from 1 to 100 mm, e.g. 10 or "10 mm"')
+STRESS = QuantityKind(
+    noun="a stress",
+    hint='megapascals or a stress with its unit, e.g. 207000 or "207 GPa"',
+    unit="MPa",
+    factors={"MPa": Decimal(1), "GPa": Decimal(1000)},
+    pint=True,
+)
+DURATION = QuantityKind(
+    noun="a duration",
+    hint='seconds or a time with its unit, e.g. 30 or "2 min"',
+    unit="s",
+    factors={"s": Decimal(1), "min": Decimal(60)},
+    pint=True,
+)
+SPIN = QuantityKind(
+    noun="a spin",
+    hint='a number in 1/mm or with its unit, e.g. 0.0002 or "0.2 1/m"',
+    unit="1/mm",
+    pint=True,
+)
+SPEED = QuantityKind(
+    noun="a speed", hint='m/s or a speed with its unit, e.g. 20 or "72 km/h"', unit="m/s", pint=True
+)
+ANGLE = QuantityKind(
+    noun="an angle",
+    hint='radians or an angle with its unit, e.g. 0.002 or "2 mrad"',
+    unit="rad",
+    factors={
+        "rad": Decimal(1),
+        "mrad": Decimal("0.001"),
+        "deg": math.pi / 180,
+        "°": math.pi / 180,
+    },
+)
+NUMBER = QuantityKind(noun="a number", hint="a plain number, e.g. 1", factors=_PER_CENT)
+FRACTION = QuantityKind(
+    noun="a fraction", hint='a number or per cent, e.g. 0.01 or "1%"', factors=_PER_CENT
+)
+CREEPAGE = replace(FRACTION, noun="a creepage")
+SLOPE = SlopeKind(
+    noun="a slope",
+    hint='a slope or an angle, e.g. 0.05, "1:20" or "2.86 deg"',
+    factors=_PER_CENT,
+)
+
+
+def to_base(value: object, kind: QuantityKind) -> float:
+    """A number, or a string with a unit, as a float in the base unit of its kind.
 
     Raises ValueError (one line) for NaN, a boolean, anything that is not a number or a string,
-    an unreadable string and a unit of another dimension.
+    an unreadable string and a unit of another kind.
     """
     number = math.nan
     try:
         if isinstance(value, str) and (parts := _TEXT.fullmatch(value.strip())):
-            number = dimension.convert(parts[1], parts[2]) if parts[2] else float(parts[1])
+            number = kind.convert(parts[1], parts[2]) if parts[2] else float(parts[1])
         elif isinstance(value, Real) and not isinstance(value, bool):
             number = float(value)
     except (ValueError, TypeError, ArithmeticError):
         pass  # still NaN, which is refused below
     if math.isnan(number):
-        raise ValueError(f"{show(value)} is not {dimension.noun}; give {dimension.hint}")
+        raise ValueError(f"{show(value)} is not {kind.noun}; give {kind.hint}")
     return number
 
 
-@dataclass(frozen=True)
-class Quantity:
-    """Converts a value to the base unit and refuses what `allowed` refuses; `words` completes the
-    message "<value> is not allowed; give <words>"."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RangeValidator:
+    """Validator of a quantity: called with a value, returns it in the base unit of its kind.
 
-    dimension: Dimension
-    allowed: Callable[[float], bool]
-    words: str
+    low, high: smallest and largest allowed value, in the base unit.
+    excluded: values between them that are not allowed.
+    infinite: whether inf is allowed, too.
+    either_sign: whether low and high are those of the absolute value.
+    whole: whether only whole numbers are allowed.
+    allowed: what is allowed, for the message "<value> is not allowed; give <allowed>".
+    """
+
+    kind: QuantityKind
+    low: float
+    high: float
+    excluded: tuple[float, ...] = ()
+    infinite: bool = False
+    either_sign: bool = False
+    whole: bool = False
+    allowed: str
 
     def __call__(self, value: object) -> float:
-        number = to_base(value, self.dimension)
-        if not self.allowed(number):
-            raise ValueError(f"{show(value)} is not allowed; give {self.words}")
+        """Convert and check. Raises ValueError (one line)."""
+        number = to_base(value, self.kind)
+        size = abs(number) if self.either_sign else number
+        inside = self.low <= size <= self.high and size not in self.excluded
+        if not (inside or (self.infinite and size == math.inf)) or (
+            self.whole and not number.is_integer()
+        ):
+            raise ValueError(f"{show(value)} is not allowed; give {self.allowed}")
         return number
 
 
-def quantity(dimension: Dimension, allowed: Callable[[float], bool], words: str) -> BeforeValidator:
-    """Return a validator: see `Quantity`."""
-    return BeforeValidator(Quantity(dimension, allowed, words))
+def _in_range(
+    kind: QuantityKind,
+    low: float,
+    high: float,
+    note: str = "",
+    *,
+    allowed: str = "",
+    excluded: tuple[float, ...] = (),
+    infinite: bool = False,
+    either_sign: bool = False,
+    whole: bool = False,
+) -> BeforeValidator:
+    """The validator of a range; note: added to what the message says of it; allowed: in its
+    place."""
+    ends = f"from {_short(low)} to {_short(high)} {kind.unit}".rstrip()
+    noun = "a whole number" if whole else kind.noun
+    return BeforeValidator(
+        RangeValidator(
+            kind=kind,
+            low=low,
+            high=high,
+            excluded=excluded,
+            infinite=infinite,
+            either_sign=either_sign,
+            whole=whole,
+            allowed=allowed or f"{noun} {ends}{note}",
+        )
+    )
+
+
+def _short(number: float) -> str:
+    """A number as people write it: 1e-6, 0.001, 1e15."""
+    return re.sub(r"e([+-])0*", lambda sign: "e" + sign[1].strip("+"), f"{number:g}")
 
 
 def unit(annotation: object) -> str:
-    """Return the base unit of what a key's annotation reads; empty where it has none."""
-    if isinstance(annotation, Dimension):
-        return annotation.unit
+    """The base unit of what a key's type annotation reads; empty where it has none."""
     if isinstance(annotation, BeforeValidator):
-        return annotation.func.dimension.unit if isinstance(annotation.func, Quantity) else ""
+        validator = annotation.func
+        return validator.kind.unit if isinstance(validator, RangeValidator) else ""
     return next(filter(None, map(unit, get_args(annotation))), "")
-
-
-def _positive(value: float) -> bool:
-    return 0 < value < math.inf
-
-
-def _between(low: float, high: float, also: float = math.nan) -> Callable[[float], bool]:
-    return lambda value: low <= value <= high or value == also
 
 
 # Beyond these ranges no scene of allowed radii and moduli makes a patch of a nanometre or more, or
 # numbers overflow.
-Force = Annotated[
-    float, quantity(FORCE, _between(1e-40, 1e15), "a positive force from 1e-40 to 1e15 N")
-]
-Approach = Annotated[
-    float, quantity(LENGTH, _between(1e-21, 1e6), "a positive length from 1e-21 to 1e6 mm")
-]
-Radius = Annotated[
-    float,
-    quantity(LENGTH, _between(1e-6, 1e9, math.inf), "a length from 1e-6 to 1e9 mm; inf is flat"),
-]
+Force = Annotated[float, _in_range(FORCE, 1e-40, 1e15)]
+Approach = Annotated[float, _in_range(LENGTH, 1e-21, 1e6)]
+Radius = Annotated[float, _in_range(LENGTH, 1e-6, 1e9, "; inf is flat", infinite=True)]
 SignedRadius = Annotated[
     float,
-    quantity(
-        LENGTH,
-        lambda v: _between(1e-6, 1e9, math.inf)(abs(v)),
-        "a length of 1e-6 to 1e9 mm; negative is concave, inf is flat",
+    _in_range(
+        LENGTH, 1e-6, 1e9, "; negative is concave, inf is flat", infinite=True, either_sign=True
     ),
 ]
-Modulus = Annotated[
+Modulus = Annotated[float, _in_range(STRESS, 1e-12, 1e15, "; inf is rigid", infinite=True)]
+BodyLength = Annotated[float, _in_range(LENGTH, 1e-3, 1e6)]
+ElementSize = Annotated[float, _in_range(LENGTH, 1e-9, 1e6)]
+Wavelength = Annotated[float, _in_range(WAVELENGTH, 1, 100, allowed=WAVELENGTH.hint)]
+Duration = Annotated[
     float,
-    quantity(
-        STRESS, _between(1e-12, 1e15, math.inf), "a stress from 1e-12 to 1e15 MPa; inf is rigid"
-    ),
+    _in_range(DURATION, 0, math.inf, excluded=(0, math.inf), allowed="a positive, finite time"),
 ]
-BodyLength = Annotated[
-    float, quantity(LENGTH, _between(1e-3, 1e6), "a length from 0.001 to 1e6 mm")
-]
-ElementSize = Annotated[
-    float, quantity(LENGTH, _between(1e-9, 1e6), "a length from 1e-9 to 1e6 mm")
-]
-Duration = Annotated[float, quantity(DURATION, _positive, "a positive, finite time")]
-Stress = Annotated[float, quantity(STRESS, _between(1e-6, 1e9), "a stress from 1e-6 to 1e9 MPa")]
+Stress = Annotated[float, _in_range(STRESS, 1e-6, 1e9)]
 Hardening = Annotated[
-    float, quantity(STRESS, lambda v: 0 <= v < math.inf, "a finite stress that is not negative")
-]
-Share = Annotated[float, quantity(FRACTION, lambda v: 0 <= v <= 1, "a fraction from 0 to 1")]
-Factor = Annotated[float, quantity(NUMBER, _positive, "a positive, finite number")]
-Slope = Annotated[
-    float, quantity(SLOPE, lambda v: abs(v) <= 0.2, 'a slope from -0.2 to 0.2, e.g. "1:20"')
-]
-PoissonRatio = Annotated[
     float,
-    quantity(NUMBER, lambda v: 0 <= v < 0.5, "a number from 0 up to, but not including, 0.5"),
+    _in_range(
+        STRESS, 0, math.inf, excluded=(math.inf,), allowed="a finite stress that is not negative"
+    ),
 ]
-Accuracy = Annotated[
+Share = Annotated[float, _in_range(FRACTION, 0, 1)]
+Factor = Annotated[
     float,
-    quantity(FRACTION, lambda v: 0.0005 <= v <= 0.2, 'a fraction from 0.0005 to 0.2, e.g. "1%"'),
+    _in_range(NUMBER, 0, math.inf, excluded=(0, math.inf), allowed="a positive, finite number"),
 ]
-SignedForce = Annotated[float, quantity(FORCE, math.isfinite, "a finite force")]
-Creepage = Annotated[
+Slope = Annotated[float, _in_range(SLOPE, -0.2, 0.2, ', e.g. "1:20"')]
+PoissonRatio = Annotated[float, _in_range(NUMBER, 0, 0.5, ", but not 0.5 itself", excluded=(0.5,))]
+Accuracy = Annotated[float, _in_range(FRACTION, 0.0005, 0.2, ', e.g. "1%"')]
+SignedForce = Annotated[
     float,
-    quantity(FRACTION, lambda v: abs(v) <= 1, 'a creepage from -1 to 1, e.g. 0.001 or "0.1%"'),
+    _in_range(FORCE, 0, math.inf, excluded=(math.inf,), either_sign=True, allowed="a finite force"),
 ]
-Spin = Annotated[float, quantity(CURVATURE, lambda v: abs(v) <= 1, "a spin from -1 to 1 1/mm")]
-Speed = Annotated[
-    float, quantity(SPEED, lambda v: 0 < v <= 1000, 'a speed up to 1000 m/s, e.g. "80 km/h"')
-]
-FrictionCoefficient = Annotated[
-    float, quantity(NUMBER, lambda v: 0 <= v <= 2, "a number from 0 to 2")
-]
-Shift = Annotated[float, quantity(LENGTH, lambda v: abs(v) <= 30, "a length from -30 to 30 mm")]
-Yaw = Annotated[
-    float, quantity(ANGLE, lambda v: abs(v) <= 0.1, 'an angle from -0.1 to 0.1 rad, e.g. "2 mrad"')
-]
-Gauge = Annotated[
-    float, quantity(LENGTH, lambda v: 500 <= v <= 2000, "a length from 500 to 2000 mm, e.g. 1435")
-]
-Theta = Annotated[int, quantity(NUMBER, lambda v: v in (1, 0, -1), "1, 0 or -1")]
-Cycles = Annotated[
-    int,
-    quantity(NUMBER, lambda v: 1 <= v <= 100 and v.is_integer(), "a whole number from 1 to 100"),
-]
-Order = Annotated[int, quantity(NUMBER, lambda v: v in (1, 2), "1 or 2")]
-Iterations = Annotated[
-    int,
-    quantity(NUMBER, lambda v: 1 <= v <= 200 and v.is_integer(), "a whole number from 1 to 200"),
-]
+Creepage = Annotated[float, _in_range(CREEPAGE, -1, 1, ', e.g. 0.001 or "0.1%"')]
+Spin = Annotated[float, _in_range(SPIN, -1, 1)]
+Speed = Annotated[float, _in_range(SPEED, 0, 1000, ', but not 0, e.g. "80 km/h"', excluded=(0,))]
+FrictionCoefficient = Annotated[float, _in_range(NUMBER, 0, 2)]
+Shift = Annotated[float, _in_range(LENGTH, -30, 30)]
+Yaw = Annotated[float, _in_range(ANGLE, -0.1, 0.1, ', e.g. "2 mrad"')]
+Gauge = Annotated[float, _in_range(LENGTH, 500, 2000, ", e.g. 1435")]
+Theta = Annotated[int, _in_range(NUMBER, -1, 1, whole=True, allowed="1, 0 or -1")]
+Cycles = Annotated[int, _in_range(NUMBER, 1, 100, whole=True)]
+Order = Annotated[int, _in_range(NUMBER, 1, 2, whole=True, allowed="1 or 2")]
+Iterations = Annotated[int, _in_range(NUMBER, 1, 200, whole=True)]

@@ -49,7 +49,7 @@ def run(folder: Path, *arguments: str) -> tuple[int, str]:
 @pytest.mark.parametrize(
     "case, assignment, words",
     [
-        ("uic54_thesis", "load=1e-300", "give a positive force from 1e-40 to 1e15 N"),
+        ("uic54_thesis", "load=1e-300", "give a force from 1e-40 to 1e15 N"),
         ("uic54_thesis", "load=1e-39", "give a larger one, half lengths below"),
         ("uic54_thesis", "load=1e-10", "give a larger one, half lengths below"),
         ("long_roller", "load=1e-6", "give a larger one, half lengths below"),
