@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from railhead.planning import plan as planning
-from railhead.planning.cost import machine
 from railhead.planning.plan import Plan
 from railhead.results.report import terminal
 from railhead.scene.catalogue import find
@@ -50,20 +49,11 @@ def plan(
     budget: str | float | None = None,
     quiet: bool = False,
 ) -> Planned:
-    """What would be simulated and what it costs; solves nothing of it.
+    """What would be simulated and what it costs; solves no finite elements.
 
-    accuracy, budget: as for `solve`. The first plan on a machine solves a small case, to measure
-    its speed, and says so on standard error unless quiet. Raises SceneError.
+    accuracy, budget: as for `solve`. quiet: has no effect. Raises SceneError.
     """
-    decided = planning.make(asked(scene, accuracy, budget))
-    if not machine.known():
-        from railhead.results import pipeline
-        from railhead.run import refinement
-
-        with refinement.telling(quiet=quiet) as progress:
-            progress.stage("measuring this machine's speed, once")
-            pipeline.measure_speed()
-    return Planned(decided)
+    return Planned(planning.make(asked(scene, accuracy, budget)))
 
 
 def solve(

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import settings
 
 from railhead.meshing import mesh
+from railhead.planning.cost import machine
 from railhead.solver.contact import ContactModel
 from railhead.solver.setup import Setup
 
@@ -19,6 +20,13 @@ settings.register_profile("default", max_examples=20)
 settings.register_profile("thorough", max_examples=200)
 settings.load_profile("default")
 LONG = {"verification", "studies"}
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _own_speed(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """What runs of the tests take corrects no prediction of a person's runs."""
+    file = tmp_path_factory.mktemp("cache") / "speed.json"
+    machine.cache_file = lambda: file
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -68,14 +68,13 @@ def plan(
 ) -> None:
     """Say what would be simulated and what it costs; solve nothing."""
     from railhead import api
-    from railhead.planning.summary import told
     from railhead.results import result_folder
     from railhead.results.report import terminal
 
     scene = _scene(case, assignments, switched_on, switched_off)
     planned = api.plan(scene, accuracy=accuracy, quiet=as_json)
     if as_json:
-        click.echo(result_folder.to_json(told(planned.plan)), nl=False)
+        click.echo(result_folder.to_json(planned.plan.to_dict()), nl=False)
     else:
         planned.show(terminal.standard())
 
@@ -124,13 +123,14 @@ def run(
 
     from railhead import api
     from railhead.cli import launch
+    from railhead.planning import budget as budgets
     from railhead.planning import plan as planning
-    from railhead.planning.cost import machine, price
+    from railhead.planning.cost import machine
 
     start = time.perf_counter()
     planned = planning.make(api.asked(scene, accuracy, budget))
     if not process.started():
-        price.check_memory(planned, machine.free_memory())
+        budgets.check_memory(planned, machine.free_memory())
         count = ranks or launch.suited(planned)
         if count > 1:
             launch.restart(count, arguments)

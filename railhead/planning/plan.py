@@ -2,64 +2,63 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from functools import cached_property
+from typing import Any, NamedTuple
 
 from railhead.contact import bodies, dimension, plane_section
 from railhead.contact import solid as geometry
 from railhead.contact.solid import Contact
 from railhead.meshing.bodies import ELEMENTS_PER_TURN, Body, Options
-from railhead.meshing.sizing import Grading, suited_stretch
+from railhead.meshing.sizing import Grading
 from railhead.meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y, WHEEL
-from railhead.planning import effects
+from railhead.planning import effects, sizing
 from railhead.planning.accuracy import error_envelopes, uncertainty
 from railhead.planning.accuracy.error_envelopes import Family, Setting
 from railhead.planning.accuracy.uncertainty import Uncertainty
-from railhead.planning.cost import machine
-from railhead.planning.effects import Context, Effect
-from railhead.planning.effects.base import touching
+from railhead.planning.context import Context, Effect
+from railhead.planning.cost import machine, prediction
 from railhead.planning.effects.interface import friction
 from railhead.planning.effects.material import plasticity
 from railhead.planning.effects.shape.true_profile import one_radius
-from railhead.planning.patch.forecast import Forecast, Zone, forecast
-from railhead.planning.patch.ridges import ridges
+from railhead.planning.patch.forecast import Forecast, forecast
 from railhead.planning.references import closed_forms
+from railhead.planning.sizing import Sizing
 from railhead.scene.scene import Scene, SceneError
 from railhead.scene.sections import Rail, Wheel
-from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz
 
-if TYPE_CHECKING:
-    from railhead.solver.material.elasticity import Material
-
-ELEMENTS_PER_SEMI_AXIS = 6.0  # default patch resolution for quadratic cells
-LINEAR_REFINEMENT = 2.0  # linear cells are made so much smaller
-SECTION_REFINEMENT = 2.0  # so are those of a section, where they cost nearly nothing
-GROWTH = 0.3  # of the element size with distance, at most; finer patches grow more slowly
-FULL_GROWTH = 7 / 6  # times the default resolution, up to which the growth is the largest
-FINEST_SHARE = 0.5  # elements in a further patch over those in the most loaded one, at least
-RIDGE_SHARE = 0.25  # elements on a ridge of the pressure over those of its patch ...
-RIDGE_WIDTH = 0.125  # ... and half the width that has them, over the latter
-STRETCHES = 9  # tried where patches share a mesh
-COARSEST = 0.25  # largest element over the half length of the bodies ...
-COARSEST_ACROSS = 1 / 3  # ... and over the width of a profile: coarser ones cut through fillets
-HALF_SPACE_REACH = 8.0  # edge of the blocks over the major semi-axis: the far field is exact
-BODY_REACH = 12.0  # half length of real bodies over the major semi-axis, at least
-MIN_BODY_REACH = 80.0  # mm
+PRICED_ACCURACIES = (0.05, 0.01, 0.002)  # what a plan says the cost of
 SECTION_PER_TURN = 5  # elements on a full turn of a fillet of a whole section (4: 3 % less twist)
 SECTION_CELLS = 8.5  # for each mm of a whole section beyond those of its head (measured)
 
 
-@dataclass(frozen=True)
+class Price(NamedTuple):
+    """Predicted cost of a mesh and a coarser one before it.
+
+    patch_size, unknowns, memory: of the finer one; mm, number, bytes at the peak.
+    seconds: of the whole process.
+    """
+
+    patch_size: float
+    unknowns: int
+    seconds: float
+    memory: int
+
+
+@dataclass(frozen=True, kw_only=True)
 class Plan:
-    """Decisions for one scene; `forecast` is the patch that is expected; load_steps: of bodies that
-    yield, from first yield to the load."""
+    """Decisions for one scene.
+
+    context: what they were decided by.
+    effects: decisions on effects by name, see `effects.EFFECTS`.
+    order: of the displacement, 1 or 2.
+    patch_size: element size in the most loaded patch, mm.
+    reach: half length of the bodies along the rail, mm.
+    forecast: patches that are expected.
+    load_steps: of bodies that yield, from first yield to the load.
+    """
 
     context: Context
     effects: dict[str, Effect]
@@ -83,21 +82,6 @@ class Plan:
     def estimate(self) -> Hertz:
         """Exact Hertz with the curvatures at first contact."""
         return self.context.hertz
-
-    @property
-    def solid_resolution(self) -> float:
-        """Elements per smaller semi-axis of a solid at default settings."""
-        return ELEMENTS_PER_SEMI_AXIS * (LINEAR_REFINEMENT if self.order == 1 else 1.0)
-
-    @property
-    def default_resolution(self) -> float:
-        """Elements per smaller semi-axis without an asked accuracy."""
-        return self.solid_resolution * (SECTION_REFINEMENT if self.section else 1.0)
-
-    @property
-    def resolution(self) -> float:
-        """Elements per smaller semi-axis of the predicted patch."""
-        return self.forecast.minor / self.patch_size
 
     @property
     def setting(self) -> Setting:
@@ -213,14 +197,6 @@ class Plan:
     def _part(self, body: int) -> Rail | Wheel:
         return self.scene.rail if body == RAIL else self.scene.wheel
 
-    def material(self, body: int) -> Material:
-        """Elastic constants of RAIL or WHEEL as simulated."""
-        from railhead.solver.material.elasticity import Material
-
-        part = self._part(body)
-        young = part.young_modulus if body in self.deformable else math.inf
-        return Material(young, part.poisson_ratio)
-
     @cached_property
     def surfaces(self) -> Contact:
         """The contact whose profiles make the gap."""
@@ -282,50 +258,22 @@ class Plan:
         section = self.effects["rail_section"]
         return section.on and not section.refused and RAIL in self.deformable
 
-    @property
-    def growth(self) -> float:
-        """Of the element size with the distance from the patch."""
-        return min(GROWTH, GROWTH * FULL_GROWTH * self.solid_resolution / self.resolution)
-
     @cached_property
-    def coarsest(self) -> float:
-        """The largest element size (mm)."""
-        widths = [np.ptp(profile.domain) for _, profile, _ in touching(self.contact)]
-        return min([COARSEST * self.reach, *(COARSEST_ACROSS * width for width in widths)])
+    def sizing(self) -> Sizing:
+        """Element sizes."""
+        return Sizing(
+            contact=self.contact,
+            surfaces=self.surfaces,
+            forecast=self.forecast,
+            cell=self.scene.mesh.cell,
+            order=self.order,
+            patch_size=self.patch_size,
+            reach=self.reach,
+        )
 
     def grading(self) -> Grading:
-        """Sizes around the patches of the forecast; smaller patches get smaller elements. Elements
-        are stretched along the rail as far as it saves cells."""
-        if self.section:
-            return self._stretched(1.0)
-        most = max(suited_stretch(zone.a, zone.b) for zone in self.forecast.zones)
-        if len(self.forecast.zones) == 1:
-            return self._stretched(most)
-        tried = (self._stretched(float(k)) for k in np.linspace(1.0, most, STRETCHES))
-        hexahedra = self.scene.mesh.cell == "hexahedron"
-        return min(tried, key=lambda g: g.predicted_cells(self.reach, hexahedra=hexahedra))
-
-    def _stretched(self, stretch: float) -> Grading:
-        """Patches that want less than this stretch get smaller elements instead."""
-
-        def around(zone: Zone) -> Grading:
-            share = min(zone.a, zone.b) / self.forecast.minor
-            size = self.patch_size * min(1.0, max(share, FINEST_SHARE))
-            size *= min(1.0, suited_stretch(zone.a, zone.b) / stretch)
-            return Grading(
-                zone.centre, zone.a, zone.b, zone.angle, size, self.growth,
-                coarsest=self.coarsest, stretch=stretch,
-            )  # fmt: skip
-
-        first, *others = (around(zone) for zone in self.forecast.zones)
-        if self.scene.mesh.cell == "tetrahedron":  # rows of hexahedra would run across everything
-            for zone, patch in zip(self.forecast.zones, (first, *others), strict=True):
-                width, size = RIDGE_WIDTH * patch.size, RIDGE_SHARE * patch.size
-                others += [
-                    replace(patch, centre=line.centre, a=line.a, b=width, size=size)
-                    for line in ridges(self.surfaces, zone)
-                ]
-        return replace(first, also=tuple(others))
+        """Element sizes around the patches of the forecast."""
+        return self.sizing.grading()
 
     @cached_property
     def unknowns(self) -> int:
@@ -335,45 +283,103 @@ class Plan:
         if self.section:
             share *= len(self.deformable) * (0.5 if self.contact.revolved else 1.0)
             triangles = self.grading().predicted_triangles(self.reach)
-            return int(share * triangles * unknowns_per_cell("section", cell, self.order))
+            each = prediction.unknowns_per_cell("section", cell, self.order)
+            return int(share * triangles * each)
         cells = self.grading().predicted_cells(self.reach, hexahedra=cell == "hexahedron")
         cells *= len(self.deformable)
         if self.with_foot:
             half = bodies.rail_reach(self.contact, self.reach, whole_section=True)
             cells += SECTION_CELLS * 2 * half
-        return int(share * cells * unknowns_per_cell("solid", cell, self.order))
+        return int(share * cells * prediction.unknowns_per_cell("solid", cell, self.order))
 
     @property
     def seconds(self) -> float:
-        """Predicted for the whole process without pictures."""
-        return machine.START + self.solving
+        """Predicted for the whole process without pictures, one mesh."""
+        return prediction.START + self.solving
 
     @property
     def solving(self) -> float:
         """Predicted for one mesh without the start of the process, s."""
-        more = plasticity.WORK * self.load_steps if self.effects["plasticity"].on else 0.0
+        more = prediction.LOAD_STEP * self.load_steps if self.effects["plasticity"].on else 0.0
         if self.effects["friction"].on and not self.section:
-            more += friction.WORK * self.unknowns / friction.AT
-        return self.cost.time(self.unknowns) * (1 + more)
+            more += prediction.FRICTION * self.unknowns / prediction.FRICTION_AT
+        return machine.correction() * self.cost.time(self.unknowns) * (1 + more)
 
     @property
-    def cost(self) -> machine.Cost:
+    def cost(self) -> prediction.Cost:
         """What an unknown of this kind of model takes without yield and friction."""
-        if self.section:
-            return machine.SECTION
-        kind = self.scene.mesh.cell, self.order
-        known = machine.HALF_SPACES if self.contact.half_space else machine.PROFILES
-        return machine.OTHER.get(kind, known)
+        return prediction.cost(
+            self.scene.mesh.cell,
+            self.order,
+            section=self.section,
+            half_space=self.contact.half_space,
+        )
 
     @property
     def memory(self) -> int:
         """Predicted peak, bytes."""
         each = self.cost.bytes
         if self.effects["plasticity"].on:
-            each += plasticity.BYTES
+            each += prediction.YIELD_BYTES
         if self.effects["friction"].on:
-            each += friction.BYTES
-        return machine.BASE_BYTES + each * self.unknowns
+            each += prediction.FRICTION_BYTES
+        return prediction.BASE_BYTES + each * self.unknowns
+
+    def price_at(self, n: float) -> Price:
+        """Predicted cost of two meshes, the finer one with n elements per smaller semi-axis."""
+        fine, coarse = self.at_resolution(n), self.at_resolution(n / error_envelopes.STEP)
+        seconds = prediction.START + fine.solving + coarse.solving
+        return Price(fine.patch_size, fine.unknowns, seconds, fine.memory)
+
+    def prices(self) -> list[dict[str, Any]] | None:
+        """What accuracies cost: patch size, unknowns, seconds and memory, None where one is out of
+        reach; None where no family is calibrated."""
+        wanted, family = self.scene.accuracy, self.family
+        if family is None:
+            return None
+        rows = []
+        for accuracy in sorted({*PRICED_ACCURACIES, *([wanted] if wanted else [])}, reverse=True):
+            row = dict.fromkeys(("patch_size_mm", "unknowns", "seconds", "memory_MB"))
+            mesh_share = accuracy - self.left_out
+            if self.hidden < accuracy and family.reaches(mesh_share):
+                price = self.price_at(family.finest(mesh_share))
+                values = (price.patch_size, price.unknowns, price.seconds, price.memory / 1e6)
+                row = dict(zip(row, values, strict=True))
+            rows.append({"accuracy": accuracy, **row})
+        return rows
+
+    def to_dict(self) -> dict[str, Any]:
+        """The output of `railhead plan --json`: the scene, "plan" of summary.json, and what it
+        rests on; lengths mm, angles rad, MPa."""
+        scene, touch, ellipse = self.scene, self.contact.touch, self.estimate
+        along, across = (
+            1 / curvature if curvature else math.inf
+            for curvature in (touch.curvature_x, touch.curvature_y)
+        )
+        return {
+            "case": scene.name,
+            "scene": scene.model_dump(exclude_none=True),
+            "plan": self.summary(),
+            "contact": {
+                "y_mm": touch.y,
+                "z_mm": touch.z,
+                "angle_rad": touch.angle,
+                "relative_radius_along_mm": along,
+                "relative_radius_across_mm": across,
+            },
+            "hertz": {"a_mm": ellipse.a, "b_mm": ellipse.b, "p0_MPa": ellipse.p0},
+            "patches": [
+                {"centre_mm": list(zone.centre), "a_mm": zone.a, "b_mm": zone.b}
+                for zone in self.forecast.zones
+            ],
+            "mesh": {
+                "cell": scene.mesh.cell,
+                "order": self.order,
+                "patch_size_mm": self.patch_size,
+            },
+            "solver": {"method": scene.solver.method, "linear": scene.solver.linear},
+            "prices": self.prices(),
+        }
 
     def summary(self) -> dict[str, Any]:
         """As in summary.json."""
@@ -381,7 +387,7 @@ class Plan:
             "effects": {name: self._effect(name) for name in self.effects},
             "unknowns": self.unknowns,
             "predicted_seconds": self.seconds,
-            "chosen": effects.chosen(self.effects),
+            "chosen": effects.overruled(self.effects),
             "patch_size_mm": self.patch_size,
             "slave": BODIES[self.slave],
             "contact_angle_rad": self.contact.touch.angle,
@@ -399,18 +405,6 @@ class Plan:
         unknowns, seconds = self.price(name)
         cost = {"unknowns": unknowns, "seconds": seconds}
         return {**self.effects[name].summary(), "predicted_cost": cost}
-
-
-@cache
-def _cell_table() -> dict[str, Any]:
-    file = Path(__file__).parent / "cost" / "data" / "cells.json"
-    table: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-    return table
-
-
-def unknowns_per_cell(kind: str, cell: str, order: int) -> float:
-    """Of a predicted cell in a 'solid' or 'section': measured by `studies.accuracy.cells`."""
-    return float(_cell_table()[kind][cell][str(order)])
 
 
 def make(scene: Scene) -> Plan:
@@ -439,17 +433,19 @@ def _decided(scene: Scene) -> Plan:
     context, decided = effects.decide(scene, kind, contact, predicted)
     expected = forecast(context)
     order = scene.mesh.order or (2 if scene.mesh.cell == "tetrahedron" else 1)
-    major = max(max(zone.a, zone.b) for zone in expected.zones)
-    major = max(major, *contacts.half_lengths(predicted))
-    if contact.half_space:
-        reach = HALF_SPACE_REACH * major
-    else:
-        reach = max(MIN_BODY_REACH, BODY_REACH * major)
     size = scene.mesh.patch_size or expected.minor
-    plan = Plan(context, decided, order, size, reach, expected, plasticity.steps(context))
+    plan = Plan(
+        context=context,
+        effects=decided,
+        order=order,
+        patch_size=size,
+        reach=sizing.reach(contact, predicted, expected),
+        forecast=expected,
+        load_steps=plasticity.steps(context),
+    )
     if scene.mesh.patch_size:
         return plan
-    plan = plan.at_resolution(plan.default_resolution)
+    plan = plan.at_resolution(plan.sizing.default_resolution)
     if scene.accuracy is None or plan.family is None:
         return plan
     return plan.at_resolution(plan.family.finest(scene.accuracy - plan.left_out))

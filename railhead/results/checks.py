@@ -16,7 +16,7 @@ import numpy as np
 from railhead.meshing.tags import BODIES
 from railhead.planning import effects
 from railhead.planning.accuracy.error_envelopes import RANGE
-from railhead.planning.plan import LINEAR_REFINEMENT
+from railhead.planning.sizing import LINEAR_REFINEMENT
 from railhead.postprocess.findings import Frame
 from railhead.run.estimates import Estimate, flat, resolved, worst
 from railhead.run.mesh_solution import MeshSolution

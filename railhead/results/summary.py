@@ -39,8 +39,8 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
         rolling_reference.opinions(solved, half_spaces),
     )
     second = {**hertz, "allowance": {}} if plan.contact.half_space else profiles or NO_SECTION
-    other = effects.chosen(plan.effects)
-    beyond = all(effects.EFFECTS[name].beyond for name in other)
+    other = effects.overruled(plan.effects)
+    beyond = all(effects.EFFECTS[name].beyond_half_spaces for name in other)
     if not beyond:
         second = {"reason": f"another problem than the scene's was chosen: {', '.join(other)}"}
     if other:

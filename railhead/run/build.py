@@ -9,8 +9,6 @@ from mpi4py import MPI
 
 from railhead.meshing import mesh
 from railhead.meshing.sizing import Grading
-from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, WHEEL
-from railhead.planning.effects import EFFECTS
 from railhead.planning.plan import Plan
 
 if TYPE_CHECKING:
@@ -20,7 +18,7 @@ if TYPE_CHECKING:
 def generate(
     plan: Plan, grading: Grading, comm: MPI.Intracomm, save: Path | None = None
 ) -> mesh.ContactMesh:
-    """Mesh the bodies of a plan."""
+    """Mesh the bodies of a plan. Raises MeshError."""
     return mesh.generate(plan.parts(), grading, plan.options, comm, save, _load_solver)
 
 
@@ -32,35 +30,15 @@ def _load_solver() -> None:
 
 def model(plan: Plan, made: mesh.ContactMesh) -> ContactModel:
     """Assemble the contact model of a plan on its mesh."""
+    from railhead.run.model_setup import setup
     from railhead.solver.contact import ContactModel
     from railhead.solver.interface.frictional_model import RubbingModel, YieldingRubbingModel
-    from railhead.solver.interface.laws import ContactLaw
     from railhead.solver.material.yielding import YieldingModel
-    from railhead.solver.setup import ContactBody, Setup
 
-    scene = plan.scene
-
-    def side(tag: int) -> ContactBody:
-        return ContactBody(tag, CONTACT + tag, SUPPORT + tag, plan.material(tag))
-
-    setup = Setup(
-        fixed=side(RAIL),
-        moving=side(WHEEL),
-        slave=plan.slave,
-        gap=plan.surfaces.gap(plan.slave),
-        degree=plan.order,
-        law=ContactLaw(scene.solver.method, scene.solver.theta, scene.solver.gamma_factor),
-        planes=plan.planes,
-        load_control=scene.load is not None,
-        linear=scene.solver.linear,
-        kinematics=plan.contact.kinematics,
-    )
-    for name, effect in plan.effects.items():
-        if effect.on:
-            setup = EFFECTS[name].apply(setup, plan)
+    given = setup(plan)
     kind = ContactModel
-    if setup.load_path is not None:
-        kind = YieldingModel if setup.friction is None else YieldingRubbingModel
-    elif setup.friction is not None:
+    if given.load_path is not None:
+        kind = YieldingModel if given.friction is None else YieldingRubbingModel
+    elif given.friction is not None:
         kind = RubbingModel
-    return kind(made.mesh, made.cell_tags, made.facet_tags, setup)
+    return kind(made.mesh, made.cell_tags, made.facet_tags, given)

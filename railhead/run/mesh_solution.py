@@ -18,7 +18,7 @@ from railhead.meshing.sizing import Grading
 from railhead.planning import effects
 from railhead.planning.accuracy import error_envelopes
 from railhead.planning.accuracy.error_envelopes import Family, Setting
-from railhead.planning.effects import After
+from railhead.planning.context import PostSolveVerdict
 from railhead.planning.effects.interface import friction
 from railhead.planning.patch.forecast import Forecast, Nearest, Zone
 from railhead.planning.plan import Plan
@@ -90,7 +90,7 @@ class MeshSolution:
         return abs(self.solution.approach / target - 1) if target else 0.0
 
     @property
-    def after(self) -> dict[str, After]:
+    def after(self) -> dict[str, PostSolveVerdict]:
         """What the solution says about each effect of the plan, by name (rank 0)."""
         if self.findings is None:
             return {}

@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 
 from mpi4py import MPI
 
-from railhead.planning import plan as planning
+from railhead.planning import budget
 from railhead.planning.accuracy import error_envelopes
-from railhead.planning.cost import machine, price
+from railhead.planning.cost import machine, prediction
 from railhead.planning.plan import Plan
+from railhead.planning.sizing import LINEAR_REFINEMENT
 from railhead.run import estimates
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
@@ -38,7 +39,7 @@ def refine(
 ) -> tuple[list[MeshSolution], Ending]:
     """The solved meshes of a plan, coarsest first, and why there are no more of them. Raises
     SceneError for a mesh that does not fit into the memory, MeshError."""
-    price.check_memory(plan, comm.bcast(machine.free_memory()))
+    budget.check_memory(plan, comm.bcast(machine.free_memory()))
     if plan.scene.one_mesh:
         return [mesh_and_solve(plan, plan.grading(), progress, comm)], Ending(ONE_MESH)
     return _refine(plan, progress, comm)
@@ -68,10 +69,10 @@ def _refine(
     reach the coarse mesh, it could confirm nothing and is left out.
     """
     scene, known = plan.scene, plan.family
-    wanted = plan.resolution
+    wanted = plan.sizing.resolution
     if scene.budget is not None:
-        wanted = price.affordable(plan, wanted)
-    low = error_envelopes.RANGE[0] * (planning.LINEAR_REFINEMENT if plan.order == 1 else 1.0)
+        wanted = budget.affordable(plan, wanted)
+    low = error_envelopes.RANGE[0] * (LINEAR_REFINEMENT if plan.order == 1 else 1.0)
     coarse = max(wanted / error_envelopes.STEP ** (1 if known else 2), low)
     least = 2
     if known is not None and scene.budget is None and not known.covers(coarse):
@@ -161,9 +162,9 @@ def _next(levels: list[MeshSolution], worst: float, wanted: float) -> tuple[floa
 
 def _obstacle(plan: Plan, spent: float) -> str:
     """Why the mesh of a plan is not solved; empty if it is."""
-    if not price.fits(plan, machine.free_memory()):
+    if not budget.fits(plan, machine.free_memory()):
         return f"memory: the next mesh needs about {plan.memory / 1e9:.1f} GB"
-    budget = plan.scene.budget
-    if budget is not None and spent and machine.START + spent + plan.solving > budget:
+    limit = plan.scene.budget
+    if limit is not None and spent and prediction.START + spent + plan.solving > limit:
         return f"budget: the next mesh needs about {plan.solving:.0f} s"
     return ""

@@ -9,14 +9,14 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 
-from railhead import __version__
-from railhead.planning.cost import price
+from railhead.planning import budget
 from railhead.results import result_folder, table_file
 from railhead.results.subject import shared_y
 from railhead.run import process, refinement
@@ -51,7 +51,7 @@ class ParallelSweep:
         over = {key: list(dict.fromkeys(each.value(key) for each in scenes)) for key in keys}
         files = {path for scene in scenes for path in scene.files}
         return {
-            "railhead": __version__,
+            "railhead": version("railhead"),
             "scene": self.grid.base.model_dump(exclude_none=True),
             "over": over,
             "files": {str(path): sha256(path.read_bytes()).hexdigest() for path in sorted(files)},
@@ -166,7 +166,7 @@ def _solve(
     faults: dict[int, str] = {}
     solved = runner.solve_group(group, wanted, Progress(quiet=True), MPI.COMM_SELF)
     for number, result in solved:
-        if isinstance(result, price.NoMemoryError):  # another time it may fit
+        if isinstance(result, budget.NoMemoryError):  # another time it may fit
             faults[number] = str(result)
             continue
         if vtu and not isinstance(result, Exception):

@@ -15,8 +15,9 @@ from dataclasses import replace
 from mpi4py import MPI
 
 from railhead.meshing.mesh import ContactMesh, MeshError
+from railhead.planning import budget
 from railhead.planning import plan as planning
-from railhead.planning.cost import machine, price
+from railhead.planning.cost import machine
 from railhead.planning.plan import Plan
 from railhead.results import pipeline
 from railhead.results.result import Result
@@ -106,12 +107,12 @@ def _assemble(
     """Mesh and model for all plans, with bodies as large as the largest load wants them; None where
     gmsh cannot mesh them, or where they do not fit into the memory."""
     largest = plans[-1]
-    if not price.fits(largest, comm.bcast(machine.free_memory())):
+    if not budget.fits(largest, comm.bcast(machine.free_memory())):
         return None
     # The patches set the smallest elements, the bodies of the largest load the largest: those of a
     # small load's own block, throughout a large load's, would be most of the mesh.
     first, *others = (plan.grading() for plan in plans)
-    shared = replace(first, coarsest=largest.coarsest, also=(*first.also, *others))
+    shared = replace(first, coarsest=largest.sizing.coarsest, also=(*first.also, *others))
     progress.stage(f"meshing for {len(plans)} loads ({first.size:.3g} mm in the patch)")
     try:
         mesh = build.generate(largest, shared, comm)

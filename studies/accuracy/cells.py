@@ -9,6 +9,7 @@ from __future__ import annotations
 from statistics import geometric_mean
 
 from railhead.planning import plan as planning
+from railhead.planning.cost import prediction
 from railhead.planning.plan import Plan
 from railhead.scene import catalogue
 
@@ -32,7 +33,7 @@ def measure_cells() -> dict[str, dict[str, dict[str, float]]]:
         for cell, order in KINDS:
             typed = (f"mesh.cell={cell}", f"mesh.order={order}")
             shares = [share(planned(name, *changes, *typed)) for name, changes in scenes]
-            constant = geometric_mean(shares) * planning.unknowns_per_cell(kind, cell, order)
+            constant = geometric_mean(shares) * prediction.unknowns_per_cell(kind, cell, order)
             found[kind].setdefault(cell, {})[str(order)] = round(constant, 3)
     return found
 

@@ -72,12 +72,11 @@ def asked(name: str, index: int) -> float | None:
 def measure(name: str, scene: Scene, accuracy: float | None) -> list[Record]:
     """Solve a scene and hold each estimate against the true error; nothing if not converged."""
     from railhead.planning import plan as planning
-    from railhead.planning.cost.price import price
 
     if accuracy is not None:
         scene = scene.replace([f"accuracy={accuracy!r}"])
     plan = planning.make(scene)
-    predicted = plan.seconds if accuracy is None else price(plan, plan.resolution)[1]
+    predicted = plan.seconds if accuracy is None else plan.price_at(plan.sizing.resolution).seconds
     result = pipeline.run(scene)
     summary = result.summary
     if not summary["checks"]["converged"]:

@@ -77,7 +77,7 @@ def _against(
 
 def _finer(scene: Scene) -> dict[str, float]:
     plan = planning.make(scene)
-    plan = plan.at_resolution(FINE * plan.resolution)
+    plan = plan.at_resolution(FINE * plan.sizing.resolution)
     plan = replace(plan, load_steps=2 * plan.load_steps)
     solved = mesh_and_solve(plan, None, Progress(quiet=True), MPI.COMM_WORLD)
     return quantities(summarise([solved], Ending("one mesh")))

@@ -77,7 +77,7 @@ def around_smallest(plan: Plan, lowest: float) -> Grading:
 
     small = closed_forms.estimate(plan.scene, plan.contact, lowest)
     size = min(small.a, small.b) / ELEMENTS_PER_SEMI_AXIS
-    angle, coarsest = plan.contact.touch.angle, plan.coarsest
+    angle, coarsest = plan.contact.touch.angle, plan.sizing.coarsest
     return Grading(
         plan.contact.origin, small.a, small.b, angle, size, GROWTH, coarsest=coarsest
     )  # fmt: skip

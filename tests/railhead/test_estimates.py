@@ -10,7 +10,7 @@ import railhead as rh
 from railhead.planning import plan as planning
 from railhead.planning.accuracy import error_envelopes
 from railhead.planning.accuracy.error_envelopes import Law, Setting
-from railhead.planning.cost import machine, price
+from railhead.planning.cost import machine
 from railhead.results import pipeline, result_folder
 from railhead.run import estimates
 from railhead.scene import catalogue
@@ -195,7 +195,7 @@ def test_a_scene_outside_all_families_has_no_estimate_by_default() -> None:
 
 
 def test_a_budget_buys_what_it_can_and_says_what_was_too_dear(monkeypatch) -> None:
-    monkeypatch.setattr(machine, "speed", lambda: 1.0)
+    monkeypatch.setattr(machine, "correction", lambda: 1.0)
     rich = pipeline.run(catalogue.find("hertz_ellipse").replace(["budget=8s"])).summary
     poor = pipeline.run(catalogue.find("hertz_ellipse").replace(["budget=4s"])).summary
     assert rich["accuracy"]["asked"] is None and rich["checks"]["passed"]
@@ -218,17 +218,33 @@ def test_memory_is_guarded_before_the_next_mesh(monkeypatch) -> None:
 def test_price_grows_with_the_accuracy() -> None:
     plan = planning.make(catalogue.find("uic54_thesis"))
     needed = [plan.family.finest(asked) for asked in (0.05, 0.01, 0.002)]
-    prices = [price.price(plan, n) for n in needed]
-    assert prices == sorted(prices) and all(math.isfinite(each[1]) for each in prices)
+    prices = [plan.price_at(n) for n in needed]
+    costs = [(each.unknowns, each.seconds, each.memory) for each in prices]
+    assert costs == sorted(costs) and all(math.isfinite(each.seconds) for each in prices)
 
 
-def test_speed_is_measured_once_and_kept(tmp_path, monkeypatch) -> None:
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    assert not machine.known() and machine.speed() == 1.0
-    factor = pipeline.measure_speed()
-    assert machine.known() and machine.speed() == factor
+def test_seconds_follow_what_runs_took_on_this_machine(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(machine, "cache_file", lambda: tmp_path / "railhead" / "speed.json")
+    plan = planning.make(catalogue.find("hertz_ellipse"))
+    shipped = plan.solving
+    for slower in (30.0, 2.0):
+        machine.record(slower, 1.0)
+        assert plan.solving == shipped
+    machine.record(2.0, 1.0)
+    assert plan.solving == pytest.approx(2 * shipped)
+    for _ in range(machine.RUNS):
+        machine.record(0.5, 1.0)
+    assert plan.solving == pytest.approx(0.5 * shipped)
     machine.cache_file().write_text("broken")
-    assert machine.speed() == 1.0
+    assert plan.solving == shipped
+
+
+def test_a_finished_run_is_recorded(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(machine, "cache_file", lambda: tmp_path / "speed.json")
+    monkeypatch.setattr(machine, "LEAST_UNKNOWNS", 100)
+    pipeline.run(catalogue.find("long_roller"))
+    (ratio,) = machine._ratios()
+    assert 0.01 < ratio < 1000
 
 
 @pytest.mark.parametrize("other", ["accuracy=1%", "budget=10 s"])

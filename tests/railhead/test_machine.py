@@ -13,7 +13,7 @@ HEXAHEDRA = "mesh.cell=hexahedron"
 @pytest.fixture
 def reference(monkeypatch) -> None:
     """The machine that the costs were measured on."""
-    monkeypatch.setattr(machine, "speed", lambda: 1.0)
+    monkeypatch.setattr(machine, "correction", lambda: 1.0)
 
 
 @pytest.mark.parametrize(

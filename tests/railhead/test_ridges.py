@@ -5,6 +5,7 @@ import math
 import pytest
 
 from railhead.planning import plan as planning
+from railhead.planning import sizing
 from railhead.planning.patch.ridges import ridges
 from railhead.scene import catalogue
 
@@ -30,15 +31,15 @@ def test_the_width_of_the_profiles_bounds_the_elements_of_long_bodies() -> None:
     that cut through the fillets of the head, and meshing did not end."""
     plan = planned("wheel.young_modulus=300", "load=75e3")
     assert plan.reach > 500
-    assert plan.coarsest < 25
-    assert planned().coarsest == planning.COARSEST * planned().reach
+    assert plan.sizing.coarsest < 25
+    assert planned().sizing.coarsest == sizing.COARSEST * planned().reach
 
 
 def test_the_mesh_is_finer_along_it_and_nowhere_else() -> None:
     plan = planned(CROSSING)
     grading = plan.grading()
     (line,) = grading.also
-    assert line.size == planning.RIDGE_SHARE * grading.size
+    assert line.size == sizing.RIDGE_SHARE * grading.size
     assert grading.at(*line.centre[1:]) == pytest.approx(line.size)
     assert grading.at(line.centre[1] + 3 * grading.size, line.centre[2]) == grading.size
 

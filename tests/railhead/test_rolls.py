@@ -11,12 +11,11 @@ from railhead.contact import solid as geometry
 from railhead.contact import wheelset_kinematics
 from railhead.contact.solid import Contact, place
 from railhead.planning import plan as planning
-from railhead.planning.effects.interface import friction
 from railhead.planning.references import boundary_elements, closed_forms
+from railhead.run import model_setup
 from railhead.run.references import rolling_patches
 from railhead.run.references.rolling_elements import Asked, opinion
 from railhead.scene.scene import SceneError
-from railhead.solver.setup import ContactBody, Setup
 from railhead.solver.solution import FrictionSolution
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.bem.patch import PatchSolution
@@ -283,20 +282,13 @@ def test_what_the_wheelset_gives_is_not_given_twice(key: str, value: float) -> N
 
 def test_a_torque_gives_the_force_along_in_the_place_of_its_creepage() -> None:
     plan = planning.make(scene(4.0, 3e-3, rolling={"force_along": 2e3, "speed": 20}))
-    wheel = ContactBody(2, 2, 2, plan.material(2))
-    rub = friction.apply(Setup(wheel, wheel, 2, plan.surfaces.gap(2), 2), plan).friction
+    settings = model_setup.setup(plan).friction
     given = plan.summary()["wheelset"]
-    assert rub is not None and rub.force_controlled == ((0, 2000.0),)
-    assert list(rub.creepage) == [0.0, given["creepage_across"], given["spin_per_mm"]]
+    assert settings is not None and settings.force_controlled == ((0, 2000.0),)
+    assert list(settings.creepage) == [0.0, given["creepage_across"], given["spin_per_mm"]]
     assert given["creepage_across"] < 0 and given["spin_per_mm"] < 0
-    both = friction.apply(
-        Setup(wheel, wheel, 2, plan.surfaces.gap(2), 2), planning.make(scene(4.0))
-    )
-    assert (
-        both.friction is not None
-        and both.friction.force_controlled == ()
-        and both.friction.creepage[0] < 0
-    )
+    both = model_setup.setup(planning.make(scene(4.0))).friction
+    assert both is not None and both.force_controlled == () and both.creepage[0] < 0
 
 
 @pytest.mark.parametrize("case, what", [("hertz_ellipse", "half-spaces have no wheelset"),

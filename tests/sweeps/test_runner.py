@@ -7,8 +7,8 @@ from solved import solved
 from sweep_command import refused, rows
 
 import railhead as rh
+from railhead.planning import budget
 from railhead.planning import plan as planning
-from railhead.planning.cost import price
 from railhead.results import pipeline
 from railhead.run import mesh_solution, refinement
 from railhead.run.progress import Progress
@@ -80,7 +80,7 @@ def test_loads_that_want_unlike_meshes_share_none(case: str, key: str, given: li
     ("module", "name", "found"),
     [(refinement, "unplanned_yield", lambda level, comm: "it yields"),
      (mesh_solution, "_remesh_for_found_patch", lambda plan, grading, fields, frame: grading),
-     (price, "fits", lambda plan, free: False)],
+     (budget, "fits", lambda plan, free: False)],
     ids=["it yields", "another patch than the forecast one", "no memory"],
 )  # fmt: skip
 def test_what_the_shared_mesh_does_not_suit_is_solved_alone(

@@ -15,10 +15,9 @@ from solved import solved
 
 import railhead as rh
 from railhead.planning import plan as planning
-from railhead.planning.effects.interface import friction as effect
 from railhead.postprocess.findings import Frame
 from railhead.postprocess.friction.traction import quantities
-from railhead.run import build, mesh_solution
+from railhead.run import build, mesh_solution, model_setup
 from railhead.scene.scene import SceneError
 from railhead.solver.interface.condensation import tangents
 from railhead.solver.interface.frictional_model import YieldingRubbingModel
@@ -152,10 +151,12 @@ def test_unloaded_half_spaces_are_pulled_by_nothing() -> None:
 
 def test_a_shift_is_taken_in_steps_where_bodies_grow_or_yield() -> None:
     unlike = roller(friction={"force_along": 1e3, "cycle": True}, wheel={"young_modulus": 1e5})
-    legs = effect.legs(unlike, line=True, yields=False)
+    legs = model_setup.friction_steps(unlike, line=True, yields=False)
     assert [load for load, _ in legs[:8]] == [(step / 8) ** 2 for step in range(1, 9)]
     assert legs[8:] == ((1, 1), (1, -1), (1, 1))
-    shares = effect.legs(roller(friction={"force_along": 1e3}), line=True, yields=True)
+    shares = model_setup.friction_steps(
+        roller(friction={"force_along": 1e3}), line=True, yields=True
+    )
     assert shares == ((1, 0.25), (1, 0.5), (1, 0.75), (1, 1))
 
 

@@ -69,14 +69,14 @@ def test_a_round_patch_beside_a_long_one_keeps_its_elements_along_the_rail() -> 
     plan = planned("s1002_60e1", "wheelset.shift=5")
     stretched = plan._stretched(2.0)
     assert stretched.stretch * stretched.size == pytest.approx(plan.patch_size)
-    assert stretched.resolution == pytest.approx(plan.resolution)
+    assert stretched.resolution == pytest.approx(plan.sizing.resolution)
 
 
 @pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
 @pytest.mark.parametrize("radius", [60, 20, 5])
 def test_unknowns_of_stretched_meshes_are_foreseen(radius: float, cell: str) -> None:
     plan = planned("hertz_ellipse", f"rail.crown_radius={radius}", f"mesh.cell={cell}")
-    plan = plan.at_resolution(plan.default_resolution / 2)
+    plan = plan.at_resolution(plan.sizing.default_resolution / 2)
     assert plan.grading().stretch > 1
     made = build.generate(plan, plan.grading(), MPI.COMM_WORLD)
     unknowns = build.model(plan, made).unknowns

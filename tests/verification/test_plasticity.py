@@ -16,8 +16,8 @@ from solved import solved
 import railhead as rh
 from railhead.meshing.tags import RAIL
 from railhead.planning import plan as planning
+from railhead.planning.context import Effect
 from railhead.planning.effects import EFFECTS
-from railhead.planning.effects.base import Effect
 from railhead.postprocess.findings import Frame
 from railhead.run import build, estimates, mesh_solution
 from railhead.solver.algebra import linear

@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass
 
 from railhead.contact import solid
-from railhead.planning.effects.base import Context
+from railhead.planning.context import Context
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.bem.boundary_element import Solution

@@ -7,16 +7,17 @@ import math
 from railhead.contact import bodies
 from railhead.geometry.profiles import STANDARD_RAILS
 from railhead.meshing.tags import BODIES
-from railhead.planning.effects.base import After, Context, touching
+from railhead.planning.context import Context, PostSolveVerdict, touching
 from railhead.planning.references import closed_forms
 from railhead.postprocess.findings import Findings
 from railhead.theory.elastic import finite_bodies
 
 SMALL = 0.1  # semi-axis over relative radius
+DOUBTFUL = ": the comparison with Hertz is doubtful"
 EDGE = 1.1  # times the semi-axis across that must lie within both profiles
 
 
-def small_patch(context: Context, found: Findings) -> After:
+def small_patch(context: Context, found: Findings) -> PostSolveVerdict:
     """Hertz's parabolas and half-spaces need semi-axes far below the radii (Johnson, Contact
     Mechanics, 4.1)."""
     touch, patch = context.contact.touch, found.patch
@@ -24,10 +25,10 @@ def small_patch(context: Context, found: Findings) -> After:
     side, ratio = ("a", a) if a > b else ("b", b)
     large = bool(ratio > SMALL)
     text = f"{side}/R = {ratio:.2g}, {'above' if large else 'below'} {SMALL}"
-    return After(large, f"{text}: the comparison with Hertz is doubtful" if large else text)
+    return PostSolveVerdict(large, text + (DOUBTFUL if large else ""))
 
 
-def inside_the_bodies(context: Context, found: Findings) -> After | None:
+def inside_the_bodies(context: Context, found: Findings) -> PostSolveVerdict | None:
     """A patch at the edge of a tread or of a head has a stress peak there that no profile shows."""
     scene, contact = context.scene, context.contact
     if contact.half_space or contact.lengthwise:
@@ -40,10 +41,10 @@ def inside_the_bodies(context: Context, found: Findings) -> After | None:
     room = min(abs(end - middle) for end in ends)
     near = bool(room < reach)
     text = f"{room:.1f} mm from the middle of the patch to the nearest edge, b = {patch.b:.2f} mm"
-    return After(near, f"{text}: the edge carries load" if near else text)
+    return PostSolveVerdict(near, f"{text}: the edge carries load" if near else text)
 
 
-def thick_bodies(context: Context, found: Findings) -> After | None:
+def thick_bodies(context: Context, found: Findings) -> PostSolveVerdict | None:
     """A body held just below the patch is stiffer than a half-space (see theory.finite_bodies); of
     a standard rail the effect rail_section tells."""
     scene, contact = context.scene, context.contact
@@ -64,4 +65,4 @@ def thick_bodies(context: Context, found: Findings) -> After | None:
     side = "above" if thin else "below"
     rise = f"pressure rises by {change:.2g}, {side} {limit:g}"
     text = f"the {body} is held {deep:.3g} mm deep: {rise}"
-    return After(thin, f"{text}: the comparison with Hertz is doubtful" if thin else text)
+    return PostSolveVerdict(thin, text + (DOUBTFUL if thin else ""))

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from railhead.contact.solid import Contact
-from railhead.planning.effects.base import Context
+from railhead.planning.context import Context
 from railhead.planning.references import boundary_elements
 from railhead.planning.references.boundary_elements import Developed
 from railhead.postprocess.findings import Frame

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from railhead.contact.solid import Contact
-from railhead.planning.effects.base import touching
+from railhead.planning.context import touching
 from railhead.planning.patch.forecast import Zone
 
 JUMP = 0.2  # of the relative curvature across, over its larger side: smaller ones leave no ridge

@@ -15,7 +15,6 @@ import meshio
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from PIL import Image
 
-from railhead import __version__
 from railhead.postprocess.findings import Findings
 from railhead.results import quantities
 from railhead.results.report import labels, tables
@@ -37,7 +36,16 @@ CAPTIONS = {
     "friction": "Where the patch sticks and slips, and the tractions.",
     "shakedown": "Pressure and traction against the limits of repeated rolling.",
 }
-PACKAGES = ("fenics-dolfinx", "petsc4py", "numpy", "scipy", "gmsh", "pyvista", "matplotlib")
+PACKAGES = (
+    "railhead",
+    "fenics-dolfinx",
+    "petsc4py",
+    "numpy",
+    "scipy",
+    "gmsh",
+    "pyvista",
+    "matplotlib",
+)
 
 
 def write(
@@ -79,7 +87,7 @@ def render(
             (CAPTIONS[name], _picture((folder / f"{name}.png").read_bytes()))
             for name in CAPTIONS if (folder / f"{name}.png").exists()
         ],
-        versions={"railhead": __version__, "Python": platform.python_version(), **_versions()},
+        versions=_versions() | {"Python": platform.python_version()},
     )  # fmt: skip
 
 

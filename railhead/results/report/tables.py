@@ -10,9 +10,8 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from railhead.planning.effects import Effect
+from railhead.planning.context import Effect
 from railhead.planning.plan import Plan
-from railhead.planning.summary import told
 from railhead.results import quantities
 from railhead.results.report import terminal
 from railhead.results.report.output_units import Units
@@ -25,7 +24,7 @@ PAIRED = 30.0  # times first yield beyond which the pairing of the surfaces is f
 
 def show_plan(plan: Plan, console: Console) -> None:
     """Effects, resolution and price."""
-    said = told(plan)
+    said = plan.to_dict()
     contact, hertz, mesh, solver = (said[key] for key in ("contact", "hertz", "mesh", "solver"))
     table = Table(title=f"plan of {said['case']}", title_justify="left")
     for column in ("effect", "state", "why", "predicted"):

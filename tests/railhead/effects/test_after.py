@@ -100,7 +100,7 @@ def test_a_rim_or_a_block_that_is_thin_is_named(thesis) -> None:
     """Finite elements on a rim of 3 mm: 14 % more pressure than on half-spaces."""
     plan = thesis.plan
 
-    def judged(*assignments: str) -> effects.After:
+    def judged(*assignments: str) -> effects.PostSolveVerdict:
         scene = plan.scene.replace(["rail.profile=arc", "rail.crown_radius=300", *assignments])
         return assumptions.thick_bodies(replace(plan.context, scene=scene), thesis.findings)
 

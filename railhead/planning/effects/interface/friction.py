@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from railhead.contact import wheelset_kinematics
 from railhead.contact.wheelset_kinematics import Wheelset
-from railhead.planning.effects.base import After, Context, Effect
-from railhead.planning.effects.shape.far_field import CerrutiFarField
+from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.references import closed_forms
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import Scene, SceneError
@@ -19,18 +15,8 @@ from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.friction import kalker
 from railhead.theory.rolling.rolling import Creepage
 
-if TYPE_CHECKING:
-    from railhead.planning.plan import Plan
-    from railhead.solver.setup import Setup
-
 OMITTED = "not simulated: falling friction, third bodies, roughness, dynamics (docs/limits.md)"
 NO_MISMATCH = 1e-9  # |beta| that is rounding
-GROWTH = 8  # steps in which a patch of unlike bodies grows
-CYCLE = (0.0, 1.0, -1.0, 1.0)  # shares of the force, there, back and there
-SHIFT = 4  # steps from one of them to the next where bodies yield: strain within 2 % of twice them
-WORK = 5.5  # times an elastic run of AT unknowns, and in proportion to them: 4 to 17 times were
-AT = 46_000  # measured from 28 000 to 140 000
-BYTES = 26_000  # an unknown, beside those of an elastic run: 13 000 to 24 000 were measured there
 
 
 def decide(context: Context) -> Effect:
@@ -84,60 +70,6 @@ def decide(context: Context) -> Effect:
     return Effect(called, called, why, refused)
 
 
-def apply(setup: Setup, plan: Plan) -> Setup:
-    """The coefficient and the wheel's motion."""
-    from railhead.solver.setup import FrictionSettings
-
-    scene, contact = plan.scene, plan.contact
-    frame = contact.frame
-    rolling, friction = scene.rolling, scene.friction
-    given = rolling if rolling.given else friction
-    moves = creepage(plan.context)
-    known = [moves.along, moves.across, moves.spin]
-    free = []
-    for index, way in enumerate(("along", "across")):
-        if rolling.given and getattr(rolling, f"force_{way}") is None:
-            continue
-        known[index] = 0.0
-        still = (plan.half_x or contact.plane == "yz", plan.half_y or contact.plane == "xz")
-        if not (still[index] or contact.revolved):
-            free.append((index, float(getattr(given, f"force_{way}") or 0.0)))
-    far = CerrutiFarField(plan) if contact.half_space and not contact.plane else None
-    motion = known[0], known[1], known[2]
-    settings = FrictionSettings(
-        coefficient=friction.coefficient,
-        rolling=rolling.given,
-        axes=frame.axes,
-        origin=frame.origin,
-        rigid_slip=wheelset_kinematics.rigid_slip(contact),
-        creepage=motion,
-        force_controlled=tuple(free),
-        load_steps=legs(scene, line=contact.line, yields=plan.effects["plasticity"].on),
-        far_field=far,
-    )
-    return replace(setup, friction=settings)
-
-
-def legs(scene: Scene, *, line: bool, yields: bool) -> tuple[tuple[float, float], ...]:
-    """Shares of the load and of the tangential forces: the patch of unlike bodies grows in equal
-    steps, with friction; then the force, in equal steps where bodies yield."""
-    if not grows(scene):
-        grown = []
-    else:
-        power = 2 if line else 3  # of the load in the patch's length
-        grown = [((step / GROWTH) ** power, 0.0) for step in range(1, GROWTH + 1)]
-        if not any(scene.tangential[1:]):
-            return tuple(grown)
-    turns = CYCLE if scene.friction.cycle else CYCLE[:2]
-    steps = SHIFT if yields else 1
-    shares = [
-        start + (end - start) * step / steps
-        for start, end in itertools.pairwise(turns)
-        for step in range(1, steps + 1)
-    ]
-    return (*grown, *((1.0, share) for share in shares))
-
-
 def grows(scene: Scene) -> bool:
     """Whether friction takes part while the patch grows."""
     return unlike(scene) and not scene.rolling.given
@@ -156,11 +88,11 @@ def mismatch(scene: Scene) -> float:
     )
 
 
-def check(context: Context, effect: Effect, found: Findings) -> After | None:
+def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
     """Whether it was left out."""
     if not effect.called_for:
         return None
-    return After(
+    return PostSolveVerdict(
         not effect.on, "simulated" if effect.on else f"{effect.why}: the answer is frictionless"
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from railhead.planning.effects.base import After, Context, Effect
+from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.effects.interface import friction
 from railhead.postprocess.findings import Findings
 from railhead.theory.elastic import contacts
@@ -37,7 +37,7 @@ def decide(context: Context) -> Effect:
     return Effect(called, False, why, refused)
 
 
-def check(context: Context, effect: Effect, found: Findings) -> After | None:
+def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
     """The same with the energy that is dissipated."""
     speed = context.scene.rolling.speed
     if speed is None or math.isnan(found.dissipated):
@@ -46,4 +46,4 @@ def check(context: Context, effect: Effect, found: Findings) -> After | None:
     rise = flash_temperature(found.dissipated, patch.area, patch.a, speed, line=line)
     hot = rise >= HOT
     text = f"flash temperature {rise:.3g} K, {'above' if hot else 'below'} {HOT:g} K"
-    return After(hot, f"{text}: friction and yield stress fall with it" if hot else text)
+    return PostSolveVerdict(hot, f"{text}: friction and yield stress fall with it" if hot else text)

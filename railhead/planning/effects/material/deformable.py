@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from railhead.planning.effects.base import Context, Effect
+from railhead.planning.context import Context, Effect
 from railhead.scene.sections import Rail, Wheel
 
 SHARE = 0.1  # of the asked accuracy: compliance that may be left out

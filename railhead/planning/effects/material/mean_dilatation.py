@@ -2,14 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING
-
-from railhead.planning.effects.base import Context, Effect
-
-if TYPE_CHECKING:
-    from railhead.planning.plan import Plan
-    from railhead.solver.setup import Setup
+from railhead.planning.context import Context, Effect
 
 LARGEST_RATIO = 0.45  # Poisson's ratio above which ordinary cells begin to lock
 #: The same in a meridian section: there the largest of the rms errors of pressure, area and shear
@@ -35,8 +28,3 @@ def decide(context: Context) -> Effect:
         locks = "; these cells lock, take quadratic tetrahedra" if above else ""
         return Effect(above, False, why + locks, {"on": "it needs quadratic tetrahedra"})
     return Effect(above, above, why)
-
-
-def apply(setup: Setup, plan: Plan) -> Setup:
-    """Average the dilatation."""
-    return replace(setup, kinematics=replace(setup.kinematics, mean_dilatation=True))

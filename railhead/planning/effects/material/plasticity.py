@@ -4,16 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
-from railhead.meshing.tags import BODIES
-from railhead.planning.effects.base import After, Context, Effect
+from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.effects.interface import friction
-from railhead.postprocess.findings import Array, Findings
+from railhead.postprocess.findings import Findings
 from railhead.scene import steels
 from railhead.scene.scene import Scene, SceneError
 from railhead.scene.sections import Part
@@ -21,17 +16,10 @@ from railhead.theory.elastic import indentation
 from railhead.theory.friction import sliding
 
 if TYPE_CHECKING:
-    from railhead.planning.patch.forecast import Zone
-    from railhead.planning.plan import Plan
     from railhead.solver.material.hardening import Hardening
-    from railhead.solver.setup import ContactBody, Setup
 
 STEPS = 4  # from first yield to the load: the centre pressure is within 1.5 % of many steps
 LINE_STEPS = 16  # the same of a line, where four leave the strain 20 % and more too large
-WORK = 1.1  # times an elastic run that a load step costs, its share of unloading included: 0.8 to
-# 1.3 on a solid of 10 000 to 48 000 unknowns and a section
-BYTES = 6_000  # an unknown, beside those of an elastic run: 4 500 to 5 500 were measured
-REACH = 3.0  # half lengths of the patch around it in which yield is followed
 USUAL = "R260"  # rail steel that a scene without one is held against
 
 
@@ -66,34 +54,7 @@ def decide(context: Context) -> Effect:
     return Effect(yields, yields and not refused, why, refused)
 
 
-def apply(setup: Setup, plan: Plan) -> Setup:
-    """Hardening of the bodies that yield, and the way of the load."""
-    from railhead.solver.setup import LoadPath
-
-    scene = plan.scene
-
-    def yielding(side: ContactBody) -> ContactBody:
-        part = scene.rail if BODIES[side.tag] == "rail" else scene.wheel
-        if side.rigid or not part.yields:
-            return side
-        return replace(side, material=replace(side.material, hardening=hardening(part)))
-
-    law = setup.law
-    if (
-        setup.friction is not None and law.theta is None
-    ):  # with 1 Newton's method may swing under shear
-        law = replace(law, theta=0)
-    path = LoadPath(
-        steps=plan.load_steps,
-        cycles=scene.cycles,
-        unload=scene.unload,
-        near=Near(plan.forecast.zones),
-    )
-    fixed, moving = yielding(setup.fixed), yielding(setup.moving)
-    return replace(setup, fixed=fixed, moving=moving, load_path=path, law=law)
-
-
-def check(context: Context, effect: Effect, found: Findings) -> After | None:
+def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
     """The same with the largest stresses that were found in each body."""
     stresses = {
         name: found.largest[name].von_mises.value
@@ -102,12 +63,12 @@ def check(context: Context, effect: Effect, found: Findings) -> After | None:
     }
     if not stresses:
         largest = {name: each.von_mises.value for name, each in found.largest.items()}
-        return After(False, *_steel_yields(context, largest))
+        return PostSolveVerdict(False, *_steel_yields(context, largest))
     yields, why = _compare(context.scene, stresses)
     if effect.on:
-        return After(False, "simulated")
+        return PostSolveVerdict(False, "simulated")
     cost = ": the elastic answer overstates the pressure and all stresses" if yields else ""
-    return After(yields, why + cost)
+    return PostSolveVerdict(yields, why + cost)
 
 
 def hardening(part: Part) -> Hardening:
@@ -125,25 +86,6 @@ def shear_yield(context: Context) -> float | None:
     """Yield stress in shear of the weaker body that deforms, MPa; None where none is known."""
     limits = [hardening(part).first / math.sqrt(3) for part in _yielding(context).values()]
     return min(limits, default=None)
-
-
-@dataclass(frozen=True)
-class Near:
-    """Where yield is followed: REACH half lengths around each patch, REACH smaller ones deep."""
-
-    zones: tuple[Zone, ...]
-
-    def __call__(self, points: Array) -> NDArray[np.bool_]:
-        """Points in space (n, 3) mm -> mask (n,)."""
-        near = np.zeros(len(points), dtype=bool)
-        for zone in self.zones:
-            x, y, z = (points - np.array(zone.centre)).T
-            c, s = np.cos(zone.angle), np.sin(zone.angle)
-            across, height = c * y + s * z, c * z - s * y
-            deep = min(zone.a, zone.b)
-            distance = (x / zone.a) ** 2 + (across / zone.b) ** 2 + (height / deep) ** 2
-            near |= distance < REACH**2
-        return near
 
 
 def _yielding(context: Context) -> dict[str, Part]:

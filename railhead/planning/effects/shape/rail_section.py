@@ -6,7 +6,7 @@ import math
 
 from railhead.geometry.outlines import head_depth
 from railhead.geometry.profiles import STANDARD_RAILS
-from railhead.planning.effects.base import After, Context, Effect
+from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.references import rail_twist
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import SceneError
@@ -37,15 +37,15 @@ def decide(context: Context) -> Effect:
     return Effect(called, called, f"{why}; {because}")
 
 
-def check(context: Context, effect: Effect, found: Findings) -> After | None:
+def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
     """The same with the patch that was found."""
     if "on" in effect.refused:
         return None
     felt, why = _felt(context, found.patch.a, found.patch.b)
     if effect.on or felt or not effect.called_for:
-        return After(felt and not effect.on, why)
+        return PostSolveVerdict(felt and not effect.on, why)
     twists, because = _twists(context)
-    return After(twists, because if twists else why)
+    return PostSolveVerdict(twists, because if twists else why)
 
 
 def _felt(context: Context, a: float, b: float) -> tuple[bool, str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from railhead.contact import dimension
-from railhead.planning.effects.base import Context, Effect
+from railhead.planning.context import Context, Effect
 
 
 def plane_strain(context: Context) -> Effect:

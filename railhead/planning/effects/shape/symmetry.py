@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from railhead.planning.effects.base import Context, Effect
+from railhead.planning.context import Context, Effect
 
 
 def along(context: Context) -> Effect:

@@ -10,7 +10,7 @@ import numpy as np
 from railhead.contact.solid import Contact
 from railhead.geometry.osculating import osculating
 from railhead.geometry.profiles import Arc, Polynomial
-from railhead.planning.effects.base import After, Context, Effect, touching
+from railhead.planning.context import Context, Effect, PostSolveVerdict, touching
 from railhead.postprocess.findings import Findings
 
 MARGIN = 1.1  # times the patch that must lie within one arc
@@ -30,7 +30,7 @@ def decide(context: Context) -> Effect:
     return Effect(called, called, f"{MARGIN} times the predicted patch, {why}")
 
 
-def check(context: Context, effect: Effect, found: Findings) -> After | None:
+def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
     """The same with the extent of the patch that was found."""
     if "on" in effect.refused:
         return None
@@ -42,7 +42,7 @@ def check(context: Context, effect: Effect, found: Findings) -> After | None:
         low, high = centre - reach, centre + reach
     cosine, y = math.cos(found.frame.angle), found.frame.origin[1]
     leaves, why = _leaves(context.contact, y + low * cosine, y + high * cosine)
-    return After(leaves and not effect.on, f"the patch, {why}")
+    return PostSolveVerdict(leaves and not effect.on, f"the patch, {why}")
 
 
 def one_radius(contact: Contact) -> Contact:

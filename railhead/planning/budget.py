@@ -1,11 +1,8 @@
-"""What a resolution costs on this machine, before it is bought."""
+"""Whether meshes fit into the free memory, and the finest one that a budget of time allows."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from railhead.planning.accuracy import error_envelopes
-from railhead.planning.cost import machine
 from railhead.planning.plan import Plan
 from railhead.scene.scene import SceneError
 
@@ -33,28 +30,15 @@ def check_memory(plan: Plan, free: int) -> None:
         )
 
 
-class Price(NamedTuple):
-    """Predicted unknowns and peak memory (bytes) of the fine mesh, seconds of the whole process."""
-
-    unknowns: int
-    seconds: float
-    memory: int
-
-
-def price(plan: Plan, n: float) -> Price:
-    """Of two meshes, the finer one at resolution n."""
-    fine, coarse = plan.at_resolution(n), plan.at_resolution(n / error_envelopes.STEP)
-    return Price(fine.unknowns, machine.START + fine.solving + coarse.solving, fine.memory)
-
-
 def affordable(plan: Plan, wanted: float) -> float:
-    """The finest resolution, coarse mesh included, that the budget is predicted to allow."""
+    """The finest resolution (elements per semi-axis) that the budget of the scene is predicted to
+    allow, coarse mesh included; at most `wanted` where the scene has an accuracy."""
     budget = BUDGET_SHARE * float(plan.scene.budget or 0.0)
     best = n = error_envelopes.RANGE[0] * error_envelopes.STEP
     limit = wanted
     if plan.scene.accuracy is None:
         known = plan.family
         limit = error_envelopes.STEP * known.resolution[1] if known else error_envelopes.RANGE[1]
-    while n <= limit and price(plan, n).seconds <= budget:
+    while n <= limit and plan.price_at(n).seconds <= budget:
         best, n = n, 1.05 * n
     return best

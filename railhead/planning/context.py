@@ -1,11 +1,11 @@
-"""What all effects share: the decision before the solve and the finding after it."""
+"""Decisions on effects: what they are made from, each one, and the verdict of the solution."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from railhead.contact.dimension import Dimension
 from railhead.contact.solid import Contact
@@ -18,20 +18,19 @@ from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.line import LineContact
 
-if TYPE_CHECKING:
-    from railhead.planning.plan import Plan
-    from railhead.postprocess.findings import Findings
-    from railhead.solver.setup import Setup
-
 DEFAULT_ACCURACY = 0.01  # that a scene without an asked accuracy is held to
 
 
 @dataclass(frozen=True)
 class Effect:
-    """A physical effect or a simplification: called for by the scene, on, and why.
+    """Decision on a physical effect or a simplification.
 
-    override: a person chose the state. refused: by state ("on", "off"), why it cannot be chosen.
-    error: relative error that the state adds to the answer, as far as it is known.
+    called_for: the scene needs it.
+    on: it is simulated.
+    why: the indicator and its limit, as a sentence.
+    refused: by state ("on", "off"), the reason why a person cannot choose that state.
+    error: relative error that the state adds to every quantity, 0 where it is not known.
+    override: a person chose the state.
     """
 
     called_for: bool
@@ -65,8 +64,13 @@ class Effect:
 
 @dataclass(frozen=True)
 class Context:
-    """What effects are decided by: the scene, its dimension, first contact and exact Hertz;
-    decided: the effects before it in the list."""
+    """What effects are decided by.
+
+    dimension: solid, or a section in two dimensions.
+    contact: first contact of the undeformed bodies.
+    hertz: exact Hertz contact with the curvatures there.
+    decided: the effects that come earlier in `effects.EFFECTS`, by name.
+    """
 
     scene: Scene
     dimension: Dimension
@@ -115,22 +119,13 @@ class Context:
 
 
 @dataclass(frozen=True)
-class Feature:
-    """An effect: how it is decided, how the same indicator is weighed on the solution (None where
-    it does not apply), and what it changes in what is solved where it is on; alike: the exact
-    answer is the same without it; beyond: half-spaces beside the result do not have it either."""
+class PostSolveVerdict:
+    """The indicator of an effect, evaluated on the solution.
 
-    decide: Callable[[Context], Effect]
-    check: Callable[[Context, Effect, Findings], After | None] = lambda *_: None
-    apply: Callable[[Setup, Plan], Setup] = lambda setup, _: setup
-    alike: bool = False
-    beyond: bool = False
-
-
-@dataclass(frozen=True)
-class After:
-    """The same indicator on the solution. needed: the effect is, but was left out; notable: it is
-    said beside the result although nothing that the scene calls for was left out."""
+    needed: the effect matters but was not simulated.
+    why: the indicator and its limit, as a sentence.
+    notable: shown beside the result although no effect that the scene calls for was left out.
+    """
 
     needed: bool
     why: str

@@ -1,0 +1,72 @@
+"""Seconds and memory of a mesh, predicted from its number of unknowns.
+
+One shipped number for each kind of model; what finished runs took on this machine corrects it (see
+`machine.correction`).
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+START = 1.3  # seconds to import everything
+BASE_BYTES = 400_000_000  # libraries
+SMALL = 30_000  # unknowns from which on a growth counts
+LOAD_STEP = 1.1  # times an elastic run that a load step of bodies that yield costs, its share of
+# unloading included: 0.8 to 1.3 on a solid of 10 000 to 48 000 unknowns and a section
+YIELD_BYTES = 6_000  # an unknown, beside those of an elastic run: 4 500 to 5 500 were measured
+FRICTION = 5.5  # times an elastic run of FRICTION_AT unknowns, and in proportion to them: 4 to 17
+FRICTION_AT = 46_000  # times were measured from 28 000 to 140 000
+FRICTION_BYTES = 26_000  # an unknown, beside those of an elastic run: 13 000 to 24 000 measured
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What an unknown of one kind of model takes, mesh to findings, elastic and frictionless.
+
+    seconds: each, times (unknowns / SMALL) ** growth above that number, on two cores of 2026.
+    bytes: each, at the peak.
+    """
+
+    seconds: float
+    growth: float
+    bytes: int
+
+    def time(self, unknowns: int) -> float:
+        """Seconds of one mesh, imports not included, without the correction for this machine."""
+        return self.seconds * unknowns * max(1.0, unknowns / SMALL) ** self.growth
+
+
+# Half-spaces of quadratic tetrahedra from 17 000 to 1 000 000 unknowns take 34 to 80e-6 s and 2.5e3
+# B, bodies with profiles to 630 000 44 to 97e-6 s; the others to 160 000, sections to 970 000.
+# Factorisations and multigrid of linear cells grow.
+SECTION = Cost(30e-6, 0.0, 2_000)
+HALF_SPACES = Cost(45e-6, 0.0, 3_000)
+PROFILES = Cost(65e-6, 0.0, 3_500)
+OTHER_CELLS = {
+    ("tetrahedron", 1): Cost(150e-6, 0.4, 5_000),
+    ("hexahedron", 1): Cost(140e-6, 0.8, 13_000),
+    ("hexahedron", 2): Cost(140e-6, 0.8, 13_000),
+}
+
+
+def cost(cell: str, order: int, *, section: bool, half_space: bool) -> Cost:
+    """Of a kind of model; cell, order: as `mesh.cell` and `mesh.order` of a scene."""
+    if section:
+        return SECTION
+    return OTHER_CELLS.get((cell, order), HALF_SPACES if half_space else PROFILES)
+
+
+def unknowns_per_cell(kind: str, cell: str, order: int) -> float:
+    """Of a predicted cell in a 'solid' or 'section': measured by `studies.accuracy.cells`."""
+    return float(_cell_table()[kind][cell][str(order)])
+
+
+@cache
+def _cell_table() -> dict[str, Any]:
+    file = Path(__file__).parent / "data" / "cells.json"
+    table: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+    return table

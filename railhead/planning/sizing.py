@@ -1,0 +1,127 @@
+"""Element sizes of a plan: how fine around the forecast patches, and how they grow from there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from railhead.contact.solid import Contact
+from railhead.meshing.sizing import Grading, suited_stretch
+from railhead.planning.context import touching
+from railhead.planning.patch.forecast import Forecast, Zone
+from railhead.planning.patch.ridges import ridges
+from railhead.theory.elastic import contacts
+from railhead.theory.elastic.contacts import Hertz
+
+ELEMENTS_PER_SEMI_AXIS = 6.0  # default patch resolution for quadratic cells
+LINEAR_REFINEMENT = 2.0  # linear cells are made so much smaller
+SECTION_REFINEMENT = 2.0  # so are those of a section, where they cost nearly nothing
+GROWTH = 0.3  # of the element size with distance, at most; finer patches grow more slowly
+FULL_GROWTH = 7 / 6  # times the default resolution, up to which the growth is the largest
+FINEST_SHARE = 0.5  # elements in a further patch over those in the most loaded one, at least
+RIDGE_SHARE = 0.25  # elements on a ridge of the pressure over those of its patch ...
+RIDGE_WIDTH = 0.125  # ... and half the width that has them, over the latter
+STRETCHES = 9  # tried where patches share a mesh
+COARSEST = 0.25  # largest element over the half length of the bodies ...
+COARSEST_ACROSS = 1 / 3  # ... and over the width of a profile: coarser ones cut through fillets
+HALF_SPACE_REACH = 8.0  # edge of the blocks over the major semi-axis: the far field is exact
+BODY_REACH = 12.0  # half length of real bodies over the major semi-axis, at least
+MIN_BODY_REACH = 80.0  # mm
+
+
+def reach(contact: Contact, hertz: Hertz, forecast: Forecast) -> float:
+    """Half length of the bodies along the rail, mm."""
+    sizes = [size for zone in forecast.zones for size in (zone.a, zone.b)]
+    major = max(*sizes, *contacts.half_lengths(hertz))
+    if contact.half_space:
+        return HALF_SPACE_REACH * major
+    return max(MIN_BODY_REACH, BODY_REACH * major)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sizing:
+    """What element sizes depend on.
+
+    contact: first contact of the undeformed bodies.
+    surfaces: the contact whose profiles make the gap, of one radius each where that is enough.
+    forecast: patches that are refined around.
+    cell: 'tetrahedron' or 'hexahedron', in a section triangles or quadrilaterals.
+    order: of the displacement, 1 or 2.
+    patch_size: element size in the most loaded patch, mm.
+    reach: half length of the bodies along the rail, mm.
+    """
+
+    contact: Contact
+    surfaces: Contact
+    forecast: Forecast
+    cell: str
+    order: int
+    patch_size: float
+    reach: float
+
+    @property
+    def resolution(self) -> float:
+        """Elements per smaller semi-axis of the forecast patch."""
+        return self.forecast.minor / self.patch_size
+
+    @property
+    def solid_resolution(self) -> float:
+        """Elements per smaller semi-axis of a solid at default settings."""
+        return ELEMENTS_PER_SEMI_AXIS * (LINEAR_REFINEMENT if self.order == 1 else 1.0)
+
+    @property
+    def default_resolution(self) -> float:
+        """Elements per smaller semi-axis where no accuracy is prescribed."""
+        return self.solid_resolution * (SECTION_REFINEMENT if self.contact.plane else 1.0)
+
+    @property
+    def growth(self) -> float:
+        """Increase of the element size per distance from the patch."""
+        return min(GROWTH, GROWTH * FULL_GROWTH * self.solid_resolution / self.resolution)
+
+    @property
+    def coarsest(self) -> float:
+        """The largest element size, mm."""
+        widths = [np.ptp(profile.domain) for _, profile, _ in touching(self.contact)]
+        return min([COARSEST * self.reach, *(COARSEST_ACROSS * width for width in widths)])
+
+    def grading(self) -> Grading:
+        """Sizes around the patches of the forecast; smaller patches get smaller elements. Elements
+        are stretched along the rail as far as it saves cells."""
+        if self.contact.plane:
+            return self._stretched(1.0)
+        most = max(suited_stretch(zone.a, zone.b) for zone in self.forecast.zones)
+        if len(self.forecast.zones) == 1:
+            return self._stretched(most)
+        tried = (self._stretched(float(k)) for k in np.linspace(1.0, most, STRETCHES))
+        hexahedra = self.cell == "hexahedron"
+        return min(tried, key=lambda g: g.predicted_cells(self.reach, hexahedra=hexahedra))
+
+    def _stretched(self, stretch: float) -> Grading:
+        """Patches that want less than this stretch get smaller elements instead."""
+
+        def around(zone: Zone) -> Grading:
+            share = min(zone.a, zone.b) / self.forecast.minor
+            size = self.patch_size * min(1.0, max(share, FINEST_SHARE))
+            size *= min(1.0, suited_stretch(zone.a, zone.b) / stretch)
+            return Grading(
+                centre=zone.centre,
+                a=zone.a,
+                b=zone.b,
+                angle=zone.angle,
+                size=size,
+                growth=self.growth,
+                coarsest=self.coarsest,
+                stretch=stretch,
+            )
+
+        first, *others = (around(zone) for zone in self.forecast.zones)
+        if self.cell == "tetrahedron":  # rows of hexahedra would run across everything
+            for zone, patch in zip(self.forecast.zones, (first, *others), strict=True):
+                width, size = RIDGE_WIDTH * patch.size, RIDGE_SHARE * patch.size
+                others += [
+                    replace(patch, centre=line.centre, a=line.a, b=width, size=size)
+                    for line in ridges(self.surfaces, zone)
+                ]
+        return replace(first, also=tuple(others))

@@ -1,0 +1,200 @@
+"""From a plan to what the solver is given: bodies, contact law, far field, friction, load path."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.contact import wheelset_kinematics
+from railhead.contact.solid import Contact
+from railhead.meshing.tags import BODIES, CONTACT, RAIL, SUPPORT, WHEEL
+from railhead.planning.effects.interface import friction
+from railhead.planning.effects.material import plasticity
+from railhead.planning.patch.forecast import Zone
+from railhead.planning.plan import Plan
+from railhead.planning.references import closed_forms
+from railhead.scene.scene import Scene
+from railhead.solver.interface.laws import ContactLaw
+from railhead.solver.material.elasticity import Material
+from railhead.solver.setup import ContactBody, FrictionSettings, LoadPath, Setup
+from railhead.theory.elastic import contacts, halfspace
+
+Array = NDArray[np.float64]
+GROWTH_STEPS = 8  # in which a patch of unlike bodies grows
+FORCE_CYCLE = (0.0, 1.0, -1.0, 1.0)  # shares of the tangential force, there, back and there
+FORCE_STEPS = 4  # from one of them to the next where bodies yield: strain within 2 % of twice them
+YIELD_REACH = 3.0  # half lengths of the patch around it in which yield is followed
+
+
+def setup(plan: Plan) -> Setup:
+    """Everything that the contact model of a plan needs besides its mesh."""
+    scene, contact, on = plan.scene, plan.contact, plan.effects
+    rubs = on["friction"].on
+    theta = scene.solver.theta
+    if on["plasticity"].on and rubs and theta is None:  # with 1 Newton's method may swing
+        theta = 0
+    kinematics = contact.kinematics
+    if on["mean_dilatation"].on:
+        kinematics = replace(kinematics, mean_dilatation=True)
+    far = on["far_field"].on  # that of a load, so the load is what is given
+    return Setup(
+        fixed=_side(plan, RAIL),
+        moving=_side(plan, WHEEL),
+        slave=plan.slave,
+        gap=plan.surfaces.gap(plan.slave),
+        degree=plan.order,
+        law=ContactLaw(scene.solver.method, theta, scene.solver.gamma_factor),
+        planes=plan.planes,
+        far_field=HertzFarField(scene, contact, materials(plan)) if far else None,
+        load_control=scene.load is not None or far,
+        linear=scene.solver.linear,
+        kinematics=kinematics,
+        load_path=_load_path(plan) if on["plasticity"].on else None,
+        friction=_friction(plan) if rubs else None,
+    )
+
+
+def materials(plan: Plan) -> dict[int, Material]:
+    """Elastic constants of RAIL and WHEEL as simulated: a body that is not meshed is rigid; where
+    yield is simulated, hardening of the bodies that have a yield stress."""
+    made = {}
+    for tag, name in BODIES.items():
+        part = getattr(plan.scene, name)
+        young = part.young_modulus if tag in plan.deformable else math.inf
+        made[tag] = Material(young, part.poisson_ratio)
+        if plan.effects["plasticity"].on and part.yields and math.isfinite(young):
+            made[tag] = replace(made[tag], hardening=plasticity.hardening(part))
+    return made
+
+
+def _side(plan: Plan, tag: int) -> ContactBody:
+    return ContactBody(
+        tag=tag,
+        contact=CONTACT + tag,
+        support=SUPPORT + tag,
+        material=materials(plan)[tag],
+    )
+
+
+def _load_path(plan: Plan) -> LoadPath:
+    return LoadPath(
+        steps=plan.load_steps,
+        cycles=plan.scene.cycles,
+        unload=plan.scene.unload,
+        near=NearPatches(plan.forecast.zones),
+    )
+
+
+def _friction(plan: Plan) -> FrictionSettings:
+    """The coefficient and the wheel's motion."""
+    scene, contact = plan.scene, plan.contact
+    frame, rolling = contact.frame, scene.rolling
+    given = rolling if rolling.given else scene.friction
+    moves = friction.creepage(plan.context)
+    known = [moves.along, moves.across, moves.spin]
+    free = []
+    for index, way in enumerate(("along", "across")):
+        if rolling.given and getattr(rolling, f"force_{way}") is None:
+            continue
+        known[index] = 0.0
+        still = (plan.half_x or contact.plane == "yz", plan.half_y or contact.plane == "xz")
+        if not (still[index] or contact.revolved):
+            free.append((index, float(getattr(given, f"force_{way}") or 0.0)))
+    tangential = contact.half_space and not contact.plane
+    return FrictionSettings(
+        coefficient=scene.friction.coefficient,
+        rolling=rolling.given,
+        axes=frame.axes,
+        origin=frame.origin,
+        rigid_slip=wheelset_kinematics.rigid_slip(contact),
+        creepage=(known[0], known[1], known[2]),
+        force_controlled=tuple(free),
+        load_steps=friction_steps(scene, line=contact.line, yields=plan.effects["plasticity"].on),
+        far_field=CerrutiFarField(materials(plan)) if tangential else None,
+    )
+
+
+def friction_steps(scene: Scene, *, line: bool, yields: bool) -> tuple[tuple[float, float], ...]:
+    """Shares of the load and of the tangential forces: the patch of unlike bodies grows in equal
+    steps, with friction; then the force, in equal steps where bodies yield."""
+    if not friction.grows(scene):
+        grown = []
+    else:
+        power = 2 if line else 3  # of the load in the patch's length
+        grown = [((step / GROWTH_STEPS) ** power, 0.0) for step in range(1, GROWTH_STEPS + 1)]
+        if not any(scene.tangential[1:]):
+            return tuple(grown)
+    turns = FORCE_CYCLE if scene.friction.cycle else FORCE_CYCLE[:2]
+    steps = FORCE_STEPS if yields else 1
+    shares = [
+        start + (end - start) * step / steps
+        for start, end in itertools.pairwise(turns)
+        for step in range(1, steps + 1)
+    ]
+    return (*grown, *((1.0, share) for share in shares))
+
+
+@dataclass(frozen=True)
+class NearPatches:
+    """The ellipsoids in which yield is followed: around each patch YIELD_REACH times its half
+    lengths, and deep YIELD_REACH times the smaller one."""
+
+    zones: tuple[Zone, ...]
+
+    def __call__(self, points: Array) -> NDArray[np.bool_]:
+        """Points in space (n, 3) mm -> mask (n,) of those inside."""
+        near = np.zeros(len(points), dtype=bool)
+        for zone in self.zones:
+            x, y, z = (points - np.array(zone.centre)).T
+            c, s = np.cos(zone.angle), np.sin(zone.angle)
+            across, height = c * y + s * z, c * z - s * y
+            deep = min(zone.a, zone.b)
+            distance = (x / zone.a) ** 2 + (across / zone.b) ** 2 + (height / deep) ** 2
+            near |= distance < YIELD_REACH**2
+        return near
+
+
+@dataclass(frozen=True)
+class HertzFarField:
+    """Displacement of both half-spaces under the Hertz pressure of a load; materials: by body
+    tag."""
+
+    scene: Scene
+    contact: Contact
+    materials: dict[int, Material]
+
+    def __call__(self, load: float, body: int, points: Array) -> Array:
+        """(load N, RAIL or WHEEL, points (n, 3) mm) -> (n, 3) mm."""
+        hertz = closed_forms.estimate(self.scene, self.contact, load)
+        part, (lower, mirror) = self.materials[body], _mirrored(body, points)
+        return contacts.displacement(hertz, lower, part.young_modulus, part.poisson_ratio) * mirror
+
+
+@dataclass(frozen=True)
+class CerrutiFarField:
+    """Displacement of both half-spaces under a tangential point force of 1 N of the wheel on the
+    rail, in the place of the tractions; materials: by body tag."""
+
+    materials: dict[int, Material]
+
+    def __call__(self, way: int, body: int, points: Array) -> Array:
+        """(0 along or 1 across, RAIL or WHEEL, points (n, 3) mm) -> (n, 3) mm."""
+        part, (lower, mirror) = self.materials[body], _mirrored(body, points)
+        force = mirror[2]  # the rail's on the wheel is the opposite one
+        moved = halfspace.cerruti_displacement(
+            lower, force, part.young_modulus, part.poisson_ratio, across=way == 1
+        )
+        return moved * mirror
+
+
+def _mirrored(body: int, points: Array) -> tuple[Array, Array]:
+    """Points (n, 3) of a body as those of the half-space z <= 0, mm, and the signs (3,) that turn
+    a displacement there back: the wheel is the mirror image."""
+    mirror = np.array([1.0, 1.0, 1.0 if body == RAIL else -1.0])
+    lower = points * mirror
+    lower[:, 2] = lower[:, 2].clip(max=0.0)
+    return lower, mirror
