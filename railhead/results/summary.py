@@ -119,7 +119,7 @@ def _plastic(solved: MeshSolution) -> dict[str, Any]:
     scene, left, elastic = solved.plan.scene, solved.residual_state, solved.elastic_reference
     assert left is not None and elastic is not None and elastic.result is not None
     part = scene.rail if left.zone.body == "rail" else scene.wheel
-    shear = plasticity.hardening(part).first / math.sqrt(3)
+    shear = plasticity.hardening(part).initial_yield_stress / math.sqrt(3)
     return left.summary(elastic.result["pressure"]["max_MPa"], shear)
 
 

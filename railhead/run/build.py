@@ -32,13 +32,5 @@ def model(plan: Plan, made: mesh.ContactMesh) -> ContactModel:
     """Assemble the contact model of a plan on its mesh."""
     from railhead.run.model_setup import setup
     from railhead.solver.contact import ContactModel
-    from railhead.solver.interface.frictional_model import RubbingModel, YieldingRubbingModel
-    from railhead.solver.material.yielding import YieldingModel
 
-    given = setup(plan)
-    kind = ContactModel
-    if given.load_path is not None:
-        kind = YieldingModel if given.friction is None else YieldingRubbingModel
-    elif given.friction is not None:
-        kind = RubbingModel
-    return kind(made.mesh, made.cell_tags, made.facet_tags, given)
+    return ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup(plan))

@@ -1,11 +1,12 @@
-"""p-multigrid: Chebyshev-Jacobi on the quadratic cells, Galerkin linear cells below them.
+"""p-multigrid: Chebyshev-Jacobi on the quadratic cells, a Galerkin product on linear cells below.
 
-The fine tangent is never assembled: the smoother needs its product and its diagonal only. Below,
+The fine tangent is never assembled: the smoother needs its product and its diagonal only. With the
+prolongation Q the tangent on the linear cells is
 
     Q^T (K - theta S^T w S) Q  +  (Bt Q)^T w A (B Q)
 
-the first part is made once, and the second has one sparsity pattern for all active sets, so that a
-new active set costs a small product and a numeric factorisation.
+The first part is made once. The second has one sparsity pattern for all active sets, so that a new
+active set costs a small product and a numeric factorisation.
 """
 
 from __future__ import annotations
@@ -20,11 +21,13 @@ from railhead.solver.algebra.problem import ContactProblem, Mask
 from railhead.solver.algebra.stiffness import Stiffness
 
 COARSE_DIRECT_BELOW = 40_000  # unknowns of the P1 level (measured from 20 000 to 33 000)
-SMOOTHING = 3  # steps of Chebyshev's method before and after
-PREFIX = "railhead_coarse_"  # of PETSc's options of the P1 level
-THRESHOLD = 0.01  # of strong couplings in GAMG: with all of them (its default) the P1 level of
+SMOOTHING_STEPS = 3  # of Chebyshev's method, before and after the coarse level
+OPTIONS_PREFIX = "railhead_coarse_"  # of PETSc's options of the P1 level
+GAMG_THRESHOLD = 0.01  # of strong couplings in GAMG: with all of them (its default) the P1 level of
 # `hertz_ellipse` with 374 000 unknowns takes 54 instead of 32 iterations to 1e-6
-AGGRESSIVE = 2  # levels coarsened by the squared graph: with one (its default) the next one is so
+AGGRESSIVE_LEVELS = (
+    2  # levels coarsened by the squared graph: with one (its default) the next one is so
+)
 # full that the set-up of 1 000 000 unknowns takes 3.7 instead of 2.2 s, for as many iterations
 SUBSET = PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN
 DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
@@ -32,9 +35,13 @@ DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
 
 @dataclass(frozen=True)
 class Hierarchy:
-    """Prolongation of the P1 unknowns to the unknowns of the problem; K of the P1 cells in these
-    unknowns, by the quadrature of the quadratic ones, which makes it the Galerkin product without
-    one; and its near-nullspace."""
+    """The level of linear (P1) cells below the problem.
+
+    prolongation: Q, from the P1 unknowns to those of the problem.
+    stiffness: K of the P1 cells in their unknowns. It uses the quadrature of the quadratic cells,
+        so that it equals the Galerkin product Q^T K Q without forming it.
+    rigid_modes: near-nullspace of that matrix.
+    """
 
     prolongation: PETSc.Mat
     stiffness: Stiffness
@@ -42,12 +49,15 @@ class Hierarchy:
 
 
 class PMultigrid(Preconditioner):
-    """Two levels; the coarse one is factorised, or given to algebraic multigrid where large. Set up
-    for the active points almost as they are: `s1002_60e1` takes 54 iterations where a tenth of them
-    may be gone, 41 with a thirtieth, 32 with a hundredth and a third set-up, worth five; loads of a
-    sweep on half-spaces then need twice the set-ups for hardly fewer iterations."""
+    """Two levels; the coarse one is factorised, or solved by algebraic multigrid where it is large.
 
-    stale = 0.03
+    It is set up again for small changes of the active set. `s1002_60e1` takes 54 iterations where a
+    tenth of the active area may have changed, 41 with a thirtieth, and 32 with a hundredth and a
+    third set-up, worth five. Loads of a sweep on half-spaces then need twice the set-ups for hardly
+    fewer iterations.
+    """
+
+    outdated_share = 0.03
 
     def __init__(self, problem: ContactProblem, hierarchy: Hierarchy) -> None:
         super().__init__(problem)
@@ -69,7 +79,7 @@ class PMultigrid(Preconditioner):
         smoother = self.pc.getMGSmoother(1)
         smoother.setType("chebyshev")
         smoother.getPC().setType("jacobi")
-        smoother.setTolerances(max_it=SMOOTHING)
+        smoother.setTolerances(max_it=SMOOTHING_STEPS)
         smoother.setOperators(self.operator, self.operator)
         solver = self.pc.getMGCoarseSolve()
         solver.setOperators(self.coarse.matrix, self.coarse.matrix)
@@ -82,26 +92,32 @@ class PMultigrid(Preconditioner):
             # unknowns. A few of CG's steps around it keep them where a direct solver has them.
             solver.setType("cg" if symmetric else "gmres")
             solver.setTolerances(rtol=0.1, max_it=10)
-            solver.setOptionsPrefix(PREFIX)
+            solver.setOptionsPrefix(OPTIONS_PREFIX)
             solver.getPC().setType("gamg")
-            options = PETSc.Options(PREFIX)
-            options["pc_gamg_threshold"] = THRESHOLD
-            options["pc_gamg_aggressive_coarsening"] = AGGRESSIVE
+            options = PETSc.Options(OPTIONS_PREFIX)
+            options["pc_gamg_threshold"] = GAMG_THRESHOLD
+            options["pc_gamg_aggressive_coarsening"] = AGGRESSIVE_LEVELS
             solver.setFromOptions()
         self.pc.setUp()
 
 
 class CoarseTangent:
-    """The tangent on the P1 unknowns, in one sparsity pattern for all active sets."""
+    """The tangent on the P1 unknowns, in one sparsity pattern for all active sets.
+
+    matrix: its values are those of the last call of `fill`.
+    bulk: K - theta S^T w S. normal_operator: B Q. test_operator: Bt Q.
+    """
 
     def __init__(self, problem: ContactProblem, hierarchy: Hierarchy) -> None:
         self.problem, prolongation = problem, hierarchy.prolongation
-        self.trace = problem.trace.matMult(prolongation)
-        self.test_trace = (
-            self.trace if problem.law.symmetric else problem.test_trace.matMult(prolongation)
+        self.normal_operator = problem.normal_operator.matMult(prolongation)
+        self.test_operator = (
+            self.normal_operator
+            if problem.law.symmetric
+            else problem.test_operator.matMult(prolongation)
         )
-        self.scaled = self.trace.copy()
-        self.contact = self.test_trace.transposeMatMult(self.trace)
+        self.scaled = self.normal_operator.copy()
+        self.contact = self.test_operator.transposeMatMult(self.normal_operator)
         self.bulk = hierarchy.stiffness.pinned(problem.stiffness.spring).assembled()
         if problem.consistency:
             stress = problem.stress.matMult(prolongation)
@@ -113,11 +129,11 @@ class CoarseTangent:
         self.matrix.setBlockSize(hierarchy.stiffness.blocks.getBlockSize())
 
     def fill(self, active: Mask) -> None:
-        """Put the values of these active points into the matrix."""
+        """Set the values of the matrix for these active points (n,)."""
         problem = self.problem
-        self.trace.copy(self.scaled, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        self.normal_operator.copy(self.scaled, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
         self.scaled.diagonalScale(L=problem.at_points(problem.weight * active))
-        self.test_trace.transposeMatMult(self.scaled, result=self.contact)
+        self.test_operator.transposeMatMult(self.scaled, result=self.contact)
         self.matrix.zeroEntries()
         self.matrix.axpy(1.0, self.bulk, SUBSET)
         self.matrix.axpy(1.0, self.contact, SUBSET)

@@ -1,4 +1,14 @@
-"""Semismooth Newton's method on the active set."""
+"""Semismooth Newton's method on the active set, with inexact linear solves.
+
+With the residual R(y) of `solver.algebra.problem`, the active set A = {p(y) > 0} and the tangent
+K_A, each step solves
+
+    K_A(y) s = -R(y)  to a tolerance eta |R(y)|,      y <- y + t s
+
+(Hintermueller, Ito and Kunisch 2002; inexact steps: Eisenstat and Walker 1996). A symmetric method
+has a convex energy, and t nearly minimises it along s. An unsymmetric one takes t = 1, and halves t
+whenever an active set comes back.
+"""
 
 from __future__ import annotations
 
@@ -16,23 +26,54 @@ from railhead.solver.algebra.linear import Preconditioner, StalledError
 from railhead.solver.algebra.problem import ContactProblem, Mask
 from railhead.solver.space.cells import Array
 
-ROUNDING = 100 * np.finfo(float).eps  # of diag(K) y: what the residual cannot fall below
-FIRST, LOOSE = 1e-4, 1e-2  # where the tangent changes within an active set: tolerances of the first
-# linear solve and of those far from the solution, ...
-FAR = 3e-3  # ... which are those with a larger residual than this
-TIGHT = 0.3  # of what is left to reach, that a linear solve may leave
+ROUNDING = 100 * np.finfo(float).eps  # of diag(K) y: the residual cannot fall below it
 OVERSHOOT = 0.3  # slope past the minimum, relative to the slope at the start, that is let pass
-CYCLES = 3  # times an active set may come back before the method gives up
+MOST_RETURNS = 3  # times an active set may come back before the method gives up
 CONVERGED = "residual below tolerance"
 
 
-@dataclass(frozen=True)
-class Step:
-    """State after one linear solve: residual relative to the contact force, size of the active set
-    (all ranks), Krylov iterations, step length, factor of the law on the safe parameter.
+@dataclass(frozen=True, kw_only=True)
+class ForcingTerm:
+    """Relative tolerance eta of the linear solves of Newton's method.
 
-    residual is None where there is no finite one; problem says why then: nothing touches, or the
-    linear solve failed and left no state.
+    final_fraction: of what remains to Newton's tolerance, that any solve may leave.
+    The others hold only where the tangent changes within an active set:
+    initial: eta of the linear problem that gives the first state.
+    far: eta where the relative residual is above `far_residual`; below, it is that residual.
+    """
+
+    final_fraction: float = 0.3
+    initial: float = 1e-4
+    far: float = 1e-2
+    far_residual: float = 3e-3
+
+    def of_start(self, problem: ContactProblem, rtol: float) -> float:
+        """eta of the linear problem that gives the first state. rtol: Newton's tolerance."""
+        if problem.tangent_depends_on_state:
+            return self.initial
+        return self.final_fraction * rtol
+
+    def of_step(self, problem: ContactProblem, rtol: float, residual: float) -> float:
+        """eta of a step from a state with this relative residual."""
+        eta = self.final_fraction * rtol / residual
+        if problem.tangent_depends_on_state:
+            eta = max(eta, self.far if residual > self.far_residual else residual)
+        return eta
+
+
+FORCING_TERM = ForcingTerm()
+
+
+@dataclass(frozen=True, kw_only=True)
+class NewtonStep:
+    """State after one linear solve.
+
+    residual: norm of R(y) over the contact force; None where there is no finite one.
+    active: number of active contact points of all ranks.
+    linear_iterations: Krylov iterations of the solve.
+    length: step length t.
+    factor: `gamma_factor` of the contact law.
+    problem: why there is no residual: nothing touches, or the linear solve failed.
     """
 
     residual: float | None
@@ -45,29 +86,36 @@ class Step:
 
 @dataclass
 class NewtonResult:
-    """y, the pressure at the local contact points (MPa), and the history. stalled: it was a linear
-    solve that failed. Both are always finite: zero where no state was found."""
+    """Outcome of Newton's method, converged or not.
+
+    y: free unknowns of the last state; zero where no state was found.
+    pressure: (n,) at the local contact points, MPa; zero where no state was found.
+    reason: why the iterations ended.
+    history: all steps.
+    stalled: whether a linear solve failed.
+    """
 
     y: PETSc.Vec
     pressure: Array
     reason: str
-    history: list[Step] = field(default_factory=list)
+    history: list[NewtonStep] = field(default_factory=list)
     stalled: bool = False
 
     @property
     def converged(self) -> bool:
-        """Whether R(y) = 0 is met."""
+        """Whether the residual is below the tolerance."""
         return self.reason == CONVERGED
 
     @property
     def residual(self) -> float | None:
-        """Of the last state; None where it has none."""
+        """Relative residual of the last state that has one."""
         states = [step.residual for step in self.history if step.residual is not None]
         return states[-1] if states else None
 
 
 def line_search(problem: ContactProblem, y: PETSc.Vec, step: PETSc.Vec) -> float:
-    """Length t in (0, 1] that nearly minimises the convex energy along the step; 1 if that does."""
+    """Step length t in (0, 1] that nearly minimises the convex energy along a step; 1 where the
+    energy there hardly rises again."""
     slope = problem.slope(y, step)
     first = slope(0.0)
     if slope(1.0) <= OVERSHOOT * abs(first) or first >= 0:
@@ -85,29 +133,38 @@ def solve(
     max_steps: int = 30,
     progress: Callable[[int, float], None] = lambda step, residual: None,
 ) -> NewtonResult:
-    """Solve R(y) = 0 from a state, or from the linear problem in which exactly `active` touches.
+    """Solve R(y) = 0.
 
-    rtol: residual over the contact force. No linear system is solved further than to what the
-    change of the active set by its solution leaves in R (inexact Newton), nor, where the tangent
-    changes within a set, than to the square of the step. The symmetric methods have a convex
-    energy, along which an exact line search stops overshoots; the others halve their steps when an
-    active set comes back.
+    active: (n,) local contact points; without a start, the first state is the solution of the
+        linear problem in which exactly these touch.
+    start: free unknowns to start from.
+    rtol: tolerance of the residual over the contact force.
+    max_steps: limit of the states that are looked at.
+    progress: called with the number and the relative residual of each state.
+
+    A linear solve stops early where the change of the active set by its solution leaves more in R
+    than the linear residual; where the tangent changes within a set, see `ForcingTerm`.
     """
     comm = problem.stiffness.comm.tompi4py()
     result = NewtonResult(problem.force.duplicate(), np.zeros(len(active)), "too many Newton steps")
-    y = result.y
+    y, factor = result.y, problem.law.gamma_factor
     y.set(0.0)
     iterations, length = 0, 1.0
-    seen = _Seen(comm)
+    seen = _SeenActiveSets(comm)
     diagonal = problem.stiffness.diagonal()
     try:
         if start is not None:
             start.copy(y)
         else:
             iterations = linear.solve(
-                problem, preconditioner, active, problem.predictor(active), y,
-                FIRST if problem.curved else TIGHT * rtol, problem.changes(active, -problem.offset),
-            )  # fmt: skip
+                problem,
+                preconditioner,
+                active,
+                problem.predictor(active),
+                y,
+                FORCING_TERM.of_start(problem, rtol),
+                problem.active_set_residual(active, -problem.offset),
+            )
         for step in range(1, max_steps + 1):
             indicator = problem.indicator(y)
             result.pressure = pressure = np.maximum(indicator, 0.0)
@@ -116,62 +173,74 @@ def solve(
             norm = residual.norm() / scale if scale else float("inf")
             rounding = ROUNDING * (diagonal * y).norm()
             active = pressure > 0.0
-            touching = int(comm.allreduce(int(active.sum())))
-            lost = ""
+            failure = ""
             if not np.isfinite(norm):
-                lost = "the residual is not a number" if scale else "the bodies do not touch"
+                failure = "the residual is not a number" if scale else "the bodies do not touch"
             result.history.append(
-                Step(
-                    None if lost else norm, touching, iterations, length,
-                    problem.law.gamma_factor, lost,
+                NewtonStep(
+                    residual=None if failure else norm,
+                    active=int(comm.allreduce(int(active.sum()))),
+                    linear_iterations=iterations,
+                    length=length,
+                    factor=factor,
+                    problem=failure,
                 )
-            )  # fmt: skip
+            )
             progress(step, norm)
-            if lost:
-                result.reason = lost
+            if failure:
+                result.reason = failure
                 if scale:
-                    _forget(result)
+                    _clear(result)
                 return result
             if norm <= max(rtol, rounding / scale):
                 result.reason = CONVERGED
                 return result
             if step == max_steps:
                 return result
-            tolerance = TIGHT * rtol / norm
-            if problem.curved:
-                tolerance = max(tolerance, LOOSE if norm > FAR else norm)
             increment = problem.force.duplicate()
             iterations = linear.solve(
-                problem, preconditioner, active, -residual, increment, tolerance,
-                problem.changes(active, indicator),
-            )  # fmt: skip
+                problem,
+                preconditioner,
+                active,
+                -residual,
+                increment,
+                FORCING_TERM.of_step(problem, rtol, norm),
+                problem.active_set_residual(active, indicator),
+            )
             if problem.law.symmetric:
                 length = line_search(problem, y, increment)
             else:
                 returns = seen.count(active)
-                if returns > CYCLES:
+                if returns > MOST_RETURNS:
                     result.reason = "the active set cycles"
                     return result
                 length = 0.5**returns
             y.axpy(length, increment)
     except StalledError as error:
         result.reason, result.stalled = str(error), True
-        if not result.history:  # what the predictor left in y is no state
-            _forget(result)
+        if not result.history:  # what the failed first solve left in y is no state
+            _clear(result)
         result.history.append(
-            Step(None, 0, error.iterations, 0.0, problem.law.gamma_factor, str(error))
+            NewtonStep(
+                residual=None,
+                active=0,
+                linear_iterations=error.iterations,
+                length=0.0,
+                factor=factor,
+                problem=str(error),
+            )
         )
     return result
 
 
-def _forget(result: NewtonResult) -> None:
-    """Leave the state at zero."""
+def _clear(result: NewtonResult) -> None:
+    """Set the state to zero."""
     result.y.set(0.0)
     result.pressure = np.zeros_like(result.pressure)
 
 
-class _Seen:
-    """Which active sets were met."""
+class _SeenActiveSets:
+    """Counts how often each active set of all ranks comes back."""
 
     def __init__(self, comm: MPI.Intracomm) -> None:
         self.comm = comm
@@ -179,7 +248,8 @@ class _Seen:
         self.times: dict[bytes, int] = {}
 
     def count(self, active: Mask) -> int:
-        """How often this one came back after another one."""
+        """How often this set came back after another one; the same set twice in turn counts once
+        (collective)."""
         local = blake2b(np.packbits(active).tobytes(), digest_size=8).digest()
         key = b"".join(self.comm.allgather(local))
         if key != self.last:

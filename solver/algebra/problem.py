@@ -1,10 +1,10 @@
-"""The reduced contact problem: everything in the free unknowns y, u = P y + u0.
+"""The contact problem in the free unknowns y, u = P y + u0.
 
     R(y) = K y - f - theta S^T w (S y + s0) - Bt^T w p(y),   p(y) = < -(B y + c) >+
     B = S + tau N,  Bt = theta S + tau N,  w = W/tau,  c = s0 + tau (g0 + N u0)
 
-(Nitsche; for penalty S is absent). All matrices are constant: only the active set
-A = {p > 0} changes the tangent  K - theta S^T w S + Bt^T w A B.
+(Nitsche's method, Chouly and Hild 2013; for a penalty S is absent.) All matrices are constant. Only
+the active set A = {p > 0} changes the tangent  K - theta S^T w S + Bt^T w A B.
 """
 
 from __future__ import annotations
@@ -34,10 +34,18 @@ Mask = NDArray[np.bool_]
 class ContactProblem:
     """One load case at the n local contact points, in the free unknowns.
 
-    stiffness K (`solver.stiffness`), gap N and stress S reduced; area W (n,) mm2; bound (n,):
-    what the law's parameter is a multiple of, MPa/mm; closing (n,): change of the gap with the
-    approach of a rigid counterface; force f, N; start_gap g0 + N u0 (n,) mm and start_stress s0
-    (n,) MPa. `replace` with another law shares the matrices.
+    `dataclasses.replace` with another law shares the matrices.
+
+    law: contact law.
+    stiffness: K, of the free unknowns.
+    gap: N, normal jump of the free unknowns.
+    stress: S, normal stress of the slave, of the free unknowns.
+    area: W (n,), mm2.
+    bound: (n,) what the law's parameter tau is a multiple of, MPa/mm.
+    gap_per_approach: change of the gap per approach of a rigid counterface (n,).
+    force: f, N.
+    start_gap: g0 + N u0 (n,), mm.
+    start_stress: s0 = S u0 (n,), MPa.
     """
 
     law: ContactLaw
@@ -46,7 +54,7 @@ class ContactProblem:
     stress: PETSc.Mat
     area: Array
     bound: Array
-    closing: Array
+    gap_per_approach: Array
     force: PETSc.Vec
     start_gap: Array
     start_stress: Array
@@ -61,8 +69,12 @@ class ContactProblem:
         rigid_approach: float,
         force: PETSc.Vec | None = None,
     ) -> None:
-        """Load (N) on the approach, prescribed displacement u0 (mm) and further forces on all dofs
-        (N): sets f, g0 and s0."""
+        """Set f, g0 and s0 of a load case.
+
+        prescribed: displacement u0 on all dofs, mm.
+        load: on the approach, N. rigid_approach: of a rigid counterface, mm.
+        force: further forces on all dofs, N.
+        """
         given = held.forces(prescribed)
         given.scale(-1.0)
         if force is not None:
@@ -72,42 +84,43 @@ class ContactProblem:
             self.force.array[reduction.approach] += load
         self.start_stress = (interface.stress * prescribed).array.copy()
         gap = interface.initial_gap + (interface.gap * prescribed).array
-        self.start_gap = gap + self.closing * rigid_approach
+        self.start_gap = gap + self.gap_per_approach * rigid_approach
 
     @cached_property
     def tau(self) -> Array:
-        """(n,) MPa/mm."""
+        """Parameter of the contact law (n,), MPa/mm."""
         return self.law.scale * self.bound
 
     @cached_property
     def weight(self) -> Array:
-        """w (n,) mm3/N."""
+        """w = W/tau (n,), mm3/N."""
         return self.area / self.tau
 
     @property
-    def curved(self) -> bool:
-        """Whether the tangent changes while the active set does not."""
+    def tangent_depends_on_state(self) -> bool:
+        """Whether the tangent changes while the active set stays."""
         return False
 
     @property
     def symmetric(self) -> bool:
-        """Whether the tangent is."""
+        """Whether the tangent is symmetric."""
         return self.law.symmetric
 
     @property
     def offset(self) -> Array:
-        """c (n,) MPa."""
+        """c = s0 + tau (g0 + N u0) (n,), MPa."""
         return self.tau * self.start_gap + self.law.sigma * self.start_stress
 
     @cached_property
-    def trace(self) -> PETSc.Mat:
-        """B."""
+    def normal_operator(self) -> PETSc.Mat:
+        """B = S + tau N, which gives the pressure."""
         return self._combined(float(self.law.sigma))
 
     @cached_property
-    def test_trace(self) -> PETSc.Mat:
-        """Bt, the same object as B where the method is symmetric."""
-        return self.trace if self.law.symmetric else self._combined(self.consistency)
+    def test_operator(self) -> PETSc.Mat:
+        """Bt = theta S + tau N, which tests the pressure; the same object as B where the method is
+        symmetric."""
+        return self.normal_operator if self.law.symmetric else self._combined(self.consistency)
 
     def _combined(self, factor: float) -> PETSc.Mat:
         matrix = self.gap.copy()
@@ -117,40 +130,38 @@ class ContactProblem:
         return matrix
 
     def at_points(self, values: Array) -> PETSc.Vec:
-        """Values (n,) at the local contact points as a distributed vector."""
+        """A distributed vector of values (n,) at the local contact points."""
         return vector(self.gap, values)
 
     @property
     def consistency(self) -> float:
-        """Factor of the consistency term: theta for Nitsche, 0 for penalty."""
+        """Factor of the consistency term S^T w S: theta for Nitsche's method, 0 for a penalty."""
         return float((self.law.theta or 0) * self.law.sigma)
 
     def indicator(self, y: PETSc.Vec) -> Array:
         """-(B y + c) (n,) at the local contact points, MPa: positive where the bodies touch."""
-        return np.asarray(-((self.trace * y).array + self.offset))
+        return np.asarray(-((self.normal_operator * y).array + self.offset))
 
     def pressure(self, y: PETSc.Vec) -> Array:
         """p(y) (n,) at the local contact points, MPa."""
         return np.maximum(self.indicator(y), 0.0)
 
     def residual(self, y: PETSc.Vec, pressure: Array) -> PETSc.Vec:
-        """R(y), N."""
+        """R(y), N, for the pressure p(y) (n,)."""
         r = self.stiffness * y
         r.axpy(-1.0, self.force)
-        add_transposed(self.test_trace, -self.weight * pressure, r)
+        add_transposed(self.test_operator, -self.weight * pressure, r)
         if self.consistency:
             s = (self.stress * y).array + self.start_stress
             add_transposed(self.stress, -self.consistency * self.weight * s, r)
         return r
 
     def slope(self, y: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
-        """t -> d/dt of the energy at y + t step, N mm (symmetric methods): R(y + t step) . step.
-
-        Convex and piecewise quadratic energy: the slope grows with t.
-        """
+        """t -> R(y + t step) . step, N mm: the slope of the energy of a symmetric method, which is
+        convex and piecewise quadratic, so that its slope grows with t."""
         k_step = self.stiffness * step
         start, rate = k_step.dot(y) - self.force.dot(step), k_step.dot(step)
-        b, db = -self.indicator(y), (self.trace * step).array
+        b, db = -self.indicator(y), (self.normal_operator * step).array
         if self.consistency:
             s, ds = (self.stress * y).array + self.start_stress, (self.stress * step).array
             b0 = -self.consistency * float(np.sum(self.weight * ds * s))
@@ -167,37 +178,37 @@ class ContactProblem:
         return value
 
     def contact_force(self, pressure: Array) -> float:
-        """Norm of Bt^T w p, N."""
+        """Norm of the contact forces Bt^T w p, N."""
         force = self.gap.createVecRight()
         force.set(0.0)
-        add_transposed(self.test_trace, self.weight * pressure, force)
+        add_transposed(self.test_operator, self.weight * pressure, force)
         return float(force.norm())
 
-    def changes(self, active: Mask, indicator: Array) -> Callable[[PETSc.Vec], float]:
-        """x -> |Bt^T w (p - A q)|, N: what R(y + x) holds for other points than the active ones
-        touching at y + x. indicator (n,): q = -(B y + c) at y."""
+    def active_set_residual(self, active: Mask, indicator: Array) -> Callable[[PETSc.Vec], float]:
+        """x -> |Bt^T w (p(y + x) - A q(y + x))|, N: the part of R(y + x) that a step x
+        makes by changing the active set. indicator: q = -(B y + c) (n,) at y, MPa."""
 
         def left(x: PETSc.Vec) -> float:
-            q = indicator - (self.trace * x).array
+            q = indicator - (self.normal_operator * x).array
             out = self.stiffness.vector()
-            add_transposed(self.test_trace, self.weight * (np.maximum(q, 0.0) - active * q), out)
+            add_transposed(self.test_operator, self.weight * (np.maximum(q, 0.0) - active * q), out)
             return float(out.norm())
 
         return left
 
     def tangent(self, active: Mask) -> PETSc.Mat:
-        """The tangent as an operator (nothing is assembled)."""
+        """The tangent at an active set as an operator (nothing is assembled)."""
         return self.shell(Tangent(self, active))
 
     def shell(self, context: Tangent) -> PETSc.Mat:
-        """A matrix that only knows its products."""
+        """A PETSc matrix that is known by its products alone."""
         stiffness = self.stiffness
         matrix = PETSc.Mat().createPython(stiffness.sizes, context, comm=stiffness.comm)
         matrix.setUp()
         return matrix
 
     def diagonal(self, active: Mask, out: PETSc.Vec) -> None:
-        """The tangent's diagonal."""
+        """Write the diagonal of the tangent into a vector, N/mm."""
         self._bulk_diagonal.copy(out)
         add_transposed(self._squares, self.weight * active, out)
 
@@ -212,15 +223,15 @@ class ContactProblem:
 
     @cached_property
     def _squares(self) -> PETSc.Mat:
-        """Products of the entries of Bt and B."""
-        return _products(self.test_trace, self.trace)
+        """Entrywise product of Bt and B."""
+        return _products(self.test_operator, self.normal_operator)
 
     def assembled_tangent(self, active: Mask) -> PETSc.Mat:
-        """The tangent as a matrix, for a preconditioner."""
+        """The tangent at an active set as a matrix, for a preconditioner."""
         different = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
-        right = self.trace.copy()
+        right = self.normal_operator.copy()
         right.diagonalScale(L=self.at_points(self.weight * active))
-        contact = self.test_trace.transposeMatMult(right)
+        contact = self.test_operator.transposeMatMult(right)
         if self.consistency:
             right = self.stress.copy()
             right.diagonalScale(L=self.at_points(self.weight))
@@ -230,9 +241,9 @@ class ContactProblem:
         return contact
 
     def predictor(self, active: Mask) -> PETSc.Vec:
-        """Right-hand side of the linear problem in which exactly `active` touches."""
+        """Right-hand side of the linear problem in which exactly the active points touch, N."""
         rhs = self.force.copy()
-        add_transposed(self.test_trace, -self.weight * active * self.offset, rhs)
+        add_transposed(self.test_operator, -self.weight * active * self.offset, rhs)
         if self.consistency:
             values = self.consistency * self.weight * self.start_stress
             add_transposed(self.stress, values, rhs)
@@ -242,7 +253,7 @@ class ContactProblem:
 class Tangent:
     """PETSc shell context of y -> K y - theta S^T w S y + Bt^T w A B y.
 
-    It does not own the problem: PETSc loses what is dropped while it frees a shell.
+    It refers to the problem weakly: PETSc leaks what is freed while it frees a shell.
     """
 
     def __init__(self, problem: ContactProblem, active: Mask) -> None:
@@ -252,8 +263,8 @@ class Tangent:
     def mult(self, _: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
         problem = self.problem
         problem.stiffness.mult(x, y)
-        values = problem.weight * self.active * (problem.trace * x).array
-        add_transposed(problem.test_trace, values, y)
+        values = problem.weight * self.active * (problem.normal_operator * x).array
+        add_transposed(problem.test_operator, values, y)
         if problem.consistency:
             values = -problem.consistency * problem.weight * (problem.stress * x).array
             add_transposed(problem.stress, values, y)
@@ -263,7 +274,7 @@ class Tangent:
 
 
 def _products(left: PETSc.Mat, right: PETSc.Mat) -> PETSc.Mat:
-    """Entry by entry."""
+    """Entrywise product of two matrices of one layout."""
     tables = []
     for matrix in (left, right):
         indptr, indices, values = matrix.getValuesCSR()
@@ -280,25 +291,30 @@ def reduce_problem(
     interface: Interface,
     reduction: Reduction,
     law: ContactLaw,
-    closing: Array,
+    gap_per_approach: Array,
 ) -> ContactProblem:
-    """K, N and S in the free unknowns, without a load yet; K on all dofs is used up.
+    """The problem in the free unknowns, without a load yet. K on all dofs is used up.
 
-    closing (n,): change of the gap with the approach of a rigid counterface.
+    gap_per_approach: (n,) change of the gap per approach of a rigid counterface.
     """
     p = reduction.matrix
     gap = interface.gap.matMult(p)
     if reduction.rigid_approach:
-        column = np.full(len(closing), reduction.column)
-        table = sp.csr_matrix(
-            (closing, (np.arange(len(closing)), column)), shape=(len(closing), p.getSize()[1])
-        )
+        count = len(gap_per_approach)
+        places = np.arange(count), np.full(count, reduction.column)
+        table = sp.csr_matrix((gap_per_approach, places), shape=(count, p.getSize()[1]))
         extra = petsc_matrix(table, p.getLocalSize()[1], p.comm.tompi4py())
         gap.axpy(1.0, extra, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
     reduced = Stiffness.reduced(stiffness, reduction)
-    force = reduced.vector()
     return ContactProblem(
-        law, reduced, gap, interface.stress.matMult(p), interface.weights,
-        interface.stiffness_bound(law), closing, force, interface.initial_gap,
-        np.zeros_like(closing),
-    )  # fmt: skip
+        law=law,
+        stiffness=reduced,
+        gap=gap,
+        stress=interface.stress.matMult(p),
+        area=interface.weights,
+        bound=interface.stiffness_bound(law),
+        gap_per_approach=gap_per_approach,
+        force=reduced.vector(),
+        start_gap=interface.initial_gap,
+        start_stress=np.zeros_like(gap_per_approach),
+    )

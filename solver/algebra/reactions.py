@@ -1,4 +1,10 @@
-"""The held nodes: what they prescribe and what they carry, without the whole stiffness matrix."""
+"""Supported nodes: forces of their prescribed displacement, and reactions.
+
+Of the unreduced stiffness K only the rows K_s at the supported dofs s are kept:
+
+    forces     K u0 = K_s^T u0_s    for a u0 that is zero elsewhere (K is symmetric)
+    reactions  (K u)_s = K_s u
+"""
 
 from __future__ import annotations
 
@@ -8,30 +14,33 @@ import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from railhead.solver.space.operators import chosen
+from railhead.solver.space.operators import select_rows
 
 
 @dataclass(frozen=True)
 class SupportReactions:
-    """Rows of the unreduced K at the held nodes (fixed faces and hub): all that is needed of it
-    once the free unknowns have their own. rows (k,): the local dofs they belong to."""
+    """Rows of the unreduced stiffness at the nodes of fixed faces and hub.
+
+    rows: local numbers (k,) of the dofs that the rows belong to.
+    matrix: the rows, N/mm.
+    """
 
     rows: NDArray[np.int64]
     matrix: PETSc.Mat
 
     @classmethod
     def of(cls, stiffness: PETSc.Mat, nodes: NDArray[np.bool_], size: int = 3) -> SupportReactions:
-        """Keep the rows of the marked nodes (n,), `size` dofs each, of a symmetric matrix."""
+        """From a symmetric matrix, for the marked nodes (n,) with `size` dofs each."""
         local = np.flatnonzero(np.repeat(nodes, size))
-        return cls(local, chosen(stiffness, local))
+        return cls(local, select_rows(stiffness, local))
 
     def forces(self, prescribed: PETSc.Vec) -> PETSc.Vec:
-        """K u0 in N, for a u0 in mm that is zero off the held nodes (K is symmetric)."""
+        """K u0 on all dofs, N, for a displacement u0 (mm) that is zero off the supported nodes."""
         held, out = self.matrix.createVecLeft(), prescribed.duplicate()
         held.array[:] = prescribed.array[self.rows]
         self.matrix.multTranspose(held, out)
         return out
 
-    def reactions(self, displacement: PETSc.Vec) -> NDArray[np.float64]:
-        """(k,) K u at the held dofs, N."""
+    def at(self, displacement: PETSc.Vec) -> NDArray[np.float64]:
+        """(K u) at the supported dofs (k,), N."""
         return np.array((self.matrix * displacement).array)

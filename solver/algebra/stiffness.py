@@ -1,7 +1,7 @@
-"""P^T K P in blocks of a node, the approach as a border.
+"""Stiffness P^T K P of the free unknowns: blocks of a node, and the approach as a border.
 
-A product with whole blocks costs two thirds of one with single entries. What the approach couples,
-all nodes beside the hub, fits into no block and is kept as a vector.
+A product with whole blocks costs two thirds of one with single entries. The approach couples all
+nodes beside the hub. That fits into no block and is kept as a vector.
 """
 
 from __future__ import annotations
@@ -18,12 +18,13 @@ DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
 
 @dataclass(frozen=True)
 class Stiffness:
-    """P^T K P x = blocks x + e (border . x) + border (e . x), with e the approach.
+    """P^T K P x = blocks x + e (border . x) + border (e . x); e: unit vector of the approach.
 
-    blocks: of the unknowns of nodes, with a typical diagonal where a place holds none (N/mm);
-    border: force on all unknowns where the approach moves by 1, half of that on itself (N/mm);
-    approach: its place on this rank (-1: not here). Without a border the approach is given.
-    spring: what is in the border beside K, N/mm.
+    blocks: stiffness of the nodes' unknowns, N/mm; places without one have a typical diagonal.
+    border: force on all unknowns per unit approach, and half of that on the approach itself, N/mm;
+        None where the approach is prescribed.
+    approach: local place of the approach; -1: on another rank.
+    spring: stiffness on the approach that is in the border beside K, N/mm.
     """
 
     blocks: PETSc.Mat
@@ -33,11 +34,11 @@ class Stiffness:
 
     @classmethod
     def reduced(cls, full: PETSc.Mat, reduction: Reduction) -> Stiffness:
-        """Of a K on all dofs, which is used up."""
+        """P^T K P from K on all dofs, which is used up."""
         p, border = reduction.matrix, None
         if reduction.column >= 0:
             moved, pushed, border = p.createVecLeft(), p.createVecLeft(), p.createVecRight()
-            unit = _at(border, reduction.approach, 1.0)
+            unit = _unit_vector(border, reduction.approach)
             p.mult(unit, moved)
             full.mult(moved, pushed)
             p.multTranspose(pushed, border)
@@ -45,7 +46,7 @@ class Stiffness:
                 border.array[reduction.approach] /= 2
         free = p.createVecRight()
         free.array[:] = reduction.free
-        blocks = full if reduction.aligned else _turned(full, p, free)
+        blocks = full if reduction.aligned else _rotated(full, p, free)
         blocks.diagonalScale(L=free, R=free)
         diagonal = blocks.getDiagonal()
         typical = diagonal.sum() / free.sum()
@@ -59,17 +60,17 @@ class Stiffness:
 
     @property
     def comm(self) -> PETSc.Comm:
-        """That of the matrix."""
+        """Communicator of the matrix."""
         return self.blocks.comm
 
     @property
     def sizes(self) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Local and global rows, and columns."""
+        """(local, global) number of rows, and the same of columns."""
         sizes: tuple[tuple[int, int], tuple[int, int]] = self.blocks.getSizes()
         return sizes
 
     def vector(self) -> PETSc.Vec:
-        """Of the unknowns, zero."""
+        """A zero vector of the unknowns."""
         out = self.blocks.createVecRight()
         out.set(0.0)
         return out
@@ -92,7 +93,7 @@ class Stiffness:
         return out
 
     def diagonal(self) -> PETSc.Vec:
-        """Of the matrix, N/mm."""
+        """Diagonal of P^T K P, N/mm."""
         out = self.blocks.getDiagonal()
         if self.border is not None and self.approach >= 0:
             out.array[self.approach] += 2 * self.border.array[self.approach]
@@ -100,11 +101,11 @@ class Stiffness:
 
     @property
     def typical(self) -> float:
-        """Mean of the diagonal, N/mm."""
+        """Mean of the diagonal of the blocks, N/mm."""
         return float(self.blocks.getDiagonal().sum() / self.sizes[0][1])
 
     def pinned(self, spring: float) -> Stiffness:
-        """With a spring (N/mm) on the approach, where that is free."""
+        """The same with a spring (N/mm) on the approach; unchanged where that is prescribed."""
         if self.border is None or not spring:
             return self
         border = self.border.copy()
@@ -113,7 +114,7 @@ class Stiffness:
         return replace(self, border=border, spring=spring)
 
     def assembled(self) -> PETSc.Mat:
-        """One matrix, for a factorisation."""
+        """P^T K P as one matrix, for a factorisation."""
         out = self.blocks.convert("aij", PETSc.Mat())
         out.setBlockSize(self.blocks.getBlockSize())
         if self.border is None:
@@ -131,17 +132,18 @@ class Stiffness:
         return out
 
 
-def _at(like: PETSc.Vec, place: int, value: float) -> PETSc.Vec:
-    """A vector of zeros but for one value at a place of this rank (none: -1)."""
+def _unit_vector(like: PETSc.Vec, place: int) -> PETSc.Vec:
+    """Zeros, and 1 at a local place; -1: the place is on another rank."""
     out = like.duplicate()
     out.set(0.0)
     if place >= 0:
-        out.array[place] = value
+        out.array[place] = 1.0
     return out
 
 
-def _turned(full: PETSc.Mat, p: PETSc.Mat, free: PETSc.Vec) -> PETSc.Mat:
-    """K in the directions that P gives the nodes; places without an unknown keep their axes."""
+def _rotated(full: PETSc.Mat, p: PETSc.Mat, free: PETSc.Vec) -> PETSc.Mat:
+    """K in the directions that P gives the nodes; places without an unknown keep their axes.
+    free: 1 at places that hold an unknown, 0 elsewhere."""
     nodes, size, rest = p.copy(), full.getBlockSize(), free.duplicate()
     nodes.diagonalScale(R=free)
     rest.array[:] = 1.0 - free.array

@@ -1,14 +1,15 @@
-"""Friction on a contact that is pressed: a shift from rest, and steady rolling at a creepage.
+"""Coulomb friction of a condensed contact: a shift from rest, or steady rolling at a creepage.
 
-At every contact point the traction of the wheel on the rail is (Kalker 1990; Chouly and Hild's
-method in the tangent plane)
+At every contact point the traction of the wheel on the rail is (Kalker 1990; the method of Chouly
+and Hild in the tangent plane)
 
     lambda = projection of q + tau s on the disc of radius mu p,   c = F^+ lambda
 
-with q, p and F of `solver.condensed`, s the rigid slip (d times it when rolling) and F^+ the L2
-projection on the nodes. Newton's method starts where all sticks, and no point crosses the disc in
-one step: one that would slip the other way round sticks for a step. Without these two rules it does
-not converge. Conventions are those of `theory.rolling`.
+q, p and F are those of `solver.interface.condensation`, s is the rigid slip (times d when rolling),
+and F^+ the L2 projection on the nodes. Tractions inside the disc stick, those on its border slip.
+Semismooth Newton's method starts where all points stick, and no point crosses the disc in one step:
+one that would slip the other way round sticks for a step. Without these two rules it does not
+converge. Conventions are those of `theory.rolling`.
 """
 
 from __future__ import annotations
@@ -23,21 +24,31 @@ from numpy.typing import NDArray
 from railhead.solver.interface.condensation import ContactCompliance
 from railhead.solver.space.cells import Array
 
-STEPS = 60  # of Newton's method
-HELD = 1e-3  # of the stiffness of all that sticks: holds motions where nothing else converges
-LENGTHS = 1.0, 0.5  # of every other step: the one that leaves less
+NEWTON_STEPS = 60
 TOLERANCE = 1e-8  # change of the tractions over the largest mu p; missing force over mu times load
-LEAST = 1e-300  # below it a vector has no direction
+MOTION_STIFFNESS = 1e-3  # added to free motions where nothing else converges, over that of all
+# points sticking
+STEP_LENGTHS = 1.0, 0.5  # Every second step takes the one that leaves the smaller residual. A line
+# search in all steps would hold Newton's method up, and without any it may cycle.
+TINY = 1e-300  # below this length a vector has no direction
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TangentialState:
-    """n points with k tangents. traction (n, k) MPa of the wheel on the rail; slip (n, k) of the
-    wheel over the rail: mm since `settled`, or, rolling, of 1; sticks (n,) of those with pressure
-    (n,) MPa; nodal (m,): tractions at the nodes; motion (j,): what the given modes of rigid slip
-    were multiplied with; slips (n,) and direction (n, k): where Newton's method ended; history:
-    change of the tractions in each of its steps, over the largest mu p, or what is missing of given
-    forces, over mu times the load, if that is more."""
+    """Tractions and slip at n contact points with k tangents; m nodes' tractions, j free motions.
+
+    traction: of the wheel on the rail (n, k), MPa.
+    slip: of the wheel over the rail (n, k): mm since the surfaces were at rest, or, when rolling,
+        over rolled distance.
+    sticks: (n,) whether a point with pressure sticks.
+    pressure: (n,) MPa, zero at points that do not touch.
+    nodal: tractions at the nodes (m,), MPa.
+    motion: factors (j,) of the free modes of rigid slip.
+    slips: (n,) points that slip in Newton's last step.
+    direction: of their slip (n, k).
+    history: for each of Newton's steps, the change of the tractions over the largest mu p, or the
+        missing part of prescribed forces over mu times load, whichever is larger.
+    """
 
     traction: Array
     slip: Array
@@ -51,28 +62,30 @@ class TangentialState:
 
     @property
     def converged(self) -> bool:
-        """Whether the last step changed nothing and the forces are those given."""
+        """Whether the tractions no longer change and the prescribed forces are met."""
         return self.history[-1] <= TOLERANCE
 
 
 class CoulombContact:
-    """A condensed contact with a coefficient of friction. onto (m, n k): the nodes' shape functions
-    times weights; mass (m, m): of the nodes."""
+    """A condensed contact with a coefficient of friction.
+
+    projection: F^T W (m, n k), so that F^+ = mass^-1 projection.
+    mass: F^T W F (m, m), mm2.
+    Raises ValueError for a coefficient that is not positive and finite.
+    """
 
     def __init__(self, contact: ContactCompliance, coefficient: float) -> None:
-        """ValueError: a coefficient that is not positive and finite."""
         if not 0 < coefficient < np.inf:
             raise ValueError(f"friction must be positive and finite, got {coefficient}")
         self.contact, self.coefficient = contact, coefficient
-        n, k = contact.start.shape
-        weights = sp.diags(np.repeat(contact.weights, k))
-        self.onto = (contact.traces.T @ weights).tocsr()
-        self.mass = (self.onto @ contact.traces).toarray()
+        weights = sp.diags(np.repeat(contact.weights, contact.trial_traction.shape[1]))
+        self.projection = (contact.shape_functions.T @ weights).tocsr()
+        self.mass = (self.projection @ contact.shape_functions).toarray()
 
     @property
-    def top(self) -> float:
-        """The largest mu p without traction, MPa."""
-        return float(self.coefficient * self.contact.pressure[self.contact.touches].max())
+    def largest_bound(self) -> float:
+        """Largest mu p of the contact without tractions, MPa."""
+        return float(self.coefficient * self.contact.pressure[self.contact.active].max())
 
     def solve(
         self,
@@ -80,54 +93,74 @@ class CoulombContact:
         modes: Array,
         forces: Array,
         *,
-        settled: Array | None = None,
+        rest: Array | None = None,
         start: TangentialState | None = None,
     ) -> TangentialState:
-        """slip (n, k): the rigid one that is known, of the wheel over the rail: mm, or, rolling,
-        of 1. modes (j, n, k): further rigid slips, multiplied so that forces along (j, 3) axes in
-        space are what is given, N: `forces` (j, 4) holds axes and forces. settled (n, k): of a
-        shift, where the surfaces had come to rest, mm. start: of a similar problem."""
+        """Tractions under a prescribed rigid slip and prescribed forces.
+
+        slip: rigid slip of the wheel over the rail (n, k), mm, or over rolled distance.
+        modes: further modes of rigid slip (j, n, k), whose factors follow from the forces.
+        forces: (j, 4): unit vector in space, and force along it, N.
+        rest: of a shift, relative displacement (n, k) at which the surfaces were at rest, mm.
+        start: solution of a similar problem to begin with.
+        The state that is returned may not have converged.
+        """
         contact, (n, k) = self.contact, slip.shape
-        base = contact.start + contact.tau[:, None] * (contact.step * slip)
-        if settled is not None:
-            base -= contact.tau[:, None] * settled
-        pull = contact.tau[:, None] * (contact.step * modes)
-        problem = CoulombEquations(
-            self,
-            base,
-            np.hstack([contact.answer, pull.reshape(-1, n * k).T]).reshape(n, k, -1),
-            np.hstack([contact.closing, np.zeros((n, len(modes)))]),
-            np.array([contact.force(axis) for axis in forces[:, :3]]).reshape(-1, len(self.mass)),
-            forces[:, 3],
+        base = contact.trial_traction + contact.tau[:, None] * (contact.step * slip)
+        if rest is not None:
+            base -= contact.tau[:, None] * rest
+        of_modes = contact.tau[:, None] * (contact.step * modes)
+        trial = np.hstack([contact.trial_compliance, of_modes.reshape(-1, n * k).T])
+        equations = CoulombEquations(
+            friction=self,
+            trial_traction=base,
+            trial_matrix=trial.reshape(n, k, -1),
+            pressure_matrix=np.hstack([contact.pressure_compliance, np.zeros((n, len(modes)))]),
+            force_rows=np.array([contact.force(axis) for axis in forces[:, :3]]).reshape(
+                -1, len(self.mass)
+            ),
+            forces=forces[:, 3],
         )
-        stiffness = contact.step * float(contact.area @ contact.tau)
+        sticking = contact.step * float(contact.area @ contact.tau)
         begun = [(start, 0.0)] if start is not None else []
-        freed = [(None, HELD * stiffness)] if len(modes) else []
-        for begin, held in (*begun, (None, 0.0), *freed):
-            found = problem.solve(begin, held)
-            if found.converged:
+        freed = [(None, MOTION_STIFFNESS * sticking)] if len(modes) else []
+        for begin, stiffness in (*begun, (None, 0.0), *freed):
+            state = equations.solve(begin, stiffness)
+            if state.converged:
                 break
-        return found
+        return state
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CoulombEquations:
-    """Unknowns x (m + j,): tractions at the nodes and motions. q = base + pull x, with pull
-    (n, k, m + j); p = p0 + closing x; rows (j, m) of the tractions are the forces (j,), N."""
+    """Nonlinear equations of m tractions at nodes and j motions, together x (m + j,):
+
+        mass c - projection lambda(q, p) = 0,    force_rows c = forces
+        q = trial_traction + trial_matrix x,     p = p0 + pressure_matrix x
+
+    trial_traction: (n, k) MPa, prescribed slip included.
+    trial_matrix: (n, k, m + j).
+    pressure_matrix: (n, m + j).
+    force_rows: (j, m) forces of the tractions, N/MPa.
+    forces: prescribed (j,), N.
+    """
 
     friction: CoulombContact
-    base: Array
-    pull: Array
-    closing: Array
-    rows: Array
+    trial_traction: Array
+    trial_matrix: Array
+    pressure_matrix: Array
+    force_rows: Array
     forces: Array
 
-    def solve(self, begin: TangentialState | None, held: float) -> TangentialState:
-        """Newton's method from all that sticks, or from the solution of a similar problem; held:
-        stiffness that its tangent adds to the motions, N/mm."""
+    def solve(self, begin: TangentialState | None, motion_stiffness: float) -> TangentialState:
+        """Semismooth Newton's method.
+
+        begin: solution of a similar problem; None: all points stick.
+        motion_stiffness: added to the tangent of the motions, N/mm.
+        """
         contact, coefficient = self.friction.contact, self.friction.coefficient
-        n, k, unknowns = self.pull.shape
-        m, active, top = len(self.friction.mass), contact.touches, self.friction.top
+        n, k, unknowns = self.trial_matrix.shape
+        m, active = len(self.friction.mass), contact.active
         limit = coefficient * float(contact.area[active] @ contact.pressure[active])
         x: Array = np.zeros(unknowns)
         slips: NDArray[np.bool_] = np.zeros(n, dtype=bool)
@@ -137,91 +170,116 @@ class CoulombEquations:
             slips, direction = begin.slips, begin.direction
         first = begin is None
         history: list[float] = []
-        while len(history) < STEPS:
-            q, bound, size, unit = self._state(x)
+        while len(history) < NEWTON_STEPS:
+            _, bound, size, unit = self._trial_state(x)
             now = active & (size > bound) & (not first)
             now &= ~(slips & (np.einsum("nk,nk->n", unit, direction) < 0))
-            residual, tangent = self.linear(x, now)
-            tangent[m:, m:] = held * np.eye(len(self.rows))
-            if k == len(self.rows) == 1 and np.array_equal(now, active):
-                step = np.append(scipy.linalg.solve(tangent[:m, :m], -residual[:m]), 0.0)
-                x = x + step
-                x[m] += self._turn(x)
-                unit = self._state(x)[3]
+            if k == len(self.forces) == 1 and np.array_equal(now, active):
+                step, x = self._slide(x, now)
+                unit = self._trial_state(x)[3]
             else:
                 try:
-                    step = scipy.linalg.solve(tangent, -residual, check_finite=False)
-                except scipy.linalg.LinAlgError:  # everything slips the way of the given forces
+                    step = self._newton_step(x, now, motion_stiffness)
+                except scipy.linalg.LinAlgError:  # all slips the way of the prescribed forces
                     history.append(np.inf)
                     break
-                if len(history) % 2 == 0:  # always, it would hold up; never, it may go in circles
-                    step *= min(LENGTHS, key=lambda length: self._off(x + length * step))
+                if len(history) % 2 == 0:
+                    step *= min(STEP_LENGTHS, key=lambda t: self._residual_norm(x + t * step))
                 x = x + step
-            missing = float(np.abs(self.rows @ x[:m] - self.forces).max(initial=0.0)) / limit
-            left = max(float(np.abs(step[:m]).max()) / top, missing)
+            missing = float(np.abs(self.force_rows @ x[:m] - self.forces).max(initial=0.0)) / limit
+            remaining = max(float(np.abs(step[:m]).max()) / self.friction.largest_bound, missing)
             same = not first and np.array_equal(now, slips)
-            history.append(left if same else max(left, 2 * TOLERANCE))
+            history.append(remaining if same else max(remaining, 2 * TOLERANCE))
             slips, direction, first = now, unit, False
             if history[-1] <= TOLERANCE:
                 break
-        q, bound, size, _ = self._state(x)
+        q, bound, size, _ = self._trial_state(x)
         share = self._share(bound, size)
-        slip = (1 - share)[:, None] * q / (contact.tau[:, None] * contact.step)
         return TangentialState(
-            share[:, None] * q, slip, active & (share >= 1),
-            np.where(active, bound / coefficient, 0.0), x[:m], x[m:], slips, direction,
-            tuple(history),
-        )  # fmt: skip
+            traction=share[:, None] * q,
+            slip=(1 - share)[:, None] * q / (contact.tau[:, None] * contact.step),
+            sticks=active & (share >= 1),
+            pressure=np.where(active, bound / coefficient, 0.0),
+            nodal=x[:m],
+            motion=x[m:],
+            slips=slips,
+            direction=direction,
+            history=tuple(history),
+        )
 
-    def _turn(self, x: Array) -> float:
-        """Everything slips along one tangent, and a motion changes no traction until points turn:
-        the one at which a point sticks and those on either side of it leave it the force."""
-        contact = self.friction.contact
-        q, bound, _, _ = self._state(x)
-        rate = self.pull[:, 0, -1]
-        turns = np.where(contact.touches, -q[:, 0] / rate, np.inf)
-        order = np.argsort(turns)[: contact.touches.sum()]
+    def _newton_step(self, x: Array, slips: NDArray[np.bool_], stiffness: float) -> Array:
+        """Newton's step (m + j,); stiffness: of the motions, N/mm. Raises LinAlgError."""
+        m = len(self.friction.mass)
+        residual, tangent = self.linearised(x, slips)
+        tangent[m:, m:] = stiffness * np.eye(len(self.forces))
+        return np.asarray(scipy.linalg.solve(tangent, -residual, check_finite=False))
+
+    def _slide(self, x: Array, slips: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """Newton's step (m + 1,) and new x where all points slip along the only tangent.
+
+        The motion then changes no traction, and the tangent is singular, until points change the
+        direction of their slip. The point is searched at which that happens when the force is met.
+        """
+        contact, m = self.friction.contact, len(self.friction.mass)
+        residual, tangent = self.linearised(x, slips)
+        step = np.append(scipy.linalg.solve(tangent[:m, :m], -residual[:m]), 0.0)
+        x = x + step
+        q, bound, _, _ = self._trial_state(x)
+        rate = self.trial_matrix[:, 0, -1]
+        turns = np.where(contact.active, -q[:, 0] / rate, np.inf)
+        order = np.argsort(turns)[: contact.active.sum()]
         along = np.abs(rate) / (contact.tau * contact.step)  # of the tangent along the force
         most = (contact.area * bound * along)[order]
         reached = 2 * np.cumsum(most) - most.sum()
-        return float(turns[order[min(np.searchsorted(reached, self.forces[0]), len(order) - 1)]])
+        last = min(np.searchsorted(reached, self.forces[0]), len(order) - 1)
+        x[m] += float(turns[order[last]])
+        return step, x
 
-    def linear(self, x: Array, slips: NDArray[np.bool_]) -> tuple[Array, Array]:
-        """Residual (m + j,) and its derivative where some of the points slip and all others that
-        touch stick: lambda = value + change (q_new - q) + mu unit (p_new - p)."""
+    def linearised(self, x: Array, slips: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """Residual (m + j,) and its derivative (m + j, m + j), where some of the active points slip
+        and the others stick:
+
+            lambda(x + dx) = lambda + (mu p / |q|) (1 - n x n) dq + mu n dp    slip, n = q / |q|
+            lambda(x + dx) = q + dq                                            stick
+        """
         contact, coefficient = self.friction.contact, self.friction.coefficient
-        mass, onto, (n, k, unknowns) = self.friction.mass, self.friction.onto, self.pull.shape
-        m, active = len(mass), contact.touches
-        q, bound, size, unit = self._state(x)
+        mass, projection = self.friction.mass, self.friction.projection
+        n, k, unknowns = self.trial_matrix.shape
+        m, active = len(mass), contact.active
+        q, bound, size, unit = self._trial_state(x)
         value = np.where(slips[:, None], bound[:, None] * unit, q) * active[:, None]
         across = np.eye(k) - unit[:, :, None] * unit[:, None, :]
         change = np.where(slips, bound / size, 0.0)[:, None, None] * across
         change[active & ~slips] = np.eye(k)
         along = np.where(slips[:, None], coefficient * unit, 0.0)
-        moved = change @ self.pull + along[:, :, None] * self.closing[:, None, :]
+        moved = change @ self.trial_matrix + along[:, :, None] * self.pressure_matrix[:, None, :]
         tangent = np.zeros((unknowns, unknowns))
-        tangent[:m] = -(onto @ moved.reshape(n * k, -1))
+        tangent[:m] = -(projection @ moved.reshape(n * k, -1))
         tangent[:m, :m] += mass
-        tangent[m:, :m] = self.rows
-        residual = [mass @ x[:m] - onto @ value.ravel(), self.rows @ x[:m] - self.forces]
+        tangent[m:, :m] = self.force_rows
+        residual = [
+            mass @ x[:m] - projection @ value.ravel(),
+            self.force_rows @ x[:m] - self.forces,
+        ]
         return np.concatenate(residual), tangent
 
-    def _state(self, x: Array) -> tuple[Array, Array, Array, Array]:
-        """q (n, k), mu p and |q| (n,), direction of q (n, k)."""
+    def _trial_state(self, x: Array) -> tuple[Array, Array, Array, Array]:
+        """q (n, k), mu p and |q| (n,), MPa, and the direction of q (n, k)."""
         contact = self.friction.contact
-        q = self.base + self.pull @ x
-        bound = self.friction.coefficient * np.maximum(contact.pressure + self.closing @ x, 0.0)
-        size = np.maximum(np.linalg.norm(q, axis=1), LEAST)
-        return q, bound, size, q / size[:, None]
+        q = self.trial_traction + self.trial_matrix @ x
+        pressure = np.maximum(contact.pressure + self.pressure_matrix @ x, 0.0)
+        size = np.maximum(np.linalg.norm(q, axis=1), TINY)
+        return q, self.friction.coefficient * pressure, size, q / size[:, None]
 
     def _share(self, bound: Array, size: Array) -> Array:
-        """What the disc leaves of q (n,)."""
-        return np.where(self.friction.contact.touches, np.minimum(1.0, bound / size), 0.0)
+        """Length of the projected q over that of q (n,), from mu p and |q|."""
+        return np.where(self.friction.contact.active, np.minimum(1.0, bound / size), 0.0)
 
-    def _off(self, x: Array) -> float:
-        """How far the nodes' tractions are from the projected ones, weighted by their area."""
-        q, bound, size, _ = self._state(x)
+    def _residual_norm(self, x: Array) -> float:
+        """Squared distance of the tractions at the nodes from the projected ones, weighted by the
+        nodes' areas."""
+        q, bound, size, _ = self._trial_state(x)
         share = self._share(bound, size)
         mass, m = self.friction.mass, len(self.friction.mass)
-        off = mass @ x[:m] - self.friction.onto @ (share[:, None] * q).ravel()
-        return float(off @ (off / mass.diagonal()))
+        residual = mass @ x[:m] - self.friction.projection @ (share[:, None] * q).ravel()
+        return float(residual @ (residual / mass.diagonal()))

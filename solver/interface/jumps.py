@@ -21,7 +21,7 @@ from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.material.elasticity import quadrature_degree
 from railhead.solver.space.cells import Array, Index
 from railhead.solver.space.facets import FacetSet
-from railhead.solver.space.operators import rows
+from railhead.solver.space.operators import assemble_rows
 from railhead.solver.space.pairing import pair
 
 SECTION_RULE = 15  # degree of the contact quadrature in a section, where points cost nothing: it
@@ -105,8 +105,8 @@ def build(
     return Interface(
         slave, master, points, weights, initial_gap, normals, bound,
         slave.cell in ("hexahedron", "quadrilateral"), facet, xi,
-        rows(blocks, len(facet), local_dofs, total, comm),
-        rows([(dofs, traction)], len(facet), local_dofs, total, comm),
+        assemble_rows(blocks, len(facet), local_dofs, total, comm),
+        assemble_rows([(dofs, traction)], len(facet), local_dofs, total, comm),
     )  # fmt: skip
 
 

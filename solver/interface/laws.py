@@ -13,14 +13,19 @@ from dataclasses import dataclass, replace
 
 METHODS = ("nitsche", "penalty")
 PENALTY_FACTOR = 10.0  # penalty over the Nitsche parameter: bias against conditioning
-STIFFEST = 3.0  # parameter over E times its constant; nearly incompressible bodies are cut to it
-STAGE = 10.0  # growth of the parameter from one stage of a stiff law to the next
+LARGEST_PARAMETER = 3.0  # over E times the trace constant; of nearly incompressible bodies
+STAGE_GROWTH = 10.0  # of the parameter from one stage of a stiff law to the next
 
 
 @dataclass(frozen=True)
 class ContactLaw:
-    """method 'nitsche' or 'penalty'; theta 1, 0, -1 (Nitsche; None: see `suited`); factor on the
-    safe parameter. ValueError for others."""
+    """Contact law.
+
+    method: 'nitsche' or 'penalty'.
+    theta: variant of Nitsche's method, 1 (symmetric), 0 or -1; None: `suited` chooses.
+    gamma_factor: factor on the smallest parameter that is safe, positive.
+    Raises ValueError for other values.
+    """
 
     method: str = "nitsche"
     theta: int | None = None
@@ -36,37 +41,42 @@ class ContactLaw:
 
     @property
     def sigma(self) -> int:
-        """1 where the bulk stress enters the law."""
+        """1 for Nitsche's method, whose law holds the bulk stress; 0 for a penalty."""
         return int(self.method == "nitsche")
 
     @property
     def symmetric(self) -> bool:
-        """Whether the tangent is symmetric."""
+        """Whether the tangent is symmetric: a penalty, or theta = 1."""
         return self.method == "penalty" or self.theta == 1
 
     @property
     def scale(self) -> float:
-        """tau over the trace bound of a facet (`interface.trace_bound`)."""
+        """tau over the trace bound of a facet (`jumps.trace_bound`)."""
         return self.gamma_factor * (1.0 if self.sigma else PENALTY_FACTOR)
 
     def suited(self, young_modulus: float, lame: tuple[float, float]) -> ContactLaw:
-        """The law with its theta and factor for a slave of this material.
+        """The law with theta and factor chosen for a slave of this material.
+
+        young_modulus, lame = (lambda, mu): MPa.
 
         theta = 1 is coercive down to factor 1, theta = -1 at any factor: it is taken below 1 unless
         theta is given. Towards incompressibility the safe parameter grows with lambda, although the
-        contact gets no stiffer; it is then cut to STIFFEST times E, unless theta = 1 is given.
+        contact gets no stiffer. It is then cut to LARGEST_PARAMETER times E, unless theta = 1 is
+        given.
         """
         lam, mu = lame
         factor = self.gamma_factor
         if self.theta != 1:
-            factor *= min(1.0, STIFFEST * young_modulus / (lam + 2 * mu))
+            factor *= min(1.0, LARGEST_PARAMETER * young_modulus / (lam + 2 * mu))
         theta = self.theta if self.theta is not None else (1 if factor >= 1 else -1)
         return replace(self, theta=theta, gamma_factor=factor)
 
     @property
     def stages(self) -> list[ContactLaw]:
-        """Softer laws to solve first, from near the default up to this one."""
-        count = max(0, math.ceil(math.log(self.scale / STAGE, STAGE)))
+        """Laws to solve with in turn: from near the default parameter, up to this law as the last.
+        Their parameters grow by `STAGE_GROWTH`."""
+        count = max(0, math.ceil(math.log(self.scale / STAGE_GROWTH, STAGE_GROWTH)))
         return [
-            replace(self, gamma_factor=self.gamma_factor / STAGE**k) for k in range(count, -1, -1)
+            replace(self, gamma_factor=self.gamma_factor / STAGE_GROWTH**k)
+            for k in range(count, -1, -1)
         ]

@@ -21,33 +21,39 @@ ROOT = np.sqrt(2.0 / 3.0)
 
 @dataclass(frozen=True)
 class Hardening:
-    """Uniaxial true stress (k,) MPa at plastic strain (k,), the first at 0, straight between them;
-    beyond: slope after the last, MPa; kinematic: share of the growth by which the surface moves
-    instead of growing (Prager's rule), 0 to 1."""
+    """Curve of uniaxial true stress over plastic strain, straight between its points.
+
+    strain: plastic strain of the points (k,), the first at 0.
+    stress: MPa at the points (k,); the first is the initial yield stress.
+    kinematic: share of the hardening, 0 to 1, by which the yield surface moves instead of growing
+        (Prager's rule).
+    final_hardening_modulus: slope after the last point, MPa.
+    """
 
     strain: tuple[float, ...]
     stress: tuple[float, ...]
     kinematic: float = 0.0
-    beyond: float = 0.0
+    final_hardening_modulus: float = 0.0
 
     @classmethod
     def linear(cls, stress: float, modulus: float = 0.0, kinematic: float = 0.0) -> Hardening:
-        """Yield at a stress (MPa) and a constant modulus d stress / d plastic strain (MPa)."""
+        """Yield at a stress (MPa), then a constant slope d stress / d plastic strain (MPa)."""
         return cls((0.0,), (stress,), kinematic, modulus)
 
     @property
-    def first(self) -> float:
-        """Stress at which it begins to yield, MPa."""
+    def initial_yield_stress(self) -> float:
+        """Stress at which plastic strain begins, MPa."""
         return self.stress[0]
 
     @property
     def segments(self) -> tuple[Array, Array, Array]:
-        """Plastic strain and stress (MPa) of the points (k,), and the slope behind each, MPa."""
+        """Plastic strain and stress (MPa) of the points (k,), and the slope after each, MPa."""
         strain, stress = np.array(self.strain), np.array(self.stress)
-        return strain, stress, np.append(np.diff(stress) / np.diff(strain), self.beyond)
+        slopes = np.append(np.diff(stress) / np.diff(strain), self.final_hardening_modulus)
+        return strain, stress, slopes
 
-    def at(self, plastic: Array) -> tuple[Array, Array]:
-        """Stress of the curve and its slope, MPa, at equivalent plastic strains (n,)."""
+    def stress_and_slope(self, plastic: Array) -> tuple[Array, Array]:
+        """Stress of the curve and its slope (n,), MPa, at equivalent plastic strains (n,)."""
         strain, stress, slopes = self.segments
         segment = np.searchsorted(strain, plastic, side="right") - 1
         return stress[segment] + slopes[segment] * (plastic - strain[segment]), slopes[segment]
@@ -55,7 +61,12 @@ class Hardening:
 
 @dataclass(frozen=True)
 class History:
-    """plastic (n, m) strain; back (n, m) stress, MPa; equivalent (n,) plastic strain."""
+    """State of n points after a load step.
+
+    plastic: plastic strain (n, m) in Mandel's notation.
+    back: back stress (n, m), MPa, by which the yield surface has moved.
+    equivalent: equivalent plastic strain (n,).
+    """
 
     plastic: Array
     back: Array
@@ -63,14 +74,22 @@ class History:
 
     @classmethod
     def virgin(cls, count: int, size: int) -> History:
-        """Nothing has yielded."""
+        """State of points without plastic strain; size: strain components m."""
         return cls(np.zeros((count, size)), np.zeros((count, size)), np.zeros(count))
 
 
 @dataclass(frozen=True)
-class Loss:
-    """What the tangent loses, C - C_ep = 2 mu (shear (I - 1x1/3) + along n x n), at the yielding
-    points (k,) of all."""
+class TangentReduction:
+    """By what the consistent tangent C_ep is smaller than C, at the k points that yield:
+
+        C - C_ep = 2 mu (shear (I - 1x1/3) + along n x n)
+
+    points: numbers (k,) of these points among all.
+    shear: factor of the deviatoric projection (k,).
+    along: factor of the dyad of the flow direction (k,).
+    normal: flow direction n (k, m), a unit vector in Mandel's notation.
+    mu: shear modulus (k,), MPa.
+    """
 
     points: NDArray[np.int64]
     shear: Array
@@ -78,17 +97,17 @@ class Loss:
     normal: Array
     mu: Array
 
-    def among(self, members: NDArray[np.int64]) -> Loss:
-        """The same with points numbered among all, of which these `members` were looked at."""
+    def renumbered(self, members: NDArray[np.int64]) -> TangentReduction:
+        """The same where the points so far are numbers in a list `members` of all points."""
         return replace(self, points=members[self.points])
 
     @classmethod
-    def joined(cls, losses: Sequence[Loss]) -> Loss:
-        """Of several sets of points."""
-        parts = {each.name: [getattr(loss, each.name) for loss in losses] for each in fields(cls)}
+    def joined(cls, reductions: Sequence[TangentReduction]) -> TangentReduction:
+        """One reduction for the points of several."""
+        parts = {each.name: [getattr(one, each.name) for one in reductions] for each in fields(cls)}
         return cls(**{name: np.concatenate(values) for name, values in parts.items()})
 
-    def of(self, strain: Array) -> Array:
+    def stress(self, strain: Array) -> Array:
         """(C - C_ep) : strain (k, m), MPa, of strains (k, m) at these points."""
         along = np.einsum("km,km->k", self.normal, strain) * self.along
         sheared = self.shear[:, None] * deviator(strain)
@@ -96,21 +115,26 @@ class Loss:
 
 
 def deviator(tensors: Array) -> Array:
-    """Of (n, m) tensors."""
+    """Deviatoric part of tensors (n, m) in Mandel's notation."""
     out = tensors.copy()
     out[:, :3] -= tensors[:, :3].mean(axis=1, keepdims=True)
     return out
 
 
-def returned(
+def radial_return(
     strain: Array, mu: Array, before: History, hardening: Hardening
-) -> tuple[History, Loss]:
-    """State of points after a step to strains (n, m), with shear moduli mu (n,) MPa."""
+) -> tuple[History, TangentReduction]:
+    """State after a load step to strains (n, m), and by what yield reduces the tangent.
+
+    Radial return of the trial stress to the yield surface (Simo and Hughes 1998, box 3.2). The
+    growth of the equivalent plastic strain solves a scalar equation that is straight in pieces.
+    mu: shear modulus (n,), MPa. before: state at the start of the step.
+    """
     trial = 2 * mu[:, None] * (deviator(strain) - before.plastic) - before.back
     size = np.sqrt(np.einsum("nm,nm->n", trial, trial))
     share = hardening.kinematic
-    first = hardening.first
-    curve, _ = hardening.at(before.equivalent)
+    first = hardening.initial_yield_stress
+    curve, _ = hardening.stress_and_slope(before.equivalent)
     radius = first + (1 - share) * (curve - first)
     yielding = np.flatnonzero(size > ROOT * radius * (1 + 1e-12))
     mu, size = mu[yielding], size[yielding]
@@ -123,12 +147,12 @@ def returned(
     low, high = np.zeros(len(yielding), dtype=int), np.full(len(yielding), len(strain_at))
     for _ in range(len(strain_at).bit_length()):
         middle = (low + high) // 2
-        beyond = 2 * mu * strain_at[middle] / ROOT + ROOT * stress_at[middle] <= reached
-        low, high = np.where(beyond, middle, low), np.where(beyond, high, middle)
+        past = 2 * mu * strain_at[middle] / ROOT + ROOT * stress_at[middle] <= reached
+        low, high = np.where(past, middle, low), np.where(past, high, middle)
     slope = slopes[low]
     excess = reached - 2 * mu * strain_at[low] / ROOT - ROOT * stress_at[low]
     growth = np.maximum(strain_at[low] + excess / (2 * mu / ROOT + ROOT * slope) - start, 0.0)
-    step, now = growth / ROOT, hardening.at(start + growth)[0]
+    step, now = growth / ROOT, hardening.stress_and_slope(start + growth)[0]
     plastic, back = before.plastic.copy(), before.back.copy()
     equivalent = before.equivalent.copy()
     plastic[yielding] += step[:, None] * normal
@@ -136,4 +160,4 @@ def returned(
     equivalent[yielding] += growth
     shear = 2 * mu * step / size
     along = 1 / (1 + slope / (3 * mu)) - shear
-    return History(plastic, back, equivalent), Loss(yielding, shear, along, normal, mu)
+    return History(plastic, back, equivalent), TangentReduction(yielding, shear, along, normal, mu)

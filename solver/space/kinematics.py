@@ -42,6 +42,11 @@ class Kinematics:
         """Coordinates of the mesh."""
         return len(self.axes)
 
+    @property
+    def line_contact(self) -> bool:
+        """Whether bodies touch along a line across the mesh: a section in plane strain."""
+        return self.dim == 2 and not self.revolved
+
     def lift(self, points: Array) -> Array:
         """Mesh coordinates (n, d) -> points in space (n, 3), mm."""
         return points if self.dim == 3 else points @ self.axes + np.array(self.offset)

@@ -11,7 +11,7 @@ from railhead.solver.space.cells import Array, CellSet, Index
 from railhead.solver.space.constraints import petsc_matrix
 
 
-def rows(
+def assemble_rows(
     blocks: list[tuple[Index, Array]], count: int, local: int, total: int, comm: MPI.Intracomm
 ) -> PETSc.Mat:
     """Distributed matrix of `count` rows from blocks of (dofs, coefficients), (count, ...) each;
@@ -27,7 +27,7 @@ def rows(
     return petsc_matrix(table, local, comm)
 
 
-def strains(
+def assemble_strains(
     cells: CellSet, index: Index, reference: Array, local: int, comm: MPI.Intracomm
 ) -> tuple[PETSc.Mat, int]:
     """Strains at n reference points of cells, m rows each in Mandel's notation, and m."""
@@ -57,7 +57,7 @@ def add_transposed(matrix: PETSc.Mat, values: Array, out: PETSc.Vec) -> None:
     matrix.multTransposeAdd(vector(matrix, values), out, out)
 
 
-def chosen(matrix: PETSc.Mat, local: Index) -> PETSc.Mat:
+def select_rows(matrix: PETSc.Mat, local: Index) -> PETSc.Mat:
     """Rows of a distributed matrix by their numbers (k,) on this rank, with all columns."""
     first, comm = matrix.getOwnershipRange()[0], matrix.comm
     own, end = matrix.getOwnershipRangeColumn()

@@ -83,7 +83,7 @@ def measure(patch_size: float) -> Record:
     x, y = model.interface.points[:, :2].T
     active = (x / e.a) ** 2 + (y / e.b) ** 2 < 1
     preconditioner = model.new_preconditioner(problem)
-    preconditioner.renew(active)
+    preconditioner.rebuild(active)
     rhs, out = problem.predictor(active), problem.force.duplicate()
     setting = time.perf_counter() - start
     solving = []

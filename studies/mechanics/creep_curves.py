@@ -15,11 +15,10 @@ from railhead.planning.references import closed_forms
 from railhead.run import build
 from railhead.run.references import equal_ellipses, rolling_patches
 from railhead.scene import catalogue
-from railhead.solver.contact import LoadCase
+from railhead.solver.algebra.contact_system import LoadCase
 from railhead.solver.interface.condensation import StaticCondensation
 from railhead.solver.interface.friction import CoulombContact
-from railhead.solver.interface.frictional_model import RubbingModel
-from railhead.solver.interface.load_steps import slips
+from railhead.solver.interface.friction_history import rigid_slip_modes
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction
 
@@ -99,25 +98,24 @@ def rolled(curve: Curve) -> tuple[list[Point], Cost]:
     plan = _plan(curve)
     clock = [time.process_time()]
     model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
-    assert isinstance(model, RubbingModel)
+    settings, response = model.setup.friction, model.response()
+    assert settings is not None
     clock.append(time.process_time())
     touching = plan.forecast.touching(model.setup.kinematics.lift(model.interface.points))
-    pressed = model.press(LoadCase(plan.scene.load or 0.0, 0.0, touching))
+    pressed = response.press(LoadCase(load=plan.scene.load or 0.0, active=touching))
     clock.append(time.process_time())
-    contact = StaticCondensation(model, pressed, rolling=True).condense(pressed)
+    contact = StaticCondensation(model, response, settings, pressed).condense(pressed)
     clock.append(time.process_time())
-    problem, rigid = CoulombContact(contact, COEFFICIENT), slips(model.friction_settings, contact)
+    problem, rigid = CoulombContact(contact, COEFFICIENT), rigid_slip_modes(settings, contact)
     area, found, points = contact.area, None, []
     limit = COEFFICIENT * float(area @ np.maximum(contact.pressure, 0.0))
     for motion in curve.motions:
         given = motion.along, motion.across, motion.spin
         slip = np.tensordot(motion.motion, rigid, axes=1)
         found = problem.solve(slip, rigid[:0], np.zeros((0, 4)), start=found)
-        along, across = (
-            float(contact.force(axis) @ found.nodal) for axis in model.friction_settings.axes[:2]
-        )
+        along, across = (float(contact.force(axis) @ found.nodal) for axis in settings.axes[:2])
         forces = along / limit, 0.0 if plan.half_y else across / limit
-        stick = float(area[found.sticks].sum() / area[contact.touches].sum())
+        stick = float(area[found.sticks].sum() / area[contact.active].sum())
         points.append(Point(curve.case, *given, "railhead", *forces, stick, len(found.history)))
     spent = np.diff([*clock, time.process_time()])
     spent[3] /= len(curve.motions)

@@ -77,7 +77,7 @@ def test_tangent_is_the_derivative_of_the_residual(models, law) -> None:
     step = y.duplicate()
     step.array[:] = rng.standard_normal(step.local_size) * 1e-4 * abs(y.array).max()
     indicator = problem.indicator(y)
-    change = -(problem.trace * step).array
+    change = -(problem.normal_operator * step).array
     t = 0.5 * np.min(np.abs(indicator / change))  # no point changes sides
     both = []
     for sign in (1, -1):
@@ -106,7 +106,7 @@ def test_what_other_points_leave_is_the_error_of_the_linear_problem(models, law)
     assert np.any((after > 0) != active)
     linearised = problem.residual(y, problem.pressure(y)) + problem.tangent(active) * x
     error = problem.residual(moved, problem.pressure(moved)) - linearised
-    left = problem.changes(active, indicator)(x)
+    left = problem.active_set_residual(active, indicator)(x)
     assert left > 0
     assert abs(left - error.norm()) < 1e-8 * error.norm()
 
@@ -133,7 +133,7 @@ def test_a_linear_solve_reaches_what_any_must(models) -> None:
     rhs, out = problem.predictor(active), problem.force.duplicate()
     linear.solve(problem, model.preconditioner, active, rhs, out, 1e-7, lambda _: np.inf)
     left = (problem.tangent(active) * out - rhs).norm() / rhs.norm()
-    assert 1e-7 < left <= linear.FORCING["penalty"]
+    assert 1e-7 < left <= linear.LARGEST_RESIDUAL["penalty"]
 
 
 @pytest.mark.parametrize("law", LAWS, ids=IDS)
@@ -174,11 +174,11 @@ def test_a_preconditioner_follows_the_active_set(models) -> None:
     """Set up again for a much larger patch, and not for nearly the same one."""
     model = models(linear="direct")
     radius = np.linalg.norm(model.interface.points, axis=1)
-    assert model.preconditioner.suit(radius < 4.0)
+    assert model.preconditioner.update_if_outdated(radius < 4.0)
     almost = radius < 4.0
     almost[np.argmin(radius)] = False
-    assert not model.preconditioner.suit(almost)
-    assert model.preconditioner.suit(radius < 5.0)
+    assert not model.preconditioner.update_if_outdated(almost)
+    assert model.preconditioner.update_if_outdated(radius < 5.0)
 
 
 def test_a_preconditioner_that_slows_down_is_set_up_again(models) -> None:
@@ -187,7 +187,7 @@ def test_a_preconditioner_that_slows_down_is_set_up_again(models) -> None:
     problem, _ = loaded(model := models(linear="multigrid"))
     radius = np.linalg.norm(model.interface.points, axis=1)
     preconditioner = model.new_preconditioner(problem)
-    preconditioner.stale = np.inf
+    preconditioner.outdated_share = np.inf
     made, out = [], problem.force.duplicate()
     for limit in (1.0, 3.0, 3.0, 3.0, 3.0):
         active = radius < limit
@@ -321,7 +321,7 @@ def test_a_set_up_is_given_back_before_the_next_one(models) -> None:
     preconditioner = Counted(models(linear="direct").problem)
     radius = np.linalg.norm(models().interface.points, axis=1)
     for limit in (1.0, 3.0, 1.0, 3.0):
-        assert preconditioner.suit(radius < limit)
+        assert preconditioner.update_if_outdated(radius < limit)
     assert before == [0, 0, 0, 0]
 
 

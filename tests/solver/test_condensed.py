@@ -7,9 +7,8 @@ from mpi4py import MPI
 from railhead.planning import plan as planning
 from railhead.run import build
 from railhead.scene import catalogue
-from railhead.solver.contact import LoadCase
+from railhead.solver.algebra.contact_system import LoadCase
 from railhead.solver.interface.condensation import StaticCondensation
-from railhead.solver.interface.frictional_model import RubbingModel
 
 
 @pytest.mark.parametrize("rigid", [(), ("wheel.young_modulus=inf",)])
@@ -19,12 +18,12 @@ def test_movements_are_reciprocal(rigid: tuple[str, ...]) -> None:
     keys = ("friction.coefficient=0.3", "friction.force_along=9900", "mesh.patch_size=0.5", *rigid)
     plan = planning.make(catalogue.find("long_roller").replace(list(keys)))
     model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
-    assert isinstance(model, RubbingModel)
-    model.tangential = np.zeros(2)
+    settings, response = model.setup.friction, model.response()
+    assert settings is not None
     touching = plan.forecast.touching(model.setup.kinematics.lift(model.interface.points))
-    pressed = model.press(LoadCase(plan.scene.load or 0.0, 0.0, touching))
-    contact = StaticCondensation(model, pressed, rolling=False).condense(pressed)
+    pressed = response.press(LoadCase(load=plan.scene.load or 0.0, active=touching))
+    contact = StaticCondensation(model, response, settings, pressed).condense(pressed)
     weights = np.repeat(contact.weights, contact.tangents.shape[1])
-    work = -contact.traces.T @ (weights[:, None] * contact.movement)
+    work = -contact.shape_functions.T @ (weights[:, None] * contact.displacement_compliance)
     np.testing.assert_allclose(work, work.T, rtol=0, atol=1e-12 * np.abs(work).max())
     assert np.linalg.eigvalsh(work).min() > 0

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from railhead.solver.material.hardening import ROOT, Hardening, History, deviator, returned
+from railhead.solver.material.hardening import ROOT, Hardening, History, deviator, radial_return
 
 MU, COUNT = 79615.0, 60
 CURVES = {
@@ -25,21 +25,21 @@ def strains(seed: int, size: float = 0.01) -> np.ndarray:
 
 
 def stress(strain: np.ndarray, before: History, curve: Hardening) -> np.ndarray:
-    after, _ = returned(strain, np.full(COUNT, MU), before, curve)
+    after, _ = radial_return(strain, np.full(COUNT, MU), before, curve)
     return 2 * MU * (deviator(strain) - after.plastic)
 
 
 def history(curve: Hardening) -> History:
     """After one step in random directions."""
-    return returned(strains(1), np.full(COUNT, MU), History.virgin(COUNT, 6), curve)[0]
+    return radial_return(strains(1), np.full(COUNT, MU), History.virgin(COUNT, 6), curve)[0]
 
 
 def test_stresses_end_on_the_yield_surface(curve: Hardening) -> None:
     before = history(curve)
-    after, loss = returned(strains(2), np.full(COUNT, MU), before, curve)
+    after, loss = radial_return(strains(2), np.full(COUNT, MU), before, curve)
     found = 2 * MU * (deviator(strains(2)) - after.plastic) - after.back
-    growth = curve.at(after.equivalent)[0] - curve.first
-    radius = ROOT * (curve.first + (1 - curve.kinematic) * growth)
+    growth = curve.stress_and_slope(after.equivalent)[0] - curve.initial_yield_stress
+    radius = ROOT * (curve.initial_yield_stress + (1 - curve.kinematic) * growth)
     size = np.linalg.norm(found, axis=1)
     assert len(loss.points) > COUNT / 2
     assert size[loss.points] == pytest.approx(radius[loss.points], rel=1e-10)
@@ -53,9 +53,9 @@ def test_the_tangent_is_the_derivative(curve: Hardening) -> None:
     before, at = history(curve), strains(3)
     step = strains(4, 1e-7)
     slope = (stress(at + step, before, curve) - stress(at - step, before, curve)) / 2
-    _, loss = returned(at, np.full(COUNT, MU), before, curve)
+    _, loss = radial_return(at, np.full(COUNT, MU), before, curve)
     tangent = 2 * MU * deviator(step)
-    tangent[loss.points] -= loss.of(step[loss.points])
+    tangent[loss.points] -= loss.stress(step[loss.points])
     assert np.abs(slope - tangent).max() < 1e-6 * np.abs(slope).max()
 
 
@@ -64,9 +64,9 @@ def test_tension_follows_the_curve_whatever_hardens(curve: Hardening) -> None:
     direction = np.array([1.0, -0.5, -0.5, 0.0, 0.0, 0.0])
     before = History.virgin(1, 6)
     for strain in (0.004, 0.012, 0.03):
-        before, _ = returned(strain * direction[None], np.full(1, MU), before, curve)
+        before, _ = radial_return(strain * direction[None], np.full(1, MU), before, curve)
         found = 2 * MU * (strain * direction - before.plastic[0])
-        assert found[0] * 1.5 == pytest.approx(curve.at(before.equivalent)[0][0])
+        assert found[0] * 1.5 == pytest.approx(curve.stress_and_slope(before.equivalent)[0][0])
 
 
 def test_reversed_loading_yields_earlier_with_kinematic_hardening() -> None:
@@ -79,7 +79,7 @@ def test_reversed_loading_yields_earlier_with_kinematic_hardening() -> None:
         for share, yields in ((0.999, 0), (1.001, 1)):
             low = top - share * width / 1.5
             strain = loaded.plastic + low / (2 * MU) * direction
-            assert len(returned(strain, np.full(1, MU), loaded, curve)[1].points) == yields
+            assert len(radial_return(strain, np.full(1, MU), loaded, curve)[1].points) == yields
 
 
 def test_a_steep_segment_between_flat_ones_is_met() -> None:
@@ -87,8 +87,8 @@ def test_a_steep_segment_between_flat_ones_is_met() -> None:
     curve = Hardening((0.0, 0.002, 0.0021, 0.05), (400.0, 400.0, 900.0, 900.0))
     strain = np.zeros((40, 6))
     strain[:, 0], strain[:, 1] = np.linspace(0.001, 0.02, 40), -np.linspace(0.001, 0.02, 40)
-    after, loss = returned(strain, np.full(40, MU), History.virgin(40, 6), curve)
+    after, loss = radial_return(strain, np.full(40, MU), History.virgin(40, 6), curve)
     size = np.linalg.norm(2 * MU * (deviator(strain) - after.plastic), axis=1)
-    radius = ROOT * curve.at(after.equivalent)[0]
+    radius = ROOT * curve.stress_and_slope(after.equivalent)[0]
     assert size[loss.points] == pytest.approx(radius[loss.points], rel=1e-10)
     assert np.any((after.equivalent > 0.002) & (after.equivalent < 0.0021))

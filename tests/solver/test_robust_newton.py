@@ -8,7 +8,8 @@ import pytest
 from mpi4py import MPI
 
 from railhead.solver.algebra import linear, newton
-from railhead.solver.contact import NEWTON_TOLERANCE, ContactModel
+from railhead.solver.algebra.contact_system import NEWTON_TOLERANCE
+from railhead.solver.contact import ContactModel
 from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.material.elasticity import Material
 
@@ -67,7 +68,7 @@ class TwoRanks:
 
 def test_an_active_set_is_that_of_all_ranks() -> None:
     comm, active = TwoRanks(b"a"), np.array([True, False])
-    seen = newton._Seen(comm)
+    seen = newton._SeenActiveSets(comm)
     assert seen.count(active) == 0
     comm.other = b"b"
     assert seen.count(active) == 0
@@ -115,7 +116,7 @@ def test_a_stalled_linear_solve_is_taken_over_by_a_factorisation(model, monkeypa
 
 
 def test_an_active_set_that_comes_back_is_counted() -> None:
-    seen = newton._Seen(MPI.COMM_SELF)
+    seen = newton._SeenActiveSets(MPI.COMM_SELF)
     one, two = np.array([True, False]), np.array([True, True])
     assert [seen.count(active) for active in (one, one, two, one, two, one)] == [0, 0, 0, 1, 1, 2]
 

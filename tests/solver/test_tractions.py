@@ -17,11 +17,21 @@ def contact(rng: np.random.Generator) -> ContactCompliance:
     none: Any = np.zeros((N, 2))
     along = np.broadcast_to(np.eye(3)[:2], (N, 2, 3))
     return ContactCompliance(
-        np.zeros((N, 3)), np.full(N, 0.5), along, np.full(N, 40.0), 1.0,
-        sp.csr_matrix(rng.random((2 * N, M))), rng.normal(size=(2 * N, M)), rng.random((2 * N, M)),
-        rng.normal(size=(N, M)), 1, np.arange(N) % 4 > 0,
-        rng.normal(size=(N, 2)) * 50, none, rng.random(N) * 100 + 50,
-    )  # fmt: skip
+        points=np.zeros((N, 3)),
+        weights=np.full(N, 0.5),
+        tangents=along,
+        tau=np.full(N, 40.0),
+        step=1.0,
+        shape_functions=sp.csr_matrix(rng.random((2 * N, M))),
+        trial_compliance=rng.normal(size=(2 * N, M)),
+        displacement_compliance=rng.random((2 * N, M)),
+        pressure_compliance=rng.normal(size=(N, M)),
+        parts=1,
+        active=np.arange(N) % 4 > 0,
+        trial_traction=rng.normal(size=(N, 2)) * 50,
+        displacement=none,
+        pressure=rng.random(N) * 100 + 50,
+    )
 
 
 @pytest.mark.parametrize("free, tries", [(0, 1), (2, 2)])
@@ -60,10 +70,21 @@ def pushed_apart(push: float) -> ContactCompliance:
     none: Any = np.zeros((n, 1))
     along = np.broadcast_to(np.eye(3)[0], (n, 1, 3))
     return ContactCompliance(
-        np.stack([x, 0 * x, 0 * x], axis=1), np.full(n, 0.1), along, np.full(n, 40.0), 1.0,
-        sp.identity(n, format="csr"), -0.1 * np.eye(n), none, np.zeros((n, n)), 1,
-        np.ones(n, dtype=bool), push * x[:, None], none, 100 + 7 * x,
-    )  # fmt: skip
+        points=np.stack([x, 0 * x, 0 * x], axis=1),
+        weights=np.full(n, 0.1),
+        tangents=along,
+        tau=np.full(n, 40.0),
+        step=1.0,
+        shape_functions=sp.identity(n, format="csr"),
+        trial_compliance=-0.1 * np.eye(n),
+        displacement_compliance=none,
+        pressure_compliance=np.zeros((n, n)),
+        parts=1,
+        active=np.ones(n, dtype=bool),
+        trial_traction=push * x[:, None],
+        displacement=none,
+        pressure=100 + 7 * x,
+    )
 
 
 def test_where_all_would_slip_the_force_decides_the_motion() -> None:
@@ -96,15 +117,22 @@ def test_the_tangent_is_the_derivative_of_the_residual() -> None:
     rng = np.random.default_rng(1)
     friction = CoulombContact(contact(rng), MU)
     pressed = friction.contact
-    pull = np.hstack([pressed.answer, rng.normal(size=(2 * N, 1))]).reshape(N, 2, -1)
-    closing = np.hstack([pressed.closing, np.zeros((N, 1))])
+    pull = np.hstack([pressed.trial_compliance, rng.normal(size=(2 * N, 1))]).reshape(N, 2, -1)
+    closing = np.hstack([pressed.pressure_compliance, np.zeros((N, 1))])
     rows = rng.normal(size=(1, M))
-    problem = CoulombEquations(friction, pressed.start, pull, closing, rows, np.array([3.0]))
+    problem = CoulombEquations(
+        friction=friction,
+        trial_traction=pressed.trial_traction,
+        trial_matrix=pull,
+        pressure_matrix=closing,
+        force_rows=rows,
+        forces=np.array([3.0]),
+    )
     x, way = rng.normal(size=M + 1), rng.normal(size=M + 1)
-    slips = pressed.touches & (rng.random(N) < 0.5)
-    assert 0 < slips.sum() < pressed.touches.sum()
-    residual, tangent = problem.linear(x, slips)
-    ends = [problem.linear(x + step * way, slips)[0] for step in (1e-5, -1e-5)]
+    slips = pressed.active & (rng.random(N) < 0.5)
+    assert 0 < slips.sum() < pressed.active.sum()
+    residual, tangent = problem.linearised(x, slips)
+    ends = [problem.linearised(x + step * way, slips)[0] for step in (1e-5, -1e-5)]
     change = (ends[0] - ends[1]) / 2e-5
     assert np.linalg.norm(residual) > 0
     assert tangent @ way == pytest.approx(change, rel=1e-6, abs=1e-6 * np.abs(change).max())

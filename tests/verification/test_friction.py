@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from types import SimpleNamespace
 
 import meshio
 import numpy as np
@@ -19,8 +18,9 @@ from railhead.postprocess.findings import Frame
 from railhead.postprocess.friction.traction import quantities
 from railhead.run import build, mesh_solution, model_setup
 from railhead.scene.scene import SceneError
-from railhead.solver.interface.condensation import tangents
-from railhead.solver.interface.frictional_model import YieldingRubbingModel
+from railhead.solver.contact import ContactModel
+from railhead.solver.interface.condensation import surface_tangents
+from railhead.solver.material.response import ElasticResponse, PlasticResponse
 from railhead.sweeps import sweep_table
 from railhead.theory.friction import cattaneo
 
@@ -161,24 +161,26 @@ def test_a_shift_is_taken_in_steps_where_bodies_grow_or_yield() -> None:
 
 
 @pytest.fixture(scope="module")
-def sheared() -> YieldingRubbingModel:
+def sheared() -> tuple[ContactModel, ElasticResponse]:
     """A coarse roller whose contact points have the plastic strain eps_xz = 1e-3."""
     plan = planning.make(yielding())
     model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
-    assert isinstance(model, YieldingRubbingModel)
-    model.plastic.forget()
-    model.plastic.surface.history.plastic[:, 3] = np.sqrt(2) * 1e-3  # Mandel's notation
-    return model
+    response = model.response()
+    assert isinstance(response, PlasticResponse)
+    response.problem.surface.history.plastic[:, 3] = np.sqrt(2) * 1e-3  # Mandel's notation
+    return model, response
 
 
-def test_yield_takes_shear_stress_at_the_surface(sheared: YieldingRubbingModel) -> None:
+def test_yield_takes_shear_stress_at_the_surface(
+    sheared: tuple[ContactModel, ElasticResponse],
+) -> None:
     """2 mu t . eps . n on level surfaces, t along x and the slave's normal up or down."""
-    own = np.arange(len(sheared.interface.normals))
-    normals = sheared.interface.normals
-    out = normals if sheared.setup.slave == sheared.setup.fixed.tag else -normals
-    points = SimpleNamespace(own=own, size=1, normals=normals, tangents=tangents(out))
-    lost = sheared.lost_shear(points)[:, 0]
-    middle = np.abs(sheared.interface.points[:, 0]) < 3.0
+    model, response = sheared
+    normals, setup = model.interface.normals, model.setup
+    out = normals if setup.slave == setup.fixed.tag else -normals
+    every = np.arange(len(normals))
+    lost = response.plastic_shear_stress(every, surface_tangents(out), normals)[:, 0]
+    middle = np.abs(model.interface.points[:, 0]) < 3.0
     mesh_solution = np.sign(normals[middle, 1]) * 2 * 207e3 / 2.6 * 1e-3
     assert middle.sum() > 5 and lost[middle] == pytest.approx(mesh_solution, rel=0.01)
 

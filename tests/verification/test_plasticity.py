@@ -21,8 +21,9 @@ from railhead.planning.effects import EFFECTS
 from railhead.postprocess.findings import Frame
 from railhead.run import build, estimates, mesh_solution
 from railhead.solver.algebra import linear
-from railhead.solver.material import yielding
-from railhead.solver.material.yielding import YieldingModel
+from railhead.solver.algebra.contact_system import LoadCase
+from railhead.solver.contact import ContactModel
+from railhead.solver.material import load_stepping, response
 from railhead.solver.solution import Solution
 
 REFERENCE = json.loads(
@@ -96,7 +97,7 @@ def test_a_load_step_whose_start_stalls_begins_from_the_last_one(five, monkeypat
     stalls, solve = [], linear.solve
 
     def stalling(*given: Any, **named: Any) -> int:
-        if given[5:] == (yielding.START,):
+        if given[5:] == (load_stepping.PREDICTOR_TOLERANCE,):
             stalls.append(1)
             raise linear.StalledError(1, "the linear solver stalls")
         return solve(*given, **named)
@@ -111,18 +112,23 @@ def test_a_load_step_whose_start_stalls_begins_from_the_last_one(five, monkeypat
 @pytest.mark.parametrize("normal, depth", [(-1.0, 3e-3), (1.0, -1e-3)])
 def test_a_surface_that_bulges_everywhere_has_a_negative_depth(normal, depth) -> None:
     """A depth cut off at zero says that nothing is left."""
-    model = YieldingModel.__new__(YieldingModel)
     rail = SimpleNamespace(tag=RAIL, rigid=False, contact=0)
-    model.comm, model.materials = MPI.COMM_SELF, {}
-    model.setup = SimpleNamespace(
-        fixed=rail, moving=SimpleNamespace(rigid=True), slave=RAIL,
+    setup = SimpleNamespace(
+        fixed=rail,
+        moving=SimpleNamespace(rigid=True),
+        slave=RAIL,
         kinematics=SimpleNamespace(dim=2),
-    )  # fmt: skip
-    model.interface = SimpleNamespace(weights=np.ones(1), normals=np.array([[0.0, normal]]))
-    model.bulk = SimpleNamespace(space=None)
-    model._members = lambda *_: np.arange(2)
+    )
+    system = SimpleNamespace(
+        comm=MPI.COMM_SELF,
+        setup=setup,
+        interface=SimpleNamespace(weights=np.ones(1), normals=np.array([[0.0, normal]])),
+        bulk=SimpleNamespace(space=None),
+        nodes_on_facets=lambda *_: np.arange(2),
+    )
     moved = SimpleNamespace(displacement=SimpleNamespace(array=np.array([0, 1e-3, 0, 3e-3])))
-    assert model._indentation(moved, np.ones(1)) == {RAIL: pytest.approx(depth)}
+    found = response.indentation_depth(system, moved, np.ones(1))
+    assert found == {RAIL: pytest.approx(depth)}
 
 
 def test_cycles_press_the_spot_as_often_as_asked() -> None:
@@ -138,8 +144,8 @@ def test_cycles_press_the_spot_as_often_as_asked() -> None:
 def test_twenty_steps_of_unloading_leave_the_same_stress(monkeypatch) -> None:
     """Two steps down left 0.7 % more: they miss the yield as the patch begins to shrink."""
     left = []
-    for steps in (yielding.UNLOADING, tuple(np.linspace(0.95, 0.05, 19))):
-        monkeypatch.setattr(yielding, "UNLOADING", steps)
+    for steps in (response.UNLOADING, tuple(np.linspace(0.95, 0.05, 19))):
+        monkeypatch.setattr(response, "UNLOADING", steps)
         found = rh.solve(pressed(20.0, mesh={"patch_size": 0.4 * RADIUS}), quiet=True)
         left.append(found.as_dict()["result"]["plastic"]["residual_von_mises_max_MPa"])
     assert left[0] == pytest.approx(left[1], rel=5e-3)
@@ -274,7 +280,7 @@ def test_the_picture_of_yield_is_drawn_beside_the_others(five: rh.Result, tmp_pa
 
 
 @pytest.fixture(scope="module")
-def solid() -> tuple[planning.Plan, YieldingModel, Solution]:
+def solid() -> tuple[planning.Plan, ContactModel, Solution]:
     """The coarse solid of the same scene."""
     scene = pressed(4.0, 2e3, effects={"axisymmetry": "off"})
     plan = planning.make(scene).at_resolution(3.5)
@@ -283,15 +289,15 @@ def solid() -> tuple[planning.Plan, YieldingModel, Solution]:
     model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
     frame = Frame(plan.contact.origin, plan.contact.touch.angle)
     solution = mesh_solution.solve(plan, model, frame, lambda step, residual: None)
-    assert isinstance(model, YieldingModel) and solution.plasticity
+    assert model.plastic_problem is not None and solution.plasticity
     return plan, model, solution
 
 
 def test_the_tangent_is_the_derivative_of_the_residual(solid) -> None:
     """Both of the bulk and of the contact, at a state where neither set changes."""
     _, model, solution = solid
-    problem = model.plastic
-    model.load(problem, 1.1 * solution.load, 0.0, None)
+    problem = model.plastic_problem
+    model.apply(problem, LoadCase(load=1.1 * solution.load, active=solution.pressure > 0))
     y = solution.newton.y.copy()
     y.scale(1.02)
     active = problem.pressure(y) > 0
@@ -299,7 +305,7 @@ def test_the_tangent_is_the_derivative_of_the_residual(solid) -> None:
     step.array[:] *= np.random.default_rng(0).normal(size=len(step.array))
     step.scale(1e-8)
     problem.residual(y, problem.pressure(y))
-    assert problem.yielding > 100
+    assert problem.yielding_count > 100
     problem.tangent(active).mult(step, product)
     ends = []
     for sign in (1.0, -1.0):

@@ -84,7 +84,9 @@ def hardening(part: Part) -> Hardening:
 
 def shear_yield(context: Context) -> float | None:
     """Yield stress in shear of the weaker body that deforms, MPa; None where none is known."""
-    limits = [hardening(part).first / math.sqrt(3) for part in _yielding(context).values()]
+    limits = [
+        hardening(part).initial_yield_stress / math.sqrt(3) for part in _yielding(context).values()
+    ]
     return min(limits, default=None)
 
 
@@ -102,7 +104,7 @@ def _over(context: Context, stresses: dict[str, float]) -> float:
     """Load over that of first yield: Hertz's stresses grow as its cube root, of a line contact as
     its square root."""
     parts = {"rail": context.scene.rail, "wheel": context.scene.wheel}
-    worst = max(stresses[name] / hardening(parts[name]).first for name in stresses)
+    worst = max(stresses[name] / hardening(parts[name]).initial_yield_stress for name in stresses)
     return float(worst ** (2 if context.contact.line else 3))
 
 
@@ -112,8 +114,8 @@ def _expected(context: Context, over: float) -> str:
     text = f", {over:.3g} times the load of first yield"
     if not context.contact.line:
         parts = _yielding(context).values()
-        weakest = min(parts, key=lambda part: hardening(part).first)
-        strain = hardening(weakest).first / context.hertz.contact_modulus
+        weakest = min(parts, key=lambda part: hardening(part).initial_yield_stress)
+        strain = hardening(weakest).initial_yield_stress / context.hertz.contact_modulus
         sphere = indentation.jackson_green(over, weakest.poisson_ratio, strain)
         text += f": a patch about {sphere.radius / over ** (1 / 3) - 1:.0%} wider"
     return text
@@ -163,7 +165,7 @@ def _steel_yields(context: Context, stresses: Mapping[str, float]) -> tuple[str,
 
 def _compare(scene: Scene, stresses: dict[str, float]) -> tuple[bool, str]:
     parts = {"rail": scene.rail, "wheel": scene.wheel}
-    limits = {name: hardening(parts[name]).first for name in stresses}
+    limits = {name: hardening(parts[name]).initial_yield_stress for name in stresses}
     worst = max(stresses, key=lambda name: stresses[name] / limits[name])
     limit = limits[worst]
     yields, steel = bool(stresses[worst] > limit), parts[worst].steel

@@ -1,0 +1,344 @@
+"""Discrete system of two elastic bodies in contact, assembled once for all load cases."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+from dolfinx import fem
+from mpi4py import MPI
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from railhead.solver import compat
+from railhead.solver.algebra import linear, newton
+from railhead.solver.algebra.linear import Preconditioner
+from railhead.solver.algebra.multigrid import Hierarchy, PMultigrid
+from railhead.solver.algebra.problem import ContactProblem, Mask, reduce_problem
+from railhead.solver.algebra.reactions import SupportReactions
+from railhead.solver.algebra.stiffness import Stiffness
+from railhead.solver.interface import jumps
+from railhead.solver.interface.jumps import Interface
+from railhead.solver.material.elasticity import Bulk, assemble, quadrature_degree
+from railhead.solver.setup import Setup
+from railhead.solver.solution import Solution
+from railhead.solver.space import constraints, transfer
+from railhead.solver.space.cells import Array
+from railhead.solver.space.facets import FacetSet
+from railhead.solver.space.operators import vector
+
+NEWTON_TOLERANCE = 1e-8  # residual over the contact force
+STAGE_TOLERANCE = 0.1  # residual over the contact force for the softer laws before a stiff one
+LINEAR_DIRECT_BELOW = 80_000  # unknowns of linear cells; multigrid is slow on stretched ones
+SECTION_DIRECT_BELOW = 200_000  # unknowns of a plane section, whose factors stay sparse
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadCase:
+    """What is applied to a contact system, and where its iterations start.
+
+    load: N, of the whole model.
+    approach: mm, where it is prescribed.
+    active: (n,) local contact points that touch at the start.
+    max_steps: limit of Newton's steps of each nonlinear solve.
+    progress: called with the number and the relative residual of each step.
+    force: further forces on all owned dofs, N.
+    support_displacement: prescribed at the supported faces beside far field and approach, on all
+        owned dofs, mm.
+    """
+
+    load: float = 0.0
+    approach: float = 0.0
+    active: Mask
+    max_steps: int = 30
+    progress: Callable[[int, float], None] = lambda step, residual: None
+    force: PETSc.Vec | None = None
+    support_displacement: PETSc.Vec | None = None
+
+    def scaled(self, share: float) -> LoadCase:
+        """The same load case with everything that is applied multiplied by a share."""
+        force, displacement = self.force, self.support_displacement
+        return replace(
+            self,
+            load=share * self.load,
+            approach=share * self.approach,
+            force=None if force is None else force * float(share),
+            support_displacement=None if displacement is None else displacement * float(share),
+        )
+
+
+class ContactSystem:
+    """Discrete system of two elastic bodies in frictionless contact, assembled on a mesh.
+
+    comm: communicator of the mesh.
+    bulk: displacement space and elastic constants of the cells.
+    interface: contact points, gap and normal stress as matrices.
+    reduction: supports, as the map from free unknowns to displacements.
+    reactions: rows of the stiffness matrix at the supported nodes.
+    law: contact law, with the parameters that suit the slave's material.
+    gap_per_approach: (n,) change of the gap per unit approach of a rigid counterface.
+    problem: the contact problem in the free unknowns.
+    """
+
+    def __init__(self, mesh: Any, cell_tags: Any, facet_tags: Any, setup: Setup) -> None:
+        self.comm: MPI.Intracomm = mesh.comm
+        self.setup = setup
+        self.cell_tags, self.facet_tags = cell_tags, facet_tags
+        sides = [s for s in (setup.fixed, setup.moving) if not s.rigid]
+        for side in sides:
+            self._must_exist("cell", cell_tags, side.tag)
+            self._must_exist("contact facet", facet_tags, side.contact)
+            if side is setup.moving or not setup.planes:  # planes may hold the other one
+                self._must_exist("support facet", facet_tags, side.support)
+        for tag, _ in setup.planes:
+            self._must_exist("plane facet", facet_tags, tag)
+        self.materials = {side.tag: side.material for side in sides}
+        self.bulk: Bulk
+        self.bulk, stiffness = assemble(
+            mesh, cell_tags, self.materials, setup.degree, setup.kinematics
+        )
+        self.owned: int = self.bulk.space.dofmap.index_map.size_local
+        by_tag = {s.tag: s for s in sides}
+        slave = by_tag.pop(setup.slave)
+        surfaces = [
+            FacetSet.on(self.bulk, facet_tags.find(s.contact)) for s in (slave, *by_tag.values())
+        ]
+        self.interface: Interface = jumps.build(
+            surfaces[0],
+            surfaces[1] if len(surfaces) > 1 else None,
+            setup.gap,
+            setup.kinematics.dim * self.owned,
+            self.comm,
+        )
+        supports = self.supports(self.bulk.space)
+        self.reduction = constraints.reduce(supports, self.comm)
+        self.reactions = SupportReactions.of(stiffness, supports.held, setup.kinematics.dim)
+        material = next(side for side in sides if side.tag == setup.slave).material
+        self.law = setup.law.suited(material.young_modulus, material.lame)
+        self.gap_per_approach: Array = self.interface.normals @ setup.push
+        self.problem: ContactProblem = reduce_problem(
+            stiffness, self.interface, self.reduction, self.law, self.gap_per_approach
+        )
+        del stiffness
+        compat.collect(self.comm)
+
+    def _must_exist(self, what: str, tags: Any, tag: int) -> None:
+        if not self.comm.allreduce(len(tags.find(tag))):
+            raise ValueError(f"no {what} carries the tag {tag}")
+
+    def release(self) -> None:
+        """Free all matrices. The system cannot be used afterwards (collective)."""
+        self.__dict__ = {"comm": self.comm}
+        compat.collect(self.comm)
+
+    @property
+    def unknowns(self) -> int:
+        """Number of free unknowns of all ranks."""
+        return self.reduction.unknowns
+
+    def nodes_on_facets(self, space: Any, tag: int) -> NDArray[np.bool_]:
+        """Mask over the owned block dofs of a space: those on the facets with a tag."""
+        dim = space.mesh.topology.dim
+        space.mesh.topology.create_connectivity(dim - 1, dim)
+        dofs = fem.locate_dofs_topological(space, dim - 1, self.facet_tags.find(tag))
+        count = space.dofmap.index_map.size_local
+        mask = np.zeros(count, dtype=bool)
+        mask[dofs[dofs < count]] = True
+        return mask
+
+    def supports(self, space: Any) -> constraints.Supports:
+        """Fixed faces, symmetry planes and hub as masks over the owned block dofs of a space."""
+        setup = self.setup
+        none = np.zeros(space.dofmap.index_map.size_local, dtype=bool)
+        fixed = none if setup.fixed.rigid else self.nodes_on_facets(space, setup.fixed.support)
+        hub = none if setup.moving.rigid else self.nodes_on_facets(space, setup.moving.support)
+        flatten = setup.kinematics.flatten
+        planes = [
+            (self.nodes_on_facets(space, tag), flatten(np.array(normal)))
+            for tag, normal in setup.planes
+        ]
+        return constraints.Supports(fixed, planes, hub, setup.push, setup.load_control)
+
+    def prescribed(self, case: LoadCase) -> PETSc.Vec:
+        """u0 on all dofs, mm: far field of the load, further displacement of the supports and,
+        under approach control, the rigid motion of the hub."""
+        values: Array = np.zeros((self.owned, self.setup.kinematics.dim))
+        if self.setup.far_field is not None and case.load:
+            values = self.support_field(partial(self.setup.far_field, case.load))
+        supports = self.supports(self.bulk.space)
+        if not self.setup.load_control and supports.hub is not None:
+            values[supports.hub] += case.approach * supports.direction
+        out = vector(self.reduction.matrix, values)
+        if case.support_displacement is not None:
+            out.axpy(1.0, case.support_displacement)
+        return out
+
+    def support_field(self, field: Callable[[int, Array], Array]) -> Array:
+        """A displacement field at the supported faces, (n, c) mm at the owned block dofs, zero
+        elsewhere. field: (body tag, points in space (k, 3) mm) -> (k, 3) mm."""
+        supports, kinematics = self.supports(self.bulk.space), self.setup.kinematics
+        points = kinematics.lift(compat.dof_points(self.bulk.space))
+        values = np.zeros((self.owned, kinematics.dim))
+        for side, mask in ((self.setup.fixed, supports.fixed), (self.setup.moving, supports.hub)):
+            if mask is not None and mask.any():
+                values[mask] = kinematics.flatten(field(side.tag, points[mask]))
+        return values
+
+    def press(self, case: LoadCase) -> Solution:
+        """Solution of a load case with elastic bodies and without friction (collective)."""
+        prescribed = self.apply(self.problem, case)
+        if not self.comm.allreduce(int(case.active.sum())):
+            case = replace(case, active=self._nearest())
+        return self.solution(self.problem, self._newton(case), prescribed, case)
+
+    def apply(self, problem: ContactProblem, case: LoadCase) -> PETSc.Vec:
+        """Put a load case into a problem; returns the prescribed displacement u0 on all dofs."""
+        setup, prescribed = self.setup, self.prescribed(case)
+        problem.set_load(
+            self.interface,
+            self.reduction,
+            self.reactions,
+            prescribed,
+            case.load / setup.parts if setup.load_control else 0.0,
+            0.0 if setup.load_control or not setup.moving.rigid else case.approach,
+            case.force,
+        )
+        return prescribed
+
+    def solution(
+        self,
+        problem: ContactProblem,
+        result: newton.NewtonResult,
+        prescribed: PETSc.Vec,
+        case: LoadCase,
+    ) -> Solution:
+        """The solution that free unknowns y stand for: u = P y + u0, pressure, and forces."""
+        displacement, approach = prescribed.copy(), case.approach
+        self.reduction.matrix.multAdd(result.y, prescribed, displacement)
+        if self.setup.load_control:
+            local = result.y.array[self.reduction.approach] if self.reduction.approach >= 0 else 0.0
+            approach = float(self.comm.allreduce(local))
+        return Solution(
+            displacement=displacement,
+            pressure=result.pressure,
+            indicator=problem.indicator(result.y),
+            approach=approach,
+            load=self._carried(result.pressure),
+            reaction=self._reaction(displacement, result.pressure, case.force),
+            penetration=self._penetration(displacement, approach),
+            newton=result,
+        )
+
+    def _newton(self, case: LoadCase) -> newton.NewtonResult:
+        """Solve with softer contact laws first, up to the law of the setup. A stage whose linear
+        solves stall is solved again with a factorisation."""
+        history: list[newton.NewtonStep] = []
+        active = case.active
+        result: newton.NewtonResult | None = None
+        for law in self.problem.law.stages:
+            last = law == self.problem.law
+            problem = self.problem if last else replace(self.problem, law=law)
+            preconditioner = self.preconditioner if last else self.new_preconditioner(problem)
+            while True:
+                result = newton.solve(
+                    problem,
+                    preconditioner,
+                    active,
+                    result.y if result and result.converged else None,
+                    rtol=NEWTON_TOLERANCE if last else STAGE_TOLERANCE,
+                    max_steps=case.max_steps,
+                    progress=case.progress,
+                )
+                history += result.history
+                if not result.stalled or isinstance(preconditioner, linear.Direct):
+                    break
+                preconditioner = linear.Direct(problem)
+                if last:
+                    self.preconditioner = preconditioner
+            active = result.pressure > 0
+            compat.collect(self.comm)
+        assert result is not None
+        return replace(result, history=history)
+
+    def _carried(self, pressure: Array) -> float:
+        along = self.interface.normals @ self.setup.push
+        sign = 1.0 if self.setup.slave == self.setup.moving.tag else -1.0
+        local = sign * float(np.sum(self.interface.weights * pressure * along))
+        return float(self.setup.parts * self.comm.allreduce(local))
+
+    def _reaction(self, displacement: PETSc.Vec, pressure: Array, outer: PETSc.Vec | None) -> float:
+        """Force at the support, N: R(u) of the unreduced problem, summed over its nodes. outer:
+        further forces on all dofs, N."""
+        law, problem, jumps = self.law, self.problem, self.interface
+        supports = self.supports(self.bulk.space)
+        mask, sign = (supports.fixed, -1.0) if not self.setup.fixed.rigid else (supports.hub, 1.0)
+        force, push = jumps.gap.createVecRight(), jumps.gap.createVecLeft()
+        push.array[:] = -jumps.weights * pressure
+        jumps.gap.multTranspose(push, force)
+        if law.sigma and law.theta:
+            stress = (jumps.stress * displacement).array
+            push.array[:] = -law.theta * problem.weight * (pressure + stress)
+            jumps.stress.multTransposeAdd(push, force, force)
+        force.array[self.reactions.rows] += self.reactions.at(displacement)
+        if outer is not None:
+            force.axpy(-1.0, outer)
+        nodal = force.array.reshape(-1, self.setup.kinematics.dim)
+        local = sign * float(np.sum(nodal[mask] @ supports.direction))
+        return float(self.setup.parts * self.comm.allreduce(local))
+
+    def gaps(self, displacement: PETSc.Vec, approach: float) -> Array:
+        """Gap g(u) = g0 + N u (n,) at the local contact points, mm, negative where they overlap."""
+        gap = self.interface.initial_gap + (self.interface.gap * displacement).array
+        return np.asarray(
+            gap + (self.gap_per_approach * approach if self.setup.moving.rigid else 0.0)
+        )
+
+    def _penetration(self, displacement: PETSc.Vec, approach: float) -> float:
+        overlap = float(np.max(-self.gaps(displacement, approach), initial=0.0))
+        return float(self.comm.allreduce(overlap, op=MPI.MAX))
+
+    def _nearest(self) -> NDArray[np.bool_]:
+        """Mask of the twelve contact points of all ranks with the smallest initial gap."""
+        gaps = self.interface.initial_gap
+        lowest = np.sort(np.concatenate(self.comm.allgather(np.sort(gaps)[:12])))[:12]
+        return np.asarray(gaps <= lowest[-1])
+
+    @cached_property
+    def preconditioner(self) -> Preconditioner:
+        """Preconditioner of the problem, kept from one load case to the next."""
+        return self.new_preconditioner(self.problem)
+
+    def new_preconditioner(self, problem: ContactProblem) -> Preconditioner:
+        """Factorisation, p-multigrid or algebraic multigrid, by the setup and the unknowns."""
+        choice = self.setup.linear
+        if choice == "auto":
+            limit = linear.DIRECT_BELOW
+            if self.setup.degree == 1:
+                limit = LINEAR_DIRECT_BELOW
+            if self.setup.kinematics.dim == 2:
+                limit = SECTION_DIRECT_BELOW
+            choice = "direct" if self.unknowns < limit else "multigrid"
+        if choice == "direct":
+            return linear.Direct(problem)
+        if self.setup.degree == 1:
+            points = compat.dof_points(self.bulk.space)
+            modes = transfer.rigid_modes(points, self.reduction, self.setup.kinematics)
+            return linear.Algebraic(problem, modes)
+        return PMultigrid(problem, self.hierarchy)
+
+    @cached_property
+    def hierarchy(self) -> Hierarchy:
+        """Coarse level of p-multigrid: linear cells on the same mesh."""
+        mesh, kinematics = self.bulk.space.mesh, self.setup.kinematics
+        rule = quadrature_degree(compat.cell_type(mesh), self.setup.degree, kinematics)
+        coarse, stiffness = assemble(mesh, self.cell_tags, self.materials, 1, kinematics, rule)
+        reduction = constraints.reduce(self.supports(coarse.space), self.comm)
+        full = compat.interpolation(coarse.space, self.bulk.space)
+        return Hierarchy(
+            transfer.reduced_prolongation(full, self.reduction, reduction),
+            Stiffness.reduced(stiffness, reduction),
+            transfer.rigid_modes(compat.dof_points(coarse.space), reduction, kinematics),
+        )

@@ -1,0 +1,244 @@
+"""Load steps of a contact with friction, and how tractions and pressure are coupled in each."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from railhead.solver.algebra.contact_system import ContactSystem, LoadCase
+from railhead.solver.algebra.problem import Mask
+from railhead.solver.interface.condensation import ContactCompliance, StaticCondensation
+from railhead.solver.interface.friction import TINY, CoulombContact, TangentialState
+from railhead.solver.material.response import ElasticResponse
+from railhead.solver.setup import FrictionSettings
+from railhead.solver.solution import FrictionSolution, Solution
+from railhead.solver.space.cells import Array
+
+NOT_CONVERGED = "friction: the tractions do not settle"
+COUPLING_TOLERANCE = 1e-3  # change of the tractions in one coupling iteration, over max(mu p)
+COUPLING_ITERATIONS = 30  # at most in a load step
+ANDERSON_DEPTH = 5  # former coupling iterations that the next one draws on
+
+
+class FrictionHistory:
+    """Friction on a pressed contact, load step by load step.
+
+    A step alternates until the tractions settle: tractions on the contact linearised around the
+    last solution (`CoulombContact`), then the bodies pressed under these tractions. A step starts
+    where the last one ended.
+
+    contact: the linearised contact.
+    nodal: tractions at the nodes (m,), MPa, that the bodies are pressed under.
+    tangential: their force along and across, N.
+    motion: factors (4,) of the modes of rigid slip, see `FrictionSettings.rigid_slip`.
+    rest: (n, k) relative tangential displacement at which the surfaces last came to rest, mm; None
+        when rolling.
+    Raises ValueError as `StaticCondensation` does.
+    """
+
+    tangential_state: TangentialState
+
+    def __init__(
+        self,
+        system: ContactSystem,
+        response: ElasticResponse,
+        settings: FrictionSettings,
+        case: LoadCase,
+        pressed: Solution,
+    ) -> None:
+        self.system, self.response, self.settings = system, response, settings
+        self.case, self.pressed = case, pressed
+        self.condensation = StaticCondensation(system, response, settings, pressed)
+        self.contact = contact = self.condensation.condense(pressed)
+        self.rigid_slip = rigid_slip_modes(settings, contact)
+        self.motion = np.array([*settings.creepage, 1.0])
+        self.prescribed_slip = np.tensordot(self.motion, self.rigid_slip, axes=1)
+        self.free_modes = [index for index, _ in settings.force_controlled]
+        self.rest = None if settings.rolling else contact.displacement
+        self.nodal: Array = np.zeros(contact.trial_compliance.shape[1])
+        self.tangential = np.zeros(2)
+        self.load_share, self.was_active = 1.0, np.zeros(len(contact.points), dtype=bool)
+        self.full_force_reached = False
+        self.dissipated_energy, self.coupling_iterations = 0.0, 0
+        self.step_results: list[Array] = []
+        self.newton_history: tuple[float, ...] = ()
+
+    def solve(self) -> Solution:
+        """The solution after all load steps, or after the first that does not converge. Its
+        reference is the frictionless one."""
+        solution = self.pressed
+        for load_share, force_share in self.settings.load_steps:
+            solution = self._step(solution, load_share, force_share)
+            if not solution.newton.converged:
+                break
+        return replace(
+            solution,
+            load=solution.load + self._carried,
+            reference=self.pressed,
+            friction=self._friction_solution(),
+        )
+
+    def _step(self, solution: Solution, load_share: float, force_share: float) -> Solution:
+        """From a solution to shares of the load and of the prescribed tangential forces."""
+        self.response.start_friction_step()
+        if load_share != self.load_share:
+            solution = self._change_load(solution, load_share)
+        forces = [
+            [*self.settings.axes[index], force_share * value]
+            for index, value in self.settings.force_controlled
+        ]
+        state: TangentialState | None = None
+        change, tried = np.inf, list[tuple[Array, Array]]()
+        for _ in range(COUPLING_ITERATIONS):
+            friction = CoulombContact(self.contact, self.settings.coefficient)
+            self.tangential_state = state = friction.solve(
+                self.prescribed_slip,
+                self.rigid_slip[self.free_modes],
+                np.array(forces).reshape(-1, 4),
+                rest=self.rest,
+                start=state,
+            )
+            self.motion[self.free_modes] = state.motion
+            self.coupling_iterations += 1
+            self.newton_history = max(self.newton_history, state.history, key=len)
+            difference = state.nodal - self.nodal
+            change = float(np.abs(difference).max()) / friction.largest_bound
+            if change <= COUPLING_TOLERANCE or not state.converged:
+                break
+            tried = [*tried[-ANDERSON_DEPTH:], (difference, state.nodal)]
+            self.nodal, self.tangential = anderson_mixing(tried), self._force(state)
+            solution = self._press_again(solution)
+            if not solution.newton.converged:
+                return solution
+        if not (self.tangential_state.converged and change <= COUPLING_TOLERANCE):
+            return replace(solution, newton=replace(solution.newton, reason=NOT_CONVERGED))
+        self._end_step(force_share)
+        return solution
+
+    def _end_step(self, force_share: float) -> None:
+        """Note where the surfaces came to rest, the work of friction, force and motion."""
+        state = self.tangential_state
+        if self.rest is not None:
+            self.rest = self.rest + state.slip
+            if self.full_force_reached:
+                work = np.einsum("n,nk,nk->", self.contact.area, state.traction, state.slip)
+                self.dissipated_energy += float(work)
+        self.full_force_reached = self.full_force_reached or force_share == 1
+        self.step_results.append(np.concatenate([self._force(state), self.motion[:2]]))
+
+    def _change_load(self, solution: Solution, share: float) -> Solution:
+        """Press by another share of the load under the present tractions. Points that come into
+        contact on the way rest where the surfaces are at that moment."""
+        before, self.load_share = self._relative_displacement(), share
+        solution = self._press_again(solution)
+        if self.rest is not None:
+            came = self._contact_times(self.was_active)[:, None]
+            new = before + came * (self._relative_displacement() - before)
+            self.rest = np.where(self.was_active[:, None], self.rest, new)
+        self.was_active = self.contact.active
+        return solution
+
+    def _press_again(self, solution: Solution) -> Solution:
+        """Press under the present tractions, and linearise the contact around the result."""
+        case = self.case.scaled(self.load_share)
+        force = self.condensation.forces(self.nodal, self.contact)
+        if self.case.force is not None:
+            force.axpy(1.0, self.case.force)
+        support = None
+        for value, field in zip(self.tangential, self.condensation.far_field, strict=False):
+            support = field * float(value) if support is None else support + field * float(value)
+        case = replace(
+            case, active=solution.pressure > 0, force=force, support_displacement=support
+        )
+        solution = self.response.press_again(solution, case)
+        self.contact = self.condensation.linearised(self.contact, solution, self.nodal)
+        return solution
+
+    def _contact_times(self, before: Mask) -> Array:
+        """When each point came into contact, as a share of the load step (n,).
+
+        The length of the patch grows evenly. Where p = p0 sqrt(1 - r^2), its border passes the
+        point at r. before: points in contact at the start of the step.
+        """
+        pressure, active = self.contact.pressure, self.contact.active
+        share = np.clip(pressure / pressure[active].max(), 0.0, 1.0)
+        r = np.where(active, np.sqrt(1 - share**2), 1.0)
+        edge = np.min(r[active & ~before], initial=1.0)
+        return np.clip((r - edge) / max(1 - edge, TINY), 0.0, 1.0)
+
+    def _relative_displacement(self) -> Array:
+        """Tangential displacement of the wheel's surface over the rail's (n, k), mm."""
+        contact = self.contact
+        elastic = (contact.displacement_compliance @ self.nodal).reshape(contact.displacement.shape)
+        rigid = np.tensordot(self.motion, self.rigid_slip, axes=1)
+        return np.asarray(contact.displacement + elastic + rigid)
+
+    def _force(self, state: TangentialState) -> Array:
+        """Force of the wheel on the rail along and across (2,), N, of the whole model: symmetric
+        images cancel the component normal to a plane of symmetry."""
+        total = self.contact.area @ self.contact.in_space(state.traction)
+        for _, normal in self.system.setup.planes:
+            total = total - np.array(normal) * (total @ np.array(normal))
+        return np.asarray(self.settings.axes[:2] @ total)
+
+    @property
+    def _carried(self) -> float:
+        """What the tractions on inclined surfaces carry of the load, N."""
+        direction = np.array(self.system.setup.direction)
+        return float(self.contact.force(direction) @ self.nodal)
+
+    def _friction_solution(self) -> FrictionSolution:
+        """Of the last load step; when rolling, with the solution at zero creepage."""
+        solution = self._described(self.tangential_state, self.motion)
+        if not self.settings.rolling:
+            return solution
+        friction = CoulombContact(self.contact, self.settings.coefficient)
+        state = friction.solve(
+            np.zeros_like(self.prescribed_slip), self.rigid_slip[:0], np.zeros((0, 4))
+        )
+        without = self._described(state, np.zeros_like(self.motion))
+        return replace(solution, without_creepage=without)
+
+    def _described(self, state: TangentialState, motion: Array) -> FrictionSolution:
+        contact, settings = self.contact, self.settings
+        traction, area = contact.in_space(state.traction), contact.area
+        arm = contact.points - np.array(settings.origin)
+        moment = float(area @ np.cross(arm, traction) @ settings.axes[2])
+        force = self._force(state)
+        along, across, spin = (float(value) for value in motion[:3])
+        return FrictionSolution(
+            points=contact.points,
+            weights=area,
+            pressure=state.pressure,
+            traction=traction,
+            slip=contact.in_space(state.slip),
+            sticks=state.sticks,
+            rigid_motion=(along, across, spin),
+            force=(float(force[0]), float(force[1])),
+            moment=0.0 if self.system.setup.planes else moment,
+            friction_limit=float(settings.coefficient * (area @ state.pressure)),
+            load_steps=np.array(self.step_results),
+            dissipated_energy=self.dissipated_energy,
+            coupling_iterations=self.coupling_iterations,
+            rigid_slip=contact.in_space(np.tensordot(motion, self.rigid_slip, axes=1)),
+            newton_history=self.newton_history,
+        )
+
+
+def anderson_mixing(tried: list[tuple[Array, Array]]) -> Array:
+    """Next iterate of a fixed-point iteration (Anderson 1965).
+
+    tried: (change, result) of the last iterations; the combination of the results is returned
+    whose change would be least if the iteration were linear.
+    """
+    changes, results = (np.array(each) for each in zip(*tried, strict=True))
+    if len(tried) == 1:
+        return np.asarray(results[-1])
+    shares, *_ = np.linalg.lstsq(np.diff(changes, axis=0).T, changes[-1], rcond=None)
+    return np.asarray(results[-1] - shares @ np.diff(results, axis=0))
+
+
+def rigid_slip_modes(settings: FrictionSettings, contact: ContactCompliance) -> Array:
+    """Tangential components (4, n, k) of the modes `FrictionSettings.rigid_slip`."""
+    return np.einsum("mnc,nkc->mnk", settings.rigid_slip(contact.points), contact.tangents)

@@ -1,0 +1,200 @@
+"""How the bodies respond to one load case: elastically, or with yield and a history.
+
+A response is made for each load case. It presses the bodies, presses them again under the
+tangential tractions that friction finds, and unloads them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, replace
+
+import numpy as np
+
+from railhead.solver.algebra.contact_system import ContactSystem, LoadCase
+from railhead.solver.algebra.problem import ContactProblem
+from railhead.solver.material.hardening import ROOT, deviator
+from railhead.solver.material.load_stepping import LoadStepping, predict_active_set
+from railhead.solver.material.plasticity import (
+    PlasticProblem,
+    State,
+    bulk_points,
+    normal_dyads,
+    surface_points,
+)
+from railhead.solver.setup import LoadPath
+from railhead.solver.solution import PlasticSolution, Solution
+from railhead.solver.space.cells import Array, Index
+
+UNLOADING = (0.95, 0.85, 0.4, 0.05)  # shares of the load before the bodies part; the first ones
+# follow the yield at the border of the patch as it begins to shrink
+
+
+class ElasticResponse:
+    """Elastic bodies: the response has no history."""
+
+    def __init__(self, system: ContactSystem) -> None:
+        self.system = system
+
+    def press(self, case: LoadCase) -> Solution:
+        """Frictionless solution of the load case."""
+        return self.system.press(case)
+
+    def start_friction_step(self) -> None:
+        """Fix the history that `press_again` starts from: that of the last solution."""
+
+    def press_again(self, solution: Solution, case: LoadCase) -> Solution:
+        """Solution of a load case whose force holds tangential tractions. solution: the last one,
+        whose reference and load history the new one keeps."""
+        return self.press(case)
+
+    def plastic_shear_stress(self, points: Index, tangents: Array, normals: Array) -> Array:
+        """Part of the shear stress t . sigma . n that plastic strain takes away, MPa (p, k).
+
+        points: numbers (p,) of local contact points. tangents: t (p, k, c). normals: n (p, c).
+        """
+        return np.zeros(tangents.shape[:2])
+
+    def unload(self, solution: Solution) -> Solution:
+        """The solution, with its residual state where one is called for."""
+        return solution
+
+
+class PlasticResponse(ElasticResponse):
+    """Bodies that yield: loaded in steps from first yield on.
+
+    problem: the contact problem with plastic strain.
+    path: number of steps, cycles, unloading.
+    stepping: the load steps; None as long as everything stays elastic.
+    """
+
+    stepping: LoadStepping | None = None
+
+    def __init__(self, system: ContactSystem, problem: PlasticProblem, path: LoadPath) -> None:
+        super().__init__(system)
+        self.problem, self.path = problem, path
+        problem.reset_history()
+        self._start: State = problem.state
+
+    def press(self, case: LoadCase) -> Solution:
+        """Elastic up to first yield, then in equal load steps; cycles in between unload by the
+        shares `UNLOADING`. The elastic solution is the reference of the one returned."""
+        elastic = super().press(case)
+        over = self._load_over_first_yield(elastic, case)
+        if not elastic.newton.converged or over <= 1:
+            return elastic
+        self.problem.reset_history()
+        self.stepping = stepping = LoadStepping(self.system, self.problem, case)
+        up = np.linspace(1 / over, 1.0, self.path.steps + 1)[1:]
+        stepping.active = predict_active_set(self.system, elastic.indicator, up[0])
+        result = stepping.solve_load_steps(up)
+        first = len(stepping.results)
+        for _ in range(self.path.cycles - 1):
+            if result.converged and stepping.solve_load_steps(UNLOADING).converged:
+                result = stepping.solve_load_steps(up)
+        plasticity = PlasticSolution(
+            load_over_first_yield=over,
+            newton_results=tuple(stepping.results),
+            first_loading_steps=first,
+            indentation_depth={},
+        )
+        return replace(stepping.solution, reference=elastic, plasticity=plasticity)
+
+    def start_friction_step(self) -> None:
+        """Fix the history that `press_again` starts from: that of the last solution."""
+        if self.stepping is None:
+            self.problem.reset_history()
+        self._start = self.problem.state if self.stepping is None else self.stepping.state
+
+    def press_again(self, solution: Solution, case: LoadCase) -> Solution:
+        """The last load step again, under a load case whose force holds tangential tractions."""
+        if self.stepping is None:
+            return self.press(case)
+        again = self.stepping.repeat(case, self._start)
+        return replace(again, reference=solution.reference, plasticity=solution.plasticity)
+
+    def plastic_shear_stress(self, points: Index, tangents: Array, normals: Array) -> Array:
+        """2 mu t . eps_p . n of the last state, MPa (p, k); see `ElasticResponse`."""
+        kinematics = self.system.setup.kinematics
+        strain = kinematics.tensors(self.problem.state[1].plastic[points])
+        along = kinematics.in_space(tangents)
+        shear = np.einsum("pkc,pcd,pd->pk", along, strain, kinematics.in_space(normals))
+        return np.asarray(2 * self.problem.surface.mu[points, None] * shear)
+
+    def unload(self, solution: Solution) -> Solution:
+        """The solution with its residual state: the load is removed by the shares `UNLOADING`,
+        then the bodies part."""
+        plasticity, stepping = solution.plasticity, self.stepping
+        if not (plasticity and stepping and self.path.unload and solution.newton.converged):
+            return solution
+        force = self.problem.contact_force(stepping.solution.pressure)
+        if stepping.solve_load_steps(UNLOADING).converged:
+            stepping.separate(force)
+            stepping.solve_load_steps([0.0])
+        residual = stepping.solution
+        plasticity = replace(
+            plasticity,
+            newton_results=tuple(stepping.results),
+            residual_state=residual,
+            indentation_depth=indentation_depth(self.system, residual, solution.pressure),
+        )
+        return replace(solution, plasticity=plasticity)
+
+    def _load_over_first_yield(self, elastic: Solution, case: LoadCase) -> float:
+        """Ratio of the load to that of first yield, by the largest elastic von Mises stress over
+        the yield stress: in Hertz's theory its cube, of a line contact its square."""
+        self.problem.set_prescribed_strain(self.system.prescribed(case))
+        worst = 0.0
+        for points in (self.problem.bulk, self.problem.surface):
+            strain = points.strains(elastic.newton.y) + points.prescribed_strain
+            stress = 2 * points.mu[:, None] * deviator(strain)
+            size = np.sqrt(np.einsum("nm,nm->n", stress, stress))
+            for members, hardening in points.groups:
+                largest = float(np.max(size[members], initial=0.0))
+                worst = max(worst, largest / hardening.initial_yield_stress)
+        power = 2 if self.system.setup.kinematics.line_contact else 3
+        return float(max(self.system.comm.allgather(worst / ROOT))) ** power
+
+
+def plastic_problem(system: ContactSystem, path: LoadPath) -> PlasticProblem:
+    """The contact problem of a system with plastic strain at the Gauss points near the contact and
+    at the contact points of the slave. The matrices are shared with the elastic problem."""
+    shared = {each.name: getattr(system.problem, each.name) for each in fields(ContactProblem)}
+    shared["force"] = system.problem.force.duplicate()
+    hardening = system.materials[system.setup.slave].hardening
+    return PlasticProblem(
+        **shared,
+        bulk=bulk_points(
+            system.bulk,
+            system.cell_tags,
+            system.materials,
+            path.near,
+            system.reduction,
+            system.comm,
+        ),
+        surface=surface_points(
+            system.interface, hardening, system.bulk, system.reduction, system.comm
+        ),
+        normal_dyads=normal_dyads(system.interface.normals),
+    )
+
+
+def indentation_depth(
+    system: ContactSystem, residual: Solution, pressure: Array
+) -> Mapping[int, float]:
+    """Largest residual displacement of each deformable body's contact surface into the body, mm,
+    by tag (collective).
+
+    residual: state after unloading. pressure: (n,) MPa before; its resultant is the direction.
+    """
+    interface, setup = system.interface, system.setup
+    normal = system.comm.allreduce((interface.weights * pressure) @ interface.normals)
+    normal = normal / np.linalg.norm(normal)
+    moved = residual.displacement.array.reshape(-1, setup.kinematics.dim) @ normal
+    depth = {}
+    for body in (setup.fixed, setup.moving):
+        if not body.rigid:
+            inwards = -moved if body.tag == setup.slave else moved
+            own = inwards[system.nodes_on_facets(system.bulk.space, body.contact)]
+            depth[body.tag] = float(max(system.comm.allgather(np.max(own, initial=-np.inf))))
+    return depth
