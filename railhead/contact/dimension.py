@@ -69,7 +69,7 @@ def circular(scene: Scene) -> tuple[bool, str]:
     along, across = curvatures
     if not math.isclose(along, across, rel_tol=EQUAL):
         return False, f"relative curvatures {along:.4g} along and {across:.4g} 1/mm across differ"
-    if any(scene.sheared):
+    if any(scene.asymmetric_friction):
         return False, "a tangential force or creepage turns with no axis"
     text = f"relative curvature {along:.4g} 1/mm along and across"
     if scene.rail.extent == "half-space":
@@ -79,7 +79,7 @@ def circular(scene: Scene) -> tuple[bool, str]:
     plane = rail.profile == "arc" and math.isinf(rail.crown_radius or 0)
     if not (sphere and plane):
         return False, "the bodies are not a sphere over the middle of a level plane"
-    for key, value in unused.given(scene, "axisymmetric"):
+    for key, value in unused.set_but_unused(scene, "axisymmetric"):
         return False, f"{key} = {value:g}: no body of revolution about the contact's normal"
     return True, f"{text}: a sphere on the middle of a plane"
 
@@ -134,7 +134,7 @@ def _along(scene: Scene) -> Dimension:
         return _solid(forced, "half-spaces with an elliptic patch")
     share = _semi_axis_across(scene, along, across) / (length / 2) if length > 0 else 0.0
     text = f"predicted semi-axis across is {share:.3g} of half the common width {length:.4g} mm"
-    for key, value in unused.given(scene, "plane_along"):
+    for key, value in unused.set_but_unused(scene, "plane_along"):
         return _solid(forced, f"{key} = {value:g}: no section along the rail")
     if not level or share < (1.0 if forced == "on" else SLENDER) or forced == "off":
         return _solid(forced, f"{text}, a line contact needs {SLENDER:g}")

@@ -23,7 +23,7 @@ from railhead.geometry.wheelset import Placed, Track
 from railhead.meshing.tags import RAIL
 from railhead.postprocess.findings import Frame
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
-from railhead.scene.sections import from_file as is_file
+from railhead.scene.sections import is_profile_file
 
 if TYPE_CHECKING:
     from railhead.solver.space.kinematics import Kinematics
@@ -59,7 +59,9 @@ def wheel_profile(scene: Scene, stretch: float = 1.0) -> Profile:
 
 def measured_bodies(scene: Scene) -> tuple[str, ...]:
     """'rail', 'wheel': whose profiles come from files."""
-    return tuple(body for body in ("rail", "wheel") if is_file(getattr(scene, body).profile))
+    return tuple(
+        body for body in ("rail", "wheel") if is_profile_file(getattr(scene, body).profile)
+    )
 
 
 def from_file(scene: Scene, body: str, stretch: float = 1.0) -> Measured:

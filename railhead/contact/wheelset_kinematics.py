@@ -108,7 +108,7 @@ def _turning_radius(contact: Contact) -> float:
 def _angular_velocity(contact: Contact) -> Array:
     """(3,) of the wheel about its axle, 1/mm; 0 of half-spaces and sections, which are planes, and
     of a wheel that does not roll."""
-    if contact.pose is None or contact.plane or not contact.scene.rolling.given:
+    if contact.pose is None or contact.plane or not contact.scene.rolling.prescribed:
         return np.zeros(3)
     return np.asarray(contact.pose.rotation[:, 1] / _turning_radius(contact))
 

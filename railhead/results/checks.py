@@ -129,7 +129,7 @@ def friction(
     ]
     if rolled:
         room = max(rolled) + other.get("grid_error", 0.0)
-    if off and scene.rolling.given:
+    if off and scene.rolling.prescribed:
         out.append(
             Check(
                 "second_opinion_friction", max(off), room,
@@ -169,7 +169,7 @@ def _tangential(solved: MeshSolution) -> list[Check]:
     plan, found, fields = solved.plan, solved.solution.friction, solved.fields
     assert found is not None and fields is not None
     axes = Frame(plan.contact.origin, plan.contact.touch.angle).axes[:2]
-    _, *given = plan.scene.tangential
+    _, *given = plan.scene.tangential_forces
     wanted = [asked or force for asked, force in zip(given, found.force, strict=True)]
     pressed = pressure_force(fields)
     return [
@@ -324,7 +324,7 @@ def _strains(solved: MeshSolution) -> list[Check]:
             "p0/E*: a sphere's representative strain is 6 % there", advice,
         )
     ]  # fmt: skip
-    if any(steels.like(parts[BODIES[body]].young_modulus) for body in plan.deformable):
+    if any(steels.is_steel(parts[BODIES[body]].young_modulus) for body in plan.deformable):
         checks.append(
             Check(
                 "pressure_of_steel", pressure, HARDEST[0 if plan.contact.line else 1],
@@ -417,7 +417,7 @@ def not_made(
             if name in resolved(plain) and f"second_opinion_{name}" not in made
         }
     if solved.solution.friction is not None:
-        name = "friction" if solved.plan.scene.rolling.given else "shift"
+        name = "friction" if solved.plan.scene.rolling.prescribed else "shift"
         reasons = [each["reason"] for each in (rubbed or {}).values() if "reason" in each]
         if f"second_opinion_{name}" not in made:
             out[f"second_opinion_{name}"] = next(iter(reasons), HELD)

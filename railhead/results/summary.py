@@ -108,7 +108,7 @@ def _more(solved: MeshSolution) -> dict[str, Any]:
             plan.scene.friction.coefficient,
             plasticity.shear_yield(plan.context),
             poisson=min(plan.poisson_ratios.values()),
-            rolling=rolling.given,
+            rolling=rolling.prescribed,
             line=plan.contact.line,
         )
         out["friction"] = found | axle | stresses

@@ -130,8 +130,10 @@ def rubbed(solved: MeshSolution) -> dict[str, float]:
     found, scene = solved.solution.friction, solved.plan.scene
     if found is None:
         return {}
-    rolling, values = scene.rolling.given, {}
-    for index, (asked, force) in enumerate(zip(scene.tangential[1:], found.force, strict=True)):
+    rolling, values = scene.rolling.prescribed, {}
+    for index, (asked, force) in enumerate(
+        zip(scene.tangential_forces[1:], found.force, strict=True)
+    ):
         if asked:
             values[MOTION[rolling][index]] = found.rigid_motion[index]
         elif rolling and force:

@@ -228,7 +228,7 @@ def _read(
         if solution.friction is not None:
             rolling = plan.scene.rolling
             result["friction"] = traction.quantities(
-                solution.friction, rolling=rolling.given, like=not friction.unlike(plan.scene),
+                solution.friction, rolling=rolling.prescribed, like=not friction.unlike(plan.scene),
                 speed=rolling.speed, cycle=plan.scene.friction.cycle,
                 patches=np.array([each.centre for each in findings.patch.each] or [frame.origin]),
             )  # fmt: skip

@@ -93,12 +93,12 @@ def _friction(plan: Plan) -> FrictionSettings:
     """The coefficient and the wheel's motion."""
     scene, contact = plan.scene, plan.contact
     frame, rolling = contact.frame, scene.rolling
-    given = rolling if rolling.given else scene.friction
+    given = rolling if rolling.prescribed else scene.friction
     moves = friction.creepage(plan.context)
     known = [moves.along, moves.across, moves.spin]
     free = []
     for index, way in enumerate(("along", "across")):
-        if rolling.given and getattr(rolling, f"force_{way}") is None:
+        if rolling.prescribed and getattr(rolling, f"force_{way}") is None:
             continue
         known[index] = 0.0
         still = (plan.half_x or contact.plane == "yz", plan.half_y or contact.plane == "xz")
@@ -107,7 +107,7 @@ def _friction(plan: Plan) -> FrictionSettings:
     tangential = contact.half_space and not contact.plane
     return FrictionSettings(
         coefficient=scene.friction.coefficient,
-        rolling=rolling.given,
+        rolling=rolling.prescribed,
         axes=frame.axes,
         origin=frame.origin,
         rigid_slip=wheelset_kinematics.rigid_slip(contact),
@@ -126,7 +126,7 @@ def friction_steps(scene: Scene, *, line: bool, yields: bool) -> tuple[tuple[flo
     else:
         power = 2 if line else 3  # of the load in the patch's length
         grown = [((step / GROWTH_STEPS) ** power, 0.0) for step in range(1, GROWTH_STEPS + 1)]
-        if not any(scene.tangential[1:]):
+        if not any(scene.tangential_forces[1:]):
             return tuple(grown)
     turns = FORCE_CYCLE if scene.friction.cycle else FORCE_CYCLE[:2]
     steps = FORCE_STEPS if yields else 1

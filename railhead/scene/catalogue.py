@@ -12,17 +12,17 @@ from railhead.scene.scene import Scene, SceneError
 
 
 def shipped() -> dict[str, str]:
-    """One line of description by name; no scene is built for it."""
-    found = {}
+    """The first line of each case's docstring by its name; no case is imported for it."""
+    descriptions = {}
     for path in importlib.import_module("railhead.cases").__path__:
         for file in sorted(Path(path).glob("[!_]*.py")):
             text = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
-            found[file.stem] = text.split("\n")[0]
-    return found
+            descriptions[file.stem] = text.split("\n")[0]
+    return descriptions
 
 
 def find(name: str | Path) -> Scene:
-    """The scene of a shipped case, or of a TOML file; SceneError if there is neither."""
+    """The scene of a shipped case, or of a TOML file. Raises SceneError if there is neither."""
     known, name = shipped(), str(name)
     if name in known:
         scene: Scene = importlib.import_module(f"railhead.cases.{name}").SCENE

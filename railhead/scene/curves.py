@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import csv
 
-LEAST, MOST = 1e-6, 1e9  # MPa
+MIN_STRESS, MAX_STRESS = 1e-6, 1e9  # MPa
 
 
 def read(path: str) -> list[tuple[float, float]]:
-    """The rows of a .csv file, a heading left out. Raises ValueError (one line) where there are
-    less than two, a value is no number, the first strain is not 0, the strains do not grow, or the
-    stress is not positive or falls (softening has no unique answer)."""
-    found: list[tuple[float, float]] = []
+    """Points (plastic strain, true stress in MPa) of a .csv file; a heading is left out.
+
+    Raises ValueError (one line) for less than two points, a value that is no number, a first strain
+    other than 0, strains that do not grow, and a stress that is not positive or falls (softening
+    has no unique answer).
+    """
+    points: list[tuple[float, float]] = []
     try:
         with open(path, newline="", encoding="utf-8-sig") as file:
             rows = list(csv.reader(file))
@@ -29,11 +32,11 @@ def read(path: str) -> list[tuple[float, float]]:
                 f"{path}, line {number}: {','.join(row)!r} is not a plastic strain and a "
                 "stress; give two numbers"
             ) from None
-        _check(path, number, (strain, stress), found)
-        found.append((strain, stress))
-    if len(found) < 2:
-        raise ValueError(f"{path} has {len(found)} points; give at least two")
-    return found
+        _check(path, number, (strain, stress), points)
+        points.append((strain, stress))
+    if len(points) < 2:
+        raise ValueError(f"{path} has {len(points)} points; give at least two")
+    return points
 
 
 def _check(
@@ -45,8 +48,10 @@ def _check(
         problem = f"the first plastic strain is {strain:g}; give 0"
     elif before and not before[-1][0] < strain < float("inf"):
         problem = f"plastic strain {strain:g} does not grow; give ascending ones"
-    elif not LEAST <= stress <= MOST:
-        problem = f"stress {stress:g} is not allowed; give one from {LEAST:g} to {MOST:g} MPa"
+    elif not MIN_STRESS <= stress <= MAX_STRESS:
+        problem = (
+            f"stress {stress:g} is not allowed; give one from {MIN_STRESS:g} to {MAX_STRESS:g} MPa"
+        )
     elif before and stress < before[-1][1]:
         problem = f"stress {stress:g} falls; give one that does not"
     if problem:

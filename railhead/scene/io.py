@@ -10,7 +10,7 @@ from typing import Any
 import tomli_w
 
 from railhead.geometry.measured.extensions import EXTENSIONS
-from railhead.scene.scene import NAME_BYTES, Scene, SceneError
+from railhead.scene.scene import MAX_NAME_BYTES, Scene, SceneError
 
 
 def _read_text(path: Path) -> str:
@@ -51,7 +51,7 @@ def read_scene(path: str | Path) -> Scene:
     path = Path(path)
     data = _read_toml(path)
     stem = unicodedata.normalize("NFC", path.stem)  # else an accent is a character of its own
-    short = re.sub(r"[^\w.-]", "_", stem).encode()[:NAME_BYTES].decode(errors="ignore")
+    short = re.sub(r"[^\w.-]", "_", stem).encode()[:MAX_NAME_BYTES].decode(errors="ignore")
     data.setdefault("name", short)
     for section in filter(lambda table: isinstance(table, dict), data.values()):
         profile = section.get("profile")

@@ -42,8 +42,8 @@ NOMINAL_RADIUS = {"54E1": 300.0, "60E1": 300.0} | dict.fromkeys(
 )
 #: Keys whose values are words, even where they look like numbers: TOML reads 54E1 as 540.0.
 _WORDS = ("name", "rail.profile", "wheel.profile")
-#: Of a name, at most: it is a folder's as well, and such have 255.
-NAME_BYTES = 100
+#: Longest name of a scene: folders are named after it, and their names have at most 255 bytes.
+MAX_NAME_BYTES = 100
 #: Setting the key on the left drops the one on the right, but for one value.
 _DROPS = {
     "load": ("approach", None),
@@ -59,10 +59,10 @@ def _name(value: object) -> str:
     if (
         isinstance(value, str)
         and re.fullmatch(r"(?!\.+$)[\w.-]+", value)
-        and len(value.encode()) <= NAME_BYTES
+        and len(value.encode()) <= MAX_NAME_BYTES
     ):
         return value
-    allowed = f"give 1 to {NAME_BYTES} letters, digits, _, - or ."
+    allowed = f"give 1 to {MAX_NAME_BYTES} letters, digits, _, - or ."
     raise ValueError(f"{show(value)} is not allowed; {allowed} (of others than a to z fewer)")
 
 
@@ -139,7 +139,7 @@ class Scene(Section):
     @model_validator(mode="after")
     def _shifted_or_rolling(self) -> Self:
         friction, rolling = self.friction, self.rolling
-        if rolling.given and (friction.force_along or friction.force_across):
+        if rolling.prescribed and (friction.force_along or friction.force_across):
             raise SceneError("rolling", "is not allowed beside a force of [friction]; give one")
         if friction.cycle and not (friction.force_along or friction.force_across):
             raise SceneError("friction.cycle", "true is not allowed without a force of [friction]")
@@ -147,23 +147,24 @@ class Scene(Section):
 
     @property
     def one_mesh(self) -> bool:
-        """Whether nothing asks for finer ones."""
+        """Whether the scene is solved on one mesh: neither an accuracy nor a budget is set."""
         return self.accuracy is None and self.budget is None
 
     @property
-    def tangential(self) -> tuple[str, float, float]:
-        """Table and components of the given tangential forces, N."""
-        if self.rolling.given:
+    def tangential_forces(self) -> tuple[str, float, float]:
+        """The table that sets the tangential forces of the wheel on the rail ("rolling" or
+        "friction"), and the forces along and across the rail in N."""
+        if self.rolling.prescribed:
             return "rolling", self.rolling.force_along or 0.0, self.rolling.force_across or 0.0
         return "friction", self.friction.force_along, self.friction.force_across
 
     @property
-    def sheared(self) -> tuple[bool, bool]:
-        """Whether friction breaks the symmetry along (x = 0) and across (y = 0)."""
+    def asymmetric_friction(self) -> tuple[bool, bool]:
+        """Whether friction breaks the mirror symmetry about the planes x = 0 and y = 0."""
         friction, rolling = self.friction, self.rolling
         if not friction.coefficient or self.effects.friction == "off":
             return False, False
-        if rolling.given:
+        if rolling.prescribed:
             sideways = rolling.creepage_across or rolling.force_across or rolling.spin
             return True, bool(sideways or rolling.from_wheelset)
         return bool(friction.force_along), bool(friction.force_across)
@@ -191,14 +192,14 @@ class Scene(Section):
 
     @property
     def files(self) -> list[Path]:
-        """That profiles and curves of yield are taken from."""
+        """Paths of the files that profiles and stress-strain curves are read from."""
         bodies = self.rail, self.wheel
         given = [path for body in bodies for path in (body.profile, body.stress_strain)]
         return [path for path in map(Path, filter(None, given)) if path.suffix]
 
     @property
     def _half_space(self) -> str:
-        """Which kind of half-spaces, in `unused`."""
+        """The kind of half-space contact, a key of `unused.UNUSED_KEYS`."""
         along, across = self.relative_curvatures()
         if along and across:
             return "half_space"
@@ -265,8 +266,8 @@ class Scene(Section):
             else:
                 data[key] = value
         if given.get("rail.extent") == "half-space":
-            bare = self.from_mapping(unused.without(data, unused.HALF_SPACE - given.keys()))
-            data = unused.without(data, unused.UNUSED[bare._half_space][1] - given.keys())
+            bare = self.from_mapping(unused.drop_keys(data, unused.HALF_SPACE - given.keys()))
+            data = unused.drop_keys(data, unused.UNUSED_KEYS[bare._half_space][1] - given.keys())
         return self.from_mapping(data)
 
     def value(self, key: str) -> object:
@@ -285,7 +286,7 @@ def unit(key: str) -> str:
 
 
 def checked(scene: object) -> Scene:
-    """The scene; SceneError for anything else."""
+    """The argument, if it is a Scene. Raises SceneError for anything else."""
     if not isinstance(scene, Scene):
         raise SceneError("scene", f"{show(scene)} is no Scene; give one, e.g. railhead.find(name)")
     return scene

@@ -108,8 +108,8 @@ def _profile(body: str, *names: str) -> BeforeValidator:
     return BeforeValidator(validate)
 
 
-def from_file(profile: str) -> bool:
-    """Return whether a profile is a file's."""
+def is_profile_file(profile: str) -> bool:
+    """Whether a checked profile is the path of a file, not the name of a standard profile."""
     return os.path.isabs(profile)
 
 
@@ -137,7 +137,7 @@ def _check_arc(profile: str, key: str, radius: float | None) -> None:
 Switch = Literal["auto", "on", "off"]
 
 
-class Part(Section):
+class BodySection(Section):
     """What a body is made of: elastic constants, and how it yields: as a `steel` does, at
     `yield_stress`, with a constant `hardening_modulus`, or along `stress_strain`, a .csv file of
     plastic strain and true stress (MPa). `kinematic_fraction` of the hardening moves the yield
@@ -150,7 +150,7 @@ class Part(Section):
 
     young_modulus: units.Modulus = 207000.0
     poisson_ratio: units.PoissonRatio = 0.3
-    steel: Annotated[str, steels.name()] | None = None
+    steel: Annotated[str, steels.name_validator()] | None = None
     yield_stress: units.Stress | None = None
     hardening_modulus: units.Hardening | None = None
     kinematic_fraction: units.Share | None = None
@@ -175,31 +175,32 @@ class Part(Section):
         return self
 
     def _check_file(self, profile: str) -> None:
-        """Refuse what is about the points of a file where there is none."""
+        """Refuse keys that say how a file is read where the profile is no file."""
         for key in ("profile_unit", "profile_mirror", "profile_flip", "profile_origin",
                     "smoothing"):  # fmt: skip
             value = getattr(self, key)
-            if value != "auto" and not from_file(profile):
+            if value != "auto" and not is_profile_file(profile):
                 text = f"{value} is not allowed; only a profile from a file takes it; give auto"
                 raise SceneError(key, text)
 
     @property
     def yields(self) -> bool:
-        """Whether it can."""
+        """Whether the body is elastic-plastic: a steel, a yield stress or a curve is set."""
         return bool(self.steel or self.stress_strain or self.yield_stress)
 
     @property
     def curve(self) -> tuple[tuple[float, float], ...]:
-        """Plastic strain and true stress (MPa), a point each, of a steel or a file; it is constant
-        after the last. Empty of others."""
+        """Points (plastic strain, true stress in MPa) of the steel or of `stress_strain`.
+
+        The stress is constant after the last. Empty where the body has neither."""
         if self.steel is not None:
-            return ((0.0, steels.known()[self.steel].yield_stress),)
+            return ((0.0, steels.by_name()[self.steel].yield_stress),)
         if self.stress_strain is not None:
             return tuple(curves.read(self.stress_strain))
         return ()
 
 
-class Rail(Part):
+class Rail(BodySection):
     """The rail: straight, its crown radius in mm, its inclination the tangent of an angle.
 
     ``depth`` (below the crown) and ``width`` are those of a block under an arc.
@@ -226,7 +227,7 @@ class Rail(Part):
         return self
 
 
-class Wheel(Part):
+class Wheel(BodySection):
     """The wheel; ``segment_length`` is the arc length that is kept along the rail, in mm.
 
     A rolling radius of inf is a straight bar with the tread's section.
@@ -287,7 +288,7 @@ class Mesh(Section):
 
     @property
     def linear(self) -> bool:
-        """Whether they are linear tetrahedra (in a section triangles), which lock."""
+        """Whether the cells are linear tetrahedra (in a section triangles), which lock."""
         return self.cell == "tetrahedron" and self.order == 1
 
 
@@ -346,13 +347,13 @@ class Rolling(Section):
                     raise SceneError(key, "is not allowed beside from_wheelset, which gives it")
         elif self.axle != "free":
             raise SceneError("axle", f"{self.axle} is not allowed without from_wheelset")
-        if self.speed is not None and not self.given:
+        if self.speed is not None and not self.prescribed:
             raise SceneError("speed", "is not allowed without a creepage, spin or force; give one")
         return self
 
     @property
-    def given(self) -> bool:
-        """Whether the wheel rolls with friction."""
+    def prescribed(self) -> bool:
+        """Whether a creepage, a force, a spin or the wheelset prescribes steady rolling."""
         chosen = (self.creepage_along, self.creepage_across, self.force_along, self.force_across)
         return self.from_wheelset or any(value is not None for value in chosen) or self.spin != 0
 
@@ -379,6 +380,6 @@ class Effects(Section):
     heat: Switch = "auto"
 
     def state(self, name: str) -> Switch:
-        """The choice for one effect."""
+        """The switch of one effect; `symmetry` stands for both planes where theirs are auto."""
         choice: Switch = getattr(self, name)
         return self.symmetry if choice == "auto" and name.startswith("symmetry") else choice

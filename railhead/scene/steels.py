@@ -16,16 +16,18 @@ from pydantic import BeforeValidator
 
 from railhead.scene.units import show
 
-UNKNOWN = ("R200", "R220", "R320Cr", "R350HT", "ER6", "ER9")  # known to exist, without data here
-
-
-MODULI = (180e3, 230e3)  # MPa, of a body that is taken for steel where no yield stress is given
+WITHOUT_DATA = ("R200", "R220", "R320Cr", "R350HT", "ER6", "ER9")  # of the standards, no yield here
+STEEL_MODULI = (180e3, 230e3)  # MPa: a body between them is taken for steel
 
 
 @dataclass(frozen=True)
 class Steel:
-    """yield_stress: MPa, constant from there on; kind: where it comes from, in a few words; source:
-    the publication."""
+    """A steel without hardening.
+
+    yield_stress: MPa, at any plastic strain.
+    kind: where the value comes from, in a few words.
+    source: the publication.
+    """
 
     yield_stress: float
     kind: str
@@ -33,25 +35,27 @@ class Steel:
 
 
 @cache
-def known() -> dict[str, Steel]:
-    """All steels by name."""
+def by_name() -> dict[str, Steel]:
+    """All steels of data/steels.json by name."""
     text = (Path(__file__).parent / "data" / "steels.json").read_text(encoding="utf-8")
     return {name: Steel(**entry) for name, entry in json.loads(text).items()}
 
 
-def like(modulus: float) -> bool:
-    """Whether Young's modulus (MPa) is that of a steel."""
-    return MODULI[0] <= modulus <= MODULI[1]
+def is_steel(modulus: float) -> bool:
+    """Whether a Young's modulus in MPa is that of a steel, as bodies without a given yield stress
+    are judged."""
+    return STEEL_MODULI[0] <= modulus <= STEEL_MODULI[1]
 
 
-def name() -> BeforeValidator:
-    """Return a validator of the name of a steel."""
+def name_validator() -> BeforeValidator:
+    """A validator that accepts the name of a steel with data and refuses anything else in one
+    line."""
 
     def validate(value: object) -> str:
-        if isinstance(value, str) and value in known():
+        if isinstance(value, str) and value in by_name():
             return value
-        allowed = f"give {', '.join(known())}"
-        if value in UNKNOWN:
+        allowed = f"give {', '.join(by_name())}"
+        if value in WITHOUT_DATA:
             raise ValueError(f"no yield of {value} is known here; {allowed} or yield_stress")
         raise ValueError(f"{show(value)} is not allowed; {allowed}")
 

@@ -12,12 +12,12 @@ if TYPE_CHECKING:
 
 _WHEELSET = {"rail.gauge", "wheelset.yaw", "wheelset.back_to_back"}
 _LINE = {"rail.width", "wheel.width", "wheelset.shift"}
-#: What no half-space in point contact has.
+#: Keys that a half-space in point contact cannot use.
 HALF_SPACE = _WHEELSET | _LINE | {
     "rail.inclination", "rail.length", "rail.depth", "wheel.rim_depth", "wheel.segment_length",
 }  # fmt: skip
 #: By kind of scene: its name in a sentence and its keys. Solids use every key.
-UNUSED: dict[str, tuple[str, frozenset[str]]] = {
+UNUSED_KEYS: dict[str, tuple[str, frozenset[str]]] = {
     "half_space": ("point contact of half-spaces", frozenset(HALF_SPACE)),
     "half_space_along": ("line contact of half-spaces", frozenset(HALF_SPACE - _LINE)),
     "half_space_across": (
@@ -32,28 +32,29 @@ UNUSED: dict[str, tuple[str, frozenset[str]]] = {
 }  # fmt: skip
 
 
-def given(scene: Scene, kind: str) -> list[tuple[str, Any]]:
-    """Keys and values, other than their defaults, that a scene of this kind cannot use."""
-    found = []
-    for key in sorted(UNUSED[kind][1]):
+def set_but_unused(scene: Scene, kind: str) -> list[tuple[str, Any]]:
+    """Dotted keys and values of a scene that are not their defaults and that a scene of this kind
+    (a key of UNUSED_KEYS) cannot use."""
+    pairs = []
+    for key in sorted(UNUSED_KEYS[kind][1]):
         section, leaf = key.split(".")
         table = getattr(scene, section)
         value = getattr(table, leaf)
         if value != type(table).model_fields[leaf].default:
-            found.append((key, value))
-    return found
+            pairs.append((key, value))
+    return pairs
 
 
 def refuse(scene: Scene, kind: str) -> None:
-    """Raise SceneError for the first of them."""
-    for key, value in given(scene, kind):
-        name, keys = UNUSED[kind]
+    """Raise SceneError for the first key that is set and that a scene of this kind cannot use."""
+    for key, value in set_but_unused(scene, kind):
+        name, keys = UNUSED_KEYS[kind]
         text = f"{value:g} is not allowed; a {name} has no use for it (nor for "
         raise SceneError(key, f"{text}{', '.join(sorted(keys - {key}))}); leave it out")
 
 
-def without(data: Mapping[str, Any], keys: Iterable[str]) -> dict[str, Any]:
-    """The tables of a scene without some dotted keys."""
+def drop_keys(data: Mapping[str, Any], keys: Iterable[str]) -> dict[str, Any]:
+    """The nested tables of a scene without some dotted keys."""
     dropped = set(keys)
     return {
         section: {k: v for k, v in table.items() if f"{section}.{k}" not in dropped}

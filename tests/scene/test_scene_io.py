@@ -88,7 +88,7 @@ def size_or_accuracy(data: dict) -> dict:
     if data.get("solver", {}).get("method") == "penalty":
         data["solver"].pop("theta", None)
     if data.get("rail", {}).get("extent") == "half-space":
-        return unused.without(data, unused.HALF_SPACE)
+        return unused.drop_keys(data, unused.HALF_SPACE)
     return data
 
 

@@ -7,13 +7,13 @@ from railhead import Rail, Scene
 from railhead.planning import plan as planning
 from railhead.planning.effects.material.plasticity import hardening
 from railhead.scene.sections import SceneError
-from railhead.scene.steels import known
+from railhead.scene.steels import by_name
 
 
 def test_every_steel_has_a_source_and_no_hardening_that_nobody_measured() -> None:
     """Radii of yield surfaces after torsion had been taken for a flow curve: 560 MPa at 10 %, where
     EN 13674-1 wants a tensile strength of 880."""
-    for name, steel in known().items():
+    for name, steel in by_name().items():
         assert steel.kind.endswith("without hardening") and steel.source, name
         curve = hardening(Rail(steel=name))
         assert 300 < curve.first == steel.yield_stress < 1000

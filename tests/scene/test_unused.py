@@ -90,7 +90,7 @@ def kind(given: Scene) -> str:
 @pytest.mark.parametrize("name", SCENES)
 def test_scenes_are_of_their_kind(name: str) -> None:
     assert kind(scene(name)) == name.split()[0]
-    assert unused.given(scene(name), name) == [] if name in unused.UNUSED else True
+    assert unused.set_but_unused(scene(name), name) == [] if name in unused.UNUSED_KEYS else True
 
 
 @pytest.mark.parametrize("key", KEYS)
@@ -103,17 +103,21 @@ def test_a_key_is_used_or_refused(name: str, key: str) -> None:
         found = solved(plan.make(scene(name, **{key: KEYS[key]})))
     except SceneError as error:
         (line,) = str(error).splitlines()
-        if name in unused.UNUSED and key in unused.UNUSED[name][1] and name != "axisymmetric":
+        if (
+            name in unused.UNUSED_KEYS
+            and key in unused.UNUSED_KEYS[name][1]
+            and name != "axisymmetric"
+        ):
             assert line.startswith(f"{key}: {KEYS[key]:g} is not allowed")
         assert key.split(".")[1].split("_")[0] in line  # by this rule or by another one
         return
     assert found != plain
 
 
-@pytest.mark.parametrize("name", unused.UNUSED)
+@pytest.mark.parametrize("name", unused.UNUSED_KEYS)
 def test_the_table_holds_what_is_refused(name: str) -> None:
     """Meridian sections give way to solids, which use every key."""
-    for key in unused.UNUSED[name][1]:
+    for key in unused.UNUSED_KEYS[name][1]:
         if name == "axisymmetric":
             assert kind(scene(name, **{key: KEYS[key]})) == "solid"
             continue
@@ -134,7 +138,7 @@ def test_shipped_cases_stay_valid_between_half_spaces_too(name: str) -> None:
     if name == "s1002_60e1":
         return
     half = case.replace(["rail.extent=half-space"])
-    assert unused.given(half, half._half_space) == []
+    assert unused.set_but_unused(half, half._half_space) == []
     assert half.replace(["rail.extent=half-space"]) == half
 
 

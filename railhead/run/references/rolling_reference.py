@@ -35,7 +35,7 @@ def opinions(solved: MeshSolution, profiles: Solution | str | None) -> Opinions 
     scene, contact = solved.plan.scene, solved.plan.contact
     asked = Asked(
         found, scene.friction.coefficient, closed_forms.tangential_pair(scene),
-        scene.rolling.given, contact.half_space and not solved.plan.section,
+        scene.rolling.prescribed, contact.half_space and not solved.plan.section,
     )  # fmt: skip
     if not (asked.like or asked.rolling):
         return {"boundary elements": {"reason": GROWN}}

@@ -26,7 +26,7 @@ def decide(context: Context) -> Effect:
     scene = context.scene
     asked = scene.friction
     limit = asked.coefficient * context.hertz.load
-    table, along, across = scene.tangential
+    table, along, across = scene.tangential_forces
     force = math.hypot(along, across)
     if force and force >= limit and (scene.load is not None or not limit):
         raise SceneError(
@@ -37,9 +37,9 @@ def decide(context: Context) -> Effect:
     wheelset = rolled(context)
     _fits_the_section(context)
     untouched = "no tangential force and no creepage"
-    if not asked.coefficient and scene.rolling.given:
+    if not asked.coefficient and scene.rolling.prescribed:
         called, why = False, "friction.coefficient = 0: it rolls freely"
-    elif scene.rolling.given:
+    elif scene.rolling.prescribed:
         stands = f" as the wheelset stands, {wheelset.why}" if wheelset else ""
         called, why = True, f"the wheel rolls{stands}{_expected(context, limit)}; {OMITTED}"
     elif force:
@@ -72,7 +72,7 @@ def decide(context: Context) -> Effect:
 
 def grows(scene: Scene) -> bool:
     """Whether friction takes part while the patch grows."""
-    return unlike(scene) and not scene.rolling.given
+    return unlike(scene) and not scene.rolling.prescribed
 
 
 def unlike(scene: Scene) -> bool:
@@ -131,9 +131,9 @@ def _expected(context: Context, limit: float) -> str:
 def _fits_the_section(context: Context) -> None:
     """SceneError for a tangential motion that a section does not have."""
     scene, plane = context.scene, context.contact.plane
-    along, across = scene.sheared
-    table = "rolling" if scene.rolling.given else "friction"
-    if plane == "yz" and scene.rolling.given:
+    along, across = scene.asymmetric_friction
+    table = "rolling" if scene.rolling.prescribed else "friction"
+    if plane == "yz" and scene.rolling.prescribed:
         raise SceneError("rolling", "is not allowed: the scene is a section across the rail")
     if plane == "yz" and along:
         raise SceneError(

@@ -11,7 +11,7 @@ from railhead.planning.effects.interface import friction
 from railhead.postprocess.findings import Findings
 from railhead.scene import steels
 from railhead.scene.scene import Scene, SceneError
-from railhead.scene.sections import Part
+from railhead.scene.sections import BodySection
 from railhead.theory.elastic import indentation
 from railhead.theory.friction import sliding
 
@@ -42,7 +42,7 @@ def decide(context: Context) -> Effect:
     refused = {} if stresses else {"on": "no body that deforms has a yield stress"}
     if stresses and context.decided["friction"].on:
         grows = friction.grows(scene)
-        if scene.rolling.given or grows:
+        if scene.rolling.prescribed or grows:
             what = "unlike bodies are pressed" if grows else "rolling is solved"
             refused = {
                 "on": f"{what} elastically with friction; effects.friction=off leaves it out"
@@ -71,7 +71,7 @@ def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict
     return PostSolveVerdict(yields, why + cost)
 
 
-def hardening(part: Part) -> Hardening:
+def hardening(part: BodySection) -> Hardening:
     """How a body that yields does."""
     from railhead.solver.material.hardening import Hardening
 
@@ -90,7 +90,7 @@ def shear_yield(context: Context) -> float | None:
     return min(limits, default=None)
 
 
-def _yielding(context: Context) -> dict[str, Part]:
+def _yielding(context: Context) -> dict[str, BodySection]:
     """The bodies that deform and have a yield stress."""
     scene = context.scene
     return {
@@ -152,11 +152,11 @@ def _steel_yields(context: Context, stresses: Mapping[str, float]) -> tuple[str,
     that deform: what a usual rail steel would do, and whether it would yield."""
     parts = {"rail": context.scene.rail, "wheel": context.scene.wheel}
     steel = {name: stress for name, stress in stresses.items()
-             if steels.like(parts[name].young_modulus)}  # fmt: skip
+             if steels.is_steel(parts[name].young_modulus)}  # fmt: skip
     if not steel:
         return "no yield stress is given", False
     name = max(steel, key=steel.__getitem__)
-    limit = steels.known()[USUAL].yield_stress
+    limit = steels.by_name()[USUAL].yield_stress
     yields = bool(steel[name] > limit)
     verb = "would yield here" if yields else "would not yield"
     text = f"von Mises {steel[name]:.4g} MPa in the {name}, its yield {limit:g}"
@@ -173,5 +173,5 @@ def _compare(scene: Scene, stresses: dict[str, float]) -> tuple[bool, str]:
     return (
         yields,
         f"von Mises {stresses[worst]:.4g} MPa {verb} the yield {limit:.4g} MPa of the {worst}"
-        + (f" ({steel}: {steels.known()[steel].kind})" if steel else ""),
+        + (f" ({steel}: {steels.by_name()[steel].kind})" if steel else ""),
     )

@@ -8,7 +8,7 @@ from railhead.planning.context import Context, Effect
 def along(context: Context) -> Effect:
     """x = 0 mirrors the bodies and a vertical load."""
     why = context.contact.mirror_along
-    if why is None and context.scene.sheared[0]:
+    if why is None and context.scene.asymmetric_friction[0]:
         why = "friction along the rail"
     if why is None:
         straight = "the wheel stands straight: x = 0 mirrors bodies, materials and load"
@@ -19,7 +19,7 @@ def along(context: Context) -> Effect:
 def across(context: Context) -> Effect:
     """y = 0 mirrors them where both profiles do and the wheel stands in the middle."""
     why = context.contact.mirror_across
-    if why is None and context.scene.sheared[1]:
+    if why is None and context.scene.asymmetric_friction[1]:
         why = "friction across the rail"
     if why is None:
         return Effect(True, True, "profiles, materials and load mirror at y = 0")
