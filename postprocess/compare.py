@@ -92,23 +92,19 @@ def from_half_space(
     solution: Solution,
     surface: Callable[[Array, Array], Array],
     plane: float,
-    *,
-    hertzian: bool,
 ) -> Quantities:
     """Boundary elements on the exact gap: the profiles' answer if the bodies were half-spaces.
 
     surface maps x, s (n,) to points (n, 3), mm; plane: contact angle of first contact, rad, on
     whose tangent plane a single patch is measured. Of several, the areas are those on their own
-    tangent planes, a and b those of the most loaded one. Semi-axes are from moments where the
-    patch is an ellipse, else half the extents. grid_error: relative change from 64 cells an axis.
+    tangent planes, a and b, half the extents, those of the most loaded one. grid_error: relative
+    change from 64 cells an axis.
     """
     area = _areas(solution, plane)
     patches = solution.patches
     several = len(patches) > 1
     main = patches[0]
     a, b = main.half_extents_on(main.plane if several else plane)
-    if hertzian and not several:
-        a, b = main.semi_axes
     quantities: Quantities = {
         "load_N": solution.load,
         "approach_mm": solution.approach,

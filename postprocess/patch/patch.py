@@ -27,8 +27,10 @@ if TYPE_CHECKING:
     from railhead.solver.fields import Fields
 
 HERTZIAN = 0.02  # largest deviation of the fourth moments from those of a semi-ellipsoid, and ...
-ELLIPTIC = 0.01  # ... that up to which F is a polynomial alone
-QUARTIC = 4  # its degree: second and fourth moments are kept
+ELLIPTIC = 0.01  # ... that up to which nothing but Hertz's ellipsoid is read
+FOURTH = 9 / 8  # times the deviation of the fourth moments: of half lengths by second ones
+MESH = 0.07  # of the fourth moments of an exact ellipse, by elements over half length squared
+HIGHER = 0.4  # of the shape error: what is no such polynomial
 PEAK_RADIUS = 0.6  # of the semi-axes: where p^2 is fitted for the largest pressure
 READ = ("a", "b", "area", "max_pressure")
 LINE, LINE_POINTS = 1.25, 121  # lines over the patch reach that many half lengths either way
@@ -182,45 +184,22 @@ class _Reading:
 
 
 def _reading(part: Part, frame: Frame, facets: Array, *, parabolic: bool) -> _Reading:
-    """Rebuilt pressure of one patch: where its shape error is below ELLIPTIC, Hertz's ellipsoid
-    between half-spaces and a polynomial elsewhere; splines from HERTZIAN on; between, their
-    mean."""
+    """Of Hertz's ellipsoid up to a shape error of ELLIPTIC, of the pressure rebuilt from its
+    moments from HERTZIAN on; between, of their mean."""
     fields, found = part.fields, moments(part.fields, frame)
     given = samples(fields, frame, facets)
     share = freedom(found.shape_error)
     square, scatter = nothing(given), dict.fromkeys(READ, 0.0)
-    if share > 0 or not parabolic:
+    if share > 0:
         square, scatter = free(given)
-    if share < 1 and parabolic:
+    if share < 1:
         peak = largest_pressure(fields, frame, found)
-        ellipse = ellipsoid(square, found.centre, (found.a, found.b), peak)
-        square, scatter = blend(square, scatter, ellipse, _other_ellipse(found, peak), share)
-    elif share < 1:
-        square, scatter = blend(square, scatter, *quartic(given, square), share)
+        (a, b), (da, db) = nearly_elliptic(found, float(given.size.mean()), parabolic=parabolic)
+        off = abs(found.force / (peak * 2 / 3 * np.pi * found.a * found.b) - 1)
+        other = {"a": da, "b": db, "area": da + db, "max_pressure": max(off, da)}
+        square = mean(square, ellipsoid(square, found.centre, (a, b), peak), share)
+        scatter = {key: share * scatter[key] + (1 - share) * other[key] for key in READ}
     return _Reading(frame, square, trace(square), scatter)
-
-
-def quartic(
-    given: Samples, splines: Square, measure: Callable[[Square], Shape] = trace
-) -> tuple[Square, dict[str, float]]:
-    """F of degree QUARTIC, and how far it differs, as `measure` reads it, from F of splines:
-    beyond any bound where it did not come to a minimum."""
-    square = reconstruct(given, degree=QUARTIC)
-    if not square.settled:
-        return square, dict.fromkeys(READ, np.inf)
-    return square, spread(measure(square), [measure(splines)])
-
-
-def blend(
-    splines: Square,
-    scatter: dict[str, float],
-    other: Square,
-    scatter_of_other: dict[str, float],
-    share: float,
-) -> tuple[Square, dict[str, float]]:
-    """share of a free reading and of its scatter, and the rest of another one."""
-    parts = {key: share * scatter[key] + (1 - share) * scatter_of_other[key] for key in READ}
-    return mean(splines, other, share), parts
 
 
 def free(
@@ -237,7 +216,7 @@ def free(
 
 
 def freedom(shape_error: float) -> float:
-    """Share of the free reading in that of a patch: 0 of nearly elliptic ones, 1 of others."""
+    """Share of the free reading in that of a patch: 0 of an ellipse, 1 of other shapes."""
     return float(np.clip((shape_error - ELLIPTIC) / (HERTZIAN - ELLIPTIC), 0.0, 1.0))
 
 
@@ -255,12 +234,22 @@ def spread(shape: Shape, others: list[Shape]) -> dict[str, float]:
     }
 
 
-def _other_ellipse(found: Moments, peak: float) -> dict[str, float]:
-    """Relative differences from semi-axes by fourth moments, and from the peak of the ellipsoid
-    that has the force."""
-    a, b = (abs((1 + off) ** 0.25 - 1) for off in found.fourth)
-    mean = peak * 2 / 3 * np.pi * found.a * found.b
-    return {"a": a, "b": b, "area": a + b, "max_pressure": abs(found.force / mean - 1)}
+def nearly_elliptic(
+    found: Moments, element: float, *, parabolic: bool, fourth: float = FOURTH, mesh: float = MESH
+) -> tuple[Array, Array]:
+    """Half lengths (2,) of a nearly elliptic patch, mm, and their relative errors (2,).
+
+    parabolic: those by second moments, exact for Hertz; errors: to those by fourth moments. Else
+    to first order those of p^2 = (1 - u - v)(1 + alpha u + beta v), u = x^2/a^2, v = s^2/b^2:
+    1 + `fourth` times the deviation of the fourth moments; `mesh` times (element over the smaller
+    half length)^2 is what elements round off these. The errors are of that and of higher orders.
+    """
+    half, off = np.array([found.a, found.b]), np.array(found.fourth)
+    if parabolic:
+        return half, np.abs((1 + off) ** 0.25 - 1)
+    rounded = mesh * (element / half.min()) ** 2
+    error = fourth * (rounded + HIGHER * found.shape_error)
+    return half * (1 + fourth * (off + rounded)), np.full(2, error)
 
 
 def samples(fields: Fields, frame: Frame, facets: Array) -> Samples:

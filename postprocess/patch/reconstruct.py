@@ -9,8 +9,9 @@ its integrals against smooth functions do not. F is the minimum of the convex fu
 so int p G = int p_h G for every G of that space up to the roughness r. Where G is a polynomial of
 degree 2, F is Hertz's ellipsoid by second moments, which costs no roughness: D3 F holds the third
 derivatives (P. Eilers and B. Marx, Statist. Sci. 11, 1996, penalise splines alike), across in
-elements; along in half widths for the slope and in a few elements for the curvature, which changes
-in a patch with a neck, and on a thin body. r is small inside, where joints of arcs bend
+units of an element and along in half widths: bodies of one radius along the rail hardly leave a
+third one there. How the curvature along changes across is counted in elements both ways, or a
+patch with a neck would be as uncertain on any mesh. r is small inside, where joints of arcs bend
 F, and large near the ends across, where facets that are half in contact would be followed.
 """
 
@@ -31,7 +32,7 @@ from railhead.postprocess.findings import Array
 DEGREE = 4  # of F along the rail ...
 FLAT_DEGREE = 8  # ... where bodies yield: with 4 the largest pressure of a sphere at 20 times its
 # first-yield load is 7.5 % too high on six elements, with 8 it is 1.5 %
-NECK = 3.0  # elements: the unit of length along, where the curvature along changes
+NECK = 3.0  # elements: the unit of length along, in the change across of the curvature along
 ROUGHNESS = 1e-5  # r of a spline of ...
 INTERVALS = 16  # ... so many; it grows with their square, or finer meshes would scatter alike
 ENDS, STEEP = 6.0, 6  # r grows like (1 + (6 elements / distance from the end)^6)
@@ -122,25 +123,11 @@ def nothing(samples: Samples) -> Square:
     return Square(_box(samples), knots, np.zeros((len(powers), len(knots) - 4)), powers)
 
 
-def polynomials(like: Square, degree: int) -> Array:
-    """(kn, m): coefficients in the splines of `like` of the m products of powers of x and s whose
-    degrees add up to `degree` at most."""
-    low, high = like.box[1]
-    at = np.linspace(-1.0, 1.0, 8 * len(like.knots))
-    splines = _splines(like.knots, np.clip((low + high + (high - low) * at) / 2, low, high))
-    across = np.linalg.lstsq(splines.toarray(), at[:, None] ** np.arange(degree + 1), rcond=None)[0]
-    chosen = np.add.outer(like.powers, np.arange(degree + 1)).ravel() <= degree
-    return np.asarray(np.kron(np.eye(len(like.powers)), across)[:, chosen])
-
-
 def reconstruct(
-    samples: Samples,
-    roughness: float = ROUGHNESS,
-    start: Square | None = None,
-    degree: int | None = None,
+    samples: Samples, roughness: float = ROUGHNESS, start: Square | None = None
 ) -> Square:
     """Minimise the functional above by Levenberg and Marquardt's method, from Hertz's ellipsoid or
-    from the result with another roughness; with a degree, among polynomials of that degree."""
+    from the result with another roughness."""
     like = nothing(samples)
     knots, powers, middle, half = like.knots, like.powers, like.middle, like.half
     n, top = len(knots) - 4, float(samples.pressure.max())
@@ -163,9 +150,6 @@ def reconstruct(
     moments, cell = np.asarray(moments.ravel() / scale), np.asarray(cell / scale)
     roughness *= ((len(knots) - 7) / INTERVALS) ** 2
     penalty = roughness * _penalty(knots, powers, s, rows / rows.sum(), samples)
-    space = np.eye(len(moments))
-    if degree is not None:
-        space, penalty = polynomials(like, degree), np.zeros_like(penalty)
 
     def field(c: Array) -> Array:
         return np.asarray((across @ c.reshape(-1, n).T) @ along)
@@ -180,23 +164,23 @@ def reconstruct(
         squared = field(c)
         pressure = np.sqrt(np.maximum(squared, 0.0))
         gradient = (across.T @ (pressure @ along.T * cell[:, None])).T.ravel()
-        gradient = space.T @ (gradient - moments + penalty @ c)
+        gradient = gradient - moments + penalty @ c
         slope = np.where(squared > 0, 0.5 / np.maximum(pressure, EDGE), 0.0)
         blocks = [
             [across.T @ sp.diags(cell * (slope @ (one * two))) @ across for two in along]
             for one in along
         ]
-        tangent = space.T @ (sp.bmat(blocks).toarray() + penalty) @ space
+        tangent = sp.bmat(blocks).toarray() + penalty
         diagonal = np.diag(np.diag(tangent))
         while damping < MOST_DAMPING:
             step = -cho_solve(cho_factor(tangent + damping * diagonal), gradient)
             decrease = float(gradient @ step)
-            if (found := value(c + space @ step)) <= best + 1e-4 * decrease:
+            if (found := value(c + step)) <= best + 1e-4 * decrease:
                 break
             damping *= 10
         else:
             break
-        c, best, damping = c + space @ step, found, max(damping / 10, LEAST_DAMPING)
+        c, best, damping = c + step, found, max(damping / 10, LEAST_DAMPING)
         if -decrease < CONVERGED * abs(best) and damping < DAMPING:
             break
     left = gradient @ cho_solve(cho_factor(tangent + LEAST_DAMPING * diagonal), gradient)
@@ -237,8 +221,8 @@ def _knots(samples: Samples) -> Array:
 
 def _penalty(knots: Array, powers: Array, s: Array, weight: Array, samples: Samples) -> Array:
     """(kn, kn) of the mean of r |D3 F|^2, s in intervals of the spline, x in half widths, in the
-    second and third derivatives along in NECK elements; where bodies yield in elements throughout:
-    pressure has a plateau then, whose edges are as sharp along as across."""
+    second derivative along in NECK elements; where bodies yield in elements throughout: pressure
+    has a plateau then, whose edges are as sharp along as across."""
     inner = knots[3:-3]
     width = np.interp(s, (inner[1:] + inner[:-1]) / 2, np.diff(inner))
     margin = MARGIN * float(samples.size.mean())
@@ -248,8 +232,7 @@ def _penalty(knots: Array, powers: Array, s: Array, weight: Array, samples: Samp
     at, share = leggauss(samples.degree + 2)
     x0, x1 = _box(samples)[0]
     element = 1.0 if samples.line else 2 * float(samples.size.mean()) / (x1 - x0)
-    neck = NECK * element
-    units = [1.0, element, element, element] if samples.yields else [1.0, 1.0, neck, neck]
+    units = [1.0, element, element, element] if samples.yields else [1.0, 1.0, NECK * element, 1.0]
     total = np.zeros((len(powers) * (len(knots) - 4),) * 2)
     splines = BSpline(knots, np.eye(len(knots) - 4), 3)
     for order in range(4):  # of the derivative along x

@@ -7,18 +7,19 @@ import numpy as np
 from railhead.postprocess.findings import Array, AxisPressure, Frame, Patch, Surface
 from railhead.postprocess.patch.outline import Shape
 from railhead.postprocess.patch.patch import (
+    FOURTH,
     PEAK_RADIUS,
     READ,
     Moments,
-    blend,
     free,
     freedom,
-    quartic,
+    nearly_elliptic,
 )
-from railhead.postprocess.patch.reconstruct import Samples, Square, ellipsoid, nothing
+from railhead.postprocess.patch.reconstruct import Samples, Square, ellipsoid, mean, nothing
 from railhead.postprocess.patch.surface import Surfaces, both
 from railhead.solver.fields import Fields
 
+MESH = 0.03  # see `patch`
 SAMPLES = 61
 GRID = 2000  # points at which p^2 is looked at
 
@@ -77,22 +78,17 @@ def read(
     found = moments(fields, frame)
     given = samples(fields, frame)
     share = freedom(found.shape_error)
-
-    def measure(each: Square) -> Shape:
-        return _shape(each, fields)
-
     square, scatter = nothing(given), dict.fromkeys(READ, 0.0)
-    if share > 0 or not parabolic:
-        square, scatter = free(given, measure)
-    if share < 1 and parabolic:
+    if share > 0:
+        square, scatter = free(given, lambda each: _shape(each, fields))
+    if share < 1:
         t = frame.local(contact.points)[:, axis] - found.centre[axis]
         even = bool(fields.mirrors)
         peak = largest_pressure(t, contact.pressure, contact.weights, found.a, even=even)
-        ellipse = ellipsoid(square, (0.0, found.centre[axis]), (1.0, found.a), peak)
-        other = _other_reading(found, peak, fields)
-        square, scatter = blend(square, scatter, ellipse, other, share)
-    elif share < 1:
-        square, scatter = blend(square, scatter, *quartic(given, square, measure), share)
+        half, other = _ellipse(found, peak, float(given.size.mean()), fields, parabolic=parabolic)
+        ellipse = ellipsoid(square, (0.0, found.centre[axis]), (1.0, half), peak)
+        square = mean(square, ellipse, share)
+        scatter = {key: share * scatter[key] + (1 - share) * other[key] for key in READ}
     shape = _shape(square, fields)
     outlines = _outlines(_spans(square), axis, None if revolved else length)
     patch = Patch(
@@ -146,18 +142,22 @@ def _shape(square: Square, fields: Fields) -> Shape:
     return Shape([], float(area), *semi, float(peak))
 
 
-def _other_reading(found: Moments, peak: float, fields: Fields) -> dict[str, float]:
-    """Relative differences from the width by fourth moments, and from the peak of the parabola of
+def _ellipse(
+    found: Moments, peak: float, element: float, fields: Fields, *, parabolic: bool
+) -> tuple[float, dict[str, float]]:
+    """Half width, mm, and relative errors: of the peak the difference from that of the parabola of
     p^2 that has the force."""
-    half = abs((1 + found.fourth[0]) ** 0.25 - 1)
     revolved, length = fields.kinematics.revolved, fields.kinematics.thickness
+    (half, _), (error, _) = nearly_elliptic(
+        found, element, parabolic=parabolic, fourth=FOURTH if revolved else 1.0, mesh=MESH
+    )
     unit = 2 / 3 * np.pi * found.a**2 if revolved else np.pi / 2 * found.a * length
-    along, across = (half, half) if revolved else (half, 0.0)
+    along, across = (error, error) if revolved else (error, 0.0)
     if coordinate(fields) == 1:
         along, across = across, along
-    area = 2 * half if revolved else half
+    area = 2 * error if revolved else error
     off = abs(found.force / (peak * unit) - 1)
-    return {"a": along, "b": across, "area": area, "max_pressure": off}
+    return half, {"a": along, "b": across, "area": area, "max_pressure": max(off, error)}
 
 
 def axis_pressures(

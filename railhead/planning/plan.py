@@ -103,7 +103,6 @@ class Plan:
             poisson=max(self.poisson_ratios.values()),
             least_poisson=min(self.poisson_ratios.values()),
             ellipse=self.forecast.hertzian,
-            parabolic=contact.half_space,
             axis_ratio=max(zone) / min(zone),
             stiffness=0.0 if math.isinf(max(moduli)) else min(moduli) / max(moduli),
         )

@@ -347,7 +347,7 @@ def _shape(solved: MeshSolution, estimates: Mapping[str, Estimate]) -> list[Chec
     peak = (4 / math.pi if line else 1.5) * mean
     names = ("max_MPa", "area_mm2")
     room = sum(_room(estimates, name) for name in names)
-    sensitivity = 1.0 if solved.setting.parabolic else 2.0 if line else ROUNDED
+    sensitivity = 1.0 if solved.plan.contact.half_space else 2.0 if line else ROUNDED
     off = sensitivity * found.shape_error
     return [
         Check(

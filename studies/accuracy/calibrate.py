@@ -15,11 +15,8 @@ import numpy as np
 from railhead.cli import study
 from railhead.planning import plan as planning
 from railhead.planning.accuracy.error_envelopes import TURNED, Law
-from railhead.postprocess import read
-from railhead.postprocess.findings import Frame
 from railhead.run import estimates
-from railhead.run.estimates import QUANTITIES, READ
-from railhead.run.mesh_solution import MeshSolution
+from railhead.run.estimates import QUANTITIES
 from railhead.scene.scene import Scene
 from railhead.sweeps.worker_pool import attempts
 from studies import tables
@@ -34,16 +31,13 @@ CHEAP = ("plane strain", "meridian")
 HEADROOM = 1.1  # the envelope over the largest error that was seen
 ORDERS = (0.5, 6.0)  # of an envelope, which lies above all that was measured whatever its slope
 LEAST = 1e-6  # relative; below it an error is rounding
-BODIES, EXACT = "bodies", "ellipse"
-"""Bodies' patches are read like those of half-spaces in general, whose truth is exact Hertz."""
 CHANCE = 1.5  # times the median error: the least of a law, as a reading may be right by chance
 
 
 @dataclass(frozen=True)
 class Record:
     """One quantity of one scene on one mesh; error (without what the plan leaves out), reading,
-    overlap: relative; scale: see `estimates.scales`; general: read as a patch that is no ellipse
-    by construction."""
+    overlap: relative; scale: see `estimates.scales`."""
 
     family: str
     scene: str
@@ -54,7 +48,6 @@ class Record:
     reading: float
     overlap: float
     scale: float
-    general: bool = False
 
 
 def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Record]:
@@ -71,11 +64,7 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Recor
             continue
         exact = exact or families.truth(name, scene, solved)
         turn = TURNED if setting.turned else {}
-        found, scatter = (
-            estimates.resolved(solved),
-            estimates.reading(solved.findings),
-        )
-        otherwise = in_general(solved)
+        found, scatter = estimates.resolved(solved), estimates.reading(solved.findings)
         scale = estimates.scales(solved.findings, solved.result or {})
         penalty = scene.solver.method == "penalty"
         overlap = abs(solved.solution.penetration / solved.solution.approach) if penalty else 0.0
@@ -87,26 +76,7 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Recor
             )
             for key, value in exact.items() if key in found and value
         ]  # fmt: skip
-        records += [
-            Record(
-                part, scene.name, solved.resolution, solved.unknowns, turn.get(key, key),
-                max(abs(read / exact[key] - 1) - solved.plan.left_out, 0.0), scatter, overlap, 1.0,
-                general=True,
-            )
-            for key, (read, scatter) in otherwise.items() if key in found and exact.get(key)
-        ]  # fmt: skip
     return records
-
-
-def in_general(solved: MeshSolution) -> dict[str, tuple[float, float]]:
-    """Value and reading's part of what is read of the pressure, by quantity, as if the patch were
-    no ellipse by construction."""
-    fields = solved.fields
-    assert fields is not None
-    plan = solved.plan
-    frame = Frame(plan.contact.origin, plan.contact.touch.angle)
-    found = read.findings(fields, frame).patch
-    return {key: (getattr(found, name), found.scatter[name]) for key, name in READ.items()}
 
 
 def envelope(n: np.ndarray, errors: np.ndarray) -> Law:
@@ -129,21 +99,7 @@ def fit(
     records: Sequence[Record], where: Mapping[str, Any], resolutions: Sequence[float]
 ) -> dict[str, Any]:
     """The entry of a family in laws.json."""
-    own = fit_quantities([record for record in records if not record.general], {})
-    general = fit_quantities([record for record in records if record.general], own["overlap"])
-    return {
-        "where": where,
-        "resolution": [resolutions[0], resolutions[-1]],
-        "scenes": len({record.scene for record in records if not record.general}),
-        **own,
-        "general": {key: general[key] for key in ("laws", "reading")},
-    }
-
-
-def fit_quantities(records: Sequence[Record], overlap: Mapping[str, float]) -> dict[str, Any]:
-    """Laws, the reading's part and the effect of an overlap, by quantity, of one way of reading;
-    overlap: effects that are known already."""
-    laws, reading, overlaps = {}, {}, dict(overlap)
+    laws, reading, overlap = {}, {}, {}
     for key in QUANTITIES:
         mine = [record for record in records if record.quantity == key]
         if not mine:
@@ -152,17 +108,19 @@ def fit_quantities(records: Sequence[Record], overlap: Mapping[str, float]) -> d
             np.array([getattr(record, field) for record in mine])
             for field in ("n", "error", "reading", "overlap", "scale")
         )
-        usual_overlap = float(error @ over / (over @ over)) if over.any() else 0.0
-        overlaps.setdefault(key, usual_overlap)
-        rest = np.maximum(error - overlaps[key] * over, 0.0)
+        overlap[key] = float(error @ over / (over @ over)) if over.any() else 0.0
+        rest = np.maximum(error - overlap[key] * over, 0.0)
         usual = middle(n, rest / scale)
         least = np.array([CHANCE * usual(each) for each in n])
         laws[key] = envelope(n, np.maximum((rest - read) / scale, least))
         reading[key] = middle(n, read)
     return {
+        "where": where,
+        "resolution": [resolutions[0], resolutions[-1]],
+        "scenes": len({record.scene for record in records}),
         "laws": {key: [law.value, law.order] for key, law in laws.items()},
         "reading": {key: [law.value, law.order] for key, law in reading.items()},
-        "overlap": overlaps,
+        "overlap": overlap,
     }
 
 
@@ -192,8 +150,6 @@ def main(out: Path, *, quick: bool) -> None:
         records += found
         for part, where in families.parts(name).items():
             own = [record for record in found if record.family == part]
-            if name == BODIES:
-                own += [each for each in records if each.family == EXACT and each.general]
             laws["families"][part] = fit(own, where, families.RECIPES[name].resolutions)
         tables.write_csv(out / "calibrate.csv", records)
         (out / "laws.json").write_text(json.dumps(laws, indent=1) + "\n", encoding="utf-8")

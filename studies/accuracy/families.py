@@ -68,7 +68,6 @@ DEFAULT: dict[str, Sequence[Any]] = {
     "poisson": [0.0, 0.4],
     "least_poisson": [0.0, 0.5],
     "ellipse": [True],
-    "parabolic": [False, True],
     "axis_ratio": [1.0, 10.0],
     "stiffness": [0.0, 1.0],
 }

@@ -138,7 +138,7 @@ def half_space(scene: Scene, mesh_solution: MeshSolution) -> Summary:
     assert isinstance(contact, Contact) and isinstance(plan.estimate, Ellipse)
     found = boundary_elements.solve(contact, plan.estimate, scene.load, 2 * CELLS)
     points, plane = boundary_elements.develop(contact).points, contact.touch.angle
-    other = compare.from_half_space(found, points, plane, hertzian=plan.forecast.hertzian)
+    other = compare.from_half_space(found, points, plane)
     allowed = {name: vars(each) | {"total": each.total}
                for name, each in allowance(plan, found, motion(mesh_solution)).items()}  # fmt: skip
     return {**other, "allowance": allowed}

@@ -42,7 +42,7 @@ def _errors(name: str, n: float) -> tuple[Array, Array]:
 @pytest.mark.parametrize("name", SHAPES)
 def test_patches_that_are_no_ellipse_are_read(name: str) -> None:
     error = np.sqrt(np.mean(_errors(name, 12)[0] ** 2, axis=0))
-    assert (error < [0.005, 0.005, 0.003, 0.0035]).all()
+    assert (error < [0.005, 0.005, 0.003, 0.003]).all()
 
 
 def test_the_area_falls_faster_than_with_first_order() -> None:
@@ -116,7 +116,8 @@ def test_an_ellipse_by_construction_is_read_by_its_moments() -> None:
 
 def test_a_patch_that_is_nearly_an_ellipse_is_read_as_it_is() -> None:
     """By second moments alone its half lengths are 0.4 to 0.5 % off and its area 0.9 %, within a
-    shape error below 1 %, on any mesh."""
+    shape error below 1 %, on any mesh. What is painted is not rounded off by elements: small
+    ones."""
 
     def square(x: Array, s: Array) -> Array:
         r2 = x**2 / 4 + s**2 / 3
@@ -125,7 +126,7 @@ def test_a_patch_that_is_nearly_an_ellipse_is_read_as_it_is() -> None:
     exact = measured(square, (2.6, 2.2))
     read = []
     for seed in range(3):
-        fields = painted(square, (2.6, 2.2), 0.2, 0.02, seed, even=True)
+        fields = painted(square, (2.6, 2.2), 0.1, 0.02, seed, even=True)
         assert patch.moments(fields, FRAME).shape_error < patch.ELLIPTIC
         read.append(_numbers(_read(fields)) / exact - 1)
     assert np.abs(np.mean(read, axis=0)).max() < 0.003

@@ -40,7 +40,7 @@ def second_opinion(scene: Scene) -> dict[str, Any]:
     contact, ellipse = located(scene)
     solution = boundary_elements.solve(contact, ellipse, scene.load, 128)
     points = boundary_elements.develop(contact).points
-    return compare.from_half_space(solution, points, contact.touch.angle, hertzian=False)
+    return compare.from_half_space(solution, points, contact.touch.angle)
 
 
 def test_a_patch_seen_from_two_planes_is_counted_once() -> None:

@@ -17,7 +17,7 @@ from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError
 
 SETTING = Setting(
-    "half-spaces", False, "tetrahedron", 2, "nitsche", None, 1.0, 0.3, 0.3, True, True, 2.0, 1.0
+    "half-spaces", False, "tetrahedron", 2, "nitsche", None, 1.0, 0.3, 0.3, True, 2.0, 1.0
 )
 HALF_SPACES = Scene.from_mapping(
     {"load": 1e4, "rail": {"profile": "arc", "crown_radius": 300, "extent": "half-space"}}

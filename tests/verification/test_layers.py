@@ -28,11 +28,13 @@ def solved(case: str, *keys: str) -> MeshSolution:
     return mesh_and_solve(plan, None, Progress(quiet=True), MPI.COMM_SELF)
 
 
-def worst(mesh_solution: MeshSolution, truth: dict[str, float]) -> float:
-    """Largest error over its estimate."""
+def holds(mesh_solution: MeshSolution, truth: dict[str, float], within: float) -> None:
+    """Errors are relative: `within` of sizes, and SIGNED times the estimate of all."""
     found, values = estimates.estimate([mesh_solution])[0], estimates.resolved(mesh_solution)
-    assert set(truth) <= set(found)
-    return max(abs(values[key] / true - 1) / found[key].total for key, true in truth.items())
+    for key, true in truth.items():
+        error = abs(values[key] / true - 1)
+        assert error < SIGNED * found[key].total, key
+        assert error < within or key == "max_MPa", key
 
 
 def test_the_layer_has_the_limits_of_a_half_plane_and_of_an_oedometer() -> None:
@@ -47,28 +49,37 @@ def test_the_layer_has_the_limits_of_a_half_plane_and_of_an_oedometer() -> None:
     )
 
 
-@pytest.mark.parametrize("depth", [1.5, 2.0, 3.0, 5.0, 8.0, 20.0])
+@pytest.mark.parametrize("depth", [1.5, 2.0, 3.0, 5.0, 6.0, 20.0])
 def test_strips_on_layers_hold_their_estimates(depth: float) -> None:
-    """Read as an ellipse, a is 0.40 % short at 3 mm under an estimate of 0.11 %."""
+    """By second moments alone a is 1.74, 1.04, 0.40, 0.09, 0.06 and 0.01 % short."""
     mesh_solution = solved("long_roller", RIGID, f"rail.depth={depth}mm")
     length = mesh_solution.fields.kinematics.thickness
     half, peak = elastic_layer.strip(110e3 / length, 420.0, YOUNG, POISSON, depth)
     truth = {"a_mm": half, "area_mm2": 2 * half * length, "max_MPa": peak}
-    assert worst(mesh_solution, truth) < SIGNED
+    holds(mesh_solution, truth, 1e-3)
 
 
 def test_an_elliptic_patch_on_a_layer_holds_its_estimates() -> None:
-    """Read as an ellipse, its area is 1.4 % small under an estimate of 0.4 %."""
+    """By second moments alone its area is 1.46 % small."""
     truth = elastic_layer.patch(25e3, (420.0, 300.0), YOUNG, POISSON, 3.0, (3.5, 2.95))
     mesh_solution = solved("hertz_ellipse", *BLOCK, "rail.depth=3mm")
-    assert worst(mesh_solution, truth) < SIGNED
+    holds(mesh_solution, truth, 2e-3)
+
+
+def test_a_head_that_is_nearly_a_half_space_has_its_patch() -> None:
+    """54E1 under a cylinder: what an ellipse by second moments reads is right, and stays so."""
+    mesh_solution = solved("uic54_thesis")
+    exact = mesh_solution.ellipse
+    truth = {"a_mm": exact.a, "b_mm": exact.b, "area_mm2": exact.area, "max_MPa": exact.p0}
+    holds(mesh_solution, truth, 1e-3)
+    assert estimates.resolved(mesh_solution)["max_MPa"] == pytest.approx(exact.p0, rel=1e-3)
 
 
 def test_spheres_on_blocks_and_conformal_cylinders_hold_their_estimates() -> None:
     """Against the border of the raw pressure on finer meshes, 1.9535 to 1.9542 and 4.770 to
-    4.777 mm. Read as ellipses they were 1.969 and 4.809 mm under estimates of 0.2 %."""
+    4.777 mm. By second moments alone they are 1.969 and 4.809 mm."""
     half = 1.954
     truth = {"a_mm": half, "b_mm": half, "area_mm2": math.pi * half**2}
     ball = solved("sphere_on_plane", "rail.extent=head", "load=1500")
-    assert worst(ball, truth) < SIGNED
-    assert worst(solved("two_cylinders", *CYLINDERS), {"b_mm": 4.773}) < SIGNED
+    holds(ball, truth, 2e-3)
+    holds(solved("two_cylinders", *CYLINDERS), {"b_mm": 4.773}, 2e-3)

@@ -30,9 +30,9 @@ def test_a_yawed_wheel_has_the_patch_of_the_straight_one() -> None:
     summary = run(scene).summary
     assert summary["checks"]["passed"]
     assert not summary["plan"]["effects"]["symmetry_x"]["on"]
-    difference, bound = summary["difference"], summary["accuracy"]["bound"]
-    assert difference["pressure"]["max_MPa"] == pytest.approx(0, abs=bound["max_MPa"])
-    assert difference["patch"]["area_mm2"] == pytest.approx(0, abs=bound["area_mm2"])
+    difference = summary["difference"]
+    assert difference["pressure"]["max_MPa"] == pytest.approx(0, abs=0.01)
+    assert difference["patch"]["area_mm2"] == pytest.approx(0, abs=0.01)
 
 
 def test_bound_covers_the_ridge_at_a_joint_of_two_arcs() -> None:

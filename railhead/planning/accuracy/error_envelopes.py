@@ -43,8 +43,7 @@ class Setting:
     shape: 'half-spaces', 'bodies' (solids that end), 'plane strain' or 'meridian'; turned: whether
     the width of a line contact runs across the rail; theta: as given, None where the law chooses;
     poisson, least_poisson: the largest and least of the deformable bodies; ellipse: whether the
-    patch is nearly one; parabolic: whether it is one by construction, between half-spaces, and read
-    as such; axis_ratio: longer over shorter semi-axis; stiffness: E/(1 - nu^2) of the softer
+    patch is one; axis_ratio: longer over shorter semi-axis; stiffness: E/(1 - nu^2) of the softer
     body over the other's.
     """
 
@@ -58,7 +57,6 @@ class Setting:
     poisson: float
     least_poisson: float
     ellipse: bool
-    parabolic: bool
     axis_ratio: float
     stiffness: float
 
@@ -81,8 +79,7 @@ class Family:
     where: by field of `Setting` the allowed words, or the range of a number; resolution: range of
     n; laws: mesh error by quantity, over its scale (see `scales`); reading: how large that part
     was in the middle, for prices only; overlap: relative error by quantity for an overlap of the
-    whole approach; general: laws and reading of the quantities that are read otherwise where the
-    patch is no ellipse by construction.
+    whole approach.
     """
 
     name: str
@@ -91,13 +88,6 @@ class Family:
     laws: Mapping[str, Law]
     reading: Mapping[str, Law]
     overlap: Mapping[str, float]
-    general: tuple[Mapping[str, Law], Mapping[str, Law]] = ({}, {})
-
-    @property
-    def in_general(self) -> Family:
-        """Of patches that are no ellipse by construction."""
-        laws, reading = self.general
-        return replace(self, laws={**self.laws, **laws}, reading={**self.reading, **reading})
 
     def holds(self, setting: Setting) -> bool:
         """Whether the setting lies within what was calibrated."""
@@ -181,10 +171,6 @@ class Family:
         return float(brentq(lambda n: self.expected(n) - target, low, high))
 
 
-def _laws(values: Mapping[str, Sequence[float]]) -> dict[str, Law]:
-    return {key: Law(*law) for key, law in values.items()}
-
-
 def _turned(values: Mapping[str, T]) -> dict[str, T]:
     return {TURNED.get(name, name): value for name, value in values.items()}
 
@@ -197,10 +183,9 @@ def families() -> tuple[Family, ...]:
             name,
             entry["where"],
             tuple(entry["resolution"]),
-            _laws(entry["laws"]),
-            _laws(entry["reading"]),
+            {key: Law(*law) for key, law in entry["laws"].items()},
+            {key: Law(*law) for key, law in entry["reading"].items()},
             entry["overlap"],
-            (_laws(entry["general"]["laws"]), _laws(entry["general"]["reading"])),
         )
         for name, entry in json.loads(LAWS.read_text(encoding="utf-8"))["families"].items()
     )
@@ -209,6 +194,4 @@ def families() -> tuple[Family, ...]:
 def family(setting: Setting) -> Family | None:
     """The family that a setting lies in."""
     found = next((each for each in families() if each.holds(setting)), None)
-    if found and not setting.parabolic:
-        found = found.in_general
     return found.across if found and setting.turned else found

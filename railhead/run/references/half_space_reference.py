@@ -36,7 +36,7 @@ def half_space(solved: MeshSolution, solution: Solution | str | None) -> dict[st
     if isinstance(solution, str):
         return {"reason": solution}
     points, plane = boundary_elements.develop(contact).points, contact.touch.angle
-    opinion = compare.from_half_space(solution, points, plane, hertzian=found.hertzian)
+    opinion = compare.from_half_space(solution, points, plane)
     return {**opinion, "allowance": _allowance(solved, solution)}
 
 
