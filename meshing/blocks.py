@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from railhead.meshing import plane
 from railhead.meshing.bodies import Body, Options
 from railhead.meshing.sizing import Grading
-from railhead.meshing.tags import BODIES, CONTACT, SUPPORT, SYMMETRY_X, SYMMETRY_Y
+from railhead.meshing.tags import BODY_NAMES, CONTACT, SUPPORT, SYMMETRY_X, SYMMETRY_Y
 
 Array = NDArray[np.float64]
 REPAIR_BELOW = 0.1  # quality of a curved tetrahedron that is straightened
@@ -58,11 +58,11 @@ def _session() -> Iterator[Any]:
         gmsh.finalize()
 
 
-Contents = tuple[list[tuple[Any, ...]], list[tuple[int, int, str, Array]]]
+ModelSnapshot = tuple[list[tuple[Any, ...]], list[tuple[int, int, str, Array]]]
 """Mesh of each entity, and the physical groups."""
 
 
-def contents() -> Contents:
+def snapshot_model() -> ModelSnapshot:
     """The current model's mesh as arrays."""
     model, mesh = gmsh.model, gmsh.model.mesh
     entities = [(at, mesh.getNodes(*at)[:2], mesh.getElements(*at)) for at in model.getEntities()]
@@ -74,7 +74,7 @@ def contents() -> Contents:
 
 
 @contextmanager
-def rebuilt(found: Contents) -> Iterator[Any]:
+def restore_model(found: ModelSnapshot) -> Iterator[Any]:
     """A gmsh model with these contents."""
     entities, groups = found
     with _session() as gmsh_model:
@@ -89,11 +89,11 @@ def rebuilt(found: Contents) -> Iterator[Any]:
 
 def _name(tag: int, *, volume: bool) -> str:
     if volume:
-        return BODIES[tag]
+        return BODY_NAMES[tag]
     if tag in (SYMMETRY_X, SYMMETRY_Y):
         return "symmetry_x" if tag == SYMMETRY_X else "symmetry_y"
     kind = "contact" if tag // 10 * 10 == CONTACT else "support"
-    return f"{BODIES[tag % 10]}_{kind}"
+    return f"{BODY_NAMES[tag % 10]}_{kind}"
 
 
 def _sweep(
@@ -120,7 +120,7 @@ def _sweep(
         end, volume, lateral = made[0][1], made[1][1], [tag for _, tag in made[2:]]
         if len(lateral) != len(curves):
             raise RuntimeError(
-                f"{BODIES[body.tag]}: gmsh swept {len(curves)} curves into {len(lateral)} faces"
+                f"{BODY_NAMES[body.tag]}: gmsh swept {len(curves)} curves into {len(lateral)} faces"
             )
         groups.setdefault((3, body.tag), []).append(volume)
         if body.end_role == "support":
@@ -142,7 +142,7 @@ def _swept(body: Body, grading: Grading) -> Array:
     return columns
 
 
-def unfold(bodies: list[Body], grading: Grading) -> None:
+def undo_stretch(bodies: list[Body], grading: Grading) -> None:
     """Give the current model's mesh its true length along the rail, and roll up its wheels: a
     stretched one is meshed as a prism, its rolling circle straightened."""
     if grading.stretch == 1:

@@ -11,7 +11,7 @@ import gmsh
 import numpy as np
 from mpi4py import MPI
 
-from railhead.meshing import apart, blocks
+from railhead.meshing import blocks, isolated_process
 from railhead.meshing.bodies import Body, Options
 from railhead.meshing.sizing import Grading
 
@@ -66,18 +66,18 @@ def generate(
     for share in RETRIES:
         finer = replace(grading, size=share * grading.size)
         try:
-            found, shapes = apart.run(
+            found, shapes = isolated_process.run(
                 _meshed, bodies, finer, options, save, seconds=seconds, meanwhile=meanwhile
             )  # fmt: skip
             _check(shapes)
-        except apart.ApartError as error:
+        except isolated_process.IsolatedProcessError as error:
             problem = MeshError(f"gmsh: {error}")
         except MeshError as error:
             problem = error
         else:
             from railhead.solver import compat
 
-            with blocks.rebuilt(found) as model:
+            with blocks.restore_model(found) as model:
                 _raise_together(comm, None)
                 quality, count = comm.bcast((float(shapes.min()), len(shapes)))
                 return ContactMesh(*compat.model_to_mesh(model, comm, options.dim), quality, count)
@@ -87,15 +87,15 @@ def generate(
 
 def _meshed(
     bodies: list[Body], grading: Grading, options: Options, save: Path | None
-) -> tuple[blocks.Contents, np.ndarray]:
+) -> tuple[blocks.ModelSnapshot, np.ndarray]:
     """The mesh and the quality of its cells."""
     with blocks.model(bodies, grading, options):
         shapes = blocks.qualities(options.dim)
-        blocks.unfold(bodies, grading)
+        blocks.undo_stretch(bodies, grading)
         if save is not None:
             gmsh.option.setNumber("Mesh.MshFileVersion", 2.2)  # meshio reads its groups
             gmsh.write(str(save))
-        return blocks.contents(), shapes
+        return blocks.snapshot_model(), shapes
 
 
 def _check(shapes: np.ndarray) -> None:

@@ -1,7 +1,7 @@
 """Numbers of the bodies and faces in every mesh."""
 
 RAIL, WHEEL = 1, 2
-BODIES = {RAIL: "rail", WHEEL: "wheel"}
+BODY_NAMES = {RAIL: "rail", WHEEL: "wheel"}
 CONTACT, SUPPORT = 10, 20  # facet tag of a body's face: CONTACT + RAIL and so on
 SYMMETRY_X, SYMMETRY_Y = 31, 32
 

@@ -53,7 +53,7 @@ def plan(
 
     accuracy, budget: as for `solve`. quiet: has no effect. Raises SceneError.
     """
-    return Planned(planning.make(asked(scene, accuracy, budget)))
+    return Planned(planning.make(with_accuracy(scene, accuracy, budget)))
 
 
 def solve(
@@ -69,12 +69,12 @@ def solve(
     from railhead.results import pipeline
     from railhead.run import refinement
 
-    scene = asked(scene, accuracy, budget)
+    scene = with_accuracy(scene, accuracy, budget)
     with refinement.telling(quiet=quiet) as progress:
         return pipeline.run(scene, progress)
 
 
-def asked(scene: Scene, accuracy: str | float | None, budget: str | float | None) -> Scene:
+def with_accuracy(scene: Scene, accuracy: str | float | None, budget: str | float | None) -> Scene:
     """The scene with an accuracy and a budget. Raises SceneError."""
     ways = {"accuracy": accuracy, "budget": budget}
     given = {key: value for key, value in ways.items() if value is not None}

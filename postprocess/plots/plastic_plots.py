@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railhead.meshing.tags import BODIES, other
+from railhead.meshing.tags import BODY_NAMES, other
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.patch.section import coordinate
 from railhead.postprocess.plots.diagrams import FE, HERTZ, loaded, new_figure
@@ -122,7 +122,7 @@ def _left(axes: Axes, residual: Fields, pressed: Fields, found: Findings, half: 
                 t, height = np.r_[t, -t], np.r_[height, height]
             order = np.argsort(t)
             if len(order) > 1 and np.ptp(t) > 0:  # a section has one of them
-                label = f"{subject.names[BODIES[tag]]}, {name}"
+                label = f"{subject.names[BODY_NAMES[tag]]}, {name}"
                 axes.plot(t[order], height[order], style, lw=0.8, color=colour, label=label)
     axes.set(xlabel="x or s, distance from the contact, mm",
              ylabel="height of the surface after the load, um")  # fmt: skip

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.meshing.tags import RAIL
+from railhead.meshing.tags import BODY_NAMES, RAIL
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.patch.section import coordinate
 from railhead.postprocess.plots.diagrams import new_figure
 from railhead.postprocess.views.fringes import Cut, Fringes, draw_fringes
-from railhead.postprocess.views.render import BODIES, COLOURS, CONTACT, EDGE
+from railhead.postprocess.views.render import COLOURS, CONTACT, EDGE
 from railhead.solver.fields import Fields
 from railhead.theory.elastic.subsurface import max_shear, principal
 
@@ -36,13 +36,13 @@ def bodies(fields: Fields, findings: Findings, path: Path) -> None:
 
     half, middle = _half_width(fields, findings)
     names, axis = findings.subject.names, coordinate(fields)
-    tags = [tag for tag in BODIES if np.any(fields.body == tag)]
+    tags = [tag for tag in BODY_NAMES if np.any(fields.body == tag)]
     with new_figure(path, 10, 6.2, findings) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.4, 1))
         for axes in (left, right):
             for tag, local, cells in _parts(fields, findings):
                 corners = local[cells[:, _CORNERS[fields.cell]]]
-                look: dict[str, Any] = {"facecolors": COLOURS[BODIES[tag]], "edgecolors": EDGE}
+                look: dict[str, Any] = {"facecolors": COLOURS[BODY_NAMES[tag]], "edgecolors": EDGE}
                 axes.add_collection(PolyCollection(list(corners), linewidths=0.3, **look))
             axes.set(aspect="equal", xlabel=findings.subject.label(axis))
             axes.grid(False)
@@ -52,17 +52,18 @@ def bodies(fields: Fields, findings: Findings, path: Path) -> None:
         for line in findings.patch.outlines:
             ends = [line[:, axis].min(), line[:, axis].max()]
             right.plot(ends, [0, 0], color=CONTACT, lw=3, gid="contact patch")
-        for tag in set(BODIES) - set(tags):
+        for tag in set(BODY_NAMES) - set(tags):
             for axes in (left, right):
                 axes.axhline(0.0, color="black", lw=1.2, zorder=0)
             side = 0.25 if tag == RAIL else 0.75
-            text = f"{names[BODIES[tag]]}: rigid, not meshed"
+            text = f"{names[BODY_NAMES[tag]]}: rigid, not meshed"
             right.text(0.5, side, text, transform=right.transAxes, ha="center")
         reach = 2.5 * half
         right.set(xlim=(middle - reach, middle + reach), ylim=(-1.2 * reach, 1.2 * reach))
         right.set_title("close")
         swatches = [
-            Swatch(fc=COLOURS[BODIES[tag]], ec=EDGE, label=names[BODIES[tag]]) for tag in tags
+            Swatch(fc=COLOURS[BODY_NAMES[tag]], ec=EDGE, label=names[BODY_NAMES[tag]])
+            for tag in tags
         ]
         swatches.append(Swatch(fc=CONTACT, label="contact patch"))
         figure.legend(handles=swatches, loc="outside lower center", ncols=3)

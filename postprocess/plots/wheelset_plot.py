@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railhead.geometry.placement import Pair, Touch
+from railhead.geometry.placement import ContactPoint, Pair
 from railhead.geometry.wheelset import Placed, Side
 from railhead.postprocess.findings import Array
 from railhead.postprocess.plots.diagrams import minus, new_figure
@@ -85,8 +85,8 @@ def positions(
         lines, shifts = [], []
         for shift, placed in swept:
             for touch in placed.right.touches:
-                above = LIFT - float(pair.wheel.height(touch.tread))
-                lines.append([(touch.y, touch.z), (touch.tread + offset, above)])
+                above = LIFT - float(pair.wheel.height(touch.wheel_y))
+                lines.append([(touch.y, touch.z), (touch.wheel_y + offset, above)])
                 shifts.append(shift)
         joined = LineCollection(lines, cmap=dark, array=np.array(shifts), linewidths=0.9)
         ax.add_collection(joined)
@@ -137,8 +137,8 @@ def _side(placed: Placed, name: str) -> Side:
 
 def _jump(swept: Sequence[tuple[float, Placed]], name: str) -> np.ndarray:
     """(n - 1,) whether the first contact jumps between neighbouring shifts."""
-    first: list[Touch] = [_side(placed, name).touches[0] for _, placed in swept]
-    return np.abs(np.diff([touch.tread for touch in first])) > JUMP
+    first: list[ContactPoint] = [_side(placed, name).touches[0] for _, placed in swept]
+    return np.abs(np.diff([touch.wheel_y for touch in first])) > JUMP
 
 
 def _broken(

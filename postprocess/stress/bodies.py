@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from railhead.meshing.tags import BODIES
+from railhead.meshing.tags import BODY_NAMES
 from railhead.postprocess.findings import Array, DepthAxis, Frame, Largest, Peak
 from railhead.postprocess.patch.parts import Part
 from railhead.postprocess.stress import stick_border
@@ -40,7 +40,7 @@ def read(
     stick (`stick_border`) is read by itself.
     """
     bodies = {}
-    for tag, name in BODIES.items():
+    for tag, name in BODY_NAMES.items():
         cells = np.flatnonzero(fields.body == tag)
         if len(cells):
             bodies[name] = Solid(fields, cells), Recovery(fields, cells)

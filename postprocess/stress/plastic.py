@@ -9,7 +9,7 @@ from typing import Any
 import basix
 import numpy as np
 
-from railhead.meshing.tags import BODIES
+from railhead.meshing.tags import BODY_NAMES
 from railhead.postprocess.findings import Array, Frame, Place
 from railhead.postprocess.stress.gauss_points import at_gauss, before_yield, gauss
 from railhead.solver.fields import Fields
@@ -91,7 +91,7 @@ def residual_state(
         load_steps=yielding.first_loading_steps,
         unloaded=unloaded,
         largest_von_mises=None if unloaded is None else largest_von_mises(unloaded),
-        indentation={BODIES[tag]: depth for tag, depth in yielding.indentation_depth.items()},
+        indentation={BODY_NAMES[tag]: depth for tag, depth in yielding.indentation_depth.items()},
     )
 
 
@@ -107,7 +107,7 @@ def plastic_zone(fields: Fields, frame: Frame) -> PlasticZone:
     parts = 1 if fields.kinematics.revolved else 2 ** len(fields.mirrors)
     return PlasticZone(
         strain=float(strain.max()),
-        body=BODIES[int(fields.body[cell])],
+        body=BODY_NAMES[int(fields.body[cell])],
         place=(x, y, z),
         volume=float(weights[yields].sum()) * parts,
         depth=float(depths.max()),

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.meshing.tags import BODIES
+from railhead.meshing.tags import BODY_NAMES
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.plots.diagrams import BANDS, mark_largest, new_figure
 
@@ -74,7 +74,7 @@ def draw_fringes(parts: list[Cut], fringes: Fringes, findings: Findings, path: P
             axes.set(xlabel=findings.subject.label(fringes.axis), aspect="equal")
             axes.set(xlim=fringes.width, ylim=fringes.height)
             axes.grid(False)
-            for body in BODIES.values():
+            for body in BODY_NAMES.values():
                 height, side = (0.03, "bottom") if body == "rail" else (0.97, "top")
                 text = names[body] + ("" if body in findings.depth else ": rigid")
                 axes.text(0.02, height, text, transform=axes.transAxes, va=side, fontsize=13)

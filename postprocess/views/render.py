@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import griddata
 from scipy.spatial import cKDTree
 
+from railhead.meshing.tags import BODY_NAMES
 from railhead.postprocess.findings import Array, Findings, Frame, Patch
 from railhead.postprocess.plots.diagrams import FE, closed_ellipse, new_figure
 from railhead.postprocess.views.camera import Camera, load_pyvista
@@ -24,7 +25,6 @@ from railhead.theory.elastic.hertz import Ellipse
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-BODIES = {1: "rail", 2: "wheel"}
 COLOURS = {"rail": "#b4c3d3", "wheel": "#dcc9a3"}
 FREE_SURFACE, EDGE, CONTACT = "#d9dfe5", "#5a6570", "#b2182b"
 NEAR = 0.1  # of the patch's half length: a plane of the mesh so near to the contact will do
@@ -67,7 +67,7 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
         right.set(xlim=right.get_xlim(), ylim=right.get_ylim())
         right.set_ylabel("height over the contact, mm")
         swatches = [Swatch(fc=COLOURS[name], ec=EDGE, label=names[name]) for name in halves]
-        for name in set(BODIES.values()) - set(halves):
+        for name in set(BODY_NAMES.values()) - set(halves):
             text, side = f"{names[name]}: rigid, not meshed", 0.25 if name == "rail" else 0.75
             right.text(0.5, side, text, transform=right.transAxes, ha="center")
         figure.legend(handles=[*swatches, right.lines[0]], loc="outside upper center", ncols=3)
@@ -145,7 +145,7 @@ def bodies_of(grid: meshio.Mesh) -> dict[str, Any]:
     """The cells of each body as a pyvista grid, by body name."""
     volume = load_pyvista().from_meshio(grid)
     tags = np.unique(volume["body"])
-    return {BODIES[int(tag)]: volume.extract_cells(volume["body"] == tag) for tag in tags}
+    return {BODY_NAMES[int(tag)]: volume.extract_cells(volume["body"] == tag) for tag in tags}
 
 
 def split(surface: Any, frame: Frame, patch: Patch) -> tuple[Any, Any]:

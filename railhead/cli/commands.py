@@ -128,7 +128,7 @@ def run(
     from railhead.planning.cost import machine
 
     start = time.perf_counter()
-    planned = planning.make(api.asked(scene, accuracy, budget))
+    planned = planning.make(api.with_accuracy(scene, accuracy, budget))
     if not process.started():
         budgets.check_memory(planned, machine.free_memory())
         count = ranks or launch.suited(planned)

@@ -15,7 +15,7 @@ from rich.table import Table
 from railhead.contact import solid as geometry
 from railhead.geometry import wheelset
 from railhead.geometry.measured import profile as measured
-from railhead.geometry.placement import Pair, PlacementError, Touch
+from railhead.geometry.placement import ContactPoint, Pair, PlacementError
 from railhead.geometry.wheelset import Placed, Track
 from railhead.results import result_folder
 from railhead.scene.scene import Scene, SceneError
@@ -149,19 +149,19 @@ def _radius(curvature: float) -> str:
     return "inf" if curvature == 0 else f"{1 / curvature:.4g}"
 
 
-def _contact(touch: Touch, crest: float) -> dict[str, float | bool]:
+def _contact(touch: ContactPoint, crest: float) -> dict[str, float | bool]:
     return {
         "rail_y_mm": touch.y,
         "top_y_mm": touch.y - crest,
         "rail_z_mm": touch.z,
-        "wheel_y_mm": touch.tread,
-        "ahead_mm": touch.radius * math.sin(touch.turn),
+        "wheel_y_mm": touch.wheel_y,
+        "ahead_mm": touch.radius * math.sin(touch.axle_angle),
         "gap_mm": touch.gap,
         "angle_rad": touch.angle,
         "radius_mm": touch.radius,
-        "rail_curvature": touch.rail,
-        "wheel_curvature_along": touch.wheel[0],
-        "wheel_curvature_across": touch.wheel[1],
+        "rail_curvature": touch.rail_curvature,
+        "wheel_curvature_along": touch.wheel_curvatures[0],
+        "wheel_curvature_across": touch.wheel_curvatures[1],
         "relative_curvature_along": touch.curvature_x,
         "relative_curvature_across": touch.curvature_y,
         "orientation_rad": touch.orientation,

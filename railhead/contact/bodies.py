@@ -91,7 +91,7 @@ def _wheel(contact: Contact, reach: float, *, half: bool) -> Body:
     wheel = scene.wheel
     if contact.pair is None or contact.pose is None:
         return _half_space(WHEEL, reach, half=half)
-    centre = contact.touch.tread
+    centre = contact.touch.wheel_y
     start, end = contact.pair.wheel.domain
     if wheel.width:
         start, end = max(start, centre - wheel.width / 2), min(end, centre + wheel.width / 2)
@@ -118,7 +118,7 @@ def _wheel(contact: Contact, reach: float, *, half: bool) -> Body:
             f"{end - start:g} is too thin a plate for a segment {2 * reach:g} mm long; give at "
             f"least {thinnest:g}, or a shorter wheel.segment_length",
         )
-    pose = Pose(contact.pose.rotation @ about_axle(contact.touch.turn), contact.pose.origin)
+    pose = Pose(contact.pose.rotation @ about_axle(contact.touch.axle_angle), contact.pose.origin)
     return Body(WHEEL, section, reach, (0.0, wheel.rolling_radius), pose=pose)
 
 

@@ -15,7 +15,7 @@ from railhead.contact.bodies import bodies as solid_bodies
 from railhead.contact.dimension import Dimension
 from railhead.contact.solid import Contact
 from railhead.geometry import outlines, profiles
-from railhead.geometry.placement import Pair, parabolic
+from railhead.geometry.placement import Pair, parabolic_contact
 from railhead.geometry.pose import upright
 from railhead.geometry.profiles import Profile
 from railhead.geometry.surfaces import ExactGap, ParabolicGap, RailSurface
@@ -151,7 +151,7 @@ def locate(scene: Scene, dimension: Dimension) -> FlatContact:
         return FlatContact(scene, touch, solid.pair, solid.pose, dimension=dimension)
     radius, centre = scene.wheel.rolling_radius, dimension.centre
     across = 1 / radius if dimension.kind == "axisymmetric" else 0.0
-    touch = replace(parabolic(1 / radius, across), y=centre)
+    touch = replace(parabolic_contact(1 / radius, across), y=centre)
     if scene.rail.extent == "half-space":
         return FlatContact(scene, touch, dimension=dimension)
     if dimension.kind == "axisymmetric":

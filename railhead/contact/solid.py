@@ -15,7 +15,7 @@ from railhead.geometry import placement, profiles, wheelset
 from railhead.geometry.measured import profile as measured
 from railhead.geometry.measured.orientation import Orientation
 from railhead.geometry.measured.profile import Measured
-from railhead.geometry.placement import Pair, PlacementError, Touch
+from railhead.geometry.placement import ContactPoint, Pair, PlacementError
 from railhead.geometry.pose import Pose, upright
 from railhead.geometry.profiles import Profile
 from railhead.geometry.surfaces import ExactGap, ParabolicGap, RailSurface, WheelSurface, along
@@ -91,7 +91,7 @@ class Contact:
     """
 
     scene: Scene
-    touch: Touch
+    touch: ContactPoint
     pair: Pair | None = None
     pose: Pose | None = None
     placed: Placed | None = None
@@ -101,7 +101,7 @@ class Contact:
         """Profile of each body and what to add to its y for that on the rail, at the contact."""
         if self.pair is None:
             return {}
-        shift = self.touch.y - self.touch.tread
+        shift = self.touch.y - self.touch.wheel_y
         return {"rail": (self.pair.rail, 0.0), "wheel": (self.pair.wheel, shift)}
 
     @property
@@ -169,13 +169,13 @@ class Contact:
         yaw = self.scene.wheelset.yaw
         return f"axle turned by {1e3 * yaw:g} mrad" if yaw and not self.half_space else None
 
-    def touches(self, clearance: float) -> list[Touch]:
+    def touches(self, clearance: float) -> list[ContactPoint]:
         """Contact points up to a clearance (mm) above the first one."""
         if self.pair is None or self.pose is None:
             return [self.touch]
         return self.pair.touches(self.pose, clearance)
 
-    def half_space_gap(self, touch: Touch) -> Callable[[Array, Array], Array]:
+    def half_space_gap(self, touch: ContactPoint) -> Callable[[Array, Array], Array]:
         """Gap normal to the tangent plane of a contact point, at x, s (n,) in that plane, mm."""
         c, t = math.cos(touch.angle), math.sin(touch.angle)
         rail, wheel = self.surfaces()
@@ -231,7 +231,7 @@ def locate(scene: Scene, both: Pair | None = None) -> Contact:
     Raises SceneError where the pair has no point contact with a common tangent.
     """
     if scene.rail.extent == "half-space":
-        return Contact(scene, placement.parabolic(*scene.relative_curvatures()))
+        return Contact(scene, placement.parabolic_contact(*scene.relative_curvatures()))
     both, placed = place(scene, both=both)
     side = placed.right
     touch = _tangent(scene, side.touches[0])
@@ -252,7 +252,7 @@ def lower(scene: Scene) -> Contact:
     return Contact(scene, _tangent(scene, both.touches(pose)[0]), both, pose)
 
 
-def _tangent(scene: Scene, touch: Touch) -> Touch:
+def _tangent(scene: Scene, touch: ContactPoint) -> ContactPoint:
     """The contact point, refused where the pair has no point contact with a common tangent."""
     if touch.at_edge:
         raise SceneError(

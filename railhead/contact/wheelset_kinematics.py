@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Wheelset:
+class WheelsetCreepage:
     """How the wheel of a scene creeps where its wheelset stands.
 
     axle: free or nominal.
@@ -75,7 +75,7 @@ class Wheelset:
         }
 
 
-def of(contact: Contact) -> Wheelset:
+def wheelset_creepage(contact: Contact) -> WheelsetCreepage:
     """The wheelset of a scene. SceneError without one."""
     placed, pose = contact.placed, contact.pose
     if placed is None or pose is None:
@@ -86,7 +86,7 @@ def of(contact: Contact) -> Wheelset:
     turns = _angular_velocity(contact)
     moves = along + np.cross(turns, np.array(contact.origin) - pose.origin)
     values = (float(each) + 0.0 for each in (moves @ along, moves @ across, turns @ normal))
-    return Wheelset(
+    return WheelsetCreepage(
         axle=contact.scene.rolling.axle,
         turning=_turning_radius(contact),
         radius=touch.radius,

@@ -39,31 +39,37 @@ class Outline:
     radius: Array
 
 
-@dataclass(frozen=True)
-class Touch:
-    """A contact point of the undeformed bodies (mm, 1/mm, rad).
+@dataclass(frozen=True, kw_only=True)
+class ContactPoint:
+    """A point where the undeformed bodies touch, or come closest.
 
-    x, y, z: the point; slope: dz/dy of the common tangent; gap: height over the rail there;
-    tread: y of the point in the wheel's profile; turn, radius: see `Outline`; rail: curvature of
-    the rail across; wheel: principal curvatures along its circles and across; curvature_x,
-    curvature_y: relative principal curvatures; orientation: angle of the first one's direction to
-    the rail in the tangent plane; at_edge: at the end of a profile, without a common tangent.
+    x, y, z: the point, mm.
+    slope: dz/dy of the common tangent.
+    gap: height of the wheel over the rail there, mm.
+    wheel_y: y of the point in the wheel's profile, mm.
+    axle_angle: angle about the axle from the wheel's lowest line, rad.
+    radius: distance from the axle, mm.
+    rail_curvature: of the rail across, 1/mm.
+    wheel_curvatures: of the wheel along its circles and across, 1/mm.
+    curvature_x, curvature_y: relative principal curvatures, 1/mm.
+    orientation: angle of the first one's direction to the rail in the tangent plane, rad.
+    at_edge: the point is the end of a profile, and the bodies have no common tangent.
     """
 
-    x: float
-    y: float
-    z: float
-    slope: float
-    gap: float
-    tread: float
-    turn: float
-    radius: float
-    rail: float
-    wheel: tuple[float, float]
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    slope: float = 0.0
+    gap: float = 0.0
+    wheel_y: float = 0.0
+    axle_angle: float = 0.0
+    radius: float = 0.0
+    rail_curvature: float = 0.0
+    wheel_curvatures: tuple[float, float] = (0.0, 0.0)
     curvature_x: float
     curvature_y: float
-    orientation: float
-    at_edge: bool
+    orientation: float = 0.0
+    at_edge: bool = False
 
     @property
     def angle(self) -> float:
@@ -71,10 +77,9 @@ class Touch:
         return float(np.arctan(self.slope))
 
 
-def parabolic(curvature_x: float, curvature_y: float) -> Touch:
+def parabolic_contact(curvature_x: float, curvature_y: float) -> ContactPoint:
     """Half-spaces that touch at the origin under Hertz's parabolic gap."""
-    where, own = (0.0,) * 8, (0.0, (0.0, 0.0))
-    return Touch(*where, *own, curvature_x, curvature_y, 0.0, False)
+    return ContactPoint(curvature_x=curvature_x, curvature_y=curvature_y)
 
 
 @dataclass(frozen=True)
@@ -100,7 +105,7 @@ class Pair:
         normal = radial - rise[..., None] * axle
         return Outline(points, -normal[..., 1] / normal[..., 2], turn, radius)
 
-    def touches(self, pose: Pose, clearance: float = 0.0) -> list[Touch]:
+    def touches(self, pose: Pose, clearance: float = 0.0) -> list[ContactPoint]:
         """The lowest point over the rail, and all minima up to `clearance` mm above it.
 
         Raises PlacementError where no part of the wheel is over the rail.
@@ -118,7 +123,9 @@ class Pair:
         found.sort(key=lambda touch: touch.gap)
         return [touch for touch in found if touch.gap <= found[0].gap + clearance]
 
-    def _polish(self, pose: Pose, tread: Array, over: NDArray[np.bool_], index: int) -> Touch:
+    def _polish(
+        self, pose: Pose, tread: Array, over: NDArray[np.bool_], index: int
+    ) -> ContactPoint:
         """The minimum near a sample: both bodies have the same slope there."""
 
         def excess(at: float) -> float:
@@ -132,7 +139,7 @@ class Pair:
             at = float(brentq(excess, tread[near[0]], tread[near[1]], xtol=1e-13, rtol=1e-15))
         return self._touch(pose, at, at_edge)
 
-    def _touch(self, pose: Pose, tread: float, at_edge: bool) -> Touch:
+    def _touch(self, pose: Pose, tread: float, at_edge: bool) -> ContactPoint:
         outline = self.outline(pose, tread)
         x, y, z = (float(value) for value in outline.points)
         slope = float(self.rail.slope(y)) + 0.0  # no negative zero
@@ -143,10 +150,23 @@ class Pair:
         ahead = pose.rotation @ np.array([np.cos(turn), 0.0, np.sin(turn)])  # along the circle
         tangent = np.array([0.0, 1.0, slope]) / np.hypot(1.0, slope)
         angle = np.arctan2(ahead @ tangent, ahead[0])
-        return Touch(
-            x, y, z, slope, z - float(self.rail.height(y)), float(tread), turn, radius,
-            rail, (around, across), *relative(rail, around, across, angle), at_edge,
-        )  # fmt: skip
+        curvature_x, curvature_y, orientation = relative(rail, around, across, angle)
+        return ContactPoint(
+            x=x,
+            y=y,
+            z=z,
+            slope=slope,
+            gap=z - float(self.rail.height(y)),
+            wheel_y=float(tread),
+            axle_angle=turn,
+            radius=radius,
+            rail_curvature=rail,
+            wheel_curvatures=(around, across),
+            curvature_x=curvature_x,
+            curvature_y=curvature_y,
+            orientation=orientation,
+            at_edge=at_edge,
+        )
 
 
 def relative(rail: float, around: float, across: float, angle: float) -> tuple[float, float, float]:

@@ -21,6 +21,7 @@ from scipy.interpolate import make_interp_spline
 STANDARD_RAILS = ("54E1", "60E1")  # EN 13674-1
 
 Array = NDArray[np.float64]
+STRAIGHT = 1e-9  # 1/mm, curvature of what counts as straight
 CONES = {"cylinder": 0.0, "cone20": 1 / 20, "cone40": 1 / 40}
 
 
@@ -203,6 +204,23 @@ def rolled(profile: Profile, slope: float) -> Profile:
     turned_y, turned_z = y * c - z * s, y * s + z * c
     spline = make_interp_spline(turned_y, turned_z, k=3)
     return Profile(profile.name, (Spline(turned_y[0], turned_y[-1], spline),))
+
+
+def osculating(profile: Profile, y: float) -> Profile:
+    """The circle of curvature of a profile at y (mm), as a profile; a straight line where the
+    curvature is below STRAIGHT. Height, slope and curvature at y are the same."""
+    start, end = profile.domain
+    height, slope, curvature = (
+        float(f(y)) for f in (profile.height, profile.slope, profile.curvature)
+    )
+    if abs(curvature) < STRAIGHT:
+        return Profile(profile.name, (Polynomial(start, end, (height - slope * y, slope)),))
+    radius, stretch = 1 / curvature, math.hypot(1.0, slope)
+    centre = (y + radius * slope / stretch, height - radius / stretch)
+    reach = 0.95 * abs(radius)
+    start, end = max(start, centre[0] - reach), min(end, centre[0] + reach)
+    side = 1 if curvature > 0 else -1
+    return Profile(profile.name, (Arc(start, end, *centre, abs(radius), side),))
 
 
 def _cos_sin(slope: float) -> tuple[float, float]:

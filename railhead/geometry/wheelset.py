@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from railhead.geometry.placement import Pair, PlacementError, Touch
+from railhead.geometry.placement import ContactPoint, Pair, PlacementError
 from railhead.geometry.pose import Pose, turned
 from railhead.geometry.profiles import Profile
 
@@ -70,7 +70,7 @@ class Side:
     """One wheel on its rail: its pose in the side's axes, and its contacts, lowest gap first."""
 
     pose: Pose
-    touches: list[Touch]
+    touches: list[ContactPoint]
 
 
 @dataclass(frozen=True)

@@ -91,7 +91,7 @@ class Context:
         contact, hertz = self.contact, self.hertz
         if contact.plane or contact.half_space or isinstance(hertz, LineContact):
             return True
-        return closed_forms.parabolic(contact, hertz)
+        return closed_forms.gap_is_quadratic(contact, hertz)
 
     @cached_property
     def elastic(self) -> Solution | str:

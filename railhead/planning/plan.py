@@ -12,7 +12,7 @@ from railhead.contact import solid as geometry
 from railhead.contact.solid import Contact
 from railhead.meshing.bodies import ELEMENTS_PER_TURN, Body, Options
 from railhead.meshing.sizing import Grading
-from railhead.meshing.tags import BODIES, RAIL, SYMMETRY_X, SYMMETRY_Y, WHEEL
+from railhead.meshing.tags import BODY_NAMES, RAIL, SYMMETRY_X, SYMMETRY_Y, WHEEL
 from railhead.planning import effects, sizing
 from railhead.planning.accuracy import error_envelopes, uncertainty
 from railhead.planning.accuracy.error_envelopes import Family, Setting
@@ -87,7 +87,7 @@ class Plan:
     def setting(self) -> Setting:
         """What the errors of this plan depend on besides the element size."""
         scene, zone = self.scene, self.zone
-        moduli = [closed_forms.plane_strain_modulus(scene, tag) for tag in BODIES]
+        moduli = [closed_forms.plane_strain_modulus(scene, tag) for tag in BODY_NAMES]
         contact = self.contact
         shape = "half-spaces" if contact.half_space else "bodies"
         if self.section:
@@ -110,10 +110,10 @@ class Plan:
     @property
     def family(self) -> Family | None:
         """Whose error laws hold for this plan: none were measured with yield or friction."""
-        return error_envelopes.family(self.setting) if self.plain else None
+        return error_envelopes.family(self.setting) if self.is_elastic_frictionless else None
 
     @property
-    def plain(self) -> bool:
+    def is_elastic_frictionless(self) -> bool:
         """Whether it is elastic and frictionless."""
         return not (self.effects["plasticity"].on or self.effects["friction"].on)
 
@@ -151,7 +151,7 @@ class Plan:
         return self.unknowns - other.unknowns, self.seconds - other.seconds
 
     @property
-    def left_out(self) -> float:
+    def omission_error(self) -> float:
         """Relative error that effects left out by the plan add to every quantity."""
         return sum(effect.error for effect in self.effects.values())
 
@@ -161,7 +161,7 @@ class Plan:
         return uncertainty.of_profiles(self.context)
 
     @property
-    def hidden(self) -> float:
+    def profile_error(self) -> float:
         """Relative error that measured profiles may hide; no mesh makes it smaller."""
         return self.uncertainty.relative if self.uncertainty else 0.0
 
@@ -170,7 +170,7 @@ class Plan:
         """How profiles from files were read and smoothed, by body, as in summary.json."""
         if self.contact.half_space:
             return {}
-        places = {"rail": self.contact.touch.y, "wheel": self.contact.touch.tread}
+        places = {"rail": self.contact.touch.y, "wheel": self.contact.touch.wheel_y}
         found = {}
         for body in geometry.measured_bodies(self.scene):
             each = geometry.from_file(self.scene, body)
@@ -181,17 +181,17 @@ class Plan:
     @property
     def deformable(self) -> tuple[int, ...]:
         """Tags of the bodies that are meshed."""
-        return tuple(tag for tag in BODIES if self.effects[f"deformable_{BODIES[tag]}"].on)
+        return tuple(tag for tag in BODY_NAMES if self.effects[f"deformable_{BODY_NAMES[tag]}"].on)
 
     @property
-    def shown(self) -> Rail | Wheel:
+    def reported_body(self) -> Rail | Wheel:
         """The body whose stresses are reported: the rail, unless it is rigid."""
         return self.scene.rail if RAIL in self.deformable else self.scene.wheel
 
     @property
     def poisson_ratios(self) -> dict[str, float]:
         """Of the bodies that are meshed, by name, the one shown first."""
-        return {BODIES[tag]: self._part(tag).poisson_ratio for tag in self.deformable}
+        return {BODY_NAMES[tag]: self._part(tag).poisson_ratio for tag in self.deformable}
 
     def _part(self, body: int) -> Rail | Wheel:
         return self.scene.rail if body == RAIL else self.scene.wheel
@@ -339,8 +339,8 @@ class Plan:
         rows = []
         for accuracy in sorted({*PRICED_ACCURACIES, *([wanted] if wanted else [])}, reverse=True):
             row = dict.fromkeys(("patch_size_mm", "unknowns", "seconds", "memory_MB"))
-            mesh_share = accuracy - self.left_out
-            if self.hidden < accuracy and family.reaches(mesh_share):
+            mesh_share = accuracy - self.omission_error
+            if self.profile_error < accuracy and family.reaches(mesh_share):
                 price = self.price_at(family.finest(mesh_share))
                 values = (price.patch_size, price.unknowns, price.seconds, price.memory / 1e6)
                 row = dict(zip(row, values, strict=True))
@@ -388,11 +388,11 @@ class Plan:
             "predicted_seconds": self.seconds,
             "chosen": effects.overruled(self.effects),
             "patch_size_mm": self.patch_size,
-            "slave": BODIES[self.slave],
+            "slave": BODY_NAMES[self.slave],
             "contact_angle_rad": self.contact.touch.angle,
             **(
                 {}
-                if (found := friction.rolled(self.context)) is None
+                if (found := friction.wheelset_creepage(self.context)) is None
                 else {"wheelset": found.summary()}
             ),
             "forecast": {"hertzian": self.forecast.hertzian, "reason": self.forecast.reason},
@@ -411,7 +411,7 @@ def make(scene: Scene) -> Plan:
     that no mesh is expected to meet, and bodies that cannot be built."""
     plan = _decided(scene)
     if scene.accuracy is not None and scene.budget is None and plan.family is not None:
-        least = plan.family.least + plan.left_out
+        least = plan.family.least + plan.omission_error
         if scene.accuracy < least:
             instead = " or solver.method=nitsche" if scene.solver.method == "penalty" else ""
             raise SceneError(
@@ -428,7 +428,7 @@ def _decided(scene: Scene) -> Plan:
     """Whether or not its bodies can be built."""
     kind = dimension.choose(scene)
     contact = geometry.locate(scene) if kind.kind == "solid" else plane_section.locate(scene, kind)
-    predicted = closed_forms.finite(scene, contact)
+    predicted = closed_forms.hertz_if_valid(scene, contact)
     context, decided = effects.decide(scene, kind, contact, predicted)
     expected = forecast(context)
     order = scene.mesh.order or (2 if scene.mesh.cell == "tetrahedron" else 1)
@@ -447,4 +447,4 @@ def _decided(scene: Scene) -> Plan:
     plan = plan.at_resolution(plan.sizing.default_resolution)
     if scene.accuracy is None or plan.family is None:
         return plan
-    return plan.at_resolution(plan.family.finest(scene.accuracy - plan.left_out))
+    return plan.at_resolution(plan.family.finest(scene.accuracy - plan.omission_error))

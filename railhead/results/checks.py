@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from railhead.meshing.tags import BODIES
+from railhead.meshing.tags import BODY_NAMES
 from railhead.planning import effects
 from railhead.planning.accuracy.error_envelopes import RANGE
 from railhead.planning.sizing import LINEAR_REFINEMENT
@@ -174,7 +174,7 @@ def _tangential(solved: MeshSolution) -> list[Check]:
     pressed = pressure_force(fields)
     return [
         Check(
-            f"tangential_flux_{BODIES[body]}",
+            f"tangential_flux_{BODY_NAMES[body]}",
             float(np.linalg.norm(axes @ (contact_force(fields, body) - pressed) - wanted))
             / found.friction_limit,
             ROUGH, "the tangential force, over mu N; as for the load", FINER,
@@ -265,7 +265,7 @@ def _physics(solved: MeshSolution) -> list[Check]:
         allowed *= LINEAR_REFINEMENT  # stresses are constant in linear cells
     fluxes = [
         Check(
-            f"flux_{BODIES[body]}", _off(-contact_force(solved.fields, body)[2], solution.load),
+            f"flux_{BODY_NAMES[body]}", _off(-contact_force(solved.fields, body)[2], solution.load),
             allowed, "the load; the elements' stresses are integrated around the patch", FINER,
         )
         for body in plan.deformable
@@ -324,7 +324,7 @@ def _strains(solved: MeshSolution) -> list[Check]:
             "p0/E*: a sphere's representative strain is 6 % there", advice,
         )
     ]  # fmt: skip
-    if any(steels.is_steel(parts[BODIES[body]].young_modulus) for body in plan.deformable):
+    if any(steels.is_steel(parts[BODY_NAMES[body]].young_modulus) for body in plan.deformable):
         checks.append(
             Check(
                 "pressure_of_steel", pressure, HARDEST[0 if plan.contact.line else 1],

@@ -41,6 +41,6 @@ def result(levels: list[MeshSolution], ending: Ending, comm: MPI.Intracomm) -> R
 def _record_speed(levels: list[MeshSolution]) -> None:
     """Let later predictions of seconds follow what elastic meshes took on this machine."""
     for level in levels:
-        if level.plan.plain and level.unknowns >= machine.LEAST_UNKNOWNS:
+        if level.plan.is_elastic_frictionless and level.unknowns >= machine.LEAST_UNKNOWNS:
             predicted = level.plan.cost.time(level.unknowns)
             machine.record(sum(level.seconds.values()), predicted)

@@ -206,7 +206,7 @@ class Plots:
         """Principal stresses and largest shear below the contact."""
         from railhead.postprocess.plots import diagrams
 
-        poisson = self.result.plan.shown.poisson_ratio
+        poisson = self.result.plan.reported_body.poisson_ratio
         return diagrams.depth(self._findings, self._hertz, poisson).axes
 
     @property

@@ -199,7 +199,7 @@ def write(
         residual = result.mesh_solution.unloaded_fields
         if fields is not None and found is not None and stresses is not None and pictures:
             poisson, elastic = (
-                result.plan.shown.poisson_ratio,
+                result.plan.reported_body.poisson_ratio,
                 result.mesh_solution.elastic_reference,
             )
             grids = gallery.draw(fields, stresses, found, result.ellipse, poisson, work)

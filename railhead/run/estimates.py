@@ -21,7 +21,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from railhead.planning.accuracy.error_envelopes import STEP, Family, lost
+from railhead.planning.accuracy.error_envelopes import STEP, Family, drop_beside_maximum
 from railhead.planning.effects.material import plasticity
 from railhead.postprocess.findings import RIVAL
 from railhead.postprocess.friction.traction import MOTION
@@ -86,7 +86,7 @@ class Estimate:
         may be the highest is no higher than the error of the largest stress itself."""
         if self.flatness is None:
             return self.total
-        return lost((self.total - self.reading) / self.flatness)
+        return drop_beside_maximum((self.total - self.reading) / self.flatness)
 
 
 def worst(found: Mapping[str, Estimate], solved: MeshSolution) -> float:
@@ -266,12 +266,12 @@ def estimate(levels: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
             mesh,
             scatter.get(name, 0.0),
             overlap * (known.overlap[name] if known is not None else 1.0),
-            solved.plan.left_out,
+            solved.plan.omission_error,
             geometry,
             levels[0].load_step_errors.get(name, 0.0)
             * plasticity.steps(solved.plan.context)
             / solved.plan.load_steps,
-            solved.plan.hidden,
+            solved.plan.profile_error,
             flatness.get(name),
         )
         for name, mesh in parts.items()

@@ -112,7 +112,7 @@ class MeshSolution:
     def family(self) -> Family | None:
         """The calibrated error envelopes that hold for this solution (rank 0); None where there are
         none, as with yield or friction."""
-        return error_envelopes.family(self.setting) if self.plan.plain else None
+        return error_envelopes.family(self.setting) if self.plan.is_elastic_frictionless else None
 
     @property
     def unloaded_fields(self) -> Fields | None:
@@ -233,7 +233,7 @@ def _read(
                 patches=np.array([each.centre for each in findings.patch.each] or [frame.origin]),
             )  # fmt: skip
             findings = replace(findings, dissipated=result["friction"].get("t_gamma_N", math.nan))
-    ellipse = closed_forms.estimate(plan.scene, plan.contact, solution.load or None)
+    ellipse = closed_forms.hertz_contact(plan.scene, plan.contact, solution.load or None)
     space, unknowns = size
     return MeshSolution(
         plan=plan,

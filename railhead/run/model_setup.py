@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from railhead.contact import wheelset_kinematics
 from railhead.contact.solid import Contact
-from railhead.meshing.tags import BODIES, CONTACT, RAIL, SUPPORT, WHEEL
+from railhead.meshing.tags import BODY_NAMES, CONTACT, RAIL, SUPPORT, WHEEL
 from railhead.planning.effects.interface import friction
 from railhead.planning.effects.material import plasticity
 from railhead.planning.patch.forecast import Zone
@@ -62,7 +62,7 @@ def materials(plan: Plan) -> dict[int, Material]:
     """Elastic constants of RAIL and WHEEL as simulated: a body that is not meshed is rigid; where
     yield is simulated, hardening of the bodies that have a yield stress."""
     made = {}
-    for tag, name in BODIES.items():
+    for tag, name in BODY_NAMES.items():
         part = getattr(plan.scene, name)
         young = part.young_modulus if tag in plan.deformable else math.inf
         made[tag] = Material(young, part.poisson_ratio)
@@ -169,7 +169,7 @@ class HertzFarField:
 
     def __call__(self, load: float, body: int, points: Array) -> Array:
         """(load N, RAIL or WHEEL, points (n, 3) mm) -> (n, 3) mm."""
-        hertz = closed_forms.estimate(self.scene, self.contact, load)
+        hertz = closed_forms.hertz_contact(self.scene, self.contact, load)
         part, (lower, mirror) = self.materials[body], _mirrored(body, points)
         return contacts.displacement(hertz, lower, part.young_modulus, part.poisson_ratio) * mirror
 

@@ -88,8 +88,10 @@ def _refine(
             return levels, Ending("Newton's method did not converge")
         if len(levels) >= least and scene.accuracy is not None and worst <= scene.accuracy:
             return levels, Ending("asked accuracy reached")
-        if len(levels) >= least and plan.hidden >= (scene.accuracy or math.inf):
-            return levels, Ending(f"the measured profile leaves {plan.hidden:.1%} open on any mesh")
+        if len(levels) >= least and plan.profile_error >= (scene.accuracy or math.inf):
+            return levels, Ending(
+                f"the measured profile leaves {plan.profile_error:.1%} open on any mesh"
+            )
         if len(levels) > 1 and scene.accuracy is None and math.isfinite(worst):
             return levels, Ending(_spent(scene.budget or 0.0, spent))
         n, covered = comm.bcast(_next(levels, worst, wanted))
@@ -135,7 +137,7 @@ def _spent(budget: float, seconds: float) -> str:
 
 def _asked(plan: Plan) -> float:
     """What of the asked accuracy the plan leaves to the mesh."""
-    return (plan.scene.accuracy or 0.0) - plan.left_out
+    return (plan.scene.accuracy or 0.0) - plan.omission_error
 
 
 def _worst(levels: list[MeshSolution]) -> float:

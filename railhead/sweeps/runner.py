@@ -70,7 +70,7 @@ def _mesh_key(number: int, plan: Plan) -> str:
     """A text that is equal for plans that may share a mesh: elastic and frictionless under given
     loads, without an asked accuracy, with the same effects and the same stretch of elements."""
     scene = plan.scene
-    if scene.load is None or scene.accuracy or scene.budget or not plan.plain:
+    if scene.load is None or scene.accuracy or scene.budget or not plan.is_elastic_frictionless:
         return str(number)
     on = {name: effect.on for name, effect in plan.effects.items()}
     return json.dumps([scene.model_dump(exclude={"load"}), on, plan.grading().stretch])

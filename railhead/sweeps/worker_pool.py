@@ -18,7 +18,7 @@ from typing import Any, Generic, TypeVar
 
 from pebble import ProcessExpired, ProcessPool
 
-from railhead.meshing.apart import die_with_parent
+from railhead.meshing.isolated_process import die_with_parent
 from railhead.run.process import prepare
 
 T = TypeVar("T")

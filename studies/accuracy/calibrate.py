@@ -14,7 +14,7 @@ import numpy as np
 
 from railhead.cli import study
 from railhead.planning import plan as planning
-from railhead.planning.accuracy.error_envelopes import TURNED, Law
+from railhead.planning.accuracy.error_envelopes import TURNED, ErrorEnvelope
 from railhead.run import estimates
 from railhead.run.estimates import QUANTITIES
 from railhead.scene.scene import Scene
@@ -71,7 +71,7 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Recor
         records += [
             Record(
                 part, scene.name, solved.resolution, solved.unknowns, turn.get(key, key),
-                max(abs(found[key] / value - 1) - solved.plan.left_out, 0.0),
+                max(abs(found[key] / value - 1) - solved.plan.omission_error, 0.0),
                 scatter.get(key, 0.0), overlap, scale.get(key, 1.0),
             )
             for key, value in exact.items() if key in found and value
@@ -79,20 +79,20 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Recor
     return records
 
 
-def envelope(n: np.ndarray, errors: np.ndarray) -> Law:
+def envelope(n: np.ndarray, errors: np.ndarray) -> ErrorEnvelope:
     """The law below which all errors lie: slope from the rms at each of the resolutions."""
     at = np.round(np.log(n), 1)
     levels = np.unique(at)
     rms = np.array([np.sqrt(np.mean(errors[at == level] ** 2)) for level in levels])
     slope = -np.polyfit(levels, np.log(np.maximum(rms, LEAST)), 1)[0] if len(levels) > 1 else 1.0
     order = float(np.clip(slope, *ORDERS))
-    return Law(max(HEADROOM * float(np.max(errors * (n / 6.0) ** order)), LEAST), order)
+    return ErrorEnvelope(max(HEADROOM * float(np.max(errors * (n / 6.0) ** order)), LEAST), order)
 
 
-def middle(n: np.ndarray, values: np.ndarray) -> Law:
+def middle(n: np.ndarray, values: np.ndarray) -> ErrorEnvelope:
     """The law of the same slope above and below which are half of the values."""
     order = envelope(n, values).order
-    return Law(max(float(np.median(values * (n / 6.0) ** order)), LEAST), order)
+    return ErrorEnvelope(max(float(np.median(values * (n / 6.0) ** order)), LEAST), order)
 
 
 def fit(

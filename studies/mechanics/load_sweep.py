@@ -75,7 +75,7 @@ def around_smallest(plan: Plan, lowest: float) -> Grading:
     from railhead.meshing.sizing import Grading
     from railhead.planning.references import closed_forms
 
-    small = closed_forms.estimate(plan.scene, plan.contact, lowest)
+    small = closed_forms.hertz_contact(plan.scene, plan.contact, lowest)
     size = min(small.a, small.b) / ELEMENTS_PER_SEMI_AXIS
     angle, coarsest = plan.contact.touch.angle, plan.sizing.coarsest
     return Grading(

@@ -18,7 +18,9 @@ PAIRS = [
 TURNS = [(0.0, 0.0), (0.02, 0.004)]
 
 
-def lowered(pair: Pair, shift: float, yaw: float, roll: float) -> tuple[placement.Touch, Pose]:
+def lowered(
+    pair: Pair, shift: float, yaw: float, roll: float
+) -> tuple[placement.ContactPoint, Pose]:
     """First contact and the wheel's pose in contact."""
     hanging = Pose(turned(yaw, roll), np.array([0.0, shift, 0.0]))
     gap = pair.touches(hanging)[0].gap
@@ -32,7 +34,7 @@ def test_bodies_touch_and_nowhere_overlap(pair, shift, yaw, roll) -> None:
     """In 3-D: no point of the wheel's surface lies below the rail's, and one lies on it."""
     touch, pose = lowered(pair, shift, yaw, roll)
     tread, turn = np.meshgrid(
-        np.linspace(*pair.wheel.domain, 801), touch.turn + np.linspace(-0.1, 0.1, 401)
+        np.linspace(*pair.wheel.domain, 801), touch.axle_angle + np.linspace(-0.1, 0.1, 401)
     )
     radius = pair.rolling_radius + pair.wheel.height(tread)
     local = np.stack([radius * np.sin(turn), tread, -radius * np.cos(turn)], axis=-1)

@@ -111,7 +111,7 @@ def test_rolling_radius_difference_is_continuous_between_jumps() -> None:
     shifts = np.arange(1.0, 4.0, 0.05)
     placed = [place(PAIR, TRACK, shift) for shift in shifts]
     change = np.diff([p.rolling_radius_difference for p in placed])
-    moved = np.abs(np.diff([p.right.touches[0].tread for p in placed]))
+    moved = np.abs(np.diff([p.right.touches[0].wheel_y for p in placed]))
     assert moved.max() < 0.2
     assert np.abs(change).max() < 0.02
 

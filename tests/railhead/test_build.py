@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from railhead.meshing.apart import M_PERTURB
+from railhead.meshing.isolated_process import M_PERTURB
 from railhead.planning import plan as planning
 from railhead.run import build
 from railhead.scene import catalogue

@@ -9,7 +9,7 @@ from solved import solved
 import railhead as rh
 from railhead.planning import plan as planning
 from railhead.planning.accuracy import error_envelopes
-from railhead.planning.accuracy.error_envelopes import Law, Setting
+from railhead.planning.accuracy.error_envelopes import ErrorEnvelope, Setting
 from railhead.planning.cost import machine
 from railhead.results import pipeline, result_folder
 from railhead.run import estimates
@@ -26,8 +26,8 @@ SHIPPED = next(each for each in error_envelopes.families() if each.name == "elli
 KNOWN = replace(
     SHIPPED,
     resolution=(3.0, 8.0),
-    laws={"max_MPa": Law(0.01, 2.0)},
-    reading={"max_MPa": Law(0.0, 1.0)},
+    laws={"max_MPa": ErrorEnvelope(0.01, 2.0)},
+    reading={"max_MPa": ErrorEnvelope(0.0, 1.0)},
     overlap={"max_MPa": 0.5},
 )
 

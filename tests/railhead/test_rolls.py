@@ -79,7 +79,7 @@ def test_points_slip_as_those_of_a_rigid_wheelset(axle: str) -> None:
     for number, shift in enumerate(np.linspace(-4.0, 6.0, 21)):
         given = scene(shift, 2.5e-3 * number, rolling={"from_wheelset": True, "axle": axle})
         contact = geometry.locate(given)
-        moves = wheelset_kinematics.of(contact).creepage
+        moves = wheelset_kinematics.wheelset_creepage(contact).creepage
         touches = contact.touches(0.5)
         several += len(touches) > 1
         for touch in touches:
@@ -175,7 +175,7 @@ def test_patches_and_a_flange_roll_as_half_spaces_do(shift: float, patches: int)
         plan.contact, plan.estimate, hertzian=False, load=80e3, cells=32, profiles=known
     )
     assert len(pressed) == patches
-    moves = wheelset_kinematics.of(plan.contact).creepage
+    moves = wheelset_kinematics.wheelset_creepage(plan.contact).creepage
     limit = MU * sum(each.pressed.force for each in pressed)
     none = np.zeros((0, 3))
     found = FrictionSolution(
@@ -305,7 +305,10 @@ def test_a_further_contact_creeps_as_its_own_radius_says() -> None:
     contact = planning.make(scene(5.0, rolling={"from_wheelset": True, "axle": "nominal"})).contact
     first, *others = contact.touches(0.05)
     assert others
-    slip, known = wheelset_kinematics.rigid_slip(contact), wheelset_kinematics.of(contact).creepage
+    slip, known = (
+        wheelset_kinematics.rigid_slip(contact),
+        wheelset_kinematics.wheelset_creepage(contact).creepage,
+    )
     for touch in (first, *others):
         moved = known.motion @ slip(np.array([[0.0, touch.y, touch.z]]))[:, 0]
         above = (touch.gap + 1e-6) / 460  # the wheel's point over the rail's

@@ -11,7 +11,7 @@ from railhead.contact import dimension
 from railhead.contact.plane_section import FlatContact
 from railhead.meshing.tags import RAIL
 from railhead.planning import plan
-from railhead.planning.references.closed_forms import estimate
+from railhead.planning.references.closed_forms import hertz_contact
 from railhead.run import model_setup
 from railhead.scene import catalogue, unused
 from railhead.scene.scene import Scene, SceneError
@@ -76,7 +76,7 @@ def solved(made: plan.Plan) -> list[float]:
     gap, normal = made.surfaces.gap(RAIL)(np.column_stack([x, y + made.contact.touch.y, heights]))
     length = made.contact.dimension.length if flat else 0.0
     materials = model_setup.materials(made)
-    hertz = estimate(made.scene, made.contact)
+    hertz = hertz_contact(made.scene, made.contact)
     where = made.contact.origin, made.patch_size, made.planes
     return numbers([bodies, gap, normal, length, *materials.values(), hertz, where])
 

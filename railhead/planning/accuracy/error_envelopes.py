@@ -31,7 +31,7 @@ TURNED = {"a_mm": "b_mm", "b_mm": "a_mm"}
 LAWS = Path(__file__).with_name("data") / "laws.json"
 
 
-def lost(beside: float) -> float:
+def drop_beside_maximum(beside: float) -> float:
     """Of a maximum, relative, at a distance from it over its flatness: a parabola."""
     return FLAT * beside**2
 
@@ -62,7 +62,7 @@ class Setting:
 
 
 @dataclass(frozen=True)
-class Law:
+class ErrorEnvelope:
     """Relative error at most value * (6/n)^order."""
 
     value: float
@@ -85,8 +85,8 @@ class Family:
     name: str
     where: Mapping[str, Sequence[Any]]
     resolution: tuple[float, float]
-    laws: Mapping[str, Law]
-    reading: Mapping[str, Law]
+    laws: Mapping[str, ErrorEnvelope]
+    reading: Mapping[str, ErrorEnvelope]
     overlap: Mapping[str, float]
 
     def holds(self, setting: Setting) -> bool:
@@ -130,7 +130,9 @@ class Family:
         """Largest relative error of all quantities at n elements per semi-axis, of a place by
         what is lost there."""
         return max(
-            lost(self.mesh(name, n)) if name in PLACES else self.mesh(name, n) + read(n)
+            drop_beside_maximum(self.mesh(name, n))
+            if name in PLACES
+            else self.mesh(name, n) + read(n)
             for name, read in self.reading.items()
         )
 
@@ -183,8 +185,8 @@ def families() -> tuple[Family, ...]:
             name,
             entry["where"],
             tuple(entry["resolution"]),
-            {key: Law(*law) for key, law in entry["laws"].items()},
-            {key: Law(*law) for key, law in entry["reading"].items()},
+            {key: ErrorEnvelope(*law) for key, law in entry["laws"].items()},
+            {key: ErrorEnvelope(*law) for key, law in entry["reading"].items()},
             entry["overlap"],
         )
         for name, entry in json.loads(LAWS.read_text(encoding="utf-8"))["families"].items()

@@ -6,7 +6,7 @@ import math
 
 from railhead.contact import bodies
 from railhead.geometry.profiles import STANDARD_RAILS
-from railhead.meshing.tags import BODIES
+from railhead.meshing.tags import BODY_NAMES
 from railhead.planning.context import Context, PostSolveVerdict, touching
 from railhead.planning.references import closed_forms
 from railhead.postprocess.findings import Findings
@@ -52,7 +52,7 @@ def thick_bodies(context: Context, found: Findings) -> PostSolveVerdict | None:
         return None
     modulus, patch, limit = closed_forms.contact_modulus(scene), found.patch, context.accuracy
     changes = {}
-    for tag, body in BODIES.items():
+    for tag, body in BODY_NAMES.items():
         if body == "rail" and scene.rail.profile in STANDARD_RAILS:
             continue
         part = scene.rail if body == "rail" else scene.wheel

@@ -44,7 +44,7 @@ def tangential_pair(scene: Scene) -> Pair:
     )
 
 
-def estimate(scene: Scene, contact: Contact, load: float | None = None) -> Hertz:
+def hertz_contact(scene: Scene, contact: Contact, load: float | None = None) -> Hertz:
     """Exact Hertz for the pair under a load (N), by default that or the approach of the scene."""
     load = load if load is not None else scene.load
     if isinstance(contact, FlatContact) and contact.line:
@@ -64,13 +64,13 @@ def ellipse(scene: Scene, contact: Contact, load: float | None = None) -> Ellips
     )
 
 
-def finite(scene: Scene, contact: Contact) -> Hertz:
+def hertz_if_valid(scene: Scene, contact: Contact) -> Hertz:
     """The estimate; SceneError for a load or approach whose patch is larger than the wheel, or too
     small for continuum mechanics or for the coordinates of the bodies."""
     key, value = ("load", scene.load) if scene.load is not None else ("approach", scene.approach)
     try:
         with np.errstate(all="ignore"):
-            found = estimate(scene, contact)
+            found = hertz_contact(scene, contact)
     except (ArithmeticError, ValueError):  # beyond the numbers there are
         text = f"{value:g} makes no patch with these radii and moduli; give values of real bodies"
         raise SceneError(key, text) from None
@@ -87,7 +87,7 @@ def finite(scene: Scene, contact: Contact) -> Hertz:
     )
 
 
-def parabolic(contact: Contact, ellipse: Ellipse) -> bool:
+def gap_is_quadratic(contact: Contact, ellipse: Ellipse) -> bool:
     """Whether the exact gap over the ellipse and a little beyond is Hertz's, and nothing else is
     within reach of the approach."""
     touch = contact.touch

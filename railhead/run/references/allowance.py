@@ -103,7 +103,7 @@ def _bodies(plan: Plan, surface: Developed) -> list[_Body]:
         else:
             low, high = plan.contact.profiles["wheel"][0].domain
             half = (wheel.width or math.inf) / 2
-            ends = max(low - touch.tread, -half), min(high - touch.tread, half)
+            ends = max(low - touch.wheel_y, -half), min(high - touch.wheel_y, half)
         found.append(_Body(weight, part.poisson_ratio, bodies.depth(scene, tag), ends))
     return found
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from railhead.contact import wheelset_kinematics
-from railhead.contact.wheelset_kinematics import Wheelset
+from railhead.contact.wheelset_kinematics import WheelsetCreepage
 from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.references import closed_forms
 from railhead.postprocess.findings import Findings
@@ -34,7 +34,7 @@ def decide(context: Context) -> Effect:
             f"{force:g} N would slide; give less than friction.coefficient times the normal force, "
             f"{limit:g} N",
         )
-    wheelset = rolled(context)
+    wheelset = wheelset_creepage(context)
     _fits_the_section(context)
     untouched = "no tangential force and no creepage"
     if not asked.coefficient and scene.rolling.prescribed:
@@ -58,7 +58,7 @@ def decide(context: Context) -> Effect:
     else:
         called, why = (
             True,
-            f"it resists the slip of unlike materials, Dundurs' beta = {mismatch(scene):.3g}",
+            f"it resists the slip of unlike materials, Dundurs' beta = {dundurs_beta(scene):.3g}",
         )
     if called and scene.mesh.linear and scene.effects.friction != "off":
         raise SceneError(
@@ -77,10 +77,10 @@ def grows(scene: Scene) -> bool:
 
 def unlike(scene: Scene) -> bool:
     """Whether bodies slip when they are pressed together: Dundurs' beta != 0."""
-    return abs(mismatch(scene)) > NO_MISMATCH
+    return abs(dundurs_beta(scene)) > NO_MISMATCH
 
 
-def mismatch(scene: Scene) -> float:
+def dundurs_beta(scene: Scene) -> float:
     """Dundurs' beta."""
     rail, wheel = scene.rail, scene.wheel
     return hertz.dundurs_beta(
@@ -97,16 +97,16 @@ def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict
     )
 
 
-def rolled(context: Context) -> Wheelset | None:
+def wheelset_creepage(context: Context) -> WheelsetCreepage | None:
     """How the wheel creeps where it is the wheelset that says so. Raises SceneError."""
     if not context.scene.rolling.from_wheelset:
         return None
-    return wheelset_kinematics.of(context.contact)
+    return wheelset_kinematics.wheelset_creepage(context.contact)
 
 
 def creepage(context: Context) -> Creepage:
     """What is given, or the wheelset's; 0 where it is not."""
-    rolling, wheelset = context.scene.rolling, rolled(context)
+    rolling, wheelset = context.scene.rolling, wheelset_creepage(context)
     if wheelset:
         return wheelset.creepage
     return Creepage(rolling.creepage_along or 0.0, rolling.creepage_across or 0.0, rolling.spin)

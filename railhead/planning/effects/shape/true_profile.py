@@ -8,8 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from railhead.contact.solid import Contact
-from railhead.geometry.osculating import osculating
-from railhead.geometry.profiles import Arc, Polynomial
+from railhead.geometry.profiles import Arc, Polynomial, osculating
 from railhead.planning.context import Context, Effect, PostSolveVerdict, touching
 from railhead.postprocess.findings import Findings
 

@@ -14,18 +14,22 @@ M_PERTURB = -6  # glibc: what fills memory that is freed, and, inverted, memory 
 _context = multiprocessing.get_context("fork")
 
 
-class ApartError(RuntimeError):
+class IsolatedProcessError(RuntimeError):
     """The process gave nothing; the text says why, in one line."""
 
 
 def run(
-    work: Callable[..., Any], *arguments: Any, seconds: float,
+    work: Callable[..., Any],
+    *arguments: Any,
+    seconds: float,
     meanwhile: Callable[[], object] = lambda: None,
-) -> Any:  # fmt: skip
-    """What `work` gives in a child of this process. ApartError where it raises, crashes, or takes
-    more than so many seconds; meanwhile: what this
-    process does until it waits. (Not by pebble, whose thread tells of a child that a signal ends
-    together with its parent by a traceback.)"""
+) -> Any:
+    """Call `work(*arguments)` in a child process and return what it returns.
+
+    seconds: limit of its time. meanwhile: called in this process before it waits. Raises
+    IsolatedProcessError where `work` raises, crashes or takes longer. (Not by pebble, whose thread
+    prints a traceback where a signal ends child and parent together.)
+    """
     mine, its = _context.Pipe()
     process = _context.Process(target=_serve, args=(its, work, arguments), daemon=True)
     process.start()
@@ -33,16 +37,16 @@ def run(
     try:
         meanwhile()
         if not mine.poll(seconds):
-            raise ApartError(f"not done after {seconds:.0f} s")
+            raise IsolatedProcessError(f"not done after {seconds:.0f} s")
         found, problem = mine.recv()
     except EOFError:
         process.join()
-        raise ApartError(f"it crashed (signal {-(process.exitcode or 0)})") from None
+        raise IsolatedProcessError(f"it crashed (signal {-(process.exitcode or 0)})") from None
     finally:
         process.kill()
         process.join()
     if problem:
-        raise ApartError(problem)
+        raise IsolatedProcessError(problem)
     return found
 
 

@@ -6,8 +6,8 @@ import time
 
 import pytest
 
-from railhead.meshing import apart
-from railhead.meshing.apart import ApartError
+from railhead.meshing import isolated_process
+from railhead.meshing.isolated_process import IsolatedProcessError
 
 
 def double(value: int) -> int:
@@ -23,13 +23,15 @@ def refuse() -> None:
 
 
 def test_what_the_work_gives_comes_back() -> None:
-    assert apart.run(double, 21, seconds=60) == 42
+    assert isolated_process.run(double, 21, seconds=60) == 42
 
 
 def test_the_parent_works_meanwhile() -> None:
     """The child waits for a word that only the parent's own work gives."""
     asked, told = os.pipe()
-    found = apart.run(os.read, asked, 1, seconds=20, meanwhile=lambda: os.write(told, b"y"))
+    found = isolated_process.run(
+        os.read, asked, 1, seconds=20, meanwhile=lambda: os.write(told, b"y")
+    )
     assert found == b"y"
 
 
@@ -42,5 +44,5 @@ def test_the_parent_works_meanwhile() -> None:
     ],
 )
 def test_what_goes_wrong_is_one_line(work, arguments, seconds: float, why: str) -> None:
-    with pytest.raises(ApartError, match=why):
-        apart.run(work, *arguments, seconds=seconds)
+    with pytest.raises(IsolatedProcessError, match=why):
+        isolated_process.run(work, *arguments, seconds=seconds)
