@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 
 MOTION = {True: ("creepage_along", "creepage_across", "spin_per_mm"),
           False: ("shift_along_mm", "shift_across_mm", "turn_rad")}  # fmt: skip
-LOADS = "force_along_N", "force_across_N", "moment_Nmm", "traction_max_MPa"
+LOADS = "force_along_N", "force_across_N", "moment_Nmm"
+RESOLVED = 0.05  # relative: a quantity of friction that may be off by more is not signed
+WEAR = "t_gamma_N", "wear_number_N", "power_W", "t_gamma_over_area_MPa", "wear_regime"
 
 
 def wear_number(found: FrictionSolution, centres: Array) -> float:
@@ -46,9 +48,9 @@ def quantities(
     mu N; the wheel's motion over the rail; the share of the patch's area that sticks; the largest
     traction, MPa. Rolling, T-gamma: the energy dissipated per rolled length, N, as tractions
     times rigid slip, of unlike bodies, which creep without a force, times slip; with a speed
-    in m/s the power in W; British Rail's wear number, T-gamma without spin: force times mean
-    creepage of the patch with the largest, of those with centres (k, 3), mm. Of a cycle, the
-    energy that slip dissipates in it, N mm."""
+    in m/s the power in W; of like bodies British Rail's wear number, T-gamma without spin: force
+    times mean creepage of the patch with the largest, of those with centres (k, 3), mm. Of a
+    cycle, the energy that slip dissipates in it, N mm."""
     touches = found.pressure > 0
     share = found.weights[found.sticks].sum() / found.weights[touches].sum()
     out: dict[str, Any] = {
@@ -70,7 +72,7 @@ def quantities(
         out["t_gamma_N"] = wear
         if like and found.without_creepage is not None:
             out |= _resolution(out, found.without_creepage, found.rigid_motion)
-        if patches is not None:
+        if like and patches is not None:
             out["wear_number_N"] = wear_number(found, patches)
         if speed is not None:
             out["power_W"] = wear * speed
@@ -80,18 +82,29 @@ def quantities(
 def _resolution(
     out: Mapping[str, Any], still: FrictionSolution, motion: tuple[float, float, float]
 ) -> dict[str, Any]:
-    """ "resolution": by quantity what bodies and mesh have without creepage, where like
-    half-spaces have no traction and stick everywhere; of the stick share also the largest share of
-    a contact point. "below_resolution": names of those to which the motion adds no more than that;
-    where what slips is not resolved, neither is the largest traction, which lies at its border."""
+    """What the motion adds to the solution `still` without creepage, where like half-spaces have no
+    traction and stick everywhere.
+
+    "resolution": by quantity what bodies and mesh have there, in the quantity's unit; of the stick
+    share also the largest share of a contact point. "below_resolution": names of forces, moment
+    and T-gamma of which that is more than RESOLVED, and of what follows from them; of the stick
+    share where what slips is no more than that; of the largest traction, which lies at the border
+    of stick and grows as the square root of what slips, where it is off by more than RESOLVED.
+    """
     rest = quantities(still, rolling=False, like=True, speed=None, cycle=False)
-    rest["t_gamma_N"] = sum(rest[name] * each for name, each in zip(LOADS, motion, strict=False))
-    limits = {name: abs(rest[name]) for name in (*LOADS, "t_gamma_N")}
+    rest["t_gamma_N"] = sum(rest[name] * each for name, each in zip(LOADS, motion, strict=True))
+    limits = {name: abs(rest[name]) for name in (*LOADS, "traction_max_MPa", "t_gamma_N")}
     point = still.weights.max() / still.weights[still.pressure > 0].sum()
     limits["stick_share"] = float(1 - rest["stick_share"] + point)
-    below = {name for name in LOADS if 0 < abs(out[name] - rest[name]) <= limits[name]}
-    if 0 < abs(out["t_gamma_N"] - rest["t_gamma_N"]) <= limits["t_gamma_N"]:
-        below.add("t_gamma_N")
-    if 1 - out["stick_share"] <= limits["stick_share"]:
-        below |= {"stick_share", "traction_max_MPa"}
+    below = {name for name in (*LOADS, "t_gamma_N") if limits[name] > RESOLVED * abs(out[name])}
+    if "t_gamma_N" in below:
+        below |= set(WEAR)
+    force, drift = (np.hypot(*(each[name] for name in LOADS[:2])) for each in (out, rest))
+    if drift > RESOLVED * force:
+        below.add("traction_coefficient")
+    slips = 1 - out["stick_share"]
+    if slips <= limits["stick_share"]:
+        below.add("stick_share")
+    if limits["stick_share"] > 2 * RESOLVED * slips:
+        below |= {"traction_max_MPa", "surface_fatigue_index"}
     return {"resolution": limits, "below_resolution": sorted(below)}

@@ -120,22 +120,21 @@ def friction(
     both = list(zip(("along", "across"), found.force, found.rigid_motion, strict=False))
     off = [abs(force - other[name]) / found.friction_limit
            for way, force, _ in both if (name := f"force_{way}_N") in other]  # fmt: skip
-    room = ROUGH + other.get("grid_error", 0.0)
-    drift = solved.result.get("friction", {}).get("resolution", {})
-    rolled = [
-        MISS * (estimates[name].total + drift[name] / found.friction_limit)
-        for name in ("force_along_N", "force_across_N")
-        if name in estimates and name in drift
-    ]
-    if rolled:
-        room = max(rolled) + other.get("grid_error", 0.0)
+    room = ROUGH
+    names = ("force_along_N", "force_across_N")
+    if drift := solved.result.get("friction", {}).get("resolution"):
+        own = [MISS * estimates[name].total for name in names if name in estimates]
+        room *= math.hypot(*found.force) / found.friction_limit
+        room = max(own, default=room)
+        room += MISS * math.hypot(*(drift[name] for name in names)) / found.friction_limit
+    room += other.get("grid_error", 0.0)
     if off and scene.rolling.prescribed:
         out.append(
             Check(
                 "second_opinion_friction", max(off), room,
-                f"half-spaces with friction, over mu N; {MISS:g} times the estimate and what is "
-                f"found without creepage, or without an estimate {ROUGH:g}; the error of their "
-                "grid",
+                f"half-spaces with friction, over mu N; {MISS:g} times the estimate, or without "
+                f"one {ROUGH:g} of the force (unlike bodies: of mu N); {MISS:g} times what is "
+                "found without creepage; the error of their grid",
                 FINER,
             )
         )  # fmt: skip

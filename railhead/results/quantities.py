@@ -93,8 +93,7 @@ def friction(summary: Mapping[str, Any]) -> list[Row]:
     """Forces of the wheel on the rail, its motion and stick, beside other methods."""
     found = (summary["result"] or {}).get("friction") or {}
     others = (summary.get("half_space_friction") or {}).items()
-    bound = summary["accuracy"]["bound"]
-    bound = bound | dict.fromkeys(found.get("below_resolution", ()), "below resolution")
+    bound = summary["accuracy"]["bound"] | _unresolved(found)
     return [
         {
             "quantity": label,
@@ -113,10 +112,20 @@ def steel(summary: Mapping[str, Any]) -> list[Row]:
     """What pressure and tractions do to the steel."""
     found = (summary["result"] or {}).get("friction") or {}
     return [
-        {"quantity": label, "unit": unit, "FE": _get(found, (key,))}
+        {
+            "quantity": label,
+            "unit": unit,
+            "FE": _get(found, (key,)),
+            "estimate": _unresolved(found).get(key),
+        }
         for label, unit, key in STEEL
         if key in found
     ]
+
+
+def _unresolved(friction: Mapping[str, Any]) -> dict[str, Cell]:
+    """The words in the place of an estimate, by the name of a quantity below its resolution."""
+    return dict.fromkeys(friction.get("below_resolution", ()), "below resolution")
 
 
 def everything(summary: Mapping[str, Any]) -> Iterator[Row]:

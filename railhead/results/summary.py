@@ -29,7 +29,9 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
     hertz = exact_quantities(solved)
     newton, cost, plain = solution.newton, ending.would_cost, solved.elastic_reference
     known, source = estimates.estimate(levels)
-    bound = {name: each.total for name, each in known.items()}
+    found_friction = (solved.result or {}).get("friction", {})
+    unresolved = found_friction.get("below_resolution", [])
+    bound = {name: each.total for name, each in known.items() if name not in unresolved}
     reached = None
     if scene.accuracy is not None and solved.result is not None:
         reached = bool(estimates.worst(known, solved) <= scene.accuracy)

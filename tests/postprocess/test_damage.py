@@ -63,6 +63,13 @@ def test_the_place_in_the_map_is_said(used: float, ratio: float, line: bool, sta
     assert found["shakedown"] == state
 
 
+def test_a_line_of_which_a_part_sticks_has_a_lower_limit_than_one_that_slips() -> None:
+    """0.84 mu P at mu 0.4: 2.141; all of it slipping it is 2.316."""
+    for used, limit in ((0.336, 2.141), (0.4, 2.316)):
+        found = answers(result(used, 900.0, 560.0), MU, None, poisson=0.3, rolling=True, line=True)
+        assert found["shakedown_limit_p0_over_k"] == pytest.approx(limit, abs=2e-3)
+
+
 @pytest.mark.parametrize("line, used, state", [
     (True, 0.2, "ratchets"), (False, 0.2, "ratchets"), (False, 0.0, "ratchets"),
 ])  # fmt: skip
@@ -95,7 +102,7 @@ def test_the_wear_number_leaves_spin_out_and_is_that_of_one_patch() -> None:
     weights = np.full(len(points), 0.01)
     found = SimpleNamespace(
         points=points, weights=weights, pressure=weights * 100, traction=traction,
-        rigid=creepage + spin,
+        rigid_slip=creepage + spin,
     )  # fmt: skip
     number = wear_number(found, np.array([[0.0, 0.0, 0.0], [0.0, 20.0, 0.0]]))
     assert number == pytest.approx(0.01 * len(disc) * 0.3 * 3e-3)

@@ -229,6 +229,7 @@ def test_unlike_strips_are_signed(wheel: float) -> None:
     assert summary["checks"]["limits"]["second_opinion_friction"][0] == pytest.approx(
         checks.ROUGH + other["grid_error"]
     )
+    assert "t_gamma_N" not in other and "wear_number_N" not in summary["result"]["friction"]
 
 
 @pytest.fixture(scope="module")

@@ -159,10 +159,11 @@ def test_the_border_of_stick_is_carter_s(coefficient: float, share: float) -> No
     assert found.as_dict()["effects_after"]["plasticity"]["needed"]
 
 
-@pytest.mark.parametrize("creepage", [1e-7, 1e-6, 1e-4])
+@pytest.mark.parametrize("creepage", [1e-7, 1e-6, 1e-4, 3e-4])
 def test_what_is_not_resolved_is_said(creepage: float) -> None:
-    """Carter's force is off by at most 1.5 times what is found without creepage, or 4 %; a share
-    of stick and a largest traction that are farther off are below the resolution."""
+    """Carter's force is off by at most 1.5 times what is found without creepage, or 4 %. It is
+    below the resolution where that is more than 5 % of it, as at 1e-6 (15 %), with all that
+    follows; a share of stick and a largest traction that are farther off are, too."""
     scene = plane(0.3, rolling={"creepage_along": creepage}, mesh={"patch_size": 0.4})
     found = rh.solve(scene, quiet=True)
     answer, exact = friction(found), found.as_dict()["half_space_friction"]["Carter"]
@@ -170,11 +171,15 @@ def test_what_is_not_resolved_is_said(creepage: float) -> None:
     for name in ("force_along_N", "t_gamma_N"):
         room = max(1.5 * answer["resolution"][name], 0.04 * exact[name])
         assert answer[name] == pytest.approx(exact[name], abs=room)
-        assert (name in unknown) == (creepage == 1e-7)
+        assert (name in unknown) == (creepage < 1e-4)
+    for name in ("power_W", "wear_number_N", "t_gamma_over_area_MPa", "traction_coefficient"):
+        assert (name in unknown) == (creepage < 1e-4)
     border = 1 - 2 * exact["stick_share"]
     traction = 0.3 * found.ellipse.p0 * math.sqrt(1 - border**2)
-    for name, true in (("stick_share", exact["stick_share"]), ("traction_max_MPa", traction)):
-        assert (name in unknown) == (creepage < 1e-4)
+    for name, true, least in (
+        ("stick_share", exact["stick_share"], 1e-4), ("traction_max_MPa", traction, 3e-4)
+    ):  # fmt: skip
+        assert (name in unknown) == (creepage < least)
         assert name in unknown or answer[name] == pytest.approx(true, rel=0.05)
     assert ("below resolution" in terminal.text(found.show)) == bool(unknown)
 

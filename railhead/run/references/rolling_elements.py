@@ -95,7 +95,7 @@ def _on_grid(asked: Asked, patches: Sequence[Patch]) -> Opinion:
     sticks, touches = np.sum([each.areas for each in sheared], axis=0)
     largest = max(float(np.linalg.norm(each.traction, axis=0).max()) for each in sheared)
     out = named(forces, sticks / touches) | {"traction_max_MPa": largest}
-    if asked.rolling:
+    if asked.rolling and asked.like:
         out["t_gamma_N"] = scale * sum(each.t_gamma for each in sheared)
     elif asked.shifts:
         shift = sheared[0].creepage
