@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 from railhead.postprocess.findings import Array
 from railhead.solver.fields import Fields
-from railhead.solver.material.elasticity import quadrature_degree
-from railhead.solver.space.cells import inverse, middle, tabulate
+from railhead.solver.space.cells import centroid, inverse, quadrature_degree, tabulate
 
 OUT = np.diag([0.0, 1.0, 0.0])  # the hoop direction of a meridian section
 ROW, COLUMN = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])
@@ -63,7 +62,7 @@ def before_yield(
     if fields.kinematics.averaged:
         dilatation = _mean_strain(fields, cells)
     elif fields.kinematics.mean_dilatation:
-        _, dilatation, _ = _strain(fields, cells, middle(fields.cell))
+        _, dilatation, _ = _strain(fields, cells, centroid(fields.cell))
     lam, mu = fields.lame[cells].T[..., None, None]
     trace = np.trace(dilatation, axis1=1, axis2=2)[:, None, None]
     stress = lam * trace * np.eye(3) + 2 * mu * strain

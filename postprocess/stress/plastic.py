@@ -13,8 +13,8 @@ from railhead.meshing.tags import BODY_NAMES
 from railhead.postprocess.findings import Array, Frame, Place
 from railhead.postprocess.stress.gauss_points import at_gauss, before_yield, gauss
 from railhead.solver.fields import Fields
-from railhead.solver.material.elasticity import quadrature_degree
 from railhead.solver.solution import PlasticSolution
+from railhead.solver.space.cells import quadrature_degree
 from railhead.theory.elastic.subsurface import von_mises
 
 TRACE = 1e-9  # plastic strain below which a point has not yielded: rounding

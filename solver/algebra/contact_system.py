@@ -22,11 +22,11 @@ from railhead.solver.algebra.reactions import SupportReactions
 from railhead.solver.algebra.stiffness import Stiffness
 from railhead.solver.interface import jumps
 from railhead.solver.interface.jumps import Interface
-from railhead.solver.material.elasticity import Bulk, assemble, quadrature_degree
+from railhead.solver.material.elasticity import assemble
 from railhead.solver.setup import Setup
 from railhead.solver.solution import Solution
 from railhead.solver.space import constraints, transfer
-from railhead.solver.space.cells import Array
+from railhead.solver.space.cells import Array, Bulk, quadrature_degree
 from railhead.solver.space.facets import FacetSet
 from railhead.solver.space.operators import vector
 

@@ -18,29 +18,37 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from railhead.solver.interface.laws import ContactLaw
-from railhead.solver.material.elasticity import quadrature_degree
-from railhead.solver.space.cells import Array, Index
+from railhead.solver.space.cells import Array, Index, quadrature_degree
 from railhead.solver.space.facets import FacetSet
 from railhead.solver.space.operators import assemble_rows
 from railhead.solver.space.pairing import pair
 
-SECTION_RULE = 15  # degree of the contact quadrature in a section, where points cost nothing: it
-# integrates across the master's element edges, and the error of the pressure falls tenfold
-LAYERED = 2.0  # times the trace bound in hexahedra and quadrilaterals: where Poisson's ratio is
-# small, a layer of them, stretched as one against what touches it, attains the bound in each cell
-# and costs nothing. Tetrahedra around a facet share their corners with some that have none.
+SECTION_QUADRATURE = 15  # degree of the contact quadrature in a plane section, where points are
+# cheap: it integrates across the master's element edges, and the pressure's error falls tenfold
+LAYER_FACTOR = 2.0  # of the trace bound in hexahedra and quadrilaterals. Where Poisson's ratio is
+# small, a whole layer of them that is stretched attains the bound in each cell at no other cost.
+# Tetrahedra at a facet share their corners with others that have no contact facet.
 Gap = Callable[[Array], tuple[Array, Array]]
 """Exact surfaces: points in space (n, 3) on the slave -> (initial gap (n,), its normal (n, 3))."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Interface:
-    """n local quadrature points of the contact surface, and the two operators on all dofs.
+    """n local quadrature points of the slave's contact surface, and the operators N and S on all
+    dofs.
 
-    points (n, c) mm, weights (n,) mm2, initial_gap (n,) mm, normals (n, c), with c coordinates;
-    trace_bound (n,): sharp bound of a cell's normal stress on the facet, MPa/mm; layered: whether
-    cells lie in layers; facet (n,) and xi (n, c - 1): place on the slave facets; master: None where
-    it is rigid.
+    slave: facets of the slave, of this rank.
+    master: facets of the master, of this rank; None where it is rigid.
+    points: (n, c) mm, in the c coordinates of the mesh.
+    weights: area of each point (n,), mm2.
+    initial_gap: g0 (n,), mm.
+    normals: (n, c) outward unit normals of the slave's exact surface.
+    trace_bound: see the function `trace_bound`, of the facet of each point (n,), MPa/mm.
+    layered: whether the cells are hexahedra or quadrilaterals, which lie in layers.
+    facet: facet of the slave that each point lies on (n,).
+    xi: coordinates of each point in its facet (n, c - 1).
+    gap: N.
+    stress: S, MPa/mm.
     """
 
     slave: FacetSet
@@ -57,9 +65,10 @@ class Interface:
     stress: PETSc.Mat
 
     def stiffness_bound(self, law: ContactLaw) -> Array:
-        """(n,) what the law's parameter is a multiple of, MPa/mm: for Nitsche's method the smallest
-        stable one. A penalty is stable at any, and twice as much makes its pressure waver more."""
-        return LAYERED * self.trace_bound if self.layered and law.sigma else self.trace_bound
+        """What the parameter of a law is a multiple of (n,), MPa/mm: for Nitsche's method the
+        smallest stable one. A penalty is stable at any, and a larger one makes its pressure
+        oscillate more."""
+        return LAYER_FACTOR * self.trace_bound if self.layered and law.sigma else self.trace_bound
 
 
 def build(
@@ -68,15 +77,16 @@ def build(
     exact: Gap,
     local_dofs: int,
     comm: MPI.Intracomm,
-    degree: int | None = None,
 ) -> Interface:
-    """Pair the surfaces and build N and S; master None is a rigid counterface.
+    """Pair the surfaces and assemble N and S (collective).
 
-    local_dofs: owned dofs of the displacement space on this rank. Points whose normal misses the
-    master surface cannot touch it and are left out.
+    slave, master: facets of this rank; master None is a rigid counterface.
+    exact: exact initial gap.
+    local_dofs: number of owned dofs of the displacement space on this rank.
+    Points whose normal misses the master surface cannot touch it and are left out.
     """
     flat = slave.kinematics.dim == 2
-    order = degree or (SECTION_RULE if flat else 2 * slave.degree + 1)
+    order = SECTION_QUADRATURE if flat else 2 * slave.degree + 1
     (facet, xi), weights = slave.quadrature(order)
     points, _ = slave.tangents(facet, xi)
     initial_gap, normals = _exact(slave, exact, points)
@@ -103,27 +113,37 @@ def build(
     bound = trace_bound(slave, exact, 2 * slave.degree)[facet]
     total = comm.allreduce(local_dofs)
     return Interface(
-        slave, master, points, weights, initial_gap, normals, bound,
-        slave.cell in ("hexahedron", "quadrilateral"), facet, xi,
-        assemble_rows(blocks, len(facet), local_dofs, total, comm),
-        assemble_rows([(dofs, traction)], len(facet), local_dofs, total, comm),
-    )  # fmt: skip
+        slave=slave,
+        master=master,
+        points=points,
+        weights=weights,
+        initial_gap=initial_gap,
+        normals=normals,
+        trace_bound=bound,
+        layered=slave.cell in ("hexahedron", "quadrilateral"),
+        facet=facet,
+        xi=xi,
+        gap=assemble_rows(blocks, len(facet), local_dofs, total, comm),
+        stress=assemble_rows([(dofs, traction)], len(facet), local_dofs, total, comm),
+    )
 
 
 def _exact(slave: FacetSet, exact: Gap, points: Array) -> tuple[Array, Array]:
-    """The exact gap and normal at points (n, c) of the mesh."""
+    """Exact gap (n,) and normals (n, c) at points (n, c), in the coordinates of the mesh."""
     gap, normals = exact(slave.kinematics.lift(points))
     return gap, slave.kinematics.flatten(normals)
 
 
 def trace_bound(slave: FacetSet, exact: Gap, degree: int) -> Array:
-    """(m,) smallest stable tau of each facet F of cell K, MPa/mm: the largest eigenvalue of
+    """Smallest stable parameter tau (m,) of each facet F of its cell K, MPa/mm: the largest
+    eigenvalue of
 
         int_F (n . sigma(v) . n)^2 = tau a_K(v, v)   over the shape functions v of K.
 
-    The trace-inverse constant (Warburton and Hesthaven 2003 bound it by
-    (k+1)(k+3)/3 A/V (lambda + 2 mu) on straight tetrahedra) computed for the cell as it is: any
-    shape, order, curvature and material. A cell with several contact facets shares its energy.
+    This is the constant of the trace-inverse inequality, computed for the cell as it is, of any
+    shape, order, curvature and material. Warburton and Hesthaven 2003 bound it by
+    (k+1)(k+3)/3 A/V (lambda + 2 mu) on straight tetrahedra. A cell with several contact facets
+    shares its energy among them. degree: of the quadrature on the facets.
     """
     count = len(slave)
     if not count:  # this rank holds no part of the contact surface
@@ -144,7 +164,8 @@ def trace_bound(slave: FacetSet, exact: Gap, degree: int) -> Array:
 
 
 def _cell_stiffness(slave: FacetSet) -> Array:
-    """(m, cd, cd) stiffness of each cell, made regular on rigid motions (which carry no stress)."""
+    """Stiffness of each cell (m, cd, cd), with a stiffness added on rigid motions, which carry no
+    stress, so that it is regular."""
     kinematics = slave.kinematics
     order = quadrature_degree(slave.cell, slave.degree, kinematics)
     gradients, traces, volumes = slave.cell_strains(order)
@@ -175,7 +196,8 @@ def _cell_stiffness(slave: FacetSet) -> Array:
 
 
 def normal_stress(slave: FacetSet, facet: Index, reference: Array, normals: Array) -> Array:
-    """(n, d, c) coefficients of n . sigma(u) . n at reference points of the slave's cells."""
+    """Coefficients (n, d, c) of n . sigma(u) . n at reference points of the slave's cells,
+    MPa/mm."""
     _, gradient = slave.basis(facet, reference)
     trace = slave.divergence(facet, reference)
     lam, mu = slave.lame[facet].T[..., None, None]

@@ -1,4 +1,4 @@
-"""The contact surface of the master: what a solution says at its nodes."""
+"""The deformed contact surface of the master, at its nodes."""
 
 from __future__ import annotations
 
@@ -12,15 +12,19 @@ from railhead.solver.space.cells import Array
 from railhead.solver.space.facets import FacetSet, facet_closure
 from railhead.solver.space.pairing import pair
 
-ROUNDS = 4  # of following a normal
-MISSED, FACETED = 0.1, 0.02  # of the gap and of a facet, by which a normal may miss its node
+ITERATIONS = 4  # of the search for the normal that ends at a node
+MISS_PER_GAP, MISS_PER_FACET = 0.1, 0.02  # by which that normal may miss, of gap and facet length
 
 
 @dataclass(frozen=True)
 class MasterSurface:
-    """n nodes on f facets of the master at which normals of the slave end: facet_nodes (f, k), of
-    each facet in `Fields.points`, corners first, basix order; nodes (n,) of all of them; gap (n,)
-    mm between the deformed surfaces, along the slave's normal."""
+    """The nodes of the master's contact surface at which normals of the slave end.
+
+    facet_nodes: (f, k) nodes of the facets whose nodes all are such, rows of `Fields.points`,
+        corners first, basix order.
+    nodes: (n,) all nodes of these facets.
+    gap: (n,) between the deformed surfaces along the slave's normal, mm.
+    """
 
     facet_nodes: NDArray[np.int64]
     nodes: NDArray[np.int64]
@@ -28,7 +32,7 @@ class MasterSurface:
 
 
 def outer_nodes(facets: FacetSet) -> NDArray[np.int64]:
-    """(m, k) nodes of each facet, corners first, basix order."""
+    """Nodes (m, k) of each facet, corners first, basix order."""
     closure = facet_closure(facets.cell, facets.degree)
     return np.take_along_axis(facets.dofs, closure[facets.local_facet], axis=1)
 
@@ -36,17 +40,21 @@ def outer_nodes(facets: FacetSet) -> NDArray[np.int64]:
 def master_surface(
     slave: FacetSet, master: FacetSet, exact: Gap, points: Array, displacement: Array
 ) -> MasterSurface:
-    """g0 + n . (u_master - u_slave) at the points of the slave whose normals end at the master's
-    nodes; these are found by following the normal that the slave has there, until it meets.
+    """The master's nodes that face the slave, with the gap g0 + n . (u_master - u_slave).
 
-    slave, master: facets of all ranks. points, displacement (n, 3) of all nodes, in space, mm.
+    The point of the slave that faces a node is searched by following the normal that the slave has
+    at the last guess, `ITERATIONS` times.
+
+    slave, master: facets of all ranks.
+    exact: exact initial gap.
+    points, displacement: of all nodes (n, 3), in space, mm.
     """
     faces = outer_nodes(master)
     nodes = np.unique(faces)
     kinematics = slave.kinematics
     placed = kinematics.flatten(points[nodes] - np.array(kinematics.offset))
     gap, normals = exact(points[nodes])
-    for _ in range(ROUNDS):
+    for _ in range(ITERATIONS):
         partner, xi = pair(placed, kinematics.flatten(normals), slave)
         seen = np.isfinite(gap) & (partner >= 0)
         nodes, placed, partner, xi = nodes[seen], placed[seen], partner[seen], xi[seen]
@@ -55,7 +63,7 @@ def master_surface(
     gap = np.where(np.isfinite(gap), gap, np.nan)
     missed = placed - below - gap[:, None] * kinematics.flatten(normals)
     size = np.linalg.norm(slave.vertices[partner, 1] - slave.vertices[partner, 0], axis=1)
-    seen = np.linalg.norm(missed, axis=1) < MISSED * gap + FACETED * size
+    seen = np.linalg.norm(missed, axis=1) < MISS_PER_GAP * gap + MISS_PER_FACET * size
     nodes, gap, normals = nodes[seen], gap[seen], normals[seen]
     partner, xi = partner[seen], xi[seen]
     phi, _ = slave.basis(partner, slave.reference(partner, xi))

@@ -1,4 +1,4 @@
-"""The bulk: small-strain isotropic linear elasticity, assembled once."""
+"""Small-strain isotropic linear elasticity: Lame's constants, and the stiffness matrix."""
 
 from __future__ import annotations
 
@@ -9,18 +9,22 @@ import dolfinx.fem.petsc  # noqa: F401
 import numpy as np
 import ufl
 from dolfinx import fem
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from railhead.solver import compat
 from railhead.solver.material.hardening import Hardening
+from railhead.solver.space.cells import Bulk, quadrature_degree
 from railhead.solver.space.kinematics import SOLID, Kinematics
 
 
 @dataclass(frozen=True)
 class Material:
-    """Isotropic solid. E in MPa (math.inf: rigid), nu in [0, 0.5); hardening: how it yields, None
-    where it stays elastic."""
+    """Isotropic solid.
+
+    young_modulus: E, MPa; math.inf: rigid.
+    poisson_ratio: nu, in [0, 0.5).
+    hardening: flow curve; None: it stays elastic.
+    """
 
     young_modulus: float
     poisson_ratio: float
@@ -28,31 +32,9 @@ class Material:
 
     @property
     def lame(self) -> tuple[float, float]:
-        """(lambda, mu) in MPa."""
+        """Lame's constants (lambda, mu), MPa."""
         e, nu = self.young_modulus, self.poisson_ratio
         return e * nu / ((1 + nu) * (1 - 2 * nu)), e / (2 * (1 + nu))
-
-
-@dataclass(frozen=True)
-class Bulk:
-    """Displacement space of all bodies of one mesh.
-
-    lame: (cells, 2) lambda and mu of every local cell, MPa.
-    """
-
-    space: Any
-    lame: NDArray[np.float64]
-    degree: int
-    kinematics: Kinematics = SOLID
-
-
-def quadrature_degree(cell: str, degree: int, kinematics: Kinematics = SOLID) -> int:
-    """Degree of the rule for K: exact on straight-sided simplices and on boxes; in a meridian
-    section the hoop strain u_r/r is a rational function."""
-    if kinematics.revolved:
-        return 2 * degree + 2
-    simplex = cell in ("tetrahedron", "triangle")
-    return max(2 * (degree - 1), 1) if simplex else 2 * degree
 
 
 def assemble(
@@ -63,10 +45,14 @@ def assemble(
     kinematics: Kinematics = SOLID,
     rule: int | None = None,
 ) -> tuple[Bulk, PETSc.Mat]:
-    """Space and K of a(u, v) = int sigma(u) : eps(v) dx, sigma = lambda tr(eps) I + 2 mu eps.
+    """Displacement space, and K of a(u, v) = int sigma(u) : eps(v) dx (collective).
 
-    materials: by the cell tag of the body. No boundary condition is applied. K is in blocks of a
-    node (BAIJ). rule: degree of the quadrature, where it is not that of `degree`.
+        sigma = lambda tr(eps) I + 2 mu eps
+
+    materials: by the cell tag of the body.
+    degree: of the displacement.
+    rule: degree of the quadrature, where it is not that which suits `degree`.
+    K is in blocks of a node (BAIJ), N/mm; no boundary condition is applied.
     """
     cells = mesh.topology.index_map(mesh.topology.dim)
     lame = np.zeros((cells.size_local + cells.num_ghosts, 2))
@@ -93,8 +79,8 @@ def assemble(
 
 
 def _mean_dilatation(space: Any, lam: Any, degree: int) -> PETSc.Mat:
-    """B^T (lambda/V) B of a meridian section, lambda V times the squared mean dilatation of each
-    cell: B its integrals of tr eps, V its volume, both with the weight 2 pi r."""
+    """B^T (lambda/V) B of a meridian section: lambda V times the squared mean dilatation of each
+    cell. B: integrals of tr eps over each cell, V: its volume, both with the weight 2 pi r."""
     mesh, dx = space.mesh, ufl.dx(metadata={"quadrature_degree": degree})
     r = ufl.SpatialCoordinate(mesh)[0]
     cell = 2 * np.pi * r * ufl.TestFunction(lam.function_space)

@@ -21,9 +21,9 @@ from petsc4py import PETSc
 
 from railhead.solver.algebra.problem import ContactProblem, Mask, Tangent
 from railhead.solver.interface.jumps import Interface
-from railhead.solver.material.elasticity import Bulk, Material, quadrature_degree
+from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening, History, TangentReduction, radial_return
-from railhead.solver.space.cells import Array, CellSet, Index
+from railhead.solver.space.cells import Array, Bulk, CellSet, Index, quadrature_degree
 from railhead.solver.space.constraints import Reduction
 from railhead.solver.space.operators import add_transposed, assemble_strains, select_rows
 

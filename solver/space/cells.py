@@ -1,4 +1,4 @@
-"""Cells of the mesh: the basis and its strains at points in them, without the mesh."""
+"""Cells: basis functions, strains and quadrature in them, without the mesh."""
 
 from __future__ import annotations
 
@@ -11,30 +11,56 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.solver import compat
-from railhead.solver.material.elasticity import Bulk, quadrature_degree
-from railhead.solver.space.kinematics import Kinematics
+from railhead.solver.space.kinematics import SOLID, Kinematics
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 
-def middle(cell: str) -> Array:
-    """(d,) centroid of the reference cell."""
+@dataclass(frozen=True)
+class Bulk:
+    """Displacement space of all bodies of one mesh.
+
+    space: dolfinx function space.
+    lame: lambda and mu of every local cell (cells, 2), MPa.
+    degree: polynomial degree of the displacement.
+    kinematics: what the coordinates of the mesh stand for.
+    """
+
+    space: Any
+    lame: Array
+    degree: int
+    kinematics: Kinematics = SOLID
+
+
+def quadrature_degree(cell: str, degree: int, kinematics: Kinematics = SOLID) -> int:
+    """Degree of the quadrature for K. It is exact on straight-sided simplices and on boxes; in a
+    meridian section the hoop strain u_r/r is a rational function."""
+    if kinematics.revolved:
+        return 2 * degree + 2
+    simplex = cell in ("tetrahedron", "triangle")
+    return max(2 * (degree - 1), 1) if simplex else 2 * degree
+
+
+def centroid(cell: str) -> Array:
+    """Centroid (d,) of the reference cell."""
     return np.asarray(basix.geometry(getattr(basix.CellType, cell))).mean(axis=0)
 
 
 @lru_cache
-def shape_functions(cell: str, degree: int, variant: basix.LagrangeVariant) -> Any:
+def lagrange_element(cell: str, degree: int, variant: basix.LagrangeVariant) -> Any:
+    """The basix element of continuous Lagrange functions."""
     return basix.create_element(
         basix.ElementFamily.P, getattr(basix.CellType, cell), degree, variant
     )
 
 
 def tabulate(cell: str, degree: int, points: Array, *, geometry: bool = False) -> Array:
-    """(1 + c, n, dofs) values and reference derivatives of the Lagrange basis at n points."""
+    """Values and reference derivatives (1 + c, n, dofs) of the Lagrange basis at reference points
+    (n, c). geometry: the basis of the coordinate map, whose nodes are equispaced."""
     equispaced = basix.LagrangeVariant.equispaced
     variant = equispaced if geometry else basix.LagrangeVariant.gll_warped
-    element = shape_functions(cell, degree, variant)
+    element = lagrange_element(cell, degree, variant)
     if not len(points):  # basix aborts at none in hexahedra
         return np.zeros((1 + points.shape[1], 0, element.dim))
     return np.asarray(element.tabulate(1, points))[..., 0]
@@ -57,10 +83,15 @@ def inverse(matrices: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class CellSet:
-    """m cells with all that evaluates fields in them; c is the number of coordinates.
+    """m cells, with all that is needed to evaluate fields in them; c is the number of coordinates.
 
-    nodes: (m, k, c) geometry nodes, mm. dofs: (m, d) global block dofs. lame: (m, 2) lambda and mu,
-    MPa.
+    cell: type of the cells, see `compat.cell_type`.
+    geometry_degree: degree of the coordinate map.
+    degree: degree of the displacement.
+    nodes: geometry nodes (m, k, c), mm.
+    dofs: global block dofs (m, d).
+    lame: lambda and mu (m, 2), MPa.
+    kinematics: what the coordinates stand for.
     """
 
     cell: str
@@ -73,39 +104,43 @@ class CellSet:
 
     @classmethod
     def of(cls, bulk: Bulk, cells: Index) -> CellSet:
-        """The given local cells of this rank."""
-        return cls(**described(bulk, cells))
+        """Local cells of this rank, by number."""
+        return cls(**cell_data(bulk, cells))
 
     def __len__(self) -> int:
         return len(self.nodes)
 
     def _map(self, index: Index, points: Array) -> tuple[Array, Array]:
+        """Position x (n, c) and its derivatives (n, c, c) at reference points of the cells, mm."""
         phi = tabulate(self.cell, self.geometry_degree, points, geometry=True)
         nodes = self.nodes[index]
         x = np.einsum("nk,nkd->nd", phi[0], nodes)
         return x, np.einsum("jnk,nkd->ndj", phi[1:], nodes)
 
     def basis(self, index: Index, points: Array) -> tuple[Array, Array]:
-        """Basis (n, d) and its gradient (n, d, c) in 1/mm at reference points of the cells."""
+        """Basis (n, d) and its gradient (n, d, c), 1/mm, at reference points (n, c) of the cells
+        with these numbers (n,)."""
         phi = tabulate(self.cell, self.degree, points)
         _, jacobian = self._map(index, points)
         return phi[0], np.einsum("jnd,njc->ndc", phi[1:], inverse(jacobian)[0])
 
     def divergence(self, index: Index, points: Array) -> Array:
-        """tr eps (n, d, c) of the basis in 1/mm at reference points of the cells, or its mean over
-        the cell where that is what counts."""
+        """tr eps of the basis (n, d, c), 1/mm, at reference points of the cells; its mean over the
+        cell with mean dilatation."""
         if self.kinematics.averaged:
             return self._mean_divergence[index]
         if self.kinematics.mean_dilatation:
-            points = np.broadcast_to(middle(self.cell), points.shape)
+            points = np.broadcast_to(centroid(self.cell), points.shape)
         value, gradient = self.basis(index, points)
         x = self._map(index, points)[0]
         return self.kinematics.divergence(value, gradient, x[:, None])
 
     def strains(self, index: Index, points: Array) -> Array:
-        """(n, m, d, c) coefficients of the strain at reference points of the cells, 1/mm, in
-        Mandel's notation: 11, 22, 33, sqrt(2) times 23, 13, 12; in a section 11, 22, out of it,
-        sqrt(2) 12."""
+        """Coefficients of the strain (n, m, d, c), 1/mm, at reference points of the cells.
+
+        The m components are in Mandel's notation: 11, 22, 33, sqrt(2) times 23, 13, 12; in a
+        section 11, 22, out of it, sqrt(2) times 12.
+        """
         value, gradient = self.basis(index, points)
         dim = self.kinematics.dim
         shears = [(1, 2), (0, 2), (0, 1)] if dim == 3 else [(0, 1)]
@@ -121,8 +156,8 @@ class CellSet:
         return out
 
     def quadrature_points(self, degree: int) -> tuple[tuple[Index, Array], Array, Array]:
-        """Points (cell (n,), reference (n, c)), positions (n, c) mm and weights (n,) mm3 of a
-        rule, cell by cell."""
+        """Quadrature points of all cells, cell by cell: (cell (n,), reference point (n, c)),
+        position (n, c), mm, and weight (n,), mm3."""
         points, weights = basix.make_quadrature(getattr(basix.CellType, self.cell), degree)
         index = np.repeat(np.arange(len(self)), len(weights))
         reference = np.tile(points, (len(self), 1))
@@ -132,7 +167,7 @@ class CellSet:
 
     @cached_property
     def _mean_divergence(self) -> Array:
-        """(m, d, c) volume average of tr eps over each cell, 1/mm."""
+        """Mean of tr eps over each cell (m, d, c), 1/mm."""
         order = quadrature_degree(self.cell, self.degree, self.kinematics)
         _, traces, volumes = self.cell_strains(order)
         return np.asarray(
@@ -140,15 +175,15 @@ class CellSet:
         )
 
     def dof_points(self) -> Array:
-        """(m, d, c) position of the cells' dofs, mm."""
+        """Position of the cells' dofs (m, d, c), mm."""
         variant = basix.LagrangeVariant.gll_warped
-        points = np.asarray(shape_functions(self.cell, self.degree, variant).points)
+        points = np.asarray(lagrange_element(self.cell, self.degree, variant).points)
         phi = tabulate(self.cell, self.geometry_degree, points, geometry=True)[0]
         return np.asarray(np.einsum("dk,fkc->fdc", phi, self.nodes))
 
     def cell_strains(self, degree: int) -> tuple[Array, Array, Array]:
-        """Basis gradients and div + u_r/r (points, m, d, c) in 1/mm and weights (points, m) in mm3
-        of the cells."""
+        """Gradients and divergence of the basis, each (points, m, d, c), 1/mm, and weights
+        (points, m), mm3, at the quadrature points of all cells."""
         every = np.arange(len(self))
         rule = basix.make_quadrature(getattr(basix.CellType, self.cell), degree)
         gradients, traces, volumes = [], [], []
@@ -163,8 +198,8 @@ class CellSet:
         return np.array(gradients), np.array(traces), np.array(volumes)
 
 
-def described(bulk: Bulk, cells: Index) -> dict[str, Any]:
-    """What a CellSet holds of local cells."""
+def cell_data(bulk: Bulk, cells: Index) -> dict[str, Any]:
+    """The fields of a CellSet of local cells, by name."""
     mesh = bulk.space.mesh
     block_dofs = compat.cell_dofs(bulk.space)[cells]
     to_global = bulk.space.dofmap.index_map.local_to_global

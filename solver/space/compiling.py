@@ -1,8 +1,9 @@
-"""Compiled forms are cached on disk; a process that is killed while it compiles leaves its lock.
+"""Safe use of the disk cache of compiled forms.
 
 ffcx takes the C file NAME.c for a lock, which NAME.c.cached releases, and gives up after ten
-seconds. The system releases this module's lock whatever ends a process, so that whoever holds it
-knows that no other run of this program is compiling and can remove what was left.
+seconds. A process that is killed while it compiles leaves that lock. The lock of this module is
+released by the system whatever ends a process. So the process that holds it knows that no other one
+of this program compiles, and removes C files that were left.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ LOCK = "railhead.lock"
 
 @contextmanager
 def alone(comm: MPI.Comm, folder: Path) -> Iterator[None]:
-    """Be the only one to compile into a cache folder (the others wait), without stale locks.
+    """Context in which no other process of this program compiles into a cache folder; others wait.
+    Locks that killed processes left there are removed.
 
     Of several ranks the first one compiles; its OSError is raised on all of them. A folder that
     cannot be written to is left as it is. dolfinx 0.5 and setuptools log each form at INFO: not

@@ -20,10 +20,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Supports:
-    """Boolean masks over the owned block dofs of a space (n,), and directions.
+    """Supports of a space: masks over its n owned block dofs, and directions.
 
-    fixed: u = u0. planes: (mask, normal) with u . normal = 0. hub: u = u0 + approach * direction;
-    `hub_free` False keeps the approach out of the unknowns (approach control).
+    fixed: nodes with u = u0 (n,).
+    planes: (mask, normal) of symmetry planes, with u . normal = 0.
+    hub: nodes with u = u0 + approach * direction (n,); None: the moving body has none.
+    direction: of the approach (c,).
+    hub_free: whether the approach is an unknown; otherwise it is prescribed.
     """
 
     fixed: NDArray[np.bool_]
@@ -34,18 +37,20 @@ class Supports:
 
     @property
     def held(self) -> NDArray[np.bool_]:
-        """Nodes of fixed faces and of the hub (n,)."""
+        """Mask (n,) of the nodes of fixed faces and of the hub."""
         return self.fixed if self.hub is None else self.fixed | self.hub
 
 
 @dataclass(frozen=True)
 class Reduction:
-    """P (c n x c n, distributed): every node keeps its c places, of which those that are `free`
-    (c n,) hold unknowns, and one that is not may hold the approach.
+    """The map P from free unknowns to displacements. Each of n nodes keeps its c places.
 
-    aligned: an unknown moves its node along its axis. approach: its place on this rank (-1: not
-    here); column: among all ranks' (-1: it is given). rigid_approach: the approach is an unknown
-    but moves no node (a rigid counterface).
+    matrix: P (c n x c n), distributed.
+    free: (c n,) whether a local place holds an unknown of its node.
+    aligned: whether every unknown moves its node along an axis of the mesh.
+    approach: local place of the approach, at a place without an unknown; -1: on another rank.
+    column: that place among all ranks' (-1: the approach is prescribed).
+    rigid_approach: whether the approach is an unknown but moves no node (a rigid counterface).
     """
 
     matrix: PETSc.Mat
@@ -57,12 +62,12 @@ class Reduction:
 
     @property
     def unknowns(self) -> int:
-        """Of all ranks."""
+        """Number of free unknowns of all ranks."""
         local = int(self.free.sum()) + (self.approach >= 0)
         return int(self.matrix.comm.tompi4py().allreduce(local))
 
     def norms(self) -> PETSc.Vec:
-        """Squared norms of the columns of P: the diagonal of P^T P."""
+        """Diagonal of P^T P: squared norms of the columns of P."""
         indptr, indices, values = self.matrix.getValuesCSR()
         squared = self.matrix.duplicate()
         squared.setValuesCSR(indptr, indices, values**2)
@@ -74,7 +79,8 @@ class Reduction:
 
 
 def reduce(supports: Supports, comm: MPI.Intracomm) -> Reduction:
-    """Build P. ValueError where the approach is free and every place holds an unknown."""
+    """Build P (collective). Raises ValueError where the approach is an unknown and no place is left
+    for it."""
     dim = len(supports.direction)
     count = len(supports.fixed)
     hub = supports.hub if supports.hub is not None else np.zeros(count, dtype=bool)
@@ -84,7 +90,7 @@ def reduce(supports: Supports, comm: MPI.Intracomm) -> Reduction:
         mask[members] |= 1 << bit
     for code in np.unique(mask[mask > 0]):
         normals = [n for bit, (_, n) in enumerate(supports.planes) if code >> bit & 1]
-        basis[mask == code] = _across(np.array(normals))
+        basis[mask == code] = _directions_normal_to(np.array(normals))
     basis[supports.fixed | hub] = 0.0
     free = np.any(basis != 0.0, axis=1)
 
@@ -111,9 +117,9 @@ def reduce(supports: Supports, comm: MPI.Intracomm) -> Reduction:
     )
 
 
-def _across(normals: Array) -> Array:
-    """(c, c) orthonormal directions across all normals (k, c) as columns, and zeros: those of the
-    axes at their places where they are such."""
+def _directions_normal_to(normals: Array) -> Array:
+    """Orthonormal directions normal to all normals (k, c), as columns (c, c) filled up with zeros.
+    Directions along axes are in the columns of these axes."""
     _, size, rows = np.linalg.svd(normals)
     rank = int(np.sum(size > 1e-12))
     rest = rows[rank:]
@@ -124,7 +130,7 @@ def _across(normals: Array) -> Array:
 
 
 def _place(empty: NDArray[np.intp], start: int, comm: MPI.Intracomm) -> tuple[int, int]:
-    """The last place without an unknown: on this rank (-1: not here), and among all."""
+    """The last place without an unknown: on this rank (-1: on another), and among all."""
     last = comm.allgather(int(empty[-1]) if len(empty) else -1)
     owner = max((rank for rank, place in enumerate(last) if place >= 0), default=-1)
     if owner < 0:
@@ -134,7 +140,7 @@ def _place(empty: NDArray[np.intp], start: int, comm: MPI.Intracomm) -> tuple[in
 
 
 def petsc_matrix(table: sp.csr_matrix, local_columns: int, comm: MPI.Intracomm) -> PETSc.Mat:
-    """Distributed matrix from each rank's rows with global column numbers."""
+    """Distributed matrix from each rank's rows, with global column numbers."""
     table.sort_indices()
     return PETSc.Mat().createAIJ(
         ((table.shape[0], PETSc.DETERMINE), (local_columns, table.shape[1])),

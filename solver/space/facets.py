@@ -1,4 +1,4 @@
-"""Facets of a contact surface: points on them, traces of the basis and stresses at these points."""
+"""Facets of a contact surface, with their cells: points on them, and quadrature."""
 
 from __future__ import annotations
 
@@ -11,26 +11,33 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from railhead.solver.material.elasticity import Bulk
-from railhead.solver.space.cells import Array, CellSet, Index, described, shape_functions, tabulate
+from railhead.solver.space.cells import (
+    Array,
+    Bulk,
+    CellSet,
+    Index,
+    cell_data,
+    lagrange_element,
+    tabulate,
+)
 
 
 @lru_cache
 def reference_facets(cell: str) -> Array:
-    """(facets, vertices, d) vertices of the facets of the reference cell."""
+    """Vertices (facets, vertices, d) of the facets of the reference cell."""
     kind = getattr(basix.CellType, cell)
     return np.asarray(basix.geometry(kind))[np.asarray(basix.topology(kind)[-2])]
 
 
 def facet_type(cell: str) -> str:
-    """The facets of a cell: 'triangle', 'quadrilateral' or 'interval'."""
+    """Type of the facets of a cell type: 'triangle', 'quadrilateral' or 'interval'."""
     return {"tetrahedron": "triangle", "hexahedron": "quadrilateral"}.get(cell, "interval")
 
 
 @lru_cache
 def facet_closure(cell: str, degree: int) -> Index:
-    """(facets, k) dofs of the reference cell on each facet: vertices, edges, interior."""
-    element = shape_functions(cell, degree, basix.LagrangeVariant.gll_warped)
+    """Dofs (facets, k) of the reference cell on each facet: those of vertices, edges, interior."""
+    element = lagrange_element(cell, degree, basix.LagrangeVariant.gll_warped)
     topology = basix.topology(getattr(basix.CellType, cell))
     rows = []
     for vertices in topology[-2]:
@@ -44,14 +51,16 @@ def facet_closure(cell: str, degree: int) -> Index:
 
 @dataclass(frozen=True)
 class FacetSet(CellSet):
-    """m facets of the mesh with the cells they belong to. local_facet: (m,) number of the facet in
-    its cell."""
+    """m facets, with the cells that they belong to.
+
+    local_facet: number of each facet in its cell (m,).
+    """
 
     local_facet: Index
 
     @classmethod
     def on(cls, bulk: Bulk, facets: NDArray[np.int32]) -> FacetSet:
-        """The given local exterior facets owned by this rank."""
+        """Exterior facets by their local numbers; those of cells of other ranks are left out."""
         topology = bulk.space.mesh.topology
         dim = topology.dim
         for d0, d1 in ((dim - 1, dim), (dim, dim - 1)):
@@ -66,10 +75,10 @@ class FacetSet(CellSet):
             int(np.flatnonzero(cell_facets.links(c) == f)[0])
             for f, c in zip(facets, cells, strict=True)
         ]
-        return cls(**described(bulk, cells), local_facet=np.array(local, dtype=np.int64))
+        return cls(**cell_data(bulk, cells), local_facet=np.array(local, dtype=np.int64))
 
     def gathered(self, comm: MPI.Intracomm) -> FacetSet:
-        """The union over all ranks, on every rank (a contact surface is small)."""
+        """The facets of all ranks, on every rank (collective); a contact surface is small."""
         every: dict[str, Any] = {
             name: np.concatenate(comm.allgather(getattr(self, name)))
             for name in ("local_facet", "nodes", "dofs", "lame")
@@ -78,31 +87,33 @@ class FacetSet(CellSet):
 
     @cached_property
     def vertices(self) -> Array:
-        """(m, corners, c) corners of each facet, mm."""
+        """Corners of each facet (m, corners, c), mm."""
         corners = reference_facets(self.cell)[self.local_facet]
         phi = tabulate(self.cell, 1, corners.reshape(-1, corners.shape[2]), geometry=True)[0]
         phi = phi.reshape(*corners.shape[:2], phi.shape[1])
         return np.einsum("fvk,fkd->fvd", phi, self.nodes[:, : phi.shape[2]])
 
     def reference(self, index: Index, xi: Array) -> Array:
-        """(n, c) reference coordinates in the cell of facet coordinates xi (n, c - 1)."""
+        """Reference coordinates (n, c) in the cell, of coordinates xi (n, c - 1) in the facets with
+        these numbers (n,)."""
         corner, edges = self._edges(index)
         return corner + np.einsum("ncj,nj->nc", edges, xi)
 
     def _edges(self, index: Index) -> tuple[Array, Array]:
-        """First corner (n, c) and edges from it (n, c, c - 1) in the reference cell."""
+        """First corner (n, c), and edges from it (n, c, c - 1), in the reference cell."""
         corners = reference_facets(self.cell)[self.local_facet[index]]
         first = corners[:, 0]
         others = corners[:, 1 : self.kinematics.dim]
         return first, np.swapaxes(others - first[:, None], 1, 2)
 
     def tangents(self, index: Index, xi: Array) -> tuple[Array, Array]:
-        """Position x (n, c) and its derivatives by xi (n, c, c - 1), mm."""
+        """Position x (n, c) and its derivatives by xi (n, c, c - 1), mm, at points of facets."""
         x, jacobian = self._map(index, self.reference(index, xi))
         return x, jacobian @ self._edges(index)[1]
 
     def quadrature(self, degree: int) -> tuple[tuple[Index, Array], Array]:
-        """Points ((facet (n,), xi (n, c - 1)) and weights (n,) in mm2 of a rule, facet by facet."""
+        """Quadrature points of all facets, facet by facet: (facet (n,), xi (n, c - 1)), and weights
+        (n,), mm2."""
         kind = getattr(basix.CellType, facet_type(self.cell))
         xi, weights = basix.make_quadrature(kind, degree)
         index = np.repeat(np.arange(len(self)), len(weights))

@@ -1,4 +1,4 @@
-"""What the coordinates of a mesh stand for in space: a solid, or a section through one.
+"""What the coordinates of a mesh stand for: a solid, or a plane section through one.
 
 A section is meshed in two coordinates. In plane strain it is `thickness` mm deep and nothing
 changes along its normal; revolved about the axis r = 0 of its coordinates (r, z) it stands for the
@@ -19,12 +19,17 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Kinematics:
-    """axes (d, 3): unit vectors in space of the mesh's d coordinates; offset (3,): of the section
-    from the origin, mm; thickness mm (1 for a solid); revolved: about the second axis.
-    mean_dilatation: tr eps counts in every cell with its mean over the volume, so that nearly
-    incompressible cells do not lock (B-bar; Nagtegaal, Parks and Rice 1974, Hughes 1980). The
-    divergence of quadratic shape functions being linear, that is its value at the middle; not so
-    in a meridian section (`averaged`), where u_r/r and the weight 2 pi r vary within a cell."""
+    """Meaning of the d coordinates of a mesh, and the strains that follow from it.
+
+    axes: unit vectors of the coordinates in space (d, 3).
+    offset: of the section from the origin of space (3,), mm.
+    thickness: of a section in plane strain, mm; 1 for a solid.
+    revolved: whether the section is revolved about its second axis.
+    mean_dilatation: whether tr eps is replaced in every cell by its mean over the volume, so that
+        nearly incompressible cells do not lock (B-bar; Nagtegaal, Parks and Rice 1974, Hughes
+        1980). The divergence of quadratic functions is linear, so that its mean is its value at the
+        centroid. Not so in a meridian section, see `averaged`.
+    """
 
     axes: Array = field(default_factory=lambda: np.eye(3))
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -34,12 +39,13 @@ class Kinematics:
 
     @property
     def averaged(self) -> bool:
-        """Whether the mean dilatation has to be integrated over each cell."""
+        """Whether the mean dilatation has to be integrated over each cell: in a meridian section,
+        where u_r/r and the weight 2 pi r vary within a cell."""
         return self.revolved and self.mean_dilatation
 
     @property
     def dim(self) -> int:
-        """Coordinates of the mesh."""
+        """Number of coordinates of the mesh."""
         return len(self.axes)
 
     @property
@@ -48,20 +54,20 @@ class Kinematics:
         return self.dim == 2 and not self.revolved
 
     def lift(self, points: Array) -> Array:
-        """Mesh coordinates (n, d) -> points in space (n, 3), mm."""
+        """Points in space (n, 3) of points in the coordinates of the mesh (n, d), mm."""
         return points if self.dim == 3 else points @ self.axes + np.array(self.offset)
 
     def flatten(self, vectors: Array) -> Array:
-        """Vectors in space (..., 3) -> their components along the mesh's coordinates (..., d)."""
+        """Components (..., d) along the coordinates of the mesh, of vectors in space (..., 3)."""
         return vectors if self.dim == 3 else vectors @ self.axes.T
 
     def in_space(self, vectors: Array) -> Array:
-        """Components along the mesh's coordinates (..., d) -> vectors in space (..., 3)."""
+        """Vectors in space (..., 3) of components along the coordinates of the mesh (..., d)."""
         return vectors if self.dim == 3 else vectors @ self.axes
 
     def tensors(self, mandel: Array) -> Array:
-        """Symmetric tensors (..., m) in Mandel's notation (see `CellSet.strains`) -> (..., 3, 3) in
-        space."""
+        """Symmetric tensors in space (..., 3, 3) of their components in Mandel's notation (..., m);
+        the order of these is that of `CellSet.strains`."""
         own = np.zeros((*mandel.shape[:-1], 3, 3))
         own[..., [0, 1, 2], [0, 1, 2]] = mandel[..., :3]
         shears = [(1, 2), (0, 2), (0, 1)] if self.dim == 3 else [(0, 1)]
@@ -71,15 +77,15 @@ class Kinematics:
         return np.asarray(axes.T @ own @ axes)
 
     def measure(self, points: Array) -> Array:
-        """(n,) what an element of volume or area in the mesh at (n, d) counts: thickness mm, or
-        2 pi r mm; 1 for a solid."""
+        """Factor (n,) from volume or area in the mesh at points (n, d) to that of the body: the
+        thickness or 2 pi r, mm; 1 for a solid."""
         if self.revolved:
             return np.asarray(2 * np.pi * points[..., 0])
         return np.full(points.shape[:-1], self.thickness)
 
     def divergence(self, value: Array, gradient: Array, points: Array) -> Array:
-        """tr eps (..., k, d) of k basis functions: value (..., k), gradient (..., k, d) in 1/mm at
-        points (..., d)."""
+        """tr eps (..., k, d) of k basis functions, 1/mm, from their values (..., k) and gradients
+        (..., k, d), 1/mm, at points (..., d), mm."""
         out = gradient.copy()
         if self.revolved:
             out[..., 0] += value / points[..., 0]
@@ -101,11 +107,11 @@ class Kinematics:
 
     @staticmethod
     def dilatation(w: Any, r: Any) -> Any:
-        """tr eps of a displacement in a meridian section, as a UFL expression."""
+        """tr eps = div w + w_r/r of a displacement in a meridian section, as a UFL expression."""
         return ufl.div(w) + w[0] / r
 
     def rigid_motions(self, points: Array) -> list[Array]:
-        """Motions (..., d) at points (..., d) that carry no stress."""
+        """Displacements (..., d) at points (..., d) of the rigid motions, which carry no stress."""
         shift = [np.broadcast_to(e, points.shape) for e in np.eye(self.dim)]
         if self.revolved:
             return shift[1:]

@@ -1,4 +1,4 @@
-"""Constant operators of points on the displacement as sparse matrices."""
+"""Operators from displacements to values at points, as distributed sparse matrices."""
 
 from __future__ import annotations
 
@@ -14,8 +14,11 @@ from railhead.solver.space.constraints import petsc_matrix
 def assemble_rows(
     blocks: list[tuple[Index, Array]], count: int, local: int, total: int, comm: MPI.Intracomm
 ) -> PETSc.Mat:
-    """Distributed matrix of `count` rows from blocks of (dofs, coefficients), (count, ...) each;
-    local: dofs of this rank, total: of all."""
+    """Distributed matrix of `count` rows on this rank.
+
+    blocks: (global dofs, coefficients), arrays (count, ...) each, that are added.
+    local, total: number of dofs of this rank and of all.
+    """
     places = [np.repeat(np.arange(count), d[0].size if count else 0) for d, _ in blocks]
     table = sp.csr_matrix(
         (
@@ -30,7 +33,8 @@ def assemble_rows(
 def assemble_strains(
     cells: CellSet, index: Index, reference: Array, local: int, comm: MPI.Intracomm
 ) -> tuple[PETSc.Mat, int]:
-    """Strains at n reference points of cells, m rows each in Mandel's notation, and m."""
+    """Matrix of the strains at n reference points of cells, and m: each point has m rows, in
+    Mandel's notation. local: number of dofs of this rank."""
     values = cells.strains(index, reference)
     count, size = values.shape[:2]
     dim = cells.kinematics.dim
@@ -46,19 +50,19 @@ def assemble_strains(
 
 
 def vector(matrix: PETSc.Mat, values: Array) -> PETSc.Vec:
-    """Values of this rank's rows as a distributed vector."""
+    """Distributed vector of the rows of a matrix, from the values of this rank."""
     out = matrix.createVecLeft()
     out.array[:] = values.ravel()
     return out
 
 
 def add_transposed(matrix: PETSc.Mat, values: Array, out: PETSc.Vec) -> None:
-    """out += matrix^T values, of this rank's rows."""
+    """out += matrix^T values; values: of this rank's rows."""
     matrix.multTransposeAdd(vector(matrix, values), out, out)
 
 
 def select_rows(matrix: PETSc.Mat, local: Index) -> PETSc.Mat:
-    """Rows of a distributed matrix by their numbers (k,) on this rank, with all columns."""
+    """Distributed matrix of some rows, by their local numbers (k,) on each rank."""
     first, comm = matrix.getOwnershipRange()[0], matrix.comm
     own, end = matrix.getOwnershipRangeColumn()
     rows = PETSc.IS().createGeneral((local + first).astype(PETSc.IntType), comm=comm)

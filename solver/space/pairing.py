@@ -1,4 +1,4 @@
-"""Which point of the other body faces a point of this surface."""
+"""Pairing of two surfaces: the point of one that a normal of the other meets."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ from scipy.spatial import cKDTree
 from railhead.solver.space.cells import Array, Index
 from railhead.solver.space.facets import FacetSet
 
-CANDIDATES = (8, 64)
-OUTSIDE = 0.05  # a point this far outside its facet, in reference units, has no partner
+CANDIDATES = (8, 64)  # nearest facets that are tried first, and where these fail
+OUTSIDE = 0.05  # how far a point may lie outside its facet, in reference units
 
 
 def pair(points: Array, normals: Array, master: FacetSet) -> tuple[Index, Array]:
-    """Follow each normal from its point to the master surface.
+    """Follow each normal from its point to the master surface: X(xi) = x + t n.
 
-    points, normals: (n, c). Returns the master facet (n,), -1 where there is none, and the facet
-    coordinates (n, c - 1). Solves X(xi) = x + t n by Newton's method on the nearest facets.
+    points, normals: x and n (n, c).
+    Returns the facet of the master (n,), -1 where there is none, and the coordinates xi in it
+    (n, c - 1). Solves by Newton's method on the nearest facets.
     """
     facet = np.full(len(points), -1, dtype=np.int64)
     inner = points.shape[1] - 1
@@ -55,7 +56,7 @@ def _outside(xi: Array, master: FacetSet) -> Array:
 
 
 def _project_on_corners(points: Array, normals: Array, master: FacetSet, facet: Index) -> Array:
-    """The same on the facet's corners alone: exact in one step for a flat triangle."""
+    """xi (n, c - 1) on facets through their corners alone; exact in one step for flat triangles."""
     corners = master.vertices[facet]
     flat = master.cell != "hexahedron"
     inner = points.shape[1] - 1
@@ -74,6 +75,7 @@ def _project_on_corners(points: Array, normals: Array, master: FacetSet, facet: 
 
 
 def _project(points: Array, normals: Array, master: FacetSet, facet: Index, xi: Array) -> Array:
+    """xi (n, c - 1) on the curved facets, from a guess."""
     for _ in range(2):
         x, tangent = master.tangents(facet, xi)
         xi = xi + _step(points, normals, x, tangent)
@@ -81,7 +83,8 @@ def _project(points: Array, normals: Array, master: FacetSet, facet: Index, xi: 
 
 
 def _step(points: Array, normals: Array, x: Array, tangent: Array) -> Array:
-    """Newton step of x(xi) - point - t normal = 0 for xi, with t eliminated by Cramer's rule."""
+    """Newton's step for xi of x(xi) - point - t normal = 0, with t eliminated by Cramer's rule.
+    x, tangent: position and its derivatives by xi."""
     rhs = points - x
     if tangent.shape[2] == 1:
         det = np.cross(tangent[..., 0], normals)

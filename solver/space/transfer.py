@@ -1,4 +1,4 @@
-"""From the P1 unknowns to the unknowns of the problem: the prolongation of p-multigrid."""
+"""Prolongation and near-nullspace of p-multigrid."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ from railhead.solver.space.kinematics import SOLID, Kinematics
 
 
 def reduced_prolongation(full: PETSc.Mat, fine: Reduction, coarse: Reduction) -> PETSc.Mat:
-    """Q with P_fine Q = I P_coarse: (P_fine^T P_fine)^-1 P_fine^T I P_coarse."""
+    """Prolongation Q = (P_f^T P_f)^-1 P_f^T I P_c of free unknowns, so that P_f Q = I P_c.
+
+    full: interpolation I between all dofs. fine, coarse: reductions P_f and P_c.
+    """
     q = fine.matrix.transposeMatMult(full.matMult(coarse.matrix))
     scale = fine.norms()
     # A rigid body's approach moves no node: it is carried over as it is.
@@ -28,7 +31,7 @@ def reduced_prolongation(full: PETSc.Mat, fine: Reduction, coarse: Reduction) ->
 
 
 def _with_entry(matrix: PETSc.Mat, row: int, column: int) -> PETSc.Mat:
-    """matrix with a 1 at (row, column) if row >= 0 (collective)."""
+    """The matrix with a 1 added at (row, column), on the rank with row >= 0 (collective)."""
     extra = PETSc.Mat().createAIJ(matrix.getSizes(), nnz=1, comm=matrix.comm)
     if row >= 0:
         extra.setValue(row, column, 1.0)
@@ -40,9 +43,9 @@ def _with_entry(matrix: PETSc.Mat, row: int, column: int) -> PETSc.Mat:
 def rigid_modes(
     points: Array, reduction: Reduction, kinematics: Kinematics = SOLID
 ) -> list[PETSc.Vec]:
-    """Orthonormal rigid motions in the reduced unknowns, for algebraic multigrid.
+    """Orthonormal rigid motions in the free unknowns, for algebraic multigrid.
 
-    points: (n, c) of the owned block dofs.
+    points: of the owned block dofs (n, c), mm.
     """
     scale = reduction.norms()
     scale.array[:] = np.where(scale.array > 0, scale.array, 1.0)

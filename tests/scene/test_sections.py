@@ -16,8 +16,8 @@ def test_every_steel_has_a_source_and_no_hardening_that_nobody_measured() -> Non
     for name, steel in by_name().items():
         assert steel.kind.endswith("without hardening") and steel.source, name
         curve = hardening(Rail(steel=name))
-        assert 300 < curve.first == steel.yield_stress < 1000
-        stress, slope = curve.at(np.array([0.0, 0.1, 5.0]))
+        assert 300 < curve.initial_yield_stress == steel.yield_stress < 1000
+        stress, slope = curve.stress_and_slope(np.array([0.0, 0.1, 5.0]))
         assert np.all(stress == steel.yield_stress) and not slope.any()
 
 
@@ -48,7 +48,7 @@ def test_a_modulus_goes_on_and_a_file_ends(tmp_path) -> None:
     file = tmp_path / "curve.csv"
     file.write_text("\ufeffstrain,stress\n0,480\n0.001,580\n\n", encoding="utf-8")
     curve = hardening(Rail(stress_strain=str(file)))
-    assert curve.at([0.0005, 0.01])[0] == pytest.approx([530, 580])
+    assert curve.stress_and_slope([0.0005, 0.01])[0] == pytest.approx([530, 580])
 
 
 @pytest.mark.parametrize(
