@@ -274,6 +274,7 @@ class Findings:
     misfit: relative difference of smoothed and element stresses around the largest ones.
     opposite: fields on the contact surface of the other body; None where it is rigid.
     dissipated: energy by friction per rolled length, N; NaN where nothing rolls.
+    unread_peak: relative error of the largest stresses by peaks of partial slip at the surface.
     """
 
     frame: Frame
@@ -294,6 +295,7 @@ class Findings:
     misfit: float = math.nan
     opposite: Surface | None = None
     dissipated: float = math.nan
+    unread_peak: float = 0.0
 
     @property
     def axis(self) -> DepthAxis:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from railhead.postprocess.findings import Findings, Frame
+from railhead.postprocess.friction import traction
 from railhead.postprocess.patch import patch, quality, section
 from railhead.postprocess.patch.parts import parts
 from railhead.postprocess.patch.patch import Moments
@@ -45,6 +46,7 @@ def findings(
     size = moments.a if flat else min(found.a, found.b)
     inner = bodies.read(fields, frame, found.centre, size, separate[1:], rubbing)
     axes, others, largest, edges, misfit = inner
+    across = quality.elements_across(fields, frame, found)
     return Findings(
         frame,
         found,
@@ -56,8 +58,9 @@ def findings(
         largest,
         others,
         noise=quality.noise(fields, recovered),
-        elements_across=quality.elements_across(fields, frame, found),
+        elements_across=across,
         edge_distance=quality.edge_distance(fields, found, edges),
         misfit=misfit,
         opposite=surfaces[1],
+        unread_peak=0.0 if flat else traction.unread_peak(rubbing, min(across) / 2),
     )

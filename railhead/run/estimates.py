@@ -166,6 +166,8 @@ def reading(found: Findings, doubt: float = RIVAL) -> dict[str, float]:
     scatter = {name: found.patch.scatter[key] for name, key in READ.items()}
     if not found.hertzian:  # the stress below a ridge is as uncertain as the ridge
         scatter |= dict.fromkeys(RIDGED, BELOW * found.patch.scatter["max_pressure"])
+    for name in ("tau_max_MPa", "von_mises_max_MPa"):
+        scatter[name] = scatter.get(name, 0.0) + found.unread_peak
     return {**scatter, "tau_max_depth_mm": apart / top.depth if top.depth else math.inf}
 
 

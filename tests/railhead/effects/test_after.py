@@ -77,6 +77,18 @@ def test_yield_is_judged_by_the_stress_that_was_found(thesis) -> None:
         assert found.needed is yields
 
 
+def test_yield_is_judged_with_what_partial_slip_may_add(thesis) -> None:
+    """0.9 of the yield stress, and an estimate of 15 %: bodies may yield."""
+    stress = thesis.summary["result"]["stress"]
+    body, peak = stress["von_mises_max_body"], stress["von_mises_max_MPa"]
+    context = thesis.plan.context
+    scene = thesis.plan.scene.replace([f"{body}.yield_stress={peak / 0.9!r}"])
+    for error, needed in ((0.0, False), (0.15, True)):
+        findings = replace(thesis.findings, unread_peak=error)
+        found = effects.check(replace(context, scene=scene), thesis.plan.effects, findings)
+        assert found["plasticity"].needed is needed
+
+
 def test_without_a_yield_stress_it_is_said_that_steel_would_yield(thesis) -> None:
     after = thesis.summary["effects_after"]["plasticity"]
     assert not after["needed"] and after["notable"]

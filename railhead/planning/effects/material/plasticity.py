@@ -55,9 +55,10 @@ def decide(context: Context) -> Effect:
 
 
 def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
-    """The same with the largest stresses that were found in each body."""
+    """Whether the largest stress of the solution, by its estimate of partial slip, passes the
+    yield stress of a body that was taken as elastic."""
     stresses = {
-        name: found.largest[name].von_mises.value
+        name: found.largest[name].von_mises.value * (1 + found.unread_peak)
         for name in _yielding(context)
         if name in found.largest
     }
