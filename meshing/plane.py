@@ -107,7 +107,7 @@ class StraightTread:
     shift: float = 0.0
 
     def implicit(self, points: Array) -> tuple[Array, Array]:
-        """See `meshing.surfaces.Surface`."""
+        """See `geometry.surfaces.Surface`."""
         y = points[:, 1] - self.shift
         one = np.ones_like(y)
         gradient = np.column_stack([0.0 * one, -self.profile.slope(y), -one])

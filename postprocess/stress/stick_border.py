@@ -1,9 +1,9 @@
 """Stresses at the border between what sticks and what slips of a contact with friction.
 
 The tangential strain has a cusp there: smooth in what sticks, with an infinite slope in what slips
-(of a line see `theory.carter`: xx = -p - 2 mu p0 (1 - c/w) at the border). A polynomial through
-both sides cuts it off. Here the strain in the surface is that of elements that stick, next to the
-border, and the traction is that of the points that slip beside them.
+(of a line see `theory.friction.carter`: xx = -p - 2 mu p0 (1 - c/w) at the border). A polynomial
+through both sides cuts it off. Here the strain in the surface is that of elements that stick, next
+to the border, and the traction is that of the points that slip beside them.
 """
 
 from __future__ import annotations

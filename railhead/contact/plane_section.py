@@ -144,7 +144,7 @@ class FlatContact(Contact):
 
 
 def locate(scene: Scene, dimension: Dimension) -> FlatContact:
-    """First contact in a section. Raises SceneError as `geometry.locate`."""
+    """First contact in a section. Raises SceneError as `contact.solid.locate`."""
     if dimension.kind == "plane_across":
         solid = geometry.lower(_of_any_radius(scene))
         touch = replace(solid.touch, curvature_x=0.0)

@@ -88,8 +88,8 @@ def run(
     """All checks of a solved mesh (rank 0).
 
     second: quantities nested as "result" that another method computed, with "allowance" and
-    "grid_error" as in `second_opinion.half_space`, or the "reason" why there are none; reached:
-    whether the asked accuracy was met, None without one.
+    "grid_error" as in `half_space_reference.half_space`, or the "reason" why there are none;
+    reached: whether the asked accuracy was met, None without one.
     """
     checks = [_effects(solved), *_equations(solved)]
     if solved.result is not None and solved.findings is not None:

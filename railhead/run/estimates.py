@@ -7,7 +7,7 @@ The estimate of a quantity is the sum of
     contact_law   the overlap that the law lets through, over the approach, times its effect
     left_out      what effects left out by the plan add
     geometry      contact points off the exact surface, over the smaller semi-axis
-    profile       what the noise of measured profiles hides (`planning.uncertainty`)
+    profile       what the noise of measured profiles hides (`planning.accuracy.uncertainty`)
 
 Estimates are relative, those of forces by friction shares of mu N. An asked accuracy is one of
 sizes and values. Of a place, the depth of the largest shear stress, it

@@ -36,7 +36,7 @@ QUANTITIES = MAIN | {
     "tau_max_depth": "tau_max_depth_mm",
     "von_mises_max": "von_mises_max_MPa",
 }
-"""Names of the columns, and of the bounded quantities in `railhead.accuracy`."""
+"""Names of the columns, and of the bounded quantities in `railhead.run.estimates`."""
 
 
 @dataclass(frozen=True)

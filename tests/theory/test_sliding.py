@@ -102,7 +102,7 @@ def test_the_trailing_edge_of_a_sphere() -> None:
 
 @pytest.mark.parametrize("across", [False, True])
 def test_a_strip(across: bool) -> None:
-    """Pressure as in `theory.line`; under the traction s_xx = -2 mu p0 x/w on the patch and
+    """Pressure as in `theory.elastic.line`; under the traction s_xx = -2 mu p0 x/w on the patch and
     -2 mu p0 (x/w - sqrt(x^2/w^2 - 1)) beside it (Johnson, 7.1); along the strip it shears only."""
     found = line.contact(1 / 420, (207000, 207000), (0.3, 0.3), length=70, across=across, load=1e5)
     w, t = found.half_width, np.array([-1.7, -0.9, -0.2, 0.4, 1.3])

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class LineContact:
-    """Hertz's strip over a contact length, with the attributes of `theory.hertz.Ellipse`.
+    """Hertz's strip over a contact length, with the attributes of `theory.elastic.hertz.Ellipse`.
 
     across: whether the strip's width runs across the rail (s) instead of along it (x). approach:
     of the points one `datum` (mm) below and above the contact; a half-plane has no other.
@@ -97,7 +97,7 @@ def contact(
     """Line contact under a load (N) or, where that is None, an approach (mm) of the datum points,
     which lie one relative radius 1/curvature from the contact.
 
-    moduli, poisson: E (MPa) and nu of both bodies. ValueError: see `theory.hertz`.
+    moduli, poisson: E (MPa) and nu of both bodies. ValueError: see `theory.elastic.hertz`.
     """
     datum = 1 / curvature
     modulus = contact_modulus(moduli[0], poisson[0], moduli[1], poisson[1])

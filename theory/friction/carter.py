@@ -1,8 +1,8 @@
 """A line contact that rolls and drives: Carter 1926, exactly, for like materials.
 
 Rolling along +x; x = 0 in the middle of the strip, x = +w its leading edge (Johnson, Contact
-Mechanics, 8.3). Creepage and force have one sign (see `theory.rolling`). The strip has the half
-width w, load P and relative curvature 1/R.
+Mechanics, 8.3). Creepage and force have one sign (see `theory.rolling.rolling`). The strip
+has the half width w, load P and relative curvature 1/R.
 """
 
 import math

@@ -2,7 +2,7 @@
 
 The surface is a bed of springs: a traction holds its own place back by L times itself. The three
 flexibilities L make small creepages give the forces of the linear theory, and the traction's bound
-is the parabola 2 mu N/(pi a b) (1 - x^2/a^2 - y^2/b^2). Conventions of `theory.rolling`.
+is the parabola 2 mu N/(pi a b) (1 - x^2/a^2 - y^2/b^2). Conventions of `theory.rolling.rolling`.
 """
 
 from __future__ import annotations

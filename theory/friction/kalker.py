@@ -1,11 +1,12 @@
 """Kalker's linear theory of rolling: forces of an ellipse at vanishing creepage.
 
-Conventions of `theory.rolling`: a along the rolling direction, forces with the creepage's sign:
+Conventions of `theory.rolling.rolling`: a along the rolling direction, forces with the creepage's
+sign:
 
     F_x = G a b C11 xi_x    F_y = G a b (C22 xi_y + sqrt(a b) C23 phi)
     M_z = G a b (-sqrt(a b) C23 xi_y + a b C33 phi)
 
-G and nu are those of the pair of materials (`theory.tangential.Pair`), which must be like.
+G and nu are those of the pair of materials (`theory.rolling.tangential.Pair`), which must be like.
 """
 
 from __future__ import annotations

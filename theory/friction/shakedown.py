@@ -60,7 +60,7 @@ def surface_limit(friction: float, poisson: float, stick: float = 0.0) -> float:
 
 def _stress(friction: float, stick: float, poisson: float, x: Array, depth: Array) -> Array:
     """Stress (n, 6) at x and depth over the half width; stick: half width that sticks, from the
-    leading edge on, over the whole one (Carter; see `theory.carter`)."""
+    leading edge on, over the whole one (Carter; see `theory.friction.carter`)."""
 
     def at(x: Array) -> Array:
         return STRIP.half_width * np.column_stack((x, np.zeros_like(x), -depth))

@@ -53,8 +53,8 @@ def stress(contact: Hertz, friction: float, poisson: float, points: ArrayLike) -
     for waves exp(-k depth) and k depth exp(-k depth). Directions e ~ (b cos t, a sin t) are even in
     t. The midpoint rule is exact to rounding on the patch and deeper than a tenth of it, 1e-3 p0 at
     its edge and 5e-3 p0 on the surface beside it. Of a strip there is one direction, and
-    I_0 = i F/pi in the terms of `theory.line`. ValueError: a point above the surface, or another
-    shape.
+    I_0 = i F/pi in the terms of `theory.elastic.line`. ValueError: a point above the surface, or
+    another shape.
     """
     xyz = np.asarray(points, dtype=float)
     if xyz.ndim != 2 or xyz.shape[1] != 3 or np.any(xyz[:, 2] > 0):

@@ -1,7 +1,7 @@
 """Half-spaces of different materials: tractions change the pressure, and the other way round.
 
 Pressure and tractions are solved in turn until neither changes (Panagiotopoulos 1975). Conventions
-of `theory.rolling`; lengths in mm, forces in N.
+of `theory.rolling.rolling`; lengths in mm, forces in N.
 """
 
 from __future__ import annotations

@@ -70,7 +70,7 @@ def patches(
 ) -> list[Patch]:
     """Under a load (N, down), on so many cells each way, a patch a window; Hertz's where the patch
     is his. profiles: the contact as it stands, solved, or the reason why it is not known
-    (`second_opinion.solve`); None solves it. ValueError: not known."""
+    (`half_space_reference.solve`); None solves it. ValueError: not known."""
     if contact.half_space or (hertzian and not contact.touch.orientation):
         pressed = boundary_element.solve(
             lambda x, s: (ellipse.curvature_x * x**2 + ellipse.curvature_y * s**2) / 2,

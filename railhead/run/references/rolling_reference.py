@@ -28,7 +28,7 @@ Opinions = dict[str, dict[str, Any]]
 def opinions(solved: MeshSolution, profiles: Solution | str | None) -> Opinions | None:
     """ "half_space_friction" of summary.json: by method, what it says of the motion (rolling) or of
     the forces (a shift) that were found, or the reason why it knows no answer. None without
-    friction. profiles: of `second_opinion.solve`."""
+    friction. profiles: of `half_space_reference.solve`."""
     found = solved.solution.friction
     if found is None or solved.findings is None:
         return None

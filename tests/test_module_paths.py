@@ -1,0 +1,18 @@
+"""Files of the program that pages name exist."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+FILE = re.compile(r"`((?:\w+/)+\w+\.py|(?:\w+/)*data/\w+\.\w+)`")
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_file_that_a_page_names_exists(page: Path) -> None:
+    """Its path begins at the checkout or at the package railhead."""
+    named = set(FILE.findall(page.read_text(encoding="utf-8")))
+    roots = ROOT, ROOT / "railhead"
+    assert {each for each in named if not any((root / each).is_file() for root in roots)} == set()
