@@ -1,15 +1,22 @@
-"""The command `railhead`, and the same options for `python cases/<case>.py`."""
+"""The command `railhead`: its options and what each of its commands does.
+
+Modules that a command needs are imported when it runs: imports are half of a short command.
+"""
 
 from __future__ import annotations
 
+import functools
+import inspect
 import io
 import shutil
 import sys
 import textwrap
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import redirect_stdout
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
 
 import click
 
@@ -18,19 +25,124 @@ from railhead.run import process
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError
 
-SOLVED, CHECK_FAILED, WRONG_INPUT = 0, 1, 2
+if TYPE_CHECKING:
+    from rich.console import Console
+
+SOLVED, CHECK_FAILED, WRONG_INPUT = 0, 1, 2  # exit statuses
 PROCESSES = click.IntRange(1)
 PROCESSES.name = "number of processes; give a whole number from 1 on"
-ALIKE = ("list", "plan", "locate", "profile")  # done by all processes of MPI, said by the first
+SERIAL = ("list", "plan", "locate", "profile")  # every MPI process does all, the first prints
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunFiles:
+    """What `railhead run` writes, and where.
+
+    out: the result folder; None for results/<case>.
+    no_pictures: whether PNG files and report.html are left out.
+    no_report: whether report.html is left out.
+    whole: whether .vtu files have the parts that symmetry left out.
+    units: units of the table and the report, as text; None for mm, N and MPa.
+    """
+
+    out: Path | None
+    no_pictures: bool
+    no_report: bool
+    whole: bool
+    units: str | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReportOptions:
+    """How a command without a finite-element solution reports.
+
+    out: the folder; None for the usual one.
+    no_pictures: whether no folder is written at all.
+    as_json: whether the summary is printed as JSON, instead of a table.
+    """
+
+    out: Path | None
+    no_pictures: bool
+    as_json: bool
+
+
+class Answer(Protocol):
+    """The answer of a command that solves no finite elements."""
+
+    def summary(self) -> dict[str, Any]:
+        """All values, as plain data."""
+
+    def write(self, folder: Path) -> None:
+        """Write summary.json, tables and pictures."""
+
+    def show(self, console: Console) -> None:
+        """Print the answer as people read it."""
+
+
+def _scene(
+    case: str,
+    assignments: Sequence[str],
+    switched_on: Sequence[str],
+    switched_off: Sequence[str],
+) -> Scene:
+    """The scene of a case, with keys set and effects switched by the options of a command."""
+    for name in set(switched_on) & set(switched_off):
+        raise SceneError(f"effects.{name}", "given with --with and --without; give one of them")
+    switches = [f"effects.{name}=on" for name in switched_on]
+    switches += [f"effects.{name}=off" for name in switched_off]
+    return catalogue.find(case).replace([*assignments, *switches])
+
+
+def _grouped(
+    name: str, make: Callable[..., object], *options: Callable[[Any], Any]
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """A decorator of commands: adds options whose values it passes on as one argument `name`,
+    make(**values)."""
+    keys = list(inspect.signature(make).parameters)
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        @functools.wraps(command)
+        def call(*arguments: Any, **values: Any) -> Any:
+            made = make(**{key: values.pop(key) for key in keys})
+            return command(*arguments, **{name: made}, **values)
+
+        return functools.reduce(lambda inner, option: option(inner), reversed(options), call)
+
+    return decorate
+
 
 _set = click.option(
     "--set", "assignments", multiple=True, metavar="KEY=VALUE", help="Change a key of the scene."
 )
-_with = click.option(
-    "--with", "switched_on", multiple=True, metavar="NAME", help="Simulate this effect."
+_scene_options = _grouped(
+    "scene",
+    _scene,
+    click.argument("case"),
+    _set,
+    click.option(
+        "--with", "switched_on", multiple=True, metavar="NAME", help="Simulate this effect."
+    ),
+    click.option(
+        "--without", "switched_off", multiple=True, metavar="NAME", help="Leave this effect out."
+    ),
 )
-_without = click.option(
-    "--without", "switched_off", multiple=True, metavar="NAME", help="Leave this effect out."
+_run_files = _grouped(
+    "files",
+    RunFiles,
+    click.option("--out", type=click.Path(path_type=Path), help="Result folder [results/<case>]."),
+    click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html."),
+    click.option("--no-report", is_flag=True, help="Write no report.html."),
+    click.option("--whole", is_flag=True, help="Write .vtu files of the whole model, mirrored."),
+    click.option("--units", help="Of the table and the report, e.g. mm,kN,MPa."),
+)
+_report_options = _grouped(
+    "options",
+    ReportOptions,
+    click.option(
+        "--out", type=click.Path(path_type=Path), help="Folder [results/<name>_<command>]."
+    ),
+    click.option("--no-pictures", is_flag=True, help="Write nothing."),
+    click.option("--json", "as_json", is_flag=True, help="Print the summary and nothing else."),
 )
 
 
@@ -39,7 +151,7 @@ _without = click.option(
 @click.pass_context
 def railhead(context: click.Context) -> None:
     """Wheel-rail contact by finite elements, held against exact Hertz."""
-    if context.invoked_subcommand in ALIKE and process.rank() > 0:
+    if context.invoked_subcommand in SERIAL and process.rank() > 0:
         context.with_resource(redirect_stdout(io.StringIO()))
 
 
@@ -52,26 +164,15 @@ def list_cases() -> None:
 
 
 @railhead.command()
-@click.argument("case")
-@_set
-@_with
-@_without
+@_scene_options
 @click.option("--accuracy", help="Asked accuracy, e.g. 1%.")
 @click.option("--json", "as_json", is_flag=True, help="Print the plan as JSON and nothing else.")
-def plan(
-    case: str,
-    assignments: Sequence[str],
-    switched_on: Sequence[str],
-    switched_off: Sequence[str],
-    accuracy: str | None,
-    as_json: bool,
-) -> None:
+def plan(scene: Scene, accuracy: str | None, as_json: bool) -> None:
     """Say what would be simulated and what it costs; solve nothing."""
     from railhead import api
     from railhead.results import result_folder
     from railhead.results.report import terminal
 
-    scene = _scene(case, assignments, switched_on, switched_off)
     planned = api.plan(scene, accuracy=accuracy, quiet=as_json)
     if as_json:
         click.echo(result_folder.to_json(planned.plan.to_dict()), nl=False)
@@ -80,34 +181,20 @@ def plan(
 
 
 @railhead.command()
-@click.argument("case")
-@_set
-@_with
-@_without
+@_scene_options
 @click.option("--accuracy", help="Asked accuracy, e.g. 1%.")
 @click.option("--budget", help="Best accuracy for that time, e.g. 30s.")
-@click.option("--out", type=click.Path(path_type=Path), help="Result folder [results/<case>].")
-@click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html.")
-@click.option("--no-report", is_flag=True, help="Write no report.html.")
-@click.option("--whole", is_flag=True, help="Write .vtu files of the whole model, mirrored.")
-@click.option("--units", help="Of the table and the report, e.g. mm,kN,MPa.")
+@_run_files
 @click.option("--ranks", type=PROCESSES, help="Processes [as many as pay].")
 @click.option("--quiet", is_flag=True, help="Print only what fails.")
 @click.option("--json", "as_json", is_flag=True, help="Print summary.json and nothing else.")
 @click.pass_obj
 def run(
     arguments: Sequence[str],
-    case: str,
-    assignments: Sequence[str],
-    switched_on: Sequence[str],
-    switched_off: Sequence[str],
+    scene: Scene,
     accuracy: str | None,
     budget: str | None,
-    out: Path | None,
-    no_pictures: bool,
-    no_report: bool,
-    whole: bool,
-    units: str | None,
+    files: RunFiles,
     ranks: int | None,
     quiet: bool,
     as_json: bool,
@@ -116,9 +203,8 @@ def run(
     from railhead.results import result_folder
     from railhead.results.report.output_units import Units
 
-    shown = Units.parse(units)
-    scene = _scene(case, assignments, switched_on, switched_off)
-    folder = out if out is not None else Path("results") / scene.name
+    units = Units.parse(files.units)
+    folder = files.out if files.out is not None else Path("results") / scene.name
     result_folder.check_folder(folder)
 
     from railhead import api
@@ -131,7 +217,7 @@ def run(
     planned = planning.make(api.with_accuracy(scene, accuracy, budget))
     if not process.started():
         budgets.check_memory(planned, machine.free_memory())
-        count = ranks or launch.suited(planned)
+        count = ranks or launch.number_of_processes(planned)
         if count > 1:
             launch.restart(count, arguments)
 
@@ -144,10 +230,14 @@ def run(
         result = pipeline.solve(planned, progress)
     first, problem = result.mesh.comm.rank == 0, None
     with refinement.telling(quiet=quiet, since=start) as progress:
-        progress.stage("writing files" + ("" if no_pictures else " and pictures"))
+        progress.stage("writing files" + ("" if files.no_pictures else " and pictures"))
         try:
             result.save(
-                folder, pictures=not no_pictures, report=not no_report, whole=whole, units=shown
+                folder,
+                pictures=not files.no_pictures,
+                report=not files.no_report,
+                whole=files.whole,
+                units=units,
             )
         except OSError as error:
             problem = error
@@ -157,7 +247,7 @@ def run(
         if as_json:
             click.echo(result_folder.as_json(result), nl=False)
         elif not quiet:
-            result.show(terminal.standard(), shown)
+            result.show(terminal.standard(), units)
         if problem is not None:
             _not_written(problem)
         elif not quiet:
@@ -166,7 +256,7 @@ def run(
 
 
 @railhead.command()
-@click.argument("case")
+@_scene_options
 @click.option(
     "--over",
     "lists",
@@ -175,20 +265,14 @@ def run(
     metavar="KEY=VALUES",
     help="Values of a key: 25kN,50kN or first:last:step, 0:10:0.5mm.",
 )
-@_set
-@_with
-@_without
 @click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<case>_sweep].")
 @click.option("--resume", is_flag=True, help="Go on with the sweep that is in the folder.")
 @click.option("--vtu", is_flag=True, help="Write .vtu files of each combination, for ParaView.")
 @click.option("--no-pictures", is_flag=True, help="Write no PNG files.")
 @click.option("--quiet", is_flag=True, help="Print only what fails.")
 def sweep(
-    case: str,
+    scene: Scene,
     lists: Sequence[str],
-    assignments: Sequence[str],
-    switched_on: Sequence[str],
-    switched_off: Sequence[str],
     out: Path | None,
     resume: bool,
     vtu: bool,
@@ -199,8 +283,7 @@ def sweep(
     from railhead.results import result_folder
     from railhead.sweeps.grid import ParameterGrid, parse_values
 
-    scene, values = _scene(case, assignments, switched_on, switched_off), parse_values(lists)
-    grid = ParameterGrid.combine(scene, values)
+    grid = ParameterGrid.combine(scene, parse_values(lists))
     grid.refuse_duplicates()
     folder = out if out is not None else Path("results") / f"{scene.name}_sweep"
     result_folder.check_folder(folder)
@@ -226,69 +309,53 @@ def sweep(
 @_set
 @click.option("--shift", help="Lateral shift of the wheelset, e.g. 3mm.")
 @click.option("--yaw", help="Yaw of the wheelset, e.g. 2mrad.")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<case>_locate].")
-@click.option("--no-pictures", is_flag=True, help="Write nothing.")
-@click.option("--json", "as_json", is_flag=True, help="Print the summary and nothing else.")
+@_report_options
 def locate(
     case: str,
     assignments: Sequence[str],
     shift: str | None,
     yaw: str | None,
-    out: Path | None,
-    no_pictures: bool,
-    as_json: bool,
+    options: ReportOptions,
 ) -> None:
     """Find where both wheels of a wheelset touch their rails; solve nothing."""
-    from railhead.cli import locate as locating
-    from railhead.results import result_folder
-    from railhead.results.report import terminal
+    positions = {"wheelset.shift": shift, "wheelset.yaw": yaw}
+    given = [f"{key}={value}" for key, value in positions.items() if value is not None]
+    scene = catalogue.find(case).replace([*assignments, *given])
 
-    options = {"wheelset.shift": shift, "wheelset.yaw": yaw}
-    asked = [f"{key}={value}" for key, value in options.items() if value is not None]
-    scene = catalogue.find(case).replace([*assignments, *asked])
-    folder = out if out is not None else Path("results") / f"{scene.name}_locate"
-    result_folder.check_folder(folder)
-    location = locating.locate(scene)
-    if not no_pictures:
-        locating.write(location, folder)
-    if as_json:
-        click.echo(locating.as_json(location), nl=False)
-        return
-    locating.show(location, terminal.standard())
-    if not no_pictures:
-        click.echo(f"written to {folder}/")
+    from railhead.cli.locate import locate
+
+    _report(functools.partial(locate, scene), f"{scene.name}_locate", options)
 
 
 @railhead.command()
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--body", type=click.Choice(["rail", "wheel"]), help="Whose profile it is.")
 @_set
-@click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<file>_profile].")
-@click.option("--no-pictures", is_flag=True, help="Write nothing.")
-@click.option("--json", "as_json", is_flag=True, help="Print the summary and nothing else.")
+@_report_options
 def profile(
-    file: Path,
-    body: str | None,
-    assignments: Sequence[str],
-    out: Path | None,
-    no_pictures: bool,
-    as_json: bool,
+    file: Path, body: str | None, assignments: Sequence[str], options: ReportOptions
 ) -> None:
     """Read and smooth a measured profile, and say what is worn off it; solve nothing."""
-    from railhead.cli import examine_profile as profiling
+    from railhead.cli.examine_profile import examine
+
+    _report(functools.partial(examine, file, body, assignments), f"{file.stem}_profile", options)
+
+
+def _report(answer: Callable[[], Answer], name: str, options: ReportOptions) -> None:
+    """Compute an answer, write its folder [results/<name>] and print it."""
     from railhead.results import result_folder
     from railhead.results.report import terminal
 
-    folder = out if out is not None else Path("results") / f"{file.stem}_profile"
+    folder = options.out if options.out is not None else Path("results") / name
     result_folder.check_folder(folder)
-    examined = profiling.examine(file, body, assignments)
-    if not no_pictures:
-        profiling.write(examined, folder)
-    if as_json:
-        click.echo(profiling.as_json(examined), nl=False)
+    computed = answer()
+    if not options.no_pictures:
+        computed.write(folder)
+    if options.as_json:
+        click.echo(result_folder.to_json(computed.summary()), nl=False)
         return
-    profiling.show(examined, terminal.standard())
-    if not no_pictures:
+    computed.show(terminal.standard())
+    if not options.no_pictures:
         click.echo(f"written to {folder}/")
 
 
@@ -299,27 +366,19 @@ def profile(
 @click.option("--install", is_flag=True, help="First install the programs that `peers` measures.")
 def study(name: str | None, out: Path | None, quick: bool, install: bool) -> None:
     """Run a study: CSV, picture and page. Without a name: list the studies."""
-    from railhead.cli import study as studying
+    from railhead.cli import study as studies
 
     if name is None:
         if out is not None or quick or install:
             raise SceneError(
                 "study", "--out, --quick and --install need the name of a study; give one"
             )
-        for known in studying.names():
-            click.echo(f"{known:22s} {studying.load(known).STUDY}")
+        for each in studies.names():
+            click.echo(f"{each:22s} {studies.load(each).STUDY}")
         return
-    folder, page = studying.run(name, out, quick=quick, install=install)
+    folder, page = studies.run(name, out, quick=quick, install=install)
     click.echo(page)
     click.echo(f"written to {folder}/")
-
-
-def _scene(case: str, assignments: Sequence[str], on: Sequence[str], off: Sequence[str]) -> Scene:
-    """A case with what --set, --with and --without say."""
-    for name in set(on) & set(off):
-        raise SceneError(f"effects.{name}", "given with --with and --without; give one of them")
-    switches = [f"effects.{name}=on" for name in on] + [f"effects.{name}=off" for name in off]
-    return catalogue.find(case).replace([*assignments, *switches])
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -330,9 +389,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _status(arguments: Sequence[str] | None) -> int:
-    given = process.arguments() if arguments is None else list(arguments)
+    """Run the command; returns its exit status. What is wrong is printed in one line."""
+    words = process.arguments() if arguments is None else list(arguments)
     try:
-        code = railhead.main(given, prog_name="railhead", standalone_mode=False, obj=given)
+        code = railhead.main(words, prog_name="railhead", standalone_mode=False, obj=words)
         return int(code or SOLVED)
     except SceneError as error:
         return _refuse(str(error))
@@ -353,7 +413,7 @@ def _status(arguments: Sequence[str] | None) -> int:
 
 
 def _say(text: str) -> None:
-    """To standard error, once by all processes of MPI."""
+    """Print a line to standard error, on the first process of MPI alone."""
     mpi = sys.modules.get("mpi4py.MPI")
     if (mpi.COMM_WORLD.rank if mpi else process.rank()) == 0:
         click.echo(f"railhead: {text}", err=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,23 +16,27 @@ from railhead.geometry.measured import standards
 from railhead.geometry.measured.extensions import BODY_BY_EXTENSION
 from railhead.geometry.measured.profile import Measured, smoothness
 from railhead.geometry.measured.standards import LaidStandard
-from railhead.results import result_folder
+from railhead.results import result_folder, table_file
 from railhead.results.report import tables, terminal
 from railhead.scene.scene import Scene, SceneError
 
-STEP = 0.25  # mm between the rows of profile.csv
+ROW_STEP = 0.25  # mm between the rows of profile.csv
 
 
 @dataclass(frozen=True)
-class Examined:
-    """A measured profile and its wear."""
+class ExaminedProfile:
+    """A measured profile and its wear.
 
-    found: Measured
+    measured: the smoothed profile and how its file was read.
+    worn: the standard profile laid on it, and what it has lost against that.
+    """
+
+    measured: Measured
     worn: LaidStandard
 
     def summary(self) -> dict[str, Any]:
-        """As in summary.json: lengths mm, curvatures 1/mm."""
-        found, worn = self.found, self.worn
+        """The content of summary.json: lengths in mm, curvatures in 1/mm."""
+        found, worn = self.measured, self.worn
         low, middle, high = smoothness(found.profile).curvatures
         return {
             "body": found.body,
@@ -48,9 +51,49 @@ class Examined:
             },
         }
 
+    def write(self, folder: Path) -> None:
+        """Write summary.json, profile.csv (the smoothed profile) and profile.png."""
+        from railhead.postprocess.plots import profile_plot
 
-def examine(path: Path, body: str | None, assignments: Sequence[str]) -> Examined:
-    """The profile of a file. Raises SceneError.
+        profile = self.measured.profile
+        start, end = profile.domain
+        y = np.linspace(start, end, math.ceil((end - start) / ROW_STEP) + 1)
+        columns = {
+            "y_mm": y,
+            "z_mm": profile.height(y),
+            "slope": profile.slope(y),
+            "curvature_per_mm": profile.curvature(y),
+        }
+        rows = [
+            {name: f"{values[index]:.9g}" for name, values in columns.items()}
+            for index in range(len(y))
+        ]
+        with result_folder.replacing(folder) as work:
+            profile_plot.draw(self.measured, self.worn, work / "profile.png")
+            (work / "profile.csv").write_bytes(table_file.encoded(rows))
+            text = result_folder.to_json(self.summary())
+            (work / result_folder.SUMMARY).write_text(text, encoding="utf-8")
+
+    def show(self, console: Console) -> None:
+        """Print how the file was read and smoothed, the curvature and the wear."""
+        summary, worn = self.summary(), self.worn
+        radii = (
+            "inf" if value == 0 else f"{1 / value:.4g}"
+            for value in summary["curvatures_per_mm"].values()
+        )
+        lines = [
+            *tables.profile_lines({self.measured.body: summary}),
+            f"radius     {', '.join(radii)} mm at 5, 50, 95 % of the curvature",
+            f"wear       against {worn.name}: at most {worn.largest_loss:.3g} mm at y = "
+            f"{worn.y[worn.worst]:.1f} mm, {worn.lost_area:.3g} mm2 of the section",
+        ]
+        for line in lines:
+            terminal.labelled(console, line)
+
+
+def examine(path: Path, body: str | None, assignments: Sequence[str]) -> ExaminedProfile:
+    """Read, smooth and compare the profile of a file. Raises SceneError for one that cannot be
+    read.
 
     body: 'rail' or 'wheel'; None takes that of the extension or of the first assignment, else the
     first of both whose standard profiles it fits. assignments: keys of that body, as in a scene
@@ -71,46 +114,7 @@ def examine(path: Path, body: str | None, assignments: Sequence[str]) -> Examine
             raise SceneError(rail.key, text) from None
 
 
-def _examine(path: Path, body: str, assignments: Sequence[str]) -> Examined:
+def _examine(path: Path, body: str, assignments: Sequence[str]) -> ExaminedProfile:
     scene = Scene.from_mapping({"load": 1.0, body: {"profile": str(path)}}).replace(assignments)
     found = solid.from_file(scene, body)
-    return Examined(found, standards.nearest(found.resampled(standards.STEP), body))
-
-
-def write(examined: Examined, folder: Path) -> None:
-    """summary.json, profile.csv (the smoothed profile) and profile.png."""
-    from railhead.postprocess.plots import profile_plot
-
-    profile = examined.found.profile
-    start, end = profile.domain
-    y = np.linspace(start, end, math.ceil((end - start) / STEP) + 1)
-    with result_folder.replacing(folder) as work:
-        profile_plot.draw(examined.found, examined.worn, work / "profile.png")
-        with (work / "profile.csv").open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(["y_mm", "z_mm", "slope", "curvature_per_mm"])
-            values = zip(y, profile.height(y), profile.slope(y), profile.curvature(y), strict=True)
-            writer.writerows([f"{value:.9g}" for value in row] for row in values)
-        (work / result_folder.SUMMARY).write_text(as_json(examined), encoding="utf-8")
-
-
-def as_json(examined: Examined) -> str:
-    """The summary as JSON."""
-    return result_folder.to_json(examined.summary())
-
-
-def show(examined: Examined, console: Console) -> None:
-    """How it was read and smoothed, its curvature and its wear."""
-    found, summary, worn = examined.found, examined.summary(), examined.worn
-    radii = (
-        "inf" if value == 0 else f"{1 / value:.4g}"
-        for value in summary["curvatures_per_mm"].values()
-    )
-    lines = [
-        *tables.profile_lines({found.body: summary}),
-        f"radius     {', '.join(radii)} mm at 5, 50, 95 % of the curvature",
-        f"wear       against {worn.name}: at most {worn.largest_loss:.3g} mm at y = "
-        f"{worn.y[worn.worst]:.1f} mm, {worn.lost_area:.3g} mm2 of the section",
-    ]
-    for line in lines:
-        terminal.labelled(console, line)
+    return ExaminedProfile(found, standards.nearest(found.resampled(standards.STEP), body))

@@ -1,4 +1,4 @@
-"""Processes of a run: as many as pay, under mpirun."""
+"""MPI processes of a run: how many are worth it, and the restart under mpirun."""
 
 from __future__ import annotations
 
@@ -14,40 +14,47 @@ import psutil
 from railhead.planning.plan import Plan
 from railhead.scene.scene import SceneError
 
-WORTH = 100_000  # unknowns a process: two take 0.86 of the time of one with 143 000, ...
+UNKNOWNS_PER_PROCESS = (
+    100_000  # unknowns a process: two take 0.86 of the time of one with 143 000, ...
+)
 # ... 0.77 with 285 000 and 0.67 with a million (docs/ranks.md)
-ROOM = 32_000_000  # bytes of temporary files: Open MPI 4 takes 8.4 MB for two processes, ...
+TEMPORARY_BYTES = (
+    32_000_000  # bytes of temporary files: Open MPI 4 takes 8.4 MB for two processes, ...
+)
 # ... and without them it waits for ever
-QUIET = {"OMPI_MCA_orte_execute_quiet": "1"}  # Open MPI 4; 5 always tells of a status that is not 0
+QUIET_LAUNCHER = {
+    "OMPI_MCA_orte_execute_quiet": "1"
+}  # Open MPI 4; 5 always tells of a status that is not 0
 
 
-def suited(plan: Plan) -> int:
-    """Processes for the finest mesh of a plan, on the physical cores that this one may use; one
-    where there is no mpirun, or no room for its files."""
+def number_of_processes(plan: Plan) -> int:
+    """The number of processes that the finest mesh of a plan is worth, at most the physical cores
+    that this process may use; 1 without mpirun, or without disk space for its files."""
     cores = min(psutil.cpu_count(logical=False) or 1, len(os.sched_getaffinity(0)))
-    if cores == 1 or shutil.which("mpirun") is None or not _room():
+    if cores == 1 or shutil.which("mpirun") is None or not _has_space():
         return 1
-    return max(1, min(cores, plan.unknowns // WORTH))
+    return max(1, min(cores, plan.unknowns // UNKNOWNS_PER_PROCESS))
 
 
-def _room() -> bool:
-    return shutil.disk_usage(tempfile.gettempdir()).free >= ROOM
+def _has_space() -> bool:
+    return shutil.disk_usage(tempfile.gettempdir()).free >= TEMPORARY_BYTES
 
 
 def under_mpirun(ranks: int, environment: Mapping[str, str]) -> tuple[list[str], dict[str, str]]:
-    """What starts a command in so many processes: words before it, none for one process, and the
-    environment, in which root may do that, too."""
+    """How to start a command in `ranks` processes: the words before it (none for one process) and
+    its environment, in which root may do that, too."""
     if ranks == 1:
         return [], dict(environment)
-    allowed = dict(environment) | QUIET
+    allowed = dict(environment) | QUIET_LAUNCHER
     if os.geteuid() == 0:  # what is not harmful for one process is not for two
         allowed |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
     return ["mpirun", "--oversubscribe", "-n", str(ranks)], allowed
 
 
 def restart(ranks: int, arguments: Sequence[str]) -> NoReturn:
-    """Put mpirun, which runs the same command in so many processes, in the place of this process: a
-    signal ends both or neither, and the exit status is that of the ranks.
+    """Replace this process by mpirun, which runs the same command in `ranks` processes.
+
+    As it is no child, a signal ends both or neither, and the exit status is that of the ranks.
 
     Raises SceneError for more ranks than processors, without mpirun, and without free disk space
     for its files.
@@ -57,9 +64,11 @@ def restart(ranks: int, arguments: Sequence[str]) -> NoReturn:
         raise SceneError("--ranks", f"{ranks} is not allowed; give at most {processors}")
     if shutil.which("mpirun") is None:
         raise SceneError("--ranks", f"{ranks} is not allowed without mpirun, which was not found")
-    if not _room():
+    if not _has_space():
         place = f"{tempfile.gettempdir()}; free some, or name another folder by TMPDIR"
-        text = f"{ranks} is not allowed with less than {ROOM / 1e6:.0f} MB free in {place}"
+        text = (
+            f"{ranks} is not allowed with less than {TEMPORARY_BYTES / 1e6:.0f} MB free in {place}"
+        )
         raise SceneError("--ranks", text)
     launcher, environment = under_mpirun(ranks, os.environ)
     environment["TMPDIR"] = tempfile.gettempdir()

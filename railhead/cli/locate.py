@@ -24,16 +24,40 @@ CLEARANCE = 0.05  # mm; elastic approaches of wheels are of this size
 SHIFTS = np.linspace(-10.0, 10.0, 81)  # mm
 
 
+CONTACT_ROWS = (
+    ("rail: y from the crown centre", "mm", "rail_y_mm"),
+    ("rail: y from the highest point", "mm", "top_y_mm"),
+    ("rail: z", "mm", "rail_z_mm"),
+    ("wheel: y from the tape circle", "mm", "wheel_y_mm"),
+    ("wheel: x ahead of the axle", "mm", "ahead_mm"),
+    ("gap", "mm", "gap_mm"),
+    ("contact angle", "rad", "angle_rad"),
+    ("rolling radius", "mm", "radius_mm"),
+    ("rail: curvature across", "1/mm", "rail_curvature"),
+    ("wheel: curvature along its circle", "1/mm", "wheel_curvature_along"),
+    ("wheel: curvature across", "1/mm", "wheel_curvature_across"),
+    ("relative curvature along", "1/mm", "relative_curvature_along"),
+    ("relative curvature across", "1/mm", "relative_curvature_across"),
+    ("their axes turned by", "rad", "orientation_rad"),
+)
+"""Label, unit and key of the rows of the table of contacts."""
+
+
 @dataclass(frozen=True)
 class Location:
-    """A wheelset on its track."""
+    """A wheelset on its track.
+
+    scene: profiles, gauge, shift and yaw.
+    pair: profiles of rail and wheel.
+    placed: height, roll and contacts of both wheels.
+    """
 
     scene: Scene
     pair: Pair
     placed: Placed
 
     def summary(self) -> dict[str, Any]:
-        """As in summary.json: lengths mm, angles rad, curvatures 1/mm."""
+        """The content of summary.json: lengths in mm, angles in rad, curvatures in 1/mm."""
         placed, (crest, _) = self.placed, wheelset.top(self.pair.rail)
         return {
             "case": self.scene.name,
@@ -50,9 +74,75 @@ class Location:
             },
         }
 
+    def placed_at(self, shifts: Sequence[float]) -> list[tuple[float, Placed]]:
+        """The same wheelset at other lateral shifts (mm); those where a wheel misses its rail are
+        left out."""
+        scene, positions = self.scene, []
+        track = Track(scene.wheelset.back_to_back, scene.rail.gauge)
+        for shift in shifts:
+            try:
+                placed = wheelset.place(self.pair, track, shift, scene.wheelset.yaw, CLEARANCE)
+            except PlacementError:
+                continue
+            positions.append((float(shift), placed))
+        return positions
+
+    def write(self, folder: Path) -> None:
+        """Write summary.json and pictures: both wheels on their rails, their contacts and the
+        rolling radius difference over lateral shifts."""
+        from railhead.postprocess.plots import wheelset_plot
+
+        scene = self.scene
+        profiles = f"wheels {scene.wheel.profile} on rails {scene.rail.profile}"
+        pair = f"{scene.name}: wheelset with {profiles}"
+        at = f"shifted by {scene.wheelset.shift:g} mm to the right"
+        yaw = f", yaw {1e3 * scene.wheelset.yaw:g} mrad"
+        with result_folder.replacing(folder) as work:
+            title = f"{pair}, {at}{yaw}"
+            wheelset_plot.profiles(self.pair, self.placed, work / "profiles.png", title)
+            swept = self.placed_at(list(SHIFTS))
+            wheelset_plot.positions(self.pair, swept, work / "positions.png", pair + yaw)
+            wheelset_plot.rolling_radius(swept, work / "rolling_radius.png", pair + yaw)
+            (work / result_folder.SUMMARY).write_text(
+                result_folder.to_json(self.summary()), encoding="utf-8"
+            )
+
+    def show(self, console: Console) -> None:
+        """Print a table with a column for each contact, below it the values of the wheelset."""
+        summary, scene = self.summary(), self.scene
+        table = Table(title=f"contacts of {scene.name}", title_justify="left")
+        table.add_column("quantity")
+        table.add_column("unit")
+        columns = [
+            (f"{side} {number}", contact)
+            for side in ("left", "right")
+            for number, contact in enumerate(summary[side], 1)
+        ]
+        for name, _ in columns:
+            table.add_column(name, justify="right")
+        for label, unit, key in CONTACT_ROWS:
+            table.add_row(label, unit, *(f"{contact[key]:.6g}" for _, contact in columns))
+        console.print(table)
+        console.print(
+            f"shift {scene.wheelset.shift:g} mm, yaw {1e3 * scene.wheelset.yaw:g} mrad: roll "
+            f"{1e3 * summary['roll_rad']:.4g} mrad, rolling radius difference "
+            f"{summary['rolling_radius_difference_mm']:.4g} mm; contacts: "
+            f"{len(summary['left'])} left, {len(summary['right'])} right "
+            f"(gap below {CLEARANCE:g} mm); y to the field side",
+            highlight=False,
+        )
+        for key, smooth in summary["measured"].items():
+            low, middle, high = (_radius(value) for value in smooth["curvatures"])
+            console.print(
+                f"{key} profile, smoothed: radius {low}, {middle}, {high} mm at 5, 50, 95 % of the "
+                f"curvature; {smooth['waves']} changes between convex and concave",
+                highlight=False,
+            )
+
 
 def locate(scene: Scene) -> Location:
-    """Place the wheelset. Raises SceneError for half-spaces and where a wheel misses its rail."""
+    """Place the wheelset of a scene so that both wheels touch their rails. Raises SceneError for
+    half-spaces and where a wheel misses its rail."""
     if scene.rail.extent == "half-space":
         raise SceneError(
             "rail.extent", "half-space has no profiles to locate; give head or section"
@@ -60,96 +150,12 @@ def locate(scene: Scene) -> Location:
     return Location(scene, *geometry.place(scene, CLEARANCE))
 
 
-def sweep(location: Location, shifts: Sequence[float]) -> list[tuple[float, Placed]]:
-    """The same wheelset at other lateral shifts (mm), where both wheels find their rails."""
-    scene, found = location.scene, []
-    track = Track(scene.wheelset.back_to_back, scene.rail.gauge)
-    for shift in shifts:
-        try:
-            placed = wheelset.place(location.pair, track, shift, scene.wheelset.yaw, CLEARANCE)
-        except PlacementError:
-            continue
-        found.append((float(shift), placed))
-    return found
-
-
-def write(location: Location, folder: Path) -> None:
-    """summary.json and three pictures."""
-    from railhead.postprocess.plots import wheelset_plot
-
-    scene = location.scene
-    pair = f"{scene.name}: wheelset with wheels {scene.wheel.profile} on rails {scene.rail.profile}"
-    at = f"shifted by {scene.wheelset.shift:g} mm to the right"
-    yaw = f", yaw {1e3 * scene.wheelset.yaw:g} mrad"
-    with result_folder.replacing(folder) as work:
-        title = f"{pair}, {at}{yaw}"
-        wheelset_plot.profiles(location.pair, location.placed, work / "profiles.png", title)
-        swept = sweep(location, list(SHIFTS))
-        wheelset_plot.positions(location.pair, swept, work / "positions.png", pair + yaw)
-        wheelset_plot.rolling_radius(swept, work / "rolling_radius.png", pair + yaw)
-        (work / result_folder.SUMMARY).write_text(as_json(location), encoding="utf-8")
-
-
-def as_json(location: Location) -> str:
-    """The summary as JSON."""
-    return result_folder.to_json(location.summary())
-
-
-ROWS = (
-    ("rail: y from the crown centre", "mm", "rail_y_mm"),
-    ("rail: y from the highest point", "mm", "top_y_mm"),
-    ("rail: z", "mm", "rail_z_mm"),
-    ("wheel: y from the tape circle", "mm", "wheel_y_mm"),
-    ("wheel: x ahead of the axle", "mm", "ahead_mm"),
-    ("gap", "mm", "gap_mm"),
-    ("contact angle", "rad", "angle_rad"),
-    ("rolling radius", "mm", "radius_mm"),
-    ("rail: curvature across", "1/mm", "rail_curvature"),
-    ("wheel: curvature along its circle", "1/mm", "wheel_curvature_along"),
-    ("wheel: curvature across", "1/mm", "wheel_curvature_across"),
-    ("relative curvature along", "1/mm", "relative_curvature_along"),
-    ("relative curvature across", "1/mm", "relative_curvature_across"),
-    ("their axes turned by", "rad", "orientation_rad"),
-)
-
-
-def show(location: Location, console: Console) -> None:
-    """A column for each contact; below it what holds for the wheelset."""
-    summary, scene = location.summary(), location.scene
-    table = Table(title=f"contacts of {scene.name}", title_justify="left")
-    table.add_column("quantity")
-    table.add_column("unit")
-    columns = [
-        (f"{side} {number}", contact)
-        for side in ("left", "right")
-        for number, contact in enumerate(summary[side], 1)
-    ]
-    for name, _ in columns:
-        table.add_column(name, justify="right")
-    for label, unit, key in ROWS:
-        table.add_row(label, unit, *(f"{contact[key]:.6g}" for _, contact in columns))
-    console.print(table)
-    console.print(
-        f"shift {scene.wheelset.shift:g} mm, yaw {1e3 * scene.wheelset.yaw:g} mrad: roll "
-        f"{1e3 * summary['roll_rad']:.4g} mrad, rolling radius difference "
-        f"{summary['rolling_radius_difference_mm']:.4g} mm; contacts: {len(summary['left'])} left, "
-        f"{len(summary['right'])} right (gap below {CLEARANCE:g} mm); y to the field side",
-        highlight=False,
-    )
-    for key, smooth in summary["measured"].items():
-        low, middle, high = (_radius(value) for value in smooth["curvatures"])
-        console.print(
-            f"{key} profile, smoothed: radius {low}, {middle}, {high} mm at 5, 50, 95 % of the "
-            f"curvature; {smooth['waves']} changes between convex and concave",
-            highlight=False,
-        )
-
-
 def _radius(curvature: float) -> str:
     return "inf" if curvature == 0 else f"{1 / curvature:.4g}"
 
 
 def _contact(touch: ContactPoint, crest: float) -> dict[str, float | bool]:
+    """The values of one contact; crest: y of the rail's highest point, mm."""
     return {
         "rail_y_mm": touch.y,
         "top_y_mm": touch.y - crest,

@@ -129,7 +129,7 @@ def page(records: Sequence[Record]) -> str:
     forecasts = [_forecast_row(one, two, ranks) for ranks in FORECAST]
     return tables.render(
         "ranks", measured=measured, forecasts=forecasts, largest=one, parts=list(PARTS),
-        worth=launch.WORTH,
+        worth=launch.UNKNOWNS_PER_PROCESS,
     )  # fmt: skip
 
 

@@ -31,15 +31,15 @@ def eight(monkeypatch) -> None:
 )
 def test_large_meshes_are_worth_more_processes(eight, asked, processes) -> None:
     """100 000 unknowns each."""
-    assert launch.suited(plan.make(THESIS.replace(asked))) == processes
+    assert launch.number_of_processes(plan.make(THESIS.replace(asked))) == processes
 
 
 def test_no_more_than_the_process_may_use(eight, monkeypatch) -> None:
     fine = plan.make(THESIS.replace(["mesh.patch_size=0.1"]))
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {3, 4, 5})
-    assert launch.suited(fine) == 3
+    assert launch.number_of_processes(fine) == 3
     monkeypatch.setattr(launch.shutil, "which", lambda _: None)
-    assert launch.suited(fine) == 1
+    assert launch.number_of_processes(fine) == 1
 
 
 def test_what_mpi_started_starts_no_more(eight, monkeypatch) -> None:
@@ -82,9 +82,9 @@ def test_without_room_for_temporary_files_there_is_one_process(
 ) -> None:
     """Open MPI would wait for ever."""
     monkeypatch.chdir(tmp_path)
-    full = shutil.disk_usage(tmp_path)._replace(free=launch.ROOM - 1)
+    full = shutil.disk_usage(tmp_path)._replace(free=launch.TEMPORARY_BYTES - 1)
     monkeypatch.setattr(launch.shutil, "disk_usage", lambda _: full)
-    assert launch.suited(plan.make(THESIS.replace(["mesh.patch_size=0.1"]))) == 1
+    assert launch.number_of_processes(plan.make(THESIS.replace(["mesh.patch_size=0.1"]))) == 1
     with pytest.raises(SystemExit) as ended:
         main(["run", "long_roller", "--ranks", "2"])
     assert ended.value.code == 2 and os.listdir(tmp_path) == []

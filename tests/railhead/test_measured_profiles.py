@@ -120,7 +120,7 @@ def test_command_draws_a_profile_and_says_its_wear(tmp_path, monkeypatch, capsys
     }  # fmt: skip
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["standard"] == "60E1" and summary["wear"]["largest_mm"] < 0.1
-    with (folder / "profile.csv").open() as file:
+    with (folder / "profile.csv").open(encoding="utf-8-sig") as file:
         rows = [{key: float(text) for key, text in row.items()} for row in csv.DictReader(file)]
     middle = [row["curvature_per_mm"] for row in rows if -12 < row["y_mm"] < 0]
     np.testing.assert_allclose(middle, 1 / 300, rtol=0.1)
