@@ -17,6 +17,7 @@ from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import LineContact
 
 PLACES = ("_point_mm", "_place_mm")  # ends of names of coordinates
+EXTENTS = 4e-3  # relative error of half extents of boundary elements, 128 cells on ellipses
 
 Quantities = dict[str, Any]
 """Nested as under "result" in summary.json; None where a route has no answer."""
@@ -98,7 +99,7 @@ def from_half_space(
     surface maps x, s (n,) to points (n, 3), mm; plane: contact angle of first contact, rad, on
     whose tangent plane a single patch is measured. Of several, the areas are those on their own
     tangent planes, a and b, half the extents, those of the most loaded one. grid_error: relative
-    change from 64 cells an axis.
+    change from 64 cells an axis, of a and b EXTENTS.
     """
     area = _areas(solution, plane)
     patches = solution.patches
@@ -120,6 +121,8 @@ def from_half_space(
         quantities["grid_error"] = {
             "max_MPa": abs(coarse.max_pressure / solution.max_pressure - 1),
             "area_mm2": abs(_areas(coarse, plane) / area - 1),
+            "a_mm": EXTENTS,
+            "b_mm": EXTENTS,
         }
     return quantities
 

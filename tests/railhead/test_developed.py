@@ -66,7 +66,7 @@ def test_tread_and_gauge_corner_are_listed_with_their_own_planes() -> None:
     for each in (tread, corner):
         _, y, z = each["centre_mm"]
         assert z == pytest.approx(float(rail.height(y)), abs=1e-6)
-    assert set(found["grid_error"]) == {"max_MPa", "area_mm2"}
+    assert set(found["grid_error"]) == {"max_MPa", "area_mm2", "a_mm", "b_mm"}
 
 
 def test_one_ellipse_is_hertz() -> None:
