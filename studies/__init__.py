@@ -11,7 +11,7 @@ STUDIES = {
     "creep": "studies.mechanics.creep",
     "effects": "studies.cost.effects",
     "error_bounds": "studies.accuracy.error_bounds",
-    "fuzz": "studies.hard.fuzz",
+    "fuzz": "studies.hard.fuzz.study",
     "hard_cases": "studies.hard.hard_cases",
     "load_sweep": "studies.mechanics.load_sweep",
     "peers": "studies.peers.study",

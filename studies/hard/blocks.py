@@ -1,107 +1,232 @@
-"""Two quarter blocks pressed together: contact set-ups that no scene can say."""
+"""Hard cases solved directly on two blocks: starts, invariances, paths, poor meshes."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
+import block_pairs
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
-from railhead.geometry import outlines, profiles
 from railhead.geometry.surfaces import ParabolicGap
-from railhead.meshing import mesh
-from railhead.meshing.bodies import Body, Options
-from railhead.meshing.sizing import Grading
-from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, SYMMETRY_Y, WHEEL
+from railhead.meshing.mesh import ContactMesh
+from railhead.postprocess import read
+from railhead.postprocess.findings import Findings, Frame
+from railhead.results.checks import BALANCE, NOISE
 from railhead.solver.compat import cell_nodes
+from railhead.solver.contact import ContactModel
+from railhead.solver.fields import Fields, gather
+from railhead.solver.interface.jumps import Gap
+from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.material.elasticity import Material
 from railhead.solver.setup import ContactBody, Setup
+from railhead.solver.solution import Solution
+from studies.hard.case import Deviation, Measured
 
-STEEL = Material(207000.0, 0.3)
-GAP = ParabolicGap(1 / 2000, 1 / 1600, 1)  # 3 kN on steel touch over about 3 mm
+Array = NDArray[np.float64]
+Start = Callable[[ContactModel], NDArray[np.bool_]]
+LOAD = 3000.0
+EXACTLY = 1e-8  # what an invariance may be off by: the tolerance of Newton's method
+SOLUTION = "pressure, approach"
+LAWS = {
+    "theta 0": ContactLaw(theta=0),
+    "theta -1": ContactLaw(theta=-1),
+    "penalty": ContactLaw("penalty"),
+}
+TRANSFORMS: dict[str, tuple[Array, float, float]] = {
+    "rotated": (Rotation.from_euler("xyz", [0.5, -0.8, 1.1]).as_matrix(), 1.0, 1.0),
+    "mirrored": (np.diag([1.0, 1.0, -1.0]), 1.0, 1.0),
+    "in m and Pa": (np.eye(3), 1e-3, 1e6),
+    "in GPa": (np.eye(3), 1.0, 1e-3),
+    "a thousand times larger": (np.eye(3), 1e3, 1.0),
+}
+"""Orthogonal matrix, and lengths and stresses in the new units over those in mm and MPa."""
+
+
+def near(radius: float = 3.0) -> Start:
+    """Points within a radius of the axis touch: close to the patch of LOAD."""
+    return lambda model: np.linalg.norm(model.interface.points[:, :2], axis=1) < radius
+
+
+def random(share: float) -> Start:
+    """A random share of all points touches."""
+    generator = np.random.default_rng(1)
+    return lambda model: generator.random(len(model.interface.points)) < share
 
 
 @dataclass(frozen=True)
-class TwoSizes(Grading):
-    """A grading whose finest size above the height `lift`/2 is `ratio` times larger."""
+class Solved:
+    """A model with one solution."""
 
-    lift: float = 0.0
-    ratio: float = 1.0
+    model: ContactModel
+    solution: Solution
+    load: float
 
-    def expression(
-        self, *, section: bool = False, coordinates: tuple[str, str] = ("y", "z")
-    ) -> str:
-        """The size as a gmsh MathEval formula."""
-        above = f"Max(0,Min(1,1e6*(z-({self.lift / 2:.15g}))))"
-        more = f"({(self.ratio - 1) * self.size:.15g})"
-        return f"{super().expression(section=section, coordinates=coordinates)}+{more}*{above}"
+    @property
+    def balance(self) -> float:
+        """Relative force imbalance at the interface and at the support."""
+        found = self.solution
+        return max(abs(found.load / self.load - 1), abs(found.reaction / self.load - 1))
+
+    def fields(self) -> Fields:
+        """As plain arrays."""
+        fields = gather(self.model, self.solution)
+        assert fields is not None
+        return fields
+
+    def findings(self) -> Findings:
+        """What is read out of it."""
+        return read.findings(self.fields(), Frame((0.0, 0.0, 0.0), 0.0))
+
+    @property
+    def failed(self) -> tuple[str, ...]:
+        """Checks that a solution without a scene can fail, as `results.checks` names them."""
+        failed = [] if self.solution.newton.converged else ["converged"]
+        return (*failed, *([] if self.balance < BALANCE else ["force_balance"]))
+
+    def measured(
+        self, deviation: float, limit: float, name: str, findings: Findings | None = None
+    ) -> Measured:
+        """The deviation of what is named, its limit, the failed checks and the costs."""
+        history = self.solution.newton.history
+        noise = None if findings is None else findings.noise
+        rough = noise is not None and not noise <= NOISE
+        return Measured(
+            {name: Deviation(deviation, limit)},
+            (*self.failed, *(["pressure_noise"] if rough else [])),
+            len(history),
+            sum(step.linear_iterations for step in history),
+            noise,
+        )
 
 
-def block(
-    tag: int, size: float, lift: float = 0.0, length: float | None = None, *, half: bool = True
-) -> Body:
-    """A cube (half: a quarter of one) with a flat contact face at z = lift, held opposite.
+def solve(made: ContactMesh, setup: Setup, start: Start, load: float = LOAD) -> Solved:
+    """Assemble and solve."""
+    model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+    return Solved(model, model.solve(load=load, active=start(model)), load)
 
-    length: half of the edge along x, mm, if it is not `size` as the others.
-    """
-    outwards = 1 if tag == RAIL else -1
-    flat = profiles.single_radius(np.inf, size, "flat")
-    section = outlines.block_section(
-        flat, 0.0 if half else -size, size, -outwards * size, outwards=outwards, half=half
+
+def differ(one: Solution, other: Solution, approach: float) -> float:
+    """Largest difference of the pressures over the largest, or of the approaches (mm) over
+    `approach`."""
+    pressure = np.abs(one.pressure - other.pressure).max() / other.pressure.max()
+    return float(max(pressure, abs(one.approach - other.approach) / abs(approach)))
+
+
+def offset(distance: float, gap: Gap = block_pairs.GAP) -> Gap:
+    """The same surfaces, further apart by `distance` mm."""
+
+    def moved(points: Array) -> tuple[Array, Array]:
+        gaps, normals = gap(points)
+        return gaps + distance, normals
+
+    return moved
+
+
+def start_from(share: float | None = None, distance: float = 0.0, law: str = "") -> Measured:
+    """From a bad active set, a random share of all points (None: a good one), the bodies
+    `distance` mm apart: the answer must be that of a good start. law: of LAWS."""
+    made, setup = block_pairs.two_blocks(**({"law": LAWS[law]} if law else {}))
+    start = near() if share is None else random(share)
+    good = solve(made, setup, near())
+    bad = solve(made, replace(setup, gap=offset(distance, setup.gap)), start)
+    shifted = replace(bad.solution, approach=bad.solution.approach - distance)
+    deviation = differ(shifted, good.solution, good.solution.approach)
+    return bad.measured(deviation, EXACTLY, SOLUTION)
+
+
+def transformed(how: str) -> Measured:
+    """The scene turned or mirrored, or in other units, see TRANSFORMS: the same answer."""
+    matrix, length, stress = TRANSFORMS[how]
+    made, setup = block_pairs.two_blocks()
+    good = solve(made, setup, near())
+    gap = setup.gap
+
+    def turned(points: Array) -> tuple[Array, Array]:
+        gaps, normals = gap(np.asarray(points @ matrix / length))
+        return gaps * length, normals @ matrix.T
+
+    moved, other = block_pairs.two_blocks()
+    moved.mesh.geometry.x[:] = length * moved.mesh.geometry.x @ matrix.T
+    steel = Material(block_pairs.STEEL.young_modulus * stress, block_pairs.STEEL.poisson_ratio)
+    other = replace(
+        other,
+        fixed=block_pairs.side(other.fixed.tag, steel),
+        moving=block_pairs.side(other.moving.tag, steel),
+        gap=turned,
+        direction=tuple(matrix @ np.array(other.direction)),
+        planes=tuple((tag, tuple(matrix @ np.array(normal))) for tag, normal in other.planes),
     )
-    section = [curve.moved(np.eye(2), np.array([0.0, lift])) for curve in section]
-    return Body(tag, section, length or size)
+    points = good.model.interface.points[:, :2]
+    inside = np.linalg.norm(points, axis=1) < 3.0
+    found = solve(moved, other, lambda _: inside, LOAD * stress * length**2)
+    solution = replace(
+        found.solution,
+        pressure=np.asarray(found.solution.pressure / stress),
+        approach=found.solution.approach / length,
+    )
+    deviation = differ(solution, good.solution, good.solution.approach)
+    return found.measured(deviation, EXACTLY, SOLUTION)
 
 
-def side(tag: int, material: Material) -> ContactBody:
-    """One block."""
-    return ContactBody(tag, CONTACT + tag, SUPPORT + tag, material)
+def path(loads: list[float]) -> Measured:
+    """Loads up and down on one mesh, each from the last one's active set; the last load solved
+    afresh is the reference."""
+    made, setup = block_pairs.two_blocks()
+    stepping = solve(made, setup, near(), loads[0])
+    steps = [stepping]
+    for load in loads[1:]:
+        active = steps[-1].solution.pressure > 0
+        steps.append(Solved(stepping.model, stepping.model.solve(load=load, active=active), load))
+    fresh = solve(made, setup, near(), loads[-1]).solution
+    worst = max(steps, key=lambda step: len(step.solution.newton.history))
+    deviation = differ(steps[-1].solution, fresh, fresh.approach)
+    return replace(
+        steps[-1].measured(deviation, EXACTLY, SOLUTION),
+        newton=len(worst.solution.newton.history),
+        failed=tuple(dict.fromkeys(name for step in steps for name in step.failed)),
+    )
 
 
-def two_blocks(
-    size: float = 10.0,
-    h: float = 2.0,
-    cell: str = "tetrahedron",
-    materials: tuple[Material, Material] = (STEEL, STEEL),
-    wheel_size: float = 1.0,
-    ratio: float = 1.0,
-    fine: tuple[float, float] = (0.3, 0.3),
-    length: float | None = None,
-    *,
-    half: bool = True,
-    **changes: Any,
-) -> tuple[mesh.ContactMesh, Setup]:
-    """Mesh and set-up, non-matching; `changes` override fields of the Setup.
-
-    h: element size, mm, within fine * size of the origin (along, across), on the wheel times
-    `ratio`; wheel_size:
-    edge of the wheel's block over the rail's; half: y = 0 is a symmetry plane as x = 0 is.
-    """
-    lift = 0.0 if ratio == 1.0 else 1e-3 * size
-    along, across = np.array(fine) * size
-    grading = TwoSizes((0.0, 0.0, 0.0), along, across, 0.0, h, lift=lift, ratio=ratio)
-    lifted = {RAIL: (size, 0.0), WHEEL: (wheel_size * size, lift)}
-    bodies = [
-        block(tag, edge, height, length, half=half)
-        for (tag, (edge, height)), material in zip(lifted.items(), materials, strict=True)
-        if np.isfinite(material.young_modulus)
-    ]
-    made = mesh.generate(bodies, grading, Options(cell, 1, True), MPI.COMM_WORLD)
-    planes = ((SYMMETRY_X, (1.0, 0.0, 0.0)), (SYMMETRY_Y, (0.0, 1.0, 0.0)))
-    usual = {
-        "fixed": side(RAIL, materials[0]),
-        "moving": side(WHEEL, materials[1]),
-        "slave": RAIL,
-        "gap": GAP,
-        "degree": 2,
-        "planes": planes if half else planes[:1],
-    }
-    return made, Setup(**{**usual, **changes})
+def against_matched(
+    h: float, ratio: float, limit: float, fine: float = 0.7, **changes: Any
+) -> Measured:
+    """Meshes of sizes h and ratio * h: approach and largest pressure of a matched mesh of size
+    `fine` (mm) are the reference."""
+    found = solve(*block_pairs.two_blocks(h=h, ratio=ratio, **changes), near())
+    reference = solve(*block_pairs.two_blocks(h=fine), near())
+    findings, exact = found.findings(), reference.findings()
+    return found.measured(
+        max(
+            abs(found.solution.approach / reference.solution.approach - 1),
+            abs(findings.patch.max_pressure / exact.patch.max_pressure - 1),
+        ),
+        limit, "max_MPa, approach_mm", findings,
+    )  # fmt: skip
 
 
-def squash(made: mesh.ContactMesh, body: ContactBody, quality: float, count: int) -> int:
+def slivers(quality: float, count: int, limit: float) -> Measured:
+    """`count` cells at the contact face squashed to a scaled Jacobian: the regular mesh is the
+    reference for approach and largest pressure."""
+    made, setup = block_pairs.two_blocks(h=1.0)
+    good = solve(made, setup, near())
+    squashed = squash(made, setup.fixed, quality, count)
+    found = solve(made, setup, near())
+    findings = found.findings()
+    deviation = max(
+        abs(found.solution.approach / good.solution.approach - 1),
+        abs(findings.patch.max_pressure / good.findings().patch.max_pressure - 1),
+    )
+    measured = found.measured(deviation, limit, "max_MPa, approach_mm", findings)
+    if squashed < count:
+        measured = replace(measured, deviations={})
+    return replace(measured, remark=f"{squashed} cells squashed")
+
+
+def squash(made: ContactMesh, body: ContactBody, quality: float, count: int) -> int:
     """Move inner corners of tetrahedra on the contact face towards it until one of the cells
     around has a scaled Jacobian of `quality`; returns how many corners, at most `count`."""
     x, topology = made.mesh.geometry.x, made.mesh.topology
@@ -133,9 +258,75 @@ def squash(made: mesh.ContactMesh, body: ContactBody, quality: float, count: int
     return squashed
 
 
-def scaled_jacobian(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+def scaled_jacobian(corners: Array) -> Array:
     """(n, 4, 3) -> (n,) scaled Jacobian of tetrahedra, 1 or -1 for the regular one: sqrt(2) 6 V
     over the largest product of the three edges at a corner."""
     edges = corners[:, [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]]] - corners[:, :, None]
     product = np.linalg.norm(edges, axis=3).prod(axis=2).max(axis=1)
     return np.asarray(np.sqrt(2) * np.linalg.det(edges[:, 0]) / product)
+
+
+def two_patches(height: float, h: float, fine: float, limit: float) -> Measured:
+    """Two bumps at y = -6 and 6 mm, the second lower by `height` mm; a finer mesh is the
+    reference for the approach and for the load's share on the first."""
+
+    def gap(points: Array) -> tuple[Array, Array]:
+        x, y = points[:, 0], points[:, 1]
+        one = 0.5 * (x**2 / 3000 + (y + 6) ** 2 / 2000)
+        two = 0.5 * (x**2 / 3000 + (y - 6) ** 2 / 2000) + height
+        return np.minimum(one, two), np.tile([0.0, 0.0, 1.0], (len(points), 1))
+
+    def share(of: Solved) -> float:
+        interface = of.model.interface
+        force = interface.weights * of.solution.pressure
+        return float(force[interface.points[:, 1] < 0].sum() / force.sum())
+
+    one, two = (
+        solve(*block_pairs.two_blocks(20.0, size, fine=(0.2, 0.45), half=False, gap=gap), near(9.0))
+        for size in (h, fine)
+    )
+    deviation = max(
+        abs(one.solution.approach / two.solution.approach - 1), abs(share(one) / share(two) - 1)
+    )
+    measured = one.measured(deviation, limit, "approach_mm, share of the load")
+    return replace(measured, remark=f"{share(one):.0%} on the first")
+
+
+def line_contact(cell: str, h: float, limit: float, radius: float = 500.0) -> Measured:
+    """A cylinder on a plane, nu = 0 (plane strain and free ends are the same): half-width and mean
+    pressure within half of it against Hertz's line contact for each half-width (mm).
+
+    b = sqrt(4 P R / (pi E*)), p = p0 sqrt(1 - y^2/b^2), p0 = 2 P / (pi b), P in N/mm (Johnson 1985,
+    section 4.2 (c)).
+    """
+    half_widths = [float(b) for b in np.linspace(0.8, 1.0, 6)]
+    soft = Material(207000.0, 0.0)
+    made, setup = block_pairs.two_blocks(
+        size=20.0 * max(half_widths),
+        length=2.0 * h,
+        h=h,
+        fine=(0.08, 0.08),
+        cell=cell,
+        degree=1 if cell == "hexahedron" else 2,
+        materials=(soft, soft),
+        gap=ParabolicGap(0.0, 1 / radius, 1),
+    )
+    model, found = None, []
+    for b in half_widths:
+        per_length = np.pi * 0.5 * soft.young_modulus * b**2 / (4 * radius)
+        load = float(per_length * 4.0 * h)
+        if model is None:
+            model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+        y, w = model.interface.points[:, 1], model.interface.weights
+        solved = Solved(model, model.solve(load=load, active=y < b), load)
+        p = solved.solution.pressure
+        half = y < 0.5 * b
+        exact = 2 * per_length / (np.pi * b) * np.sqrt(1 - (y[half] / b) ** 2)
+        deviation = max(
+            abs(2 * float(np.sqrt(w @ (p * y**2) / (w @ p))) / b - 1),
+            abs(float(w[half] @ p[half]) / float(w[half] @ exact) - 1),
+        )
+        found.append((deviation, solved))
+    deviation, worst = max(found, key=lambda each: each[0])
+    failed = tuple(dict.fromkeys(name for _, solved in found for name in solved.failed))
+    return replace(worst.measured(deviation, limit, "b_mm, pressure"), failed=failed)

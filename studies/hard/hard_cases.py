@@ -35,7 +35,7 @@ class Record:
 def main(out: Path, *, quick: bool) -> None:
     """Write hard_cases.csv, hard_cases.png and page.md; quick: the cases of the tests."""
     from railhead.sweeps.worker_pool import attempts
-    from studies.hard import failure_map, page
+    from studies.hard import page
     from studies.hard.battery import CASES, QUICK, solve
     from studies.hard.case import Outcome
 
@@ -68,5 +68,5 @@ def main(out: Path, *, quick: bool) -> None:
         done.append(Outcome(case, found, fault, attempt.seconds))
         print(f"{case.key}: {done[-1].result}", file=sys.stderr)
     tables.write_csv(out / "hard_cases.csv", [record(outcome) for outcome in done])
-    failure_map.draw(page.maps(done), out / "hard_cases.png")
+    page.draw(page.maps(done), out / "hard_cases.png")
     (out / study.PAGE).write_text(page.page(done), encoding="utf-8")

@@ -5,7 +5,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from studies.hard import random_scenes
+from studies.hard.fuzz import random_scenes
 
 
 class Drawn:

@@ -1,14 +1,18 @@
 """The quick part of the battery of hard cases; `railhead study hard-cases` runs all of it."""
 
 import math
+from functools import partial
 
 import pytest
 
 from railhead.results.pipeline import run
 from railhead.run import estimates
+from railhead.scene import catalogue
 from studies.hard.battery import CASES, QUICK
 from studies.hard.case import Case, Deviation, Measured
-from studies.hard.scenes import ELLIPSE, HALF_SPACE, against_hertz, deviations, resolved
+from studies.hard.references import HALF_SPACE, against_hertz, deviations, resolved
+
+SCENE = catalogue.find("hertz_ellipse")
 
 
 @pytest.mark.slow
@@ -50,7 +54,7 @@ def test_every_part_of_the_rule_can_fail(rule, found: Measured, fault: str) -> N
 
 
 def test_a_wrong_reference_fails_a_solved_row() -> None:
-    summary = run(resolved(ELLIPSE, 4.0)).summary
+    summary = run(resolved(SCENE, 4.0)).summary
     exact = estimates.flat(summary["hertz"])
     case = CASES["shape: axis ratio 1"]
     for name in HALF_SPACE:
@@ -60,7 +64,7 @@ def test_a_wrong_reference_fails_a_solved_row() -> None:
 
 
 def test_a_known_failure_that_does_not_occur_fails_a_solved_row() -> None:
-    case = Case("group", "name", "", "", against_hertz(ELLIPSE), known="pressure_noise")
+    case = Case("group", "name", "", "", partial(against_hertz, SCENE), known="pressure_noise")
     assert case.fault(case.solve()) == "pressure_noise should fail; status 0"
 
 

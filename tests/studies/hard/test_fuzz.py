@@ -11,10 +11,9 @@ from strategies import broken_toml, scenes
 
 from railhead.cli import commands, main
 from railhead.scene.scene import Scene
-from studies.hard import fuzz as study
-from studies.hard import fuzz_scenes
-from studies.hard.fuzz_scenes import Fuzzed, fuzz
-from studies.hard.random_scenes import plans
+from studies.hard.fuzz import fuzz_scenes, study
+from studies.hard.fuzz.fuzz_scenes import Fuzzed, fuzz
+from studies.hard.fuzz.random_scenes import plans
 
 patient = settings(
     deadline=None,

@@ -10,7 +10,7 @@ from typing import Any
 import tomli_w
 
 from railhead.scene.scene import Scene
-from studies.hard.random_scenes import Source, scene
+from studies.hard.fuzz.random_scenes import Source, scene
 
 Tables = dict[str, Any]
 ODD: tuple[Any, ...] = (

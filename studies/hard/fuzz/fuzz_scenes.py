@@ -19,10 +19,10 @@ from railhead.results.quantities import plain
 from railhead.run import estimates
 from railhead.scene.io import read_scene, to_toml
 from railhead.scene.scene import SceneError
-from studies.hard import broken_scenes
 from studies.hard.case import Deviation
-from studies.hard.random_scenes import FINE, Seeded, plans, wild
-from studies.hard.scenes import PATCH, against_boundary_elements, deviations
+from studies.hard.fuzz import broken_scenes
+from studies.hard.fuzz.random_scenes import FINE, Seeded, plans, wild
+from studies.hard.references import PATCH, against_boundary_elements, deviations
 
 MOST = 15_000  # predicted unknowns that are solved
 
