@@ -81,7 +81,6 @@ class Case:
 def main(out: Path, *, quick: bool) -> None:
     """Run everything (quick: half-spaces, two sizes, one asked accuracy); CSV, picture, page."""
     from studies.accuracy import accuracy_cost_page as accuracy_page
-    from studies.accuracy import accuracy_cost_plot as work_precision
 
     runs: list[Run] = []
     with Progress(quiet=False) as progress:
@@ -94,7 +93,7 @@ def main(out: Path, *, quick: bool) -> None:
             runs += asked_accuracies(case, 1 if quick else None, progress)
     write_csv(out / "accuracy_cost.csv", runs)
     rows = [vars(run) for run in runs]
-    work_precision.draw(rows, out / "accuracy_cost.png")
+    accuracy_page.draw(rows, out / "accuracy_cost.png")
     (out / "page.md").write_text(accuracy_page.page(rows, MAX_UNKNOWNS), encoding="utf-8")
 
 

@@ -10,7 +10,6 @@ from railhead.cli import study
 from studies import tables
 from studies.mechanics import creep_curves as curves
 from studies.mechanics import creep_page as page
-from studies.mechanics import creep_plot as plot
 from studies.mechanics import friction_axes
 from studies.mechanics import friction_changes as changes
 from studies.mechanics.creep_curves import Cost, Point
@@ -37,9 +36,9 @@ def main(out: Path, *, quick: bool) -> None:
     tables.write_csv(out / "creep_costs.csv", costs, seconds)
     tables.write_csv(out / "creep_left_out.csv", left, page.UNITS)
     tables.write_csv(out / "creep_sliding.csv", slid)
-    plot.curves(points, out / "creep.png")
+    page.draw_curves(points, out / "creep.png")
     friction_axes.draw(out / "friction_axes.png")
-    plot.sliding(slid, out / "creep_sliding.png")
+    page.draw_sliding(slid, out / "creep_sliding.png")
     (out / study.PAGE).write_text(page.page(points, costs, left, slid), encoding="utf-8")
 
 

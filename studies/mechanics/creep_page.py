@@ -1,14 +1,19 @@
-"""The page of the study: tables of forces, costs, changes and stresses."""
+"""The page and the pictures of the study creep."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-
 from studies import tables
 from studies.mechanics import friction_changes as changes
 from studies.mechanics.creep_curves import COEFFICIENT, Cost, Point
 from studies.mechanics.friction_changes import Left, Slid
+from collections.abc import Sequence
+from pathlib import Path
+from railhead.postprocess.plots.diagrams import FE, GREY, HERTZ, new_figure
+from studies.mechanics.creep_curves import Point
+from studies.mechanics.friction_changes import Slid
+
 
 METHODS = ("boundary elements", "FASTSIM", "linear theory")
 UNITS = {
@@ -90,3 +95,53 @@ def _stresses(slid: Sequence[Slid]) -> list[tuple]:
 
 def _change(before: float, after: float) -> str:
     return f"{100 * (after / before - 1):+.2f} %"
+
+
+LOOKS = {"railhead": (FE, "o"), "boundary elements": (HERTZ, "-"), "FASTSIM": (GREY, "--"),
+         "linear theory": (GREY, ":")}  # fmt: skip
+PANELS = (
+    ("along", "force_along", "creepage along"),
+    ("across", "force_across", "creepage across"),
+    ("spin", "force_across", "spin, 1/mm"),
+)
+STRESSES = {"railhead": (FE, "o"), "below": (HERTZ, "-"), "surface": (GREY, "-")}
+
+
+def draw_curves(points: Sequence[Point], path: Path) -> None:
+    """A row a case; the motions that have one part only."""
+    cases = list(dict.fromkeys(point.case for point in points))
+    with new_figure(path, 11, 3.6 * len(cases)) as figure:
+        rows = figure.subplots(len(cases), 3, squeeze=False, sharey="row")
+        for case, row in zip(cases, rows, strict=True):
+            for axes, (motion, force, label) in zip(row, PANELS, strict=True):
+                rest = [name for name, _, _ in PANELS if name != motion]
+                for by, (colour, look) in LOOKS.items():
+                    own = [
+                        p for p in points
+                        if p.case == case and p.by == by and not any(getattr(p, r) for r in rest)
+                    ]  # fmt: skip
+                    x, y = ([getattr(p, name) for p in own] for name in (motion, force))
+                    axes.plot(x, y, look, color=colour, label=by)
+                axes.set(xscale="log", ylim=(0, 1.1), xlabel=label)
+                axes.set_title(case)
+            row[0].set_ylabel("force over mu N")
+        rows[0, 0].legend()
+
+
+def draw_sliding(slid: Sequence[Slid], path: Path) -> None:
+    """The largest von Mises stress, and its depth, with the exact largest below and at the
+    surface."""
+    cases = list(dict.fromkeys(each.case for each in slid))
+    labels = {"railhead": "finite elements", "below": "exact, below the surface",
+              "surface": "exact, at the surface"}  # fmt: skip
+    with new_figure(path, 4.6 * len(cases), 3.8) as figure:
+        panels = figure.subplots(1, len(cases), squeeze=False, sharey=True)[0]
+        for case, axes in zip(cases, panels, strict=True):
+            for by, (colour, look) in STRESSES.items():
+                own = [each for each in slid if each.case == case and each.by == by]
+                x, y = [each.coefficient for each in own], [each.von_mises for each in own]
+                axes.plot(x, y, look, color=colour, label=labels[by])
+            axes.set(xlabel="coefficient of friction")
+            axes.set_title(case)
+        panels[0].set_ylabel("largest von Mises stress over p0")
+        panels[0].legend()

@@ -57,8 +57,7 @@ def main(out: Path, *, quick: bool) -> None:
     import numpy as np
 
     from studies.mechanics import load_sweep_page as sweep_page
-    from studies.mechanics import load_sweep_plot as sweep_plot
-
+    
     names = list(CASES)[: 1 if quick else None]
     loads = [float(load) for load in np.geomspace(LOWEST, HIGHEST, 4 if quick else COUNT)]
     with Progress(quiet=False) as progress:
@@ -66,7 +65,7 @@ def main(out: Path, *, quick: bool) -> None:
     write_csv(out / "load_sweep.csv", points, UNITS)
     rows = [vars(point) for point in points]
     series = {CASES[name]: [row for row in rows if row["case"] == name] for name in names}
-    sweep_plot.draw(series, out / "load_sweep.png")
+    sweep_page.draw(series, out / "load_sweep.png")
     (out / "page.md").write_text(sweep_page.page(rows, CASES), encoding="utf-8")
 
 

@@ -15,7 +15,7 @@ from typing import Any
 from railhead.run.progress import Progress
 from studies.peers import blocks, running
 from studies.peers import install as installing
-from studies.peers.page import OURS, TRAVEL
+from studies.peers.page import OURS, TRAVEL, draw
 from studies.peers.page import page as page_of
 from studies.peers.peer import Peer, peers
 from studies.peers.reading import UNITS, Run, fitted_run, own_run
@@ -44,8 +44,6 @@ def install() -> None:
 def main(out: Path, *, quick: bool) -> None:
     """Run every code that is installed (quick: its coarsest mesh, and ours on a coarse one); CSV,
     picture, page."""
-    from studies.peers import plot
-
     versions: dict[str, str] = {}
     absent: dict[str, str] = {}
     present: list[Peer] = []
@@ -59,7 +57,7 @@ def main(out: Path, *, quick: bool) -> None:
                 absent[peer.TITLE] = str(error)
         runs = list(measured(present, Path(work), progress, quick=quick))
     write_csv(out / "peers.csv", runs, UNITS)
-    plot.draw(runs, out / "peers.png")
+    draw(runs, out / "peers.png")
     (out / "page.md").write_text(page_of(runs, present, versions, absent), encoding="utf-8")
 
 

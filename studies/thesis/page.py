@@ -10,8 +10,8 @@ from typing import Any
 from railhead.theory.elastic import subsurface
 from studies.tables import render
 from studies.thesis.claims import CLOSE, CLOSE_CURVE, EXACT, Check, Facts, Judged, Verdict
-from studies.thesis.rules_hertz import PRINTED_LOAD, under
-from studies.thesis.rules_stress import P0, YIELD, exact_stress, thesis_shear
+from studies.thesis.rules.hertz import PRINTED_LOAD, under
+from studies.thesis.rules.stress import P0, YIELD, exact_stress, thesis_shear
 from studies.thesis.runs import DEFAULT, HEXAHEDRA, WHEEL
 
 CHAPTERS = {

@@ -13,7 +13,7 @@ from railhead.run.progress import Progress
 from railhead.theory.elastic import subsurface
 from railhead.theory.elastic.hertz import Ellipse
 from studies.thesis import plots as thesis_plots
-from studies.thesis.rules_hertz import AXLE_LOAD
+from studies.thesis.rules.hertz import AXLE_LOAD
 
 if TYPE_CHECKING:
     from railhead.scene.scene import Scene

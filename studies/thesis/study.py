@@ -18,7 +18,8 @@ from railhead.planning.references import closed_forms
 from railhead.scene import catalogue
 from railhead.theory.bem import boundary_element
 from studies import tables
-from studies.thesis import formulas, rules_geometry, rules_hertz, rules_stress
+from studies.thesis import formulas
+from studies.thesis.rules import RULES, stress
 from studies.thesis.claims import Check, Facts, Judged, read_claims
 
 if TYPE_CHECKING:
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
 STUDY = "every claim of the 2012 thesis recomputed, with a verdict, and its figures drawn again"
 CASE = "uic54_thesis"
 TREADS, INCLINATIONS = ("cylinder", "cone40", "cone20"), {"0": 0.0, "1:40": 1 / 40, "1:20": 1 / 20}
-RULES = rules_geometry.RULES | rules_hertz.RULES | rules_stress.RULES
-"""The rule of each claim, by its number."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +57,7 @@ def main(out: Path, *, quick: bool) -> None:
     runs, fe, sampled = ([], {}, None) if quick else thesis_runs.measure(scene, given.ellipse)
     given = replace(given, fe=fe)
     judged = judge(given)
-    case = thesis_plots.Case(given.ellipse, given.poisson, rules_stress.P0, rules_stress.A)
+    case = thesis_plots.Case(given.ellipse, given.poisson, stress.P0, stress.A)
     thesis_plots.patch(case, sampled, out / "thesis_patch.png")
     thesis_plots.lines(case, sampled, out / "thesis_lines.png")
     loads = [asdict(run) for run in runs if run.elements == thesis_runs.DEFAULT]

@@ -5,12 +5,12 @@ import pytest
 from matplotlib.axes import Axes
 
 from studies.accuracy import accuracy_cost_page as accuracy_page
-from studies.accuracy import accuracy_cost_plot, calibrate, error_bounds
+from studies.accuracy import calibrate, error_bounds
 from studies.cost import ranks, scaling
 from studies.hard import page as hard_page
 from studies.hard.case import Case, Deviation, Measured, Outcome
 from studies.tables import table
-from studies.trends import pareto, power_law
+from studies.tables import pareto, power_law
 
 
 def run(method: str, element: str, n: float, seconds: float, error: float, **changes: object):
@@ -172,6 +172,6 @@ def test_the_pareto_front_is_the_lower_left_edge(monkeypatch, tmp_path) -> None:
     shared = {"case": "c", "method": "nitsche", "element": "tetrahedron 2", "converged": True}
     runs = ((1.0, 0.1, None), (3.0, 0.01, None), (2.0, 0.02, 0.05), (2.5, 0.05, None))
     rows = [{**shared, "seconds": t, "error": e, "asked": a} for t, e, a in runs]
-    accuracy_cost_plot.draw(rows, tmp_path / "a.png")
+    accuracy_page.draw(rows, tmp_path / "a.png")
     (front,) = drawn  # the only step line
     assert front == ([1.0, 2.0, 3.0], [10.0, 2.0, 1.0])

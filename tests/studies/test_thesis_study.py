@@ -13,9 +13,10 @@ from railhead.geometry.placement import Pair
 from railhead.scene import catalogue
 from railhead.theory.elastic.hertz import point_contact
 from studies.thesis import geometry as thesis_geometry
-from studies.thesis import rules_geometry, rules_hertz, rules_stress, study
+from studies.thesis import study
 from studies.thesis import runs as thesis_runs
 from studies.thesis.claims import Facts, Verdict
+from studies.thesis.rules import geometry, hertz, stress
 
 DIFFERENT: dict[int, Verdict] = {}
 """Claims whose computed verdict is not the reference's, with ours."""
@@ -29,8 +30,7 @@ def facts() -> Facts:
 def test_every_claim_is_judged_as_the_reference_does(facts) -> None:
     judged = study.judge(facts)
     assert len(judged) == len(study.RULES) == 89
-    rooms = rules_geometry, rules_hertz, rules_stress
-    assert sum(len(room.RULES) for room in rooms) == 89  # one rule a claim
+    assert sum(len(each.RULES) for each in (geometry, hertz, stress)) == 89  # one rule a claim
     differing = {item.claim.id: item.finding.verdict for item in judged if not item.agrees}
     assert differing == DIFFERENT
     harmless = {item.claim.id for item in judged if "harmless" in item.claim.expected}

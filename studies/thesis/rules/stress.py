@@ -21,7 +21,7 @@ from studies.thesis.claims import (
     statement,
 )
 from studies.thesis.formulas import Array, thesis_axis_stress
-from studies.thesis.rules_hertz import AXLE_LOAD, PRINTED_LOAD, under
+from studies.thesis.rules.hertz import AXLE_LOAD, PRINTED_LOAD, under
 
 P0, A = 794.9, 4.34  # MPa, mm, as printed: what the thesis puts into eqs 5.2 and 5.3
 YIELD = (480.0, 520.0)  # MPa, of R260 rail steel
