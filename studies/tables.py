@@ -7,11 +7,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from jinja2 import Environment, PackageLoader, StrictUndefined
-from tabulate import tabulate
-from collections.abc import Sequence
+
 import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
 from numpy.typing import NDArray
+from tabulate import tabulate
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance

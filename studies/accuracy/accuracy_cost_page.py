@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
-from studies.tables import percent, render
-from studies.tables import pareto, power_law
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
 from railhead.postprocess.plots.diagrams import new_figure
-from studies.tables import pareto
+from studies.tables import pareto, percent, power_law, render
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

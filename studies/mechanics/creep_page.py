@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from pathlib import Path
+
+from railhead.postprocess.plots.diagrams import FE, GREY, HERTZ, new_figure
 from studies import tables
 from studies.mechanics import friction_changes as changes
 from studies.mechanics.creep_curves import COEFFICIENT, Cost, Point
 from studies.mechanics.friction_changes import Left, Slid
-from collections.abc import Sequence
-from pathlib import Path
-from railhead.postprocess.plots.diagrams import FE, GREY, HERTZ, new_figure
-from studies.mechanics.creep_curves import Point
-from studies.mechanics.friction_changes import Slid
-
 
 METHODS = ("boundary elements", "FASTSIM", "linear theory")
 UNITS = {

@@ -57,7 +57,7 @@ def main(out: Path, *, quick: bool) -> None:
     import numpy as np
 
     from studies.mechanics import load_sweep_page as sweep_page
-    
+
     names = list(CASES)[: 1 if quick else None]
     loads = [float(load) for load in np.geomspace(LOWEST, HIGHEST, 4 if quick else COUNT)]
     with Progress(quiet=False) as progress:

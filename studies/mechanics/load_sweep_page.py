@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from statistics import median
-from typing import Any
-from studies.tables import render
-from studies.tables import power_law
-from collections.abc import Mapping, Sequence
 from pathlib import Path
+from statistics import median
 from typing import TYPE_CHECKING, Any
+
 import numpy as np
+
 from railhead.postprocess.findings import Array
 from railhead.postprocess.plots.diagrams import FE, HERTZ, new_figure
-from studies.tables import power_law
+from studies.tables import power_law, render
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,17 +6,15 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib.metadata import version
+from pathlib import Path
 from statistics import median
 from typing import Any
+
+from railhead.postprocess.plots.diagrams import FE, new_figure
 from studies import tables
 from studies.peers import running
 from studies.peers.peer import Peer
 from studies.peers.reading import Run
-from collections.abc import Sequence
-from pathlib import Path
-from railhead.postprocess.plots.diagrams import FE, new_figure
-from studies.peers.reading import Run
-
 
 OURS = "railhead"
 TRAVEL = 0.04126  # mm of the far ends towards each other: close to 25 kN on these blocks

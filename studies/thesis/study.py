@@ -19,8 +19,8 @@ from railhead.scene import catalogue
 from railhead.theory.bem import boundary_element
 from studies import tables
 from studies.thesis import formulas
-from studies.thesis.rules import RULES, stress
 from studies.thesis.claims import Check, Facts, Judged, read_claims
+from studies.thesis.rules import RULES, stress
 
 if TYPE_CHECKING:
     from railhead.scene.scene import Scene

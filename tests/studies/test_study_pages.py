@@ -9,8 +9,7 @@ from studies.accuracy import calibrate, error_bounds
 from studies.cost import ranks, scaling
 from studies.hard import page as hard_page
 from studies.hard.case import Case, Deviation, Measured, Outcome
-from studies.tables import table
-from studies.tables import pareto, power_law
+from studies.tables import pareto, power_law, table
 
 
 def run(method: str, element: str, n: float, seconds: float, error: float, **changes: object):

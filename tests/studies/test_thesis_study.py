@@ -13,8 +13,8 @@ from railhead.geometry.placement import Pair
 from railhead.scene import catalogue
 from railhead.theory.elastic.hertz import point_contact
 from studies.thesis import geometry as thesis_geometry
-from studies.thesis import study
 from studies.thesis import runs as thesis_runs
+from studies.thesis import study
 from studies.thesis.claims import Facts, Verdict
 from studies.thesis.rules import geometry, hertz, stress
 
