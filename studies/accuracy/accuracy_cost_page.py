@@ -114,7 +114,6 @@ def _run(row: Row) -> Cells:
     )  # fmt: skip
 
 
-Row = Mapping[str, Any]
 COLOURS = {
     "tetrahedron 3": "#7b4fa3",
     "tetrahedron 2": "#1f4e79",

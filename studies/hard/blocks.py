@@ -32,6 +32,7 @@ LOAD = 3000.0
 EXACTLY = 1e-8  # what an invariance may be off by: the tolerance of Newton's method
 SOLUTION = "pressure, approach"
 LAWS = {
+    "": ContactLaw(),
     "theta 0": ContactLaw(theta=0),
     "theta -1": ContactLaw(theta=-1),
     "penalty": ContactLaw("penalty"),
@@ -129,7 +130,7 @@ def offset(distance: float, gap: Gap = block_pairs.GAP) -> Gap:
 def start_from(share: float | None = None, distance: float = 0.0, law: str = "") -> Measured:
     """From a bad active set, a random share of all points (None: a good one), the bodies
     `distance` mm apart: the answer must be that of a good start. law: of LAWS."""
-    made, setup = block_pairs.two_blocks(**({"law": LAWS[law]} if law else {}))
+    made, setup = block_pairs.two_blocks(law=LAWS[law])
     start = near() if share is None else random(share)
     good = solve(made, setup, near())
     bad = solve(made, replace(setup, gap=offset(distance, setup.gap)), start)

@@ -222,7 +222,7 @@ def first_yield(scene: Scene) -> float:
     """Load in N at which a rigid sphere first yields a half-space (Johnson, Contact Mechanics,
     6.8)."""
     rail, radius = scene.rail, scene.wheel.rolling_radius
-    pressure = indentation.yield_pressure(rail.poisson_ratio) * rail.yield_stress
+    pressure = indentation.yield_pressure(rail.poisson_ratio) * float(rail.yield_stress or 0.0)
     modulus = rail.young_modulus / (1 - rail.poisson_ratio**2)
     return math.pi**3 * radius**2 * pressure**3 / (6 * modulus**2)
 

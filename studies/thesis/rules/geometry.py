@@ -170,12 +170,14 @@ def contact_conditions(facts: Facts) -> Finding:
     s1 = HALF_AXLE + y
     height = np.array([0.0, 0.0, crown(y) + cone(s1)])
     normal = np.array([0.0, y, math.sqrt(RAIL_RADIUS**2 - y**2)]) / RAIL_RADIUS
-    touching, apart = (
-        eq.contact_residuals(
-            rail, lambda s, t, by=by: wheel(s, t) + height + by * normal, (0.0, y), (s1, math.pi)
-        )[:4]
-        for by in (0.0, 1.0)  # mm
-    )
+
+    def residuals(lift: float) -> eq.Array:
+        def lifted(s: float, t: float) -> eq.Array:
+            return wheel(s, t) + height + lift * normal
+
+        return eq.contact_residuals(rail, lifted, (0.0, y), (s1, math.pi))[:4]
+
+    touching, apart = residuals(0.0), residuals(1.0)
     left = float(np.abs(apart).max())
     return Finding(
         [
@@ -310,7 +312,8 @@ RULES: dict[int, Rule] = {
         [
             number(
                 "term of row 2, mm",
-                *(math.cos(YAW) * math.cos(BANK) * (s - HALF_AXLE) for s in (S2, S1)),
+                math.cos(YAW) * math.cos(BANK) * (S2 - HALF_AXLE),
+                math.cos(YAW) * math.cos(BANK) * (S1 - HALF_AXLE),
             )
         ],
         "s2w (an angle) for s1w: a slip.",
