@@ -1,13 +1,14 @@
-"""What a result must meet before it is signed: each check with its value, limit and reason.
+"""Checks that a result must pass, each with its value, its limit, the limit's source, and advice.
 
-The limits follow from physics or from the asked accuracy. Two were set anew after right results had
-been refused: that of the noise, and that of the flux with linear cells.
+The limits follow from physics or from the wanted accuracy. Two were set anew after right results
+had been refused: that of the noise, and that of the flux with linear cells. A new check is a
+function that yields a `Check`, in the tuple of its group, and its name in words in `report.labels`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,65 +18,65 @@ from railhead.meshing.tags import BODY_NAMES
 from railhead.planning import effects
 from railhead.planning.accuracy.error_envelopes import RANGE
 from railhead.planning.sizing import LINEAR_REFINEMENT
-from railhead.postprocess.findings import Frame
-from railhead.run.estimates import Estimate, flat, resolved, worst
+from railhead.postprocess.findings import Findings, Frame
+from railhead.run.estimates import Estimate, largest_error, resolved_values
 from railhead.run.mesh_solution import MeshSolution
+from railhead.run.quantities import QUANTITIES, numeric_values
 from railhead.scene import steels
 
-ROUGH = 0.05  # relative: what a number without an asked accuracy may be off by at most
-BALANCE = 1e-6  # relative: what equations solved to 1e-8 leave
-NOISE = 0.5  # relative L2: where half of the pressure is noise, none of it is an answer
-FAR_BEYOND = 110.0  # times the load of first yield
-SHEAR = (
-    0.2,
-    0.6,
-)  # over the largest pressure: 0.266 to 0.488 in Hertz's ellipses of any axis ratio
-# and Poisson's ratio (theory.subsurface), a quarter more room
-STRAIN = 0.2  # p0/E*: a sphere's patch then has 0.31 of its radius, Tabor's representative strain
-# 0.2 a/R (Johnson 1985, 6.3) is 6 %, and linear theory is off by about as much; it is a choice
-HARDEST = (4000.0, 4200.0)  # MPa, largest elastic pressure of a line and of a point contact that
-# leaves 1e-4 of the diameter in hardened bearing steel (ISO 76:2006, 3.1 to 3.3)
-ROUNDED = 5.25
+DEFAULT_TOLERANCE = 0.05  # relative: of a number without an estimate
+ESTIMATE_FACTOR = 1.5  # times an estimate: what a number with one may be off by
+BALANCE_TOLERANCE = 1e-6  # relative: what equations solved to 1e-8 leave
+NOISE_LIMIT = 0.5  # relative L2: where half of the pressure is noise, none of it is an answer
+YIELD_LOAD_LIMIT = 110.0  # times the load of first yield
+SHEAR_OVER_PRESSURE = (0.2, 0.6)
+"""Largest shear stress over largest pressure: 0.266 to 0.488 in Hertz's ellipses of any axis ratio
+and Poisson's ratio (theory.elastic.subsurface), a quarter more room."""
+MISES_READING = 0.01  # relative: what reading two largest values apart from each other may cost
+STRAIN_LIMIT = 0.2
+"""p0/E*: a sphere's patch then has 0.31 of its radius, and Tabor's representative strain 0.2 a/R
+(Johnson 1985, 6.3) is 6 %. Linear theory is off by about as much; the limit is a choice."""
+STEEL_PRESSURE = {"line": 4000.0, "point": 4200.0}
+"""MPa, largest elastic pressure that leaves 1e-4 of the diameter in hardened bearing steel (ISO
+76:2006, 3.1 to 3.3)."""
+SHAPE_SENSITIVITY = 5.25
 """What a fourth power in p^2 changes of the largest over the mean pressure, over the shape error,
 to first order: p^2 = (1 - r^2)(1 + c r^2) has c/5 and 4 c/105; a strip has c/8 and c/16."""
-MISS = 1.5  # times an estimate: what a signed number may be off by
-OPINIONS = (
-    "a_mm",
-    "b_mm",
-    "max_MPa",
-    "area_mm2",
-    "tau_max_MPa",
-    "von_mises_max_MPa",
-    "approach_mm",
+COMPARED = [each.key for each in QUANTITIES if each.compared]
+"""Quantities held against a second method, as far as it has them and knows what it leaves out."""
+SECOND = "second_opinion"  # begins the names of those checks
+SHIFT_UNKNOWN = "the shift of bodies that end depends on where they are held"
+FINER = "give a smaller mesh.patch_size, or an accuracy"
+SOLVER = (
+    "try solver.gamma_factor=1, solver.method=nitsche with solver.theta=1, a smaller "
+    "mesh.patch_size, or solver.linear=direct"
 )
-"""Quantities held against a second opinion, as far as it has them and knows what it leaves out."""
-HELD = "the shift of bodies that end depends on where they are held"
-READ = 0.01  # relative: what reading two largest values apart from each other may cost
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Check:
-    """value must not be above limit (least: not below); source: where the limit comes from;
-    advice: what to change where it fails. A value that is not a number fails."""
+    """A value that must not be above a limit; a value that is not a number fails.
+
+    Attributes
+    ----------
+    name : its key in "checks" of summary.json.
+    value, limit : the number and what it may be at most.
+    source : where the limit comes from.
+    advice : what to change where it fails.
+    at_least : whether the value must not be below the limit instead.
+    """
 
     name: str
     value: float
     limit: float
     source: str
     advice: str
-    least: bool = False
+    at_least: bool = False
 
     @property
     def passed(self) -> bool:
         """Whether the limit is kept."""
-        return self.value >= self.limit if self.least else self.value <= self.limit
-
-
-FINER = "give a smaller mesh.patch_size, or an accuracy"
-SOLVER = (
-    "try solver.gamma_factor=1, solver.method=nitsche with solver.theta=1, a smaller "
-    "mesh.patch_size, or solver.linear=direct"
-)
+        return self.value >= self.limit if self.at_least else self.value <= self.limit
 
 
 def run(
@@ -85,24 +86,20 @@ def run(
     *,
     reached: bool | None,
 ) -> list[Check]:
-    """All checks of a solved mesh (rank 0).
+    """All checks of a solved mesh but those of friction (rank 0).
 
     second: quantities nested as "result" that another method computed, with "allowance" and
-    "grid_error" as in `half_space_reference.half_space`, or the "reason" why there are none;
-    reached: whether the asked accuracy was met, None without one.
+    "grid_error" as from `half_space_reference.half_space`, or the "reason" why there are none;
+    reached: whether the wanted accuracy was met, None without one.
     """
-    checks = [_effects(solved), *_equations(solved)]
+    checks = [each for check in SOLUTION for each in check(solved)]
     if solved.result is not None and solved.findings is not None:
-        checks += _mesh(solved)
-        checks += _physics(solved)
-        checks += _shape(solved.elastic_reference or solved, estimates)
-        checks += _opinion(solved.elastic_reference or solved, estimates, second)
+        checks += [each for check in (*MESH, *PHYSICS) for each in check(solved)]
+        elastic = solved.elastic_reference or solved
+        checks += pressure_over_mean(elastic, estimates)
+        checks += second_method(elastic, estimates, second)
     if reached is not None:
-        off = worst(estimates, solved)
-        asked = float(solved.plan.scene.accuracy or 0.0)
-        off = off if reached else max(off, math.nextafter(asked, math.inf))
-        advice = "ask for less, or give a larger budget; see accuracy.would_cost"
-        checks.append(Check("accuracy", off, asked, "asked", advice))
+        checks += accuracy(solved, estimates, reached)
     return checks
 
 
@@ -111,57 +108,323 @@ def friction(
     estimates: Mapping[str, Estimate],
     second: Mapping[str, Mapping[str, Any]] | None,
 ) -> list[Check]:
-    """Tangential forces against the stresses of the bodies, and against half-spaces."""
-    found, scene = solved.solution.friction, solved.plan.scene
-    if found is None or solved.result is None:
+    """The checks of a solution with friction; second: half-spaces by method, as in
+    "half_space_friction" of summary.json."""
+    if solved.solution.friction is None or solved.result is None:
         return []
-    out = _tangential(solved)
     other = (second or {}).get("boundary elements") or (second or {}).get("Carter") or {}
-    both = list(zip(("along", "across"), found.force, found.rigid_motion, strict=False))
-    off = [abs(force - other[name]) / found.friction_limit
-           for way, force, _ in both if (name := f"force_{way}_N") in other]  # fmt: skip
-    room = ROUGH
-    names = ("force_along_N", "force_across_N")
-    if drift := solved.result.get("friction", {}).get("resolution"):
-        own = [MISS * estimates[name].total for name in names if name in estimates]
-        room *= math.hypot(*found.force) / found.friction_limit
-        room = max(own, default=room)
-        room += MISS * math.hypot(*(drift[name] for name in names)) / found.friction_limit
-    room += other.get("grid_error", 0.0)
-    if off and scene.rolling.prescribed:
-        out.append(
-            Check(
-                "second_opinion_friction", max(off), room,
-                f"half-spaces with friction, over mu N; {MISS:g} times the estimate, or without "
-                f"one {ROUGH:g} of the force (unlike bodies: of mu N); {MISS:g} times what is "
-                "found without creepage; the error of their grid",
-                FINER,
-            )
-        )  # fmt: skip
-    if "shift_along_mm" in other:
-        shifts = [(shift, other[f"shift_{way}_mm"]) for way, _, shift in both]
-        whole = math.hypot(*(shift for _, shift in shifts))
-        out.append(
-            Check(
-                "second_opinion_shift", max(abs(one - two) for one, two in shifts) / whole, room,
-                "half-spaces with friction, over their shift, and the error of their grid", FINER,
-            )
-        )  # fmt: skip
-    return out
+    return [
+        *tangential_flux(solved),
+        *second_method_forces(solved, estimates, other),
+        *second_method_shift(solved, other),
+    ]
 
 
-def _effects(solved: MeshSolution) -> Check:
+def effects_left_out(solved: MeshSolution) -> Iterator[Check]:
     """Effects that are called for, not simulated and not overruled."""
     missing = effects.left_out(solved.plan.effects, solved.after)
     why = "; ".join(f"{name}: {reason}" for name, reason in missing.items())
     overrule = " ".join(f"--without {name}" for name in missing)
-    return Check(
-        "effects_left_out", float(len(missing)), 0.0, why or "none that is called for",
-        f"{overrule} accepts the answer without",
-    )  # fmt: skip
+    yield Check(
+        name="effects_left_out",
+        value=float(len(missing)),
+        limit=0.0,
+        source=why or "none that is called for",
+        advice=f"{overrule} accepts the answer without",
+    )
 
 
-def _tangential(solved: MeshSolution) -> list[Check]:
+def converged(solved: MeshSolution) -> Iterator[Check]:
+    """Newton's method converged, and something touches."""
+    newton = solved.solution.newton
+    yield Check(
+        name="converged",
+        value=0.0 if newton.converged and solved.result is not None else math.inf,
+        limit=0.0,
+        source=f"Newton's method: {newton.reason}",
+        advice=SOLVER,
+    )
+
+
+def force_balance(solved: MeshSolution) -> Iterator[Check]:
+    """The contact force, the reaction and the given load are the same."""
+    solution, load = solved.solution, solved.plan.scene.load
+    target = load if load is not None else solution.reaction
+    yield Check(
+        name="force_balance",
+        value=max(_off(solution.load, target), _off(solution.reaction, solution.load)),
+        limit=BALANCE_TOLERANCE,
+        source="equations solved to 1e-8",
+        advice=SOLVER,
+    )
+
+
+def approach_reached(solved: MeshSolution) -> Iterator[Check]:
+    """The approach is the given one."""
+    yield Check(
+        name="approach_reached",
+        value=solved.approach_error,
+        limit=BALANCE_TOLERANCE,
+        source="the given approach",
+        advice="give the load in the place of the approach",
+    )
+
+
+def patch_settled(solved: MeshSolution) -> Iterator[Check]:
+    """The mesh is fine where the patch is."""
+    yield Check(
+        name="patch_settled",
+        value=0.0 if solved.mesh_fits_patch else 1.0,
+        limit=0.0,
+        source="the mesh is around the patch that was found",
+        advice="give mesh.patch_size, or a scene whose patch is not at an edge",
+    )
+
+
+def unloaded(solved: MeshSolution) -> Iterator[Check]:
+    """Where bodies yield, Newton's method converged without the load too."""
+    plastic = solved.solution.plasticity
+    if plastic is None or plastic.residual_state is None:
+        return
+    last = plastic.newton_results[-1]
+    yield Check(
+        name="unloaded",
+        value=0.0 if last.converged else 1.0,
+        limit=0.0,
+        source=f"Newton's method without the load: {last.reason}",
+        advice=SOLVER,
+    )
+
+
+SOLUTION = (
+    effects_left_out,
+    converged,
+    force_balance,
+    approach_reached,
+    patch_settled,
+    unloaded,
+)
+
+
+def elements_across(solved: MeshSolution) -> Iterator[Check]:
+    """Elements across the patch, in the direction that has fewer."""
+    coarsest = RANGE[0] * (LINEAR_REFINEMENT if solved.plan.order == 1 else 1.0)
+    yield Check(
+        name="elements_across",
+        value=_fewest_elements(solved),
+        limit=2 * coarsest,
+        source="with a third fewer the largest shear stress was 8 % off, "
+        "with linear cells the area",
+        advice=FINER,
+        at_least=True,
+    )
+
+
+def pressure_noise(solved: MeshSolution) -> Iterator[Check]:
+    """Pressure at the elements against a smooth one fitted to it."""
+    nodes = _touching_nodes(solved)
+    fitted = _tolerance(solved) * math.sqrt(nodes)
+    noisy = (
+        f"a fit over {nodes} nodes leaves one over their square root of it"
+        if fitted < NOISE_LIMIT
+        else "where half of the pressure is noise, none of it is an answer"
+    )
+    yield Check(
+        name="pressure_noise",
+        value=_findings(solved).noise,
+        limit=min(fitted, NOISE_LIMIT),
+        source=noisy,
+        advice=FINER,
+    )
+
+
+def penetration(solved: MeshSolution) -> Iterator[Check]:
+    """How far the bodies overlap, over the approach."""
+    yield Check(
+        name="penetration",
+        value=solved.solution.penetration / abs(solved.solution.approach),
+        limit=_tolerance(solved),
+        source="overlap over approach: it enters pressure and area in proportion",
+        advice="give a larger solver.gamma_factor, or solver.method=nitsche",
+    )
+
+
+MESH = (elements_across, pressure_noise, penetration)
+
+
+def flux(solved: MeshSolution) -> Iterator[Check]:
+    """The stresses of each body carry the load."""
+    from railhead.postprocess.stress.flux import contact_force
+
+    assert solved.fields is not None
+    for body in solved.plan.deformable:
+        yield Check(
+            name=f"flux_{BODY_NAMES[body]}",
+            value=_off(-contact_force(solved.fields, body)[2], solved.solution.load),
+            limit=_stress_tolerance(solved),
+            source="the load; the elements' stresses are integrated around the patch",
+            advice=FINER,
+        )
+
+
+def stress_misfit(solved: MeshSolution) -> Iterator[Check]:
+    """The smooth stresses that are reported against those of the elements."""
+    yield Check(
+        name="stress_misfit",
+        value=_findings(solved).misfit,
+        limit=_stress_tolerance(solved),
+        source="the elements' own stresses around the largest smooth ones, on the average",
+        advice=FINER,
+    )
+
+
+def shear_over_pressure(solved: MeshSolution) -> Iterator[Check]:
+    """The largest shear stress over the largest pressure, without yield, which cuts both."""
+    elastic = _elastic_result(solved)
+    yield from _between(
+        "shear_over_pressure",
+        elastic["stress"]["tau_max_MPa"] / elastic["pressure"]["max_MPa"],
+        SHEAR_OVER_PRESSURE,
+        "0.266 to 0.488 in Hertz's ellipses, and a quarter more room",
+    )
+
+
+def mises_over_shear(solved: MeshSolution) -> Iterator[Check]:
+    """The largest von Mises stress over the largest shear stress."""
+    stress = _elastic_result(solved)["stress"]
+    yield from _between(
+        "mises_over_shear",
+        stress["von_mises_max_MPa"] / stress["tau_max_MPa"],
+        (math.sqrt(3.0) * (1 - MISES_READING), 2.0 * (1 + MISES_READING)),
+        "von Mises stress over shear stress, sqrt(3) to 2 in any state, and what reading costs",
+    )
+
+
+def load_over_first_yield(solved: MeshSolution) -> Iterator[Check]:
+    """The load over that of first yield, where bodies yield."""
+    if solved.residual_state is None:
+        return
+    yield Check(
+        name="load_over_first_yield",
+        value=solved.residual_state.load_over_first_yield,
+        limit=YIELD_LOAD_LIMIT,
+        source="as far as spheres of others go; strains are no longer small beyond",
+        advice="give a smaller load",
+    )
+
+
+def small_strain(solved: MeshSolution) -> Iterator[Check]:
+    """Strains are small enough for linear theory."""
+    yield Check(
+        name="small_strain",
+        value=_result(solved)["pressure"]["max_MPa"] / solved.plan.estimate.contact_modulus,
+        limit=STRAIN_LIMIT,
+        source="p0/E*: a sphere's representative strain is 6 % there",
+        advice="give a smaller load",
+    )
+
+
+def pressure_of_steel(solved: MeshSolution) -> Iterator[Check]:
+    """The pressure of bodies with the modulus of steel is one that some steel bears."""
+    plan = solved.plan
+    bodies = {"rail": plan.scene.rail, "wheel": plan.scene.wheel}
+    if not any(steels.is_steel(bodies[BODY_NAMES[body]].young_modulus) for body in plan.deformable):
+        return
+    yield Check(
+        name="pressure_of_steel",
+        value=_result(solved)["pressure"]["max_MPa"],
+        limit=STEEL_PRESSURE["line" if plan.contact.line else "point"],
+        source="ISO 76: hardened bearing steel yields beyond",
+        advice="give a smaller load, or a yield_stress",
+    )
+
+
+def edge_distance(solved: MeshSolution) -> Iterator[Check]:
+    """How far the patch is from the edge of a body, over its smaller half length."""
+    yield Check(
+        name="edge_distance",
+        value=_findings(solved).edge_distance,
+        limit=2 / _fewest_elements(solved),
+        source="one element, over the smaller half length: at an edge the pressure has no bound",
+        advice="move the wheel, or give wider bodies",
+        at_least=True,
+    )
+
+
+PHYSICS = (
+    flux,
+    stress_misfit,
+    shear_over_pressure,
+    mises_over_shear,
+    load_over_first_yield,
+    small_strain,
+    pressure_of_steel,
+    edge_distance,
+)
+
+
+def pressure_over_mean(solved: MeshSolution, estimates: Mapping[str, Estimate]) -> Iterator[Check]:
+    """Largest pressure, area and load against each other, where the pressure is a semi-ellipsoid
+    (3/2 of the mean) or a semi-ellipse (4/pi)."""
+    found, result = _findings(solved), _result(solved)
+    if not found.hertzian:
+        return
+    line = solved.setting.shape == "plane strain"
+    normal = solved.solution.load / math.cos(solved.plan.contact.touch.angle)
+    mean = normal / result["patch"]["area_mm2"]
+    peak = (4 / math.pi if line else 1.5) * mean
+    tolerance = sum(_allowed(estimates, key) for key in ("max_MPa", "area_mm2"))
+    sensitivity = 1.0 if solved.plan.contact.half_space else 2.0 if line else SHAPE_SENSITIVITY
+    yield Check(
+        name="pressure_over_mean",
+        value=_off(result["pressure"]["max_MPa"], peak),
+        limit=tolerance + sensitivity * found.shape_error,
+        source=f"{'4/pi' if line else '3/2'} of load over area; both estimates "
+        f"({tolerance:.2g}) and how far the pressure is from that shape",
+        advice=FINER,
+    )
+
+
+def second_method(
+    solved: MeshSolution, estimates: Mapping[str, Estimate], second: Mapping[str, Any]
+) -> Iterator[Check]:
+    """Finite elements against another method, within both errors and what that leaves out."""
+    if _unknown(second):
+        return  # `not_made` has the reason
+    own, other = resolved_values(solved), numeric_values(second)
+    for key in COMPARED:
+        if key not in own or key not in other:
+            continue
+        if second["allowance"] and key not in second["allowance"]:
+            continue  # nobody has computed what the method leaves out of it
+        mine = _allowed(estimates, key)
+        allowance = second["allowance"].get(key, {}).get("total", 0.0)
+        allowance += second.get("grid_error", {}).get(key, 0.0)
+        yield Check(
+            name=f"{SECOND}_{key}",
+            value=_off(own[key], other[key]),
+            limit=mine + allowance,
+            source=f"{mine:.2g} ({ESTIMATE_FACTOR:g} times the estimate, or without one "
+            f"{DEFAULT_TOLERANCE:g}), and {allowance:.2g} for what it cannot know",
+            advice="ask for an accuracy, and look at the profiles",
+        )
+
+
+def accuracy(
+    solved: MeshSolution, estimates: Mapping[str, Estimate], reached: bool
+) -> Iterator[Check]:
+    """The largest estimate against the wanted accuracy."""
+    error, wanted = largest_error(estimates, solved), float(solved.plan.scene.accuracy or 0.0)
+    yield Check(
+        name="accuracy",
+        value=error if reached else max(error, math.nextafter(wanted, math.inf)),
+        limit=wanted,
+        source="asked",
+        advice="ask for less, or give a larger budget; see accuracy.would_cost",
+    )
+
+
+def tangential_flux(solved: MeshSolution) -> Iterator[Check]:
     """The tangential forces, given or found, against those that the stresses of each body carry."""
     from railhead.postprocess.stress.flux import contact_force, pressure_force
 
@@ -169,81 +432,135 @@ def _tangential(solved: MeshSolution) -> list[Check]:
     assert found is not None and fields is not None
     axes = Frame(plan.contact.origin, plan.contact.touch.angle).axes[:2]
     _, *given = plan.scene.tangential_forces
-    wanted = [asked or force for asked, force in zip(given, found.force, strict=True)]
+    wanted = [one or force for one, force in zip(given, found.force, strict=True)]
     pressed = pressure_force(fields)
-    return [
-        Check(
-            f"tangential_flux_{BODY_NAMES[body]}",
-            float(np.linalg.norm(axes @ (contact_force(fields, body) - pressed) - wanted))
-            / found.friction_limit,
-            ROUGH, "the tangential force, over mu N; as for the load", FINER,
+    for body in plan.deformable:
+        off = axes @ (contact_force(fields, body) - pressed) - wanted
+        yield Check(
+            name=f"tangential_flux_{BODY_NAMES[body]}",
+            value=float(np.linalg.norm(off)) / found.friction_limit,
+            limit=DEFAULT_TOLERANCE,
+            source="the tangential force, over mu N; as for the load",
+            advice=FINER,
         )
-        for body in plan.deformable
-    ]  # fmt: skip
 
 
-def _equations(solved: MeshSolution) -> list[Check]:
-    solution, scene = solved.solution, solved.plan.scene
-    newton = solution.newton
-    target = scene.load if scene.load is not None else solution.reaction
-    balance = max(_off(solution.load, target), _off(solution.reaction, solution.load))
-    found = [
-        Check(
-            "converged", 0.0 if newton.converged and solved.result is not None else math.inf, 0.0,
-            f"Newton's method: {newton.reason}", SOLVER,
-        ),
-        Check("force_balance", balance, BALANCE, "equations solved to 1e-8", SOLVER),
-        Check(
-            "approach_reached", solved.approach_error, BALANCE, "the given approach",
-            "give the load in the place of the approach",
-        ),
-        Check(
-            "patch_settled", 0.0 if solved.mesh_fits_patch else 1.0, 0.0,
-            "the mesh is around the patch that was found",
-            "give mesh.patch_size, or a scene whose patch is not at an edge",
-        ),
-    ]  # fmt: skip
-    yielding = solution.plasticity
-    if yielding is not None and yielding.residual_state is not None:
-        last = yielding.newton_results[-1]
-        found.append(
-            Check(
-                "unloaded", 0.0 if last.converged else 1.0, 0.0,
-                f"Newton's method without the load: {last.reason}", SOLVER,
-            )
-        )  # fmt: skip
-    return found
-
-
-def _mesh(solved: MeshSolution) -> list[Check]:
-    plan, found, solution = solved.plan, solved.findings, solved.solution
-    assert found is not None
-    least = RANGE[0] * (LINEAR_REFINEMENT if plan.order == 1 else 1.0)
-    allowed = max(ROUGH, plan.scene.accuracy or 0.0)
-    along, wide = found.elements_across
-    across = max(along, wide) if plan.section else min(along, wide)
-    nodes = _touching_nodes(solved)
-    fitted = allowed * math.sqrt(nodes)
-    noisy = (
-        f"a fit over {nodes} nodes leaves one over their square root of it"
-        if fitted < NOISE
-        else "where half of the pressure is noise, none of it is an answer"
+def second_method_forces(
+    solved: MeshSolution, estimates: Mapping[str, Estimate], other: Mapping[str, Any]
+) -> Iterator[Check]:
+    """Tangential forces of what rolls against half-spaces; other: of one method."""
+    found = solved.solution.friction
+    assert found is not None and solved.result is not None
+    keys = [key for key in ("force_along_N", "force_across_N") if key in other]
+    if not keys or not solved.plan.scene.rolling.prescribed:
+        return
+    force = dict(zip(("force_along_N", "force_across_N"), found.force, strict=True))
+    tolerance = DEFAULT_TOLERANCE
+    if still := solved.result.get("friction", {}).get("resolution"):
+        estimated = [ESTIMATE_FACTOR * estimates[key].total for key in force if key in estimates]
+        tolerance *= math.hypot(*found.force) / found.friction_limit
+        tolerance = max(estimated, default=tolerance)
+        unresolved = math.hypot(*(still[key] for key in force)) / found.friction_limit
+        tolerance += ESTIMATE_FACTOR * unresolved
+    yield Check(
+        name=f"{SECOND}_friction",
+        value=max(abs(force[key] - other[key]) / found.friction_limit for key in keys),
+        limit=tolerance + other.get("grid_error", 0.0),
+        source=f"half-spaces with friction, over mu N; {ESTIMATE_FACTOR:g} times the estimate, or "
+        f"without one {DEFAULT_TOLERANCE:g} of the force (unlike bodies: of mu N); "
+        f"{ESTIMATE_FACTOR:g} times what is found without creepage; the error of their grid",
+        advice=FINER,
     )
-    return [
-        Check(
-            "elements_across", across, 2 * least,
-            "with a third fewer the largest shear stress was 8 % off, with linear cells the area",
-            FINER, least=True,
-        ),
-        Check(
-            "pressure_noise", found.noise, min(fitted, NOISE), noisy, FINER,
-        ),
-        Check(
-            "penetration", solution.penetration / abs(solution.approach), allowed,
-            "overlap over approach: it enters pressure and area in proportion",
-            "give a larger solver.gamma_factor, or solver.method=nitsche",
-        ),
-    ]  # fmt: skip
+
+
+def second_method_shift(solved: MeshSolution, other: Mapping[str, Any]) -> Iterator[Check]:
+    """The shift of half-spaces under tangential forces against another method's."""
+    found = solved.solution.friction
+    assert found is not None
+    if "shift_along_mm" not in other:
+        return
+    pairs = [
+        (shift, other[f"shift_{way}_mm"])
+        for way, shift in zip(("along", "across"), found.rigid_motion, strict=False)
+    ]
+    whole = math.hypot(*(shift for _, shift in pairs))
+    yield Check(
+        name=f"{SECOND}_shift",
+        value=max(abs(one - two) for one, two in pairs) / whole,
+        limit=DEFAULT_TOLERANCE + other.get("grid_error", 0.0),
+        source="half-spaces with friction, over their shift, and the error of their grid",
+        advice=FINER,
+    )
+
+
+def not_made(
+    solved: MeshSolution,
+    made: Sequence[Check],
+    second: Mapping[str, Any],
+    second_friction: Mapping[str, Mapping[str, Any]] | None,
+) -> dict[str, str]:
+    """Why a comparison with a second method is missing, by the name of the check that was not made
+    of it; second and second_friction as in `run` and `friction`."""
+    elastic = solved.elastic_reference or solved
+    if elastic.result is None:
+        return {}
+    names, missing = {each.name for each in made}, {}
+    if reason := _unknown(second):
+        missing[SECOND] = reason
+    else:
+        other, own = numeric_values(second), resolved_values(elastic)
+        missing = {
+            f"{SECOND}_{key}": "what half-spaces leave out of it is not known"
+            if key in other
+            else "the second method does not give it"
+            for key in COMPARED
+            if key in own and f"{SECOND}_{key}" not in names
+        }
+    if solved.solution.friction is not None:
+        name = f"{SECOND}_{'friction' if solved.plan.scene.rolling.prescribed else 'shift'}"
+        reasons = [each["reason"] for each in (second_friction or {}).values() if "reason" in each]
+        if name not in names:
+            missing[name] = next(iter(reasons), SHIFT_UNKNOWN)
+    return missing
+
+
+def summary(checks: list[Check], missing: Mapping[str, str]) -> dict[str, Any]:
+    """ "checks" of summary.json: value by name, limits with their sources, what failed, and why
+    others were not made (missing)."""
+    failed = [each.name for each in checks if not each.passed]
+    return {
+        **{each.name: each.value for each in checks if each.name != "converged"},
+        "limits": {each.name: [each.limit, each.source] for each in checks},
+        "advice": {each.name: each.advice for each in checks if not each.passed},
+        "not_made": dict(missing),
+        "failed": failed,
+        "passed": not failed,
+    }
+
+
+def _between(name: str, value: float, bounds: tuple[float, float], source: str) -> Iterator[Check]:
+    """A check of each bound; the name of that of the lower one ends in "_least"."""
+    low, high = bounds
+    yield Check(name=name, value=value, limit=high, source=source, advice=FINER)
+    yield Check(
+        name=f"{name}_least", value=value, limit=low, source=source, advice=FINER, at_least=True
+    )
+
+
+def _tolerance(solved: MeshSolution) -> float:
+    """The wanted accuracy, relative, and without a coarser one the default."""
+    return max(DEFAULT_TOLERANCE, solved.plan.scene.accuracy or 0.0)
+
+
+def _stress_tolerance(solved: MeshSolution) -> float:
+    """The same of stresses, which are constant in linear cells."""
+    return _tolerance(solved) * (LINEAR_REFINEMENT if solved.plan.order == 1 else 1.0)
+
+
+def _fewest_elements(solved: MeshSolution) -> float:
+    """Elements across the patch; in a section, which has one direction, in that."""
+    across = _findings(solved).elements_across
+    return max(across) if solved.plan.section else min(across)
 
 
 def _touching_nodes(solved: MeshSolution) -> int:
@@ -254,194 +571,31 @@ def _touching_nodes(solved: MeshSolution) -> int:
     return int(np.unique(touching).size * 2 ** len(solved.fields.mirrors))
 
 
-def _physics(solved: MeshSolution) -> list[Check]:
-    from railhead.postprocess.stress.flux import contact_force
-
-    plan, found, solution, result = solved.plan, solved.findings, solved.solution, solved.result
-    assert found is not None and solved.fields is not None and result is not None
-    allowed = max(ROUGH, plan.scene.accuracy or 0.0)
-    if plan.order == 1:
-        allowed *= LINEAR_REFINEMENT  # stresses are constant in linear cells
-    fluxes = [
-        Check(
-            f"flux_{BODY_NAMES[body]}", _off(-contact_force(solved.fields, body)[2], solution.load),
-            allowed, "the load; the elements' stresses are integrated around the patch", FINER,
-        )
-        for body in plan.deformable
-    ]  # fmt: skip
-    elastic = (solved.elastic_reference or solved).result or result  # yield cuts both
-    shear = elastic["stress"]["tau_max_MPa"] / elastic["pressure"]["max_MPa"]
-    why = "0.266 to 0.488 in Hertz's ellipses, and a quarter more room"
-    mises = elastic["stress"]["von_mises_max_MPa"] / elastic["stress"]["tau_max_MPa"]
-    bounds = "von Mises stress over shear stress, sqrt(3) to 2 in any state, and what reading costs"
-    checks = [
-        *fluxes,
-        Check(
-            "stress_misfit", found.misfit, allowed,
-            "the elements' own stresses around the largest smooth ones, on the average", FINER,
-        ),
-        Check("shear_over_pressure", shear, SHEAR[1], why, FINER),
-        Check("shear_over_pressure_least", shear, SHEAR[0], why, FINER, least=True),
-        Check("mises_over_shear", mises, 2.0 * (1 + READ), bounds, FINER),
-        Check("mises_over_shear_least", mises, math.sqrt(3.0) * (1 - READ), bounds, FINER,
-              least=True),
-    ]  # fmt: skip
-    if solved.residual_state is not None:
-        checks.append(
-            Check(
-                "load_over_first_yield",
-                solved.residual_state.load_over_first_yield,
-                FAR_BEYOND,
-                "as far as spheres of others go; strains are no longer small beyond",
-                "give a smaller load",
-            )  # fmt: skip
-        )
-    checks += _strains(solved)
-    across = max(found.elements_across) if plan.section else min(found.elements_across)
-    checks.append(
-        Check(
-            "edge_distance",
-            found.edge_distance,
-            2 / across,
-            "one element, over the smaller half length: at an edge the pressure has no bound",
-            "move the wheel, or give wider bodies",
-            least=True,
-        )  # fmt: skip
-    )
-    return checks
+def _findings(solved: MeshSolution) -> Findings:
+    assert solved.findings is not None
+    return solved.findings
 
 
-def _strains(solved: MeshSolution) -> list[Check]:
-    """Whether strains are small enough for linear theory, and the pressure for any steel."""
-    plan, result = solved.plan, solved.result
-    assert result is not None
-    pressure, advice = result["pressure"]["max_MPa"], "give a smaller load"
-    parts = {"rail": plan.scene.rail, "wheel": plan.scene.wheel}
-    checks = [
-        Check(
-            "small_strain", pressure / plan.estimate.contact_modulus, STRAIN,
-            "p0/E*: a sphere's representative strain is 6 % there", advice,
-        )
-    ]  # fmt: skip
-    if any(steels.is_steel(parts[BODY_NAMES[body]].young_modulus) for body in plan.deformable):
-        checks.append(
-            Check(
-                "pressure_of_steel", pressure, HARDEST[0 if plan.contact.line else 1],
-                "ISO 76: hardened bearing steel yields beyond", f"{advice}, or a yield_stress",
-            )
-        )  # fmt: skip
-    return checks
+def _result(solved: MeshSolution) -> dict[str, Any]:
+    assert solved.result is not None
+    return solved.result
 
 
-def _shape(solved: MeshSolution, estimates: Mapping[str, Estimate]) -> list[Check]:
-    """Largest pressure, area and load against each other, where the pressure is a semi-ellipsoid
-    (3/2 of the mean) or a semi-ellipse (4/pi)."""
-    found, result = solved.findings, solved.result
-    assert found is not None and result is not None
-    if not found.hertzian:
-        return []
-    line = solved.setting.shape == "plane strain"
-    normal = solved.solution.load / math.cos(solved.plan.contact.touch.angle)
-    mean = normal / result["patch"]["area_mm2"]
-    peak = (4 / math.pi if line else 1.5) * mean
-    names = ("max_MPa", "area_mm2")
-    room = sum(_room(estimates, name) for name in names)
-    sensitivity = 1.0 if solved.plan.contact.half_space else 2.0 if line else ROUNDED
-    off = sensitivity * found.shape_error
-    return [
-        Check(
-            "pressure_over_mean", _off(result["pressure"]["max_MPa"], peak),
-            room + off,
-            f"{'4/pi' if line else '3/2'} of load over area; both estimates ({room:.2g}) and how "
-            "far the pressure is from that shape", FINER,
-        )
-    ]  # fmt: skip
-
-
-def _opinion(
-    solved: MeshSolution, estimates: Mapping[str, Estimate], second: Mapping[str, Any]
-) -> list[Check]:
-    """Finite elements against the second opinion, within both errors and what it cannot know."""
-    if _unknown(second):
-        return []  # `not_made` has the reason
-    checks = []
-    own, other = resolved(solved), flat(second)
-    for name in OPINIONS:
-        if name not in own or name not in other:
-            continue
-        if second["allowance"] and name not in second["allowance"]:
-            continue  # it leaves out what nobody has computed
-        mine = _room(estimates, name)
-        allowance = second["allowance"].get(name, {}).get("total", 0.0)
-        allowance += second.get("grid_error", {}).get(name, 0.0)
-        checks.append(
-            Check(
-                f"second_opinion_{name}",
-                _off(own[name], other[name]),
-                mine + allowance,
-                f"{mine:.2g} ({MISS:g} times the estimate, or without one {ROUGH:g}), and "
-                f"{allowance:.2g} for what it cannot know",
-                "ask for an accuracy, and look at the profiles",
-            )  # fmt: skip
-        )
-    return checks
+def _elastic_result(solved: MeshSolution) -> dict[str, Any]:
+    """The result without yield and friction."""
+    return (solved.elastic_reference or solved).result or _result(solved)
 
 
 def _unknown(second: Mapping[str, Any]) -> str:
-    """Why a second opinion cannot be compared; empty where it can."""
+    """Why a second method cannot be compared; empty where it can."""
     return str(second.get("reason") or second["allowance"].get("reason") or "")
 
 
-def not_made(
-    solved: MeshSolution,
-    judged: Sequence[Check],
-    second: Mapping[str, Any],
-    rubbed: Mapping[str, Mapping[str, Any]] | None,
-) -> dict[str, str]:
-    """Why a second opinion is missing, by the name of the check that was not made of it; second and
-    rubbed as in `run` and `friction`."""
-    plain = solved.elastic_reference or solved
-    if plain.result is None:
-        return {}
-    made, out = {each.name for each in judged}, {}
-    if reason := _unknown(second):
-        out["second_opinion"] = reason
-    else:
-        other = flat(second)
-        out = {
-            f"second_opinion_{name}": "what half-spaces leave out of it is not known"
-            if name in other
-            else "the second method does not give it"
-            for name in OPINIONS
-            if name in resolved(plain) and f"second_opinion_{name}" not in made
-        }
-    if solved.solution.friction is not None:
-        name = "friction" if solved.plan.scene.rolling.prescribed else "shift"
-        reasons = [each["reason"] for each in (rubbed or {}).values() if "reason" in each]
-        if f"second_opinion_{name}" not in made:
-            out[f"second_opinion_{name}"] = next(iter(reasons), HELD)
-    return out
-
-
-def _room(estimates: Mapping[str, Estimate], name: str) -> float:
-    """What a signed number may be off by, relative."""
-    return MISS * estimates[name].total if name in estimates else ROUGH
+def _allowed(estimates: Mapping[str, Estimate], key: str) -> float:
+    """What a number may be off by, relative."""
+    return ESTIMATE_FACTOR * estimates[key].total if key in estimates else DEFAULT_TOLERANCE
 
 
 def _off(value: float, target: float) -> float:
     """Relative deviation; infinite where there is nothing to compare with."""
     return abs(value / target - 1) if target else math.inf
-
-
-def summary(checks: list[Check], missing: Mapping[str, str]) -> dict[str, Any]:
-    """Value by name, limits with their sources, what failed, and why others were not made
-    (missing), as in summary.json."""
-    failed = [each.name for each in checks if not each.passed]
-    return {
-        **{each.name: each.value for each in checks if each.name != "converged"},
-        "limits": {each.name: [each.limit, each.source] for each in checks},
-        "advice": {each.name: each.advice for each in checks if not each.passed},
-        "not_made": dict(missing),
-        "failed": failed,
-        "passed": not failed,
-    }

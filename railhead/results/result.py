@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from railhead.results.report import terminal
 from railhead.results.report.output_units import Units
+from railhead.run import quantities
 from railhead.run.mesh_solution import MeshSolution
 
 if TYPE_CHECKING:
@@ -22,20 +22,17 @@ if TYPE_CHECKING:
     from railhead.solver.fields import Fields
     from railhead.theory.elastic.contacts import Hertz
 
-UNITS = ("_mm2", "_mm", "_MPa", "_N")
-BOUNDS = {"area_mm2": "area", "max_MPa": "pressure_max"}
+BOUND_NAMES = {each.key: each.bound for each in quantities.QUANTITIES}
 
 
 @dataclass(frozen=True, repr=False)
 class Result:
-    """What `solve` gives. Under MPI the numbers are the same on all ranks; fields and findings are
-    there on rank 0 only.
+    """A solved scene, as `solve` returns it. Numbers are the same on all MPI processes; fields and
+    findings are on rank 0 only.
 
-    `patch` (a, b along and across the rail, mm, and area, mm2), `pressure` (max, mean, MPa),
-    `stress` (tau_max, von_mises_max, MPa, each with _depth mm, _body and _place mm),
-    `load` N and `approach` mm are the finite-element result; `hertz` holds the same of exact Hertz.
-    `estimate` bounds their relative errors by name: a, b, area, pressure_max, approach, tau_max,
-    tau_max_depth, von_mises_max; a name is missing where there is no bound.
+    `patch`, `pressure`, `stress`, `friction`, `plastic`, `load` and `approach` are those of finite
+    elements (`railhead.run.quantities` describes each number), `hertz` holds the same of exact
+    Hertz, `estimate` bounds of their relative errors.
     """
 
     mesh_solution: MeshSolution
@@ -74,57 +71,58 @@ class Result:
         return list(self.summary["checks"]["failed"])
 
     @property
-    def patch(self) -> SimpleNamespace:
-        """Of the contact: a, b (mm), area (mm2)."""
-        return _named(self._numbers["patch"])
+    def patch(self) -> quantities.Patch:
+        """Half lengths and area of the contact patch."""
+        return self._answer.patch
 
     @property
-    def pressure(self) -> SimpleNamespace:
-        """max, mean (MPa)."""
-        return _named(self._numbers["pressure"])
+    def pressure(self) -> quantities.Pressure:
+        """Largest and mean contact pressure."""
+        return self._answer.pressure
 
     @property
-    def stress(self) -> SimpleNamespace:
+    def stress(self) -> quantities.Stress:
         """The largest shear and von Mises stresses of both bodies and where they are."""
-        return _named(self._numbers["stress"])
+        return self._answer.stress
 
     @property
-    def plastic(self) -> SimpleNamespace | None:
-        """What yields and what is left, as in summary.json; None where nothing yields."""
-        return _named(self._numbers["plastic"]) if "plastic" in self._numbers else None
+    def plastic(self) -> quantities.Plastic | None:
+        """What yields and what stays without the load; None where nothing yields."""
+        return self._answer.plastic
 
     @property
-    def friction(self) -> SimpleNamespace | None:
-        """Forces, creepages and stick, as in summary.json; None without friction."""
-        return _named(self._numbers["friction"]) if "friction" in self._numbers else None
+    def friction(self) -> quantities.Friction | None:
+        """Forces, creepages or shifts, and stick; None without friction."""
+        return self._answer.friction
 
     @property
     def load(self) -> float:
-        """N, down."""
-        return float(self._numbers["load_N"])
+        """Load, N, down."""
+        return float(self._answer.load)
 
     @property
     def approach(self) -> float:
-        """mm, of the supports."""
-        return float(self._numbers["approach_mm"])
+        """Approach of the bodies' supports, mm."""
+        return float(self._answer.approach)
 
     @property
-    def hertz(self) -> SimpleNamespace:
-        """Exact Hertz under the same load: patch, pressure, stress, approach."""
-        return _named(self.summary["hertz"])
+    def hertz(self) -> quantities.Answer:
+        """Exact Hertz under the same load."""
+        return quantities.read(quantities.Answer, self.summary["hertz"])
 
     @property
     def estimate(self) -> SimpleNamespace:
-        """Bounds of the relative errors."""
+        """Bounds of the relative errors by name: a, b, area, pressure_max, approach, tau_max,
+        tau_max_depth, von_mises_max; a name is missing where there is no bound."""
         bound = self.summary["accuracy"]["bound"]
-        return _named({BOUNDS.get(name, name): value for name, value in bound.items()})
+        return SimpleNamespace(**{BOUND_NAMES[key]: value for key, value in bound.items()})
 
     @property
-    def _numbers(self) -> dict[str, Any]:
-        numbers = self.summary["result"]
-        if numbers is None:
+    def _answer(self) -> quantities.Answer:
+        """The numbers of finite elements. ValueError: nothing touches."""
+        if self.summary["result"] is None:
             raise ValueError("there is no result: nothing touches")
-        return dict(numbers)
+        return quantities.read(quantities.Answer, self.summary["result"])
 
     @property
     def mesh(self) -> Any:
@@ -219,17 +217,3 @@ class Plots:
     def _hertz(self) -> Hertz | None:
         # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
         return self.result.ellipse if len(self._findings.patch.each) < 2 else None
-
-
-def _named(values: Mapping[str, Any]) -> SimpleNamespace:
-    """Numbers by their names without units, tables as namespaces of their own."""
-    return SimpleNamespace(
-        **{
-            _bare(name): _named(value) if isinstance(value, Mapping) else value
-            for name, value in values.items()
-        }
-    )
-
-
-def _bare(name: str) -> str:
-    return next((name.removesuffix(unit) for unit in UNITS if name.endswith(unit)), name)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import psutil
 
-from railhead.results import quantities, table_file
+from railhead.results import quantity_rows, table_file
 from railhead.run import process
 from railhead.scene.io import to_toml
 from railhead.scene.scene import SceneError
@@ -218,7 +218,7 @@ def write(
                     shakedown.draw(friction, poisson, work / "shakedown.png", found.subject.title)
         (work / "scene.toml").write_text(to_toml(result.plan.scene), encoding="utf-8")
         (work / SUMMARY).write_text(as_json(result), encoding="utf-8")
-        table = quantities.everything(result.summary)
+        table = quantity_rows.everything(result.summary)
         (work / TABLE).write_bytes(table_file.encoded(table))
         if page is not None:
             page(work, found, grids)

@@ -34,7 +34,7 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
     bound = {name: each.total for name, each in known.items() if name not in unresolved}
     reached = None
     if scene.accuracy is not None and solved.result is not None:
-        reached = bool(estimates.worst(known, solved) <= scene.accuracy)
+        reached = bool(estimates.largest_error(known, solved) <= scene.accuracy)
     half_spaces = half_space_reference.solve(solved)
     profiles, rubbed = (
         half_space_reference.half_space(solved, half_spaces),

@@ -12,7 +12,7 @@ from railhead.planning.accuracy import error_envelopes
 from railhead.planning.cost import machine, prediction
 from railhead.planning.plan import Plan
 from railhead.planning.sizing import LINEAR_REFINEMENT
-from railhead.run import estimates
+from railhead.run import estimates, quantities
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
 
@@ -116,7 +116,8 @@ def _stepped(solved: MeshSolution, progress: Progress, comm: MPI.Intracomm) -> M
     other = mesh_and_solve(twice, solved.grading, progress, comm)
     error: dict[str, float] = {}
     if solved.result is not None and other.result is not None:
-        found, better = estimates.flat(solved.result), estimates.flat(other.result)
+        found = quantities.numeric_values(solved.result)
+        better = quantities.numeric_values(other.result)
         error = {
             name: STEP_ERROR * abs(found[name] / better[name] - 1)
             for name in found
@@ -142,7 +143,7 @@ def _asked(plan: Plan) -> float:
 
 def _worst(levels: list[MeshSolution]) -> float:
     """What counts of the estimates of the last mesh."""
-    return estimates.worst(estimates.estimate(levels)[0], levels[-1])
+    return estimates.largest_error(estimates.estimate(levels)[0], levels[-1])
 
 
 def _next(levels: list[MeshSolution], worst: float, wanted: float) -> tuple[float, bool]:
@@ -156,7 +157,7 @@ def _next(levels: list[MeshSolution], worst: float, wanted: float) -> tuple[floa
         wanted = estimates.next_resolution(n, worst, asked or worst)
     else:
         if asked is not None and solved.plan.scene.budget is None:
-            found = estimates.reading(solved.findings) if solved.findings is not None else {}
+            found = estimates.reading_errors(solved.findings) if solved.findings is not None else {}
             wanted = known.read_no_better(n, found).finest(_asked(solved.plan))
         wanted = max(wanted, 1.25 * n)
     return wanted, known.covers(wanted, [each.resolution for each in levels])

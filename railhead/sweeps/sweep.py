@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from railhead.results import table_file
 from railhead.results.result import Result
-from railhead.run import estimates, refinement
+from railhead.run import quantities, refinement
 from railhead.scene.scene import SceneError
 from railhead.sweeps import runner
 from railhead.sweeps.grid import ParameterGrid
@@ -37,10 +37,10 @@ class Sweep(list[Result]):
         summary = result.as_dict()
         changed = {key: result.plan.scene.value(key) for key in self.keys}
         verdict = {"passed": result.passed, "unknowns": summary["cost"]["dofs"]}
-        known = estimates.flat(summary["result"] or {})
-        quantities = {name: known.get(name) for name in estimates.QUANTITIES}
-        bounds = {f"bound_{name}": summary["accuracy"]["bound"].get(name) for name in quantities}
-        return changed | verdict | quantities | bounds
+        known = quantities.numeric_values(summary["result"])
+        values = {name: known.get(name) for name in quantities.ESTIMATED}
+        bounds = {f"bound_{name}": summary["accuracy"]["bound"].get(name) for name in values}
+        return changed | verdict | values | bounds
 
     def to_csv(self, path: str | Path) -> None:
         """Write the rows as comma-separated values, in UTF-8 with its mark."""

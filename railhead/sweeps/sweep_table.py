@@ -3,56 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import reduce
-from operator import getitem
 from typing import Any
 
 import numpy as np
 
 from railhead.results.result import Result
+from railhead.run import quantities
 from railhead.sweeps.grid import column
 
-TAU_MAX_BODY, CONTACT_ANGLE = "tau_max body", "contact angle [rad]"
-PLACES = {
-    "p_max [MPa]": ("result", "pressure", "max_MPa"),
-    "p_mean [MPa]": ("result", "pressure", "mean_MPa"),
-    "area [mm2]": ("result", "patch", "area_mm2"),
-    "a [mm]": ("result", "patch", "a_mm"),
-    "b [mm]": ("result", "patch", "b_mm"),
-    "tau_max [MPa]": ("result", "stress", "tau_max_MPa"),
-    "tau_max depth [mm]": ("result", "stress", "tau_max_depth_mm"),
-    TAU_MAX_BODY: ("result", "stress", "tau_max_body"),
-    "von_mises_max [MPa]": ("result", "stress", "von_mises_max_MPa"),
-    "found approach [mm]": ("result", "approach_mm"),
-    "found load [N]": ("result", "load_N"),
-    CONTACT_ANGLE: ("plan", "contact_angle_rad"),
-    "unknowns": ("cost", "dofs"),
-}
-"""Place in summary.json of the values of a column."""
-FRICTION = {
-    "force along [N]": "force_along_N",
-    "force across [N]": "force_across_N",
-    "moment [N mm]": "moment_Nmm",
-    "mu N [N]": "limit_N",
-    "creepage along": "creepage_along",
-    "creepage across": "creepage_across",
-    "spin [1/mm]": "spin_per_mm",
-    "axle": "axle",
-    "shift along [mm]": "shift_along_mm",
-    "shift across [mm]": "shift_across_mm",
-    "stick share": "stick_share",
-    "T-gamma [N]": "t_gamma_N",
-}
-"""Keys of result.friction by column."""
-BOUNDS = {
-    "p_max estimate": "max_MPa",
-    "area estimate": "area_mm2",
-    "a estimate": "a_mm",
-    "b estimate": "b_mm",
-    "tau_max estimate": "tau_max_MPa",
-    "approach estimate": "approach_mm",
-}
-"""Keys of accuracy.bound by column."""
+CONTACT_ANGLE = "contact angle [rad]"
+OTHERS = {CONTACT_ANGLE: ("plan", "contact_angle_rad"), "unknowns": ("cost", "dofs")}
+"""Place in summary.json of the values of columns that are no quantities of the result."""
+COLUMNS = [each for each in quantities.QUANTITIES if each.column]
 CHECKS, PASSED = "checks", "passed"
 
 
@@ -84,7 +46,9 @@ def row(values: Mapping[str, object], record: Mapping[str, Any]) -> dict[str, An
     if record["fault"] or not record["summary"]["checks"]["converged"]:
         return cells
     summary = record["summary"]
-    cells |= {name: reduce(getitem, place, summary) for name, place in PLACES.items()}
+    every = [each for each in COLUMNS if each.table != "friction"]
+    cells |= {each.header: each.value(summary["result"]) for each in every}
+    cells |= {name: summary[part][key] for name, (part, key) in OTHERS.items()}
     point = summary["result"]["contact_point_mm"]
     cells |= {f"patch {axis} [mm]": value for axis, value in zip("xyz", point, strict=True)}
     patches = summary["result"]["patches"]
@@ -92,15 +56,20 @@ def row(values: Mapping[str, object], record: Mapping[str, Any]) -> dict[str, An
     if patches:  # the most loaded one is the first, as for a, b and its place
         cells[CONTACT_ANGLE] = patches[0]["contact_angle_rad"]
     friction = summary["result"].get("friction") or {}
-    cells |= {name: friction[key] for name, key in FRICTION.items() if key in friction}
+    cells |= {each.header: friction[each.key] for each in COLUMNS if each.key in friction}
     bound = summary["accuracy"]["bound"]
-    return cells | {name: bound.get(key) for name, key in BOUNDS.items()}
+    return cells | {
+        f"{each.column.removeprefix('found ')} estimate": bound.get(each.key)
+        for each in COLUMNS
+        if each.estimated
+    }
 
 
 def check(record: Mapping[str, Any]) -> None:
     """Raise LookupError, TypeError or ValueError for what is no record of `record`."""
+    numbers = {each.header for each in COLUMNS if each.unit} | set(OTHERS)
     for name, value in row({}, record).items():
-        if name in PLACES and name != TAU_MAX_BODY and not isinstance(value, int | float | None):
+        if name in numbers and not isinstance(value, int | float | None):
             raise TypeError(f"{name} is no number")
     for line in record.get("outlines", []):
         np.asarray(line, dtype=float).reshape(-1, 2)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from railhead.run import estimates
+from railhead.run import quantities
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
@@ -215,5 +215,5 @@ def _errors(result: dict[str, Any] | None, exact: dict[str, float]) -> dict[str,
 
 
 def _flat(values: dict[str, Any]) -> dict[str, float]:
-    found = estimates.flat(values)
+    found = quantities.numeric_values(values)
     return {column: found[name] for column, name in QUANTITIES.items()}

@@ -16,7 +16,7 @@ from railhead.cli import study
 from railhead.planning import plan as planning
 from railhead.planning.accuracy.error_envelopes import TURNED, ErrorEnvelope
 from railhead.run import estimates
-from railhead.run.estimates import QUANTITIES
+from railhead.run.quantities import ESTIMATED
 from railhead.scene.scene import Scene
 from railhead.sweeps.worker_pool import attempts
 from studies import tables
@@ -37,7 +37,7 @@ CHANCE = 1.5  # times the median error: the least of a law, as a reading may be 
 @dataclass(frozen=True)
 class Record:
     """One quantity of one scene on one mesh; error (without what the plan leaves out), reading,
-    overlap: relative; scale: see `estimates.scales`."""
+    overlap: relative; scale: see `estimates.error_scales`."""
 
     family: str
     scene: str
@@ -64,8 +64,11 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Recor
             continue
         exact = exact or families.truth(name, scene, solved)
         turn = TURNED if setting.turned else {}
-        found, scatter = estimates.resolved(solved), estimates.reading(solved.findings)
-        scale = estimates.scales(solved.findings, solved.result or {})
+        found, scatter = (
+            estimates.resolved_values(solved),
+            estimates.reading_errors(solved.findings),
+        )
+        scale = estimates.error_scales(solved.findings, solved.result or {})
         penalty = scene.solver.method == "penalty"
         overlap = abs(solved.solution.penetration / solved.solution.approach) if penalty else 0.0
         records += [
@@ -100,7 +103,7 @@ def fit(
 ) -> dict[str, Any]:
     """The entry of a family in laws.json."""
     laws, reading, overlap = {}, {}, {}
-    for key in QUANTITIES:
+    for key in ESTIMATED:
         mine = [record for record in records if record.quantity == key]
         if not mine:
             continue

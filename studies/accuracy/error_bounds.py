@@ -13,8 +13,8 @@ import numpy as np
 
 from railhead.cli import study
 from railhead.results import pipeline
-from railhead.run import estimates
-from railhead.run.estimates import QUANTITIES
+from railhead.run import quantities
+from railhead.run.quantities import ESTIMATED
 from railhead.scene.scene import Scene
 from railhead.sweeps.worker_pool import attempts
 from studies import tables
@@ -81,7 +81,7 @@ def measure(name: str, scene: Scene, accuracy: float | None) -> list[Record]:
     summary = result.summary
     if not summary["checks"]["converged"]:
         return []
-    found, cost = estimates.flat(summary["result"]), summary["cost"]
+    found, cost = quantities.numeric_values(summary["result"]), summary["cost"]
     return [
         Record(
             name, scene.name, accuracy, summary["checks"]["passed"],
@@ -143,7 +143,7 @@ def page(records: Sequence[Record], lost: Sequence[str]) -> str:
 
     refused = {r.scene: r for r in records if not r.signed}
     price = [r.price for r in records if r.quantity == "max_MPa"]
-    quantities = {key: [r for r in records if r.quantity == key] for key in QUANTITIES}
+    quantities = {key: [r for r in records if r.quantity == key] for key in ESTIMATED}
     return tables.render(
         "error_bounds",
         seed=SEED,

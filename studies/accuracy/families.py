@@ -19,7 +19,7 @@ from railhead.meshing.mesh import MeshError
 from railhead.planning import plan as planning
 from railhead.planning.accuracy import error_envelopes
 from railhead.results.summary import exact_quantities
-from railhead.run import estimates
+from railhead.run import quantities
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.scene.scene import Scene, SceneError
@@ -349,6 +349,6 @@ def truth(name: str, scene: Scene, mesh_solution: MeshSolution) -> dict[str, flo
     """The quantities as they should be: exact Hertz under the load found, or a fine mesh."""
     recipe = RECIPES[name]
     if recipe.exact:
-        return estimates.flat(exact_quantities(mesh_solution))
+        return quantities.numeric_values(exact_quantities(mesh_solution))
     fine = solved(scene, FINE * recipe.resolutions[-1])
-    return {} if fine is None or fine.result is None else estimates.flat(fine.result)
+    return {} if fine is None or fine.result is None else quantities.numeric_values(fine.result)

@@ -15,7 +15,7 @@ from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing.mesh import ContactMesh
 from railhead.postprocess import read
 from railhead.postprocess.findings import Findings, Frame
-from railhead.results.checks import BALANCE, NOISE
+from railhead.results.checks import BALANCE_TOLERANCE, NOISE_LIMIT
 from railhead.solver.compat import cell_nodes
 from railhead.solver.contact import ContactModel
 from railhead.solver.fields import Fields, gather
@@ -86,7 +86,7 @@ class Solved:
     def failed(self) -> tuple[str, ...]:
         """Checks that a solution without a scene can fail, as `results.checks` names them."""
         failed = [] if self.solution.newton.converged else ["converged"]
-        return (*failed, *([] if self.balance < BALANCE else ["force_balance"]))
+        return (*failed, *([] if self.balance < BALANCE_TOLERANCE else ["force_balance"]))
 
     def measured(
         self, deviation: float, limit: float, name: str, findings: Findings | None = None
@@ -94,7 +94,7 @@ class Solved:
         """The deviation of what is named, its limit, the failed checks and the costs."""
         history = self.solution.newton.history
         noise = None if findings is None else findings.noise
-        rough = noise is not None and not noise <= NOISE
+        rough = noise is not None and not noise <= NOISE_LIMIT
         return Measured(
             {name: Deviation(deviation, limit)},
             (*self.failed, *(["pressure_noise"] if rough else [])),

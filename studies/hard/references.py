@@ -1,6 +1,6 @@
 """Functions that solve a scene as `railhead run` would and compare it with a reference.
 
-A quantity may deviate by MISS times its own estimate, by `limit` where it has none, and by what
+A quantity may deviate by ESTIMATE_FACTOR times its own estimate, by `limit` where it has none, and by what
 the reference itself does not know.
 """
 
@@ -30,11 +30,11 @@ from railhead.planning import plan as planning
 from railhead.planning.references import boundary_elements
 from railhead.postprocess import compare
 from railhead.results import pipeline
-from railhead.results.checks import MISS
+from railhead.results.checks import ESTIMATE_FACTOR
 from railhead.results.summary import summarise
-from railhead.run import estimates
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
+from railhead.run.quantities import numeric_values
 from railhead.run.references.allowance import allowance
 from railhead.run.references.half_space_reference import CELLS, motion
 from railhead.run.refinement import Ending
@@ -87,7 +87,7 @@ def resolved(scene: Scene, n: float) -> Scene:
 
 def quantities(summary: Summary) -> dict[str, float]:
     """Result by name; empty where there is none."""
-    return estimates.flat(summary["result"] or {})
+    return numeric_values(summary["result"] or {})
 
 
 def off(value: float, reference: float) -> float:
@@ -107,7 +107,8 @@ def deviations(
     return {
         name: Deviation(
             off(found.get(name, math.nan), reference[name]),
-            (MISS * bound[name] if name in bound else limit) + (unknown or {}).get(name, 0.0),
+            (ESTIMATE_FACTOR * bound[name] if name in bound else limit)
+            + (unknown or {}).get(name, 0.0),
         )
         for name in names
         if name in reference
@@ -123,7 +124,7 @@ def against_boundary_elements(
         for name, error in other["grid_error"].items()
         if name in other["allowance"]
     }
-    return deviations(summary, estimates.flat(other), unknown, limit, unknown)
+    return deviations(summary, numeric_values(other), unknown, limit, unknown)
 
 
 def against_fine_mesh(result: pipeline.Result, finer: Summary, limit: float) -> Measured:
@@ -149,7 +150,7 @@ def measure(result: pipeline.Result, found: Mapping[str, Deviation], remark: str
 def against_hertz(scene: Scene, n: float = 4.0, limit: float = LIMIT) -> Measured:
     """Half-spaces at n elements per semi-axis (0: as planned) against exact Hertz."""
     result = pipeline.run(resolved(scene, n))
-    exact = estimates.flat(result.summary["hertz"])
+    exact = numeric_values(result.summary["hertz"])
     return measure(result, deviations(result.summary, exact, HALF_SPACE, limit))
 
 
@@ -229,7 +230,7 @@ def first_yield(scene: Scene) -> float:
 
 def plastic(summary: Summary) -> dict[str, float]:
     """The judged quantities of a body that yields, by name."""
-    found = estimates.flat(summary["result"]) | summary["result"]["plastic"]
+    found = numeric_values(summary["result"]) | summary["result"]["plastic"]
     return {name: found[name] for name in PLASTIC}
 
 

@@ -12,7 +12,7 @@ from railhead.planning.accuracy import error_envelopes
 from railhead.planning.accuracy.error_envelopes import ErrorEnvelope, Setting
 from railhead.planning.cost import machine
 from railhead.results import pipeline, result_folder
-from railhead.run import estimates
+from railhead.run import estimates, quantities
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError
 
@@ -68,33 +68,33 @@ def test_a_mesh_that_was_read_worse_than_the_middle_asks_for_a_finer_one() -> No
 
 
 def test_two_meshes_confirm_a_law_or_deny_it() -> None:
-    assert estimates.mesh_parts([(6.0, {"max_MPa": 100.0}, {})], KNOWN, {})[0] == {"max_MPa": 0.01}
+    assert estimates.mesh_errors([(6.0, {"max_MPa": 100.0}, {})], KNOWN, {})[0] == {"max_MPa": 0.01}
     coarse, fine = (5.0, {"max_MPa": 102.0}, {}), (8.0, {"max_MPa": 100.0}, {})
-    parts, source = estimates.mesh_parts([coarse, fine], KNOWN, {})
+    parts, source = estimates.mesh_errors([coarse, fine], KNOWN, {})
     assert parts == {"max_MPa": pytest.approx(0.01 * (6 / 8) ** 2)} and "known" in source
-    parts, _ = estimates.mesh_parts([(5.0, {"max_MPa": 104.0}, {}), fine], KNOWN, {})
+    parts, _ = estimates.mesh_errors([(5.0, {"max_MPa": 104.0}, {}), fine], KNOWN, {})
     assert parts == {}  # 4 % apart, the envelopes allow 1.4 and 0.6 %
     rough = {"max_MPa": 0.012}
-    parts, _ = estimates.mesh_parts(
+    parts, _ = estimates.mesh_errors(
         [(5.0, {"max_MPa": 104.0}, rough), (*fine[:2], rough)], KNOWN, {}
     )
     assert "max_MPa" in parts  # 4 % apart: the readings allow 2.4 % more
     third = (12.8, {"max_MPa": 99.0}, {})
-    parts, _ = estimates.mesh_parts([(5.0, {"max_MPa": 104.0}, {}), fine, third], KNOWN, {})
+    parts, _ = estimates.mesh_errors([(5.0, {"max_MPa": 104.0}, {}), fine, third], KNOWN, {})
     assert parts["max_MPa"] == pytest.approx(2.0 * max(1 / 99, 0.04 / 1.6), rel=1e-3)
 
 
 def test_a_law_does_not_reach_beyond_its_resolutions() -> None:
     for n in (2.5, 14.0):
-        assert estimates.mesh_parts([(n, {"max_MPa": 100.0}, {})], KNOWN, {})[0] == {}
+        assert estimates.mesh_errors([(n, {"max_MPa": 100.0}, {})], KNOWN, {})[0] == {}
 
 
 @pytest.mark.parametrize("coarse, holds", [(99.9, True), (97.0, False)])
 def test_a_law_reaches_a_step_beyond_a_mesh_that_could_deny_it(coarse: float, holds: bool) -> None:
     """12.8 is a step beyond what was calibrated, 20 one beyond that, and 21 too far."""
     before, finest = (12.8, {"max_MPa": coarse}, {}), {"max_MPa": 100.0}
-    assert bool(estimates.mesh_parts([before, (20.0, finest, {})], KNOWN, {})[0]) is holds
-    assert estimates.mesh_parts([before, (21.0, finest, {})], KNOWN, {})[0] == {}
+    assert bool(estimates.mesh_errors([before, (20.0, finest, {})], KNOWN, {})[0]) is holds
+    assert estimates.mesh_errors([before, (21.0, finest, {})], KNOWN, {})[0] == {}
 
 
 def test_an_extrapolated_law_falls_at_most_as_the_first_power() -> None:
@@ -121,9 +121,9 @@ def test_without_a_family_three_meshes_a_step_apart_are_needed() -> None:
     one, two, three = (
         (n, {"max_MPa": v}, {}) for n, v in ((4.0, 97.0), (6.4, 99.0), (10.24, 99.6))
     )
-    assert estimates.mesh_parts([one, two], None, {})[0] == {}
-    assert estimates.mesh_parts([one, (4.4, {"max_MPa": 97.1}, {}), two], None, {})[0] == {}
-    parts, source = estimates.mesh_parts([one, two, three], None, {})
+    assert estimates.mesh_errors([one, two], None, {})[0] == {}
+    assert estimates.mesh_errors([one, (4.4, {"max_MPa": 97.1}, {}), two], None, {})[0] == {}
+    parts, source = estimates.mesh_errors([one, two, three], None, {})
     assert parts["max_MPa"] == pytest.approx(2.0 * (2.0 / 99) / 1.6) and "three" in source
 
 
@@ -131,15 +131,15 @@ def test_a_place_counts_by_the_stress_that_is_lost_there() -> None:
     """A parabola that has lost FLAT = 1 % at its flatness; another hill counts elsewhere."""
     place = estimates.Estimate(0.08, 0.5, 0.0, 0.0, 0.0, flatness=0.16)
     assert place.total == pytest.approx(0.58)
-    assert place.counts == pytest.approx(0.01 / 4)
-    assert replace(place, flatness=None).counts == place.total
+    assert place.value_error == pytest.approx(0.01 / 4)
+    assert replace(place, flatness=None).value_error == place.total
 
 
 def test_every_default_run_carries_estimates_whose_parts_add_up() -> None:
     summary = solved("sphere_on_plane").summary
     found = summary["accuracy"]
     assert found["asked"] is None and found["reached"] is None
-    assert set(found["bound"]) == set(estimates.flat(summary["result"]))
+    assert set(found["bound"]) == set(quantities.numeric_values(summary["result"]))
     for name, parts in found["parts"].items():
         assert set(parts) == {"mesh", "reading", "contact_law", "left_out", "geometry"}
         assert sum(parts.values()) == pytest.approx(found["bound"][name])
@@ -150,7 +150,7 @@ def test_every_default_run_carries_estimates_whose_parts_add_up() -> None:
 @pytest.mark.parametrize("accuracy", [0.03, pytest.param(0.005, marks=pytest.mark.slow)])
 def test_penalty_carries_its_overlap_in_the_estimate(accuracy: float) -> None:
     summary = solved("hertz_ellipse", "solver.method=penalty").summary
-    bound, error = summary["accuracy"]["bound"], estimates.flat(summary["difference"])
+    bound, error = summary["accuracy"]["bound"], quantities.numeric_values(summary["difference"])
     assert summary["accuracy"]["parts"]["max_MPa"]["contact_law"] > 0
     assert abs(error["max_MPa"]) <= bound["max_MPa"]
     asked = pipeline.run(
@@ -183,7 +183,7 @@ def test_a_second_hill_of_shear_is_part_of_the_depth() -> None:
         "rail.poisson_ratio=0.3287", "wheel.poisson_ratio=0.0355", "wheel.young_modulus=1121.5",
     ])  # fmt: skip
     summary = pipeline.run(scene).summary
-    off = abs(estimates.flat(summary["difference"])["tau_max_depth_mm"])
+    off = abs(quantities.numeric_values(summary["difference"])["tau_max_depth_mm"])
     assert off <= 1.5 * summary["accuracy"]["bound"]["tau_max_depth_mm"]
 
 

@@ -18,9 +18,10 @@ from PIL import Image
 
 from railhead import api
 from railhead.postprocess.views import turning
-from railhead.results import quantities, result_folder
+from railhead.results import quantity_rows, result_folder
 from railhead.results.report import html, labels
 from railhead.results.report.output_units import Units
+from railhead.run import quantities
 from railhead.scene.sections import SceneError
 
 CHROMIUM = shutil.which("chromium")
@@ -91,13 +92,15 @@ def test_one_file_without_a_network(folder: Path) -> None:
 def test_numbers_are_those_of_the_summary(folder: Path) -> None:
     summary = json.loads((folder / "summary.json").read_text())
     cells = Cells((folder / html.NAME).read_text(encoding="utf-8")).cells
-    assert len(cells) == len(quantities.ROWS)
+    assert len(cells) == len(quantities.rows("contact"))
     factor = {"mm": 1e3, "mm2": 1e6, "MPa": 1e-3}
     compared = 0
-    for (_, unit, path), row in zip(quantities.ROWS, quantities.contact(summary), strict=True):
+    for each, row in zip(quantities.rows("contact"), quantity_rows.contact(summary), strict=True):
         value = row["FE"]
         if isinstance(value, float):
-            assert float(cells[".".join(path)]) == pytest.approx(value * factor[unit], rel=1e-4)
+            assert float(cells[".".join(each.path)]) == pytest.approx(
+                value * factor[each.unit], rel=1e-4
+            )
             compared += 1
     assert compared == 10
 

@@ -12,9 +12,10 @@ from rich.console import Console
 from solved import solved
 
 import railhead as rh
-from railhead.results import quantities, table_file
+from railhead.results import quantity_rows, table_file
 from railhead.results.report import tables
 from railhead.results.report.output_units import Units
+from railhead.run import quantities
 
 
 @pytest.fixture(scope="module")
@@ -39,14 +40,14 @@ def test_no_number_is_cut(full: dict, width: int) -> None:
     lines = printed(full, width)
     text = "\n".join(lines)
     assert "…" not in text
-    for row in quantities.contact(full):
+    for row in quantity_rows.contact(full):
         for name, value in row.items():
             assert name in text
-            if isinstance(value, float) and name not in quantities.RELATIVE:
+            if isinstance(value, float) and name not in quantity_rows.RELATIVE:
                 assert f"{value:.5g}" in text, (row["quantity"], name)
     table = [line for line in lines if line.startswith(("largest pressure", "quantity", "──"))]
     assert len(table) > 3 and max(map(len, table)) <= min(width, tables.WIDEST)
-    assert all(label in text for label, *_ in quantities.ROWS)
+    assert all(each.label in text for each in quantities.rows("contact"))
 
 
 def test_sentences_are_in_the_readers_units(full: dict) -> None:
@@ -118,16 +119,16 @@ def test_rounding_is_no_depth() -> None:
     summary = json.loads(json.dumps(result.as_dict()))
     for method in ("result", "hertz"):
         summary[method]["stress"]["tau_max_depth_mm"] = 9e-18
-    row = quantities.contact(summary)[7]
+    row = quantity_rows.contact(summary)[7]
     assert row["quantity"].strip() == "its depth" and row["FE"] == row["Hertz"] == 0.0
     summary["result"]["stress"]["tau_max_depth_mm"] = 1e-3
-    assert quantities.contact(summary)[7]["FE"] == 1e-3
+    assert quantity_rows.contact(summary)[7]["FE"] == 1e-3
 
 
 def test_friction_is_in_the_table_too() -> None:
     keys = ("friction.coefficient=0.3", "rolling.force_along=10kN", "mesh.patch_size=0.6")
     summary = solved("long_roller", *keys).summary
-    table = list(quantities.everything(summary))
+    table = list(quantity_rows.everything(summary))
     rows = {row["quantity"]: row for row in table}
     assert len(rows) == len(table)
     assert rows["where von Mises stress is largest"]["value"] == "below"
@@ -135,7 +136,7 @@ def test_friction_is_in_the_table_too() -> None:
     assert rows["force along the rail"]["Carter"] == pytest.approx(1e4, rel=0.1)
     assert "frictionless FE" in rows["largest pressure"]
     bound = {"accuracy": {**summary["accuracy"], "bound": {"creepage_along": 0.01}}}
-    table = quantities.friction({**summary, **bound})
+    table = quantity_rows.friction({**summary, **bound})
     assert [row["quantity"] for row in table if row["estimate"]] == ["creepage along"]
 
 

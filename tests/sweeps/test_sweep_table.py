@@ -49,4 +49,5 @@ def test_a_row_holds_what_its_columns_say() -> None:
         "shift along [mm]": 27.0, "shift across [mm]": 28.0, "stick share": 29.0,
         "T-gamma [N]": 30.0, "p_max estimate": 40.0, "area estimate": 41.0, "a estimate": 42.0,
         "b estimate": 43.0, "tau_max estimate": 44.0, "approach estimate": 45.0,
+        "tau_max depth estimate": None, "von_mises_max estimate": None,
     }  # fmt: skip

@@ -9,7 +9,7 @@ from friction_data import ENTRIES
 from solved import solved
 
 import railhead as rh
-from railhead.results import quantities
+from railhead.results import quantity_rows
 from railhead.results.report import terminal
 from railhead.sweeps import sweep_table
 from railhead.theory.friction import sliding
@@ -77,7 +77,7 @@ def test_a_yawed_wheelset_pushes_the_rail_aside() -> None:
     assert forces(answer)[1] < -0.3 and abs(forces(answer)[0]) < OFF
     assert "on a free axle" in found["plan"]["effects"]["friction"]["why"]
     assert {"quantity": "axle", "unit": "", "FE": "free"}.items() <= next(
-        row for row in quantities.friction(found) if row["quantity"] == "axle"
+        row for row in quantity_rows.friction(found) if row["quantity"] == "axle"
     ).items()
     assert sweep_table.row({}, {"fault": "", "summary": found})["axle"] == "free"
 

@@ -30,7 +30,7 @@ def solved(case: str, *keys: str) -> MeshSolution:
 
 def holds(mesh_solution: MeshSolution, truth: dict[str, float], within: float) -> None:
     """Errors are relative: `within` of sizes, and SIGNED times the estimate of all."""
-    found, values = estimates.estimate([mesh_solution])[0], estimates.resolved(mesh_solution)
+    found, values = estimates.estimate([mesh_solution])[0], estimates.resolved_values(mesh_solution)
     for key, true in truth.items():
         error = abs(values[key] / true - 1)
         assert error < SIGNED * found[key].total, key
@@ -72,7 +72,7 @@ def test_a_head_that_is_nearly_a_half_space_has_its_patch() -> None:
     exact = mesh_solution.ellipse
     truth = {"a_mm": exact.a, "b_mm": exact.b, "area_mm2": exact.area, "max_MPa": exact.p0}
     holds(mesh_solution, truth, 1e-3)
-    assert estimates.resolved(mesh_solution)["max_MPa"] == pytest.approx(exact.p0, rel=1e-3)
+    assert estimates.resolved_values(mesh_solution)["max_MPa"] == pytest.approx(exact.p0, rel=1e-3)
 
 
 def test_spheres_on_blocks_and_conformal_cylinders_hold_their_estimates() -> None:

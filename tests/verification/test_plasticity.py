@@ -19,7 +19,7 @@ from railhead.planning import plan as planning
 from railhead.planning.context import Effect
 from railhead.planning.effects import EFFECTS
 from railhead.postprocess.findings import Frame
-from railhead.run import build, estimates, mesh_solution
+from railhead.run import build, mesh_solution, quantities
 from railhead.solver.algebra import linear
 from railhead.solver.algebra.contact_system import LoadCase
 from railhead.solver.contact import ContactModel
@@ -250,9 +250,9 @@ def test_an_accuracy_covers_mesh_and_load_steps() -> None:
     assert 0.005 < accuracy["parts"]["max_MPa"]["load_steps"] < 0.03
     plan = replace(planning.make(scene).at_resolution(18.0), load_steps=64)
     fine = mesh_and_solve(plan, None, Progress(quiet=True), MPI.COMM_WORLD).result
-    for name, value in estimates.flat(found.as_dict()["result"]).items():
+    for name, value in quantities.numeric_values(found.as_dict()["result"]).items():
         if name != "tau_max_depth_mm":
-            error = abs(value / estimates.flat(fine)[name] - 1)
+            error = abs(value / quantities.numeric_values(fine)[name] - 1)
             assert error < accuracy["bound"][name], name
 
 

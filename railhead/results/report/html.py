@@ -16,9 +16,10 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from PIL import Image
 
 from railhead.postprocess.findings import Findings
-from railhead.results import quantities
+from railhead.results import quantity_rows
 from railhead.results.report import labels, tables
 from railhead.results.report.output_units import Units
+from railhead.run import quantities
 
 if TYPE_CHECKING:
     from railhead.results.result import Result
@@ -101,30 +102,31 @@ def answer_rows(summary: Mapping[str, Any], units: Units, found: Findings | None
         "FE": "finite elements", "estimate": "within", "half-space": "half-spaces",
         "Hertz": "exact Hertz",
     }  # fmt: skip
-    if kind := quantities.plain(summary):
+    if kind := quantity_rows.reference_name(summary):
         columns[f"{kind} FE"] = f"{kind}, finite elements"
-    table = quantities.contact(summary)
+    table = quantity_rows.contact(summary)
     columns = {
         name: shown
         for name, shown in columns.items()
         if any(row[name] is not None for row in table)
     }
     rows = []
-    for (label, unit, path), row in zip(quantities.ROWS, table, strict=True):
+    for quantity, row in zip(quantities.rows("contact"), table, strict=True):
         cells = []
         for name in columns:
             value = row[name]
-            text = tables.cell(name, value, unit, units)
+            text = tables.cell(name, value, quantity.unit, units)
             cells.append(f"\u00b1 {text}" if name == "estimate" and text else names.get(text, text))
-        rows.append((label.strip(), units.unit(unit), ".".join(path), cells))
+        label, unit = quantity.label.strip(), units.unit(quantity.unit)
+        rows.append((label, unit, ".".join(quantity.path), cells))
     return {"columns": list(columns.values()), "rows": rows}
 
 
 def _friction(summary: Mapping[str, Any], units: Units) -> dict[str, Any]:
     """Columns, and rows of (label, unit, cells as text)."""
-    table = quantities.friction(summary)
-    every = [*table, *quantities.steel(summary)]
-    columns = [name for name in (table[0] if table else {}) if name not in quantities.FIRST]
+    table = quantity_rows.friction(summary)
+    every = [*table, *quantity_rows.steel(summary)]
+    columns = [name for name in (table[0] if table else {}) if name not in quantity_rows.FIRST]
     columns = [name for name in columns if any(row[name] is not None for row in table)]
     rows = []
     for row in every:

@@ -12,7 +12,8 @@ from rich.table import Table
 
 from railhead.planning.context import Effect
 from railhead.planning.plan import Plan
-from railhead.results import quantities
+from railhead.results import quantity_rows
+from railhead.results.quantity_rows import Cell, Row
 from railhead.results.report import terminal
 from railhead.results.report.output_units import Units
 
@@ -114,12 +115,12 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAUL
     if summary["result"] is not None:
         load = units.value(summary["result"]["load_N"], "N")
         title = f"{summary['case']}: {load:.6g} {units.unit('N')}"
-        if quantities.plain(summary):
+        if quantity_rows.reference_name(summary):
             both = ("yield", "plastic"), ("friction", "friction")
             title += ", with " + " and ".join(
                 effect for effect, key in both if key in summary["result"]
             )
-        _show_rows(title, quantities.contact(summary), console, units)
+        _show_rows(title, quantity_rows.contact(summary), console, units)
         if len(patches := summary["result"]["patches"]) > 1:
             most = 100 * max(patch["load_share"] for patch in patches)
             console.print(
@@ -129,13 +130,13 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAUL
         if plastic := summary["result"].get("plastic"):
             _show_plastic(plastic, console, units)
         if friction := summary["result"].get("friction"):
-            _show_rows("friction", quantities.friction(summary), console, units)
+            _show_rows("friction", quantity_rows.friction(summary), console, units)
             console.print(
                 "Forces are those of the wheel on the rail; mu N = "
                 f"{units.text(friction['limit_N'], 'N')}, of which estimates of forces are shares.",
                 highlight=False,
             )
-            if rows := quantities.steel(summary):
+            if rows := quantity_rows.steel(summary):
                 _show_rows("what pressure and tractions do to the steel", rows, console, units)
         missing = summary["checks"]["not_made"]
         for reason in dict.fromkeys(missing.values()):
@@ -210,12 +211,12 @@ def _show_plastic(plastic: Mapping[str, Any], console: Console, units: Units) ->
         console.print(line, markup=False, highlight=False)
 
 
-def _show_rows(title: str, rows: Sequence[quantities.Row], console: Console, units: Units) -> None:
+def _show_rows(title: str, rows: Sequence[Row], console: Console, units: Units) -> None:
     """Rows with as many columns as fit, and those that are left in further tables below; columns
     without any value are left out."""
     width = min(console.width, WIDEST)
     known = [name for name in rows[0] if any(row[name] not in (None, "") for row in rows)]
-    left, shown = [name for name in known if name not in quantities.FIRST], 0
+    left, shown = [name for name in known if name not in quantity_rows.FIRST], 0
     while left:
         count = len(left)
         while count > 1 and _wide(_table(title, rows, left[:count], units), console) > width:
@@ -227,11 +228,11 @@ def _show_rows(title: str, rows: Sequence[quantities.Row], console: Console, uni
         left, shown = left[count:], shown + count
 
 
-def _table(title: str, rows: Sequence[quantities.Row], names: Sequence[str], units: Units) -> Table:
+def _table(title: str, rows: Sequence[Row], names: Sequence[str], units: Units) -> Table:
     table = Table(
         title=title or None, title_justify="left", box=box.SIMPLE_HEAD, padding=0, show_edge=False
     )
-    for name in quantities.FIRST:
+    for name in quantity_rows.FIRST:
         table.add_column(name)
     for name in names:
         table.add_column(name, justify="right", no_wrap=True)
@@ -276,10 +277,10 @@ def show_failure(summary: dict[str, Any], console: Console) -> None:
         )
 
 
-def cell(name: str, value: quantities.Cell, unit: str, units: Units) -> str:
+def cell(name: str, value: Cell, unit: str, units: Units) -> str:
     """Of a column, in the reader's units."""
     if value is None or isinstance(value, str):
         return value or ""
-    if name in quantities.RELATIVE:
+    if name in quantity_rows.RELATIVE:
         return f"{value:.2%}" if name == "estimate" else f"{value:+.2%}"
     return f"{units.value(value, unit):.5g}"

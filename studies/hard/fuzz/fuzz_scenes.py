@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from railhead.results.checks import ROUGH
-from railhead.results.quantities import plain
-from railhead.run import estimates
+from railhead.results.checks import DEFAULT_TOLERANCE
+from railhead.results.quantity_rows import reference_name
+from railhead.run import quantities
 from railhead.scene.io import read_scene, to_toml
 from railhead.scene.scene import SceneError
 from studies.hard.case import Deviation
@@ -172,15 +172,15 @@ def truth(summary: dict[str, Any]) -> tuple[str, dict[str, Deviation]]:
     no estimate."""
     if summary["result"] is None:
         return "", {}
-    if kind := plain(summary):
+    if kind := reference_name(summary):
         summary = {**summary, "result": summary[kind], "accuracy": {"bound": {}}}
     if summary["scene"]["rail"]["extent"] == "half-space":
-        exact = estimates.flat(summary["hertz"])
-        return "exact Hertz", deviations(summary, exact, PATCH, ROUGH)
+        exact = quantities.numeric_values(summary["hertz"])
+        return "exact Hertz", deviations(summary, exact, PATCH, DEFAULT_TOLERANCE)
     second = summary["half_space"]
     if second is None or "reason" in second or "reason" in second["allowance"]:
         return "", {}
-    return "boundary elements", against_boundary_elements(summary, second, ROUGH)
+    return "boundary elements", against_boundary_elements(summary, second, DEFAULT_TOLERANCE)
 
 
 def _numbers(table: dict[str, Any]) -> dict[str, Any]:

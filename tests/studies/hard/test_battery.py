@@ -6,7 +6,7 @@ from functools import partial
 import pytest
 
 from railhead.results.pipeline import run
-from railhead.run import estimates
+from railhead.run.quantities import numeric_values
 from railhead.scene import catalogue
 from studies.hard.battery import CASES, QUICK
 from studies.hard.case import Case, Deviation, Measured
@@ -55,7 +55,7 @@ def test_every_part_of_the_rule_can_fail(rule, found: Measured, fault: str) -> N
 
 def test_a_wrong_reference_fails_a_solved_row() -> None:
     summary = run(resolved(SCENE, 4.0)).summary
-    exact = estimates.flat(summary["hertz"])
+    exact = numeric_values(summary["hertz"])
     case = CASES["shape: axis ratio 1"]
     for name in HALF_SPACE:
         right = Measured(deviations(summary, exact, HALF_SPACE))

@@ -1,0 +1,338 @@
+"""The quantities of an answer: what each is called, its unit, who shows it and who judges it.
+
+Each record below is a part of "result" in summary.json, and each of its fields is described by a
+`Quantity`. From `QUANTITIES` are made: the tables of the terminal and of report.html, result.csv,
+the columns of sweep.csv, the error estimates, the comparison with a second method and the
+attributes of `Result`. A new quantity is a field here and the line that computes it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+METADATA = "quantity"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quantity:
+    """How one number or word of an answer is named, shown and judged.
+
+    Attributes
+    ----------
+    key : last key of its place in summary.json, which ends in the unit.
+    unit : products of mm, N and MPa; empty for ratios and words.
+    label : name of its row in tables, indented where it belongs to the row above; empty: no row.
+    table : "contact", "load", "friction" or "steel": the table that has the row.
+    column : name of its column in sweep.csv, without the unit; empty: no column.
+    bound : name of its error bound in `Result.estimate`.
+    estimated : whether its error is estimated.
+    over_friction_limit : whether its errors are relative to mu N and not to the value.
+    scatter : name in `Patch.scatter` of what two readings of it differ by; empty: none.
+    ridge_stress : whether it is a stress below the largest pressure, as uncertain as that.
+    compared : whether it is held against a second method.
+    record : record that holds the values below this key; None for a single value.
+    path : keys from "result" of summary.json down to it.
+    """
+
+    key: str
+    unit: str = ""
+    label: str = ""
+    table: str = "contact"
+    column: str = ""
+    bound: str = ""
+    estimated: bool = False
+    over_friction_limit: bool = False
+    scatter: str = ""
+    ridge_stress: bool = False
+    compared: bool = False
+    record: type | None = None
+    path: tuple[str, ...] = ()
+
+    @property
+    def header(self) -> str:
+        """Header of its column in sweep.csv."""
+        return f"{self.column} [{self.unit}]" if self.unit else self.column
+
+    def value(self, result: Mapping[str, Any] | None) -> Any:
+        """Its value in a dictionary nested as "result" of summary.json; None: there is none."""
+        inner: Any = result
+        for key in self.path:
+            inner = None if inner is None else inner.get(key)
+        return inner
+
+
+def quantity(key: str, unit: str = "", label: str = "", **more: Any) -> Any:
+    """A field of a record that is a quantity; more: see `Quantity`."""
+    described = Quantity(key=key, unit=unit, label=label, **more)
+    return dataclasses.field(default=None, metadata={METADATA: described})
+
+
+def friction(key: str, unit: str = "", label: str = "", **more: Any) -> Any:
+    """A field of the table of friction."""
+    return quantity(key, unit, label, table="friction", **more)
+
+
+def steel(key: str, unit: str = "", label: str = "", **more: Any) -> Any:
+    """A field of the table of what pressure and tractions do to the steel."""
+    return quantity(key, unit, label, table="steel", **more)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Patch:
+    """The contact patch: half lengths along and across the rail, mm, and area, mm2."""
+
+    a: float = quantity(
+        "a_mm",
+        "mm",
+        "semi-axis a, along rail",
+        column="a",
+        estimated=True,
+        scatter="a",
+        compared=True,
+    )
+    b: float = quantity(
+        "b_mm", "mm", "semi-axis b, across", column="b", estimated=True, scatter="b", compared=True
+    )
+    area: float = quantity(
+        "area_mm2",
+        "mm2",
+        "patch area",
+        column="area",
+        estimated=True,
+        scatter="area",
+        compared=True,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pressure:
+    """The contact pressure, MPa."""
+
+    max: float = quantity(
+        "max_MPa",
+        "MPa",
+        "largest pressure",
+        column="p_max",
+        bound="pressure_max",
+        estimated=True,
+        scatter="max_pressure",
+        compared=True,
+    )
+    mean: float = quantity("mean_MPa", "MPa", "mean pressure", column="p_mean")
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxisStress:
+    """Largest stresses (MPa) on the axis below the patch, their depths (mm) and the body."""
+
+    body: str = quantity("body")
+    tau_max: float = quantity("tau_max_MPa")
+    tau_max_depth: float = quantity("tau_max_depth_mm")
+    von_mises_max: float = quantity("von_mises_max_MPa")
+    von_mises_max_depth: float = quantity("von_mises_max_depth_mm")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stress:
+    """Largest shear and von Mises stresses of both bodies (MPa), and where they are (mm).
+
+    `surface_centre` holds the normal stresses at the centre of the patch; `at_edges` what is larger
+    at sharp edges, where it depends on the mesh.
+    """
+
+    tau_max: float = quantity(
+        "tau_max_MPa",
+        "MPa",
+        "largest shear stress",
+        column="tau_max",
+        estimated=True,
+        ridge_stress=True,
+        compared=True,
+    )
+    tau_max_depth: float = quantity(
+        "tau_max_depth_mm", "mm", "   its depth", column="tau_max depth", estimated=True
+    )
+    tau_max_body: str = quantity("tau_max_body", "", "   its body", column="tau_max body")
+    tau_max_place: list[float] | None = quantity("tau_max_place_mm")
+    von_mises_max: float = quantity(
+        "von_mises_max_MPa",
+        "MPa",
+        "largest von Mises stress",
+        column="von_mises_max",
+        estimated=True,
+        ridge_stress=True,
+        compared=True,
+    )
+    von_mises_max_depth: float = quantity("von_mises_max_depth_mm", "mm", "   its depth")
+    von_mises_max_body: str = quantity("von_mises_max_body", "", "   its body")
+    von_mises_max_place: list[float] | None = quantity("von_mises_max_place_mm")
+    axis: AxisStress = quantity("axis", record=AxisStress)
+    surface_centre: list[float] = quantity("surface_centre_MPa")
+    at_edges: list[dict[str, Any]] | None = quantity("at_edges")
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrictionResolution:
+    """What a mesh shows of like bodies that roll without creepage, where half-spaces have none."""
+
+    force_along: float = quantity("force_along_N")
+    force_across: float = quantity("force_across_N")
+    moment_Nmm: float = quantity("moment_Nmm")  # noqa: N815
+    traction_max: float = quantity("traction_max_MPa")
+    t_gamma: float = quantity("t_gamma_N")
+    stick_share: float = quantity("stick_share")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Friction:
+    """Forces of the wheel on the rail, its motion over it, stick, and what follows for the steel;
+    None where a number does not belong to the motion (rolling, or a shift)."""
+
+    force_along: float = friction(
+        "force_along_N",
+        "N",
+        "force along the rail",
+        column="force along",
+        over_friction_limit=True,
+    )
+    force_across: float = friction(
+        "force_across_N",
+        "N",
+        "force across",
+        column="force across",
+        over_friction_limit=True,
+    )
+    moment_Nmm: float = friction(  # noqa: N815
+        "moment_Nmm", "N mm", "moment about the normal", column="moment"
+    )
+    limit: float = friction("limit_N", "N", column="mu N")
+    creepage_along: float | None = friction(
+        "creepage_along", "", "creepage along", column="creepage along"
+    )
+    creepage_across: float | None = friction(
+        "creepage_across", "", "creepage across", column="creepage across"
+    )
+    spin_per_mm: float | None = friction("spin_per_mm", "1/mm", "spin", column="spin")
+    axle: str | None = friction("axle", "", "axle", column="axle")
+    shift_along: float | None = friction(
+        "shift_along_mm", "mm", "shift along", column="shift along"
+    )
+    shift_across: float | None = friction(
+        "shift_across_mm", "mm", "shift across", column="shift across"
+    )
+    turn_rad: float | None = friction("turn_rad")
+    stick_share: float = friction(
+        "stick_share", "", "share of the patch that sticks", column="stick share"
+    )
+    traction_max: float = friction("traction_max_MPa", "MPa", "largest traction")
+    t_gamma: float | None = friction(
+        "t_gamma_N", "N", "T-gamma: energy per rolled length", column="T-gamma"
+    )
+    power_W: float | None = friction("power_W", "W", "power")  # noqa: N815
+    energy_per_cycle_Nmm: float | None = friction(  # noqa: N815
+        "energy_per_cycle_Nmm", "N mm", "energy per cycle"
+    )
+    newton_steps: int = friction("newton_steps")
+    passes: int = friction("passes")
+    resolution: FrictionResolution | None = friction("resolution", record=FrictionResolution)
+    below_resolution: list[str] | None = friction("below_resolution")
+    wear_number: float | None = steel("wear_number_N", "N", "T-gamma without spin, worst patch")
+    t_gamma_over_area: float | None = steel(
+        "t_gamma_over_area_MPa", "N/mm2", "T-gamma over the area"
+    )
+    wear_regime: str | None = steel("wear_regime", "", "   wear by it (R8T on 900A)")
+    von_mises_max: float = steel("von_mises_max_MPa")
+    von_mises_max_depth: float = steel("von_mises_max_depth_mm")
+    von_mises_max_at: str = steel("von_mises_max_at", "", "where von Mises stress is largest")
+    traction_coefficient: float | None = steel(
+        "traction_coefficient", "", "tangential over normal force"
+    )
+    first_yield_p0_over_k: float | None = steel("first_yield_p0_over_k", "", "p0/k at first yield")
+    shakedown_limit_p0_over_k: float | None = steel(
+        "shakedown_limit_p0_over_k", "", "p0/k at which a line shakes down"
+    )
+    shear_yield: float | None = steel("shear_yield_MPa", "MPa", "yield stress in shear k")
+    p0_over_k: float | None = steel("p0_over_k", "", "p0/k")
+    surface_fatigue_index: float | None = steel(
+        "surface_fatigue_index", "", "surface fatigue index"
+    )
+    shakedown: str | None = steel("shakedown", "", "   passing again and again")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plastic:
+    """What yields under the load, and what stays without it (mm, mm3, MPa)."""
+
+    load_over_first_yield: float = quantity("load_over_first_yield")
+    load_steps: int = quantity("load_steps")
+    strain_max: float = quantity("strain_max")
+    body: str = quantity("body")
+    place: list[float] = quantity("place_mm")
+    volume_mm3: float = quantity("volume_mm3")
+    depth: float = quantity("depth_mm")
+    top: float = quantity("top_mm")
+    residual_depth_rail: float | None = quantity("residual_depth_rail_mm")
+    residual_depth_wheel: float | None = quantity("residual_depth_wheel_mm")
+    residual_von_mises_max: float | None = quantity("residual_von_mises_max_MPa")
+    elastic_p0_over_k: float = quantity("elastic_p0_over_k")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """The numbers of one method for a scene, as under "result" or "hertz" of summary.json."""
+
+    patch: Patch = quantity("patch", record=Patch)
+    pressure: Pressure = quantity("pressure", record=Pressure)
+    approach: float = quantity(
+        "approach_mm", "mm", "approach", column="found approach", estimated=True, compared=True
+    )
+    load: float = quantity("load_N", "N", "load", table="load", column="found load")
+    contact_point: list[float] | None = quantity("contact_point_mm")
+    stress: Stress = quantity("stress", record=Stress)
+    friction: Friction | None = quantity("friction", record=Friction)
+    plastic: Plastic | None = quantity("plastic", record=Plastic)
+
+
+def read(record: type[T], values: Mapping[str, Any]) -> T:
+    """A record from its part of summary.json; a quantity that is not there is None."""
+    found = {}
+    for each in dataclasses.fields(record):  # type: ignore[arg-type]
+        described: Quantity = each.metadata[METADATA]
+        value = values.get(described.key)
+        inner = described.record
+        found[each.name] = value if inner is None or value is None else read(inner, value)
+    return record(**found)
+
+
+def _described(record: type, above: tuple[str, ...] = ()) -> Iterator[Quantity]:
+    """All single values of a record and of the records in it, with their places."""
+    for each in dataclasses.fields(record):
+        known: Quantity = each.metadata[METADATA]
+        path = (*above, known.key)
+        if known.record is not None:
+            yield from _described(known.record, path)
+        else:
+            yield dataclasses.replace(known, path=path, bound=known.bound or each.name)
+
+
+QUANTITIES = tuple(_described(Answer))
+"""All quantities of an answer, in the order of tables."""
+ESTIMATED = {each.key: each for each in QUANTITIES if each.estimated}
+"""By key, those whose error is estimated."""
+SCATTER = {each.key: each.scatter for each in QUANTITIES if each.scatter}
+"""By key, the name in `Patch.scatter` of what two readings of it differ by."""
+
+
+def rows(table: str) -> list[Quantity]:
+    """Quantities that have a row in a table."""
+    return [each for each in QUANTITIES if each.table == table and each.label]
+
+
+def numeric_values(result: Mapping[str, Any] | None) -> dict[str, float]:
+    """The estimated quantities of a dictionary nested as "result" of summary.json, by key."""
+    values = {name: each.value(result) for name, each in ESTIMATED.items()}
+    return {name: float(value) for name, value in values.items() if value is not None}
