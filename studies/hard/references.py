@@ -1,7 +1,7 @@
 """Functions that solve a scene as `railhead run` would and compare it with a reference.
 
-A quantity may deviate by ESTIMATE_FACTOR times its own estimate, by `limit` where it has none, and by what
-the reference itself does not know.
+A quantity may deviate by ESTIMATE_FACTOR times its own estimate, by `limit` where it has none, and
+by what the reference itself does not know.
 """
 
 from __future__ import annotations
