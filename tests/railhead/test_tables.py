@@ -137,7 +137,7 @@ def test_friction_is_in_the_table_too() -> None:
     assert "frictionless FE" in rows["largest pressure"]
     bound = {"accuracy": {**summary["accuracy"], "bound": {"creepage_along": 0.01}}}
     table = quantity_rows.friction({**summary, **bound})
-    assert [row["quantity"] for row in table if row["estimate"]] == ["creepage along"]
+    assert [row["quantity"] for row in table if row["estimate"] == 0.01] == ["creepage along"]
 
 
 def test_rows_with_other_columns_make_one_table() -> None:
