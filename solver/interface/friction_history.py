@@ -9,7 +9,7 @@ import numpy as np
 from railhead.solver.algebra.contact_system import ContactSystem, LoadCase
 from railhead.solver.algebra.problem import Mask
 from railhead.solver.interface.condensation import ContactCompliance, StaticCondensation
-from railhead.solver.interface.friction import TINY, CoulombContact, TangentialState
+from railhead.solver.interface.coulomb import TINY, CoulombContact, TangentialState
 from railhead.solver.material.response import ElasticResponse
 from railhead.solver.setup import FrictionSettings
 from railhead.solver.solution import FrictionSolution, Solution

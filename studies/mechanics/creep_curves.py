@@ -17,7 +17,7 @@ from railhead.run.references import equal_ellipses, rolling_patches
 from railhead.scene import catalogue
 from railhead.solver.algebra.contact_system import LoadCase
 from railhead.solver.interface.condensation import StaticCondensation
-from railhead.solver.interface.friction import CoulombContact
+from railhead.solver.interface.coulomb import CoulombContact
 from railhead.solver.interface.friction_history import rigid_slip_modes
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction

@@ -7,7 +7,7 @@ import pytest
 import scipy.sparse as sp
 
 from railhead.solver.interface.condensation import ContactCompliance
-from railhead.solver.interface.friction import CoulombContact, CoulombEquations, TangentialState
+from railhead.solver.interface.coulomb import CoulombContact, CoulombEquations, TangentialState
 
 N, M, MU = 12, 8, 0.3  # points, unknown tractions
 
