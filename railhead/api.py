@@ -1,4 +1,4 @@
-"""What a script calls, and the command too: find a shipped scene, plan it, solve it."""
+"""The functions of a script: find a shipped scene, plan it, solve it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,10 @@ __all__ = ["Planned", "find", "plan", "solve"]
 
 @dataclass(frozen=True)
 class Planned:
-    """The decisions for a scene; prints as the table of `railhead plan`."""
+    """The plan of a scene: effects, mesh and cost; prints as the table of `railhead plan`.
+
+    plan: the decisions with their reasons.
+    """
 
     plan: Plan
 
@@ -32,11 +35,11 @@ class Planned:
         return terminal.html(self.show)
 
     def as_dict(self) -> dict[str, Any]:
-        """ "plan" of summary.json."""
+        """The plan as plain data: the table "plan" of summary.json."""
         return self.plan.summary()
 
     def show(self, console: Console) -> None:
-        """Print the table."""
+        """Print the plan as a table."""
         from railhead.results.report import tables
 
         tables.show_plan(self.plan, console)
@@ -63,20 +66,25 @@ def solve(
     budget: str | float | None = None,
     quiet: bool = False,
 ) -> Result:
-    """Solve a scene. accuracy: asked relative error, e.g. "1%"; budget: best accuracy for that
-    time, e.g. "30 s". What it does goes to standard error (of rank 0) unless quiet. Raises
-    SceneError for a scene that makes no contact problem, MeshError."""
+    """Solve a scene by finite elements and read the result.
+
+    accuracy: largest relative error of the results, e.g. 0.01 or "1%"; meshes are refined until the
+    estimates meet it. budget: time for the best accuracy it allows, e.g. "30 s". With neither, one
+    mesh is solved. quiet: whether no progress is shown on standard error. Under MPI, call it on all
+    ranks. Raises SceneError for a scene that makes no contact problem, MeshError where gmsh fails.
+    """
     from railhead.results import pipeline
     from railhead.run import refinement
 
     scene = with_accuracy(scene, accuracy, budget)
-    with refinement.telling(quiet=quiet) as progress:
+    with refinement.show_progress(quiet=quiet) as progress:
         return pipeline.run(scene, progress)
 
 
 def with_accuracy(scene: Scene, accuracy: str | float | None, budget: str | float | None) -> Scene:
-    """The scene with an accuracy and a budget. Raises SceneError."""
-    ways = {"accuracy": accuracy, "budget": budget}
-    given = {key: value for key, value in ways.items() if value is not None}
+    """A scene with its keys `accuracy` and `budget` set, where they are not None. Raises SceneError
+    for a wrong value, and for what is no Scene."""
+    keys = {"accuracy": accuracy, "budget": budget}
+    values = {key: value for key, value in keys.items() if value is not None}
     scene = checked(scene)
-    return scene.replace(**given) if given else scene
+    return scene.replace(**values) if values else scene

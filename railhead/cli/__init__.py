@@ -23,4 +23,4 @@ def run_case(scene: Scene) -> None:
     """What `python cases/<case>.py [options]` does: `railhead run` on that scene."""
     from railhead.cli import commands
 
-    commands.main(["run", scene.name, *process.arguments()])
+    commands.main(["run", scene.name, *process.take_arguments()])

@@ -215,7 +215,7 @@ def run(
 
     start = time.perf_counter()
     planned = planning.make(api.with_accuracy(scene, accuracy, budget))
-    if not process.started():
+    if not process.under_mpi():
         budgets.check_memory(planned, machine.free_memory())
         count = ranks or launch.number_of_processes(planned)
         if count > 1:
@@ -226,10 +226,10 @@ def run(
     from railhead.run import refinement
 
     quiet = quiet or as_json
-    with refinement.telling(quiet=quiet, since=start) as progress:
+    with refinement.show_progress(quiet=quiet, since=start) as progress:
         result = pipeline.solve(planned, progress)
     first, problem = result.mesh.comm.rank == 0, None
-    with refinement.telling(quiet=quiet, since=start) as progress:
+    with refinement.show_progress(quiet=quiet, since=start) as progress:
         progress.stage("writing files" + ("" if files.no_pictures else " and pictures"))
         try:
             result.save(
@@ -390,7 +390,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def _status(arguments: Sequence[str] | None) -> int:
     """Run the command; returns its exit status. What is wrong is printed in one line."""
-    words = process.arguments() if arguments is None else list(arguments)
+    words = process.take_arguments() if arguments is None else list(arguments)
     try:
         code = railhead.main(words, prog_name="railhead", standalone_mode=False, obj=words)
         return int(code or SOLVED)

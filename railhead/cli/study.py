@@ -19,16 +19,22 @@ ROOT = Path(__file__).resolve().parents[2]  # of the checkout
 
 
 class Study(Protocol):
-    """What a study module provides; `quick` asks for a small part of it, `out` exists."""
+    """The names that a study module has.
+
+    STUDY: one line that says what it shows.
+    """
 
     STUDY: str
 
     def main(self, out: Path, *, quick: bool) -> None:
-        """Compute, and write <name>.csv, pictures and page.md into `out`."""
+        """Compute, and write <name>.csv, pictures and page.md into the existing folder `out`.
+
+        quick: whether only a small part of the study is done."""
 
 
 def modules() -> dict[str, str]:
-    """Module of each study by its name. SceneError: the package does not lie in a checkout."""
+    """The module of each study by its name. Raises SceneError where the package does not lie in a
+    checkout."""
     folders = [str(ROOT), str(ROOT / "tests")]  # set-ups that studies and tests share
     if not (ROOT / "studies" / "__init__.py").is_file():
         raise SceneError("study", "studies need a checkout of the repository; install it editable")
@@ -47,7 +53,7 @@ def load(name: str) -> Study:
 
 
 def canonical(name: str) -> str:
-    """The name of a study from the name as typed; SceneError if there is none."""
+    """The name of a study from a name with - or _. Raises SceneError if there is none."""
     known, wanted = names(), name.replace("-", "_")
     if wanted in known:
         return wanted
@@ -57,8 +63,9 @@ def canonical(name: str) -> str:
 
 
 def run(name: str, folder: Path | None, *, quick: bool, install: bool = False) -> tuple[Path, str]:
-    """Run a study; returns its folder [results/<study>] and the text of its page. install: first
-    what it needs of other programs.
+    """Run a study; returns its folder [results/<study>] and the text of its page.
+
+    quick: only a small part of it. install: whether the programs that it needs are installed first.
 
     Raises SceneError for an unknown name, a folder that holds something else, several ranks, or
     `install` where a study needs nothing.

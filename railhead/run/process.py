@@ -1,4 +1,4 @@
-"""The process of the command: signals, streams, threads, memory."""
+"""Settings of the process that a command runs in: signals, streams, threads, memory."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import os
 import signal
 import sys
 
-INSIDE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")  # what launchers of MPI leave behind
-RANKS = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK")  # in the environment under mpirun
+MPI_VARIABLES = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")  # set by launchers of MPI
+RANK_VARIABLES = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK")  # hold the rank of a process
 
 
 def end_at_once() -> None:
@@ -22,7 +22,8 @@ def end_at_once() -> None:
 
 
 def prepare() -> None:
-    """Set up a process that does nothing else than what the command does."""
+    """Set up a process that runs a command and nothing else, before numpy and MPI are loaded: one
+    BLAS thread, writable streams, freed memory kept for the next arrays."""
     for name in ("stdout", "stderr"):  # closed by who started it: libraries write to them
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
@@ -30,7 +31,7 @@ def prepare() -> None:
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     # Alone (not under mpirun) Open MPI would start a daemon first, for processes that join later.
     os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
-    if started():
+    if under_mpi():
         # Launchers of MPI give the first process a terminal of its own, whatever they write to.
         os.environ.setdefault("TTY_COMPATIBLE", "0")
     # What is alive at the end dies with the process: no search for cycles among it.
@@ -44,26 +45,27 @@ def prepare() -> None:
         libc.mallopt(-3, 2**30)
 
 
-def started() -> bool:
-    """Whether a launcher of MPI started this process."""
-    return any(name in os.environ for name in INSIDE)
+def under_mpi() -> bool:
+    """Whether a launcher of MPI (mpirun) started this process."""
+    return any(name in os.environ for name in MPI_VARIABLES)
 
 
 def rank() -> int:
-    """Of this process among those that a launcher of MPI started, before MPI is loaded."""
-    return next((int(os.environ[name]) for name in RANKS if name in os.environ), 0)
+    """The MPI rank of this process, from the environment: MPI itself need not be loaded. 0 without
+    mpirun."""
+    return next((int(os.environ[name]) for name in RANK_VARIABLES if name in os.environ), 0)
 
 
-def arguments() -> list[str]:
-    """Of the command. They are taken away: dolfinx would read them too, and fails at what is no
-    UTF-8."""
-    given = sys.argv[1:]
+def take_arguments() -> list[str]:
+    """Return the arguments of the command and remove them from sys.argv: PETSc and dolfinx would
+    read them, too, and fail at what is no UTF-8."""
+    words = sys.argv[1:]
     del sys.argv[1:]
-    return given
+    return words
 
 
-def trim() -> None:
-    """Give memory that is free back to the system, where other processes look for it."""
+def release_memory() -> None:
+    """Return freed memory to the system, so that other processes can have it."""
     libc = ctypes.CDLL(None)
     if hasattr(libc, "malloc_trim"):
         libc.malloc_trim(0)

@@ -1,4 +1,4 @@
-"""What a run says while it works: a line on a terminal, plain lines elsewhere, or nothing."""
+"""The progress of a run on standard error: a line on a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 
@@ -10,15 +10,18 @@ from rich.console import Console
 
 
 class Progress:
-    """Stage, Newton step and jobs on standard error. Use as a context manager. since: when what it
-    tells of began (time.perf_counter), now unless given."""
+    """Shows stage, Newton steps and number of finished jobs; use it as a context manager.
+
+    quiet: whether nothing is printed. since: start of its clock (time.perf_counter), now by
+    default.
+    """
 
     def __init__(self, *, quiet: bool, since: float | None = None) -> None:
         self._console = Console(stderr=True, quiet=quiet, highlight=False)
         self._live = self._console.is_terminal and not quiet
         self._status = self._console.status("")
         self._stage = ""
-        self._counts: list[tuple[int, float]] = []  # of jobs that are done, and when
+        self._counts: list[tuple[int, float]] = []  # finished jobs and the time of each call
         self._start = time.perf_counter() if since is None else since
 
     def __enter__(self) -> Self:
@@ -38,17 +41,17 @@ class Progress:
             self._console.print(f"[{elapsed:6.1f} s] {text}", markup=False)
 
     def stage(self, name: str) -> None:
-        """A new stage begins."""
+        """Show the name of a stage that begins."""
         self._stage = name
         self._say(name)
 
     def newton(self, step: int, residual: float) -> None:
-        """A Newton step is done."""
+        """Show the number of a finished Newton step and its relative residual."""
         self._say(f"{self._stage}: Newton step {step}, residual {residual:.1e}")
 
     def jobs(self, done: int, total: int) -> None:
-        """So many jobs are done: said where the number has grown, with the time that the others
-        will take at the pace since the first call."""
+        """Show how many jobs are finished, if more than at the last call, and the time that the
+        others will take at the pace since the first call."""
         if self._counts and done <= self._counts[-1][0]:
             return
         self._counts.append((done, time.perf_counter()))

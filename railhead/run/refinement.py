@@ -55,8 +55,9 @@ def unplanned_yield(solved: MeshSolution, comm: MPI.Intracomm) -> str:
     return comm.bcast(after.why)
 
 
-def telling(*, quiet: bool, since: float | None = None) -> Progress:
-    """What a run says: under MPI on the first rank alone."""
+def show_progress(*, quiet: bool, since: float | None = None) -> Progress:
+    """The progress display of a run, on the first rank of MPI alone; since: start of its clock
+    (time.perf_counter), now by default."""
     return Progress(quiet=quiet or MPI.COMM_WORLD.rank > 0, since=since)
 
 

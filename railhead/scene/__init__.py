@@ -1,1 +1,1 @@
-"""What a person may say about a wheel on a rail."""
+"""The input: scenes of a wheel on a rail, their keys, units, steels and files."""

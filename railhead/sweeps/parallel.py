@@ -92,7 +92,7 @@ def run(
     with ExitStack() as claim:
         if comm.rank == 0:
             try:
-                with refinement.telling(quiet=quiet) as progress:
+                with refinement.show_progress(quiet=quiet) as progress:
                     plans = runner.plan_all(sweep.grid, progress)
                 groups, y_label = runner.group_by_mesh(plans), shared_y(plans)
                 store.begin(sweep.folder, sweep.request, resume=resume)
@@ -174,7 +174,7 @@ def _solve(
             result_folder.write_grids(result, store.vtu_folder(folder, number))
         over = {key: group[number].value(key) for key in keys}
         store.write(folder, number, {"over": over, **sweep_table.record(result)})
-    process.trim()
+    process.release_memory()
     return faults
 
 

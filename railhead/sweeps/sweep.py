@@ -66,7 +66,7 @@ def sweep(
     is solved; those that differ in their load alone share a mesh. Raises SceneError, MeshError."""
     grid = ParameterGrid.combine(scene, _lists(over, values))
     results: dict[int, Result] = {}
-    with refinement.telling(quiet=quiet) as progress:
+    with refinement.show_progress(quiet=quiet) as progress:
         for group in runner.group_by_mesh(runner.plan_all(grid, progress)):
             scenes = {number: grid.scenes[number] for number in group}
             for number, result in runner.solve_group(scenes, group, progress):

@@ -43,9 +43,9 @@ def test_no_more_than_the_process_may_use(eight, monkeypatch) -> None:
 
 
 def test_what_mpi_started_starts_no_more(eight, monkeypatch) -> None:
-    assert not process.started()
+    assert not process.under_mpi()
     monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "2")
-    assert process.started()
+    assert process.under_mpi()
 
 
 def test_no_more_than_there_are_processors(eight, capsys, tmp_path, monkeypatch) -> None:

@@ -17,7 +17,7 @@ process.prepare()
 taken = [bytearray(100_000) for _ in range(3000)]
 del taken
 size = psutil.Process().memory_info().rss
-process.trim()
+process.release_memory()
 print(size - psutil.Process().memory_info().rss)
 """
 
@@ -29,7 +29,7 @@ def test_free_memory_is_given_back() -> None:
     assert int(told.stdout) > 200e6
 
 
-@pytest.mark.parametrize("name", process.RANKS)
+@pytest.mark.parametrize("name", process.RANK_VARIABLES)
 def test_a_refusal_under_mpirun_is_said_once(name: str, monkeypatch, capsys) -> None:
     """MPI is not loaded yet where input is read."""
     monkeypatch.setitem(sys.modules, "mpi4py.MPI", None)
