@@ -54,7 +54,7 @@ def rail_reach(contact: Contact, reach: float, *, whole_section: bool) -> float:
     """Half length of the rail, mm; reach: that of bodies which are not twisted."""
     if contact.scene.rail.length is not None:
         return contact.scene.rail.length / 2
-    twisted = whole_section and contact.mirror_across is not None
+    twisted = whole_section and contact.why_asymmetric_in_y() is not None
     return max(reach, TWIST_REACH) if twisted else reach
 
 

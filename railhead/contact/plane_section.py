@@ -1,11 +1,12 @@
-"""A scene as a section: what `geometry` is for solids."""
+"""First contact in two dimensions: sections along and across the rail, and meridian sections."""
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from railhead.meshing.bodies import Body
 from railhead.meshing.tags import RAIL, WHEEL
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic import line
+from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.line import LineContact
 
 if TYPE_CHECKING:
@@ -34,30 +36,10 @@ WIDE = 1e4  # mm: what is flat across has no end in a section
 
 
 @dataclass(frozen=True, kw_only=True)
-class FlatContact(Contact):
-    """First contact in a section; see `Contact` and `Dimension`."""
+class SectionContact(Contact, ABC):
+    """First contact in a section; dimension: why it is one, and the length of a line contact."""
 
     dimension: Dimension
-
-    @property
-    def plane(self) -> str:
-        """Of the section: 'xz' or 'yz'."""
-        return "yz" if self.dimension.kind == "plane_across" else "xz"
-
-    @property
-    def lengthwise(self) -> bool:
-        """Whether the section runs along the rail."""
-        return self.plane == "xz"
-
-    @property
-    def revolved(self) -> bool:
-        """Whether the section is a meridian."""
-        return self.dimension.kind == "axisymmetric"
-
-    @property
-    def line(self) -> bool:
-        """Whether the contact is one along a line."""
-        return self.dimension.line
 
     @property
     def kinematics(self) -> Kinematics:
@@ -72,28 +54,8 @@ class FlatContact(Contact):
             self.revolved,
         )
 
-    @property
-    def mirror_along(self) -> str | None:
-        """Why x = 0 is not a plane of symmetry of the section."""
-        if self.plane == "yz":
-            return "the section runs across the rail"
-        return "the axis of revolution bounds the section" if self.revolved else None
-
-    @property
-    def mirror_across(self) -> str | None:
-        """Why y = 0 is not a plane of symmetry of the section across the rail."""
-        return super().mirror_across if self.plane == "yz" else "the section runs along the rail"
-
-    def gap(self, slave: int) -> ExactGap | ParabolicGap:
-        """Exact gap from the slave body (RAIL or WHEEL) to the other one."""
-        if self.pair is None or self.lengthwise:
-            return super().gap(slave)
-        rail = RailSurface(self.pair.rail)
-        wheel = plane.StraightTread(self.pair.wheel, self.lift, self.scene.wheelset.shift)
-        return ExactGap(rail, wheel) if slave == RAIL else ExactGap(wheel, rail)
-
-    def estimate(self, load: float | None) -> LineContact:
-        """Line contact under the load (N), or the approach of the scene."""
+    def line_contact(self, load: float | None) -> LineContact | None:
+        """See `Contact`."""
         rail, wheel, touch = self.scene.rail, self.scene.wheel, self.touch
         across, cosine = self.plane == "yz", math.cos(touch.angle)
         approach = None if load is not None else float(self.scene.approach or 0.0) * cosine
@@ -107,20 +69,153 @@ class FlatContact(Contact):
             approach=approach,
         )
 
-    def approach(self, contact: LineContact) -> float | None:
-        """Exact approach of the supports, mm, along the load; None where no formula is known.
+    def exact_approach(self, hertz: Hertz) -> float | None:
+        """Half-planes and half-spaces: of the datum points."""
+        return hertz.approach / math.cos(self.touch.angle) if self.half_space else None
 
-        Half-planes: of the datum points; half discs: of their axes, the whole discs being loaded
-        from both sides.
+    @abstractmethod
+    def bodies(
+        self, reach: float, deformable: Sequence[int], *, whole_section: bool, half: bool
+    ) -> list[Body]:
+        """Sections of the deformable bodies (RAIL, WHEEL).
+
+        reach: half length of what has no end of its own, mm. whole_section: a rail with web and
+        foot, else its head alone. half: cut at the middle. Raises SceneError.
         """
+
+
+@dataclass(frozen=True, kw_only=True)
+class LongitudinalSection(SectionContact):
+    """Plane strain along the rail: a cylinder on a flat crown."""
+
+    plane = "xz"
+    line = True
+    prescribed_length: ClassVar[str | None] = "b_mm"
+    error_family_shape = "plane strain"
+
+    @property
+    def cross_profiles(self) -> list[tuple[str, Profile, float]]:
+        """None: no profile across the track counts."""
+        return []
+
+    def why_asymmetric_in_x(self) -> str | None:
+        """None: a cylinder on a flat crown mirrors at x = 0."""
+        return None
+
+    def why_asymmetric_in_y(self) -> str | None:
+        """See `Contact`."""
+        return "the section runs along the rail"
+
+    def is_half_outline(self, *, half_x: bool, half_y: bool) -> bool:
+        """See `Contact`."""
+        return half_x
+
+    @property
+    def _rail_length(self) -> float | None:
+        return self.scene.rail.length
+
+    @property
+    def _usual_rim_depth(self) -> float:
+        return min(RIM_DEPTH, 0.5 * self.scene.wheel.rolling_radius)
+
+    def bodies(
+        self, reach: float, deformable: Sequence[int], *, whole_section: bool, half: bool
+    ) -> list[Body]:
+        """See `SectionContact`."""
         if self.half_space:
-            return contact.approach / math.cos(self.touch.angle)
+            return solid_bodies(self, reach, deformable, whole_section=False, half=half)
         rail, wheel = self.scene.rail, self.scene.wheel
-        if self.lengthwise or len(discs := self.discs) < 2:
+        made = []
+        if RAIL in deformable:
+            end = self._rail_length or 2 * reach
+            flat: Profile = profiles.single_radius(math.inf, end / 2)
+            section = outlines.block_section(
+                flat, 0.0 if half else -end / 2, end / 2, -(rail.depth or HEAD_DEPTH),
+                outwards=1, half=half,
+            )  # fmt: skip
+            made.append(Body(RAIL, section, 0.0))
+        if WHEEL in deformable:
+            radius = wheel.rolling_radius
+            depth = wheel.rim_depth or self._usual_rim_depth
+            if depth > radius:
+                raise SceneError(
+                    "wheel.rim_depth",
+                    f"{depth:g} is not allowed; it must not be larger than wheel.rolling_radius "
+                    f"({radius:g})",
+                )
+            if wheel.segment_length and depth == radius:
+                raise SceneError(
+                    "wheel.segment_length",
+                    f"{wheel.segment_length:g} is not allowed; half a disc has no segment; give a "
+                    f"wheel.rim_depth below wheel.rolling_radius ({radius:g}), or leave it out",
+                )
+            arc = min(wheel.segment_length / 2 if wheel.segment_length else reach, 1.2 * radius)
+            made.append(Body(WHEEL, plane.disc(radius, depth, arc, 0.0, half=half), 0.0))
+        return made
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeridianSection(LongitudinalSection):
+    """Half a section through the axis of two bodies of revolution: a sphere on a plane."""
+
+    revolved = True
+    line = False
+    prescribed_length = None
+    error_family_shape = "meridian"
+
+    def line_contact(self, load: float | None) -> LineContact | None:
+        """None: the contact is a point."""
+        return None
+
+    def why_asymmetric_in_x(self) -> str | None:
+        """See `Contact`."""
+        return "the axis of revolution bounds the section"
+
+    def is_half_outline(self, *, half_x: bool, half_y: bool) -> bool:
+        """Always: the axis bounds the section."""
+        return True
+
+    @property
+    def _rail_length(self) -> float | None:
+        return self.scene.rail.width
+
+    @property
+    def _usual_rim_depth(self) -> float:
+        return self.scene.wheel.rolling_radius
+
+
+@dataclass(frozen=True, kw_only=True)
+class TransverseSection(SectionContact):
+    """Plane strain across the rail: a straight bar on the rail."""
+
+    plane = "yz"
+    line = True
+    prescribed_length = "a_mm"
+    error_family_shape = "plane strain"
+
+    def why_asymmetric_in_x(self) -> str | None:
+        """See `Contact`."""
+        return "the section runs across the rail"
+
+    def gap(self, slave: int) -> ExactGap | ParabolicGap:
+        """Exact gap from the slave body (RAIL or WHEEL) to the other one."""
+        if self.pair is None:
+            return super().gap(slave)
+        rail = RailSurface(self.pair.rail)
+        wheel = plane.StraightTread(self.pair.wheel, self.lift, self.scene.wheelset.shift)
+        return ExactGap(rail, wheel) if slave == RAIL else ExactGap(wheel, rail)
+
+    def exact_approach(self, hertz: Hertz) -> float | None:
+        """Half-planes: of the datum points; half discs: of their axes, the whole discs being loaded
+        from both sides."""
+        if self.half_space:
+            return super().exact_approach(hertz)
+        rail, wheel = self.scene.rail, self.scene.wheel
+        if not isinstance(hertz, LineContact) or len(discs := self.discs) < 2:
             return None
         below = discs[RAIL], rail.young_modulus, rail.poisson_ratio
         above = discs[WHEEL], wheel.young_modulus, wheel.poisson_ratio
-        return sum(line.cylinder_approach(contact.strip, *body) for body in (below, above))
+        return sum(line.cylinder_approach(hertz.strip, *body) for body in (below, above))
 
     @property
     def lift(self) -> float:
@@ -142,81 +237,46 @@ class FlatContact(Contact):
                 found[tag] = radius
         return found
 
+    def bodies(
+        self, reach: float, deformable: Sequence[int], *, whole_section: bool, half: bool
+    ) -> list[Body]:
+        """See `SectionContact`."""
+        if self.half_space:
+            return solid_bodies(self, reach, deformable, whole_section=False, half=half)
+        solid = Contact(_of_any_radius(self.scene), self.touch, self.pair, self.pose)
+        made = solid_bodies(solid, reach, deformable, whole_section=whole_section, half=half)
+        return [
+            self._half_disc(body.tag, half=half) if body.tag in self.discs else body
+            for body in made
+        ]
 
-def locate(scene: Scene, dimension: Dimension) -> FlatContact:
+    def _half_disc(self, tag: int, *, half: bool) -> Body:
+        radius = self.discs[tag]
+        section = plane.disc(radius, radius, 0.0, 0.0, half=half)
+        if tag == RAIL:
+            return Body(tag, plane.flipped(section), 0.0)
+        place = np.array([self.scene.wheelset.shift, self.lift])
+        return Body(tag, [curve.moved(np.eye(2), place) for curve in section], 0.0)
+
+
+def locate(scene: Scene, dimension: Dimension) -> SectionContact:
     """First contact in a section. Raises SceneError as `contact.solid.locate`."""
     if dimension.kind == "plane_across":
         solid = geometry.lower(_of_any_radius(scene))
         touch = replace(solid.touch, curvature_x=0.0)
-        return FlatContact(scene, touch, solid.pair, solid.pose, dimension=dimension)
-    radius, centre = scene.wheel.rolling_radius, dimension.centre
-    across = 1 / radius if dimension.kind == "axisymmetric" else 0.0
-    touch = replace(parabolic_contact(1 / radius, across), y=centre)
+        return TransverseSection(scene, touch, solid.pair, solid.pose, dimension=dimension)
+    revolved = dimension.kind == "axisymmetric"
+    kind = MeridianSection if revolved else LongitudinalSection
+    radius = scene.wheel.rolling_radius
+    across = 1 / radius if revolved else 0.0
+    touch = replace(parabolic_contact(1 / radius, across), y=dimension.centre)
     if scene.rail.extent == "half-space":
-        return FlatContact(scene, touch, dimension=dimension)
-    if dimension.kind == "axisymmetric":
-        pair = geometry.pair(scene)
-    else:
-        flat = profiles.single_radius(math.inf, WIDE)
-        pair = Pair(flat, flat, radius)
-    return FlatContact(scene, touch, pair, upright(radius), dimension=dimension)
+        return kind(scene, touch, dimension=dimension)
+    flat = profiles.single_radius(math.inf, WIDE)
+    pair = geometry.pair(scene) if revolved else Pair(flat, flat, radius)
+    return kind(scene, touch, pair, upright(radius), dimension=dimension)
 
 
 def _of_any_radius(scene: Scene) -> Scene:
     wheel = scene.wheel.model_copy(update={"rolling_radius": ANY_RADIUS})
     return scene.model_copy(update={"wheel": wheel})
-
-
-def _half_disc(contact: FlatContact, tag: int, *, half: bool) -> Body:
-    radius = contact.discs[tag]
-    section = plane.disc(radius, radius, 0.0, 0.0, half=half)
-    if tag == RAIL:
-        return Body(tag, plane.flipped(section), 0.0)
-    place = np.array([contact.scene.wheelset.shift, contact.lift])
-    return Body(tag, [curve.moved(np.eye(2), place) for curve in section], 0.0)
-
-
-def bodies(
-    contact: Contact, reach: float, deformable: Sequence[int], *, whole_section: bool, half: bool
-) -> list[Body]:
-    """Sections of the deformable bodies; reach: half length of what has no end of its own, mm."""
-    assert isinstance(contact, FlatContact)
-    if contact.half_space:
-        return solid_bodies(contact, reach, deformable, whole_section=False, half=half)
-    if contact.plane == "yz":
-        scene = _of_any_radius(contact.scene)
-        solid = Contact(scene, contact.touch, contact.pair, contact.pose)
-        return [
-            _half_disc(contact, body.tag, half=half) if body.tag in contact.discs else body
-            for body in solid_bodies(
-                solid, reach, deformable, whole_section=whole_section, half=half
-            )
-        ]
-    rail, wheel = contact.scene.rail, contact.scene.wheel
-    made = []
-    if RAIL in deformable:
-        end = (rail.width if contact.revolved else rail.length) or 2 * reach
-        flat: Profile = profiles.single_radius(math.inf, end / 2)
-        section = outlines.block_section(
-            flat, 0.0 if half else -end / 2, end / 2, -(rail.depth or HEAD_DEPTH),
-            outwards=1, half=half,
-        )  # fmt: skip
-        made.append(Body(RAIL, section, 0.0))
-    if WHEEL in deformable:
-        radius = wheel.rolling_radius
-        depth = wheel.rim_depth or (radius if contact.revolved else min(RIM_DEPTH, 0.5 * radius))
-        if depth > radius:
-            raise SceneError(
-                "wheel.rim_depth",
-                f"{depth:g} is not allowed; it must not be larger than wheel.rolling_radius "
-                f"({radius:g})",
-            )
-        if wheel.segment_length and depth == radius:
-            raise SceneError(
-                "wheel.segment_length",
-                f"{wheel.segment_length:g} is not allowed; half a disc has no segment; give a "
-                f"wheel.rim_depth below wheel.rolling_radius ({radius:g}), or leave it out",
-            )
-        arc = min(wheel.segment_length / 2 if wheel.segment_length else reach, 1.2 * radius)
-        made.append(Body(WHEEL, plane.disc(radius, depth, arc, 0.0, half=half), 0.0))
-    return made

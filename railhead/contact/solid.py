@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,8 @@ from railhead.meshing.tags import RAIL
 from railhead.postprocess.findings import Frame
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.scene.sections import is_profile_file
+from railhead.theory.elastic.contacts import Hertz
+from railhead.theory.elastic.line import LineContact
 
 if TYPE_CHECKING:
     from railhead.solver.space.kinematics import Kinematics
@@ -86,9 +88,24 @@ def from_file(scene: Scene, body: str, stretch: float = 1.0) -> Measured:
 class Contact:
     """First contact of the undeformed bodies and the exact gap around it.
 
-    touch: in axes along the rail that have it at x = 0; pose: of the wheel in these axes; placed:
-    the whole wheelset. Half-spaces touch at the origin and have none of the last three.
+    touch: the contact point, in axes along the rail that have it at x = 0.
+    pair: both profiles; None for half-spaces, which touch at the origin.
+    pose: of the wheel in these axes.
+    placed: the whole wheelset; None for half-spaces and sections.
+
+    A solid; sections in two dimensions are its subclasses in `plane_section`, which set:
+    plane: '' for a solid, 'xz' for a section along the rail, 'yz' for one across it.
+    revolved: the section is a meridian.
+    line: the contact is one along a line.
+    prescribed_length: result key of the half length that is prescribed, not solved for.
+    error_family_shape: `Setting.shape` of bodies that end.
     """
+
+    plane: ClassVar[Literal["", "xz", "yz"]] = ""
+    revolved: ClassVar[bool] = False
+    line: ClassVar[bool] = False
+    prescribed_length: ClassVar[str | None] = None
+    error_family_shape: ClassVar[str] = "bodies"
 
     scene: Scene
     touch: ContactPoint
@@ -105,19 +122,10 @@ class Contact:
         return {"rail": (self.pair.rail, 0.0), "wheel": (self.pair.wheel, shift)}
 
     @property
-    def plane(self) -> str:
-        """Of a section: 'xz' or 'yz'; '' of solids."""
-        return ""
-
-    @property
-    def revolved(self) -> bool:
-        """Whether it is a meridian section."""
-        return False
-
-    @property
-    def line(self) -> bool:
-        """Whether the contact is one along a line."""
-        return False
+    def cross_profiles(self) -> list[tuple[str, Profile, float]]:
+        """Body, profile and offset in y (mm) of the profiles across the track that the gap depends
+        on; empty for half-spaces and for sections along the rail."""
+        return [(body, *profile) for body, profile in self.profiles.items()]
 
     @property
     def kinematics(self) -> Kinematics:
@@ -126,10 +134,20 @@ class Contact:
 
         return SOLID
 
-    @property
-    def lengthwise(self) -> bool:
-        """Whether it is a section along the rail, in which no profile across counts."""
-        return False
+    def line_contact(self, load: float | None) -> LineContact | None:
+        """Closed form of a line contact under the load (N), or under the approach of the scene;
+        None for a point contact."""
+        return None
+
+    def exact_approach(self, hertz: Hertz) -> float | None:
+        """Approach of the supports (mm) along the load that belongs to a closed form; None where no
+        formula is known."""
+        return None
+
+    def is_half_outline(self, *, half_x: bool, half_y: bool) -> bool:
+        """Whether outlines of the bodies are cut at their middle, where only x >= 0 or only y >= 0
+        is modelled."""
+        return half_y
 
     @property
     def half_space(self) -> bool:
@@ -146,9 +164,8 @@ class Contact:
         """Axes along the rail, along the common tangent across it and out of the rail."""
         return Frame(self.origin, self.touch.angle)
 
-    @property
-    def mirror_across(self) -> str | None:
-        """Why y = 0 is not a plane of symmetry; None if it is one."""
+    def why_asymmetric_in_y(self) -> str | None:
+        """Why y = 0 is not a plane of symmetry of the bodies; None if it is one."""
         if self.half_space:
             return None
         scene = self.scene
@@ -161,11 +178,10 @@ class Contact:
             return f"rail inclined {scene.rail.inclination:g}"
         if scene.wheelset.shift:
             return f"wheel shifted {scene.wheelset.shift:g} mm"
-        return self.mirror_along
+        return self.why_asymmetric_in_x()
 
-    @property
-    def mirror_along(self) -> str | None:
-        """Why x = 0 is not a plane of symmetry; None if it is one."""
+    def why_asymmetric_in_x(self) -> str | None:
+        """Why x = 0 is not a plane of symmetry of the bodies; None if it is one."""
         yaw = self.scene.wheelset.yaw
         return f"axle turned by {1e3 * yaw:g} mrad" if yaw and not self.half_space else None
 

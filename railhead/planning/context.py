@@ -9,7 +9,6 @@ from typing import Any
 
 from railhead.contact.dimension import Dimension
 from railhead.contact.solid import Contact
-from railhead.geometry.profiles import Profile
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.bem import grid_stress
@@ -130,8 +129,3 @@ class PostSolveVerdict:
     needed: bool
     why: str
     notable: bool = False
-
-
-def touching(contact: Contact) -> list[tuple[str, Profile, float]]:
-    """Body, profile and its offset across the track (mm); empty for half-spaces."""
-    return [(body, *profile) for body, profile in contact.profiles.items()]

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from railhead.contact import bodies, dimension, plane_section
 from railhead.contact import solid as geometry
+from railhead.contact.plane_section import SectionContact
 from railhead.contact.solid import Contact
 from railhead.meshing.bodies import ELEMENTS_PER_TURN, Body, Options
 from railhead.meshing.sizing import Grading
@@ -89,12 +90,10 @@ class Plan:
         scene, zone = self.scene, self.zone
         moduli = [closed_forms.plane_strain_modulus(scene, tag) for tag in BODY_NAMES]
         contact = self.contact
-        shape = "half-spaces" if contact.half_space else "bodies"
-        if self.section:
-            shape = "meridian" if contact.revolved else "plane strain"
+        solid_half_space = contact.half_space and not self.section
         return Setting(
-            shape=shape,
-            turned=contact.line and not contact.lengthwise,
+            shape="half-spaces" if solid_half_space else contact.error_family_shape,
+            turned=contact.prescribed_length == "a_mm",
             cell=scene.mesh.cell,
             order=self.order,
             method=scene.solver.method,
@@ -199,7 +198,7 @@ class Plan:
     @cached_property
     def surfaces(self) -> Contact:
         """The contact whose profiles make the gap."""
-        if self.contact.lengthwise or self.effects["true_profile"].on:
+        if self.effects["true_profile"].on:
             return self.contact
         return one_radius(self.contact)
 
@@ -246,10 +245,11 @@ class Plan:
     def parts(self) -> list[Body]:
         """Sections and sweeps of the deformable bodies. Raises SceneError where they make none."""
         contact = self.contact
-        half = contact.revolved or (self.half_x if contact.plane == "xz" else self.half_y)
-        make = plane_section.bodies if contact.plane else bodies.bodies
+        half = contact.is_half_outline(half_x=self.half_x, half_y=self.half_y)
         whole = self.effects["rail_section"].on
-        return make(contact, self.reach, self.deformable, whole_section=whole, half=half)
+        if isinstance(contact, SectionContact):
+            return contact.bodies(self.reach, self.deformable, whole_section=whole, half=half)
+        return bodies.bodies(contact, self.reach, self.deformable, whole_section=whole, half=half)
 
     @property
     def with_foot(self) -> bool:

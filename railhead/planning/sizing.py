@@ -8,7 +8,6 @@ import numpy as np
 
 from railhead.contact.solid import Contact
 from railhead.meshing.sizing import Grading, suited_stretch
-from railhead.planning.context import touching
 from railhead.planning.patch.forecast import Forecast, Zone
 from railhead.planning.patch.ridges import ridges
 from railhead.theory.elastic import contacts
@@ -83,7 +82,7 @@ class Sizing:
     @property
     def coarsest(self) -> float:
         """The largest element size, mm."""
-        widths = [np.ptp(profile.domain) for _, profile, _ in touching(self.contact)]
+        widths = [np.ptp(profile.domain) for profile, _ in self.contact.profiles.values()]
         return min([COARSEST * self.reach, *(COARSEST_ACROSS * width for width in widths)])
 
     def grading(self) -> Grading:

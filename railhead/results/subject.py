@@ -16,7 +16,7 @@ def subject(plan: Plan, load: float) -> Subject:
     """Title, names and directions; load N, as found."""
     scene, contact = plan.scene, plan.contact
     bar = math.isinf(scene.wheel.rolling_radius)
-    roller = contact.lengthwise and not bar and scene.rail.profile == "arc"
+    roller = contact.plane == "xz" and not bar and scene.rail.profile == "arc"
     short, long = zip(
         _rail(scene.rail, bar, contact.half_space), _wheel(scene.wheel, bar, roller), strict=True
     )

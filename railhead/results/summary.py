@@ -6,7 +6,6 @@ import math
 import resource
 from typing import Any
 
-from railhead.contact.plane_section import FlatContact
 from railhead.planning import effects
 from railhead.planning.effects.material import plasticity
 from railhead.postprocess import compare
@@ -131,7 +130,7 @@ def exact_quantities(solved: MeshSolution) -> dict[str, Any]:
     given = plan.poisson_ratios, contact.touch.angle, contact.origin
     if isinstance(ellipse, Ellipse):
         return compare.from_hertz(ellipse, *given)
-    approach = contact.approach(ellipse) if isinstance(contact, FlatContact) else None
+    approach = contact.exact_approach(ellipse)
     return compare.from_line(ellipse, *given, approach)
 
 

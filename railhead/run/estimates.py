@@ -93,8 +93,7 @@ def resolved_values(solved: MeshSolution) -> dict[str, float]:
     narrower than NARROWEST_PEAK elements, and the length of a line contact, which is given.
     """
     values = numeric_values(solved.result) | friction_values(solved)
-    if solved.plan.contact.line:
-        values.pop("b_mm" if solved.plan.contact.lengthwise else "a_mm", None)
+    values.pop(solved.plan.contact.prescribed_length or "", None)
     depth = values.get("tau_max_depth_mm")
     if depth is None or solved.findings is None or solved.result is None:
         return values

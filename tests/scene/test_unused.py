@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from railhead.contact import dimension
-from railhead.contact.plane_section import FlatContact
+from railhead.contact.plane_section import SectionContact
 from railhead.meshing.tags import RAIL
 from railhead.planning import plan
 from railhead.planning.references.closed_forms import hertz_contact
@@ -67,7 +67,7 @@ def numbers(value: Any) -> list[float]:
 
 def solved(made: plan.Plan) -> list[float]:
     """All numbers that meshing and solver get."""
-    flat = isinstance(made.contact, FlatContact)
+    flat = isinstance(made.contact, SectionContact)
     bodies = [
         (body.section, body.tag, body.pose, 0.0 if flat else body.reach) for body in made.parts()
     ]

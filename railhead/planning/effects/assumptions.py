@@ -7,7 +7,7 @@ import math
 from railhead.contact import bodies
 from railhead.geometry.profiles import STANDARD_RAILS
 from railhead.meshing.tags import BODY_NAMES
-from railhead.planning.context import Context, PostSolveVerdict, touching
+from railhead.planning.context import Context, PostSolveVerdict
 from railhead.planning.references import closed_forms
 from railhead.postprocess.findings import Findings
 from railhead.theory.elastic import finite_bodies
@@ -31,12 +31,12 @@ def small_patch(context: Context, found: Findings) -> PostSolveVerdict:
 def inside_the_bodies(context: Context, found: Findings) -> PostSolveVerdict | None:
     """A patch at the edge of a tread or of a head has a stress peak there that no profile shows."""
     scene, contact = context.scene, context.contact
-    if contact.half_space or contact.lengthwise:
+    if not contact.cross_profiles:
         return None
     cosine, patch = math.cos(found.frame.angle), found.patch
     middle, reach = found.frame.origin[1] + patch.centre[1] * cosine, EDGE * patch.b * cosine
     width = scene.wheel.width or math.inf
-    ends = [end + shift for _, profile, shift in touching(contact) for end in profile.domain]
+    ends = [end + shift for _, profile, shift in contact.cross_profiles for end in profile.domain]
     ends += [contact.touch.y - width / 2, contact.touch.y + width / 2]
     room = min(abs(end - middle) for end in ends)
     near = bool(room < reach)
@@ -48,7 +48,7 @@ def thick_bodies(context: Context, found: Findings) -> PostSolveVerdict | None:
     """A body held just below the patch is stiffer than a half-space (see theory.finite_bodies); of
     a standard rail the effect rail_section tells."""
     scene, contact = context.scene, context.contact
-    if contact.half_space or contact.lengthwise:
+    if not contact.cross_profiles:
         return None
     modulus, patch, limit = closed_forms.contact_modulus(scene), found.patch, context.accuracy
     changes = {}

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 
 from railhead.contact.solid import Contact
-from railhead.planning.context import touching
 from railhead.planning.patch.forecast import Zone
 
 JUMP = 0.2  # of the relative curvature across, over its larger side: smaller ones leave no ridge
@@ -18,10 +17,8 @@ BESIDE = 1e-6  # mm
 
 def ridges(contact: Contact, zone: Zone) -> list[Zone]:
     """Lines along the rail in a patch, as zones without width (b = 0)."""
-    if contact.lengthwise:
-        return []
     found = []
-    for _, profile, shift in touching(contact):
+    for _, profile, shift in contact.cross_profiles:
         for joint in profile.joints:
             y = joint + shift
             across = (y - zone.centre[1]) / (zone.b * math.cos(zone.angle))

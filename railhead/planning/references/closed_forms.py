@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from railhead.contact.plane_section import FlatContact
 from railhead.contact.solid import Contact
 from railhead.meshing.tags import RAIL
 from railhead.scene.scene import NOMINAL_RADIUS, Scene, SceneError
@@ -47,9 +46,7 @@ def tangential_pair(scene: Scene) -> Pair:
 def hertz_contact(scene: Scene, contact: Contact, load: float | None = None) -> Hertz:
     """Exact Hertz for the pair under a load (N), by default that or the approach of the scene."""
     load = load if load is not None else scene.load
-    if isinstance(contact, FlatContact) and contact.line:
-        return contact.estimate(load)
-    return ellipse(scene, contact, load)
+    return contact.line_contact(load) or ellipse(scene, contact, load)
 
 
 def ellipse(scene: Scene, contact: Contact, load: float | None = None) -> Ellipse:

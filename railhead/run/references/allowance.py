@@ -135,6 +135,6 @@ def _shares(patches: list[PatchSolution], around: list[_Body]) -> Array:
 
 
 def _twist(plan: Plan, angle: float, aside: float) -> float:
-    if plan.contact.mirror_across is None:
+    if plan.contact.why_asymmetric_in_y() is None:
         return 0.0
     return rail_twist.change(plan.contact, plan.context.boundary_elements, angle, aside)

@@ -7,7 +7,7 @@ from railhead.planning.context import Context, Effect
 
 def along(context: Context) -> Effect:
     """x = 0 mirrors the bodies and a vertical load."""
-    why = context.contact.mirror_along
+    why = context.contact.why_asymmetric_in_x()
     if why is None and context.scene.asymmetric_friction[0]:
         why = "friction along the rail"
     if why is None:
@@ -18,7 +18,7 @@ def along(context: Context) -> Effect:
 
 def across(context: Context) -> Effect:
     """y = 0 mirrors them where both profiles do and the wheel stands in the middle."""
-    why = context.contact.mirror_across
+    why = context.contact.why_asymmetric_in_y()
     if why is None and context.scene.asymmetric_friction[1]:
         why = "friction across the rail"
     if why is None:

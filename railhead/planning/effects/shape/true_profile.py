@@ -9,7 +9,7 @@ import numpy as np
 
 from railhead.contact.solid import Contact
 from railhead.geometry.profiles import Arc, Polynomial, osculating
-from railhead.planning.context import Context, Effect, PostSolveVerdict, touching
+from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.postprocess.findings import Findings
 
 MARGIN = 1.1  # times the patch that must lie within one arc
@@ -18,11 +18,10 @@ MARGIN = 1.1  # times the patch that must lie within one arc
 def decide(context: Context) -> Effect:
     """Called for where the predicted patch comes near a joint of two arcs, or there is no arc."""
     contact = context.contact
-    if contact.lengthwise:
+    if not contact.cross_profiles:
         why = "the section runs along the rail"
-        return Effect(False, False, why, {"on": why})
-    if contact.half_space:
-        why = "half-spaces have one radius each"
+        if contact.half_space and contact.plane != "xz":
+            why = "half-spaces have one radius each"
         return Effect(False, False, why, {"on": why})
     reach = MARGIN * context.hertz.b * math.cos(contact.touch.angle)
     called, why = _leaves(contact, contact.touch.y - reach, contact.touch.y + reach)
@@ -46,17 +45,17 @@ def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict
 
 def one_radius(contact: Contact) -> Contact:
     """The same first contact between profiles of one radius: those of curvature there."""
-    if contact.pair is None:
+    if contact.pair is None or not contact.cross_profiles:
         return contact
     y = contact.touch.y
-    rail, wheel = (osculating(profile, y - shift) for _, profile, shift in touching(contact))
+    rail, wheel = (osculating(profile, y - shift) for _, profile, shift in contact.cross_profiles)
     return replace(contact, pair=replace(contact.pair, rail=rail, wheel=wheel))
 
 
 def _leaves(contact: Contact, low: float, high: float) -> tuple[bool, str]:
     """Whether low <= y <= high (mm) is more than one arc of either body, and the reason."""
     nearest, owner = math.inf, ""
-    for body, profile, shift in touching(contact):
+    for body, profile, shift in contact.cross_profiles:
         piece = next(p for p in profile.pieces if p.end >= contact.touch.y - shift)
         straight = isinstance(piece, Polynomial) and len(piece.coefficients) <= 2
         if not (isinstance(piece, Arc) or straight):
