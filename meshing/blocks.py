@@ -63,7 +63,8 @@ ModelSnapshot = tuple[list[tuple[Any, ...]], list[tuple[int, int, str, Array]]]
 
 
 def snapshot_model() -> ModelSnapshot:
-    """The current model's mesh as arrays."""
+    """Nodes, elements and physical groups of the current gmsh model, as arrays that can be sent to
+    another process."""
     model, mesh = gmsh.model, gmsh.model.mesh
     entities = [(at, mesh.getNodes(*at)[:2], mesh.getElements(*at)) for at in model.getEntities()]
     groups = [
@@ -75,7 +76,7 @@ def snapshot_model() -> ModelSnapshot:
 
 @contextmanager
 def restore_model(found: ModelSnapshot) -> Iterator[Any]:
-    """A gmsh model with these contents."""
+    """A new gmsh model with the mesh and physical groups of a snapshot."""
     entities, groups = found
     with _session() as gmsh_model:
         for at, nodes, elements in entities:

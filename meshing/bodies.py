@@ -12,11 +12,15 @@ ELEMENTS_PER_TURN = 6  # on fillets
 
 @dataclass(frozen=True)
 class Body:
-    """A section in the plane x = 0 swept to +-reach.
+    """A section in the plane x = 0 that is swept along x, or about an axle.
 
-    tag: RAIL or WHEEL. reach: length each way, mm; axle: (z of the axle, radius at which reach is
-    measured) turns the sweep into a revolution. end_role: 'free' or 'support' of the end faces.
-    pose: where all of it is put.
+    tag: RAIL or WHEEL.
+    section: closed chain of curves (y, z), mm.
+    reach: length of the sweep each way, mm.
+    axle: z of the axle and the radius at which `reach` is measured (mm): the sweep is a revolution;
+        None for a prism.
+    end_role: 'free' or 'support' of the end faces.
+    pose: of the swept body in space.
     """
 
     tag: int
@@ -29,11 +33,14 @@ class Body:
 
 @dataclass(frozen=True)
 class Options:
-    """cell 'tetrahedron' or 'hexahedron', degree 1 or 2 of the geometry, half: only x >= 0.
+    """How bodies are meshed.
 
+    cell: 'tetrahedron' or 'hexahedron'; in a section triangles or quadrilaterals.
+    geometry_degree: 1 or 2.
+    half: only x >= 0.
     plane: '' sweeps the sections; 'xz' or 'yz' meshes them as they are, in the plane along or
-    across the rail, with triangles or quadrilaterals. per_turn: tetrahedra or triangles on a full
-    turn of a fillet, at least.
+        across the rail.
+    per_turn: tetrahedra or triangles on a full turn of a fillet, at least.
     """
 
     cell: str

@@ -68,7 +68,7 @@ def generate(
         try:
             found, shapes = isolated_process.run(
                 _meshed, bodies, finer, options, save, seconds=seconds, meanwhile=meanwhile
-            )  # fmt: skip
+            )
             _check(shapes)
         except isolated_process.IsolatedProcessError as error:
             problem = MeshError(f"gmsh: {error}")

@@ -27,11 +27,15 @@ class Grading:
     times 2 with rho = |x / semi-axes|, and of that to its bounding box: both are exact on the axes,
     and neither leaves out the tips of a needle.
 
-    centre (x, y, z) and semi-axes a (along x) and b (along the tangent across) in mm; angle of the
-    tangent to the horizontal in rad; size h and coarsest size in mm. stretch: elements are so many
-    times longer along the rail; all of this is isotropic where x is divided by it, which is where
-    gmsh meshes. also: further patches of the same stretch, with sizes of their own; the smallest
-    size holds.
+    centre: (x, y, z) of the patch, mm.
+    a, b: semi-axes along x and along the tangent across, mm.
+    angle: of that tangent to the horizontal, rad.
+    size, coarsest: smallest and largest element size, mm.
+    growth: increase of the size per distance.
+    margin: semi-axes of the fine ellipsoid over a and b.
+    stretch: elements are so many times longer along the rail. Sizes are isotropic where x is
+        divided by it, which is where gmsh meshes.
+    also: further patches of the same stretch, with sizes of their own; the smallest size holds.
     """
 
     centre: tuple[float, float, float]

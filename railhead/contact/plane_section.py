@@ -130,9 +130,13 @@ class LongitudinalSection(SectionContact):
             end = self._rail_length or 2 * reach
             flat: Profile = profiles.single_radius(math.inf, end / 2)
             section = outlines.block_section(
-                flat, 0.0 if half else -end / 2, end / 2, -(rail.depth or HEAD_DEPTH),
-                outwards=1, half=half,
-            )  # fmt: skip
+                flat,
+                0.0 if half else -end / 2,
+                end / 2,
+                -(rail.depth or HEAD_DEPTH),
+                outwards=1,
+                half=half,
+            )
             made.append(Body(RAIL, section, 0.0))
         if WHEEL in deformable:
             radius = wheel.rolling_radius

@@ -29,8 +29,10 @@ class PlacementError(ValueError):
 class Outline:
     """Points of a wheel whose normal has no x component.
 
-    points (n, 3) mm; slope (n,) dz/dy of the tangent across; turn (n,) angle about the axle from
-    the wheel's lowest line, rad; radius (n,) distance from the axle, mm.
+    points: (n, 3), mm.
+    slope: (n,) dz/dy of the tangent across.
+    turn: (n,) angle about the axle from the wheel's lowest line, rad.
+    radius: (n,) distance from the axle, mm.
     """
 
     points: Array

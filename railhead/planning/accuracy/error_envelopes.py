@@ -32,7 +32,10 @@ LAWS = Path(__file__).with_name("data") / "laws.json"
 
 
 def drop_beside_maximum(beside: float) -> float:
-    """Of a maximum, relative, at a distance from it over its flatness: a parabola."""
+    """By how much, relative, a quantity is lower beside its maximum: a parabola.
+
+    beside: distance from the maximum over its flatness.
+    """
     return FLAT * beside**2
 
 
@@ -63,7 +66,8 @@ class Setting:
 
 @dataclass(frozen=True)
 class ErrorEnvelope:
-    """Relative error at most value * (6/n)^order."""
+    """Bound of a relative error over the resolution: value * (6/n)^order at n elements per
+    semi-axis."""
 
     value: float
     order: float

@@ -30,7 +30,12 @@ MINOR = 0.02  # of the load: smaller patches are not refined for
 
 @dataclass(frozen=True)
 class Zone:
-    """A patch: centre (3,), half lengths a along the rail and b across it (mm), contact angle."""
+    """An expected contact patch.
+
+    centre: (x, y, z), mm.
+    a, b: half lengths along the rail and along the tangent across it, mm.
+    angle: of that tangent to the horizontal, rad.
+    """
 
     centre: tuple[float, float, float]
     a: float
@@ -40,7 +45,12 @@ class Zone:
 
 @dataclass(frozen=True)
 class Nearest:
-    """Whether the nearest of known points (n, 3) touches and lies within reach (mm)."""
+    """Predicate of points: the nearest point of a known solution touches, and is near.
+
+    tree: of the known points (n, 3), mm.
+    touches: (n,) whether they do.
+    reach: largest distance, mm.
+    """
 
     tree: cKDTree
     touches: NDArray[np.bool_]
@@ -53,7 +63,12 @@ class Nearest:
 
 @dataclass(frozen=True)
 class InEllipse:
-    """Whether points lie in Hertz's ellipse, turned by an angle in the tangent plane (rad)."""
+    """Predicate of points: they lie in Hertz's ellipse.
+
+    frame: axes at the contact point.
+    a, b: semi-axes, mm.
+    turn: angle of the first one to the rail in the tangent plane, rad.
+    """
 
     frame: Frame
     a: float
@@ -69,10 +84,15 @@ class InEllipse:
 
 @dataclass(frozen=True)
 class Forecast:
-    """zones: patches, most loaded first; moments: centre (x, s) and semi-axes of all of the
-    pressure by its moments, in the frame of the first contact, mm; touching: points (n, 3) ->
-    (n,) whether they touch; hertzian: whether exact Hertz is the forecast; reason: why it is,
-    although the gap is not his."""
+    """What is expected of the contact before it is solved.
+
+    zones: patches, most loaded first.
+    moments: centre (x, s) and semi-axes of an ellipse with the moments of the whole pressure, in
+        the frame of the first contact, mm.
+    touching: points (n, 3) mm -> (n,) whether they are expected to touch.
+    hertzian: exact Hertz is the forecast.
+    reason: why it is, where the gap is not a parabola; else empty.
+    """
 
     zones: tuple[Zone, ...]
     moments: tuple[float, float, float, float]
@@ -87,7 +107,7 @@ class Forecast:
 
 
 def forecast(context: Context) -> Forecast:
-    """Of the patches of a scene."""
+    """The expected patches: exact Hertz where the gap is a parabola, else boundary elements."""
     contact, ellipse = context.contact, context.hertz
     if context.hertzian:
         return _hertz(contact, ellipse)
@@ -125,9 +145,10 @@ def _hertz(contact: Contact, ellipse: Hertz) -> Forecast:
 
 def _zone(patch: PatchSolution, surface: Developed) -> Zone:
     """Where a patch lies and how far it reaches, by whole cells."""
-    ends = [(axis[index.min()], axis[index.max()], axis[1] - axis[0])
-            for axis, index in zip((patch.x, patch.s), np.nonzero(patch.pressure), strict=True)
-            ]  # fmt: skip
+    ends = [
+        (axis[index.min()], axis[index.max()], axis[1] - axis[0])
+        for axis, index in zip((patch.x, patch.s), np.nonzero(patch.pressure), strict=True)
+    ]
     (x, a), (s, b) = (((low + high) / 2, (high - low + step) / 2) for low, high, step in ends)
     (middle,) = surface.points(np.array([x]), np.array([s]))
     centre = (float(middle[0]), float(middle[1]), float(middle[2]))

@@ -32,7 +32,12 @@ CELLS = 64  # each way in a patch
 
 @dataclass(frozen=True)
 class Developed:
-    """s (n,) along the rail's profile and y (n,) across the track, both ascending, mm."""
+    """The rail's surface developed into a plane (x, s).
+
+    contact: bodies and first contact.
+    s: (n,) length along the rail's profile from the first contact, ascending, mm.
+    y: (n,) place across the track that belongs to it, mm.
+    """
 
     contact: Contact
     s: Array
@@ -89,9 +94,14 @@ def solve(contact: Contact, ellipse: Hertz, load: float | None, cells: int = CEL
     windows += _boxes(contact, x, s, np.maximum(START * rigid - height, 0))
     for _ in range(LOOKS):
         found = boundary_element.solve_developed(
-            surface.gap, ellipse.contact_modulus, windows, surface.angle,
-            cells=cells, tolerance=TOLERANCE, **given,
-        )  # fmt: skip
+            surface.gap,
+            ellipse.contact_modulus,
+            windows,
+            surface.angle,
+            cells=cells,
+            tolerance=TOLERANCE,
+            **given,
+        )
         missed = _boxes(contact, x, s, _inside(surface, found, x, s, height))
         if not missed:
             return found
@@ -104,8 +114,10 @@ def _inside(surface: Developed, found: Solution, x: Array, s: Array, height: Arr
     matters, else zero."""
     beside = height < found.approach
     for window in found.windows:
-        reach = [abs(axis - cells.mean()) > np.ptp(cells) / 2
-                 for axis, cells in ((x, window.x), (s, window.s))]  # fmt: skip
+        reach = [
+            abs(axis - cells.mean()) > np.ptp(cells) / 2
+            for axis, cells in ((x, window.x), (s, window.s))
+        ]
         beside &= reach[0] | reach[1]
     depth = np.zeros_like(x)
     x, s = x[beside], s[beside]

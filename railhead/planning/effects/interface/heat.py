@@ -28,9 +28,12 @@ def decide(context: Context) -> Effect:
     a, b = contacts.half_lengths(hertz)
     slip = math.hypot(moves.along, moves.across) + abs(moves.spin) * max(a, b)
     most = flash_temperature(
-        scene.friction.coefficient * hertz.load * slip, hertz.area, a, speed,
+        scene.friction.coefficient * hertz.load * slip,
+        hertz.area,
+        a,
+        speed,
         line=isinstance(hertz, LineContact),
-    )  # fmt: skip
+    )
     called = most >= HOT
     side = "above" if called else "below"
     why = f"flash temperature up to {most:.3g} K where all slips, {side} {HOT:g} K"

@@ -152,8 +152,11 @@ def _steel_yields(context: Context, stresses: Mapping[str, float]) -> tuple[str,
     """Of a scene without a yield stress, from the largest von Mises stresses (MPa) of the bodies
     that deform: what a usual rail steel would do, and whether it would yield."""
     parts = {"rail": context.scene.rail, "wheel": context.scene.wheel}
-    steel = {name: stress for name, stress in stresses.items()
-             if steels.is_steel(parts[name].young_modulus)}  # fmt: skip
+    steel = {
+        name: stress
+        for name, stress in stresses.items()
+        if steels.is_steel(parts[name].young_modulus)
+    }
     if not steel:
         return "no yield stress is given", False
     name = max(steel, key=steel.__getitem__)
