@@ -118,8 +118,7 @@ def gather(model: ContactModel, solution: Solution) -> Fields | None:
     )
     plastic = solution.plastic_strain
     if plastic is not None:
-        strain, equivalent = (_to_root(comm, a) for a in (plastic.strain, plastic.equivalent))
-        plastic = PlasticStrain(strain, equivalent)
+        plastic = PlasticStrain(**collected(strain=plastic.strain, equivalent=plastic.equivalent))
     slave, master = interface.slave.gathered(comm), interface.master
     master = None if master is None else master.gathered(comm)
     if comm.rank:

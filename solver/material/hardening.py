@@ -140,18 +140,15 @@ def radial_return(
     mu, size = mu[yielding], size[yielding]
     normal = trial[yielding] / size[:, None]
     start, curve = before.equivalent[yielding], curve[yielding]
-    # 2 mu q / ROOT + ROOT k(q) = reached, piecewise straight and growing with q: the segment by
-    # bisection of the points of the curve, then a linear equation.
+    # 2 mu q / ROOT + ROOT k(q) = reached, whose left side is straight in pieces and grows with q.
     strain_at, stress_at, slopes = hardening.segments
     reached = size + 2 * mu * start / ROOT + ROOT * share * (curve - first)
-    low, high = np.zeros(len(yielding), dtype=int), np.full(len(yielding), len(strain_at))
-    for _ in range(len(strain_at).bit_length()):
-        middle = (low + high) // 2
-        past = 2 * mu * strain_at[middle] / ROOT + ROOT * stress_at[middle] <= reached
-        low, high = np.where(past, middle, low), np.where(past, high, middle)
-    slope = slopes[low]
-    excess = reached - 2 * mu * strain_at[low] / ROOT - ROOT * stress_at[low]
-    growth = np.maximum(strain_at[low] + excess / (2 * mu / ROOT + ROOT * slope) - start, 0.0)
+    at_points = 2 * mu[:, None] * strain_at / ROOT + ROOT * stress_at
+    segment = np.maximum((at_points <= reached[:, None]).sum(axis=1) - 1, 0)
+    slope = slopes[segment]
+    excess = reached - 2 * mu * strain_at[segment] / ROOT - ROOT * stress_at[segment]
+    growth = strain_at[segment] + excess / (2 * mu / ROOT + ROOT * slope) - start
+    growth = np.maximum(growth, 0.0)
     step, now = growth / ROOT, hardening.stress_and_slope(start + growth)[0]
     plastic, back = before.plastic.copy(), before.back.copy()
     equivalent = before.equivalent.copy()

@@ -181,12 +181,6 @@ class PlasticProblem(ContactProblem):
         self.bulk.history, self.surface.history = state
 
     @property
-    def yielding_count(self) -> int:
-        """Number of Gauss points that yield in the last state, of all ranks."""
-        local = 0 if self._bulk[1] is None else len(self._bulk[1].points)
-        return int(self.stiffness.comm.tompi4py().allreduce(local))
-
-    @property
     def yielding_operators(self) -> tuple[PETSc.Mat, PETSc.Mat]:
         """Rows of E at the Gauss and at the contact points that yield in the last state."""
         if self._yielding_operators is None:
