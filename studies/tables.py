@@ -15,14 +15,38 @@ from tabulate import tabulate
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
+    from matplotlib.axis import Axis
+
+
+COLUMNS = {
+    "a": "a_mm",
+    "b": "b_mm",
+    "p_max": "max_MPa",
+    "area": "area_mm2",
+    "approach": "approach_mm",
+    "tau_max": "tau_max_MPa",
+    "tau_max_depth": "tau_max_depth_mm",
+    "von_mises_max": "von_mises_max_MPa",
+}
+"""Columns of studies, and the quantities of `railhead.run.quantities` that they hold."""
+
+
+def columns(result: Mapping[str, Any], names: Iterable[str]) -> dict[str, float]:
+    """The named columns of a "result" of a summary, of its "hertz" or of its "difference"."""
+    from railhead.run.quantities import numeric_values
+
+    values = numeric_values(result)
+    return {name: values[COLUMNS[name]] for name in names}
 
 
 def write_csv(
-    path: Path, records: Sequence[DataclassInstance], units: Mapping[str, str] | None = None
+    path: Path,
+    records: Sequence[DataclassInstance] | Sequence[Mapping[str, Any]],
+    units: Mapping[str, str] | None = None,
 ) -> None:
     """One line for each record, one column for each field, named <field>_<unit> where `units` has
     it; None is an empty cell."""
-    rows = [asdict(record) for record in records]
+    rows = [dict(each) if isinstance(each, Mapping) else asdict(each) for each in records]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow("_".join(filter(None, (key, (units or {}).get(key)))) for key in rows[0])
@@ -70,3 +94,12 @@ def pareto(cost: Sequence[float], error: Sequence[float]) -> NDArray[np.intp]:
     best = np.minimum.accumulate(np.asarray(error, dtype=float)[order])
     falls = np.concatenate([[True], np.diff(best) < 0])
     return np.asarray(order[falls])
+
+
+def plain_ticks(axis: Axis, multiples: Sequence[float]) -> None:
+    """Ticks of a logarithmic axis at these multiples of powers of ten, as plain numbers."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axis.set_major_locator(LogLocator(subs=multiples))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())

@@ -7,11 +7,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from railhead.run import quantities
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
-from studies.tables import write_csv
+from studies.tables import COLUMNS, columns, write_csv
 
 STUDY = "error against time: penalty and Nitsche, four elements, four sizes, asked accuracies"
 CASES = ("hertz_ellipse", "sphere_on_plane", "uic54_thesis")
@@ -28,15 +27,7 @@ CUBIC, CUBIC_SIZES = "tetrahedron 3", (2.0, 3.0, 4.0, 6.0)
 """No scene can ask for them: they are here to show whether they would pay."""
 ASKED = ("5%", "1%", "0.2%")
 MAX_UNKNOWNS = 200_000  # predicted; finer meshes are left out
-MAIN = {"a": "a_mm", "b": "b_mm", "p_max": "max_MPa"}
-QUANTITIES = MAIN | {
-    "area": "area_mm2",
-    "approach": "approach_mm",
-    "tau_max": "tau_max_MPa",
-    "tau_max_depth": "tau_max_depth_mm",
-    "von_mises_max": "von_mises_max_MPa",
-}
-"""Names of the columns, and of the bounded quantities in `railhead.run.estimates`."""
+MAIN = ("a", "b", "p_max")
 
 
 @dataclass(frozen=True)
@@ -103,10 +94,10 @@ def reference(scene: Scene) -> dict[str, float]:
     from railhead.results import pipeline
 
     if scene.name not in NO_FORMULA:
-        return _flat(pipeline.run(scene).summary["hertz"])
+        return columns(pipeline.run(scene).summary["hertz"], COLUMNS)
     ellipse = planning.make(scene).estimate
     fine = scene.replace([f"mesh.patch_size={min(ellipse.a, ellipse.b) / REFERENCE!r}"])
-    return _flat(pipeline.run(fine).summary["result"])
+    return columns(pipeline.run(fine).summary["result"], COLUMNS)
 
 
 def fixed_meshes(case: Case, sizes: int | None, progress: Progress) -> Iterator[Run]:
@@ -149,7 +140,13 @@ def cubic_meshes(case: Case, sizes: int | None, progress: Progress) -> Iterator[
         solved = mesh_and_solve(plan.at_resolution(n), None, silent, comm)
         history = solved.solution.newton.history
         yield Run(
-            case.scene.name, "nitsche", CUBIC, None, n, solved.grading.size, solved.unknowns,
+            case.scene.name,
+            "nitsche",
+            CUBIC,
+            None,
+            n,
+            solved.grading.size,
+            solved.unknowns,
             seconds=sum(solved.seconds.values()),
             seconds_solve=solved.seconds["solve"],
             newton_iterations=len(history),
@@ -157,7 +154,7 @@ def cubic_meshes(case: Case, sizes: int | None, progress: Progress) -> Iterator[
             converged=solved.solution.newton.converged,
             failure="" if solved.solution.newton.converged else solved.solution.newton.reason,
             **_errors(solved.result, case.exact),
-        )  # fmt: skip
+        )
 
 
 def asked_accuracies(case: Case, count: int | None, progress: Progress) -> Iterator[Run]:
@@ -207,13 +204,8 @@ def _recorded(run: Run, done: dict[str, Any] | str, exact: dict[str, float]) -> 
 def _errors(result: dict[str, Any] | None, exact: dict[str, float]) -> dict[str, Any]:
     if result is None:
         return {}
-    found = _flat(result)
-    errors = {f"error_{key}": abs(found[key] / exact[key] - 1) for key in QUANTITIES}
+    found = columns(result, COLUMNS)
+    errors = {f"error_{key}": abs(found[key] / exact[key] - 1) for key in COLUMNS}
     errors["error_all"] = max(errors.values())
     errors["error"] = max(errors[f"error_{key}"] for key in MAIN)
     return errors
-
-
-def _flat(values: dict[str, Any]) -> dict[str, float]:
-    found = quantities.numeric_values(values)
-    return {column: found[name] for column, name in QUANTITIES.items()}

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from railhead.postprocess.plots.diagrams import new_figure
-from studies.tables import pareto, percent, power_law, render
+from studies.tables import pareto, percent, plain_ticks, power_law, render
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -94,10 +94,13 @@ def _rival(rows: Sequence[Row], which: tuple[str, str], quantity: str = "error")
 
 def _asked(row: Row) -> Cells:
     return (
-        row["case"], percent(row["asked"]), "yes" if row["reached"] else "no",
-        percent(row["error"]), percent(row["error_all"]),
+        row["case"],
+        percent(row["asked"]),
+        "yes" if row["reached"] else "no",
+        percent(row["error"]),
+        percent(row["error_all"]),
         "-" if row["seconds"] is None else f"{row['seconds']:.2f}",
-    )  # fmt: skip
+    )
 
 
 def _size(row: Row) -> str:
@@ -107,11 +110,19 @@ def _size(row: Row) -> str:
 
 def _run(row: Row) -> Cells:
     return (
-        row["case"], row["method"], row["element"], _size(row), row["unknowns"],
-        f"{row['seconds']:.2f}", f"{row['seconds_solve']:.2f}",
-        f"{row['newton_iterations']} / {row['linear_iterations']}", percent(row["error"]),
-        percent(row["error_approach"]), percent(row["error_tau_max"]), percent(row["error_all"]),
-    )  # fmt: skip
+        row["case"],
+        row["method"],
+        row["element"],
+        _size(row),
+        row["unknowns"],
+        f"{row['seconds']:.2f}",
+        f"{row['seconds_solve']:.2f}",
+        f"{row['newton_iterations']} / {row['linear_iterations']}",
+        percent(row["error"]),
+        percent(row["error_approach"]),
+        percent(row["error_tau_max"]),
+        percent(row["error_all"]),
+    )
 
 
 COLOURS = {
@@ -139,7 +150,8 @@ def draw(rows: Sequence[Row], path: Path) -> None:
             own = [row for row in rows if row["case"] == case and row["error"] is not None]
             _panel(axes, own)
             axes.set(title=case, xscale="log", yscale="log", xlabel="seconds")
-            _plain_ticks(axes)
+            plain_ticks(axes.xaxis, (1, 2, 5))
+            plain_ticks(axes.yaxis, (1,))
         panels[0].set_ylabel("worst error of a, b and the largest pressure, %")
         named: dict[str, Any] = {}
         for axes in panels:
@@ -160,9 +172,15 @@ def _panel(axes: Axes, rows: Sequence[Row]) -> None:
                 continue
             label = f"{element[:-2]}, order {element[-1]}, {name}"
             axes.plot(
-                *_curve(line), style, color=colour, marker=MARKERS[element], ms=6,
-                mfc=colour if method == "nitsche" else "white", label=label, zorder=3,
-            )  # fmt: skip
+                *_curve(line),
+                style,
+                color=colour,
+                marker=MARKERS[element],
+                ms=6,
+                mfc=colour if method == "nitsche" else "white",
+                label=label,
+                zorder=3,
+            )
     failed = [row for row in rows if not row["converged"]]
     if failed:
         axes.plot(*_curve(failed), "x", color="black", ms=8, label="not converged", zorder=4)
@@ -170,32 +188,33 @@ def _panel(axes: Axes, rows: Sequence[Row]) -> None:
     if seconds:
         front = pareto(seconds, errors)
         axes.step(
-            [seconds[i] for i in front], [errors[i] for i in front], color="#b8c7d6", lw=9,
-            where="post", solid_capstyle="round", solid_joinstyle="round", label="Pareto front",
+            [seconds[i] for i in front],
+            [errors[i] for i in front],
+            color="#b8c7d6",
+            lw=9,
+            where="post",
+            solid_capstyle="round",
+            solid_joinstyle="round",
+            label="Pareto front",
             zorder=1,
-        )  # fmt: skip
+        )
     halo = [patheffects.withStroke(linewidth=3, foreground="white")]
     for number, row in enumerate(row for row in rows if row["asked"] is not None):
         at = (row["seconds"], 100 * row["error"])
         side = 1 if number % 2 == 0 else -1  # above and below by turns: neighbours may be close
-        axes.plot(
-            *at, "*", color=STAR, mec="black", ms=15, lw=0, label="asked accuracy", zorder=5
-        )  # fmt: skip
+        axes.plot(*at, "*", color=STAR, mec="black", ms=15, lw=0, label="asked accuracy", zorder=5)
         axes.annotate(
-            f"{100 * row['asked']:g} %", at, xytext=(0, 15 * side), textcoords="offset points",
-            ha="center", va="center", path_effects=halo, zorder=6,
-        )  # fmt: skip
+            f"{100 * row['asked']:g} %",
+            at,
+            xytext=(0, 15 * side),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            path_effects=halo,
+            zorder=6,
+        )
 
 
 def _curve(rows: Sequence[Row]) -> tuple[list[float], list[float]]:
     """Seconds and errors in %."""
     return [row["seconds"] for row in rows], [100 * row["error"] for row in rows]
-
-
-def _plain_ticks(axes: Axes) -> None:
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    for axis, subs in ((axes.xaxis, (1, 2, 5)), (axes.yaxis, (1,))):
-        axis.set_major_locator(LogLocator(subs=subs))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_formatter(NullFormatter())

@@ -73,12 +73,19 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Recor
         overlap = abs(solved.solution.penetration / solved.solution.approach) if penalty else 0.0
         records += [
             Record(
-                part, scene.name, solved.resolution, solved.unknowns, turn.get(key, key),
+                part,
+                scene.name,
+                solved.resolution,
+                solved.unknowns,
+                turn.get(key, key),
                 max(abs(found[key] / value - 1) - solved.plan.omission_error, 0.0),
-                scatter.get(key, 0.0), overlap, scale.get(key, 1.0),
+                scatter.get(key, 0.0),
+                overlap,
+                scale.get(key, 1.0),
             )
-            for key, value in exact.items() if key in found and value
-        ]  # fmt: skip
+            for key, value in exact.items()
+            if key in found and value
+        ]
     return records
 
 

@@ -84,15 +84,23 @@ def measure(name: str, scene: Scene, accuracy: float | None) -> list[Record]:
     found, cost = quantities.numeric_values(summary["result"]), summary["cost"]
     return [
         Record(
-            name, scene.name, accuracy, summary["checks"]["passed"],
-            " ".join(summary["checks"]["failed"]), summary["accuracy"]["reached"], cost["dofs"],
-            len(summary["accuracy"]["levels"]), cost["seconds"]["total"],
-            cost["seconds"]["total"] / predicted, key, summary["accuracy"]["bound"].get(key),
+            name,
+            scene.name,
+            accuracy,
+            summary["checks"]["passed"],
+            " ".join(summary["checks"]["failed"]),
+            summary["accuracy"]["reached"],
+            cost["dofs"],
+            len(summary["accuracy"]["levels"]),
+            cost["seconds"]["total"],
+            cost["seconds"]["total"] / predicted,
+            key,
+            summary["accuracy"]["bound"].get(key),
             abs(found[key] / value - 1),
         )
         for key, value in families.truth(name, scene, result.mesh_solution).items()
         if key in found and value
-    ]  # fmt: skip
+    ]
 
 
 def main(out: Path, *, quick: bool) -> None:
@@ -132,9 +140,12 @@ def page(records: Sequence[Record], lost: Sequence[str]) -> str:
     def row(title: str, mine: Sequence[Record]) -> list[str]:
         v = verdict(mine)
         return [
-            title, str(len({(r.family, r.scene) for r in mine})), f"{v['holds']:.1%}",
-            f"{v['worst']:.2f}", f"{v['effectivity']:.1f}",
-        ]  # fmt: skip
+            title,
+            str(len({(r.family, r.scene) for r in mine})),
+            f"{v['holds']:.1%}",
+            f"{v['worst']:.2f}",
+            f"{v['effectivity']:.1f}",
+        ]
 
     def family(name: str) -> list[str]:
         mine = [r for r in records if r.family == name]

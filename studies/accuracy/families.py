@@ -150,13 +150,19 @@ def roller(rng: np.random.Generator) -> list[str]:
     if rng.random() < 0.5:
         share = rng.uniform(0.1, 0.9)
         return [
-            "wheel.rolling_radius=inf", "wheel.profile=arc", f"rail.length={length!r}", load,
+            "wheel.rolling_radius=inf",
+            "wheel.profile=arc",
+            f"rail.length={length!r}",
+            load,
             f"rail.crown_radius={radius / share!r}",
             f"wheel.transverse_radius={radius / (1 - share)!r}",
-        ]  # fmt: skip
+        ]
     return [
-        "rail.crown_radius=inf", f"wheel.rolling_radius={radius!r}", f"rail.width={length!r}", load
-    ]  # fmt: skip
+        "rail.crown_radius=inf",
+        f"wheel.rolling_radius={radius!r}",
+        f"rail.width={length!r}",
+        load,
+    ]
 
 
 def lines(rng: np.random.Generator) -> list[str]:
@@ -180,7 +186,7 @@ def bodies(rng: np.random.Generator) -> list[str]:
         f"load={10 ** rng.uniform(3.0, 5.1)!r}",
         f"wheel.rolling_radius={rng.uniform(150, 500)!r}",
         f"wheelset.shift={one(rng, '0', repr(rng.uniform(-6, 6)))}",
-    ]  # fmt: skip
+    ]
     if "rail.profile=arc" in keys:
         keys.append(f"rail.crown_radius={10 ** rng.uniform(1.7, 2.8)!r}")
     return keys + (materials(rng) if rng.random() < 0.3 else [])
@@ -200,9 +206,10 @@ def profiles(rng: np.random.Generator) -> list[str]:
         f"rail.profile={one(rng, '54E1', '60E1')}",
         f"rail.inclination={one(rng, '0', '1:20', '1:40')}",
         f"wheel.profile={one(rng, 'S1002', 'S1002', 'cone20', 'cone40', 'cylinder')}",
-        f"load={10 ** rng.uniform(3.7, 5.1)!r}", f"wheelset.shift={rng.uniform(-6, 9)!r}",
+        f"load={10 ** rng.uniform(3.7, 5.1)!r}",
+        f"wheelset.shift={rng.uniform(-6, 9)!r}",
         f"wheel.rolling_radius={rng.uniform(330, 500)!r}",
-    ]  # fmt: skip
+    ]
     keys += ["rail.gauge=1435"] if rng.random() < 0.5 else []
     return keys + (materials(rng) if rng.random() < 0.3 else [])
 

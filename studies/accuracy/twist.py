@@ -51,9 +51,14 @@ def solved(profile: str, inclination: str) -> MeshSolution:
     from railhead.run.progress import Progress
 
     scene = catalogue.find("uic54_22t5_axle").replace(
-        [f"rail.profile={profile}", f"rail.inclination={inclination}", "mesh.patch_size=5",
-         "effects.rail_section=on", "effects.plasticity=off"]
-    )  # fmt: skip
+        [
+            f"rail.profile={profile}",
+            f"rail.inclination={inclination}",
+            "mesh.patch_size=5",
+            "effects.rail_section=on",
+            "effects.plasticity=off",
+        ]
+    )
     return mesh_and_solve(planning.make(scene), None, Progress(quiet=True), MPI.COMM_WORLD)
 
 
@@ -67,8 +72,9 @@ def turn(mesh_solution: MeshSolution) -> tuple[float, float]:
     flank = (np.abs(x) < FLANK["x"]) & (np.abs(y) > FLANK["y"]) & (z > low) & (z < high)
     y, z, (_, across, up) = y[flank], z[flank], moved[flank].T
     one, none = np.ones_like(y), np.zeros_like(y)
-    table = np.block([[one[:, None], none[:, None], -z[:, None]],
-                      [none[:, None], one[:, None], y[:, None]]])  # fmt: skip
+    table = np.block(
+        [[one[:, None], none[:, None], -z[:, None]], [none[:, None], one[:, None], y[:, None]]]
+    )
     aside, _, angle = np.linalg.lstsq(table, np.concatenate([across, up]), rcond=None)[0]
     return float(angle), float(-aside / angle)
 

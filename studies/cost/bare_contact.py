@@ -44,11 +44,14 @@ def compare(repeats: int, patch_size: float = 0.25) -> list[Bare]:
             found[name].append(_measured(name, route, scene))
     return [
         Bare(
-            name, runs[0].unknowns, runs[0].forms,
-            statistics.median(run.seconds for run in runs), runs[0].p_max,
+            name,
+            runs[0].unknowns,
+            runs[0].forms,
+            statistics.median(run.seconds for run in runs),
+            runs[0].p_max,
         )
         for name, runs in found.items()
-    ]  # fmt: skip
+    ]
 
 
 def _measured(name: str, route: Callable[[Scene], tuple[int, float]], scene: Scene) -> Bare:
@@ -117,9 +120,7 @@ def _unplanned(scene: Scene) -> tuple[int, float]:
         profiles.single_radius(math.inf, edge), -edge, edge, edge, outwards=-1, half=False
     )
     section = [replace(c, role="support") if c.role == "free" else c for c in section]
-    grading = Grading(
-        (0.0, 0.0, 0.0), ellipse.a, ellipse.b, 0.0, size, 0.3, coarsest=0.25 * edge
-    )  # fmt: skip
+    grading = Grading((0.0, 0.0, 0.0), ellipse.a, ellipse.b, 0.0, size, 0.3, coarsest=0.25 * edge)
     body = Body(WHEEL, section, edge, end_role="support")
     made = mesh.generate([body], grading, Options("tetrahedron", 1, False), MPI.COMM_WORLD)
     steel = Material(wheel.young_modulus, wheel.poisson_ratio)
@@ -129,7 +130,7 @@ def _unplanned(scene: Scene) -> tuple[int, float]:
         slave=WHEEL,
         gap=ParabolicGap(1 / radius, 1 / radius, -1),
         degree=2,
-    )  # fmt: skip
+    )
     model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
     points = model.interface.points
     inside = (np.hypot(points[:, 0], points[:, 1]) < ellipse.a) & (np.abs(points[:, 2]) < ellipse.a)

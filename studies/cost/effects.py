@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from railhead.cli.study import PAGE
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
+from studies import tables
 from studies.cost import bare_contact
-from studies.tables import write_csv
 
 if TYPE_CHECKING:
     from railhead.scene.scene import Scene
@@ -32,28 +31,12 @@ REPEATS, BARE_REPEATS = 2, 7  # the fastest and the median of so many runs count
 UNITS = {"p_max": "MPa", "area": "mm2", "tau_max": "MPa", "approach": "mm"}
 
 
-@dataclass(frozen=True)
-class Run:
-    """One scene as planned (effect "") or with one effect in its other state `on`.
+QUANTITIES = ("p_max", "area", "tau_max", "approach")
+Row = dict[str, Any]
+"""One scene as planned (effect "") or with one effect in its other state `on`.
 
-    called_for: by the plan; seconds: of the processor. change_*: relative to the run as planned.
-    """
-
-    scene: str
-    effect: str
-    on: bool
-    called_for: bool
-    accuracy: float
-    unknowns: int
-    seconds: float
-    p_max: float
-    area: float
-    tau_max: float
-    approach: float
-    change_p_max: float = 0.0
-    change_area: float = 0.0
-    change_tau_max: float = 0.0
-    change_approach: float = 0.0
+called_for: by the plan; seconds: of the processor; change_*: relative to the run as planned.
+"""
 
 
 def main(out: Path, *, quick: bool) -> None:
@@ -65,13 +48,13 @@ def main(out: Path, *, quick: bool) -> None:
         runs = [run for name in names for run in switch(name, progress, 1 if quick else REPEATS)]
         progress.stage("with and without a plan")
         bare = bare_contact.compare(1 if quick else BARE_REPEATS)
-    write_csv(out / "effects.csv", runs, UNITS)
-    write_csv(out / "effects_off.csv", bare, UNITS)
-    page = effects_page.page([vars(run) for run in runs], [vars(each) for each in bare])
+    tables.write_csv(out / "effects.csv", runs, UNITS)
+    tables.write_csv(out / "effects_off.csv", bare, UNITS)
+    page = effects_page.page(runs, [vars(each) for each in bare])
     (out / PAGE).write_text(page, encoding="utf-8")
 
 
-def switch(name: str, progress: Progress, repeats: int) -> Iterator[Run]:
+def switch(name: str, progress: Progress, repeats: int) -> Iterator[Row]:
     """A scene as planned, then with each effect in its other state where that can be had."""
     from railhead.planning import plan as planning
     from railhead.results import pipeline
@@ -81,7 +64,7 @@ def switch(name: str, progress: Progress, repeats: int) -> Iterator[Run]:
     plan = planning.make(scene)
     decided = dict(plan.effects)
     pipeline.run(scene)  # compiles
-    first: Run | None = None
+    planned: dict[str, float] = {}
     both = ["symmetry"] if decided["symmetry_x"].on and decided["symmetry_y"].on else []
     decided.pop("mean_dilatation")  # a treatment of the cells, no effect of the scene
     for effect in ("", *decided, *both):
@@ -96,23 +79,19 @@ def switch(name: str, progress: Progress, repeats: int) -> Iterator[Run]:
             start = time.process_time()
             result = pipeline.run(chosen).summary
             times.append(time.process_time() - start)
-        values = _quantities(result["result"])
-        base = vars(first) if first else values
-        changes = {f"change_{key}": values[key] / base[key] - 1 for key in values}
-        unknowns = result["cost"]["dofs"]
-        made = Run(
-            name,
-            effect,
-            on,
-            state.called_for,
-            plan.context.accuracy,
-            unknowns,
-            min(times),
+        values = tables.columns(result["result"], QUANTITIES)
+        planned = planned or values
+        yield {
+            "scene": name,
+            "effect": effect,
+            "on": on,
+            "called_for": state.called_for,
+            "accuracy": plan.context.accuracy,
+            "unknowns": result["cost"]["dofs"],
+            "seconds": min(times),
             **values,
-            **changes,
-        )
-        first = first or made
-        yield made
+            **{f"change_{key}": values[key] / planned[key] - 1 for key in values},
+        }
 
 
 def _possible(scene: Scene, effect: str, on: bool) -> bool:
@@ -124,12 +103,3 @@ def _possible(scene: Scene, effect: str, on: bool) -> bool:
     except SceneError:
         return False
     return True
-
-
-def _quantities(result: dict[str, Any]) -> dict[str, float]:
-    return {
-        "p_max": result["pressure"]["max_MPa"],
-        "area": result["patch"]["area_mm2"],
-        "tau_max": result["stress"]["tau_max_MPa"],
-        "approach": result["approach_mm"],
-    }

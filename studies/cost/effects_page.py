@@ -32,11 +32,16 @@ def page(runs: Sequence[Row], bare: Sequence[Row]) -> str:
         ratio=planned["seconds"] / direct["seconds"],
         noise=NOISE,
         bare=[
-            (row["route"], row["unknowns"], row["forms"], f"{row['seconds']:.3f}",
-             f"{row['p_max']:.10g}")
+            (
+                row["route"],
+                row["unknowns"],
+                row["forms"],
+                f"{row['seconds']:.3f}",
+                f"{row['p_max']:.10g}",
+            )
             for row in bare
         ],
-    )  # fmt: skip
+    )
 
 
 def wrong(runs: Sequence[Row]) -> list[Row]:
@@ -53,10 +58,16 @@ def verdict(runs: Sequence[Row]) -> str:
     small = [row for row in kept if _change(row) <= row["accuracy"]]
     worst = max(left, key=_change, default=None)
     return render(
-        "effects_verdict", change=_change, limit=runs[0]["accuracy"], wrong=wrong(runs),
-        left=len(left), worst=worst, kept=len(kept), small=small,
+        "effects_verdict",
+        change=_change,
+        limit=runs[0]["accuracy"],
+        wrong=wrong(runs),
+        left=len(left),
+        worst=worst,
+        kept=len(kept),
+        small=small,
         overruled=overruled,
-    )  # fmt: skip
+    )
 
 
 def _left(runs: Sequence[Row]) -> list[Row]:

@@ -86,10 +86,16 @@ def _record(patch_size: float, ranks: int) -> Record:
     whole = found["end"] - begin
     parts = {name: found[name] for name in PARTS[1:]}
     return Record(
-        found["dofs"], ranks, found["newton_iterations"], found["linear_iterations"],
-        whole, whole - sum(parts.values()), **parts,
-        product=found["product"], halo=found["halo"],
-    )  # fmt: skip
+        found["dofs"],
+        ranks,
+        found["newton_iterations"],
+        found["linear_iterations"],
+        whole,
+        whole - sum(parts.values()),
+        **parts,
+        product=found["product"],
+        halo=found["halo"],
+    )
 
 
 def forecast(one: Record, two: Record, ranks: int) -> dict[str, float]:
@@ -120,27 +126,41 @@ def page(records: Sequence[Record]) -> str:
     pairs = list(zip(records[::2], records[1::2], strict=True))
     one, two = pairs[-1]
     measured = [
-        (r.unknowns, r.ranks, r.newton_iterations, r.linear_iterations,
-         *(f"{getattr(r, part):.1f}" for part in PARTS), f"{r.whole:.1f}",
-         f"{1e6 * r.whole * r.ranks / r.unknowns:.0f}",
-         f"{first.whole / r.whole:.2f}" if r.ranks > 1 else "")
-        for first, second in pairs for r in (first, second)
-    ]  # fmt: skip
+        (
+            r.unknowns,
+            r.ranks,
+            r.newton_iterations,
+            r.linear_iterations,
+            *(f"{getattr(r, part):.1f}" for part in PARTS),
+            f"{r.whole:.1f}",
+            f"{1e6 * r.whole * r.ranks / r.unknowns:.0f}",
+            f"{first.whole / r.whole:.2f}" if r.ranks > 1 else "",
+        )
+        for first, second in pairs
+        for r in (first, second)
+    ]
     forecasts = [_forecast_row(one, two, ranks) for ranks in FORECAST]
     return tables.render(
-        "ranks", measured=measured, forecasts=forecasts, largest=one, parts=list(PARTS),
+        "ranks",
+        measured=measured,
+        forecasts=forecasts,
+        largest=one,
+        parts=list(PARTS),
         worth=launch.UNKNOWNS_PER_PROCESS,
-    )  # fmt: skip
+    )
 
 
 def _forecast_row(one: Record, two: Record, ranks: int) -> tuple[str, ...]:
     parts: Mapping[str, float] = forecast(one, two, ranks)
     whole = sum(parts.values())
     return (
-        str(ranks), *(f"{value:.1f}" for value in parts.values()), f"{whole:.1f}",
-        f"{one.whole / whole:.1f}", f"{one.product / ranks / 1e6:.0f}",
+        str(ranks),
+        *(f"{value:.1f}" for value in parts.values()),
+        f"{whole:.1f}",
+        f"{one.whole / whole:.1f}",
+        f"{one.product / ranks / 1e6:.0f}",
         f"{halo(one.unknowns, ranks) / 1e3:.0f}",
-    )  # fmt: skip
+    )
 
 
 def halo(unknowns: int, ranks: int) -> float:

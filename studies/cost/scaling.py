@@ -128,16 +128,29 @@ def page(records: list[Record]) -> str:
     first, last = records[0], records[-1]
     growth = (last.seconds / last.unknowns) / (first.seconds / first.unknowns)
     rows = [
-        (r.unknowns, f"{r.seconds:.1f}", f"{1e6 * r.seconds / r.unknowns:.0f}",
-         f"{r.peak_bytes / r.unknowns / 1e3:.1f}", r.newton_iterations, r.linear_iterations,
-         f"{r.linear_seconds:.2f}", f"{r.contact_seconds:.2f}", f"{r.ratio:.2f}",
-         f"{r.equal:.2f}")
+        (
+            r.unknowns,
+            f"{r.seconds:.1f}",
+            f"{1e6 * r.seconds / r.unknowns:.0f}",
+            f"{r.peak_bytes / r.unknowns / 1e3:.1f}",
+            r.newton_iterations,
+            r.linear_iterations,
+            f"{r.linear_seconds:.2f}",
+            f"{r.contact_seconds:.2f}",
+            f"{r.ratio:.2f}",
+            f"{r.equal:.2f}",
+        )
         for r in records
-    ]  # fmt: skip
+    ]
     return tables.render(
-        "scaling", first=first, last=last, growth=growth, ratios=[r.ratio for r in records],
-        equal=[r.equal for r in records], rows=rows,
-    )  # fmt: skip
+        "scaling",
+        first=first,
+        last=last,
+        growth=growth,
+        ratios=[r.ratio for r in records],
+        equal=[r.equal for r in records],
+        rows=rows,
+    )
 
 
 if __name__ == "__main__":

@@ -205,8 +205,10 @@ def against_matched(
             abs(found.solution.approach / reference.solution.approach - 1),
             abs(findings.patch.max_pressure / exact.patch.max_pressure - 1),
         ),
-        limit, "max_MPa, approach_mm", findings,
-    )  # fmt: skip
+        limit,
+        "max_MPa, approach_mm",
+        findings,
+    )
 
 
 def slivers(quality: float, count: int, limit: float) -> Measured:

@@ -66,12 +66,23 @@ def maps(outcomes: Sequence[Outcome]) -> list[Map]:
     ratios, laws = [f"{ratio:g}" for ratio in STIFFNESS], list(LAWS)
     poisson = [f"{value:g}" for value in POISSON]
     return [
-        Map("Contact laws on the thesis ellipse, four elements per semi-axis", laws, factors,
-            "solver.gamma_factor", "", cells(FACTOR_MAP, laws, factors)),
-        Map("Rail of any stiffness under a steel wheel, quadratic tetrahedra", poisson, ratios,
-            "E of the rail over E of the wheel", "Poisson's ratio of the rail",
-            cells(MATERIAL_MAP, poisson, ratios)),
-    ]  # fmt: skip
+        Map(
+            "Contact laws on the thesis ellipse, four elements per semi-axis",
+            laws,
+            factors,
+            "solver.gamma_factor",
+            "",
+            cells(FACTOR_MAP, laws, factors),
+        ),
+        Map(
+            "Rail of any stiffness under a steel wheel, quadratic tetrahedra",
+            poisson,
+            ratios,
+            "E of the rail over E of the wheel",
+            "Poisson's ratio of the rail",
+            cells(MATERIAL_MAP, poisson, ratios),
+        ),
+    ]
 
 
 def _row(outcome: Outcome) -> list[str]:
@@ -109,9 +120,12 @@ def draw(maps: Sequence[Map], path: Path) -> None:
         panels = figure.subplots(len(maps), 1, squeeze=False, height_ratios=rows)[:, 0]
         for axes, each in zip(panels, maps, strict=True):
             values = [
-                [cell.error if cell.converged and cell.error is not None else float("nan")
-                 for cell in row] for row in each.cells
-            ]  # fmt: skip
+                [
+                    cell.error if cell.converged and cell.error is not None else float("nan")
+                    for cell in row
+                ]
+                for row in each.cells
+            ]
             image = axes.imshow(values, norm=LogNorm(LOW, HIGH), cmap="RdYlGn_r", aspect="auto")
             for y, row in enumerate(each.cells):
                 for x, cell in enumerate(row):
@@ -119,14 +133,19 @@ def draw(maps: Sequence[Map], path: Path) -> None:
                         box = Rectangle((x - 0.5, y - 0.5), 1, 1, fc="#c9c9c9", ec="white")
                         axes.add_patch(box)
                     dark = cell.converged and image.to_rgba(values[y][x])[1] < DARK
-                    axes.text(x, y, cell.note, ha="center", va="center", fontsize=8,
-                              color="white" if dark else "black")  # fmt: skip
+                    axes.text(
+                        x,
+                        y,
+                        cell.note,
+                        ha="center",
+                        va="center",
+                        fontsize=8,
+                        color="white" if dark else "black",
+                    )
             axes.set_xticks(range(len(each.columns)), each.columns)
             axes.set_yticks(range(len(each.rows)), each.rows)
             axes.set(xlabel=each.label, ylabel=each.across, title=each.title)
             axes.grid(visible=False)
         shares = FuncFormatter(lambda value, _: f"{100 * value:g}%")
-        bar = figure.colorbar(
-            image, ax=list(panels), shrink=0.6, extend="both", format=shares
-        )  # fmt: skip
+        bar = figure.colorbar(image, ax=list(panels), shrink=0.6, extend="both", format=shares)
         bar.set_label("error of the quantity nearest to what is allowed")

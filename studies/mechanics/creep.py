@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 from railhead.cli import study
 from studies import tables
@@ -13,7 +14,7 @@ from studies.mechanics import creep_page as page
 from studies.mechanics import friction_axes
 from studies.mechanics import friction_changes as changes
 from studies.mechanics.creep_curves import Cost, Point
-from studies.mechanics.friction_changes import Left, Slid
+from studies.mechanics.friction_changes import Slid
 
 STUDY = "creep curves against half-spaces, FASTSIM and linear theory; what friction costs, changes"
 
@@ -42,7 +43,7 @@ def main(out: Path, *, quick: bool) -> None:
     (out / study.PAGE).write_text(page.page(points, costs, left, slid), encoding="utf-8")
 
 
-def _left(scenes: Iterable[tuple]) -> Iterable[Left]:
+def _left(scenes: Iterable[tuple]) -> Iterable[dict[str, Any]]:
     for name, given, creepage in scenes:
         print(f"{name} at a creepage of {creepage:g}, with and without friction", file=sys.stderr)
         yield changes.left_out(name, given, creepage)

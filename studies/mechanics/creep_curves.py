@@ -29,14 +29,16 @@ ALONG = tuple(Creepage(xi) for xi in (1e-4, 2e-4, 4e-4, 7e-4, 1e-3, 1.4e-3, 2e-3
 ASIDE = (
     *(Creepage(0.0, xi) for xi in (2e-4, 5e-4, 1e-3, 2e-3, 3e-3, 6e-3)),
     *(Creepage(0.0, 0.0, spin) for spin in (5e-5, 1e-4, 2e-4, 4e-4, 8e-4)),
-    Creepage(5e-4, 1e-3), Creepage(5e-4, -5e-4, 3e-4),
-)  # fmt: skip
+    Creepage(5e-4, 1e-3),
+    Creepage(5e-4, -5e-4, 3e-4),
+)
 PROFILES = (
     *(Creepage(xi) for xi in (1e-4, 2e-4, 5e-4, 1e-3, 2e-3)),
     *(Creepage(0.0, xi) for xi in (1e-4, 2e-4, 5e-4, 1e-3, 2e-3)),
     *(Creepage(0.0, 0.0, spin) for spin in (2e-5, 5e-5, 1e-4, 2e-4, 4e-4)),
-    Creepage(5e-4, 5e-4), Creepage(5e-4, -5e-4, 1e-4),
-)  # fmt: skip
+    Creepage(5e-4, 5e-4),
+    Creepage(5e-4, -5e-4, 1e-4),
+)
 
 
 @dataclass(frozen=True)
@@ -151,11 +153,16 @@ def _others(plan: Plan, curve: Curve) -> Iterator[Point]:
     )
     bodies = [
         HalfSpaceFriction(
-            p.pressed.x, p.pressed.s, p.pressed.pressure, COEFFICIENT, pair,
-            rolling=True, modes=p.modes,
+            p.pressed.x,
+            p.pressed.s,
+            p.pressed.pressure,
+            COEFFICIENT,
+            pair,
+            rolling=True,
+            modes=p.modes,
         )
         for p in patches
-    ]  # fmt: skip
+    ]
     limit = COEFFICIENT * sum(each.pressed.force for each in patches)
     for motion in curve.motions:
         given = motion.along, motion.across, motion.spin
@@ -166,7 +173,8 @@ def _others(plan: Plan, curve: Curve) -> Iterator[Point]:
         straight = equal_ellipses.linear(patches, pair, given)
         for by, forces, sticking in (
             ("boundary elements", exactly, float(sticks / touches)),
-            ("FASTSIM", quick, stick), ("linear theory", straight, None),
-        ):  # fmt: skip
+            ("FASTSIM", quick, stick),
+            ("linear theory", straight, None),
+        ):
             along, across, _ = forces / limit
             yield Point(curve.case, *given, by, along, across, sticking)

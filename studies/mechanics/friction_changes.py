@@ -30,23 +30,14 @@ STRIP, SLIDING = (0.1, 0.2, 0.3, 0.4, 0.5), (0.1, 0.3, 0.5)  # coefficients of s
 EXACT = tuple(float(mu) for mu in np.linspace(0, 0.6, 13))
 
 
-@dataclass(frozen=True)
-class Left:
-    """A scene with friction and (plain) without: force over mu N, MPa, mm."""
-
-    case: str
-    creepage: float
-    force: float
-    plain_pressure: float
-    pressure: float
-    plain_area: float
-    area: float
-    plain_tau: float
-    tau: float
-    plain_von_mises: float
-    von_mises: float
-    plain_depth: float
-    depth: float
+JUDGED = {
+    "pressure": ("pressure", "max_MPa"),
+    "area": ("patch", "area_mm2"),
+    "tau": ("stress", "tau_max_MPa"),
+    "von_mises": ("stress", "von_mises_max_MPa"),
+    "depth": ("stress", "von_mises_max_depth_mm"),
+}
+"""Columns with friction and (plain_*) without, and where a summary has them."""
 
 
 @dataclass(frozen=True)
@@ -60,20 +51,20 @@ class Slid:
     depth: float
 
 
-def left_out(name: str, changes: dict[str, Any], creepage: float) -> Left:
-    """One run holds both answers."""
+def left_out(name: str, changes: dict[str, Any], creepage: float) -> dict[str, Any]:
+    """The columns of JUDGED with friction and without, of one run, which holds both; force: over
+    mu N."""
     found = rh.solve(_rolling(name, COEFFICIENT, creepage).replace(**changes), quiet=True).as_dict()
-    pairs = [
-        found[which][table][key]
-        for table, key in (
-            ("pressure", "max_MPa"), ("patch", "area_mm2"), ("stress", "tau_max_MPa"),
-            ("stress", "von_mises_max_MPa"), ("stress", "von_mises_max_depth_mm"),
-        )
-        for which in ("frictionless", "result")
-    ]  # fmt: skip
-    rubbed = found["result"]["friction"]
-    case = f"{name}, rigid wheel" if "wheel" in changes else name
-    return Left(case, creepage, rubbed["force_along_N"] / rubbed["limit_N"], *pairs)
+    forces = found["result"]["friction"]
+    row = {
+        "case": f"{name}, rigid wheel" if "wheel" in changes else name,
+        "creepage": creepage,
+        "force": forces["force_along_N"] / forces["limit_N"],
+    }
+    for column, (table, key) in JUDGED.items():
+        row[f"plain_{column}"] = found["frictionless"][table][key]
+        row[column] = found["result"][table][key]
+    return row
 
 
 def slid(name: str, coefficients: Sequence[float], given: dict[str, Any]) -> Iterator[Slid]:
@@ -83,8 +74,13 @@ def slid(name: str, coefficients: Sequence[float], given: dict[str, Any]) -> Ite
         result = rh.solve(_rolling(name, mu, SLIDES).replace(**given), quiet=True)
         ellipse, stress = result.ellipse, result.as_dict()["result"]["stress"]
         width = min(half_lengths(ellipse))
-        yield Slid(name, mu, "railhead", stress["von_mises_max_MPa"] / ellipse.p0,
-                   stress["von_mises_max_depth_mm"] / width)  # fmt: skip
+        yield Slid(
+            name,
+            mu,
+            "railhead",
+            stress["von_mises_max_MPa"] / ellipse.p0,
+            stress["von_mises_max_depth_mm"] / width,
+        )
     assert ellipse is not None
     width = min(half_lengths(ellipse))
     for mu in EXACT:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
-from studies.tables import write_csv
+from studies import tables
 
 if TYPE_CHECKING:
     from railhead.meshing.sizing import Grading
@@ -28,28 +27,10 @@ GROWTH = 0.2  # finer than usual: the largest patch reaches far into the growing
 UNITS = {"load": "N", "a": "mm", "b": "mm", "p_max": "MPa", "approach": "mm", "tau_max": "MPa"}
 
 
-@dataclass(frozen=True)
-class Point:
-    """One load. Differences are relative to exact Hertz. seconds: of the solve (first load of a
-    case: with mesh and assembly)."""
-
-    case: str
-    load: float
-    a: float
-    b: float
-    p_max: float
-    approach: float
-    tau_max: float
-    difference_a: float
-    difference_b: float
-    difference_p_max: float
-    difference_approach: float
-    difference_tau_max: float
-    unknowns: int
-    newton_iterations: int
-    linear_iterations: int
-    converged: bool
-    seconds: float
+QUANTITIES = ("a", "b", "p_max", "approach", "tau_max")
+Row = dict[str, Any]
+"""One load. Differences are relative to exact Hertz. seconds: of the solve (first load of a case:
+with mesh and assembly)."""
 
 
 def main(out: Path, *, quick: bool) -> None:
@@ -61,9 +42,8 @@ def main(out: Path, *, quick: bool) -> None:
     names = list(CASES)[: 1 if quick else None]
     loads = [float(load) for load in np.geomspace(LOWEST, HIGHEST, 4 if quick else COUNT)]
     with Progress(quiet=False) as progress:
-        points = [point for name in names for point in sweep(name, loads, progress)]
-    write_csv(out / "load_sweep.csv", points, UNITS)
-    rows = [vars(point) for point in points]
+        rows = [row for name in names for row in sweep(name, loads, progress)]
+    tables.write_csv(out / "load_sweep.csv", rows, UNITS)
     series = {CASES[name]: [row for row in rows if row["case"] == name] for name in names}
     sweep_page.draw(series, out / "load_sweep.png")
     (out / "page.md").write_text(sweep_page.page(rows, CASES), encoding="utf-8")
@@ -77,12 +57,10 @@ def around_smallest(plan: Plan, lowest: float) -> Grading:
     small = closed_forms.hertz_contact(plan.scene, plan.contact, lowest)
     size = min(small.a, small.b) / ELEMENTS_PER_SEMI_AXIS
     angle, coarsest = plan.contact.touch.angle, plan.sizing.coarsest
-    return Grading(
-        plan.contact.origin, small.a, small.b, angle, size, GROWTH, coarsest=coarsest
-    )  # fmt: skip
+    return Grading(plan.contact.origin, small.a, small.b, angle, size, GROWTH, coarsest=coarsest)
 
 
-def sweep(name: str, loads: Sequence[float], progress: Progress) -> list[Point]:
+def sweep(name: str, loads: Sequence[float], progress: Progress) -> list[Row]:
     """Solve a shipped case for all loads (N) with one mesh, stiffness and contact operators."""
     from mpi4py import MPI
 
@@ -98,7 +76,7 @@ def sweep(name: str, loads: Sequence[float], progress: Progress) -> list[Point]:
     model = build.model(plan, mesh)
     frame = Frame(plan.contact.origin, plan.contact.touch.angle)
     local = frame.local(model.interface.points)
-    points: list[Point] = []
+    points: list[Row] = []
     for load in loads:
         progress.stage(f"{name}: {load:.0f} N, {model.unknowns} unknowns")
         ellipse = closed_forms.ellipse(plan.scene, plan.contact, load)
@@ -116,7 +94,7 @@ def _point(
     frame: Frame,
     solution: Solution,
     seconds: float,
-) -> Point:
+) -> Row:
     from railhead.postprocess import compare, read
     from railhead.solver.fields import gather
 
@@ -126,27 +104,18 @@ def _point(
         read.findings(fields, frame, parabolic=plan.contact.half_space),
         solution.load,
         solution.approach,
-    )  # fmt: skip
+    )
     reference = compare.from_hertz(ellipse, plan.poisson_ratios, frame.angle, frame.origin)
-    return Point(
-        plan.scene.name,
-        solution.load,
-        *_quantities(values),
-        *_quantities(compare.difference(values, reference)),
-        model.unknowns,
-        len(solution.newton.history),
-        sum(step.linear_iterations for step in solution.newton.history),
-        solution.newton.converged,
-        seconds,
-    )
-
-
-def _quantities(values: dict[str, Any]) -> tuple[float, float, float, float, float]:
-    patch, stress = values["patch"], values["stress"]
-    return (
-        patch["a_mm"],
-        patch["b_mm"],
-        values["pressure"]["max_MPa"],
-        values["approach_mm"],
-        stress["tau_max_MPa"],
-    )
+    difference = tables.columns(compare.difference(values, reference), QUANTITIES)
+    history = solution.newton.history
+    return {
+        "case": plan.scene.name,
+        "load": solution.load,
+        **tables.columns(values, QUANTITIES),
+        **{f"difference_{name}": value for name, value in difference.items()},
+        "unknowns": model.unknowns,
+        "newton_iterations": len(history),
+        "linear_iterations": sum(step.linear_iterations for step in history),
+        "converged": solution.newton.converged,
+        "seconds": seconds,
+    }

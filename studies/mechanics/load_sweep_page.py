@@ -11,6 +11,7 @@ import numpy as np
 
 from railhead.postprocess.findings import Array
 from railhead.postprocess.plots.diagrams import FE, HERTZ, new_figure
+from studies import tables
 from studies.tables import power_law, render
 
 if TYPE_CHECKING:
@@ -118,9 +119,12 @@ def _panel(
         values = [[point[key] for point in points] for key in (of, what)]
         slope = power_law(*values)[1]
         axes.plot(
-            np.array(values[0]) * x_unit, np.array(values[1]) * y_unit, lw=0,
-            label=f"finite elements, {name}: {slope:.3f}", **look,
-        )  # fmt: skip
+            np.array(values[0]) * x_unit,
+            np.array(values[1]) * y_unit,
+            lw=0,
+            label=f"finite elements, {name}: {slope:.3f}",
+            **look,
+        )
     handles, labels = axes.get_legend_handles_labels()
     short = [label.removeprefix("finite elements, ") for label in labels]
     axes.legend(handles, short, title="exponent", loc="upper left", fontsize=9, title_fontsize=9)
@@ -135,13 +139,8 @@ def _exact(points: Sequence[Mapping[str, Any]], key: str) -> Array:
 
 
 def _plain_ticks(axis: Axis, low: float, high: float) -> None:
-    """1, 2, 5 and their decades as plain numbers; closer where the range is below a decade."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    subs = (1, 2, 5) if high > 10 * low else (1, 1.5, 2, 3, 4, 6, 8)
-    axis.set_major_locator(LogLocator(subs=subs))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axis.set_minor_formatter(NullFormatter())
+    """1, 2, 5 and their decades; closer where the range is below a decade."""
+    tables.plain_ticks(axis, (1, 2, 5) if high > 10 * low else (1, 1.5, 2, 3, 4, 6, 8))
 
 
 def _differences(axes: Axes, series: Series) -> None:

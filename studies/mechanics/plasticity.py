@@ -22,10 +22,19 @@ MULTIPLES = (0.5, 2.0, 5.0, 20.0, 100.0)  # of the load of first yield
 STEELS = {"rail": {"steel": "R260"}, "wheel": {"steel": "ER7"}}
 USEFUL = 0.05  # of the pressure: beyond it the elastic answer misleads
 UNITS = {
-    "load": "kN", "hertz": "MPa", "elastic": "MPa", "elastic_area": "mm2", "elastic_tau": "MPa",
-    "elastic_seconds": "s", "p_max": "MPa", "area": "mm2", "tau": "MPa",
-    "residual_stress": "MPa", "depth": "um", "seconds": "s",
-}  # fmt: skip
+    "load": "kN",
+    "hertz": "MPa",
+    "elastic": "MPa",
+    "elastic_area": "mm2",
+    "elastic_tau": "MPa",
+    "elastic_seconds": "s",
+    "p_max": "MPa",
+    "area": "mm2",
+    "tau": "MPa",
+    "residual_stress": "MPa",
+    "depth": "um",
+    "seconds": "s",
+}
 RADIUS, YIELD, YOUNG, POISSON = 100.0, 480.0, 207e3, 0.3  # of the sphere: mm, MPa, MPa
 
 
@@ -74,15 +83,22 @@ def pressed(load: float) -> Load:
     result, elastic = found["result"], plain["result"]
     left = result.get("plastic") or {}
     return Load(
-        load, found["hertz"]["pressure"]["max_MPa"], elastic["pressure"]["max_MPa"],
-        elastic["patch"]["area_mm2"], elastic["stress"]["tau_max_MPa"],
-        plain["cost"]["seconds"]["total"], left.get("load_over_first_yield", 0.0),
-        result["pressure"]["max_MPa"], result["patch"]["area_mm2"],
-        result["stress"]["tau_max_MPa"], left.get("strain_max", 0.0),
+        load,
+        found["hertz"]["pressure"]["max_MPa"],
+        elastic["pressure"]["max_MPa"],
+        elastic["patch"]["area_mm2"],
+        elastic["stress"]["tau_max_MPa"],
+        plain["cost"]["seconds"]["total"],
+        left.get("load_over_first_yield", 0.0),
+        result["pressure"]["max_MPa"],
+        result["patch"]["area_mm2"],
+        result["stress"]["tau_max_MPa"],
+        left.get("strain_max", 0.0),
         left.get("residual_von_mises_max_MPa", 0.0),
-        1e3 * left.get("residual_depth_rail_mm", 0.0), found["cost"]["seconds"]["total"],
+        1e3 * left.get("residual_depth_rail_mm", 0.0),
+        found["cost"]["seconds"]["total"],
         found["checks"]["passed"],
-    )  # fmt: skip
+    )
 
 
 def indented(multiple: float) -> list[Sphere]:
@@ -92,9 +108,13 @@ def indented(multiple: float) -> list[Sphere]:
     load = math.pi**3 * RADIUS**2 * peak**3 / (6 * modulus**2)
     radius = math.pi * peak * RADIUS / (2 * modulus)
     rail = rh.Rail(
-        profile="arc", crown_radius=RADIUS, extent="half-space", young_modulus=YOUNG,
-        poisson_ratio=POISSON, yield_stress=YIELD,
-    )  # fmt: skip
+        profile="arc",
+        crown_radius=RADIUS,
+        extent="half-space",
+        young_modulus=YOUNG,
+        poisson_ratio=POISSON,
+        yield_stress=YIELD,
+    )
     wheel = rh.Wheel(rolling_radius=RADIUS, young_modulus=math.inf)
     found = rh.solve(rh.Scene(load=multiple * load, rail=rail, wheel=wheel), quiet=True).as_dict()
     result, closer = found["result"], radius**2 / RADIUS
@@ -102,11 +122,15 @@ def indented(multiple: float) -> list[Sphere]:
     left = (result.get("plastic") or {}).get("residual_depth_rail_mm")
     rows = [
         Sphere(
-            multiple, "railhead", result["approach_mm"] / closer,
-            math.sqrt(area / math.pi) / radius, multiple * load / area / YIELD,
-            None if left is None else left / closer, found["checks"]["passed"],
+            multiple,
+            "railhead",
+            result["approach_mm"] / closer,
+            math.sqrt(area / math.pi) / radius,
+            multiple * load / area / YIELD,
+            None if left is None else left / closer,
+            found["checks"]["passed"],
         )
-    ]  # fmt: skip
+    ]
     if multiple <= 1:
         return rows
     jackson = indentation.jackson_green(multiple, POISSON, YIELD / modulus)
@@ -139,24 +163,47 @@ def page(loads: Sequence[Load], spheres: Sequence[Sphere]) -> str:
     misled = [each for each in loads if each.elastic > (1 + USEFUL) * each.p_max]
     fine = [each for each in loads if each not in misled]
     rows = [
-        (f"{r.load:g}", f"{r.multiple:.2f}" if r.multiple else "-", f"{r.hertz:.0f}",
-         f"{r.elastic:.0f}", f"{r.p_max:.0f}", f"{r.elastic_area:.1f}", f"{r.area:.1f}",
-         f"{r.elastic_tau:.0f}", f"{r.tau:.0f}", f"{100 * r.strain:.3f} %",
-         f"{r.residual_stress:.0f}", f"{r.depth:.2f}", f"{r.elastic_seconds:.1f}",
-         f"{r.seconds:.1f}", "" if r.passed else "not passed")
+        (
+            f"{r.load:g}",
+            f"{r.multiple:.2f}" if r.multiple else "-",
+            f"{r.hertz:.0f}",
+            f"{r.elastic:.0f}",
+            f"{r.p_max:.0f}",
+            f"{r.elastic_area:.1f}",
+            f"{r.area:.1f}",
+            f"{r.elastic_tau:.0f}",
+            f"{r.tau:.0f}",
+            f"{100 * r.strain:.3f} %",
+            f"{r.residual_stress:.0f}",
+            f"{r.depth:.2f}",
+            f"{r.elastic_seconds:.1f}",
+            f"{r.seconds:.1f}",
+            "" if r.passed else "not passed",
+        )
         for r in loads
-    ]  # fmt: skip
+    ]
     others = [
-        (f"{s.multiple:g}", s.by, f"{s.approach:.3f}", f"{s.radius:.3f}", f"{s.pressure:.3f}",
-         "-" if s.residual is None else f"{s.residual:.3f}", "" if s.passed else "not passed")
+        (
+            f"{s.multiple:g}",
+            s.by,
+            f"{s.approach:.3f}",
+            f"{s.radius:.3f}",
+            f"{s.pressure:.3f}",
+            "-" if s.residual is None else f"{s.residual:.3f}",
+            "" if s.passed else "not passed",
+        )
         for s in spheres
-    ]  # fmt: skip
+    ]
     ratios = [r.seconds / r.elastic_seconds for r in loads if r.multiple]
     return tables.render(
-        "plasticity", loads=rows, spheres=others, useful=USEFUL, ratios=ratios,
+        "plasticity",
+        loads=rows,
+        spheres=others,
+        useful=USEFUL,
+        ratios=ratios,
         fine=max((each.load for each in fine), default=None),
         misled=min((each.load for each in misled), default=None),
-    )  # fmt: skip
+    )
 
 
 def draw(loads: Sequence[Load], spheres: Sequence[Sphere], path: Path) -> None:
@@ -180,7 +227,10 @@ def draw(loads: Sequence[Load], spheres: Sequence[Sphere], path: Path) -> None:
         for by, look in looks.items():
             own = [each for each in spheres if each.by == by]
             right.plot([s.multiple for s in own], [s.pressure for s in own], label=by, **look)
-        right.set(xscale="log", xlabel="load of a sphere over first yield",
-                  ylabel="mean pressure over yield stress")  # fmt: skip
+        right.set(
+            xscale="log",
+            xlabel="load of a sphere over first yield",
+            ylabel="mean pressure over yield stress",
+        )
         for axes in (left, right):
             axes.legend()

@@ -108,29 +108,79 @@ class Case:
 
 CASES: tuple[Case, ...] = (
     Case("54E1 crown 1 mm, cylinder", "rail", 1.0, 0.0, 25.0, ()),
-    Case("60E1 crown 3 mm, 1:40", "rail", 3.0, 0.0, 45.0,
-         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=cone40")),
-    Case("54E1 crown 2 mm, 1:20", "rail", 2.0, 0.0, 30.0,
-         ("rail.inclination=1:20", "wheel.profile=cone20")),
-    Case("54E1 corner 2 mm, S1002", "rail", 2.0, -30.0, 10.0,
-         ("wheel.profile=S1002", "wheelset.shift=4")),
-    Case("60E1 corner 3 mm, S1002", "rail", 3.0, -31.0, 12.0,
-         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002",
-          "wheelset.shift=4")),
-    Case("60E1 corner 1 mm, in flange contact", "rail", 1.0, -28.0, 8.0,
-         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002",
-          "wheelset.shift=6")),
-    Case("S1002 root 1 mm, in flange contact", "wheel", 1.0, -38.0, 8.0,
-         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002",
-          "wheelset.shift=5")),
-    Case("S1002 root 2 mm, 60E1", "wheel", 2.0, -36.0, 12.0,
-         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002",
-          "wheelset.shift=3")),
-    Case("S1002 tread hollow by 2 mm, 60E1", "wheel", 2.0, 0.0, 30.0,
-         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002")),
-    Case("60E1 crown 1 mm, S1002 (conformal)", "rail", 1.0, -5.0, 20.0,
-         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002")),
-)  # fmt: skip
+    Case(
+        "60E1 crown 3 mm, 1:40",
+        "rail",
+        3.0,
+        0.0,
+        45.0,
+        ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=cone40"),
+    ),
+    Case(
+        "54E1 crown 2 mm, 1:20",
+        "rail",
+        2.0,
+        0.0,
+        30.0,
+        ("rail.inclination=1:20", "wheel.profile=cone20"),
+    ),
+    Case(
+        "54E1 corner 2 mm, S1002",
+        "rail",
+        2.0,
+        -30.0,
+        10.0,
+        ("wheel.profile=S1002", "wheelset.shift=4"),
+    ),
+    Case(
+        "60E1 corner 3 mm, S1002",
+        "rail",
+        3.0,
+        -31.0,
+        12.0,
+        ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002", "wheelset.shift=4"),
+    ),
+    Case(
+        "60E1 corner 1 mm, in flange contact",
+        "rail",
+        1.0,
+        -28.0,
+        8.0,
+        ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002", "wheelset.shift=6"),
+    ),
+    Case(
+        "S1002 root 1 mm, in flange contact",
+        "wheel",
+        1.0,
+        -38.0,
+        8.0,
+        ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002", "wheelset.shift=5"),
+    ),
+    Case(
+        "S1002 root 2 mm, 60E1",
+        "wheel",
+        2.0,
+        -36.0,
+        12.0,
+        ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002", "wheelset.shift=3"),
+    ),
+    Case(
+        "S1002 tread hollow by 2 mm, 60E1",
+        "wheel",
+        2.0,
+        0.0,
+        30.0,
+        ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002"),
+    ),
+    Case(
+        "60E1 crown 1 mm, S1002 (conformal)",
+        "rail",
+        1.0,
+        -5.0,
+        20.0,
+        ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002"),
+    ),
+)
 
 
 @dataclass(frozen=True)
@@ -183,10 +233,18 @@ def compared(case: Case, spacing: float, noise: float, seeds: int) -> Row:
             more += contacts(found) > contacts(true)
     error, worst = np.array(pressures), np.abs(pressures)
     return Row(
-        case.name, spacing, noise, seeds, true.max_pressure, float(error.mean()),
-        float(np.quantile(worst, 0.9)), float(np.quantile(np.abs(areas), 0.9)), more,
-        float(np.median(opens)), float(np.mean(worst <= np.array(opens))),
-    )  # fmt: skip
+        case.name,
+        spacing,
+        noise,
+        seeds,
+        true.max_pressure,
+        float(error.mean()),
+        float(np.quantile(worst, 0.9)),
+        float(np.quantile(np.abs(areas), 0.9)),
+        more,
+        float(np.median(opens)),
+        float(np.mean(worst <= np.array(opens))),
+    )
 
 
 def main(out: Path, *, quick: bool) -> None:
@@ -219,14 +277,28 @@ def missed(row: Row) -> str:
 def page(rows: Sequence[Row]) -> str:
     """A table of all rows, and how many are within the limits."""
     lines = [
-        (r.case, f"{r.spacing:g}", f"{r.noise:g}", f"{r.true_pressure:.0f}",
-         f"{100 * r.pressure_mean:+.1f} %", f"{100 * r.pressure:.1f} %", f"{100 * r.area:.1f} %",
-         f"{100 * r.open:.1f} %", f"{100 * r.held:.0f} %", missed(r))
+        (
+            r.case,
+            f"{r.spacing:g}",
+            f"{r.noise:g}",
+            f"{r.true_pressure:.0f}",
+            f"{100 * r.pressure_mean:+.1f} %",
+            f"{100 * r.pressure:.1f} %",
+            f"{100 * r.area:.1f} %",
+            f"{100 * r.open:.1f} %",
+            f"{100 * r.held:.0f} %",
+            missed(r),
+        )
         for r in rows
-    ]  # fmt: skip
+    ]
     judged = [r for r in rows if r.noise in LIMITS]
     return tables.render(
-        "profiles", rows=lines, judged=len(judged), within=sum(not missed(r) for r in judged),
-        seeds=max(r.seeds for r in rows), limits=LIMITS, area=AREA_LIMIT,
+        "profiles",
+        rows=lines,
+        judged=len(judged),
+        within=sum(not missed(r) for r in judged),
+        seeds=max(r.seeds for r in rows),
+        limits=LIMITS,
+        area=AREA_LIMIT,
         held=float(np.average([r.held for r in rows], weights=[r.seeds for r in rows])),
-    )  # fmt: skip
+    )

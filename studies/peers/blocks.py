@@ -19,10 +19,15 @@ GRADIENT = 0.25  # of the size of tetrahedra
 # Faces in the numbering of Abaqus (and CalculiX), corners alone.
 FACES = {
     "hexahedron": [
-        [0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7],
+        [0, 1, 2, 3],
+        [4, 5, 6, 7],
+        [0, 1, 5, 4],
+        [1, 2, 6, 5],
+        [2, 3, 7, 6],
+        [3, 0, 4, 7],
     ],
     "tetrahedron": [[0, 1, 2], [0, 1, 3], [1, 2, 3], [0, 2, 3]],
-}  # fmt: skip
+}
 
 
 def write(path: Path, case: Mapping[str, float], cell: str, order: int, size: float) -> None:
@@ -35,9 +40,11 @@ def write(path: Path, case: Mapping[str, float], cell: str, order: int, size: fl
         flat, cells = make(size * coarser, order, sign)
         sides, corners = _faces(flat, cells, cell)
         arrays |= {
-            f"{body}_points": _bent(flat, body, case), f"{body}_cells": cells,
-            f"{body}_sides": sides, f"{body}_corners": corners,
-        }  # fmt: skip
+            f"{body}_points": _bent(flat, body, case),
+            f"{body}_cells": cells,
+            f"{body}_sides": sides,
+            f"{body}_corners": corners,
+        }
         for name, axis, place in (("x0", 0, 0), ("y0", 1, 0), ("far", 2, DEPTH), ("contact", 2, 0)):
             on = np.abs(np.abs(flat[:, axis]) - place) < 1e-7
             arrays[f"{body}_{name}"] = np.flatnonzero(on)

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from railhead.run.progress import Progress
-from studies.peers.peer import Peer
+from studies.peers.codes import Peer
 
 DEBIAN_PYTHON = "/usr/bin/python3"
 FAILED = "failed_{}.txt"  # in the venv: why a code could not be installed

@@ -12,8 +12,8 @@ from typing import Any
 
 from railhead.postprocess.plots.diagrams import FE, new_figure
 from studies import tables
-from studies.peers import running
-from studies.peers.peer import Peer
+from studies.peers.codes import Peer
+from studies.peers.process import running
 from studies.peers.reading import Run
 
 OURS = "railhead"
@@ -69,7 +69,9 @@ def page(
         spread=max((max(each) / min(each) for each in repeated), default=1.0),
         peers=[
             {
-                "title": peer.TITLE, "version": versions[peer.TITLE], "method": peer.METHOD,
+                "title": peer.TITLE,
+                "version": versions[peer.TITLE],
+                "method": peer.METHOD,
                 "settings": " ".join(peer.SETTINGS.split()),
             }
             for peer in present
@@ -77,17 +79,21 @@ def page(
         absent=absent,
         failed=[run for run in seen if run.failure],
         rows=[_row(run) for run in seen if not run.failure],
-    )  # fmt: skip
+    )
 
 
 def _row(run: Run) -> tuple[Any, ...]:
     values = vars(run)
     errors = [values[f"error_{name}"] for name in ERRORS]
     return (
-        run.code, run.setting, run.unknowns, f"{run.cpu_seconds:.1f}", f"{run.seconds:.1f}",
+        run.code,
+        run.setting,
+        run.unknowns,
+        f"{run.cpu_seconds:.1f}",
+        f"{run.seconds:.1f}",
         f"{(run.peak_bytes or 0) / 1e6:.0f}",
         *("-" if error is None else f"{100 * error:+.2f}" for error in errors),
-    )  # fmt: skip
+    )
 
 
 PANELS = {"error_p_max": "largest pressure", "error_area": "area of the patch"}

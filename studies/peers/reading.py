@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from railhead.theory.elastic import hertz, subsurface
-from studies.peers.running import Cost
+from studies.peers.process.running import Cost
 
 LEAST = 0.15  # of the largest pressure: below it, pressures are no part of the fit
 

@@ -13,11 +13,12 @@ from pathlib import Path
 from typing import Any
 
 from railhead.run.progress import Progress
-from studies.peers import blocks, running
+from studies.peers import blocks
 from studies.peers import install as installing
+from studies.peers.codes import Peer, peers
 from studies.peers.page import OURS, TRAVEL, draw
 from studies.peers.page import page as page_of
-from studies.peers.peer import Peer, peers
+from studies.peers.process import running
 from studies.peers.reading import UNITS, Run, fitted_run, own_run
 from studies.tables import write_csv
 
@@ -32,7 +33,7 @@ OWN_RUNS: dict[str, list[str]] = {
 }
 REPEATS = 3  # of ours
 COARSE = ["--set", "mesh.patch_size=1.2"]  # quick
-CHILD = Path(__file__).with_name("child.py")
+CHILD = running.ACCOUNT.with_name("child.py")
 
 
 def install() -> None:
@@ -102,14 +103,19 @@ def _case() -> dict[str, float]:
 
     scene = catalogue.find(CASE)
     load, rail_radius, wheel_radius = (
-        scene.load, scene.rail.crown_radius, scene.wheel.rolling_radius,
-    )  # fmt: skip
+        scene.load,
+        scene.rail.crown_radius,
+        scene.wheel.rolling_radius,
+    )
     assert load is not None and rail_radius is not None and wheel_radius is not None
     return {
-        "load": load, "travel": TRAVEL,
-        "rail_radius": rail_radius, "wheel_radius": wheel_radius,
-        "young": scene.rail.young_modulus, "poisson": scene.rail.poisson_ratio,
-    }  # fmt: skip
+        "load": load,
+        "travel": TRAVEL,
+        "rail_radius": rail_radius,
+        "wheel_radius": wheel_radius,
+        "young": scene.rail.young_modulus,
+        "poisson": scene.rail.poisson_ratio,
+    }
 
 
 def _meshes(present: Sequence[Peer], quick: bool) -> list[tuple[str, int, float]]:

@@ -15,9 +15,15 @@ from studies.thesis.rules.stress import P0, YIELD, exact_stress, thesis_shear
 from studies.thesis.runs import DEFAULT, HEXAHEDRA, WHEEL
 
 CHAPTERS = {
-    "1": "1 Introduction", "2": "2 Literature", "3": "3 Surfaces", "4": "4 Contact point",
-    "5": "5 Simulation", "6": "6 Results", "7": "7 Conclusions", "all": "All chapters",
-}  # fmt: skip
+    "1": "1 Introduction",
+    "2": "2 Literature",
+    "3": "3 Surfaces",
+    "4": "4 Contact point",
+    "5": "5 Simulation",
+    "6": "6 Results",
+    "7": "7 Conclusions",
+    "all": "All chapters",
+}
 CIRCLE_SHAKEDOWN = 4.7  # p0/k, circular patch
 STRIP_SHAKEDOWN = 4.0  # p0/k, line contact
 

@@ -24,8 +24,11 @@ if TYPE_CHECKING:
 
 LABELS = (r"$\sigma_1$", r"$\sigma_2$", r"$\sigma_3$", r"$\tau_{max}$")
 MARKS: dict[str, Any] = {"color": FE, "lw": 0, "marker": "o", "ms": 4, "zorder": 3}
-ROUTES = (("finite elements", MARKS), ("exact Hertz", {"color": HERTZ}),
-          ("thesis", {"color": GREY, "ls": "--"}))  # fmt: skip
+ROUTES = (
+    ("finite elements", MARKS),
+    ("exact Hertz", {"color": HERTZ}),
+    ("thesis", {"color": GREY, "ls": "--"}),
+)
 
 
 @dataclass(frozen=True)
@@ -86,15 +89,18 @@ def patch(case: Case, fe: Sampled | None, path: Path) -> None:
                 bands = axes.tricontourf(
                     *s.local.T, s.triangles, s.pressure, levels, cmap="YlOrRd_r", extend="both"
                 )
-            axes.contour(x, y, exact[..., i], levels, colors="black", linewidths=0.7,
-                         linestyles="solid")  # fmt: skip
+            axes.contour(
+                x, y, exact[..., i], levels, colors="black", linewidths=0.7, linestyles="solid"
+            )
             axes.plot(*closed_ellipse(c).T, "--", color="black", lw=1.4)
-            axes.set(xlabel="x, along the rail, mm", aspect="equal", xlim=(-5.6, 5.6),
-                     ylim=(-4.5, 4.5))  # fmt: skip
+            axes.set(
+                xlabel="x, along the rail, mm", aspect="equal", xlim=(-5.6, 5.6), ylim=(-4.5, 4.5)
+            )
             axes.set_title(
                 f"6.{i + 1}: {LABELS[i]}\ncentre: exact ${exact[65, 65, i]:.0f}$, "
-                f"thesis ${printed[i]:.0f}$ MPa", fontsize=11,
-            )  # fmt: skip
+                f"thesis ${printed[i]:.0f}$ MPa",
+                fontsize=11,
+            )
             figure.colorbar(bands, ax=axes, label="MPa", shrink=0.8)
         figure.axes[0].set_ylabel("y, across the rail, mm")
 
@@ -145,8 +151,13 @@ def loads(case: Case, fe: Sequence[Mapping[str, float]], path: Path) -> None:
             third.plot(a * growth, p0 * growth, **ROUTES[look][1])
         fixed = np.linspace(0.75, 2, 41) * c.a
         third.plot(fixed, c.p0 * (c.a / fixed) ** 2, ":", color=HERTZ)
-        third.annotate("25 kN, bodies of other\nradii, same shape", (1.6 * c.a, c.p0 / 2.56),
-                       xytext=(-25, 30), textcoords="offset points", fontsize=9)  # fmt: skip
+        third.annotate(
+            "25 kN, bodies of other\nradii, same shape",
+            (1.6 * c.a, c.p0 / 2.56),
+            xytext=(-25, 30),
+            textcoords="offset points",
+            fontsize=9,
+        )
         for axes, x, y in ((first, "load", "p0"), (second, "load", "a"), (third, "a", "p0")):
             unit = 1e-3 if x == "load" else 1.0
             axes.plot([row[x] * unit for row in fe], [row[y] for row in fe], **MARKS)
@@ -170,8 +181,15 @@ def _four(axes: Axes, at: Array, stresses: Array, route: int, named: bool = Fals
         ((0.08, -12, 6), (0.2, 12, -12), (0.3, 10, -14), (0.3, 10, 12))
     ):
         row = int(share * len(at))
-        axes.annotate(LABELS[i], (at[row], curves[row, i]), xytext=(x, y), fontsize=13,
-                      textcoords="offset points", ha="center", va="center")  # fmt: skip
+        axes.annotate(
+            LABELS[i],
+            (at[row], curves[row, i]),
+            xytext=(x, y),
+            fontsize=13,
+            textcoords="offset points",
+            ha="center",
+            va="center",
+        )
 
 
 def _diagonal(normal: Array) -> Array:
@@ -184,6 +202,8 @@ def _legend(figure: Any, fe: bool) -> None:
 
     shown = ROUTES if fe else ROUTES[1:]
     figure.legend(
-        [Line2D([], [], **look) for _, look in shown], [name for name, _ in shown],
-        loc="outside upper center", ncols=3,
-    )  # fmt: skip
+        [Line2D([], [], **look) for _, look in shown],
+        [name for name, _ in shown],
+        loc="outside upper center",
+        ncols=3,
+    )

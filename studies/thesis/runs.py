@@ -23,8 +23,15 @@ LOADS = (1e3, 5e3, 12.5e3, 25e3, 50e3, WHEEL, 150e3)
 DEFAULT, HEXAHEDRA = "quadratic tetrahedra, Nitsche", "linear hexahedra, penalty"
 SOLID185 = ("mesh.cell=hexahedron", "mesh.order=1", "solver.method=penalty")
 ELEMENTS = (2, 3, 4, 6)  # hexahedra per smaller semi-axis
-UNITS = {"load": "N", "a": "mm", "b": "mm", "p0": "MPa", "tau_max": "MPa", "tau_depth": "mm",
-         "mises_max": "MPa"}  # fmt: skip
+UNITS = {
+    "load": "N",
+    "a": "mm",
+    "b": "mm",
+    "p0": "MPa",
+    "tau_max": "MPa",
+    "tau_depth": "mm",
+    "mises_max": "MPa",
+}
 
 
 @dataclass(frozen=True)

@@ -81,9 +81,11 @@ def facts(scene: Scene) -> Facts:
     curvatures = (ellipse.curvature_x, 0.0), (0.0, ellipse.curvature_y)
     route = formulas.thesis_contact(*curvatures, ellipse.contact_modulus, ellipse.load)
     numerical = boundary_element.solve(
-        contact.half_space_gap(contact.touch), ellipse.contact_modulus, load=ellipse.load,
+        contact.half_space_gap(contact.touch),
+        ellipse.contact_modulus,
+        load=ellipse.load,
         half_size=(2 * ellipse.a, 2 * ellipse.b),
-    )  # fmt: skip
+    )
     poisson = scene.rail.poisson_ratio
     return Facts(ellipse, poisson, route, profile_facts(), {}, numerical.max_pressure)
 
@@ -117,8 +119,16 @@ def _rows(item: Judged) -> Sequence[Row]:
         Row(claim.id, claim.where, verdict, claim.expected, "none", "", "", None, "", "")
         if check is None
         else Row(
-            claim.id, claim.where, verdict, claim.expected, check.what, check.thesis, check.exact,
-            check.ours, check.unit, check.grade.name.lower(),
+            claim.id,
+            claim.where,
+            verdict,
+            claim.expected,
+            check.what,
+            check.thesis,
+            check.exact,
+            check.ours,
+            check.unit,
+            check.grade.name.lower(),
         )
         for check in checks
-    ]  # fmt: skip
+    ]

@@ -48,10 +48,12 @@ def test_the_page_says_the_largest_distance_and_ratios() -> None:
     points = [
         Point("made_up", 1e-3, 0.0, 0.0, by, force, across, 0.5, 7)
         for by, force, across in (
-            ("railhead", 0.5, 0.03), ("boundary elements", 0.54, 0.0), ("FASTSIM", 0.5, 0.02),
+            ("railhead", 0.5, 0.03),
+            ("boundary elements", 0.54, 0.0),
+            ("FASTSIM", 0.5, 0.02),
             ("linear theory", 0.9, 0.0),
         )
-    ]  # fmt: skip
+    ]
     slid = [
         Slid("made_up", mu, by, stress, 0.1)
         for mu in (0.0, 0.2, 0.4)

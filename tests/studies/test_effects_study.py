@@ -18,12 +18,20 @@ def quick(tmp_path_factory) -> tuple[Path, str]:
 def test_study_writes_its_tables_and_its_page(quick) -> None:
     folder, page = quick
     assert sorted(path.name for path in folder.iterdir()) == [
-        ".railhead", "effects.csv", "effects_off.csv", "page.md",
-    ]  # fmt: skip
+        ".railhead",
+        "effects.csv",
+        "effects_off.csv",
+        "page.md",
+    ]
     rows = list(csv.DictReader((folder / "effects.csv").open(encoding="utf-8")))
     assert {row["effect"] for row in rows} == {
-        "", "symmetry", "symmetry_x", "symmetry_y", "deformable_wheel", "far_field",
-    }  # fmt: skip
+        "",
+        "symmetry",
+        "symmetry_x",
+        "symmetry_y",
+        "deformable_wheel",
+        "far_field",
+    }
     assert "Unknowns and compiled forms are the same" in page
 
 
@@ -41,10 +49,22 @@ def test_what_the_plan_leaves_out_is_below_the_accuracy_and_pays(quick) -> None:
 
 def run(effect: str, on: bool, change: float) -> dict:
     return {
-        "scene": "made_up", "effect": effect, "on": on, "called_for": not on, "accuracy": 0.01,
-        "unknowns": 100, "seconds": 2.0, "p_max": 1.0, "area": 1.0, "tau_max": 1.0, "approach": 1.0,
-        "change_p_max": change, "change_area": 0.0, "change_tau_max": 0.0, "change_approach": 0.0,
-    }  # fmt: skip
+        "scene": "made_up",
+        "effect": effect,
+        "on": on,
+        "called_for": not on,
+        "accuracy": 0.01,
+        "unknowns": 100,
+        "seconds": 2.0,
+        "p_max": 1.0,
+        "area": 1.0,
+        "tau_max": 1.0,
+        "approach": 1.0,
+        "change_p_max": change,
+        "change_area": 0.0,
+        "change_tau_max": 0.0,
+        "change_approach": 0.0,
+    }
 
 
 def test_verdict_names_what_was_wrongly_left_out() -> None:

@@ -14,12 +14,19 @@ from click.testing import CliRunner
 from railhead.cli import commands, study
 from railhead.results import result_folder
 from railhead.theory.elastic import hertz, subsurface
-from studies.peers import blocks, install, page, peer, reading, running
+from studies.peers import blocks, codes, install, page, reading
 from studies.peers import study as peers_study
 from studies.peers.codes import calculix
+from studies.peers.process import running
 
-CASE = {"load": 25e3, "travel": 0.04, "rail_radius": 300.0, "wheel_radius": 420.0,
-        "young": 207e3, "poisson": 0.3}  # fmt: skip
+CASE = {
+    "load": 25e3,
+    "travel": 0.04,
+    "rail_radius": 300.0,
+    "wheel_radius": 420.0,
+    "young": 207e3,
+    "poisson": 0.3,
+}
 EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))  # of VTK's quadratic tetrahedra
 COST = running.Cost(4.0, 2.0, 10**8)
 CODE = """
@@ -50,8 +57,15 @@ def found(**changes: object) -> dict:
     """Exact Hertz at 24 kN as a code would give it."""
     ellipse = exact(24e3)
     x, y = (grid.ravel() for grid in np.meshgrid(np.linspace(0, 5, 11), np.linspace(0, 4, 9)))
-    return {"unknowns": 12, "force": 24e3, "pressure_max": ellipse.p0, "x": x.tolist(),
-            "y": y.tolist(), "pressure": ellipse.pressure(x, y).tolist(), **changes}  # fmt: skip
+    return {
+        "unknowns": 12,
+        "force": 24e3,
+        "pressure_max": ellipse.p0,
+        "x": x.tolist(),
+        "y": y.tolist(),
+        "pressure": ellipse.pressure(x, y).tolist(),
+        **changes,
+    }
 
 
 def made_up(folder: Path, title: str, version: str = "return '1.0'") -> ModuleType:
@@ -156,7 +170,7 @@ def test_an_earlier_cost_is_not_that_of_a_command_that_never_ran(tmp_path) -> No
 
 
 def test_each_code_is_whole_and_needs_one_kind_of_package() -> None:
-    known = peer.peers()
+    known = codes.peers()
     assert len({each.TITLE for each in known}) == len(known) >= 6
     for each in known:
         assert bool(each.PIP) != bool(each.DEBIAN)
@@ -168,10 +182,26 @@ def test_each_code_is_whole_and_needs_one_kind_of_package() -> None:
 
 def test_the_page_has_medians_reasons_and_what_failed() -> None:
     own = [
-        reading.Run(page.OURS, "finite elements", "default", s, s / 2, 2 * 10**8, 9, 3, 25e3,
-                    -2e-4, None, 1e-4, 1e-4, 2e-4, 1e-4, 3e-4)
+        reading.Run(
+            page.OURS,
+            "finite elements",
+            "default",
+            s,
+            s / 2,
+            2 * 10**8,
+            9,
+            3,
+            25e3,
+            -2e-4,
+            None,
+            1e-4,
+            1e-4,
+            2e-4,
+            1e-4,
+            3e-4,
+        )
         for s in (2.0, 9.0, 3.0)
-    ]  # fmt: skip
+    ]
     other = reading.fitted_run(reading.Run("Code", "finite elements", "1 mm"), COST, CASE, found())
     lost = reading.Run("Code", "finite elements", "0.1 mm", failure="singular matrix")
     text = page.page([own[0], other, own[1], lost, own[2]], [], {}, {"Gone": "no command gone"})
@@ -199,10 +229,12 @@ def test_without_other_codes_there_is_a_page_with_reasons_and_our_rows(
 ) -> None:
     """Nothing installed but one made-up code, of which a run fails."""
     monkeypatch.chdir(tmp_path)
-    codes = [made_up(tmp_path, "absent", "raise ImportError('no module absent')"),
-             made_up(tmp_path, "there")]  # fmt: skip
-    known = [each for each in peer.peers() if each.PIP]
-    monkeypatch.setattr(peers_study, "peers", lambda: [*known, *codes])
+    made = [
+        made_up(tmp_path, "absent", "raise ImportError('no module absent')"),
+        made_up(tmp_path, "there"),
+    ]
+    known = [each for each in codes.peers() if each.PIP]
+    monkeypatch.setattr(peers_study, "peers", lambda: [*known, *made])
     folder, text = study.run("peers", None, quick=True)
     assert sorted(os.listdir(folder)) == [".railhead", "page.md", "peers.csv", "peers.png"]
     assert "- absent: ImportError: no module absent (apt-get install python3-numpy)" in text
@@ -211,8 +243,9 @@ def test_without_other_codes_there_is_a_page_with_reasons_and_our_rows(
     with (folder / "peers.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [(row["code"], row["setting"]) for row in rows] == [
-        ("there", "fine"), ("railhead", "coarse"),
-    ]  # fmt: skip
+        ("there", "fine"),
+        ("railhead", "coarse"),
+    ]
     assert float(rows[0]["error_p_max"]) == pytest.approx(800 / exact().p0 - 1)
     assert float(rows[0]["error_a"]) == pytest.approx(4.3 / exact().a - 1)
     assert abs(float(rows[1]["error_p_max"])) < 0.02
@@ -258,21 +291,23 @@ def test_what_cannot_be_installed_is_noted_and_the_others_follow(
         asked.append(list(command))
         return "no such release" if command[-1] == "b" or command[0] == "dpkg" else ""
 
-    codes = []
+    made = []
     for name in ("a", "b", "c"):
-        codes.append(made_up(tmp_path, name))
-        codes[-1].PIP, codes[-1].DEBIAN = (name,), ()
-    codes.append(made_up(tmp_path, "d"))
+        made.append(made_up(tmp_path, name))
+        made[-1].PIP, made[-1].DEBIAN = (name,), ()
+    made.append(made_up(tmp_path, "d"))
     monkeypatch.setattr(install, "_failure", failure)
     monkeypatch.setattr(os, "geteuid", lambda: 1000)
     venv = tmp_path / "venv"
     (venv / "bin").mkdir(parents=True)
     (venv / "bin" / "python").touch()
     with install.Progress(quiet=True) as progress:
-        install.install(codes, venv, progress)
+        install.install(made, venv, progress)
     assert [command[-1] for command in asked] == ["a", "b", "c", "python3-numpy"]
-    assert [install.reason(code, venv, "no module") for code in codes] == [
-        "no module (pip install a)", "pip install b: no such release",
-        "no module (pip install c)", "apt-get install python3-numpy: only root can",
-    ]  # fmt: skip
+    assert [install.reason(code, venv, "no module") for code in made] == [
+        "no module (pip install a)",
+        "pip install b: no such release",
+        "no module (pip install c)",
+        "apt-get install python3-numpy: only root can",
+    ]
     assert capsys.readouterr().err.count("railhead: not installed: ") == 2

@@ -21,8 +21,12 @@ def railhead(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     code = "from railhead.cli import main; main()"
     return subprocess.run(
         [sys.executable, "-c", code, *arguments],
-        cwd=cwd, capture_output=True, text=True, check=False, timeout=300,
-    )  # fmt: skip
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
 
 
 def read(path: Path) -> list[dict]:
@@ -58,8 +62,11 @@ def test_load_sweep_writes_all_its_files_and_prints_its_page(sweep) -> None:
     done, folder = sweep
     assert done.returncode == 0, done.stderr
     assert sorted(os.listdir(folder)) == [
-        ".railhead", "load_sweep.csv", "load_sweep.png", "page.md",
-    ]  # fmt: skip
+        ".railhead",
+        "load_sweep.csv",
+        "load_sweep.png",
+        "page.md",
+    ]
     assert os.listdir(folder.parent) == ["load_sweep"]
     assert done.stdout.startswith((folder / "page.md").read_text())
     assert "hertz_ellipse: 1000 N" in done.stderr
@@ -77,8 +84,10 @@ def test_one_mesh_follows_hertz_over_all_loads(sweep) -> None:
 
 def test_fitted_exponents_are_hertz_s(sweep) -> None:
     rows = read(sweep[1] / "load_sweep.csv")
-    named = [{key.rsplit("_", 1)[0]: row[key] for key in row if key.endswith(("N", "mm", "MPa"))}
-             for row in rows]  # fmt: skip
+    named = [
+        {key.rsplit("_", 1)[0]: row[key] for key in row if key.endswith(("N", "mm", "MPa"))}
+        for row in rows
+    ]
     fitted = sweep_page.exponents(named)
     for key, exact in sweep_page.LAWS.items():
         assert fitted[key] == pytest.approx(exact, abs=2e-3)
@@ -95,8 +104,11 @@ def test_accuracy_cost_records_every_run(cost) -> None:
     done, folder = cost
     assert done.returncode == 0, done.stderr
     assert sorted(os.listdir(folder)) == [
-        ".railhead", "accuracy_cost.csv", "accuracy_cost.png", "page.md",
-    ]  # fmt: skip
+        ".railhead",
+        "accuracy_cost.csv",
+        "accuracy_cost.png",
+        "page.md",
+    ]
     rows = read(folder / "accuracy_cost.csv")
     given = [row for row in rows if row["asked"] is None]
     assert len(given) == 14  # two methods, three elements, two sizes; two cubic meshes

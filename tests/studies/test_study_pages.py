@@ -14,13 +14,26 @@ from studies.tables import pareto, power_law, table
 
 def run(method: str, element: str, n: float, seconds: float, error: float, **changes: object):
     row = {
-        "case": "made_up", "method": method, "element": element, "asked": None,
-        "elements_per_semi_axis": n, "patch_size_mm": 4.0 / n, "unknowns": 100,
-        "seconds": seconds, "seconds_solve": seconds / 2, "newton_iterations": 3,
-        "linear_iterations": 30, "converged": True, "failure": "", "reached": None,
-        "error": error, "error_all": error, "error_a": error / 2, "error_approach": error,
+        "case": "made_up",
+        "method": method,
+        "element": element,
+        "asked": None,
+        "elements_per_semi_axis": n,
+        "patch_size_mm": 4.0 / n,
+        "unknowns": 100,
+        "seconds": seconds,
+        "seconds_solve": seconds / 2,
+        "newton_iterations": 3,
+        "linear_iterations": 30,
+        "converged": True,
+        "failure": "",
+        "reached": None,
+        "error": error,
+        "error_all": error,
+        "error_a": error / 2,
+        "error_approach": error,
         "error_tau_max": error,
-    }  # fmt: skip
+    }
     return {**row, **changes}
 
 
@@ -100,23 +113,39 @@ def test_a_law_leaves_out_what_the_overlap_and_the_reading_explain() -> None:
 
 def bound(scene: str, estimate: float | None, error: float, **changes) -> error_bounds.Record:
     fields = {
-        "family": "ellipse", "scene": scene, "asked": None, "passed": True, "failed": "",
-        "reached": None, "unknowns": 1, "meshes": 1, "seconds": 2.0, "price": 1.1,
-        "quantity": "max_MPa", "estimate": estimate, "error": error,
-    }  # fmt: skip
+        "family": "ellipse",
+        "scene": scene,
+        "asked": None,
+        "passed": True,
+        "failed": "",
+        "reached": None,
+        "unknowns": 1,
+        "meshes": 1,
+        "seconds": 2.0,
+        "price": 1.1,
+        "quantity": "max_MPa",
+        "estimate": estimate,
+        "error": error,
+    }
     return error_bounds.Record(**{**fields, **changes})
 
 
 def test_verdict_on_estimates_counts_what_holds_and_what_is_missing() -> None:
     records = [
-        bound("a", 0.01, 0.005), bound("b", 0.01, 0.02), bound("c", None, 0.5),
+        bound("a", 0.01, 0.005),
+        bound("b", 0.01, 0.02),
+        bound("c", None, 0.5),
         bound("d", 0.01, 1e-9, passed=False, failed="accuracy"),
         bound("e", 0.01, 1.0, passed=False, failed="flux_rail"),
-    ]  # fmt: skip
+    ]
     verdict = error_bounds.verdict(records)
     assert verdict == {
-        "holds": 0.5, "worst": 2.0, "effectivity": 1.25, "estimated": 0.8, "passed": 0.6,
-    }  # fmt: skip
+        "holds": 0.5,
+        "worst": 2.0,
+        "effectivity": 1.25,
+        "estimated": 0.8,
+        "passed": 0.6,
+    }
     text = error_bounds.page(records, ["profiles_3: not back after 600 s"])
     assert "| ellipse" in text and "| 50.0%" in text
     assert "Refused, and not judged: e (flux_rail)" in text
@@ -157,8 +186,12 @@ def test_hard_cases_page_names_what_fails_and_what_is_refused() -> None:
 
     off = Measured({"area_mm2": Deviation(0.03, 0.02)})
     fine = Measured({"area_mm2": Deviation(0.01, 0.02)})
-    done = [outcome("off", off), outcome("lost", None, "the process crashed"),
-            outcome("fine", fine), outcome("refused", Measured(failed=("newton",)))]  # fmt: skip
+    done = [
+        outcome("off", off),
+        outcome("lost", None, "the process crashed"),
+        outcome("fine", fine),
+        outcome("refused", Measured(failed=("newton",))),
+    ]
     text = hard_page.page(done)
     assert "4 cases: 1 are right, 1 are refused by a check as they may be, 2 fail." in text
     assert "- **load: off**: area_mm2 off by 0.03, 0.02 allowed" in text

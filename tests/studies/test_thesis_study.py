@@ -83,9 +83,13 @@ def test_corrected_equations_hold_on_the_real_profiles() -> None:
 def test_quick_study_writes_page_tables_and_pictures(tmp_path) -> None:
     folder, text = study_runner.run("thesis", tmp_path / "thesis", quick=True)
     assert sorted(os.listdir(folder)) == [
-        ".railhead", "page.md", "thesis.csv", "thesis_lines.png", "thesis_loads.png",
+        ".railhead",
+        "page.md",
+        "thesis.csv",
+        "thesis_lines.png",
+        "thesis_loads.png",
         "thesis_patch.png",
-    ]  # fmt: skip
+    ]
     header, *rows = (folder / "thesis.csv").read_text().splitlines()
     assert header.startswith("claim,where,verdict,reference,check,thesis,exact,ours")
     assert {int(row.split(",")[0]) for row in rows} == set(range(1, 90))

@@ -14,19 +14,54 @@ from studies.hard.fuzz.random_scenes import Source, scene
 
 Tables = dict[str, Any]
 ODD: tuple[Any, ...] = (
-    math.nan, math.inf, -math.inf, 0, -1, 1e308, -1e308, 5e-324, 2**62, True, "", " ", "abc",
-    "25 kg", "1e999 N", "1:0", "-0", "0x10", "none", "auto", "é\n", [], [1.0], {}, {"x": 1},
-)  # fmt: skip
+    math.nan,
+    math.inf,
+    -math.inf,
+    0,
+    -1,
+    1e308,
+    -1e308,
+    5e-324,
+    2**62,
+    True,
+    "",
+    " ",
+    "abc",
+    "25 kg",
+    "1e999 N",
+    "1:0",
+    "-0",
+    "0x10",
+    "none",
+    "auto",
+    "é\n",
+    [],
+    [1.0],
+    {},
+    {"x": 1},
+)
 EXTREME = {
-    "load": (-300, 300), "approach": (-300, 300), "rail.crown_radius": (-6, 12),
-    "wheel.rolling_radius": (-6, 12), "rail.young_modulus": (-6, 12), "rail.length": (-6, 9),
-    "wheel.young_modulus": (-6, 12), "mesh.patch_size": (-6, 12), "wheel.width": (-6, 9),
-    "wheel.rim_depth": (-6, 9), "rail.depth": (-6, 9), "rail.width": (-6, 9),
-    "wheel.segment_length": (-6, 9), "solver.gamma_factor": (-30, 30),
-}  # fmt: skip
+    "load": (-300, 300),
+    "approach": (-300, 300),
+    "rail.crown_radius": (-6, 12),
+    "wheel.rolling_radius": (-6, 12),
+    "rail.young_modulus": (-6, 12),
+    "rail.length": (-6, 9),
+    "wheel.young_modulus": (-6, 12),
+    "mesh.patch_size": (-6, 12),
+    "wheel.width": (-6, 9),
+    "wheel.rim_depth": (-6, 9),
+    "rail.depth": (-6, 9),
+    "rail.width": (-6, 9),
+    "wheel.segment_length": (-6, 9),
+    "solver.gamma_factor": (-30, 30),
+}
 """Keys with decades, far beyond what is physical."""
 POINTS = {
-    "empty": "", "header only": "y,z\n", "one point": "0,0\n", "words": "y,z\na,b\nc,d\n",
+    "empty": "",
+    "header only": "y,z\n",
+    "one point": "0,0\n",
+    "words": "y,z\na,b\nc,d\n",
     "not finite": "\n".join(f"{y},nan" for y in range(-30, 31)),
     "one y": "\n".join("0,0" for _ in range(20)),
     "flat": "\n".join(f"{y},0" for y in range(-30, 31)),
@@ -37,7 +72,7 @@ POINTS = {
     "nanometres": "\n".join(f"{y * 1e-9},{-((y * 1e-9) ** 2) / 600}" for y in range(-30, 31)),
     "huge": "\n".join(f"{y},{1e300 * y * y}" for y in range(-30, 31)),
     "three columns": "\n".join(f"{y},{-y * y / 600},1" for y in range(-30, 31)),
-}  # fmt: skip
+}
 
 
 def _tables(source: Source) -> Tables:
@@ -109,9 +144,13 @@ def _points(source: Source, tables: Tables, folder: Path) -> None:
 
 
 MUTATIONS: dict[str, Callable[[Source, Tables, Path], None]] = {
-    "unknown key": _unknown, "odd value": _odd, "odd table": _table, "load": _load,
-    "extreme value": _extreme, "profile": _points,
-}  # fmt: skip
+    "unknown key": _unknown,
+    "odd value": _odd,
+    "odd table": _table,
+    "load": _load,
+    "extreme value": _extreme,
+    "profile": _points,
+}
 
 
 def write(source: Source, file: Path) -> str:

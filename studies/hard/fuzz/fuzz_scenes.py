@@ -161,9 +161,17 @@ def _judged(seed: int, kind: str, file: Path, options: list[str] | None) -> Fuzz
     if status == 0 and worst[1] and not worst[1].share <= 1:
         fault = f"{worst[0]} off by {worst[1].value:.2g}, {worst[1].allowed:.2g} allowed"
     return Fuzzed(
-        seed, kind, command, status, said, reference, worst[0],
-        worst[1].value if worst[1] else None, worst[1].allowed if worst[1] else None, fault,
-    )  # fmt: skip
+        seed,
+        kind,
+        command,
+        status,
+        said,
+        reference,
+        worst[0],
+        worst[1].value if worst[1] else None,
+        worst[1].allowed if worst[1] else None,
+        fault,
+    )
 
 
 def truth(summary: dict[str, Any]) -> tuple[str, dict[str, Deviation]]:

@@ -29,8 +29,9 @@ def main(out: Path, *, quick: bool) -> None:
         found.append(attempt.value or lost)
         seconds.append(attempt.seconds)
         ended = found[-1].fault or f"status {found[-1].status}"
-        print(f"{len(found)} of {len(jobs)}: {found[-1].kind}, seed {seed}: {ended}",
-              file=sys.stderr)  # fmt: skip
+        print(
+            f"{len(found)} of {len(jobs)}: {found[-1].kind}, seed {seed}: {ended}", file=sys.stderr
+        )
     tables.write_csv(out / "fuzz.csv", found)
     (out / study.PAGE).write_text(page(found, seconds), encoding="utf-8")
 
@@ -43,15 +44,29 @@ def page(found: Sequence[Fuzzed], seconds: Sequence[float]) -> str:
         own = [each for each in found if kind in (each.kind, "all")]
         status = Counter(each.status for each in own)
         solved = [each for each in own if each.status == 0 and each.deviation is not None]
-        shares = [each.deviation / each.allowed for each in solved
-                  if each.deviation is not None and each.allowed]  # fmt: skip
-        rows.append([
-            kind, len(own), *(status[key] for key in OUTCOMES),
-            sum(each.command == "plan" for each in own), len(solved),
-            f"{max(shares):.2f}" if shares else "-", sum(bool(each.fault) for each in own),
-        ])  # fmt: skip
+        shares = [
+            each.deviation / each.allowed
+            for each in solved
+            if each.deviation is not None and each.allowed
+        ]
+        rows.append(
+            [
+                kind,
+                len(own),
+                *(status[key] for key in OUTCOMES),
+                sum(each.command == "plan" for each in own),
+                len(solved),
+                f"{max(shares):.2f}" if shares else "-",
+                sum(bool(each.fault) for each in own),
+            ]
+        )
     failed = Counter(name for each in found if each.status == 1 for name in each.said.split()[:1])
     return tables.render(
-        "fuzz", found=found, seed=SEED, most=MOST, rows=rows, seconds=seconds,
+        "fuzz",
+        found=found,
+        seed=SEED,
+        most=MOST,
+        rows=rows,
+        seconds=seconds,
         failed=failed.most_common(),
-    )  # fmt: skip
+    )

@@ -11,3 +11,34 @@
 `version` and `solve` are called in another Python, which has neither railhead nor its libraries:
 a module imports numpy and the standard library, and its code inside these two.
 """
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from collections.abc import Mapping
+from typing import Any, Protocol, cast
+
+
+class Peer(Protocol):
+    """What a module here provides."""
+
+    TITLE: str
+    METHOD: str
+    SETTINGS: str
+    PIP: tuple[str, ...]
+    DEBIAN: tuple[str, ...]
+    RUNS: Mapping[str, Mapping[str, Any]]
+    __file__: str
+
+    def version(self) -> str:
+        """Of the code; raises where it is not there."""
+
+    def solve(self, case: Mapping[str, float], mesh: Any, **run: Any) -> dict[str, Any]:
+        """In N, mm and MPa, of the whole contact."""
+
+
+def peers() -> list[Peer]:
+    """Every module here, by name."""
+    names = sorted(module.name for module in pkgutil.iter_modules(__path__))
+    return [cast(Peer, importlib.import_module(f"{__name__}.{name}")) for name in names]

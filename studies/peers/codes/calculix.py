@@ -15,9 +15,11 @@ PIP = ()
 DEBIAN = ("calculix-ccx", "python3-numpy")
 _MORTAR = {"element": "C3D8", "contact": "LINMORTAR", "penalty": 1000, "solver": "SPOOLES"}
 _PENALTY = {
-    "element": "C3D10", "contact": "SURFACE TO SURFACE", "penalty": 50,
+    "element": "C3D10",
+    "contact": "SURFACE TO SURFACE",
+    "penalty": 50,
     "solver": "ITERATIVE CHOLESKY",
-}  # fmt: skip
+}
 RUNS = {
     f"mortar, C3D8, {size} mm": {"mesh": ["hexahedron", 1, size], **_MORTAR}
     for size in (1.0, 0.7, 0.5)

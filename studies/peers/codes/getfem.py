@@ -33,10 +33,14 @@ def solve(case, mesh, size):
     young, nu = case["young"], case["poisson"]
     model = gf.Model("real")
     data = {
-        "lam": [young * nu / (1 + nu) / (1 - 2 * nu)], "mu": [young / 2 / (1 + nu)],
-        "r": [young / size], "Hx": np.diag([1.0, 0, 0]), "Hy": np.diag([0, 1.0, 0]),
-        "zero": [0.0, 0, 0], "down": [0.0, 0, -case["travel"]],
-    }  # fmt: skip
+        "lam": [young * nu / (1 + nu) / (1 - 2 * nu)],
+        "mu": [young / 2 / (1 + nu)],
+        "r": [young / size],
+        "Hx": np.diag([1.0, 0, 0]),
+        "Hy": np.diag([0, 1.0, 0]),
+        "zero": [0.0, 0, 0],
+        "down": [0.0, 0, -case["travel"]],
+    }
     for name, value in data.items():
         model.add_initialized_data(name, value)
     bodies = {"rail": ("u1", "zero"), "wheel": ("u2", "down")}

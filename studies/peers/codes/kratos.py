@@ -78,16 +78,19 @@ def solve(case, mesh):
     pressures = np.array([pressure(node) for node in nodes])
     return {
         "unknowns": 3 * (len(mesh["rail_points"]) + len(mesh["wheel_points"])),
-        "force": 4 * abs(sum(
-            part.GetNode(int(node) + 1).GetSolutionStepValue(Core.REACTION_Z)
-            for node in mesh["rail_far"]
-        )),
+        "force": 4
+        * abs(
+            sum(
+                part.GetNode(int(node) + 1).GetSolutionStepValue(Core.REACTION_Z)
+                for node in mesh["rail_far"]
+            )
+        ),
         "pressure_max": pressures[np.argmin(np.hypot(x, y))],
         "x": x,
         "y": y,
         "pressure": pressures,
         "iterations": count,
-    }  # fmt: skip
+    }
 
 
 def _write_model(mesh):
@@ -154,27 +157,43 @@ def _settings(case):
         }
 
     linear = {
-        "solver_type": "amgcl", "smoother_type": "ilu0", "krylov_type": "gmres",
-        "coarsening_type": "aggregation", "max_iteration": 500, "tolerance": 1e-8,
-        "gmres_krylov_space_dimension": 100, "scaling": False, "block_size": 1,
+        "solver_type": "amgcl",
+        "smoother_type": "ilu0",
+        "krylov_type": "gmres",
+        "coarsening_type": "aggregation",
+        "max_iteration": 500,
+        "tolerance": 1e-8,
+        "gmres_krylov_space_dimension": 100,
+        "scaling": False,
+        "block_size": 1,
         "use_block_matrices_if_possible": True,
-    }  # fmt: skip
+    }
     solver = {
-        "model_part_name": "Structure", "domain_size": 3, "echo_level": 0,
-        "solver_type": "Static", "analysis_type": "non_linear",
+        "model_part_name": "Structure",
+        "domain_size": 3,
+        "echo_level": 0,
+        "solver_type": "Static",
+        "analysis_type": "non_linear",
         "model_import_settings": {"input_type": "mdpa", "input_filename": "model"},
         "material_import_settings": {"materials_filename": "steel.json"},
         "time_stepping": {"time_step": 1.0 + 1e-9},
         "contact_settings": {
-            "mortar_type": "ALMContactFrictionless", "use_mixed_ulm_solver": True,
+            "mortar_type": "ALMContactFrictionless",
+            "use_mixed_ulm_solver": True,
             "silent_strategy": True,
         },
-        "compute_reactions": True, "move_mesh_flag": True, "clear_storage": True,
-        "reform_dofs_at_each_step": True, "convergence_criterion": "contact_residual_criterion",
-        "residual_relative_tolerance": 1e-6, "residual_absolute_tolerance": 1e-9,
-        "max_iteration": STEPS, "linear_solver_settings": linear, "rotation_dofs": False,
+        "compute_reactions": True,
+        "move_mesh_flag": True,
+        "clear_storage": True,
+        "reform_dofs_at_each_step": True,
+        "convergence_criterion": "contact_residual_criterion",
+        "residual_relative_tolerance": 1e-6,
+        "residual_absolute_tolerance": 1e-9,
+        "max_iteration": STEPS,
+        "linear_solver_settings": linear,
+        "rotation_dofs": False,
         "volumetric_strain_dofs": False,
-    }  # fmt: skip
+    }
     contact = {
         "python_module": "alm_contact_process",
         "kratos_module": "KratosMultiphysics.ContactStructuralMechanicsApplication",
@@ -187,16 +206,22 @@ def _settings(case):
     }
     return {
         "problem_data": {
-            "problem_name": "hertz", "parallel_type": "OpenMP", "start_time": 0.0,
-            "end_time": 1.0, "echo_level": 0,
+            "problem_name": "hertz",
+            "parallel_type": "OpenMP",
+            "start_time": 0.0,
+            "end_time": 1.0,
+            "echo_level": 0,
         },
         "solver_settings": solver,
         "processes": {
             "constraints_process_list": [
-                held("rail_far", 0.0, 0.0, 0.0), held("rail_x0", x=0.0), held("rail_y0", y=0.0),
-                held("wheel_x0", x=0.0), held("wheel_y0", y=0.0),
+                held("rail_far", 0.0, 0.0, 0.0),
+                held("rail_x0", x=0.0),
+                held("rail_y0", y=0.0),
+                held("wheel_x0", x=0.0),
+                held("wheel_y0", y=0.0),
                 held("wheel_far", 0.0, 0.0, -case["travel"]),
             ],
             "contact_process_list": [contact],
         },
-    }  # fmt: skip
+    }

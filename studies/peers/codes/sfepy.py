@@ -88,16 +88,23 @@ def solve(case, mesh):
     problem = Problem("contact", equations=Equations([Equation("e", elastic(u, v) + contact)]))
     status = IndexedStruct()
     control = {
-        "i_max": STEPS, "eps_a": 1e-6, "eps_r": 1e-4, "eps_mode": "or", "ls_on": 1e10,
+        "i_max": STEPS,
+        "eps_a": 1e-6,
+        "eps_r": 1e-4,
+        "eps_mode": "or",
+        "ls_on": 1e10,
         "lin_red": None,
-    }  # fmt: skip
+    }
     newton = Newton(control, lin_solver=PyPardisoSolver({}), status=status)
     problem.set_solver(newton)
     held = {
-        "farrail": {"u.all": 0.0}, "farwheel": {"u.[0,1]": 0.0, "u.2": -case["travel"]},
-        "x0rail": {"u.0": 0.0}, "x0wheel": {"u.0": 0.0},
-        "y0rail": {"u.1": 0.0}, "y0wheel": {"u.1": 0.0},
-    }  # fmt: skip
+        "farrail": {"u.all": 0.0},
+        "farwheel": {"u.[0,1]": 0.0, "u.2": -case["travel"]},
+        "x0rail": {"u.0": 0.0},
+        "x0wheel": {"u.0": 0.0},
+        "y0rail": {"u.1": 0.0},
+        "y0wheel": {"u.1": 0.0},
+    }
     problem.set_bcs(Conditions([EssentialBC(k, regions[k], value) for k, value in held.items()]))
     problem.solve(status=status, save_results=False)
     if newton.status.condition:

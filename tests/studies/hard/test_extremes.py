@@ -16,11 +16,22 @@ COMMAND = "from railhead.cli import main; main()"
 BODIES = ("length", "depth", "width"), ("width", "rim_depth", "segment_length")
 EXTREMES = [10.0**n for n in (-300, -30, -12, -6, -3, 6, 9, 15, 300)]
 KEYS = [
-    "load", "approach", "mesh.patch_size", "solver.gamma_factor", "rail.crown_radius",
-    "wheel.rolling_radius", "wheel.transverse_radius", "rail.young_modulus",
-    "wheel.young_modulus", "rail.length", "rail.depth", "rail.width", "wheel.width",
-    "wheel.rim_depth", "wheel.segment_length",
-]  # fmt: skip
+    "load",
+    "approach",
+    "mesh.patch_size",
+    "solver.gamma_factor",
+    "rail.crown_radius",
+    "wheel.rolling_radius",
+    "wheel.transverse_radius",
+    "rail.young_modulus",
+    "wheel.young_modulus",
+    "rail.length",
+    "rail.depth",
+    "rail.width",
+    "wheel.width",
+    "wheel.rim_depth",
+    "wheel.segment_length",
+]
 CASES = ["hertz_ellipse", "sphere_on_plane", "two_cylinders", "roller_on_block", "uic54_thesis"]
 
 
@@ -39,10 +50,22 @@ def test_a_plan_is_finite_or_refused_in_one_line(case: str, key: str) -> None:
 
 def run(folder: Path, *arguments: str) -> tuple[int, str]:
     done = subprocess.run(
-        [sys.executable, "-c", COMMAND, "run", *arguments, "--no-pictures", "--quiet",
-         "--out", str(folder / "out")],
-        capture_output=True, text=True, timeout=300, check=False,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-c",
+            COMMAND,
+            "run",
+            *arguments,
+            "--no-pictures",
+            "--quiet",
+            "--out",
+            str(folder / "out"),
+        ],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
     return done.returncode, done.stderr.strip()
 
 

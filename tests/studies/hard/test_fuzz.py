@@ -77,9 +77,13 @@ def solved(
     result = {"pressure": {"max_MPa": pressure}}
     without = {} if plain is None else {"frictionless": {"pressure": {"max_MPa": plain}}}
     return without | {
-        "scene": SOLVED, "result": result, "hertz": {"pressure": {"max_MPa": 100.0}},
-        "half_space": None, "accuracy": {"bound": bound}, "checks": {"failed": failed},
-    }  # fmt: skip
+        "scene": SOLVED,
+        "result": result,
+        "hertz": {"pressure": {"max_MPa": 100.0}},
+        "half_space": None,
+        "accuracy": {"bound": bound},
+        "checks": {"failed": failed},
+    }
 
 
 @pytest.mark.parametrize(

@@ -40,9 +40,12 @@ def run(command: Sequence[str], folder: Path, limit: float = LIMIT) -> Cost:
     with (folder / "said.txt").open("wb") as said:
         process = subprocess.Popen(
             [sys.executable, "-I", str(ACCOUNT), "cost.json", *command],
-            cwd=folder, env=environment, stdout=said, stderr=subprocess.STDOUT,
+            cwd=folder,
+            env=environment,
+            stdout=said,
+            stderr=subprocess.STDOUT,
             start_new_session=True,
-        )  # fmt: skip
+        )
         try:
             process.wait(limit)
         except subprocess.TimeoutExpired:

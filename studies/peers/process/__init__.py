@@ -1,0 +1,1 @@
+"""Commands and codes in processes of their own, and what they cost."""
