@@ -17,7 +17,7 @@ from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.line import LineContact
 
-DEFAULT_ACCURACY = 0.01  # that a scene without an asked accuracy is held to
+DEFAULT_ACCURACY = 0.01  # of a scene without a prescribed one
 
 
 @dataclass(frozen=True)
@@ -112,9 +112,9 @@ class Context:
 
     @property
     def accuracy(self) -> float:
-        """What indicators are weighed against."""
-        asked = self.scene.accuracy
-        return asked if asked is not None else DEFAULT_ACCURACY
+        """Relative error that effects may add before they are called for."""
+        accuracy = self.scene.accuracy
+        return DEFAULT_ACCURACY if accuracy is None else accuracy
 
 
 @dataclass(frozen=True)

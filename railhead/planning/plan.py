@@ -71,7 +71,7 @@ class Plan:
 
     @property
     def scene(self) -> Scene:
-        """What was asked for."""
+        """The scene that is planned."""
         return self.context.scene
 
     @property
@@ -113,12 +113,12 @@ class Plan:
 
     @property
     def is_elastic_frictionless(self) -> bool:
-        """Whether it is elastic and frictionless."""
+        """Whether neither yield nor friction is simulated."""
         return not (self.effects["plasticity"].on or self.effects["friction"].on)
 
     @property
     def section(self) -> bool:
-        """Whether two dimensions are enough."""
+        """Whether a section in two dimensions is solved."""
         return bool(self.contact.plane)
 
     @property
@@ -156,7 +156,7 @@ class Plan:
 
     @cached_property
     def uncertainty(self) -> Uncertainty | None:
-        """That comes from measured profiles; None without any."""
+        """What measured profiles leave uncertain; None without any."""
         return uncertainty.of_profiles(self.context)
 
     @property
@@ -189,7 +189,7 @@ class Plan:
 
     @property
     def poisson_ratios(self) -> dict[str, float]:
-        """Of the bodies that are meshed, by name, the one shown first."""
+        """Poisson's ratio by name of the bodies that are meshed."""
         return {BODY_NAMES[tag]: self._part(tag).poisson_ratio for tag in self.deformable}
 
     def _part(self, body: int) -> Rail | Wheel:
@@ -197,7 +197,7 @@ class Plan:
 
     @cached_property
     def surfaces(self) -> Contact:
-        """The contact whose profiles make the gap."""
+        """The contact whose profiles make the gap: of one radius where `true_profile` is off."""
         if self.effects["true_profile"].on:
             return self.contact
         return one_radius(self.contact)
@@ -236,7 +236,7 @@ class Plan:
 
     @property
     def options(self) -> Options:
-        """Cells, degree of the geometry, and whether one half is left out."""
+        """Options of the mesher."""
         curved = self.order > 1 and not self.contact.half_space
         cell = self.scene.mesh.cell
         per_turn = SECTION_PER_TURN if self.with_foot else ELEMENTS_PER_TURN
@@ -259,7 +259,7 @@ class Plan:
 
     @cached_property
     def sizing(self) -> Sizing:
-        """Element sizes."""
+        """What element sizes depend on."""
         return Sizing(
             contact=self.contact,
             surfaces=self.surfaces,
@@ -276,7 +276,7 @@ class Plan:
 
     @cached_property
     def unknowns(self) -> int:
-        """Predicted from the element density."""
+        """Number of unknowns, predicted from the density of elements."""
         cell = self.scene.mesh.cell
         share = 0.5 ** (self.half_x + self.half_y)
         if self.section:
@@ -293,12 +293,12 @@ class Plan:
 
     @property
     def seconds(self) -> float:
-        """Predicted for the whole process without pictures, one mesh."""
+        """Predicted seconds of the whole process with one mesh, pictures not included."""
         return prediction.START + self.solving
 
     @property
     def solving(self) -> float:
-        """Predicted for one mesh without the start of the process, s."""
+        """Predicted seconds of one mesh, the start of the process not included."""
         more = prediction.LOAD_STEP * self.load_steps if self.effects["plasticity"].on else 0.0
         if self.effects["friction"].on and not self.section:
             more += prediction.FRICTION * self.unknowns / prediction.FRICTION_AT
@@ -306,7 +306,7 @@ class Plan:
 
     @property
     def cost(self) -> prediction.Cost:
-        """What an unknown of this kind of model takes without yield and friction."""
+        """Seconds and bytes an unknown of this kind of model, without yield and friction."""
         return prediction.cost(
             self.scene.mesh.cell,
             self.order,
@@ -316,7 +316,7 @@ class Plan:
 
     @property
     def memory(self) -> int:
-        """Predicted peak, bytes."""
+        """Predicted peak of the memory, bytes."""
         each = self.cost.bytes
         if self.effects["plasticity"].on:
             each += prediction.YIELD_BYTES
@@ -381,7 +381,7 @@ class Plan:
         }
 
     def summary(self) -> dict[str, Any]:
-        """As in summary.json."""
+        """ "plan" of summary.json."""
         return {
             "effects": {name: self._effect(name) for name in self.effects},
             "unknowns": self.unknowns,
@@ -407,8 +407,8 @@ class Plan:
 
 
 def make(scene: Scene) -> Plan:
-    """Decide. Raises SceneError for a pair that cannot be solved as a point contact, an accuracy
-    that no mesh is expected to meet, and bodies that cannot be built."""
+    """The plan of a scene. Raises SceneError for a pair that cannot be solved as a point or line
+    contact, an accuracy that no mesh is expected to meet, and bodies that cannot be built."""
     plan = _decided(scene)
     if scene.accuracy is not None and scene.budget is None and plan.family is not None:
         least = plan.family.least + plan.omission_error
@@ -425,7 +425,7 @@ def make(scene: Scene) -> Plan:
 
 
 def _decided(scene: Scene) -> Plan:
-    """Whether or not its bodies can be built."""
+    """The plan of a scene, whether or not its bodies can be built."""
     kind = dimension.choose(scene)
     contact = geometry.locate(scene) if kind.kind == "solid" else plane_section.locate(scene, kind)
     predicted = closed_forms.hertz_if_valid(scene, contact)

@@ -22,7 +22,7 @@ from railhead.postprocess.findings import FLAT
 T = TypeVar("T")
 STEP = 1.6  # refinement from one mesh of a sequence to the next
 TINY = 1e-12  # of a reading: divides nothing
-AIM = 0.9  # of the asked accuracy: what the mesh may take, the rest is for the other parts
+AIM = 0.9  # of the prescribed accuracy: what the mesh may take, the rest is for the other parts
 RANGE = (3.0, 60.0)  # elements per semi-axis that are considered
 PLACES = ("tau_max_depth_mm",)
 """Quantities that are places of a maximum: their scale is how flat that is."""
@@ -43,11 +43,14 @@ def drop_beside_maximum(beside: float) -> float:
 class Setting:
     """What errors depend on besides the resolution.
 
-    shape: 'half-spaces', 'bodies' (solids that end), 'plane strain' or 'meridian'; turned: whether
-    the width of a line contact runs across the rail; theta: as given, None where the law chooses;
-    poisson, least_poisson: the largest and least of the deformable bodies; ellipse: whether the
-    patch is one; axis_ratio: longer over shorter semi-axis; stiffness: E/(1 - nu^2) of the softer
-    body over the other's.
+    shape: 'half-spaces', 'bodies' (solids that end), 'plane strain' or 'meridian'.
+    turned: the width of a line contact runs across the rail.
+    cell, order, method, gamma_factor: as the keys of a scene.
+    theta: of Nitsche's method; None where the contact law chooses it.
+    poisson, least_poisson: largest and least Poisson's ratio of the deformable bodies.
+    ellipse: the patch is an ellipse.
+    axis_ratio: longer over shorter semi-axis.
+    stiffness: E/(1 - nu^2) of the softer body over that of the other.
     """
 
     shape: str

@@ -23,15 +23,19 @@ SAFETY = 2.0  # chosen on six seeds of each pair of the study
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """relative: of the sizes and values of the answer; infinite, with a reason, where half-spaces
-    cannot tell."""
+    """Relative error of sizes and values of the answer that measured profiles may hide.
+
+    relative: infinite where boundary elements find no patch.
+    reason: why it is infinite, else empty.
+    """
 
     relative: float
     reason: str = ""
 
 
 def of_profiles(context: Context) -> Uncertainty | None:
-    """None where no profile is measured, and in sections, whose contacts no half-space has."""
+    """What the measured profiles of a scene leave uncertain; None where none is measured, and in
+    sections, whose contacts no half-space has."""
     scene, contact = context.scene, context.contact
     if contact.half_space or contact.plane or not solid.measured_bodies(scene):
         return None
@@ -42,8 +46,8 @@ def of_profiles(context: Context) -> Uncertainty | None:
 
 
 def around(scene: Scene, solution: Solution) -> Uncertainty:
-    """Of the solution of a scene. Raises SceneError, ValueError where another length of smoothing
-    leaves no contact."""
+    """How pressure and area of a solution change with other lengths of smoothing. Raises SceneError
+    or ValueError where one of them leaves no contact."""
     changes = []
     for stretch in STRETCHES:
         contact = solid.locate(scene, solid.pair(scene, stretch))

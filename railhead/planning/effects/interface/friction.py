@@ -24,8 +24,8 @@ def decide(context: Context) -> Effect:
     surfaces slip when they are pressed together: Dundurs' beta != 0 (Johnson, Contact Mechanics,
     5.1 and 5.4)."""
     scene = context.scene
-    asked = scene.friction
-    limit = asked.coefficient * context.hertz.load
+    coefficient = scene.friction.coefficient
+    limit = coefficient * context.hertz.load
     table, along, across = scene.tangential_forces
     force = math.hypot(along, across)
     if force and force >= limit and (scene.load is not None or not limit):
@@ -37,7 +37,7 @@ def decide(context: Context) -> Effect:
     wheelset = wheelset_creepage(context)
     _fits_the_section(context)
     untouched = "no tangential force and no creepage"
-    if not asked.coefficient and scene.rolling.prescribed:
+    if not coefficient and scene.rolling.prescribed:
         called, why = False, "friction.coefficient = 0: it rolls freely"
     elif scene.rolling.prescribed:
         stands = f" as the wheelset stands, {wheelset.why}" if wheelset else ""
@@ -53,7 +53,7 @@ def decide(context: Context) -> Effect:
         )
     elif not unlike(scene):
         called, why = False, f"{untouched}, and Dundurs' beta = 0 leaves the surfaces unsheared"
-    elif not asked.coefficient:
+    elif not coefficient:
         called, why = False, f"{untouched}, and friction.coefficient = 0"
     else:
         called, why = (
@@ -66,7 +66,7 @@ def decide(context: Context) -> Effect:
             "1 is not allowed with friction: on linear tetrahedra and triangles forces are 0.03 to "
             "0.14 mu N off; give 2",
         )
-    refused = {} if asked.coefficient else {"on": "friction.coefficient is 0"}
+    refused = {} if coefficient else {"on": "friction.coefficient is 0"}
     return Effect(called, called, why, refused)
 
 

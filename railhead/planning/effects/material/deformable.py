@@ -7,7 +7,7 @@ import math
 from railhead.planning.context import Context, Effect
 from railhead.scene.sections import Rail, Wheel
 
-SHARE = 0.1  # of the asked accuracy: compliance that may be left out
+SHARE = 0.1  # of the prescribed accuracy: compliance that may be left out
 
 
 def rail(context: Context) -> Effect:

@@ -17,8 +17,8 @@ CHANGE = (
 
 
 def decide(context: Context) -> Effect:
-    """Called for where it is asked, where the cut is near enough to be felt, or where the twist of
-    the rail brings another part of the profiles into contact."""
+    """Called for by rail.extent = section, where the cut changes the stress, or where
+    the twist of the rail brings another part of the profiles into contact."""
     rail, hertz = context.scene.rail, context.hertz
     extent, name = rail.extent, rail.profile
     if context.contact.half_space:
