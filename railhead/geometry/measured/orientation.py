@@ -26,7 +26,7 @@ GUESSED_UNITS = ("mm", "inch", "m")  # no number is a usual width in two of them
 FALL = 4.0  # mm that a rail read in inches or m falls at its sides: a crown in cm falls by less
 COARSE_STEP = 1.0  # mm between the points by which orientations are compared
 CLEARER, CLEARLY = 2.0, 0.02  # times, and mm: another orientation is farther from the standard
-WIDE, FLAT = 60.0, 2.0  # mm: a head that wide falls by more, worn or not
+WIDE, FLAT = 60.0, 2.0  # mm: a rail head that wide falls by more, worn or not
 UNWORN, STANDS_OUT = 0.05, 0.15  # mm: of a side that is the standard's, and of the whole, at most
 CLEAR_LOSS, CLEAR_SLOPE = 2.0, 0.005  # mm2 and slope: less tells no gauge side
 FALLS, LEAST_FALL = 3.0, 1.0  # mm: a head falls at one side of its top, and must at the other
@@ -63,9 +63,7 @@ def oriented(points: Array, body: str, given: Orientation) -> tuple[Array, list[
     laid = standards.all_laid(even, body)
     nearest = min(laid, key=lambda each: each.misfit)
     warning, typed = "", "auto" not in (given.flip, given.mirror)
-    width, height = np.ptp(even, axis=0)
-    flat = body == "rail" and width > WIDE and height < FLAT
-    if flat or not nearest.fits:
+    if not nearest.fits:
         text = f"is farther than {standards.FARTHEST:g} mm from {nearest.name}, the nearest "
         text += f"standard {body}, or beside it"
         if not typed:
@@ -212,6 +210,11 @@ def _unit_by_width(points: Array, body: str) -> str:
     bulge = float(np.abs(z - np.interp(y, y[[0, -1]], z[[0, -1]])).max())
     for unit in GUESSED_UNITS:
         fits = least <= width * MM_OF_UNIT[unit] <= most
+        if fits and unit == "mm" and body == "rail" and width > WIDE and np.ptp(z) < FLAT:
+            text = f"is {width:.4g} wide and {np.ptp(z):.2g} high, lower than a rail that wide in "
+            text += "mm: are heights in another unit? Give its profile_unit, or name it in a "
+            text += "header, y before z"
+            raise PointError(text, _outermost(points))
         if fits and (unit == "mm" or body == "wheel" or bulge * MM_OF_UNIT[unit] >= FALL):
             return unit
     text = (

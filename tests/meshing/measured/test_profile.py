@@ -278,6 +278,17 @@ def test_a_crown_without_corners_is_no_half_head(tmp_path) -> None:
     assert read(tmp_path, crown, "rail").profile.domain == pytest.approx((-25, 20), abs=0.3)
 
 
+def test_a_flat_head_needs_a_unit(tmp_path) -> None:
+    """R500 over 70 mm falls by 1.2 mm: as one of R38 with heights in cm would."""
+    y = np.linspace(-35, 35, 281)
+    flat = np.column_stack([y, -(y**2) / 1000])
+    message = refused(tmp_path, flat)
+    assert "heights in another unit" in message and "farther than" not in message
+    file = tmp_path / "named.csv"
+    np.savetxt(file, flat, delimiter=",", header="y [mm],z [mm]", comments="")
+    np.testing.assert_allclose(measured.read(file, "rail").points, flat, atol=1e-9)
+
+
 def test_a_unit_that_is_given_overrules_the_file_and_is_said(tmp_path) -> None:
     points, file = rail(), tmp_path / "rail.csv"
     y = np.linspace(-25, 25, 51)
