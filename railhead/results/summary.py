@@ -21,12 +21,12 @@ NO_SECTION = {"reason": "boundary elements know no section of bodies that end"}
 
 
 def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
-    """The summary of the last level (rank 0), with estimates from all of them."""
+    """summary.json of the last of a scene's meshes, with estimates from all of them (rank 0)."""
     solved = levels[-1]
     plan, solution, found = solved.plan, solved.solution, solved.findings
     scene = plan.scene
     hertz = exact_quantities(solved)
-    newton, cost, plain = solution.newton, ending.would_cost, solved.elastic_reference
+    newton, cost, reference = solution.newton, ending.would_cost, solved.elastic_reference
     known, source = estimates.estimate(levels)
     found_friction = (solved.result or {}).get("friction", {})
     unresolved = found_friction.get("below_resolution", [])
@@ -55,7 +55,7 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
         "scene": scene.model_dump(exclude_none=True),
         "plan": plan.summary(),
         "result": solved.result and {**solved.result, **_more(solved)},
-        **({} if plain is None else {_kind(solved): plain.result}),
+        **({} if reference is None else {_reference_name(solved): reference.result}),
         "hertz": hertz,
         "half_space": profiles,
         **({} if rubbed is None else {"half_space_friction": rubbed}),
@@ -92,8 +92,8 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
     }
 
 
-def _kind(solved: MeshSolution) -> str:
-    """What the plain solution is called: it is both where both effects are on."""
+def _reference_name(solved: MeshSolution) -> str:
+    """Key of the solution without yield and friction: "elastic" where bodies yield."""
     return "elastic" if solved.residual_state is not None else "frictionless"
 
 

@@ -29,11 +29,12 @@ class Quantity:
     table : "contact", "load", "friction" or "steel": the table that has the row.
     column : name of its column in sweep.csv, without the unit; empty: no column.
     bound : name of its error bound in `Result.estimate`.
-    estimated : whether its error is estimated.
+    estimated : whether its error is estimated, from the error envelope of its key, which the study
+        of calibration makes, or without one from the scatter of three meshes.
     over_friction_limit : whether its errors are relative to mu N and not to the value.
     scatter : name in `Patch.scatter` of what two readings of it differ by; empty: none.
     ridge_stress : whether it is a stress below the largest pressure, as uncertain as that.
-    compared : whether it is held against a second method.
+    compared : whether an estimated quantity is held against a second method.
     record : record that holds the values below this key; None for a single value.
     path : keys from "result" of summary.json down to it.
     """
