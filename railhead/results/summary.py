@@ -37,7 +37,7 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
     half_spaces = half_space_reference.solve(solved)
     profiles, rubbed = (
         half_space_reference.half_space(solved, half_spaces),
-        rolling_reference.opinions(solved, half_spaces),
+        rolling_reference.half_space_friction(solved, half_spaces),
     )
     second = {**hertz, "allowance": {}} if plan.contact.half_space else profiles or NO_SECTION
     other = effects.overruled(plan.effects)

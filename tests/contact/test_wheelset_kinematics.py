@@ -14,7 +14,7 @@ from railhead.planning import plan as planning
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.run import model_setup
 from railhead.run.references import rolling_patches
-from railhead.run.references.rolling_elements import Asked, opinion
+from railhead.run.references.rolling_reference import FrictionCase, solve_by_boundary_elements
 from railhead.scene.scene import SceneError
 from railhead.solver.solution import FrictionSolution
 from railhead.theory.bem.boundary_element import Solution
@@ -195,8 +195,14 @@ def test_patches_and_a_flange_roll_as_half_spaces_do(shift: float, patches: int)
         rigid_slip=none,
         newton_history=(),
     )
-    asked = Asked(found, MU, closed_forms.tangential_pair(plan.scene), True, False)
-    answer = opinion(asked, lambda cells: pressed, (16, 32))
+    asked = FrictionCase(
+        solution=found,
+        coefficient=MU,
+        pair=closed_forms.tangential_pair(plan.scene),
+        rolling=True,
+        half_space_shift=False,
+    )
+    answer = solve_by_boundary_elements(asked, lambda cells: pressed, (16, 32))
     for name in FORCES:
         assert answer[name] / limit == pytest.approx(rolled[name], abs=0.002)
     assert answer["t_gamma_N"] == pytest.approx(rolled["t_gamma_N"], rel=0.002)

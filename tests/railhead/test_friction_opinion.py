@@ -14,8 +14,12 @@ from railhead.planning.references import boundary_elements, closed_forms
 from railhead.results import checks
 from railhead.results.report import tables
 from railhead.run.references import equal_ellipses, rolling_patches
-from railhead.run.references.rolling_elements import SEVERAL, Asked, opinion
 from railhead.run.references.rolling_patches import Patch
+from railhead.run.references.rolling_reference import (
+    SEVERAL,
+    FrictionCase,
+    solve_by_boundary_elements,
+)
 from railhead.solver.solution import FrictionSolution
 from railhead.theory.friction import cattaneo, kalker
 from railhead.theory.friction.fastsim import fastsim
@@ -51,9 +55,15 @@ def ellipse(**wheel: float) -> planning.Plan:
     return planning.make(rh.find("hertz_ellipse").replace(wheel=wheel))
 
 
-def asked(plan: planning.Plan, *, rolling: bool, **given: tuple) -> Asked:
+def asked(plan: planning.Plan, *, rolling: bool, **given: tuple) -> FrictionCase:
     pair = closed_forms.tangential_pair(plan.scene)
-    return Asked(found(MU * 25e3, **given), MU, pair, rolling, shifts=True)
+    return FrictionCase(
+        solution=found(MU * 25e3, **given),
+        coefficient=MU,
+        pair=pair,
+        rolling=rolling,
+        half_space_shift=True,
+    )
 
 
 def hertz(plan: planning.Plan, cells: int) -> list[Patch]:
@@ -80,7 +90,7 @@ def patches(two: planning.Plan) -> list[Patch]:
 def test_boundary_elements_shift_as_mindlin() -> None:
     plan, force = ellipse(), (3000.0, -2000.0)
     given = asked(plan, rolling=False, force=force)
-    answer = opinion(given, lambda cells: hertz(plan, cells), (16, 32))
+    answer = solve_by_boundary_elements(given, lambda cells: hertz(plan, cells), (16, 32))
     size = math.hypot(*force)
     compliances = cattaneo.initial_compliance(
         plan.estimate.a, plan.estimate.b, given.pair.shear_modulus, given.pair.poisson
@@ -106,8 +116,14 @@ def test_what_sticks_in_any_patch_is_the_patch_of_the_force_that_is_left() -> No
     )
     limit = MU * whole[0].pressed.force
     force = (0.5 * limit, 0.0)
-    given = Asked(found(limit, force=force), MU, closed_forms.tangential_pair(scene), False, False)
-    answer = opinion(given, lambda cells: whole, (24, 48))
+    given = FrictionCase(
+        solution=found(limit, force=force),
+        coefficient=MU,
+        pair=closed_forms.tangential_pair(scene),
+        rolling=False,
+        half_space_shift=False,
+    )
+    answer = solve_by_boundary_elements(given, lambda cells: whole, (24, 48))
     share = half[0].pressed.area / whole[0].pressed.area
     assert answer["stick_share"] == pytest.approx(share, abs=0.03)
     assert abs(share - 0.5 ** (2 / 3)) > 0.01
@@ -119,7 +135,7 @@ def test_unlike_bodies_are_extrapolated_and_say_how_far() -> None:
     0.237 on 4.3 elements a semi-axis."""
     plan = ellipse(young_modulus=math.inf)
     given = asked(plan, rolling=True, motion=(1e-3, 0.0, 0.0))
-    coarse = opinion(given, lambda cells: hertz(plan, cells), (16, 32))
+    coarse = solve_by_boundary_elements(given, lambda cells: hertz(plan, cells), (16, 32))
     assert coarse["force_along_N"] / 7500 == pytest.approx(0.237, abs=0.03)
     assert 0.005 < coarse["grid_error"] < 0.05
     assert abs(coarse["force_along_N"] / 7500 - 0.242) < coarse["grid_error"]
@@ -180,15 +196,19 @@ def test_two_patches_roll_as_their_ellipses_nearly_do(
 ) -> None:
     limit = MU * sum(each.pressed.force for each in patches)
     for motion in ((1e-4, 0.0, 0.0), (1e-3, 5e-4, 1e-4), (0.0, -3e-3, 0.0)):
-        given = Asked(
-            found(limit, motion), MU, closed_forms.tangential_pair(two.scene), True, False
+        given = FrictionCase(
+            solution=found(limit, motion),
+            coefficient=MU,
+            pair=closed_forms.tangential_pair(two.scene),
+            rolling=True,
+            half_space_shift=False,
         )
-        answer = opinion(given, lambda cells: patches, (16, 32))
+        answer = solve_by_boundary_elements(given, lambda cells: patches, (16, 32))
         rolled = equal_ellipses.fastsim(patches, limit, given.pair, motion)
         for name, other in zip(("force_along_N", "force_across_N"), rolled.forces, strict=False):
             assert answer[name] == pytest.approx(other, abs=0.05 * limit)
     with pytest.raises(ValueError, match=SEVERAL[:20]):
-        opinion(replace(given, rolling=False), lambda cells: patches, (16, 32))
+        solve_by_boundary_elements(replace(given, rolling=False), lambda cells: patches, (16, 32))
 
 
 def test_each_patch_dissipates_what_it_would_alone(
@@ -204,8 +224,14 @@ def test_each_patch_dissipates_what_it_would_alone(
     rolled = equal_ellipses.fastsim(patches, MU * sum(normal), pair, motion)
     assert rolled.t_gamma == pytest.approx(sum(each.t_gamma for each in alone), rel=1e-9)
     assert rolled.t_gamma != pytest.approx(rolled.forces @ motion, rel=0.1)
-    given = Asked(found(MU * sum(normal), motion), MU, pair, True, False)
-    exactly = opinion(given, lambda cells: patches, (16, 32))["t_gamma_N"]
+    given = FrictionCase(
+        solution=found(MU * sum(normal), motion),
+        coefficient=MU,
+        pair=pair,
+        rolling=True,
+        half_space_shift=False,
+    )
+    exactly = solve_by_boundary_elements(given, lambda cells: patches, (16, 32))["t_gamma_N"]
     assert rolled.t_gamma == pytest.approx(exactly, rel=0.02)
 
 

@@ -1,70 +1,117 @@
-"""Half-spaces with friction beside the result: boundary elements, FASTSIM, closed forms."""
+"""Half-spaces with friction beside a solution: boundary elements, FASTSIM, closed forms."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from railhead.planning.references import closed_forms
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.references import equal_ellipses, rolling_patches
-from railhead.run.references.rolling_elements import Asked, named, opinion
 from railhead.run.references.rolling_patches import Patch
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction import carter, cattaneo
+from railhead.theory.rolling import dissimilar
+from railhead.theory.rolling.prescribed_forces import solve_for_forces
+from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, TangentialSolution
+from railhead.theory.rolling.tangential import Pair
 
+if TYPE_CHECKING:
+    from railhead.solver.solution import FrictionSolution
+
+Array = NDArray[np.float64]
 CELLS, STRIP_CELLS = (32, 64), (128, 256)  # of boundary elements, coarse and fine
-STRIP = ("force_along_N", "stick_share", "traction_max_MPa", "t_gamma_N", "grid_error")
-GROWN = "unlike bodies slip while the patch grows, which is not followed there"
-TURNED = "a strip of unlike bodies across the rail"
+STRIP_KEYS = ("force_along_N", "stick_share", "traction_max_MPa", "t_gamma_N", "grid_error")
+LIKE = 1e-9  # |K/G| that is rounding
+GROWING_PATCH = "unlike bodies slip while the patch grows, which is not followed there"
+STRIP_ACROSS = "a strip of unlike bodies across the rail"
+SEVERAL = "how several patches share a force depends on the compliance of the bodies"
 
-Opinions = dict[str, dict[str, Any]]
+Numbers = dict[str, float]
+"""Keys of "friction" in summary.json with their values."""
+NumbersByMethod = dict[str, dict[str, Any]]
+"""The same, or a "reason", by the name of a method."""
 
 
-def opinions(solved: MeshSolution, profiles: Solution | str | None) -> Opinions | None:
-    """ "half_space_friction" of summary.json: by method, what it says of the motion (rolling) or of
-    the forces (a shift) that were found, or the reason why it knows no answer. None without
-    friction. profiles: of `half_space_reference.solve`."""
+@dataclass(frozen=True, kw_only=True)
+class FrictionCase:
+    """A solution with friction, as other methods need it.
+
+    Attributes
+    ----------
+    solution : forces and rigid motion (creepages and spin, or shifts and turn) of finite elements.
+    coefficient : coefficient of friction.
+    pair : materials of the two bodies.
+    rolling : whether the bodies roll; otherwise they are shifted.
+    half_space_shift : whether the shift is one of half-spaces (other bodies shift with all that
+        holds them).
+    """
+
+    solution: FrictionSolution
+    coefficient: float
+    pair: Pair
+    rolling: bool
+    half_space_shift: bool
+
+    @property
+    def like(self) -> bool:
+        """Whether the materials are alike, so that tractions leave the pressure alone."""
+        return abs(self.pair.mismatch) < LIKE
+
+
+def half_space_friction(
+    solved: MeshSolution, profiles: Solution | str | None
+) -> NumbersByMethod | None:
+    """ "half_space_friction" of summary.json: by method, its numbers under the motion (rolling) or
+    the forces (a shift) of finite elements, or the "reason" why it has none; None without friction.
+    profiles: of `half_space_reference.solve`."""
     found = solved.solution.friction
     if found is None or solved.findings is None:
         return None
     scene, contact = solved.plan.scene, solved.plan.contact
-    asked = Asked(
-        found, scene.friction.coefficient, closed_forms.tangential_pair(scene),
-        scene.rolling.prescribed, contact.half_space and not solved.plan.section,
-    )  # fmt: skip
-    if not (asked.like or asked.rolling):
-        return {"boundary elements": {"reason": GROWN}}
+    case = FrictionCase(
+        solution=found,
+        coefficient=scene.friction.coefficient,
+        pair=closed_forms.tangential_pair(scene),
+        rolling=scene.rolling.prescribed,
+        half_space_shift=contact.half_space and not solved.plan.section,
+    )
+    if not (case.like or case.rolling):
+        return {"boundary elements": {"reason": GROWING_PATCH}}
     if isinstance(solved.ellipse, LineContact):
-        return _strip(asked, solved.ellipse)
-    return _solid(asked, solved, solved.ellipse, profiles)
+        return _strip(case, solved.ellipse)
+    return _solid(case, solved, solved.ellipse, profiles)
 
 
-def _strip(asked: Asked, line: LineContact) -> Opinions:
-    found, strip = asked.found, line.strip
-    if not asked.like and line.across:
-        return {"boundary elements": {"reason": TURNED}}
-    if not asked.like:
-        rubbed = opinion(asked, lambda cells: rolling_patches.strip(strip, cells), STRIP_CELLS)
-        return {"boundary elements": {key: rubbed[key] for key in STRIP if key in rubbed}}
-    if not asked.rolling:
+def _strip(case: FrictionCase, line: LineContact) -> NumbersByMethod:
+    found, strip = case.solution, line.strip
+    if not case.like and line.across:
+        return {"boundary elements": {"reason": STRIP_ACROSS}}
+    if not case.like:
+        numbers = solve_by_boundary_elements(
+            case, lambda cells: rolling_patches.strip(strip, cells), STRIP_CELLS
+        )
+        return {"boundary elements": {key: numbers[key] for key in STRIP_KEYS if key in numbers}}
+    if not case.rolling:
         share = float(np.hypot(*found.force) / found.friction_limit)
         return {"Cattaneo": {"stick_share": cattaneo.strip_stick_ratio(min(share, 1.0))}}
     if line.across:
         return {}
-    rolled = carter.from_creepage(strip, asked.friction, found.rigid_motion[0])
+    rolled = carter.from_creepage(strip, case.coefficient, found.rigid_motion[0])
     stick, force = rolled.stick_half_width / strip.b, rolled.share * found.friction_limit
     wear = force * found.rigid_motion[0]
     return {"Carter": {"force_along_N": force, "stick_share": stick, "t_gamma_N": wear}}
 
 
 def _solid(
-    asked: Asked, solved: MeshSolution, ellipse: Ellipse, profiles: Solution | str | None
-) -> Opinions:
+    case: FrictionCase, solved: MeshSolution, ellipse: Ellipse, profiles: Solution | str | None
+) -> NumbersByMethod:
     assert solved.findings is not None
     hertzian, load = solved.findings.hertzian, solved.solution.load
 
@@ -74,37 +121,103 @@ def _solid(
             profiles=profiles,
         )  # fmt: skip
 
-    out: Opinions = {"boundary elements": _known(lambda: opinion(asked, patches, CELLS))}
-    if asked.like and asked.rolling:
+    out: NumbersByMethod = {
+        "boundary elements": _or_reason(lambda: solve_by_boundary_elements(case, patches, CELLS))
+    }
+    if case.like and case.rolling:
         name = "FASTSIM" if hertzian else "FASTSIM (equal ellipses)"
-        out[name] = _known(lambda: _fastsim(asked, patches(CELLS[1])))
-    elif asked.like and hertzian:
-        out["Cattaneo, Mindlin"] = _mindlin(asked, ellipse)
+        out[name] = _or_reason(lambda: _fastsim(case, patches(CELLS[1])))
+    elif case.like and hertzian:
+        out["Cattaneo, Mindlin"] = _mindlin(case, ellipse)
     return out
 
 
-def _known(method: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+def _or_reason(method: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    """The numbers of a method, or the reason why it raised a ValueError."""
     try:
         return method()
     except ValueError as error:
         return {"reason": str(error)}
 
 
-def _fastsim(asked: Asked, patches: Sequence[Patch]) -> dict[str, Any]:
-    found = asked.found
-    rolled = equal_ellipses.fastsim(patches, found.friction_limit, asked.pair, found.rigid_motion)
-    return {**named(rolled.forces, rolled.stick_share), "t_gamma_N": rolled.t_gamma}
+def _fastsim(case: FrictionCase, patches: Sequence[Patch]) -> dict[str, Any]:
+    found = case.solution
+    rolled = equal_ellipses.fastsim(patches, found.friction_limit, case.pair, found.rigid_motion)
+    return {**by_key(rolled.forces, rolled.stick_share), "t_gamma_N": rolled.t_gamma}
 
 
-def _mindlin(asked: Asked, ellipse: Ellipse) -> dict[str, Any]:
-    found, pair = asked.found, asked.pair
+def _mindlin(case: FrictionCase, ellipse: Ellipse) -> dict[str, Any]:
+    found, pair = case.solution, case.pair
     force = min(float(np.hypot(*found.force)), found.friction_limit)
     compliances = cattaneo.initial_compliance(
         ellipse.a, ellipse.b, pair.shear_modulus, pair.poisson
     )
     ways = [cattaneo.CattaneoMindlin(found.friction_limit, each) for each in compliances]
     out = {"stick_share": ways[0].stick_ratio(force) ** 2}
-    if asked.shifts and force:
+    if case.half_space_shift and force:
         for way, part, known in zip(("along", "across"), found.force, ways, strict=True):
             out[f"shift_{way}_mm"] = known.approach(force) * part / force
+    return out
+
+
+def solve_by_boundary_elements(
+    case: FrictionCase, patches: Callable[[int], Sequence[Patch]], cells: tuple[int, int]
+) -> Numbers:
+    """Numbers of boundary elements on the finer of two grids of `cells` a side.
+
+    The error of unlike bodies is of first order in the cell: theirs are extrapolated from both
+    grids, with what that changes as "grid_error", over mu N or the shift. ValueError: not known.
+    """
+    coarse, fine = cells
+    found = _on_grid(case, patches(fine))
+    if case.like:
+        return found
+    other = _on_grid(case, patches(coarse))
+    better = {name: 2 * value - other[name] for name, value in found.items()}
+    better["stick_share"] = min(max(better["stick_share"], 0.0), 1.0)
+    ways = ("shift_along_mm", "shift_across_mm")
+    size = float(np.linalg.norm([better.get(way, 0.0) for way in ways]))
+    if case.rolling:
+        ways, size = ("force_along_N", "force_across_N"), case.solution.friction_limit
+    changes = [abs(better[way] - found[way]) for way in ways if way in found]
+    return {**better, "grid_error": max(changes, default=0.0) / (size or 1.0)}
+
+
+def by_key(forces: Array, stick: float) -> Numbers:
+    """Forces and moment (3,) by the names of "friction" in summary.json."""
+    along, across, moment = forces
+    return {
+        "force_along_N": float(along), "force_across_N": float(across),
+        "moment_Nmm": float(moment), "stick_share": float(stick),
+    }  # fmt: skip
+
+
+def _on_grid(case: FrictionCase, patches: Sequence[Patch]) -> Numbers:
+    if len(patches) > 1 and not case.rolling:
+        raise ValueError(SEVERAL)
+    found, limit = case.solution, case.coefficient * sum(each.pressed.force for each in patches)
+    scale = found.friction_limit / limit  # the normal forces differ by what the finite bodies do
+    along, across = (force / scale for force in found.force)
+
+    def shear(body: HalfSpaceFriction) -> TangentialSolution:
+        if case.rolling:
+            return body.solve(Creepage(*found.rigid_motion))
+        return solve_for_forces([body], Creepage(), along=along, across=across)[0]
+
+    sheared = [
+        dissimilar.solve_dissimilar(
+            each.pressed, case.pair, case.coefficient, shear,
+            rolling=case.rolling, modes=each.modes,
+        )
+        for each in patches
+    ]  # fmt: skip
+    forces = scale * np.sum([each.forces for each in sheared], axis=0)
+    sticks, touches = np.sum([each.areas for each in sheared], axis=0)
+    largest = max(float(np.linalg.norm(each.traction, axis=0).max()) for each in sheared)
+    out = by_key(forces, sticks / touches) | {"traction_max_MPa": largest}
+    if case.rolling and case.like:
+        out["t_gamma_N"] = scale * sum(each.t_gamma for each in sheared)
+    elif case.half_space_shift:
+        shift = sheared[0].creepage
+        out |= {"shift_along_mm": scale * shift.along, "shift_across_mm": scale * shift.across}
     return out
