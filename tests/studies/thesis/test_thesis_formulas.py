@@ -19,7 +19,7 @@ from studies.thesis.formulas import (
 )
 
 WHEEL, RAIL = (1 / 420, 0.0), (0.0, 1 / 300)
-REFERENCE = Path(__file__).parents[1] / "theory" / "data" / "hertz_thesis.json"
+REFERENCE = Path(__file__).parents[2] / "theory" / "data" / "hertz_thesis.json"
 
 
 @pytest.fixture(scope="module")
