@@ -319,9 +319,9 @@ class Rolling(Section):
     """Steady rolling towards positive x. Of either direction a creepage (velocity of the wheel's
     surface relative to the rail's over the rolling speed) or a force of the wheel on the rail (N)
     to be met; ``spin`` in 1/mm about the normal out of the rail; ``speed`` in m/s is for the power
-    alone. ``from_wheelset`` takes creepages and spin from where the wheelset stands; beside it a
-    torque may give ``force_along``, and ``axle`` says by which radius the axle turns: the mean of
-    both wheels' rolling radii (free) or wheel.rolling_radius (nominal).
+    and the flash temperature. ``from_wheelset`` takes creepages and spin from where the wheelset
+    stands; beside it a torque may give ``force_along``, and ``axle`` says by which radius the axle
+    turns: the mean of both wheels' rolling radii (free) or wheel.rolling_radius (nominal).
     """
 
     from_wheelset: bool = False

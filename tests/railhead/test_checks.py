@@ -262,10 +262,12 @@ def test_coarse_meshes_are_not_signed(case, assignments, name) -> None:
         (1e3, 3e3, {"small_strain"}),
         (2e5, 450.0, set()),
         (2e5, 550.0, {"pressure_of_steel"}),
+        (1.7e5, 800.0, {"pressure_of_steel"}),
     ],
 )
 def test_loads_beyond_small_strain_or_any_steel_are_not_signed(modulus, load, names) -> None:
-    """A sphere of 8 mm on a rigid plane: p0/E* 0.177 and 0.202; 4.0 and 4.3 GPa in steel."""
+    """A sphere of 8 mm on a rigid plane: p0/E* 0.177 and 0.202; 4.0 and 4.3 GPa in steel;
+    4.4 GPa in a body that is no steel, and no harder."""
     scene = catalogue.find("sphere_on_plane").replace(load=load, wheel={"young_modulus": modulus})
     plan = planning.make(scene)
     found = mesh_and_solve(plan, None, Progress(quiet=True), MPI.COMM_SELF)

@@ -13,6 +13,7 @@ from railhead.cli import commands
 from railhead.planning import effects
 from railhead.planning import plan as planning
 from railhead.planning.effects import assumptions
+from railhead.planning.effects.interface import heat
 from railhead.results import pipeline
 from railhead.results.report import tables
 from railhead.scene import catalogue
@@ -180,6 +181,13 @@ def test_the_plan_says_what_tractions_and_heat_may_bring() -> None:
     assert not slow.effects["heat"].called_for
     with pytest.raises(SceneError, match="no temperature is simulated"):
         planned(*HOT, "effects.heat=on")
+    other = planned(*gentle, "wheel.young_modulus=70000").effects["heat"]
+    assert not other.called_for and "not known for this material" in other.why
+
+
+def test_no_temperature_is_signed_of_a_body_that_is_no_steel() -> None:
+    result = solved("long_roller", *HOT[:3], "wheel.young_modulus=3000", "mesh.patch_size=2")
+    assert result.summary["effects_after"]["heat"]["why"] == heat.UNKNOWN
 
 
 def test_half_spaces_check_the_elastic_answer_of_bodies_that_would_yield() -> None:

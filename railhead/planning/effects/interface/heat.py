@@ -7,11 +7,13 @@ import math
 from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.effects.interface import friction
 from railhead.postprocess.findings import Findings
+from railhead.scene import steels
 from railhead.theory.elastic import contacts
 from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction.heat import flash_temperature
 
 HOT = 100.0  # K: a choice
+UNKNOWN = "flash temperature not known for this material: the constants are those of steel"
 
 
 def decide(context: Context) -> Effect:
@@ -22,6 +24,8 @@ def decide(context: Context) -> Effect:
     if speed is None or not context.decided["friction"].on:
         why = "nothing slips" if speed else "no rolling.speed is given"
         return Effect(False, False, why, refused)
+    if not _steel(context):
+        return Effect(False, False, UNKNOWN, refused)
     if rolling.force_along or rolling.force_across:
         return Effect(False, False, "the creepage of a given force is known afterwards", refused)
     moves = friction.creepage(context)
@@ -45,8 +49,16 @@ def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict
     speed = context.scene.rolling.speed
     if speed is None or math.isnan(found.dissipated):
         return None
+    if not _steel(context):
+        return PostSolveVerdict(False, UNKNOWN)
     patch, line = found.patch, isinstance(context.hertz, LineContact)
     rise = flash_temperature(found.dissipated, patch.area, patch.a, speed, line=line)
     hot = rise >= HOT
     text = f"flash temperature {rise:.3g} K, {'above' if hot else 'below'} {HOT:g} K"
     return PostSolveVerdict(hot, f"{text}: friction and yield stress fall with it" if hot else text)
+
+
+def _steel(context: Context) -> bool:
+    """Whether each body that deforms has the modulus of a steel; a rigid one is taken for steel."""
+    moduli = (context.scene.rail.young_modulus, context.scene.wheel.young_modulus)
+    return all(math.isinf(each) or steels.is_steel(each) for each in moduli)
