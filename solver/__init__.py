@@ -1,5 +1,6 @@
-"""Contact of elastic bodies on dolfinx, with yield and friction where asked: knows nothing of
-scenes, files or pictures.
+"""Contact of two bodies on a dolfinx mesh, elastic or with yield, with or without friction.
+
+The solver knows nothing of scenes, files or pictures.
 
 PETSc's signal handlers and the log handler that ffcx gives to the root logger belong to a program,
 not to a library: neither is left behind.

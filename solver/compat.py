@@ -26,7 +26,7 @@ _OLD = VERSION < (0, 8)
 
 
 def model_to_mesh(model: Any, comm: MPI.Comm, dim: int = 3) -> tuple[Any, Any, Any]:
-    """gmsh model on rank 0 -> dolfinx (mesh, cell tags, facet tags) in `dim` coordinates."""
+    """Mesh, cell tags and facet tags, in `dim` coordinates, from a gmsh model on rank 0."""
     if VERSION < (0, 10):
         from dolfinx.io import gmshio
 
@@ -39,8 +39,11 @@ def model_to_mesh(model: Any, comm: MPI.Comm, dim: int = 3) -> tuple[Any, Any, A
 
 @contextmanager
 def _compiling(mesh: Any, **options: Any) -> Iterator[dict[str, Any]]:
-    """Be alone to compile forms and elements; how, as keywords. The folder is this program's: it
-    removes what is half compiled, and others take no notice of its lock."""
+    """Context in which this process alone compiles forms and elements; yields keywords for dolfinx.
+
+    options: of the compiler. The cache folder is this program's own, because only its processes
+    respect the lock and expect that unfinished files are removed.
+    """
     chosen = jit.get_parameters() if _OLD else jit.get_options()
     folder = Path(chosen["cache_dir"]) / "railhead"
     with compiling.alone(mesh.comm, folder):
@@ -63,11 +66,10 @@ def _space(mesh: Any, kind: Any) -> Any:
 
 
 def cellwise_constant(mesh: Any, values: NDArray[np.float64]) -> Any:
-    """DG0 function with one value for each local cell (ghosts included)."""
+    """Function that is constant in each cell; values: of all local cells, ghosts included."""
     space = _space(mesh, ("DG", 0))
     function = fem.Function(space)
-    dofs = _rows(space.dofmap.list, 1).reshape(-1)
-    function.x.array[dofs] = values
+    function.x.array[_table(space.dofmap.list, len(values)).ravel()] = values
     return function
 
 
@@ -78,44 +80,43 @@ def form(expression: ufl.Form, mesh: Any) -> Any:
 
 
 def collect(comm: MPI.Comm) -> None:
-    """Free the PETSc objects that Python has dropped; PETSc 3.18 keeps them until it is asked to
-    (collective)."""
+    """Free PETSc objects that Python no longer refers to (collective). PETSc 3.18 keeps them until
+    this is called."""
     if hasattr(PETSc, "garbage_cleanup"):
         PETSc.garbage_cleanup(comm)
 
 
-def _rows(table: Any, width: int) -> NDArray[np.int32]:
-    array = table.array if hasattr(table, "array") else table
-    return np.asarray(array, dtype=np.int32).reshape(-1, width)
+def _table(table: Any, rows: int) -> NDArray[np.int32]:
+    """An adjacency list or an array as an array of as many rows."""
+    array = np.asarray(table.array if hasattr(table, "array") else table, dtype=np.int32)
+    return array.reshape(-1, array.size // max(rows, 1))
 
 
 def cell_nodes(mesh: Any) -> NDArray[np.int32]:
-    """(cells, nodes) local geometry nodes of every local cell, in basix order."""
+    """Local geometry nodes (cells, nodes) of every local cell, in basix order."""
     geometry = mesh.geometry
     table = geometry.dofmaps[0] if hasattr(geometry, "dofmaps") else geometry.dofmap
     cells = mesh.topology.index_map(mesh.topology.dim)
-    return _rows(table, _width(table, cells.size_local + cells.num_ghosts))
+    return _table(table, cells.size_local + cells.num_ghosts)
 
 
 def cell_dofs(space: Any) -> NDArray[np.int32]:
-    """(cells, block dofs) local block dofs of every local cell, in basix order."""
+    """Local block dofs (cells, dofs) of every local cell, in basix order."""
     cells = space.mesh.topology.index_map(space.mesh.topology.dim)
-    return _rows(space.dofmap.list, _width(space.dofmap.list, cells.size_local + cells.num_ghosts))
-
-
-def _width(table: Any, count: int) -> int:
-    size = table.array.size if hasattr(table, "array") else np.asarray(table).size
-    return int(size // max(count, 1))
+    return _table(space.dofmap.list, cells.size_local + cells.num_ghosts)
 
 
 def cell_type(mesh: Any) -> str:
-    """'tetrahedron', 'hexahedron', 'triangle' or 'quadrilateral'."""
+    """Type of the cells of a mesh: 'tetrahedron', 'hexahedron', 'triangle' or 'quadrilateral'."""
     kind = mesh.topology.cell_type
     return str(dmesh.to_string(kind)) if hasattr(dmesh, "to_string") else str(kind.name)
 
 
 def straight_mesh(comm: MPI.Comm, cells: NDArray, points: NDArray[np.float64], cell: str) -> Any:
-    """Mesh of straight cells (c, k), in basix order, on points (n, d); cell: see `cell_type`."""
+    """Mesh of straight-sided cells.
+
+    cells: points of each cell (c, k), in basix order. points: (n, d). cell: see `cell_type`.
+    """
     cells, dim = cells.astype(np.int64), points.shape[1]
     if _OLD:
         domain = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell(cell, dim), 1))
@@ -127,12 +128,12 @@ def straight_mesh(comm: MPI.Comm, cells: NDArray, points: NDArray[np.float64], c
 
 
 def node_points(mesh: Any) -> NDArray[np.float64]:
-    """(n, d) coordinates of the local geometry nodes."""
+    """Coordinates (n, d) of the local geometry nodes."""
     return np.asarray(mesh.geometry.x[:, : mesh.geometry.dim])
 
 
 def interpolation(coarse: Any, fine: Any) -> PETSc.Mat:
-    """The matrix that interpolates functions of one space into another on the same mesh."""
+    """Matrix that interpolates functions of one space into another on the same mesh."""
     if VERSION < (0, 9):
         matrix = dolfinx.cpp.fem.petsc.interpolation_matrix(coarse._cpp_object, fine._cpp_object)
     else:
@@ -142,7 +143,7 @@ def interpolation(coarse: Any, fine: Any) -> PETSc.Mat:
 
 
 def function(space: Any, values: PETSc.Vec) -> Any:
-    """The function of a space with these values of its owned dofs."""
+    """Function of a space from the values of its owned dofs; ghosts are updated."""
     made = fem.Function(space)
     made.x.array[: values.getLocalSize()] = values.array
     made.x.scatter_forward()
@@ -150,13 +151,13 @@ def function(space: Any, values: PETSc.Vec) -> Any:
 
 
 def dof_points(space: Any) -> NDArray[np.float64]:
-    """(n, d) coordinates of the owned block dofs."""
+    """Coordinates (n, d) of the owned block dofs."""
     owned = space.dofmap.index_map.size_local
     return np.asarray(space.tabulate_dof_coordinates()[:owned, : space.mesh.geometry.dim])
 
 
 def geometry_degree(mesh: Any) -> int:
-    """Polynomial degree of the coordinate map."""
+    """Polynomial degree of the coordinate map of a mesh."""
     geometry = mesh.geometry
     cmap = geometry.cmaps[0] if hasattr(geometry, "cmaps") else geometry.cmap
     degree = cmap.degree

@@ -1,1 +1,1 @@
-"""The contact problem, Newton's method, linear solvers and preconditioners."""
+"""Contact system and contact problem, Newton's method, linear solvers, preconditioners."""

@@ -1,1 +1,1 @@
-"""The contact surfaces: gap and normal traction as matrices, contact laws, friction."""
+"""The contact surfaces: gap and normal stress as matrices, contact laws, friction."""

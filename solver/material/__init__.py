@@ -1,1 +1,1 @@
-"""Materials: elasticity, hardening, and load steps of bodies that yield."""
+"""Materials: elasticity, hardening, plastic strain, and how bodies respond to a load case."""
