@@ -137,9 +137,14 @@ class Result:
         return compat.function(self.mesh_solution.space, self.mesh_solution.solution.displacement)
 
     def save(
-        self, folder: str | Path, *, pictures: bool = True, report: bool = True,
-        whole: bool = False, units: Units | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        folder: str | Path,
+        *,
+        pictures: bool = True,
+        report: bool = True,
+        whole: bool = False,
+        units: Units | None = None,
+    ) -> None:
         """Write what `railhead run` writes, report.html (with `report` and `pictures`) in the given
         units; whole: .vtu files of the whole model, with the images of what symmetry left out.
         Under MPI to be called on all ranks. Raises SceneError for a folder with other files,

@@ -210,9 +210,12 @@ def write(
                 )
             if rubbing is not None:
                 traction_plots.draw(
-                    rubbing, found, result.plan.scene.friction.coefficient,
-                    work / "friction.png", mirrored=result.plan.half_y,
-                )  # fmt: skip
+                    rubbing,
+                    found,
+                    result.plan.scene.friction.coefficient,
+                    work / "friction.png",
+                    mirrored=result.plan.half_y,
+                )
                 friction = result.summary["result"]["friction"]
                 if "p0_over_k" in friction:
                     shakedown.draw(friction, poisson, work / "shakedown.png", found.subject.title)

@@ -38,9 +38,13 @@ def subject(plan: Plan, load: float) -> Subject:
     return Subject(
         f"{scene.name}: {force}, {long[1]} on {long[0]}{end}",
         dict(zip(("rail", "wheel"), short, strict=True)),
-        along, across, gauge=real, rolls=scene.rolling.prescribed and rubs, rubs=rubs,
+        along,
+        across,
+        gauge=real,
+        rolls=scene.rolling.prescribed and rubs,
+        rubs=rubs,
         revolved=contact.revolved,
-    )  # fmt: skip
+    )
 
 
 def _stands(wheelset: Wheelset) -> str:

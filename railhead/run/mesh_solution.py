@@ -228,10 +228,13 @@ def _read(
         if solution.friction is not None:
             rolling = plan.scene.rolling
             result["friction"] = traction.quantities(
-                solution.friction, rolling=rolling.prescribed, like=not friction.unlike(plan.scene),
-                speed=rolling.speed, cycle=plan.scene.friction.cycle,
+                solution.friction,
+                rolling=rolling.prescribed,
+                like=not friction.unlike(plan.scene),
+                speed=rolling.speed,
+                cycle=plan.scene.friction.cycle,
                 patches=np.array([each.centre for each in findings.patch.each] or [frame.origin]),
-            )  # fmt: skip
+            )
             findings = replace(findings, dissipated=result["friction"].get("t_gamma_N", math.nan))
     ellipse = closed_forms.hertz_contact(plan.scene, plan.contact, solution.load or None)
     space, unknowns = size

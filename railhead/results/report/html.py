@@ -50,9 +50,12 @@ PACKAGES = (
 
 
 def write(
-    result: Result, units: Units, folder: Path, found: Findings | None,
+    result: Result,
+    units: Units,
+    folder: Path,
+    found: Findings | None,
     grids: tuple[meshio.Mesh, meshio.Mesh] | None,
-) -> None:  # fmt: skip
+) -> None:
     """Into a result folder that holds its pictures already. Nothing but OSError is raised: what
     could not be made is said in the file."""
     try:
@@ -66,15 +69,23 @@ def write(
 
 
 def render(
-    result: Result, units: Units, folder: Path, found: Findings | None,
+    result: Result,
+    units: Units,
+    folder: Path,
+    found: Findings | None,
     grids: tuple[meshio.Mesh, meshio.Mesh] | None,
-) -> str:  # fmt: skip
+) -> str:
     """The whole page."""
     summary, scene = result.summary, result.plan.scene
     views, viewer, missing = _views(result, found, grids)
     effects = summary["plan"]["effects"]
     return _template("report.html.j2").render(
-        summary=summary, units=units, words=labels, found=found, views=views, viewer=viewer,
+        summary=summary,
+        units=units,
+        words=labels,
+        found=found,
+        views=views,
+        viewer=viewer,
         missing=missing,
         title=found.subject.title if found else summary["case"],
         scene_rows=list(labels.scene_rows(scene, units)),
@@ -86,10 +97,11 @@ def render(
         check_rows=_checks(summary["checks"]),
         pictures=[
             (CAPTIONS[name], _picture((folder / f"{name}.png").read_bytes()))
-            for name in CAPTIONS if (folder / f"{name}.png").exists()
+            for name in CAPTIONS
+            if (folder / f"{name}.png").exists()
         ],
         versions=_versions() | {"Python": platform.python_version()},
-    )  # fmt: skip
+    )
 
 
 def answer_rows(summary: Mapping[str, Any], units: Units, found: Findings | None) -> dict[str, Any]:
@@ -99,9 +111,11 @@ def answer_rows(summary: Mapping[str, Any], units: Units, found: Findings | None
         return {"columns": [], "rows": []}
     names = found.subject.names
     columns = {
-        "FE": "finite elements", "estimate": "within", "half-space": "half-spaces",
+        "FE": "finite elements",
+        "estimate": "within",
+        "half-space": "half-spaces",
         "Hertz": "exact Hertz",
-    }  # fmt: skip
+    }
     if kind := quantity_rows.reference_name(summary):
         columns[f"{kind} FE"] = f"{kind}, finite elements"
     table = quantity_rows.contact(summary)
@@ -142,10 +156,16 @@ def _checks(checks: Mapping[str, Any]) -> list[tuple[str, str, str, bool, str, s
     for name, (limit, reason) in checks["limits"].items():
         value, plain = checks[name], name == "converged"
         text = ("yes" if value else "no") if plain else f"{float(value):.3g}"
-        rows.append((
-            labels.check(name), text, "" if plain else f"{float(limit):.3g}",
-            name not in checks["failed"], reason, checks["advice"].get(name, ""),
-        ))  # fmt: skip
+        rows.append(
+            (
+                labels.check(name),
+                text,
+                "" if plain else f"{float(limit):.3g}",
+                name not in checks["failed"],
+                reason,
+                checks["advice"].get(name, ""),
+            )
+        )
     return sorted(rows, key=lambda row: row[3])
 
 

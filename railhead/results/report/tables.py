@@ -125,8 +125,9 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAUL
             most = 100 * max(patch["load_share"] for patch in patches)
             console.print(
                 f"{len(patches)} separate patches: a and b are those of the most loaded one "
-                f"({most:.3g} % of the load), area and stresses of all.", highlight=False,
-            )  # fmt: skip
+                f"({most:.3g} % of the load), area and stresses of all.",
+                highlight=False,
+            )
         if plastic := summary["result"].get("plastic"):
             _show_plastic(plastic, console, units)
         if friction := summary["result"].get("friction"):
@@ -162,8 +163,9 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAUL
     if other := summary["plan"]["chosen"]:
         console.print(
             f"Another problem was chosen ({', '.join(other)}): estimates are about that one.",
-            markup=False, highlight=False,
-        )  # fmt: skip
+            markup=False,
+            highlight=False,
+        )
     if summary["scene"].get("budget"):
         console.print(f"Budget: {summary['accuracy']['reason']}.", highlight=False)
     for name, after in summary["effects_after"].items():
@@ -264,8 +266,9 @@ def show_failure(summary: dict[str, Any], console: Console) -> None:
         console.print(
             f"CHECK FAILED: {name} = {value:.3g}, limit {float(limit):.3g} ({source}); "
             f"{checks['advice'][name]}",
-            highlight=False, markup=False,
-        )  # fmt: skip
+            highlight=False,
+            markup=False,
+        )
     if checks["converged"]:
         return
     for number, step in enumerate(newton["history"]):

@@ -26,9 +26,12 @@ def labelled(console: Console, line: str, indent: int = 11) -> None:
     """Print a line that begins with a label; what does not fit stands below its text."""
     below = " " * indent
     said = textwrap.fill(
-        line, console.width, subsequent_indent=below, break_long_words=False,
+        line,
+        console.width,
+        subsequent_indent=below,
+        break_long_words=False,
         break_on_hyphens=False,
-    )  # fmt: skip
+    )
     console.print(said, markup=False, highlight=False, soft_wrap=True)
 
 

@@ -43,10 +43,13 @@ def fastsim(patches: Sequence[Patch], limit: float, pair: Pair, motion: Sequence
 
 def linear(patches: Sequence[Patch], pair: Pair, motion: Sequence[float]) -> Array:
     """The same forces (3,) of Kalker's linear theory. ValueError: an ellipse too slender."""
-    return np.sum([
-        _shared(patch, known.forces(a, b, pair.shear_modulus, local))[:3]
-        for patch, a, b, known, local in _ellipses(patches, pair, motion)
-    ], axis=0)  # fmt: skip
+    return np.sum(
+        [
+            _shared(patch, known.forces(a, b, pair.shear_modulus, local))[:3]
+            for patch, a, b, known, local in _ellipses(patches, pair, motion)
+        ],
+        axis=0,
+    )
 
 
 def _ellipses(

@@ -74,9 +74,11 @@ def patches(
     if contact.half_space or (hertzian and not contact.touch.orientation):
         pressed = boundary_element.solve(
             lambda x, s: (ellipse.curvature_x * x**2 + ellipse.curvature_y * s**2) / 2,
-            ellipse.contact_modulus, load=ellipse.load, cells=cells,
+            ellipse.contact_modulus,
+            load=ellipse.load,
+            cells=cells,
             half_size=(2 * ellipse.a, 2 * ellipse.b),
-        )  # fmt: skip
+        )
         return [Patch(pressed, _modes(contact, pressed))]
     if isinstance(profiles, str):
         raise ValueError(profiles)
@@ -99,9 +101,14 @@ def strip(contact: Strip, cells: int) -> list[Patch]:
     s = length / 4 * np.array([-1.0, 1.0])
     gap = contact.curvature / 2 * np.column_stack([x**2, x**2])
     (pressed,) = boundary_element.equilibrium(
-        [Grid(x, s, np.zeros(2))], [gap], contact.contact_modulus,
-        contact.load_per_length * length, None, TOLERANCE, None,
-    )  # fmt: skip
+        [Grid(x, s, np.zeros(2))],
+        [gap],
+        contact.contact_modulus,
+        contact.load_per_length * length,
+        None,
+        TOLERANCE,
+        None,
+    )
     return [Patch(pressed, plane_modes(x, s))]
 
 

@@ -117,9 +117,13 @@ def _solid(
 
     def patches(cells: int) -> Sequence[Patch]:
         return rolling_patches.patches(
-            solved.plan.contact, ellipse, hertzian=hertzian, load=load, cells=cells,
+            solved.plan.contact,
+            ellipse,
+            hertzian=hertzian,
+            load=load,
+            cells=cells,
             profiles=profiles,
-        )  # fmt: skip
+        )
 
     out: NumbersByMethod = {
         "boundary elements": _or_reason(lambda: solve_by_boundary_elements(case, patches, CELLS))
@@ -187,9 +191,11 @@ def by_key(forces: Array, stick: float) -> Numbers:
     """Forces and moment (3,) by the names of "friction" in summary.json."""
     along, across, moment = forces
     return {
-        "force_along_N": float(along), "force_across_N": float(across),
-        "moment_Nmm": float(moment), "stick_share": float(stick),
-    }  # fmt: skip
+        "force_along_N": float(along),
+        "force_across_N": float(across),
+        "moment_Nmm": float(moment),
+        "stick_share": float(stick),
+    }
 
 
 def _on_grid(case: FrictionCase, patches: Sequence[Patch]) -> Numbers:
@@ -206,11 +212,15 @@ def _on_grid(case: FrictionCase, patches: Sequence[Patch]) -> Numbers:
 
     sheared = [
         dissimilar.solve_dissimilar(
-            each.pressed, case.pair, case.coefficient, shear,
-            rolling=case.rolling, modes=each.modes,
+            each.pressed,
+            case.pair,
+            case.coefficient,
+            shear,
+            rolling=case.rolling,
+            modes=each.modes,
         )
         for each in patches
-    ]  # fmt: skip
+    ]
     forces = scale * np.sum([each.forces for each in sheared], axis=0)
     sticks, touches = np.sum([each.areas for each in sheared], axis=0)
     largest = max(float(np.linalg.norm(each.traction, axis=0).max()) for each in sheared)
