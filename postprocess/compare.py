@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from railhead.postprocess.findings import Array, DepthAxis, Findings, Frame, OnePatch, Place
-from railhead.postprocess.patch.parts import SMALLEST
+from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.postprocess.stress import extremes
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.bem.patch import PatchSolution

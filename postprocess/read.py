@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from railhead.postprocess.findings import Findings, Frame
 from railhead.postprocess.friction import traction
 from railhead.postprocess.patch import patch, quality, section
-from railhead.postprocess.patch.parts import parts
-from railhead.postprocess.patch.patch import Moments
+from railhead.postprocess.patch.patch import PressureMoments
+from railhead.postprocess.patch.separate_patches import separate_patches
 from railhead.postprocess.stress import bodies
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from railhead.solver.solution import FrictionSolution
 
 
-def moments(fields: Fields, frame: Frame) -> Moments:
+def moments(fields: Fields, frame: Frame) -> PressureMoments:
     """Moments of the pressure; see `patch.moments` and `section.moments`."""
     return (section if fields.kinematics.dim == 2 else patch).moments(fields, frame)
 
@@ -34,7 +34,7 @@ def findings(
     patches, the frame becomes that of the most loaded one.
     """
     flat = fields.kinematics.dim == 2
-    separate = [] if flat else parts(fields)
+    separate = [] if flat else separate_patches(fields)
     frame = separate[0].frame if len(separate) > 1 else frame
     if flat:
         found, surfaces, moments, recovered = section.read(fields, frame, parabolic=parabolic)

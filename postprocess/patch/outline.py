@@ -8,13 +8,13 @@ import contourpy
 import numpy as np
 
 from railhead.postprocess.findings import Array
-from railhead.postprocess.patch.reconstruct import Square
+from railhead.postprocess.patch.reconstruct import SquaredPressure
 
 GRID = 400  # lines each way: zeros of a parabola are found to 4e-6 of its width
 
 
 @dataclass(frozen=True)
-class Shape:
+class PatchShape:
     """outlines: closed curves (k, 2) of (x, s), mm, holes included; area mm2; half lengths a along
     x, b along s, mm; peak MPa, at top (x, s)."""
 
@@ -26,7 +26,7 @@ class Shape:
     top: tuple[float, float] = (0.0, 0.0)
 
 
-def trace(square: Square) -> Shape:
+def outline_shape(square: SquaredPressure) -> PatchShape:
     """Where F > 0. The border of the box counts as outside: the surface ends there."""
     x, s = (np.linspace(low, high, GRID, dtype=np.float64) for low, high in square.box)
     values = square.grid(x, s)
@@ -39,7 +39,7 @@ def trace(square: Square) -> Shape:
     a, b = np.ptp(np.concatenate(outlines), axis=0) / 2
     row, column = np.unravel_index(np.argmax(values), values.shape)
     place = float(x[column]), float(s[row])
-    return Shape(outlines, float(area), float(a), float(b), float(np.sqrt(top)), place)
+    return PatchShape(outlines, float(area), float(a), float(b), float(np.sqrt(top)), place)
 
 
 def _enclosed(line: Array) -> float:

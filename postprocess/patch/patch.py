@@ -10,18 +10,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from railhead.postprocess.findings import Array, AxisPressure, Frame, OnePatch, Patch
-from railhead.postprocess.patch.outline import Shape, trace
-from railhead.postprocess.patch.parts import Part
+from railhead.postprocess.patch.outline import PatchShape, outline_shape
 from railhead.postprocess.patch.reconstruct import (
     ROUGHNESS,
     Samples,
-    Square,
+    SquaredPressure,
+    blend,
     ellipsoid,
-    mean,
-    nothing,
     reconstruct,
+    zero_squared_pressure,
 )
-from railhead.postprocess.patch.surface import Surfaces, both
+from railhead.postprocess.patch.separate_patches import SeparatePatch
+from railhead.postprocess.patch.surface import Surfaces, recover_surfaces
 
 if TYPE_CHECKING:
     from railhead.solver.fields import Fields
@@ -39,7 +39,7 @@ VARIATION = 100.0  # of the roughness, either way: how far readings differ
 
 
 @dataclass(frozen=True)
-class Moments:
+class PressureMoments:
     """Moments of the pressure in the contact frame; force N (whole patch), lengths mm.
 
     shape_error: largest relative deviation of its normalised third and fourth moments from those
@@ -60,7 +60,7 @@ class Moments:
         return self.shape_error < HERTZIAN
 
 
-def moments(fields: Fields, frame: Frame) -> Moments:
+def moments(fields: Fields, frame: Frame) -> PressureMoments:
     """a = sqrt(5 int p x^2 / int p), and b alike across: exact for Hertz's semi-ellipsoid."""
     contact = fields.contact
     weight = contact.weights * contact.pressure
@@ -75,7 +75,9 @@ def moments(fields: Fields, frame: Frame) -> Moments:
     xx, ss = float(weight @ x**2 / total), float(weight @ s**2 / total)
     parts = 2 ** len(fields.mirrors)
     if not xx * ss > 0:  # all points in a line
-        return Moments(parts * float(total), (xc, sc), np.sqrt(5 * xx), np.sqrt(5 * ss), np.inf)
+        return PressureMoments(
+            parts * float(total), (xc, sc), np.sqrt(5 * xx), np.sqrt(5 * ss), np.inf
+        )
     deviations = [
         weight @ x**4 / total / xx**2 / (15 / 7) - 1,
         weight @ s**4 / total / ss**2 / (15 / 7) - 1,
@@ -83,7 +85,7 @@ def moments(fields: Fields, frame: Frame) -> Moments:
         0.0 if cut_x else weight @ x**3 / total / xx**1.5,
         0.0 if cut_y else weight @ s**3 / total / ss**1.5,
     ]
-    return Moments(
+    return PressureMoments(
         parts * float(total),
         (xc, sc),
         float(np.sqrt(5 * xx)),
@@ -103,7 +105,7 @@ def mirrored(local: Array, values: Array, fields: Fields) -> tuple[Array, Array]
     return local, values
 
 
-def largest_pressure(fields: Fields, frame: Frame, found: Moments) -> float:
+def largest_pressure(fields: Fields, frame: Frame, found: PressureMoments) -> float:
     """Peak of a quadratic fitted to p^2 around the centre; Hertz's p^2 is one exactly."""
     contact = fields.contact
     local, p = mirrored(frame.local(contact.points)[:, :2], contact.pressure, fields)
@@ -126,8 +128,8 @@ def largest_pressure(fields: Fields, frame: Frame, found: Moments) -> float:
 
 
 def read(
-    fields: Fields, separate: list[Part], frame: Frame, *, parabolic: bool = False
-) -> tuple[Patch, Surfaces, Moments, Array, tuple[AxisPressure, AxisPressure]]:
+    fields: Fields, separate: list[SeparatePatch], frame: Frame, *, parabolic: bool = False
+) -> tuple[Patch, Surfaces, PressureMoments, Array, tuple[AxisPressure, AxisPressure]]:
     """Patch, recovered surfaces, moments, the recovered pressure at the contact points and
     along x and s through the centre, of a solution in which something touches.
 
@@ -167,7 +169,7 @@ def read(
         ),
         scatter,
     )  # fmt: skip
-    surfaces = both(fields, frame, partial(_pressure, readings))
+    surfaces = recover_surfaces(fields, frame, partial(_pressure, readings))
     through = _through(first, patch, frame, hertzian=found.hertzian)
     lines = _line(readings, frame, patch, through, 0), _line(readings, frame, patch, through, 1)
     return patch, surfaces, found, _pressure(readings, contact.points), lines
@@ -178,33 +180,33 @@ class _Reading:
     """p^2 and shape of one patch in its frame, and the scatter of its readings."""
 
     frame: Frame
-    square: Square
-    shape: Shape
+    square: SquaredPressure
+    shape: PatchShape
     scatter: dict[str, float]
 
 
-def _reading(part: Part, frame: Frame, facets: Array, *, parabolic: bool) -> _Reading:
+def _reading(part: SeparatePatch, frame: Frame, facets: Array, *, parabolic: bool) -> _Reading:
     """Of Hertz's ellipsoid up to a shape error of ELLIPTIC, of the pressure rebuilt from its
     moments from HERTZIAN on; between, of their mean."""
     fields, found = part.fields, moments(part.fields, frame)
     given = samples(fields, frame, facets)
-    share = freedom(found.shape_error)
-    square, scatter = nothing(given), dict.fromkeys(READ, 0.0)
+    share = general_shape_share(found.shape_error)
+    square, scatter = zero_squared_pressure(given), dict.fromkeys(READ, 0.0)
     if share > 0:
-        square, scatter = free(given)
+        square, scatter = reconstruct_general_shape(given)
     if share < 1:
         peak = largest_pressure(fields, frame, found)
         (a, b), (da, db) = nearly_elliptic(found, float(given.size.mean()), parabolic=parabolic)
         off = abs(found.force / (peak * 2 / 3 * np.pi * found.a * found.b) - 1)
         other = {"a": da, "b": db, "area": da + db, "max_pressure": max(off, da)}
-        square = mean(square, ellipsoid(square, found.centre, (a, b), peak), share)
+        square = blend(square, ellipsoid(square, found.centre, (a, b), peak), share)
         scatter = {key: share * scatter[key] + (1 - share) * other[key] for key in READ}
-    return _Reading(frame, square, trace(square), scatter)
+    return _Reading(frame, square, outline_shape(square), scatter)
 
 
-def free(
-    given: Samples, measure: Callable[[Square], Shape] = trace
-) -> tuple[Square, dict[str, float]]:
+def reconstruct_general_shape(
+    given: Samples, measure: Callable[[SquaredPressure], PatchShape] = outline_shape
+) -> tuple[SquaredPressure, dict[str, float]]:
     """Any shape, and how far it differs, as `measure` reads it, with other roughnesses: beyond any
     bound where one of them did not come to a minimum."""
     stiff = reconstruct(given, VARIATION * ROUGHNESS)
@@ -212,15 +214,15 @@ def free(
     soft = reconstruct(given, ROUGHNESS / VARIATION, square)
     if not (stiff.settled and square.settled and soft.settled):
         return square, dict.fromkeys(READ, np.inf)
-    return square, spread(measure(square), [measure(stiff), measure(soft)])
+    return square, relative_differences(measure(square), [measure(stiff), measure(soft)])
 
 
-def freedom(shape_error: float) -> float:
+def general_shape_share(shape_error: float) -> float:
     """Share of the free reading in that of a patch: 0 of an ellipse, 1 of other shapes."""
     return float(np.clip((shape_error - ELLIPTIC) / (HERTZIAN - ELLIPTIC), 0.0, 1.0))
 
 
-def spread(shape: Shape, others: list[Shape]) -> dict[str, float]:
+def relative_differences(shape: PatchShape, others: list[PatchShape]) -> dict[str, float]:
     """Largest relative difference from the same patch read otherwise, by the names in `Patch`."""
 
     def largest(value: float, varied: list[float]) -> float:
@@ -235,7 +237,12 @@ def spread(shape: Shape, others: list[Shape]) -> dict[str, float]:
 
 
 def nearly_elliptic(
-    found: Moments, element: float, *, parabolic: bool, fourth: float = FOURTH, mesh: float = MESH
+    found: PressureMoments,
+    element: float,
+    *,
+    parabolic: bool,
+    fourth: float = FOURTH,
+    mesh: float = MESH,
 ) -> tuple[Array, Array]:
     """Half lengths (2,) of a nearly elliptic patch, mm, and their relative errors (2,).
 

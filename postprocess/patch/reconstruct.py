@@ -76,7 +76,7 @@ class Samples:
 
 
 @dataclass(frozen=True)
-class Square:
+class SquaredPressure:
     """p^2 = F(x, s) in a box, MPa^2; negative outside of the patch.
 
     knots across; coefficients (k, n); powers of (x - middle)/half; settled: whether the functional
@@ -115,20 +115,20 @@ class Square:
         return np.where(inside, values, -np.inf)
 
 
-def nothing(samples: Samples) -> Square:
+def zero_squared_pressure(samples: Samples) -> SquaredPressure:
     """F = 0 in the box and splines that suit the samples."""
     knots = _knots(samples)
     most, step = 0 if samples.line else samples.degree, 2 if samples.even else 1
     powers = np.arange(0, most + 1, step, dtype=np.float64)
-    return Square(_box(samples), knots, np.zeros((len(powers), len(knots) - 4)), powers)
+    return SquaredPressure(_box(samples), knots, np.zeros((len(powers), len(knots) - 4)), powers)
 
 
 def reconstruct(
-    samples: Samples, roughness: float = ROUGHNESS, start: Square | None = None
-) -> Square:
+    samples: Samples, roughness: float = ROUGHNESS, start: SquaredPressure | None = None
+) -> SquaredPressure:
     """Minimise the functional above by Levenberg and Marquardt's method, from Hertz's ellipsoid or
     from the result with another roughness."""
-    like = nothing(samples)
+    like = zero_squared_pressure(samples)
     knots, powers, middle, half = like.knots, like.powers, like.middle, like.half
     n, top = len(knots) - 4, float(samples.pressure.max())
 
@@ -247,8 +247,8 @@ def _penalty(knots: Array, powers: Array, s: Array, weight: Array, samples: Samp
 
 
 def ellipsoid(
-    like: Square, centre: tuple[float, float], semi: tuple[float, float], peak: float
-) -> Square:
+    like: SquaredPressure, centre: tuple[float, float], semi: tuple[float, float], peak: float
+) -> SquaredPressure:
     """p0^2 (1 - (x - x_c)^2/a^2 - (s - s_c)^2/b^2) in the box and splines of another; of a line
     without x. Exactly."""
     half, middle = like.half, like.middle
@@ -264,13 +264,13 @@ def ellipsoid(
     return replace(like, coefficients=peak**2 * c)
 
 
-def mean(one: Square, other: Square, share: float) -> Square:
+def blend(one: SquaredPressure, other: SquaredPressure, share: float) -> SquaredPressure:
     """share of the first and the rest of the second, in the same splines."""
     mixed = share * one.coefficients + (1 - share) * other.coefficients
     return replace(one, coefficients=mixed)
 
 
-def _start(samples: Samples, like: Square) -> Array:
+def _start(samples: Samples, like: SquaredPressure) -> Array:
     """Hertz's ellipsoid with the moments of the pressure, over the largest one squared."""
     share = samples.force / samples.force.sum()
     least = (0.5 * float(samples.size.mean())) ** 2

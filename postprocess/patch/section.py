@@ -5,18 +5,24 @@ from __future__ import annotations
 import numpy as np
 
 from railhead.postprocess.findings import Array, AxisPressure, Frame, Patch, Surface
-from railhead.postprocess.patch.outline import Shape
+from railhead.postprocess.patch.outline import PatchShape
 from railhead.postprocess.patch.patch import (
     FOURTH,
     PEAK_RADIUS,
     READ,
-    Moments,
-    free,
-    freedom,
+    PressureMoments,
+    general_shape_share,
     nearly_elliptic,
+    reconstruct_general_shape,
 )
-from railhead.postprocess.patch.reconstruct import Samples, Square, ellipsoid, mean, nothing
-from railhead.postprocess.patch.surface import Surfaces, both
+from railhead.postprocess.patch.reconstruct import (
+    Samples,
+    SquaredPressure,
+    blend,
+    ellipsoid,
+    zero_squared_pressure,
+)
+from railhead.postprocess.patch.surface import Surfaces, recover_surfaces
 from railhead.solver.fields import Fields
 
 MESH = 0.03  # see `patch`
@@ -29,7 +35,7 @@ def coordinate(fields: Fields) -> int:
     return int(np.argmax(np.abs(fields.kinematics.axes[0])))
 
 
-def moments(fields: Fields, frame: Frame) -> Moments:
+def moments(fields: Fields, frame: Frame) -> PressureMoments:
     """Half width w = 2 sqrt(int p t^2 / int p) of a strip, sqrt(5/2 int p r^2 / int p) of a circle,
     as both semi-axes: exact for Hertz's pressure."""
     contact, revolved = fields.contact, fields.kinematics.revolved
@@ -48,7 +54,9 @@ def moments(fields: Fields, frame: Frame) -> Moments:
     centre = (middle, 0.0) if axis == 0 else (0.0, middle)
     parts = 1 if revolved else 2 ** len(fields.mirrors)
     off = float(deviations[0])
-    return Moments(parts * total, centre, w, w, float(np.max(np.abs(deviations))), (off, off))
+    return PressureMoments(
+        parts * total, centre, w, w, float(np.max(np.abs(deviations))), (off, off)
+    )
 
 
 def largest_pressure(t: Array, pressure: Array, weights: Array, w: float, *, even: bool) -> float:
@@ -70,24 +78,24 @@ def largest_pressure(t: Array, pressure: Array, weights: Array, w: float, *, eve
 
 def read(
     fields: Fields, frame: Frame, *, parabolic: bool = False
-) -> tuple[Patch, Surfaces, Moments, Array]:
+) -> tuple[Patch, Surfaces, PressureMoments, Array]:
     """Patch, recovered surfaces, moments, and the recovered pressure at the contact points of a
     section in which something touches; parabolic: see `patch.read`."""
     contact, axis = fields.contact, coordinate(fields)
     revolved, length = fields.kinematics.revolved, fields.kinematics.thickness
     found = moments(fields, frame)
     given = samples(fields, frame)
-    share = freedom(found.shape_error)
-    square, scatter = nothing(given), dict.fromkeys(READ, 0.0)
+    share = general_shape_share(found.shape_error)
+    square, scatter = zero_squared_pressure(given), dict.fromkeys(READ, 0.0)
     if share > 0:
-        square, scatter = free(given, lambda each: _shape(each, fields))
+        square, scatter = reconstruct_general_shape(given, lambda each: _shape(each, fields))
     if share < 1:
         t = frame.local(contact.points)[:, axis] - found.centre[axis]
         even = bool(fields.mirrors)
         peak = largest_pressure(t, contact.pressure, contact.weights, found.a, even=even)
         half, other = _ellipse(found, peak, float(given.size.mean()), fields, parabolic=parabolic)
         ellipse = ellipsoid(square, (0.0, found.centre[axis]), (1.0, half), peak)
-        square = mean(square, ellipse, share)
+        square = blend(square, ellipse, share)
         scatter = {key: share * scatter[key] + (1 - share) * other[key] for key in READ}
     shape = _shape(square, fields)
     outlines = _outlines(_spans(square), axis, None if revolved else length)
@@ -99,7 +107,7 @@ def read(
     def pressure(points: Array) -> Array:
         return _pressure(square, frame.local(points)[:, axis])
 
-    return patch, both(fields, frame, pressure), found, pressure(contact.points)
+    return patch, recover_surfaces(fields, frame, pressure), found, pressure(contact.points)
 
 
 def samples(fields: Fields, frame: Frame) -> Samples:
@@ -125,25 +133,25 @@ def samples(fields: Fields, frame: Frame) -> Samples:
     return Samples(x, t, force, pressure, size, True, limits, True, revolved, thickness)
 
 
-def _pressure(square: Square, t: Array) -> Array:
+def _pressure(square: SquaredPressure, t: Array) -> Array:
     return np.asarray(np.sqrt(np.maximum(square(np.zeros_like(t), t), 0.0)))
 
 
-def _shape(square: Square, fields: Fields) -> Shape:
+def _shape(square: SquaredPressure, fields: Fields) -> PatchShape:
     """Half widths, area and peak of a section."""
     spans, axis = _spans(square), coordinate(fields)
     length = fields.kinematics.thickness
     half = (spans[-1][1] - spans[0][0]) / 2
     peak = _pressure(square, np.linspace(*square.box[1], GRID, dtype=np.float64)).max()
     if fields.kinematics.revolved:
-        return Shape([], float(np.pi * half**2), half, half, float(peak))
+        return PatchShape([], float(np.pi * half**2), half, half, float(peak))
     area = length * sum(end - begin for begin, end in spans)
     semi = (half, length / 2) if axis == 0 else (length / 2, half)
-    return Shape([], float(area), *semi, float(peak))
+    return PatchShape([], float(area), *semi, float(peak))
 
 
 def _ellipse(
-    found: Moments, peak: float, element: float, fields: Fields, *, parabolic: bool
+    found: PressureMoments, peak: float, element: float, fields: Fields, *, parabolic: bool
 ) -> tuple[float, dict[str, float]]:
     """Half width, mm, and relative errors: of the peak the difference from that of the parabola of
     p^2 that has the force."""
@@ -182,7 +190,7 @@ def _both(t: Array, values: Array, mirrored: bool) -> tuple[Array, Array]:
     return (np.concatenate([-t, t]), np.tile(values, 2)) if mirrored else (t, values)
 
 
-def _spans(square: Square) -> list[tuple[float, float]]:
+def _spans(square: SquaredPressure) -> list[tuple[float, float]]:
     """Intervals of t in which p^2 is positive, in ascending order."""
     t = np.linspace(*square.box[1], GRID, dtype=np.float64)
     values = square(np.zeros_like(t), t)

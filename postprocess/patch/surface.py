@@ -112,7 +112,7 @@ class SurfaceRecovery:
         return values
 
 
-def both(fields: Fields, frame: Frame, pressure: Callable[[Array], Array]) -> Surfaces:
+def recover_surfaces(fields: Fields, frame: Frame, pressure: Callable[[Array], Array]) -> Surfaces:
     """What was found on the slave's surface and, None where it is rigid, on the master's, which the
     same pressure loads: (n,) MPa at points (n, 3)."""
 

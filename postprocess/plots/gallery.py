@@ -24,7 +24,7 @@ def draw(
     folder: Path,
 ) -> tuple[meshio.Mesh, meshio.Mesh]:
     """Write the PNG files: six, four of a section. stresses (n, 6): of the fields, as
-    `stress.nodal` reads them. Returns what they show: cells, and the surface
+    `nodal_stress` reads them. Returns what they show: cells, and the surface
     that the pressure was found on."""
     volume = export.volume_grid(fields, stresses)
     contact = export.contact_grid({fields.slave: found.surface})

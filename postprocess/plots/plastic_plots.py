@@ -11,7 +11,7 @@ from railhead.meshing.tags import BODY_NAMES, other
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.patch.section import coordinate
 from railhead.postprocess.plots.diagrams import FE, HERTZ, loaded, new_figure
-from railhead.postprocess.stress.gauss_points import at_gauss
+from railhead.postprocess.stress.gauss_points import stress_at_gauss_points
 from railhead.postprocess.vtu.mirror import cut_axes
 from railhead.solver.fields import Fields
 from railhead.theory.elastic.hertz import Ellipse
@@ -44,8 +44,8 @@ def draw(
     with new_figure(path, 11, 8.6, found) as figure:
         (strain, stress), (pressure, depth) = figure.subplots(2, 2)
         every = np.arange(len(pressed.cells))
-        points, _ = at_gauss(pressed, every)
-        _, left = at_gauss(residual, every)
+        points, _ = stress_at_gauss_points(pressed, every)
+        _, left = stress_at_gauss_points(residual, every)
         for axes, values, label in (
             (strain, 100 * pressed.plastic_strain.equivalent, "equivalent plastic strain, %"),
             (stress, von_mises(left), "residual von Mises stress, MPa"),

@@ -8,7 +8,7 @@ import numpy as np
 
 from railhead.meshing.tags import BODY_NAMES
 from railhead.postprocess.findings import Array, DepthAxis, Frame, Largest, Peak
-from railhead.postprocess.patch.parts import Part
+from railhead.postprocess.patch.separate_patches import SeparatePatch
 from railhead.postprocess.stress import stick_border
 from railhead.postprocess.stress.gauss_points import COLUMN, ROW
 from railhead.postprocess.stress.peaks import Search
@@ -28,7 +28,7 @@ def read(
     frame: Frame,
     centre: tuple[float, float],
     size: float,
-    others: list[Part],
+    others: list[SeparatePatch],
     rubbing: FrictionSolution | None,
 ) -> Found:
     """By meshed body the stresses below (x, s) = centre and the largest ones; between them, in the

@@ -7,7 +7,7 @@ import numpy as np
 
 from railhead.meshing.tags import RAIL
 from railhead.postprocess.findings import Array
-from railhead.postprocess.stress.gauss_points import at_reference
+from railhead.postprocess.stress.gauss_points import stress_at_reference_point
 from railhead.postprocess.stress.solid import Solid
 from railhead.solver.fields import Fields
 
@@ -45,7 +45,7 @@ def contact_force(fields: Fields, body: int) -> Array:
     kinematics, total = fields.kinematics, np.zeros(3)
     rule = basix.make_quadrature(getattr(basix.CellType, fields.cell), RULE)
     for reference, weight in zip(*rule, strict=True):
-        x, stress, size = at_reference(fields, cells, reference)
+        x, stress, size = stress_at_reference_point(fields, cells, reference)
         size = weight * size * kinematics.measure(kinematics.flatten(x))
         local = (x - centre) * scale
         rho = np.linalg.norm(local, axis=1)

@@ -14,14 +14,14 @@ OUT = np.diag([0.0, 1.0, 0.0])  # the hoop direction of a meridian section
 ROW, COLUMN = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])
 
 
-def at_reference(
+def stress_at_reference_point(
     fields: Fields, cells: NDArray[np.int64], reference: Array
 ) -> tuple[Array, Array, Array]:
     """Position (m, 3), stress (m, 6) in global axes and |det J| at one reference point. Plastic
     strains are those of the plane through their values at the Gauss points of each cell."""
-    x, stress, size = before_yield(fields, cells, reference)
+    x, stress, size = stress_of_total_strain(fields, cells, reference)
     if fields.plastic_strain is not None:
-        points = gauss(fields)
+        points = reference_gauss_points(fields)
         corner, *rest = np.linalg.pinv(np.column_stack([np.ones(len(points)), points]))
         shares = corner + reference @ np.array(rest)
         strain = np.einsum("g,mgij->mij", shares, fields.plastic_strain.strain[cells])
@@ -29,9 +29,11 @@ def at_reference(
     return x, stress, size
 
 
-def at_gauss(fields: Fields, cells: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Position (m, g, 3) and stress (m, g, 6) in global axes at the points of `gauss`."""
-    found = [before_yield(fields, cells, point)[:2] for point in gauss(fields)]
+def stress_at_gauss_points(fields: Fields, cells: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Position (m, g, 3) and stress (m, g, 6) in global axes at all Gauss points (g) of cells."""
+    found = [
+        stress_of_total_strain(fields, cells, point)[:2] for point in reference_gauss_points(fields)
+    ]
     points = np.stack([x for x, _ in found], axis=1)
     stress = np.stack([s for _, s in found], axis=1)
     if fields.plastic_strain is not None:
@@ -40,7 +42,7 @@ def at_gauss(fields: Fields, cells: NDArray[np.int64]) -> tuple[Array, Array]:
     return points, stress
 
 
-def gauss(fields: Fields) -> Array:
+def reference_gauss_points(fields: Fields) -> Array:
     """Reference points (g, d) at which stresses are best, or plastic strains are known."""
     rule = 1 if fields.degree == 1 and fields.cell in ("tetrahedron", "triangle") else 2
     if fields.plastic_strain is not None:
@@ -53,10 +55,10 @@ def _relief(fields: Fields, cells: NDArray[np.int64], strain: Array) -> Array:
     return np.asarray(2 * fields.lame[cells, 1, None] * strain[:, ROW, COLUMN])
 
 
-def before_yield(
+def stress_of_total_strain(
     fields: Fields, cells: NDArray[np.int64], reference: Array
 ) -> tuple[Array, Array, Array]:
-    """As `at_reference`, had nothing yielded."""
+    """As `stress_at_reference_point`, had nothing yielded."""
     x, strain, size = _strain(fields, cells, reference)
     dilatation = strain
     if fields.kinematics.averaged:
@@ -108,7 +110,7 @@ def _hoop(u: Array, r: Array, slope: Array) -> Array:
     return np.where(on_axis, slope, u / np.where(on_axis, 1.0, r))
 
 
-def nodal(fields: Fields) -> Array:
+def nodal_stress(fields: Fields) -> Array:
     """(n, 6) stress xx, yy, zz, xy, xz, yz at all nodes in global axes, MPa: the average of the
     cells around each node, weighted by their volume. Bodies share no node, so they do not mix."""
     kind = getattr(basix.CellType, fields.cell)
@@ -119,7 +121,7 @@ def nodal(fields: Fields) -> Array:
     weight = np.zeros(len(fields.points))
     every = np.arange(len(fields.cells))
     for place, reference in enumerate(np.asarray(element.points)):
-        _, stress, volume = at_reference(fields, every, reference)
+        _, stress, volume = stress_at_reference_point(fields, every, reference)
         np.add.at(total, fields.cells[:, place], stress * volume[:, None])
         np.add.at(weight, fields.cells[:, place], volume)
     return total / weight[:, None]

@@ -11,7 +11,11 @@ import numpy as np
 
 from railhead.meshing.tags import BODY_NAMES
 from railhead.postprocess.findings import Array, Frame, Place
-from railhead.postprocess.stress.gauss_points import at_gauss, before_yield, gauss
+from railhead.postprocess.stress.gauss_points import (
+    reference_gauss_points,
+    stress_at_gauss_points,
+    stress_of_total_strain,
+)
 from railhead.solver.fields import Fields
 from railhead.solver.solution import PlasticSolution
 from railhead.solver.space.cells import quadrature_degree
@@ -118,7 +122,7 @@ def plastic_zone(fields: Fields, frame: Frame) -> PlasticZone:
 def largest_von_mises(fields: Fields) -> float:
     """At the Gauss points, MPa: what yield bounds there a smooth field through them need not
     respect."""
-    _, stress = at_gauss(fields, np.arange(len(fields.cells)))
+    _, stress = stress_at_gauss_points(fields, np.arange(len(fields.cells)))
     return float(von_mises(stress).max())
 
 
@@ -128,8 +132,8 @@ def _samples(fields: Fields) -> tuple[Array, Array]:
     degree = quadrature_degree(fields.cell, fields.degree, fields.kinematics)
     _, shares = basix.make_quadrature(getattr(basix.CellType, fields.cell), degree)
     places, weights = [], []
-    for point, share in zip(gauss(fields), shares, strict=True):
-        x, _, size = before_yield(fields, every, point)
+    for point, share in zip(reference_gauss_points(fields), shares, strict=True):
+        x, _, size = stress_of_total_strain(fields, every, point)
         places.append(x)
         weights.append(share * size * fields.kinematics.measure(fields.kinematics.flatten(x)))
     return np.stack(places, axis=1), np.stack(weights, axis=1)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from railhead.postprocess.findings import Array
-from railhead.postprocess.stress.gauss_points import COLUMN, ROW, at_gauss
+from railhead.postprocess.stress.gauss_points import COLUMN, ROW, stress_at_gauss_points
 from railhead.solver.fields import Fields
 
 NEIGHBOURS = 1200  # samples of one local fit: about three element sizes around
@@ -30,7 +30,7 @@ class Recovery:
 
     def __init__(self, fields: Fields, cells: NDArray[np.int64]) -> None:
         """cells (m,): all those of the body."""
-        self.points, self.stress = at_gauss(fields, cells)
+        self.points, self.stress = stress_at_gauss_points(fields, cells)
         self._axes = fields.kinematics.axes  # a section has no more coordinates than these
         points: Array = self.points.reshape(-1, 3)
         stress: Array = self.stress.reshape(-1, 6)

@@ -9,7 +9,7 @@ import meshio
 
 from railhead.meshing.tags import other
 from railhead.postprocess.findings import Array, Findings
-from railhead.postprocess.stress.gauss_points import nodal
+from railhead.postprocess.stress.gauss_points import nodal_stress
 from railhead.postprocess.vtu import export
 from railhead.postprocess.vtu.mirror import whole_grid
 from railhead.solver.fields import Fields
@@ -21,7 +21,7 @@ def write(
     rubbing: FrictionSolution | None, folder: Path, *, whole: bool = False,
 ) -> None:  # fmt: skip
     """solution.vtu and contact.vtu; with the state after the load residual.vtu and solution.pvd,
-    with friction traction.vtu. stress (n, 6): of the fields, as `stress.nodal` reads it; whole:
+    with friction traction.vtu. stress (n, 6): of the fields, as `nodal_stress` reads it; whole:
     with the images of what symmetry left out. OSError."""
     for name, grid in _grids(fields, stress, found, residual, rubbing):
         shown = whole_grid(grid, fields.mirrors) if whole else grid
@@ -45,6 +45,6 @@ def _grids(
     yield "contact", export.contact_grid(surfaces)
     yield "solution", export.volume_grid(fields, stress)
     if residual is not None:
-        yield "residual", export.volume_grid(residual, nodal(residual))
+        yield "residual", export.volume_grid(residual, nodal_stress(residual))
     if rubbing is not None:
         yield "traction", export.traction_points(rubbing)

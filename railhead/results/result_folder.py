@@ -173,7 +173,7 @@ def write_grids(result: Result, folder: Path, *, whole: bool = False) -> Array |
     if fields is None or found is None:
         return None
     residual = result.mesh_solution.unloaded_fields
-    stresses, rubbing = gauss_points.nodal(fields), result.mesh_solution.solution.friction
+    stresses, rubbing = gauss_points.nodal_stress(fields), result.mesh_solution.solution.friction
     files.write(fields, stresses, found, residual, rubbing, folder, whole=whole)
     return stresses
 

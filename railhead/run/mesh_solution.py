@@ -26,13 +26,13 @@ from railhead.planning.references import closed_forms
 from railhead.postprocess import compare
 from railhead.postprocess.findings import Findings, Frame
 from railhead.postprocess.friction import traction
-from railhead.postprocess.patch.parts import parts
+from railhead.postprocess.patch.separate_patches import separate_patches
 from railhead.run import build
 from railhead.run.progress import Progress
 from railhead.theory.elastic.contacts import Hertz
 
 if TYPE_CHECKING:
-    from railhead.postprocess.patch.patch import Moments
+    from railhead.postprocess.patch.patch import PressureMoments
     from railhead.postprocess.stress.plastic import ResidualState
     from railhead.solver.contact import ContactModel
     from railhead.solver.fields import Fields
@@ -339,7 +339,7 @@ def _remesh_for_found_patch(
     return plan, plan.grading()
 
 
-def forecast_from_solution(fields: Fields, found: Moments, frame: Frame) -> Forecast:
+def forecast_from_solution(fields: Fields, found: PressureMoments, frame: Frame) -> Forecast:
     """The patch of a solution as a forecast for the next mesh; moments: those of its pressure."""
     contact = fields.contact
     points, touches = contact.points, contact.pressure > 0
@@ -351,7 +351,7 @@ def forecast_from_solution(fields: Fields, found: Moments, frame: Frame) -> Fore
         found = replace(found, a=max(found.a, least), b=max(found.b, least))
         zones = tuple(
             Zone(part.centre, max(part.a, least), max(part.b, least), part.frame.angle)
-            for part in parts(fields)
+            for part in separate_patches(fields)
         )
     nearest = Nearest(cKDTree(points), touches, max(zone.b for zone in zones))
     moments = (*found.centre, found.a, found.b)

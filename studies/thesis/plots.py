@@ -12,7 +12,7 @@ import numpy as np
 from railhead.postprocess.findings import Array, AxisPressure, DepthAxis, Findings, Surface
 from railhead.postprocess.patch.surface import SurfaceRecovery
 from railhead.postprocess.plots.diagrams import FE, GREY, HERTZ, closed_ellipse, new_figure
-from railhead.postprocess.stress.gauss_points import nodal
+from railhead.postprocess.stress.gauss_points import nodal_stress
 from railhead.postprocess.vtu.mirror import whole
 from railhead.solver.fields import Fields
 from railhead.theory.elastic.hertz import Ellipse
@@ -57,7 +57,7 @@ def sample(fields: Fields, found: Findings) -> Sampled:
     """Read out of a solution cut at y = 0 what the pictures need."""
     recovery = SurfaceRecovery(fields)
     nodes = recovery.nodes
-    stresses, points = nodal(fields)[nodes], fields.points[nodes]
+    stresses, points = nodal_stress(fields)[nodes], fields.points[nodes]
     values, local = principal(stresses), found.frame.local(points)[:, :2]
     still, moved = np.zeros(len(nodes)), fields.displacement[nodes]
     maps = [

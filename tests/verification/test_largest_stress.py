@@ -69,7 +69,7 @@ def test_patch_that_is_no_ellipse_has_its_largest_stress_beside_the_axis() -> No
     """S1002 on 60E1: nodal averages overshoot by a few per cent, a finer mesh does not."""
     scene = catalogue.find("s1002_60e1")
     coarse, fine = (passed(scene.replace([f"mesh.patch_size={h}"])) for h in (0.75, 0.5))
-    nodal = gauss_points.nodal(fine.fields)
+    nodal = gauss_points.nodal_stress(fine.fields)
     found, other = (r.summary["result"]["stress"] for r in (fine, coarse))
     for name, invariant in (
         ("tau_max_MPa", subsurface.max_shear),

@@ -44,7 +44,7 @@ def test_bulk_constant_stress(two_blocks, cell: str, degree: int) -> None:
     sigma = lam * np.trace(gradient) * np.eye(3) + 2 * mu * gradient
     expected = sigma[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
     np.testing.assert_allclose(
-        gauss_points.nodal(fields), np.tile(expected, (len(points), 1)), rtol=1e-8, atol=1e-8
+        gauss_points.nodal_stress(fields), np.tile(expected, (len(points), 1)), rtol=1e-8, atol=1e-8
     )
 
 

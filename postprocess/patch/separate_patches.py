@@ -20,7 +20,7 @@ SMALLEST = 0.002  # share of the force; below it a few open-and-shut points, not
 
 
 @dataclass(frozen=True)
-class Part:
+class SeparatePatch:
     """A connected patch, symmetric parts included.
 
     fields: with the contact points of this patch alone; frame: its tangent plane, origin at its
@@ -41,7 +41,7 @@ class Part:
         return self.frame.origin
 
 
-def parts(fields: Fields) -> list[Part]:
+def separate_patches(fields: Fields) -> list[SeparatePatch]:
     """Facets with pressure that share a node belong together; the most loaded patch comes first.
 
     A patch that lies beside a symmetry plane without touching it is listed once, its image not.
@@ -66,7 +66,7 @@ def _components(facet_nodes: NDArray[np.int64], used: NDArray[np.int64]) -> NDAr
     return numbers
 
 
-def _part(fields: Fields, members: NDArray[np.bool_], force: Array) -> Part:
+def _part(fields: Fields, members: NDArray[np.bool_], force: Array) -> SeparatePatch:
     contact, own = fields.contact, force[members]
     names = ("points", "weights", "pressure", "indicator", "gap", "normals", "facet", "xi")
     contact = replace(contact, **{name: getattr(contact, name)[members] for name in names})
@@ -84,7 +84,7 @@ def _part(fields: Fields, members: NDArray[np.bool_], force: Array) -> Part:
     a, b = (float(reach) for reach in np.abs(frame.local(contact.points)[:, :2]).max(axis=0))
     total, whole = own.sum() * 2 ** len(mirrors), force.sum() * 2 ** len(fields.mirrors)
     own_fields = replace(fields, contact=contact, mirrors=mirrors)
-    return Part(own_fields, frame, a, b, float(total), float(total / whole))
+    return SeparatePatch(own_fields, frame, a, b, float(total), float(total / whole))
 
 
 def _reaches(points: Array, plane: tuple[float, float, float]) -> bool:
