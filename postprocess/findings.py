@@ -60,7 +60,7 @@ class Frame:
         return np.asarray((points - np.array(self.origin)) @ self.axes.T)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Surface:
     """Fields on the modelled part of a contact surface.
 
@@ -79,7 +79,7 @@ class Surface:
     displacement: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class OnePatch:
     """One of several separate contact patches, in its own tangent plane.
 
@@ -100,7 +100,7 @@ class OnePatch:
     share: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Patch:
     """The contact patch, parts that symmetry left out included.
 
@@ -135,9 +135,10 @@ class Patch:
     def main(self) -> Array:
         """The outline (k, 2) around the centre; the largest of several there."""
         around = [
-            line for line in self.outlines
+            line
+            for line in self.outlines
             if np.all(line.min(axis=0) < self.centre) and np.all(self.centre < line.max(axis=0))
-        ]  # fmt: skip
+        ]
         return max(around or self.outlines[:1], key=lambda line: float(np.ptp(line, axis=0).prod()))
 
 
@@ -253,7 +254,7 @@ class AxisPressure:
     at: float = 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Findings:
     """Everything that is read out of one solution.
 

@@ -37,30 +37,28 @@ def findings(
     separate = [] if flat else separate_patches(fields)
     frame = separate[0].frame if len(separate) > 1 else frame
     if flat:
-        found, surfaces, moments, recovered = section.read(fields, frame, parabolic=parabolic)
-        lines = section.axis_pressures(surfaces[0], found, fields)
+        reading = section.read(fields, frame, parabolic=parabolic)
     else:
-        found, surfaces, moments, recovered, lines = patch.read(
-            fields, separate, frame, parabolic=parabolic
-        )
-    size = moments.a if flat else min(found.a, found.b)
-    inner = bodies.read(fields, frame, found.centre, size, separate[1:], rubbing)
-    axes, others, largest, edges, misfit = inner
-    across = quality.elements_across(fields, frame, found)
+        reading = patch.read(fields, separate, frame, parabolic=parabolic)
+    found, shape = reading.patch, reading.moments
+    size = shape.a if flat else min(found.a, found.b)
+    stress = bodies.read(fields, frame, found.centre, size, separate[1:], rubbing)
+    elements = quality.elements_across(fields, frame, found)
     return Findings(
-        frame,
-        found,
-        surfaces[0],
-        axes,
-        *lines,
-        moments.shape_error,
-        moments.hertzian and len(separate) < 2,
-        largest,
-        others,
-        noise=quality.noise(fields, recovered),
-        elements_across=across,
-        edge_distance=quality.edge_distance(fields, found, edges),
-        misfit=misfit,
-        opposite=surfaces[1],
-        unread_peak=0.0 if flat else traction.unread_peak(rubbing, min(across) / 2),
+        frame=frame,
+        patch=found,
+        surface=reading.surfaces[0],
+        opposite=reading.surfaces[1],
+        depth=stress.axes,
+        also=stress.other_axes,
+        largest=stress.largest,
+        misfit=stress.misfit,
+        along=reading.along,
+        across=reading.across,
+        shape_error=shape.shape_error,
+        hertzian=shape.hertzian and len(separate) < 2,
+        noise=quality.noise(fields, reading.recovered_pressure),
+        elements_across=elements,
+        edge_distance=quality.edge_distance(fields, found, stress.edges),
+        unread_peak=0.0 if flat else traction.unread_peak(rubbing, min(elements) / 2),
     )

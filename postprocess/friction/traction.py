@@ -13,8 +13,10 @@ if TYPE_CHECKING:
     from railhead.solver.solution import FrictionSolution
 
 
-MOTION = {True: ("creepage_along", "creepage_across", "spin_per_mm"),
-          False: ("shift_along_mm", "shift_across_mm", "turn_rad")}  # fmt: skip
+MOTION = {
+    True: ("creepage_along", "creepage_across", "spin_per_mm"),
+    False: ("shift_along_mm", "shift_across_mm", "turn_rad"),
+}
 LOADS = "force_along_N", "force_across_N", "moment_Nmm"
 RESOLVED = 0.05  # relative: a quantity of friction that may be off by more is not signed
 WEAR = "t_gamma_N", "wear_number_N", "power_W", "t_gamma_over_area_MPa", "wear_regime"

@@ -19,10 +19,13 @@ RING = (2.5, 5.0)  # over the longest half length of a patch: nodes that tell th
 def motion(
     fields: Fields, body: int, patches: tuple[OnePatch, ...], load: float
 ) -> tuple[float, float]:
-    """Rotation about x (rad) and displacement along y (mm) of a body around its most loaded patch:
-    the rigid motion u_y = c - angle (z - z0), u_z = d + angle (y - y0) fitted to its nodes in a
-    ring, after the displacement of half-spaces under point loads (N, along each normal) is taken
-    off. Zeros where no node lies there."""
+    """Rotation about x (rad) and displacement along y (mm) of a body around its most loaded patch.
+
+    The rigid motion u_y = c - angle (z - z0), u_z = d + angle (y - y0) is fitted to the nodes in a
+    ring around the patches. The displacements of half-spaces under the patches' forces are
+    subtracted first. load: normal force on all patches, N. Returns zeros where no node lies in the
+    ring.
+    """
     nodes = np.unique(fields.cells[fields.body == body])
     points, moved = fields.points[nodes], fields.displacement[nodes].copy()
     young, poisson = _constants(fields, body)
@@ -38,8 +41,7 @@ def motion(
         moved -= _half_space(points, patch, body, patch.share * load, young, poisson)
     y, z = (points - first.centre).T[1:]
     one, none = np.ones_like(y), np.zeros_like(y)
-    table = np.block([[one[:, None], none[:, None], -z[:, None]],
-                      [none[:, None], one[:, None], y[:, None]]])  # fmt: skip
+    table = np.concatenate([np.column_stack([one, none, -z]), np.column_stack([none, one, y])])
     found = np.linalg.lstsq(table, np.concatenate(moved.T[1:]), rcond=None)[0]
     return float(found[2]), float(found[0])
 
@@ -52,7 +54,9 @@ def _constants(fields: Fields, body: int) -> tuple[float, float]:
 def _half_space(
     points: Array, patch: OnePatch, body: int, load: float, young: float, poisson: float
 ) -> Array:
-    """Displacement (n, 3) by a point load at the centre of a patch."""
+    """Displacement (n, 3) at points (n, 3) of a half-space with a point load at the centre of a
+    patch, mm.
+    """
     frame = Frame(patch.centre, patch.angle)
     mirror = np.array([1.0, 1.0, 1.0 if body == RAIL else -1.0])
     local = frame.local(points) * mirror

@@ -13,10 +13,16 @@ from railhead.postprocess.patch.reconstruct import SquaredPressure
 GRID = 400  # lines each way: zeros of a parabola are found to 4e-6 of its width
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PatchShape:
-    """outlines: closed curves (k, 2) of (x, s), mm, holes included; area mm2; half lengths a along
-    x, b along s, mm; peak MPa, at top (x, s)."""
+    """Extents and peak of one patch, read from a smooth p^2.
+
+    outlines: closed curves (k, 2) of (x, s), mm; holes are curves of their own.
+    area: enclosed by the outlines without the holes, mm2.
+    a, b: half lengths along x and along s, mm.
+    peak: largest pressure, MPa.
+    top: (x, s) of the largest pressure, mm.
+    """
 
     outlines: list[Array]
     area: float
@@ -27,7 +33,10 @@ class PatchShape:
 
 
 def outline_shape(square: SquaredPressure) -> PatchShape:
-    """Where F > 0. The border of the box counts as outside: the surface ends there."""
+    """Trace the zero contour of p^2 on a grid over its box, and measure what it encloses.
+
+    The border of the box counts as outside, since the contact surface ends there.
+    """
     x, s = (np.linspace(low, high, GRID, dtype=np.float64) for low, high in square.box)
     values = square.grid(x, s)
     top = float(values.max())
@@ -38,11 +47,17 @@ def outline_shape(square: SquaredPressure) -> PatchShape:
     area = abs(sum(_enclosed(line) for line in outlines))
     a, b = np.ptp(np.concatenate(outlines), axis=0) / 2
     row, column = np.unravel_index(np.argmax(values), values.shape)
-    place = float(x[column]), float(s[row])
-    return PatchShape(outlines, float(area), float(a), float(b), float(np.sqrt(top)), place)
+    return PatchShape(
+        outlines=outlines,
+        area=float(area),
+        a=float(a),
+        b=float(b),
+        peak=float(np.sqrt(top)),
+        top=(float(x[column]), float(s[row])),
+    )
 
 
 def _enclosed(line: Array) -> float:
-    """Signed area in a closed curve: a hole counts the other way round."""
+    """Signed area enclosed by a closed curve (k, 2): holes turn the other way and are negative."""
     x, s = line.T
     return float(0.5 * np.sum(x[:-1] * s[1:] - x[1:] * s[:-1]))

@@ -38,13 +38,16 @@ BESIDE = 0.02  # of its half length: a peak that near to the centre is there
 VARIATION = 100.0  # of the roughness, either way: how far readings differ
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PressureMoments:
-    """Moments of the pressure in the contact frame; force N (whole patch), lengths mm.
+    """Moments of the computed contact pressure in the contact frame.
 
-    shape_error: largest relative deviation of its normalised third and fourth moments from those
-    of a semi-ellipsoid, <x^4>/<x^2>^2 = 15/7 and <x^2 s^2>/(<x^2> <s^2>) = 5/7; fourth: those of
-    <x^4> and <s^4>.
+    force: of the whole patch, N.
+    centre: (x, s) of the centroid of the pressure, mm.
+    a, b: semi-axes from second moments, mm.
+    shape_error: largest relative deviation of the normalised third and fourth moments from those of
+        a semi-ellipsoid, <x^4>/<x^2>^2 = 15/7 and <x^2 s^2>/(<x^2> <s^2>) = 5/7.
+    fourth: the relative deviations of <x^4> and of <s^4>.
     """
 
     force: float
@@ -56,12 +59,34 @@ class PressureMoments:
 
     @property
     def hertzian(self) -> bool:
-        """Whether the semi-axes are those of an ellipse."""
+        """Whether shape_error is small enough for the semi-axes to be those of an ellipse."""
         return self.shape_error < HERTZIAN
 
 
+@dataclass(frozen=True, kw_only=True)
+class PatchReading:
+    """What is read of the contact surfaces of one solution.
+
+    patch: extents, outlines and pressures.
+    surfaces: fields on the contact surface of the slave, and of the master or None if it is rigid.
+    moments: of the pressure of the most loaded patch.
+    recovered_pressure (q,): MPa at the contact points, from the smooth p^2.
+    along, across: the same pressure along x and along s.
+    """
+
+    patch: Patch
+    surfaces: Surfaces
+    moments: PressureMoments
+    recovered_pressure: Array
+    along: AxisPressure
+    across: AxisPressure
+
+
 def moments(fields: Fields, frame: Frame) -> PressureMoments:
-    """a = sqrt(5 int p x^2 / int p), and b alike across: exact for Hertz's semi-ellipsoid."""
+    """Moments of the contact pressure of bodies in space.
+
+    a = sqrt(5 int p x^2 / int p), and likewise b along s: exact for Hertz's semi-ellipsoid.
+    """
     contact = fields.contact
     weight = contact.weights * contact.pressure
     total = weight.sum()
@@ -76,7 +101,11 @@ def moments(fields: Fields, frame: Frame) -> PressureMoments:
     parts = 2 ** len(fields.mirrors)
     if not xx * ss > 0:  # all points in a line
         return PressureMoments(
-            parts * float(total), (xc, sc), np.sqrt(5 * xx), np.sqrt(5 * ss), np.inf
+            force=parts * float(total),
+            centre=(xc, sc),
+            a=float(np.sqrt(5 * xx)),
+            b=float(np.sqrt(5 * ss)),
+            shape_error=np.inf,
         )
     deviations = [
         weight @ x**4 / total / xx**2 / (15 / 7) - 1,
@@ -86,17 +115,20 @@ def moments(fields: Fields, frame: Frame) -> PressureMoments:
         0.0 if cut_y else weight @ s**3 / total / ss**1.5,
     ]
     return PressureMoments(
-        parts * float(total),
-        (xc, sc),
-        float(np.sqrt(5 * xx)),
-        float(np.sqrt(5 * ss)),
-        float(np.max(np.abs(deviations))),
-        (float(deviations[0]), float(deviations[1])),
+        force=parts * float(total),
+        centre=(xc, sc),
+        a=float(np.sqrt(5 * xx)),
+        b=float(np.sqrt(5 * ss)),
+        shape_error=float(np.max(np.abs(deviations))),
+        fourth=(float(deviations[0]), float(deviations[1])),
     )
 
 
 def mirrored(local: Array, values: Array, fields: Fields) -> tuple[Array, Array]:
-    """Add the mirror images of points (n, 2 or 3) in the contact frame; values are even."""
+    """Join points (n, 2 or 3) in the contact frame with their images across the symmetry planes.
+
+    values (n, ...): even quantities at the points; they are repeated at the images.
+    """
     for normal in fields.mirrors:
         axis = int(np.argmax(np.abs(normal)))
         image = local.copy()
@@ -106,10 +138,15 @@ def mirrored(local: Array, values: Array, fields: Fields) -> tuple[Array, Array]
 
 
 def largest_pressure(fields: Fields, frame: Frame, found: PressureMoments) -> float:
-    """Peak of a quadratic fitted to p^2 around the centre; Hertz's p^2 is one exactly."""
+    """Largest pressure, MPa: the top of a quadratic polynomial fitted to p^2 around the centre.
+
+    Hertz's p^2 is such a polynomial. Where fewer than 24 points lie there: the largest computed
+    pressure.
+    """
     contact = fields.contact
-    local, p = mirrored(frame.local(contact.points)[:, :2], contact.pressure, fields)
-    _, weight = mirrored(local[: len(contact.weights)], contact.weights, fields)
+    values = np.column_stack([contact.pressure, contact.weights])
+    local, values = mirrored(frame.local(contact.points)[:, :2], values, fields)
+    p, weight = values.T
     scaled = (local - found.centre) / np.array([found.a, found.b])
     radius = np.hypot(*scaled.T)
     near = (radius < PEAK_RADIUS) & (p > 0)
@@ -129,12 +166,12 @@ def largest_pressure(fields: Fields, frame: Frame, found: PressureMoments) -> fl
 
 def read(
     fields: Fields, separate: list[SeparatePatch], frame: Frame, *, parabolic: bool = False
-) -> tuple[Patch, Surfaces, PressureMoments, Array, tuple[AxisPressure, AxisPressure]]:
-    """Patch, recovered surfaces, moments, the recovered pressure at the contact points and
-    along x and s through the centre, of a solution in which something touches.
+) -> PatchReading:
+    """The contact of bodies in space, of which some points carry pressure.
 
-    separate: its parts; frame: of the first one where there are several; parabolic: whether the
-    pressure is Hertz's by construction, that of elastic half-spaces with a quadratic gap.
+    separate: the patches, most loaded first. frame: contact frame of the results, that of the
+    first patch if there are several. parabolic: whether Hertz's theory is exact, that is for
+    elastic half-spaces whose gap is quadratic; second moments then give the semi-axes.
     """
     contact = fields.contact
     several = len(separate) > 1
@@ -153,31 +190,46 @@ def read(
         "max_pressure": highest.scatter["max_pressure"],
     }
     patch = Patch(
-        first.shape.a,
-        first.shape.b,
-        found.centre,
-        area,
-        highest.shape.peak,
-        moments(fields, frame).force / area,
-        [_in_frame(line, each.frame, frame) for each in readings for line in each.shape.outlines],
-        tuple(
+        a=first.shape.a,
+        b=first.shape.b,
+        centre=found.centre,
+        area=area,
+        max_pressure=highest.shape.peak,
+        mean_pressure=moments(fields, frame).force / area,
+        outlines=[
+            _in_frame(line, each.frame, frame) for each in readings for line in each.shape.outlines
+        ],
+        each=tuple(
             OnePatch(
-                part.centre, part.frame.angle, each.shape.a, each.shape.b, each.shape.area,
-                each.shape.peak, part.share,
+                centre=part.centre,
+                angle=part.frame.angle,
+                a=each.shape.a,
+                b=each.shape.b,
+                area=each.shape.area,
+                max_pressure=each.shape.peak,
+                share=part.share,
             )
             for part, each in zip(separate, readings, strict=True)
         ),
-        scatter,
-    )  # fmt: skip
-    surfaces = recover_surfaces(fields, frame, partial(_pressure, readings))
+        scatter=scatter,
+    )
     through = _through(first, patch, frame, hertzian=found.hertzian)
-    lines = _line(readings, frame, patch, through, 0), _line(readings, frame, patch, through, 1)
-    return patch, surfaces, found, _pressure(readings, contact.points), lines
+    return PatchReading(
+        patch=patch,
+        surfaces=recover_surfaces(fields, frame, partial(_pressure, readings)),
+        moments=found,
+        recovered_pressure=_pressure(readings, contact.points),
+        along=_line(readings, frame, patch, through, 0),
+        across=_line(readings, frame, patch, through, 1),
+    )
 
 
 @dataclass(frozen=True)
 class _Reading:
-    """p^2 and shape of one patch in its frame, and the scatter of its readings."""
+    """p^2 and extents of one patch in its own frame.
+
+    scatter: relative uncertainties of a, b, area and max_pressure, by name.
+    """
 
     frame: Frame
     square: SquaredPressure
@@ -186,8 +238,11 @@ class _Reading:
 
 
 def _reading(part: SeparatePatch, frame: Frame, facets: Array, *, parabolic: bool) -> _Reading:
-    """Of Hertz's ellipsoid up to a shape error of ELLIPTIC, of the pressure rebuilt from its
-    moments from HERTZIAN on; between, of their mean."""
+    """Read one patch; facets: area of each contact facet, mm2.
+
+    Up to a shape error of ELLIPTIC p^2 is that of Hertz's ellipsoid. From HERTZIAN on it is rebuilt
+    from the moments of the pressure. Between the two it is their weighted mean.
+    """
     fields, found = part.fields, moments(part.fields, frame)
     given = samples(fields, frame, facets)
     share = general_shape_share(found.shape_error)
@@ -207,8 +262,12 @@ def _reading(part: SeparatePatch, frame: Frame, facets: Array, *, parabolic: boo
 def reconstruct_general_shape(
     given: Samples, measure: Callable[[SquaredPressure], PatchShape] = outline_shape
 ) -> tuple[SquaredPressure, dict[str, float]]:
-    """Any shape, and how far it differs, as `measure` reads it, with other roughnesses: beyond any
-    bound where one of them did not come to a minimum."""
+    """Rebuild p^2 of a patch of any shape, and estimate how uncertain its extents are.
+
+    measure: reads the extents of a p^2. Returns p^2 and, by name, the largest relative differences
+        of a, b, area and max_pressure when the roughness is VARIATION times larger or smaller. They
+        are infinite where one of the three minimisations did not converge.
+    """
     stiff = reconstruct(given, VARIATION * ROUGHNESS)
     square = reconstruct(given, start=stiff)
     soft = reconstruct(given, ROUGHNESS / VARIATION, square)
@@ -218,12 +277,17 @@ def reconstruct_general_shape(
 
 
 def general_shape_share(shape_error: float) -> float:
-    """Share of the free reading in that of a patch: 0 of an ellipse, 1 of other shapes."""
+    """Weight (0 to 1) of the reading for any shape against that of an ellipse.
+
+    It is 0 up to a shape error of ELLIPTIC, 1 from HERTZIAN on, and linear between them.
+    """
     return float(np.clip((shape_error - ELLIPTIC) / (HERTZIAN - ELLIPTIC), 0.0, 1.0))
 
 
 def relative_differences(shape: PatchShape, others: list[PatchShape]) -> dict[str, float]:
-    """Largest relative difference from the same patch read otherwise, by the names in `Patch`."""
+    """Largest relative differences of a, b, area and max_pressure between one reading of a patch
+    and others.
+    """
 
     def largest(value: float, varied: list[float]) -> float:
         return max(abs(other / value - 1) for other in varied)
@@ -246,10 +310,13 @@ def nearly_elliptic(
 ) -> tuple[Array, Array]:
     """Half lengths (2,) of a nearly elliptic patch, mm, and their relative errors (2,).
 
-    parabolic: those by second moments, exact for Hertz; errors: to those by fourth moments. Else
-    to first order those of p^2 = (1 - u - v)(1 + alpha u + beta v), u = x^2/a^2, v = s^2/b^2:
-    1 + `fourth` times the deviation of the fourth moments; `mesh` times (element over the smaller
-    half length)^2 is what elements round off these. The errors are of that and of higher orders.
+    found: moments of its pressure. element: element size, mm.
+    parabolic: half lengths are those from second moments, exact for Hertz; errors are the
+        differences from those by fourth moments.
+    Otherwise half lengths are to first order those of p^2 = (1 - u - v)(1 + alpha u + beta v), with
+    u = x^2/a^2 and v = s^2/b^2: those by second moments times 1 + `fourth` times the deviation of
+    the fourth moments. `mesh` times (element / smaller half length)^2 corrects the fourth moments
+    for the element size. Errors are those of this correction and of higher orders.
     """
     half, off = np.array([found.a, found.b]), np.array(found.fourth)
     if parabolic:
@@ -260,8 +327,10 @@ def nearly_elliptic(
 
 
 def samples(fields: Fields, frame: Frame, facets: Array) -> Samples:
-    """Contact points with pressure, mirror images included, on the tangent plane; facets: area of
-    each, mm2."""
+    """Contact points with pressure and their mirror images, projected to the tangent plane.
+
+    facets: area of each contact facet, mm2.
+    """
     contact = fields.contact
     touches = contact.pressure > 0
     onto = contact.weights * np.abs(contact.normals @ frame.axes[2])
@@ -276,19 +345,25 @@ def samples(fields: Fields, frame: Frame, facets: Array) -> Samples:
     even = any(abs(normal[0]) > 0.5 for normal in fields.mirrors)
     force, pressure, size = values.T
     return Samples(
-        local[:, 0], local[:, 1], force, pressure, size, even, ((x0, x1), (s0, s1)),
+        x=local[:, 0],
+        s=local[:, 1],
+        force=force,
+        pressure=pressure,
+        size=size,
+        even=even,
+        limits=((x0, x1), (s0, s1)),
         yields=fields.plastic_strain is not None,
-    )  # fmt: skip
+    )
 
 
 def _pressure(readings: list[_Reading], points: Array) -> Array:
-    """Recovered pressure (n,) at points (n, 3); each patch knows its own."""
+    """Smooth pressure (n,) at points (n, 3), MPa: the largest of those of all patches."""
     square = [each.square(*each.frame.local(points)[:, :2].T) for each in readings]
     return np.asarray(np.sqrt(np.maximum(np.max(square, axis=0), 0.0)))
 
 
 def _in_frame(line: Array, own: Frame, frame: Frame) -> Array:
-    """A curve (k, 2) in the tangent plane of one frame, seen in another."""
+    """Coordinates (k, 2) in `frame` of a curve (k, 2) that lies in the tangent plane of `own`."""
     flat = np.column_stack([line, np.zeros(len(line))])
     return frame.local(np.array(own.origin) + flat @ own.axes)[:, :2]
 

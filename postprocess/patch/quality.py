@@ -13,15 +13,21 @@ ON_PLANE = 1e-9  # of the surface's extent: nodes that lie on a symmetry plane
 
 
 def noise(fields: Fields, recovered: Array) -> float:
-    """||p - p_recovered|| / ||p|| in L2 over the contact points; recovered: (q,) MPa there."""
+    """Relative L2 difference of computed and smooth pressure, ||p - p_smooth|| / ||p||.
+
+    recovered (q,): smooth pressure at the contact points, MPa.
+    """
     contact = fields.contact
     square = contact.weights @ (contact.pressure - recovered) ** 2
     return float(np.sqrt(square / (contact.weights @ contact.pressure**2)))
 
 
 def elements_across(fields: Fields, frame: Frame, patch: Patch) -> tuple[float, float]:
-    """Facets over the length and over the width of the (most loaded) patch, by their mean extents
-    where there is pressure. Along a line contact there is one."""
+    """Number of elements over the length and over the width of the most loaded patch.
+
+    Each is the extent of the patch over the mean extent of the facets with pressure; 1 along a line
+    contact.
+    """
     contact = fields.contact
     used = np.unique(contact.facet[contact.pressure > 0])
     corners = fields.points[contact.facet_nodes[used]]
@@ -39,9 +45,12 @@ def elements_across(fields: Fields, frame: Frame, patch: Patch) -> tuple[float, 
 
 
 def edge_distance(fields: Fields, patch: Patch, edges: Array) -> float:
-    """Smallest distance of a point with pressure from the border of the contact surface and from
-    the sharp edges of both bodies, on which points (n, 3) are given, over the smaller half length
-    of the patch. Where the model was cut by symmetry there is no border."""
+    """Smallest distance of a point with pressure from an edge, over the smaller half length of the
+    patch.
+
+    Edges are the border of the contact surface and the sharp edges of both bodies. edges (n, 3):
+    points on the latter, mm. Cuts at symmetry planes are no edges. Infinite where there is no edge.
+    """
     contact = fields.contact
     kinematics = fields.kinematics
     flat = kinematics.dim == 2

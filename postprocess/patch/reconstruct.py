@@ -46,12 +46,21 @@ EDGE = 0.02  # of the largest pressure: below it the tangent of sqrt(F) is that 
 Box = tuple[tuple[float, float], tuple[float, float]]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Samples:
-    """k contact points with pressure of a whole patch: x, s mm; force N; pressure MPa; size of
-    their element, mm. even: mirrored at x = 0; line: a section, in which x counts nothing;
-    limits: extent of the surface along x and s; yields: whether a body does; measure: mm2 of
-    surface for each mm2 of the plane (mm of a line) at s (n,)."""
+    """Contact points with pressure of a whole patch, mirror images included.
+
+    x, s (k,): coordinates, mm.
+    force (k,): pressure times the area of each point, projected to the plane, N.
+    pressure (k,): MPa.
+    size (k,): size of the element of each point, mm.
+    even: whether the patch is symmetric about x = 0.
+    limits: extents of the contact surface along x and along s, mm.
+    line: whether the points are those of a section, whose pressure depends on s only.
+    circle: whether that section is a meridian of a body of revolution.
+    thickness: length of a plane section, mm.
+    yields: whether a body yields.
+    """
 
     x: Array
     s: Array
@@ -67,20 +76,25 @@ class Samples:
 
     @property
     def degree(self) -> int:
-        """Of F along x."""
+        """Degree in x of the polynomial for p^2."""
         return FLAT_DEGREE if self.yields else DEGREE
 
     def measure(self, s: Array) -> Array:
-        """Surface for each unit of (x, s) plane, or of s in a section; see `Samples`."""
+        """Contact area per unit of (x, s) at s (n,), 1; of a section per unit of s, mm: its
+        thickness, or half a circle pi |s|.
+        """
         return np.pi * np.abs(s) if self.circle else np.full_like(s, self.thickness)
 
 
 @dataclass(frozen=True)
 class SquaredPressure:
-    """p^2 = F(x, s) in a box, MPa^2; negative outside of the patch.
+    """Smooth p^2 = F(x, s) of a patch in a box, MPa^2; negative outside of the patch.
 
-    knots across; coefficients (k, n); powers of (x - middle)/half; settled: whether the functional
-    came to its minimum.
+    box: extents along x and along s, mm.
+    knots: of the cubic splines in s, mm.
+    coefficients (k, n): of k powers of x and n splines.
+    powers (k,): exponents of (x - middle)/half.
+    settled: whether the minimisation that gave the coefficients converged.
     """
 
     box: Box
@@ -91,7 +105,7 @@ class SquaredPressure:
 
     @property
     def middle(self) -> float:
-        """Of the box along x, mm."""
+        """Centre of the box along x, mm."""
         return sum(self.box[0]) / 2
 
     @property
@@ -103,11 +117,11 @@ class SquaredPressure:
         return np.asarray(((x - self.middle) / self.half) ** self.powers[:, None])
 
     def grid(self, x: Array, s: Array) -> Array:
-        """(n,), (m,) within the box -> (m, n) values."""
+        """F (m, n) on the grid of x (n,) and s (m,), which must lie in the box, MPa^2."""
         return np.asarray(_splines(self.knots, s) @ self.coefficients.T @ self._along(x))
 
     def __call__(self, x: Array, s: Array) -> Array:
-        """(n,), (n,) -> (n,) values; -inf outside of the box."""
+        """F (n,) at points x (n,), s (n,), MPa^2; -inf outside of the box."""
         (x0, x1), (s0, s1) = self.box
         inside = (x >= x0) & (x <= x1) & (s >= s0) & (s <= s1)
         across = _splines(self.knots, np.clip(s, s0, s1)) @ self.coefficients.T
@@ -116,7 +130,7 @@ class SquaredPressure:
 
 
 def zero_squared_pressure(samples: Samples) -> SquaredPressure:
-    """F = 0 in the box and splines that suit the samples."""
+    """F = 0, in a box around the samples and with knots at distances of their elements."""
     knots = _knots(samples)
     most, step = 0 if samples.line else samples.degree, 2 if samples.even else 1
     powers = np.arange(0, most + 1, step, dtype=np.float64)
@@ -126,8 +140,12 @@ def zero_squared_pressure(samples: Samples) -> SquaredPressure:
 def reconstruct(
     samples: Samples, roughness: float = ROUGHNESS, start: SquaredPressure | None = None
 ) -> SquaredPressure:
-    """Minimise the functional above by Levenberg and Marquardt's method, from Hertz's ellipsoid or
-    from the result with another roughness."""
+    """F that minimises the functional in this module's docstring, by Levenberg and Marquardt's
+    method.
+
+    roughness: the factor r. start: a previous result for the same samples; otherwise the iteration
+        starts from Hertz's ellipsoid.
+    """
     like = zero_squared_pressure(samples)
     knots, powers, middle, half = like.knots, like.powers, like.middle, like.half
     n, top = len(knots) - 4, float(samples.pressure.max())
@@ -193,7 +211,7 @@ def _splines(knots: Array, s: Array) -> sp.csr_matrix:
 
 
 def _box(samples: Samples) -> Box:
-    """The points with pressure and a margin, within the surface."""
+    """Extents of the points with pressure and a margin, cut at the ends of the surface, mm."""
     margin = MARGIN * float(samples.size.mean())
     ends = [
         (max(float(t.min()) - margin, low), min(float(t.max()) + margin, high))
@@ -203,7 +221,7 @@ def _box(samples: Samples) -> Box:
 
 
 def _knots(samples: Samples) -> Array:
-    """An element apart, as long as the elements are there; three more beyond either end."""
+    """Knots of the splines, one element size apart, with three more beyond either end, mm."""
     low, high = _box(samples)[1]
     bins = max(int(2 * (high - low) / samples.size.mean()), 4)
     edges = np.linspace(low, high, bins + 1)
@@ -249,8 +267,11 @@ def _penalty(knots: Array, powers: Array, s: Array, weight: Array, samples: Samp
 def ellipsoid(
     like: SquaredPressure, centre: tuple[float, float], semi: tuple[float, float], peak: float
 ) -> SquaredPressure:
-    """p0^2 (1 - (x - x_c)^2/a^2 - (s - s_c)^2/b^2) in the box and splines of another; of a line
-    without x. Exactly."""
+    """Hertz's p^2 = p0^2 (1 - (x - xc)^2/a^2 - (s - sc)^2/b^2), exactly, in splines.
+
+    like: gives the box, the knots and the powers. centre: (xc, sc), mm. semi: (a, b), mm. peak: p0,
+        MPa. Of a section the term in x is left out.
+    """
     half, middle = like.half, like.middle
     t1, t2, t3 = (like.knots[k : len(like.knots) - 4 + k] for k in (1, 2, 3))
     first, second = (t1 + t2 + t3) / 3, (t1 * t2 + t1 * t3 + t2 * t3) / 3  # s and s^2 as splines
@@ -265,13 +286,15 @@ def ellipsoid(
 
 
 def blend(one: SquaredPressure, other: SquaredPressure, share: float) -> SquaredPressure:
-    """share of the first and the rest of the second, in the same splines."""
+    """share times the first plus (1 - share) times the second p^2, which have the same splines."""
     mixed = share * one.coefficients + (1 - share) * other.coefficients
     return replace(one, coefficients=mixed)
 
 
 def _start(samples: Samples, like: SquaredPressure) -> Array:
-    """Hertz's ellipsoid with the moments of the pressure, over the largest one squared."""
+    """Coefficients of Hertz's ellipsoid with the force and second moments of the samples, divided
+    by the largest pressure squared.
+    """
     share = samples.force / samples.force.sum()
     least = (0.5 * float(samples.size.mean())) ** 2
     xc, sc = float(share @ samples.x), float(share @ samples.s)

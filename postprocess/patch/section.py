@@ -10,8 +10,10 @@ from railhead.postprocess.patch.patch import (
     FOURTH,
     PEAK_RADIUS,
     READ,
+    PatchReading,
     PressureMoments,
     general_shape_share,
+    mirrored,
     nearly_elliptic,
     reconstruct_general_shape,
 )
@@ -22,7 +24,7 @@ from railhead.postprocess.patch.reconstruct import (
     ellipsoid,
     zero_squared_pressure,
 )
-from railhead.postprocess.patch.surface import Surfaces, recover_surfaces
+from railhead.postprocess.patch.surface import recover_surfaces
 from railhead.solver.fields import Fields
 
 MESH = 0.03  # see `patch`
@@ -31,13 +33,16 @@ GRID = 2000  # points at which p^2 is looked at
 
 
 def coordinate(fields: Fields) -> int:
-    """Which of (x, s) runs along the section's contact line."""
+    """Axis of the contact line of a section: 0 if it runs along x, 1 if along s."""
     return int(np.argmax(np.abs(fields.kinematics.axes[0])))
 
 
 def moments(fields: Fields, frame: Frame) -> PressureMoments:
-    """Half width w = 2 sqrt(int p t^2 / int p) of a strip, sqrt(5/2 int p r^2 / int p) of a circle,
-    as both semi-axes: exact for Hertz's pressure."""
+    """Moments of the contact pressure of a section; both semi-axes are its half width.
+
+    Half width 2 sqrt(int p t^2 / int p) of a strip, sqrt(5/2 int p r^2 / int p) of a circle: exact
+    for Hertz's pressure.
+    """
     contact, revolved = fields.contact, fields.kinematics.revolved
     axis = coordinate(fields)
     weight = contact.weights * contact.pressure
@@ -55,13 +60,21 @@ def moments(fields: Fields, frame: Frame) -> PressureMoments:
     parts = 1 if revolved else 2 ** len(fields.mirrors)
     off = float(deviations[0])
     return PressureMoments(
-        parts * total, centre, w, w, float(np.max(np.abs(deviations))), (off, off)
+        force=parts * total,
+        centre=centre,
+        a=w,
+        b=w,
+        shape_error=float(np.max(np.abs(deviations))),
+        fourth=(off, off),
     )
 
 
 def largest_pressure(t: Array, pressure: Array, weights: Array, w: float, *, even: bool) -> float:
-    """Peak of a parabola fitted to p^2 near t = 0 (mm); Hertz's p^2 is one exactly. Where it has
-    none, the largest of its values there."""
+    """Largest pressure, MPa: the top of a parabola fitted to p^2 near t = 0.
+
+    t (n,): distance from the centre, mm. w: half width, mm. even: whether p is symmetric in t.
+        Hertz's p^2 is a parabola. Where the fit has no maximum: its largest value at the points.
+    """
     near = (np.abs(t) < PEAK_RADIUS * w) & (pressure > 0)
     if near.sum() < 6:
         return float(pressure.max())
@@ -76,11 +89,12 @@ def largest_pressure(t: Array, pressure: Array, weights: Array, w: float, *, eve
     return float(np.sqrt(c[0] + c[1] * top**2 + shift))
 
 
-def read(
-    fields: Fields, frame: Frame, *, parabolic: bool = False
-) -> tuple[Patch, Surfaces, PressureMoments, Array]:
-    """Patch, recovered surfaces, moments, and the recovered pressure at the contact points of a
-    section in which something touches; parabolic: see `patch.read`."""
+def read(fields: Fields, frame: Frame, *, parabolic: bool = False) -> PatchReading:
+    """The contact of a section, of which some points carry pressure.
+
+    parabolic: whether Hertz's theory is exact, that is for elastic half-spaces whose gap is
+    quadratic; the second moment then gives the half width.
+    """
     contact, axis = fields.contact, coordinate(fields)
     revolved, length = fields.kinematics.revolved, fields.kinematics.thickness
     found = moments(fields, frame)
@@ -100,37 +114,59 @@ def read(
     shape = _shape(square, fields)
     outlines = _outlines(_spans(square), axis, None if revolved else length)
     patch = Patch(
-        shape.a, shape.b, found.centre, shape.area, shape.peak, found.force / shape.area,
-        outlines, scatter=scatter,
-    )  # fmt: skip
+        a=shape.a,
+        b=shape.b,
+        centre=found.centre,
+        area=shape.area,
+        max_pressure=shape.peak,
+        mean_pressure=found.force / shape.area,
+        outlines=outlines,
+        scatter=scatter,
+    )
 
     def pressure(points: Array) -> Array:
         return _pressure(square, frame.local(points)[:, axis])
 
-    return patch, recover_surfaces(fields, frame, pressure), found, pressure(contact.points)
+    surfaces = recover_surfaces(fields, frame, pressure)
+    along, across = _axis_pressures(surfaces[0], patch, fields)
+    return PatchReading(
+        patch=patch,
+        surfaces=surfaces,
+        moments=found,
+        recovered_pressure=pressure(contact.points),
+        along=along,
+        across=across,
+    )
 
 
 def samples(fields: Fields, frame: Frame) -> Samples:
-    """Contact points with pressure, mirror images included, on the line of the section."""
+    """Contact points with pressure and their mirror images, on the contact line of a section."""
     contact, axis = fields.contact, coordinate(fields)
     revolved, thickness = fields.kinematics.revolved, fields.kinematics.thickness
     touches = contact.pressure > 0
-    t = frame.local(contact.points)[:, axis]
     ends = frame.local(fields.points[contact.facet_nodes])[..., axis]
     size = np.ptp(ends, axis=1)[contact.facet]
     onto = contact.weights * np.abs(contact.normals @ frame.axes[2])
     values = np.column_stack([onto * contact.pressure, contact.pressure, size])[touches]
     low, high = float(ends.min()), float(ends.max())
-    t = t[touches]
-    if fields.mirrors:
-        t, values = np.concatenate([-t, t]), np.tile(values, (2, 1))
-        low = -high
+    local, values = mirrored(frame.local(contact.points[touches])[:, :2], values, fields)
+    low = -high if fields.mirrors else low
     if revolved:
         values[:, 0] /= 2  # either side of the axis is half of the circle
     limits = ((-1.0, 1.0), (low, high))
     force, pressure, size = values.T
-    x = np.zeros_like(t)
-    return Samples(x, t, force, pressure, size, True, limits, True, revolved, thickness)
+    return Samples(
+        x=np.zeros(len(local)),
+        s=local[:, axis],
+        force=force,
+        pressure=pressure,
+        size=size,
+        even=True,
+        limits=limits,
+        line=True,
+        circle=revolved,
+        thickness=thickness,
+    )
 
 
 def _pressure(square: SquaredPressure, t: Array) -> Array:
@@ -138,23 +174,28 @@ def _pressure(square: SquaredPressure, t: Array) -> Array:
 
 
 def _shape(square: SquaredPressure, fields: Fields) -> PatchShape:
-    """Half widths, area and peak of a section."""
+    """Half widths, area and largest pressure of a section; the length is the thickness."""
     spans, axis = _spans(square), coordinate(fields)
     length = fields.kinematics.thickness
     half = (spans[-1][1] - spans[0][0]) / 2
     peak = _pressure(square, np.linspace(*square.box[1], GRID, dtype=np.float64)).max()
     if fields.kinematics.revolved:
-        return PatchShape([], float(np.pi * half**2), half, half, float(peak))
-    area = length * sum(end - begin for begin, end in spans)
+        return PatchShape(
+            outlines=[], area=float(np.pi * half**2), a=half, b=half, peak=float(peak)
+        )
+    area = float(length * sum(end - begin for begin, end in spans))
     semi = (half, length / 2) if axis == 0 else (length / 2, half)
-    return PatchShape([], float(area), *semi, float(peak))
+    return PatchShape(outlines=[], area=area, a=semi[0], b=semi[1], peak=float(peak))
 
 
 def _ellipse(
     found: PressureMoments, peak: float, element: float, fields: Fields, *, parabolic: bool
 ) -> tuple[float, dict[str, float]]:
-    """Half width, mm, and relative errors: of the peak the difference from that of the parabola of
-    p^2 that has the force."""
+    """Half width from moments, mm, and relative errors of a, b, area and max_pressure.
+
+    peak: fitted largest pressure, MPa; its error is the difference from that of the parabola of p^2
+        that has the force. element: element size, mm.
+    """
     revolved, length = fields.kinematics.revolved, fields.kinematics.thickness
     (half, _), (error, _) = nearly_elliptic(
         found, element, parabolic=parabolic, fourth=FOURTH if revolved else 1.0, mesh=MESH
@@ -168,13 +209,14 @@ def _ellipse(
     return half, {"a": along, "b": across, "area": area, "max_pressure": max(off, error)}
 
 
-def axis_pressures(
+def _axis_pressures(
     surface: Surface, patch: Patch, fields: Fields
 ) -> tuple[AxisPressure, AxisPressure]:
-    """Recovered pressure along x and along s; constant along a line contact."""
+    """Pressure along x and s; constant along a line contact, equal on all radii of a circle."""
     axis = coordinate(fields)
     half, middle = (patch.a, patch.b)[axis], patch.centre[axis]
-    t, p = _both(surface.local[:, axis], surface.pressure, bool(fields.mirrors))
+    local, p = mirrored(surface.local, surface.pressure, fields)
+    t = local[:, axis]
     order = np.argsort(t)
     at = middle + 1.25 * half * np.linspace(-1.0, 1.0, SAMPLES)
     found = AxisPressure(at, np.interp(at, t[order], p[order]))
@@ -183,11 +225,6 @@ def axis_pressures(
     length = fields.kinematics.thickness
     constant = AxisPressure(length / 2 * np.array([-1.0, 1.0]), np.full(2, patch.max_pressure))
     return (found, constant) if axis == 0 else (constant, found)
-
-
-def _both(t: Array, values: Array, mirrored: bool) -> tuple[Array, Array]:
-    """With the mirror images at t = 0."""
-    return (np.concatenate([-t, t]), np.tile(values, 2)) if mirrored else (t, values)
 
 
 def _spans(square: SquaredPressure) -> list[tuple[float, float]]:
@@ -202,7 +239,10 @@ def _spans(square: SquaredPressure) -> list[tuple[float, float]]:
 
 
 def _outlines(spans: list[tuple[float, float]], axis: int, length: float | None) -> list[Array]:
-    """Closed outlines (x, s): circles about the origin, or rectangles of the contact length."""
+    """Closed outlines (k, 2) of (x, s), mm, of intervals of t along axis 0 or 1.
+
+    length: of the contact along the other axis, mm; None for circles about the origin.
+    """
     if length is None:
         angle = np.linspace(0, 2 * np.pi, 181)
         ring = np.column_stack([np.cos(angle), np.sin(angle)])

@@ -19,13 +19,15 @@ if TYPE_CHECKING:
 SMALLEST = 0.002  # share of the force; below it a few open-and-shut points, not a patch
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SeparatePatch:
-    """A connected patch, symmetric parts included.
+    """One connected contact patch, with the mirror images that belong to it.
 
-    fields: with the contact points of this patch alone; frame: its tangent plane, origin at its
-    centre of pressure; a, b: half lengths along the rail and across, mm; force N; share of the
-    whole force.
+    fields: the solution, with only the contact points of this patch.
+    frame: tangent plane of the patch, with its origin at the centre of pressure.
+    a, b: largest distances of its points from that centre along x and s, mm.
+    force: normal force, N.
+    share: that force over the force on all patches.
     """
 
     fields: Fields
@@ -37,14 +39,16 @@ class SeparatePatch:
 
     @property
     def centre(self) -> tuple[float, float, float]:
-        """Centre of pressure, mm."""
+        """Centre of pressure in space (x, y, z), mm."""
         return self.frame.origin
 
 
 def separate_patches(fields: Fields) -> list[SeparatePatch]:
-    """Facets with pressure that share a node belong together; the most loaded patch comes first.
+    """Split the contact points with pressure into connected patches, most loaded first.
 
-    A patch that lies beside a symmetry plane without touching it is listed once, its image not.
+    Facets with pressure that share a node belong to one patch. A patch beside a symmetry plane that
+    does not touch it is listed once, without its image. Patches with less than SMALLEST of the
+    force are left out.
     """
     contact = fields.contact
     force = contact.weights * np.maximum(contact.pressure, 0.0)
@@ -83,11 +87,17 @@ def _part(fields: Fields, members: NDArray[np.bool_], force: Array) -> SeparateP
     )
     a, b = (float(reach) for reach in np.abs(frame.local(contact.points)[:, :2]).max(axis=0))
     total, whole = own.sum() * 2 ** len(mirrors), force.sum() * 2 ** len(fields.mirrors)
-    own_fields = replace(fields, contact=contact, mirrors=mirrors)
-    return SeparatePatch(own_fields, frame, a, b, float(total), float(total / whole))
+    return SeparatePatch(
+        fields=replace(fields, contact=contact, mirrors=mirrors),
+        frame=frame,
+        a=a,
+        b=b,
+        force=float(total),
+        share=float(total / whole),
+    )
 
 
 def _reaches(points: Array, plane: tuple[float, float, float]) -> bool:
-    """Whether a patch goes up to the symmetry plane through the origin with that normal."""
+    """Whether contact points (n, 3) come close to the plane through the origin with this normal."""
     distance = np.abs(points @ np.array(plane))
     return bool(distance.min() < 0.2 * distance.max())

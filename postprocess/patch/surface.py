@@ -24,14 +24,28 @@ _TRIANGLES = {
     ("tetrahedron", 1): [[0, 1, 2]],
     ("tetrahedron", 2): [[0, 5, 4], [5, 1, 3], [4, 3, 2], [3, 4, 5]],
     ("tetrahedron", 3): [
-        [0, 7, 5], [7, 9, 5], [7, 8, 9], [8, 3, 9], [8, 1, 3], [5, 9, 6], [9, 4, 6], [9, 3, 4],
+        [0, 7, 5],
+        [7, 9, 5],
+        [7, 8, 9],
+        [8, 3, 9],
+        [8, 1, 3],
+        [5, 9, 6],
+        [9, 4, 6],
+        [9, 3, 4],
         [6, 4, 2],
     ],
     ("hexahedron", 1): [[0, 1, 2], [1, 3, 2]],
     ("hexahedron", 2): [
-        [0, 4, 5], [4, 8, 5], [4, 1, 8], [1, 6, 8], [5, 8, 2], [8, 7, 2], [8, 6, 7], [6, 3, 7],
+        [0, 4, 5],
+        [4, 8, 5],
+        [4, 1, 8],
+        [1, 6, 8],
+        [5, 8, 2],
+        [8, 7, 2],
+        [8, 6, 7],
+        [6, 3, 7],
     ],
-}  # fmt: skip
+}
 
 
 Surfaces = tuple[Surface, Surface | None]
@@ -45,9 +59,9 @@ def _pieces(fields: Fields, facets: NDArray[np.int64]) -> NDArray[np.int64]:
 
 @dataclass(frozen=True)
 class SurfaceRecovery:
-    """Consistent (L2) projection of point values to the nodes of the contact facets.
+    """Consistent (L2) projection of values at quadrature points to the nodes of the contact facets.
 
-    Only facets all of whose quadrature points face the other body take part.
+    Facets with quadrature points that do not face the other body are left out.
     """
 
     fields: Fields
@@ -100,26 +114,32 @@ class SurfaceRecovery:
         return weighted.tocsr(), splu((weighted @ self._basis).tocsc())
 
     def project(self, values: Array) -> Array:
-        """(q,) at all contact points -> (n,) at the nodes: M x = int phi values."""
+        """Project values (q,) at all contact points to the nodes (n,): solve M x = int phi values
+        dA.
+        """
         weighted, factor = self._solver
         solve = factor.solve  # type: ignore[attr-defined]
         return np.asarray(solve(weighted @ values[self._members]))
 
-    def interpolate(self, nodal: Array) -> Array:
-        """(n,) at the nodes -> (q,) at all contact points, 0 where the surface is left out."""
-        values = np.zeros(len(self._members))
-        values[self._members] = self._basis @ nodal
-        return values
-
 
 def recover_surfaces(fields: Fields, frame: Frame, pressure: Callable[[Array], Array]) -> Surfaces:
-    """What was found on the slave's surface and, None where it is rigid, on the master's, which the
-    same pressure loads: (n,) MPa at points (n, 3)."""
+    """Points, pressure, gap and displacement on the contact surfaces of slave and master.
+
+    pressure: smooth pressure (n,) in MPa at points (n, 3) mm; it loads both surfaces. The second
+        entry is None where the master is rigid.
+    """
 
     def surface(nodes: NDArray[np.int64], pieces: NDArray[np.int64], gap: Array) -> Surface:
         points = fields.points[nodes]
         local, moved = frame.local(points)[:, :2], fields.displacement[nodes]
-        return Surface(points, local, pieces, pressure(points), gap, moved)
+        return Surface(
+            points=points,
+            local=local,
+            triangles=pieces,
+            pressure=pressure(points),
+            gap=gap,
+            displacement=moved,
+        )
 
     recovery, other = SurfaceRecovery(fields), fields.master_surface
     own = surface(recovery.nodes, recovery.triangles, recovery.project(fields.contact.gap))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,7 +20,24 @@ from railhead.theory.elastic.subsurface import max_shear, von_mises
 
 SAMPLES = 121
 REACH = 3.0  # over the smaller semi-axis
-Found = tuple[dict[str, DepthAxis], tuple[DepthAxis, ...], dict[str, Largest], Array, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class BodyStresses:
+    """Stresses inside all meshed bodies.
+
+    axes: by body, the stresses along the normal below the centre of the (most loaded) patch.
+    other_axes: the same below the other patches, in the rail, or the wheel if the rail is rigid.
+    largest: by body, the largest stresses anywhere.
+    edges (n, 3): points on the sharp edges of all bodies, mm.
+    misfit: relative difference of smoothed and element stresses around the largest ones.
+    """
+
+    axes: dict[str, DepthAxis]
+    other_axes: tuple[DepthAxis, ...]
+    largest: dict[str, Largest]
+    edges: Array
+    misfit: float
 
 
 def read(
@@ -30,14 +47,12 @@ def read(
     size: float,
     others: list[SeparatePatch],
     rubbing: FrictionSolution | None,
-) -> Found:
-    """By meshed body the stresses below (x, s) = centre and the largest ones; between them, in the
-    body that is shown, those below the centres of the other patches; points (n, 3) on the sharp
-    edges of all bodies; and how far the smooth stresses around the largest ones are from those of
-    the elements (`Recovery.misfit`).
+) -> BodyStresses:
+    """Recover the stresses in the bodies, below the patches and where they are largest.
 
-    size: smaller semi-axis of the (most loaded) patch, mm. rubbing: with friction, whose border of
-    stick (`stick_border`) is read by itself.
+    centre: (x, s) of the most loaded patch in the frame, mm. size: its smaller semi-axis, mm.
+    others: the other patches. rubbing: solution with friction, or None; the stresses at the border
+    of its stick zone come from `stick_border`, since smoothing would cut off their cusp.
     """
     bodies = {}
     for tag, name in BODY_NAMES.items():
@@ -67,13 +82,17 @@ def read(
         if peak.place
     ]
     misfit = max((bodies[name][1].misfit(np.array(at)) for name, at in places), default=0.0)
-    return axes, also, largest, edges, misfit
+    return BodyStresses(axes=axes, other_axes=also, largest=largest, edges=edges, misfit=misfit)
 
 
 def _below(
-    solid: Solid, recovery: Recovery, frame: Frame, centre: tuple[float, float], name: str,
+    solid: Solid,
+    recovery: Recovery,
+    frame: Frame,
+    centre: tuple[float, float],
+    name: str,
     reach: float,
-) -> DepthAxis:  # fmt: skip
+) -> DepthAxis:
     """Stress on the axis below a point of the tangent plane, as deep as the body goes."""
     start, into = frame.place(*centre), frame.axes[2] * (-1.0 if name == "rail" else 1.0)
     depth = np.linspace(0.0, solid.extent(np.array(start), into, reach), SAMPLES, dtype=np.float64)
@@ -85,7 +104,7 @@ def _below(
 
 
 def _largest(search: Search, axis: DepthAxis) -> Largest:
-    """The largest of both stresses in one body, on its axis if the body is nothing but edges."""
+    """Largest shear and von Mises stress of one body; on its axis if all of it is near edges."""
     spare = axis.largest
     tau = search.highest(max_shear, _place(spare.tau)) or spare.tau
     mises = search.highest(von_mises, _place(spare.von_mises)) or spare.von_mises
@@ -94,7 +113,10 @@ def _largest(search: Search, axis: DepthAxis) -> Largest:
 
 
 def _or_border(largest: Largest, places: Array, stress: Array) -> Largest:
-    """The same, or the largest at the border of stick (places (n, 3), stress (n, 6)) if higher."""
+    """Replace each peak by the largest stress at the border of stick where that is higher.
+
+    places (n, 3): mm, stress (n, 6): MPa, at the border.
+    """
 
     def higher(peak: Peak, values: Array) -> Peak:
         if values.max(initial=0.0) <= peak.value:
@@ -103,10 +125,11 @@ def _or_border(largest: Largest, places: Array, stress: Array) -> Largest:
         return Peak(float(values.max()), 0.0, (x, y, z))
 
     tau, mises = max_shear(stress), von_mises(stress)
-    return replace(largest, tau=higher(largest.tau, tau),
-                   von_mises=higher(largest.von_mises, mises))  # fmt: skip
+    return replace(
+        largest, tau=higher(largest.tau, tau), von_mises=higher(largest.von_mises, mises)
+    )
 
 
 def _place(peak: Peak) -> Array:
-    """(1, 3) or, where it is not known, (0, 3)."""
+    """Place of a peak as (1, 3), mm; empty (0, 3) where it is not known."""
     return np.array([peak.place] if peak.place else []).reshape(-1, 3)

@@ -15,8 +15,11 @@ NAMES = {"tau": "tau_max", "von_mises": "von_mises_max"}
 def quantities(
     bodies: Mapping[str, Largest], axis: dict[str, Any], centre: Array
 ) -> dict[str, Any]:
-    """The larger of both bodies, with what is on the axis shown; centre (3,): the normal stresses
-    at the centre of the patch, MPa."""
+    """ "stress" of summary.json: for each stress the larger value of both bodies.
+
+    bodies: largest stresses by body. axis: the entry for the axis below the patch. centre (3,):
+        normal stresses at the centre of the patch, MPa.
+    """
     values: dict[str, Any] = {}
     for attribute, name in NAMES.items():
         peaks: dict[str, Peak] = {body: getattr(each, attribute) for body, each in bodies.items()}
@@ -30,7 +33,7 @@ def quantities(
 
 
 def below(axis: DepthAxis) -> dict[str, Any]:
-    """The largest on the axis below a patch."""
+    """Largest stresses on the axis below a patch, as an entry of summary.json."""
     return _below(axis.body, axis.largest)
 
 
@@ -43,7 +46,7 @@ def _below(body: str, largest: Largest) -> dict[str, Any]:
 
 
 def at_edges(bodies: Mapping[str, Largest]) -> list[dict[str, Any]]:
-    """What is larger at a sharp edge, by quantity, body, value and place."""
+    """Stresses at sharp edges that exceed those elsewhere: quantity, body, value, place."""
     return [
         {"quantity": f"{name}_MPa", "body": body, "value_MPa": peak.value, "place_mm": peak.place}
         for body, each in bodies.items()
@@ -53,10 +56,11 @@ def at_edges(bodies: Mapping[str, Largest]) -> list[dict[str, Any]]:
 
 
 def exact(contact: Hertz, poisson: Mapping[str, float], frame: Frame) -> dict[str, Any]:
-    """Below a Hertz contact; poisson: by body, the one whose axis is shown first.
+    """ "stress" of summary.json for an exact Hertz contact.
 
-    The largest stresses of a body lie on its axis: for no axis ratio from 1 to 1/30 or of a strip,
-    and no nu from 0 to 0.4999, has a point of a fine grid beside the axis more.
+    poisson: by body; the axis of the first body is shown. Largest stresses lie on the axis: for no
+        axis ratio from 1 to 1/30, nor a strip, and no nu from 0 to 0.4999, does a fine grid beside
+        the axis have more.
     """
     bodies = {body: _exact(contact, body, nu, frame) for body, nu in poisson.items()}
     shown, nu = next(iter(poisson.items()))

@@ -64,7 +64,7 @@ def pressure_force(fields: Fields) -> Array:
 
 
 def _whole(fields: Fields, force: Array) -> Array:
-    """The force (3,) on the whole model where that on the modelled part is known."""
+    """Force (3,) on the whole model from the force on the part that symmetry left, N."""
     for normal in fields.mirrors:
         double = force if fields.kinematics.revolved else 2 * force
         force = np.where(np.abs(normal) > 0.5, 0.0, double)

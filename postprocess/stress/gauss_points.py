@@ -17,8 +17,11 @@ ROW, COLUMN = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])
 def stress_at_reference_point(
     fields: Fields, cells: NDArray[np.int64], reference: Array
 ) -> tuple[Array, Array, Array]:
-    """Position (m, 3), stress (m, 6) in global axes and |det J| at one reference point. Plastic
-    strains are those of the plane through their values at the Gauss points of each cell."""
+    """Position (m, 3) mm, stress (m, 6) MPa and |det J| (m,) at one reference point of m cells.
+
+    Stress components xx, yy, zz, xy, xz, yz in global axes. Plastic strains are interpolated
+    linearly between the Gauss points of each cell.
+    """
     x, stress, size = stress_of_total_strain(fields, cells, reference)
     if fields.plastic_strain is not None:
         points = reference_gauss_points(fields)
@@ -30,7 +33,9 @@ def stress_at_reference_point(
 
 
 def stress_at_gauss_points(fields: Fields, cells: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Position (m, g, 3) and stress (m, g, 6) in global axes at all Gauss points (g) of cells."""
+    """Positions (m, g, 3) mm and stresses (m, g, 6) MPa in global axes at all Gauss points of m
+    cells.
+    """
     found = [
         stress_of_total_strain(fields, cells, point)[:2] for point in reference_gauss_points(fields)
     ]
@@ -43,7 +48,11 @@ def stress_at_gauss_points(fields: Fields, cells: NDArray[np.int64]) -> tuple[Ar
 
 
 def reference_gauss_points(fields: Fields) -> Array:
-    """Reference points (g, d) at which stresses are best, or plastic strains are known."""
+    """Reference coordinates (g, d) of the points at which stresses are sampled.
+
+    They are the superconvergent points of elastic cells, or the quadrature points that carry
+    plastic strains.
+    """
     rule = 1 if fields.degree == 1 and fields.cell in ("tetrahedron", "triangle") else 2
     if fields.plastic_strain is not None:
         rule = quadrature_degree(fields.cell, fields.degree, fields.kinematics)
@@ -51,14 +60,16 @@ def reference_gauss_points(fields: Fields) -> Array:
 
 
 def _relief(fields: Fields, cells: NDArray[np.int64], strain: Array) -> Array:
-    """What plastic strains (m, 3, 3) take from the stress (m, 6), MPa."""
+    """Stress 2 mu eps_p (m, 6), MPa, of plastic strains (m, 3, 3), which have no trace."""
     return np.asarray(2 * fields.lame[cells, 1, None] * strain[:, ROW, COLUMN])
 
 
 def stress_of_total_strain(
     fields: Fields, cells: NDArray[np.int64], reference: Array
 ) -> tuple[Array, Array, Array]:
-    """As `stress_at_reference_point`, had nothing yielded."""
+    """Position (m, 3), elastic stress (m, 6) of the total strain, plastic strain ignored, and |det
+    J| (m,).
+    """
     x, strain, size = _strain(fields, cells, reference)
     dilatation = strain
     if fields.kinematics.averaged:
@@ -105,14 +116,17 @@ def _strain(
 
 
 def _hoop(u: Array, r: Array, slope: Array) -> Array:
-    """u_r/r (m,), and its limit du_r/dr on the axis."""
+    """Hoop strain u_r/r (m,), and its limit du_r/dr on the axis."""
     on_axis = r <= 1e-12 * np.abs(r).max(initial=0.0)
     return np.where(on_axis, slope, u / np.where(on_axis, 1.0, r))
 
 
 def nodal_stress(fields: Fields) -> Array:
-    """(n, 6) stress xx, yy, zz, xy, xz, yz at all nodes in global axes, MPa: the average of the
-    cells around each node, weighted by their volume. Bodies share no node, so they do not mix."""
+    """Stress (n, 6) xx, yy, zz, xy, xz, yz at all nodes in global axes, MPa.
+
+    It is the average of the cells around each node, weighted by volume. Bodies share no node, so
+    their stresses do not mix.
+    """
     kind = getattr(basix.CellType, fields.cell)
     element = basix.create_element(
         basix.ElementFamily.P, kind, fields.degree, basix.LagrangeVariant.gll_warped

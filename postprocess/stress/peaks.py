@@ -77,7 +77,7 @@ class Search:
         return self._edges.query(points, distance_upper_bound=least.max(initial=0.0))[0] > least
 
     def _element(self, place: Array) -> float:
-        """Of the largest cell around a place (3,), mm."""
+        """Size of the largest cell around a place (3,), mm."""
         return float(self._solid.sizes[self._solid.near(place, 0.0)].max(initial=0.0))
 
     def highest(self, invariant: Invariant, also: Array) -> Peak | None:
@@ -96,7 +96,7 @@ class Search:
         return replace(best, rivals=tuple(rivals))
 
     def at_edges(self, invariant: Invariant, value: float) -> Peak | None:
-        """The largest nodal average near sharp edges, where it passes the value found elsewhere."""
+        """Largest nodal average near sharp edges, if it exceeds `value`, MPa; otherwise None."""
         values = np.where(self._sound, -np.inf, invariant(self._average))
         top = int(np.argmax(values))
         if values[top] <= value:
@@ -104,7 +104,7 @@ class Search:
         return self._peak(float(values[top]), self._nodes[top])
 
     def _hills(self, average: Array) -> Array:
-        """(n, 3) nodes with the largest averages, apart from each other."""
+        """Up to HILLS nodes (n, 3) with the largest averages, at a distance from each other."""
         candidates = np.flatnonzero(self._sound)
         if not len(candidates):
             return self._nodes[:0]
@@ -119,7 +119,7 @@ class Search:
         return self._nodes[found]
 
     def _climb(self, place: Array, invariant: Invariant) -> tuple[float, Array]:
-        """Value and place of the top of the hill that a point is on."""
+        """Value and place of the local maximum that is reached from a point (3,)."""
         around = self._recovery.around(place)
         value = float(invariant(around(place[None]))[0])
         for move in (self._best_point, self._top):
@@ -133,7 +133,7 @@ class Search:
         return value, place
 
     def _best_point(self, place: Array, around: Polynomial, invariant: Invariant) -> Array:
-        """The best of the lattice points nearby, which all lie in the body."""
+        """The lattice point of nearby cells with the largest value; `place` if there is none."""
         reach = REACH * around.radius
         cells = self._solid.near(place, reach)
         points = (self._lattice @ self._fields.points[self._solid.nodes[cells]]).reshape(-1, 3)
@@ -169,7 +169,9 @@ class Search:
         return moved if sound and self._solid.holds(moved) else place
 
     def _peak(self, value: float, place: Array) -> Peak:
-        """With its depth below the tangent plane at the nearest point of the contact surface."""
+        """Peak of a value at a place (3,), with its depth below the tangent plane at the nearest
+        contact point.
+        """
         contact = self._fields.contact
         nearest = int(np.argmin(((contact.points - place) ** 2).sum(axis=1)))
         depth = abs((place - contact.points[nearest]) @ contact.normals[nearest])

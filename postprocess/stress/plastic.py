@@ -88,7 +88,11 @@ class ResidualState:
 def residual_state(
     yielding: PlasticSolution, fields: Fields, unloaded: Fields | None, frame: Frame
 ) -> ResidualState:
-    """Read from the fields under the load, and from those without it where there are any."""
+    """Collect what a load that made bodies yield leaves behind.
+
+    fields: under the load. unloaded: after it, or None. frame: of the contact; depths are along its
+        normal.
+    """
     return ResidualState(
         zone=plastic_zone(fields, frame),
         load_over_first_yield=yielding.load_over_first_yield,
@@ -100,7 +104,7 @@ def residual_state(
 
 
 def plastic_zone(fields: Fields, frame: Frame) -> PlasticZone:
-    """Where a state has plastic strain above TRACE; depths are along the frame's normal."""
+    """Size, depth and largest strain of the zone with equivalent plastic strain above TRACE."""
     assert fields.plastic_strain is not None
     points, weights = _samples(fields)
     strain = fields.plastic_strain.equivalent
@@ -120,14 +124,16 @@ def plastic_zone(fields: Fields, frame: Frame) -> PlasticZone:
 
 
 def largest_von_mises(fields: Fields) -> float:
-    """At the Gauss points, MPa: what yield bounds there a smooth field through them need not
-    respect."""
+    """Largest von Mises stress at the Gauss points, MPa.
+
+    The yield condition holds at these points; a smooth field through them may exceed it.
+    """
     _, stress = stress_at_gauss_points(fields, np.arange(len(fields.cells)))
     return float(von_mises(stress).max())
 
 
 def _samples(fields: Fields) -> tuple[Array, Array]:
-    """Places (m, g, 3) and weights (m, g) of the Gauss points."""
+    """Places (m, g, 3) mm and volumes (m, g) mm3 of all Gauss points."""
     every = np.arange(len(fields.cells))
     degree = quadrature_degree(fields.cell, fields.degree, fields.kinematics)
     _, shares = basix.make_quadrature(getattr(basix.CellType, fields.cell), degree)

@@ -46,8 +46,7 @@ class Recovery:
         return np.concatenate([self._fit(points[i : i + BLOCK])[0][:, 0] for i in blocks])
 
     def misfit(self, point: Array) -> float:
-        """How far the mean of the elements' own stresses nearest to a point (3,) is from that of
-        the polynomial there, relative."""
+        """Relative difference of mean element stress and mean smooth stress near a point (3,)."""
         fitted = self.around(point)
         nearest = self._tree.query(point @ self._axes.T, k=max(self._count // MEAN, 1))[1]
         own = self._values[np.atleast_1d(nearest)].mean(axis=0)
@@ -60,7 +59,9 @@ class Recovery:
         return Polynomial(point @ self._axes.T, float(radius[0]), coefficients[0], self._axes)
 
     def _fit(self, points: Array) -> tuple[Array, Array]:
-        """Coefficients (n, k, 6) in offsets over the radii (n,) of the neighbourhoods, mm."""
+        """Coefficients (n, k, 6) of the fits around points (n, 3), in offsets over the radii (n,),
+        mm.
+        """
         centres = points @ self._axes.T
         distance, index = self._tree.query(centres, k=self._count)
         distance, index = distance.reshape(-1, self._count), index.reshape(-1, self._count)
@@ -75,7 +76,7 @@ class Recovery:
 
 
 class Polynomial:
-    """Stresses around a centre (d,); radius mm: of the samples it was fitted to."""
+    """Stresses as a cubic polynomial around a centre (d,); radius: of its fitted samples, mm."""
 
     def __init__(self, centre: Array, radius: float, coefficients: Array, axes: Array) -> None:
         self.radius = radius
@@ -86,7 +87,7 @@ class Polynomial:
         return self.at_samples(points @ self._axes.T)
 
     def at_samples(self, points: Array) -> Array:
-        """The same at points (n, d) in the axes of the section or of space."""
+        """Stress (n, 6), MPa, at points (n, d) in the axes of the section or of space."""
         offset = np.asarray((points - self._centre) / self.radius)
         return np.asarray(monomials(offset[None])[0].T @ self._coefficients)
 
@@ -102,7 +103,10 @@ def monomials(x: Array) -> Array:
 
 
 def mirrored(points: Array, stress: Array, axis: int) -> tuple[Array, Array]:
-    """With the images of points (n, 3) and stresses (n, 6) across the plane x = 0 or y = 0."""
+    """Join points (n, 3) and stresses (n, 6) with their images across x = 0 (axis 0) or y = 0 (1).
+
+    Shear stresses with one index along the axis change sign.
+    """
     image = points.copy()
     image[:, axis] *= -1
     sign = np.where((axis == ROW) != (axis == COLUMN), -1.0, 1.0)

@@ -18,16 +18,24 @@ _SIMPLICES = {
     "quadrilateral": [[0, 1, 3], [0, 3, 2]],
     "tetrahedron": [[0, 1, 2, 3]],
     "hexahedron": [
-        [0, 1, 3, 7], [0, 3, 2, 7], [0, 2, 6, 7], [0, 6, 4, 7], [0, 4, 5, 7], [0, 5, 1, 7],
+        [0, 1, 3, 7],
+        [0, 3, 2, 7],
+        [0, 2, 6, 7],
+        [0, 6, 4, 7],
+        [0, 4, 5, 7],
+        [0, 5, 1, 7],
     ],
-}  # fmt: skip
+}
 
 
 class Solid:
     """The modelled part of one body, of cells with straight edges.
 
-    cells (m,); their nodes (m, n), of which the first are the corners (m, k); middles (m, 3) mm;
-    sizes (m,) mm: farthest corner from the middle.
+    cells (m,): numbers of its cells in the fields.
+    nodes (m, n): nodes of the cells, corners first.
+    corners (m, k): corner nodes of the cells.
+    middles (m, 3): mean of the corners, mm.
+    sizes (m,): distance of the farthest corner from the middle, mm.
     """
 
     def __init__(self, fields: Fields, cells: NDArray[np.int64]) -> None:
@@ -46,7 +54,7 @@ class Solid:
         return np.flatnonzero(square < (self.sizes + reach) ** 2)
 
     def holds(self, point: Array) -> bool:
-        """Whether a point (3,) lies in a cell."""
+        """Whether a point (3,) lies in a cell of the body."""
         found = self._barycentric(self.near(point, ROUNDING * self.sizes.max()), point[None])
         return bool(np.any(found.min(axis=2) > -ROUNDING))
 

@@ -60,9 +60,13 @@ def _facets(fields: Fields, solid: Solid) -> tuple[Array, Array, NDArray[np.int6
 
 
 def _assembled(
-    fields: Fields, solid: Solid, recovery: Recovery, cells: Array, rubbing: FrictionSolution,
+    fields: Fields,
+    solid: Solid,
+    recovery: Recovery,
+    cells: Array,
+    rubbing: FrictionSolution,
     slipping: Array,
-) -> Array:  # fmt: skip
+) -> Array:
     """Stress (n, 6) with the strain in the surface of cells, carried on to the points that slip
     beside them, and the traction of these:
 

@@ -61,7 +61,16 @@ def sample(fields: Fields, found: Findings) -> Sampled:
     values, local = principal(stresses), found.frame.local(points)[:, :2]
     still, moved = np.zeros(len(nodes)), fields.displacement[nodes]
     maps = [
-        whole(Surface(points, local, recovery.triangles, values[:, i], still, moved))
+        whole(
+            Surface(
+                points=points,
+                local=local,
+                triangles=recovery.triangles,
+                pressure=values[:, i],
+                gap=still,
+                displacement=moved,
+            )
+        )
         for i in range(3)
     ]
     line = np.flatnonzero((np.abs(local[:, 1]) < 1e-6) & (local[:, 0] <= 1.5 * found.patch.a))

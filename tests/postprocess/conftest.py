@@ -110,10 +110,25 @@ def _findings(ellipse: Ellipse, cut: bool, size: Array) -> Findings:
         [np.column_stack([square[i] for i in corners]) for corners in ((0, 1, 2), (0, 2, 3))]
     )
     points = np.column_stack((local, np.zeros(len(local))))
-    surface = Surface(points, local, triangles, pressure, np.zeros(len(points)), 0 * points)
+    surface = Surface(
+        points=points,
+        local=local,
+        triangles=triangles,
+        pressure=pressure,
+        gap=np.zeros(len(points)),
+        displacement=0 * points,
+    )
     a, b = ellipse.a, ellipse.b
     outline = [closed_ellipse(ellipse)]
-    patch = Patch(a, b, (0.0, 0.0), ellipse.area, ellipse.p0, ellipse.p_mean, outline)
+    patch = Patch(
+        a=a,
+        b=b,
+        centre=(0.0, 0.0),
+        area=ellipse.area,
+        max_pressure=ellipse.p0,
+        mean_pressure=ellipse.p_mean,
+        outlines=outline,
+    )
     depth = np.linspace(0, 3 * min(a, b), 61)
     normal = axis_stress(ellipse, POISSON, depth)
     below = np.hstack((normal, np.zeros_like(normal)))

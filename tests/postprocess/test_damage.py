@@ -14,19 +14,27 @@ SHIFT = {"poisson": 0.3, "rolling": False, "line": False}
 
 
 def result(
-    used: float, pressure: float, von_mises: float, depth: float = 2.0, local: float | None = None,
+    used: float,
+    pressure: float,
+    von_mises: float,
+    depth: float = 2.0,
+    local: float | None = None,
     mu: float = MU,
-) -> dict:  # fmt: skip
+) -> dict:
     """1000 N on 4 x 5 mm, half of the forces across; local: largest traction over pressure."""
     force = used * 1000 / math.sqrt(2)
     return {
         "patch": {"a_mm": 5.0, "b_mm": 4.0, "area_mm2": 60.0},
         "pressure": {"max_MPa": pressure},
         "stress": {"von_mises_max_MPa": von_mises, "von_mises_max_depth_mm": depth},
-        "friction": {"force_along_N": force, "force_across_N": -force, "limit_N": mu * 1000,
-                     "t_gamma_N": 120.0,
-                     "traction_max_MPa": pressure * (used if local is None else local)},
-    }  # fmt: skip
+        "friction": {
+            "force_along_N": force,
+            "force_across_N": -force,
+            "limit_N": mu * 1000,
+            "t_gamma_N": 120.0,
+            "traction_max_MPa": pressure * (used if local is None else local),
+        },
+    }
 
 
 def test_forces_of_both_ways_make_the_coefficient() -> None:
@@ -70,9 +78,14 @@ def test_a_line_of_which_a_part_sticks_has_a_lower_limit_than_one_that_slips() -
         assert found["shakedown_limit_p0_over_k"] == pytest.approx(limit, abs=2e-3)
 
 
-@pytest.mark.parametrize("line, used, state", [
-    (True, 0.2, "ratchets"), (False, 0.2, "ratchets"), (False, 0.0, "ratchets"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "line, used, state",
+    [
+        (True, 0.2, "ratchets"),
+        (False, 0.2, "ratchets"),
+        (False, 0.0, "ratchets"),
+    ],
+)
 def test_a_traction_above_k_ratchets_whatever_the_force_is(line, used, state) -> None:
     """A pure spin has no force at all; 3 k under 0.35 of the pressure are 1.05 k."""
     given = result(used, 900.0, 900.0, local=0.35, mu=0.5)
@@ -84,8 +97,11 @@ def test_a_traction_above_k_ratchets_whatever_the_force_is(line, used, state) ->
 
 def test_a_shift_wears_nothing_and_has_a_hardest_place() -> None:
     found = answers(result(0.3, 900.0, 560.0, -0.3), MU, 300.0, **SHIFT)
-    assert found == {"von_mises_max_MPa": 560.0, "von_mises_max_depth_mm": 0.3,
-                     "von_mises_max_at": "surface"}  # fmt: skip
+    assert found == {
+        "von_mises_max_MPa": 560.0,
+        "von_mises_max_depth_mm": 0.3,
+        "von_mises_max_at": "surface",
+    }
     deep = answers(result(0.3, 900.0, 560.0, 0.5), MU, 300.0, **SHIFT)
     assert deep["von_mises_max_at"] == "below"
 
@@ -101,9 +117,12 @@ def test_the_wear_number_leaves_spin_out_and_is_that_of_one_patch() -> None:
     traction = np.repeat([[0.2, 0.0, 0.0], [0.0, 0.3, 0.0]], len(disc), axis=0)
     weights = np.full(len(points), 0.01)
     found = SimpleNamespace(
-        points=points, weights=weights, pressure=weights * 100, traction=traction,
+        points=points,
+        weights=weights,
+        pressure=weights * 100,
+        traction=traction,
         rigid_slip=creepage + spin,
-    )  # fmt: skip
+    )
     number = wear_number(found, np.array([[0.0, 0.0, 0.0], [0.0, 20.0, 0.0]]))
     assert number == pytest.approx(0.01 * len(disc) * 0.3 * 3e-3)
 

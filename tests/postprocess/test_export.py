@@ -110,8 +110,10 @@ def test_contact_file_holds_pressure_and_gap(blocks: Callable[..., Any], tmp_pat
         for name in ("pressure", "gap", "status")
     }
     assert {name: label and label.strip() for name, label in labels.items()} == {
-        "pressure": "MPa", "gap": "mm", "status": None
-    }  # fmt: skip
+        "pressure": "MPa",
+        "gap": "mm",
+        "status": None,
+    }
 
 
 def test_triangles_look_out_of_their_body(blocks: Callable[..., Any]) -> None:
@@ -156,9 +158,12 @@ def test_traction_points_are_those_that_touch() -> None:
     number = np.arange(4.0)
     vectors = np.column_stack([number, number, number])
     found = SimpleNamespace(
-        pressure=np.array([1.0, 0.0, 2.0, 0.0]), points=vectors, traction=10 * vectors,
-        slip=100 * vectors, sticks=np.array([True, True, False, False]),
-    )  # fmt: skip
+        pressure=np.array([1.0, 0.0, 2.0, 0.0]),
+        points=vectors,
+        traction=10 * vectors,
+        slip=100 * vectors,
+        sticks=np.array([True, True, False, False]),
+    )
     grid = export.traction_points(cast(FrictionSolution, found))
     assert grid.points[:, 0].tolist() == [0.0, 2.0]
     assert grid.point_data["traction"][:, 0].tolist() == [0.0, 20.0]
@@ -171,5 +176,7 @@ def test_a_series_is_in_the_order_of_time(tmp_path: Path) -> None:
     export.series({2.0: "c.vtu", 0.0: "a.vtu", 1.0: "b.vtu"}, tmp_path / "all.pvd")
     text = (tmp_path / "all.pvd").read_text()
     assert re.findall(r'timestep="([^"]+)".*?file="([^"]+)"', text) == [
-        ("0.0", "a.vtu"), ("1.0", "b.vtu"), ("2.0", "c.vtu"),
-    ]  # fmt: skip
+        ("0.0", "a.vtu"),
+        ("1.0", "b.vtu"),
+        ("2.0", "c.vtu"),
+    ]

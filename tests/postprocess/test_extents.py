@@ -103,7 +103,8 @@ def test_the_pressure_is_cut_through_its_peak_over_the_whole_patch() -> None:
 
     fields = painted(two_hills, (1.5, 3.0), 0.12, waver=0.0)
     frame = Frame((0.0, 0.0, 0.0), 0.0)
-    found, _, _, _, (along, across) = patch.read(fields, separate_patches(fields), frame)
+    reading = patch.read(fields, separate_patches(fields), frame)
+    found, along, across = reading.patch, reading.along, reading.across
     assert along.at == pytest.approx(-1.1, abs=0.05)
     assert found.centre[1] > -0.6  # a cut there would miss the peak
     for line, axis in ((along, 0), (across, 1)):

@@ -13,12 +13,16 @@ YOUNG, POISSON, LOAD = 207000.0, 0.3, 25000.0
 LAME = (YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON)), YOUNG / (2 * (1 + POISSON)))
 
 
+def _patch(centre: tuple[float, float, float], angle: float, a: float, b: float) -> OnePatch:
+    return OnePatch(centre=centre, angle=angle, a=a, b=b, area=1.0, max_pressure=1.0, share=1.0)
+
+
 @pytest.mark.parametrize("body", [1, 2])
 @pytest.mark.parametrize("angle", [0.0, 0.2])
 def test_a_rigid_motion_is_found_below_a_load(blocks, body, angle) -> None:
     case = blocks("tetrahedron", 2)
     b = case.ellipse.b / 2
-    patch = OnePatch((0.0, 0.3, 0.0), angle, 0.8 * b, b, 1.0, 1.0, 1.0)
+    patch = _patch((0.0, 0.3, 0.0), angle, 0.8 * b, b)
     frame = Frame(patch.centre, patch.angle)
     points = case.fields.points
     turned, aside, sink = 3e-4, 0.02, -0.05
@@ -39,5 +43,5 @@ def test_a_rigid_motion_is_found_below_a_load(blocks, body, angle) -> None:
 def test_a_body_that_ends_within_its_patch_tells_no_motion(blocks) -> None:
     case = blocks("tetrahedron", 1)
     lame = np.tile(LAME, (len(case.fields.cells), 1))
-    patch = OnePatch((0.0, 0.0, 0.0), 0.0, 1e3, 1e3, 1.0, 1.0, 1.0)
+    patch = _patch((0.0, 0.0, 0.0), 0.0, 1e3, 1e3)
     assert motion(replace(case.fields, lame=lame), 1, (patch,), LOAD) == (0.0, 0.0)

@@ -63,7 +63,15 @@ def two_patches(case: Any) -> Any:
     first = patch.outlines[0]
     second = first * [1.0, 0.15] - [0.0, 14.0]
     each = [
-        OnePatch((0.0, s, 0.0), 0.0, patch.a, b, patch.area, p, 0.5)
+        OnePatch(
+            centre=(0.0, s, 0.0),
+            angle=0.0,
+            a=patch.a,
+            b=b,
+            area=patch.area,
+            max_pressure=p,
+            share=0.5,
+        )
         for s, b, p in ((0.0, patch.b, patch.max_pressure), (-14.0, 0.15 * patch.b, 2000.0))
     ]
     subject = Subject(TITLE, gauge=True)
@@ -117,9 +125,15 @@ def test_long_labels_do_not_leave_the_sheet(
         assert not cut_off(figure)
 
 
-@pytest.mark.parametrize(("values", "below"), [
-    ((-300.0, 20.0), True), ((-300.0, -120.0), True), ((110.0, 428.0), False), ((0.0, 0.0), False),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("values", "below"),
+    [
+        ((-300.0, 20.0), True),
+        ((-300.0, -120.0), True),
+        ((110.0, 428.0), False),
+        ((0.0, 0.0), False),
+    ],
+)
 def test_bands_of_stress_end_at_zero_and_hold_all(values: tuple[float, float], below: bool) -> None:
     levels = fringes.levels(np.array(values), below=below)
     assert np.all(np.diff(levels) > 0)
@@ -163,9 +177,11 @@ def rubbed(case: Any, centre: float) -> tuple[Any, Any]:
 
 
 def test_tractions_are_where_they_act_and_have_a_scale(
-    blocks: Callable[..., Any], sheets: list[Figure], tmp_path: Path,
+    blocks: Callable[..., Any],
+    sheets: list[Figure],
+    tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
+) -> None:
     keys: list[Any] = []
     own = Axes.quiverkey
     monkeypatch.setattr(
@@ -231,14 +247,20 @@ def test_the_surface_that_yields_is_drawn_whichever_it_is(
 def test_sweeps_and_the_shakedown_map_say_what_they_are_of(
     sheets: list[Figure], tmp_path: Path
 ) -> None:
-    rows = [{"load [N]": n, "checks": "passed"} | dict.fromkeys(sweep.PANELS, float(n))
-            for n in (1, 2)]  # fmt: skip
+    rows = [
+        {"load [N]": n, "checks": "passed"} | dict.fromkeys(sweep.PANELS, float(n)) for n in (1, 2)
+    ]
     circle = [[[np.cos(t), np.sin(t)] for t in np.linspace(0, 6, 20)]]
     sweep.curves(["load [N]"], rows, tmp_path / "c.png", "y, mm", TITLE)
     sweep.patches(["load [N]"], rows, [circle, circle], tmp_path / "p.png", "y, mm", TITLE)
-    friction = {"traction_coefficient": 0.1, "p0_over_k": 3.0, "first_yield_p0_over_k": 3.2,
-                "shakedown_limit_p0_over_k": 3.5,
-                "shakedown": "elastic", "surface_fatigue_index": -0.2}  # fmt: skip
+    friction = {
+        "traction_coefficient": 0.1,
+        "p0_over_k": 3.0,
+        "first_yield_p0_over_k": 3.2,
+        "shakedown_limit_p0_over_k": 3.5,
+        "shakedown": "elastic",
+        "surface_fatigue_index": -0.2,
+    }
     shakedown.draw(friction, 0.3, tmp_path / "s.png", TITLE)
     for figure in sheets:
         said = " ".join(text.get_text() for part in figure.subfigs for text in part.texts)
@@ -263,8 +285,11 @@ def test_a_strip_of_patches_holds_the_key_with_more_values(
     sheets: list[Figure], tmp_path: Path
 ) -> None:
     circle = [[[np.cos(t), np.sin(t)] for t in np.linspace(0, 6, 20)]]
-    rows = [{"shift": shift, "load": load, "checks": "passed"}
-            for shift in (0.0, 1.0, 2.0) for load in (1.0, 2.0)]  # fmt: skip
+    rows = [
+        {"shift": shift, "load": load, "checks": "passed"}
+        for shift in (0.0, 1.0, 2.0)
+        for load in (1.0, 2.0)
+    ]
     sweep.patches(["shift", "load"], rows, [circle] * 6, tmp_path / "p.png", "y, mm")
     assert [axes.get_title(loc="left") for axes in sheets[0].axes] == ["load: 1", "load: 2"]
 

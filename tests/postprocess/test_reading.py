@@ -23,7 +23,7 @@ SHAPES: dict[str, tuple[Square, tuple[float, float], bool]] = {
 
 
 def _read(fields: Fields) -> Patch:
-    return patch.read(fields, separate_patches(fields), FRAME)[0]
+    return patch.read(fields, separate_patches(fields), FRAME).patch
 
 
 def _numbers(found: Patch) -> Array:
@@ -105,7 +105,7 @@ def test_numbers_do_not_jump_where_an_ellipse_becomes_another_shape() -> None:
 
 def test_an_ellipse_by_construction_is_read_by_its_moments() -> None:
     fields = painted(lambda x, s: 1 - x**2 / 4 - s**2 / 3, (2.6, 2.2), 0.3, 0.02)
-    found = patch.read(fields, separate_patches(fields), FRAME, parabolic=True)[0]
+    found = patch.read(fields, separate_patches(fields), FRAME, parabolic=True).patch
     moments = patch.moments(fields, FRAME)
     assert _numbers(found)[:3] == pytest.approx(
         [moments.a, moments.b, np.pi * moments.a * moments.b], rel=2e-5
@@ -137,7 +137,7 @@ def test_rebuilt_pressure_carries_the_force() -> None:
     square, half, even = SHAPES["neck"]
     fields = painted(square, half, 0.25, 0.02, even=even)
     contact = fields.contact
-    recovered = patch.read(fields, separate_patches(fields), FRAME)[3]
+    recovered = patch.read(fields, separate_patches(fields), FRAME).recovered_pressure
     force = 2 * float(contact.weights @ contact.pressure)
     assert 2 * float(contact.weights @ recovered) == pytest.approx(force, rel=3e-3)
     exact = np.sqrt(np.maximum(square(*contact.points[:, :2].T), 0.0))

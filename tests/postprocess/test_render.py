@@ -48,12 +48,15 @@ def test_camera_draws_where_it_projects() -> None:
     assert len(rows) == pytest.approx(np.pi * 1.5**2 * 25**2, rel=0.03)
 
 
-@pytest.mark.parametrize(("display", "given", "expected"), [
-    ("", None, "vtkEGLRenderWindow"),
-    (None, None, "vtkEGLRenderWindow"),
-    ("", "vtkOSOpenGLRenderWindow", "vtkOSOpenGLRenderWindow"),
-    (":0", None, None),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("display", "given", "expected"),
+    [
+        ("", None, "vtkEGLRenderWindow"),
+        (None, None, "vtkEGLRenderWindow"),
+        ("", "vtkOSOpenGLRenderWindow", "vtkOSOpenGLRenderWindow"),
+        (":0", None, None),
+    ],
+)
 def test_no_display_no_window(
     monkeypatch: pytest.MonkeyPatch, display: str | None, given: str | None, expected: str | None
 ) -> None:

@@ -59,8 +59,13 @@ def test_images_hold_the_exact_fields(blocks: Callable[..., Any], degree: int) -
     p0, edge = case.ellipse.p0, (x / case.ellipse.a) ** 2 + (y / case.ellipse.b) ** 2
     smooth = (z < 0) | (np.abs(edge - 1) > 1e-6)  # at the edge they rise like a square root
     assert 0 < np.sum(~smooth) < 20
-    for name, scale in (("stress", p0), ("displacement", 0.1), ("principal_stresses", p0),
-                        ("von_mises", p0), ("max_shear", p0)):  # fmt: skip
+    for name, scale in (
+        ("stress", p0),
+        ("displacement", 0.1),
+        ("principal_stresses", p0),
+        ("von_mises", p0),
+        ("max_shear", p0),
+    ):
         expected = exact[name][partner][smooth]
         assert found[name][smooth] == pytest.approx(expected, abs=1e-9 * scale), name
     tensor = found["stress"].reshape(-1, 3, 3)
@@ -83,7 +88,16 @@ def test_a_surface_moves_as_its_image_does() -> None:
     points = np.column_stack([x, -(x**2).sum(axis=1)])
     moved = np.column_stack([x * [1.0, 2.0], np.full(4, 3.0)])
     pieces = np.array([[0, 1, 2], [1, 3, 2]])
-    found = whole(Surface(points, x, pieces, np.arange(4.0), np.zeros(4), moved))
+    found = whole(
+        Surface(
+            points=points,
+            local=x,
+            triangles=pieces,
+            pressure=np.arange(4.0),
+            gap=np.zeros(4),
+            displacement=moved,
+        )
+    )
     assert len(found.points) == 16 and len(found.triangles) == 8
     expected = np.column_stack([found.points[:, :2] * [1.0, 2.0], np.full(16, 3.0)])
     np.testing.assert_array_equal(found.displacement, expected)
