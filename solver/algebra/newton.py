@@ -5,7 +5,7 @@ K_A, each step solves
 
     K_A(y) s = -R(y)  to a tolerance eta |R(y)|,      y <- y + t s
 
-(Hintermueller, Ito and Kunisch 2002; inexact steps: Eisenstat and Walker 1996). A symmetric method
+(inexact steps: Eisenstat and Walker, SIAM J. Sci. Comput. 17, 1996). A symmetric method
 has a convex energy, and t nearly minimises it along s. An unsymmetric one takes t = 1, and halves t
 whenever an active set comes back.
 """
