@@ -24,7 +24,10 @@ Quantities = dict[str, Any]
 
 
 def from_findings(found: Findings, load: float, approach: float) -> Quantities:
-    """Finite-element result. load N, approach mm (of the hub, along the load)."""
+    """Quantities of the finite-element result.
+
+    load: N. approach: of the hub, along the load, mm.
+    """
     axis, patch = found.axis, found.patch
     below = [axis, *found.also][: len(patch.each)]
     return {
@@ -42,7 +45,7 @@ def from_findings(found: Findings, load: float, approach: float) -> Quantities:
 
 
 def _one(patch: OnePatch, axis: DepthAxis) -> Quantities:
-    """One of the separate patches, with the stresses on the axis below it."""
+    """Quantities of one separate patch, with the largest stresses on the axis below it."""
     return {
         "centre_mm": list(patch.centre),
         "contact_angle_rad": patch.angle,
@@ -58,8 +61,11 @@ def _one(patch: OnePatch, axis: DepthAxis) -> Quantities:
 def from_hertz(
     ellipse: Ellipse, poisson: Mapping[str, float], angle: float, origin: Place
 ) -> Quantities:
-    """Exact Hertz. poisson: by body, the one whose axis is shown first; angle: contact angle in
-    rad, which tilts load and approach from the normal."""
+    """Quantities of Hertz's exact solution.
+
+    poisson: by body; the axis of the first body is shown. angle: contact angle, rad; the load is
+        vertical and the approach along it. origin: contact point, mm.
+    """
     cosine = math.cos(angle)
     return {
         "load_N": ellipse.load * cosine,
@@ -78,7 +84,10 @@ def from_line(
     origin: Place,
     approach: float | None,
 ) -> Quantities:
-    """Exact line contact; approach: mm, along the load, of the bodies' supports, if it is known."""
+    """Quantities of the exact line contact; arguments as those of `from_hertz`.
+
+    approach: of the supports of the bodies along the load, mm, or None where it is not known.
+    """
     return {
         "load_N": contact.load * math.cos(angle),
         "approach_mm": approach,
@@ -94,12 +103,13 @@ def from_half_space(
     surface: Callable[[Array, Array], Array],
     plane: float,
 ) -> Quantities:
-    """Boundary elements on the exact gap: the profiles' answer if the bodies were half-spaces.
+    """Quantities of boundary elements: the exact gap of the profiles on elastic half-spaces.
 
-    surface maps x, s (n,) to points (n, 3), mm; plane: contact angle of first contact, rad, on
-    whose tangent plane a single patch is measured. Of several, the areas are those on their own
-    tangent planes, a and b, half the extents, those of the most loaded one. grid_error: relative
-    change from 64 cells an axis, of a and b EXTENTS.
+    surface: maps x, s (n,) to points (n, 3), mm. plane: contact angle of first contact, rad; a
+        single patch is measured on its tangent plane.
+    Of several patches the areas are those on their own tangent planes; a and b, half the extents,
+    are those of the most loaded one. grid_error: relative change from a grid of 64 cells an axis;
+    that of a and b is EXTENTS.
     """
     area = _areas(solution, plane)
     patches = solution.patches
@@ -128,7 +138,7 @@ def from_half_space(
 
 
 def _areas(solution: Solution, plane: float) -> float:
-    """Area (mm2) of a single patch on a plane, of several each on its own."""
+    """Area, mm2: of a single patch on the plane at angle `plane`, else of each on its own plane."""
     patches = solution.patches
     return patches[0].area_on(plane) if len(patches) == 1 else solution.area
 
@@ -150,7 +160,10 @@ def _half_space_patch(
 
 
 def difference(result: Any, exact: Any) -> Any:
-    """(result - exact) / exact, nested alike; None where there is none, as of words and places."""
+    """Relative difference (result - exact) / exact of each number, nested like `result`.
+
+    It is None for words and coordinates, and where a number is missing or the exact one is zero.
+    """
     if isinstance(result, dict):
         return {
             key: None if key.endswith(PLACES) else difference(value, exact[key])

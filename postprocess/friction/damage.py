@@ -20,16 +20,20 @@ def answers(
     rolling: bool,
     line: bool,
 ) -> dict[str, Any]:
-    """What "friction" of a result (both as in summary.json) has besides its forces.
+    """Wear regime and state in the shakedown map, as entries of "friction" in summary.json.
 
-    The largest von Mises stress and whether it is at the 'surface' or 'below'. Rolling: T-gamma
-    over the area with its regime; traction_coefficient, tangential over normal force;
-    first_yield_p0_over_k, at which this patch begins to yield; shakedown_limit_p0_over_k, the least
-    of two: of a line that rolls with this share of the friction coefficient, and of a surface that
-    slips everywhere at the largest traction over p0 (of a line: largest traction k). With a yield
-    stress in shear k (MPa): p0_over_k, surface_fatigue_index of the largest traction, and what
-    follows: 'elastic', 'shakes down', 'ratchets', or 'open' where a patch that is no line is above
-    this limit only.
+    result: the summary's "result", with its "friction". coefficient: of friction. shear_yield:
+        yield stress in shear k, MPa, or None. poisson: Poisson's ratio. rolling: whether the wheel
+        rolls. line: whether the contact is a line.
+
+    Always: the largest von Mises stress, its depth, and whether it is at the 'surface' or 'below'.
+    Rolling: T-gamma over the area with its wear regime; traction_coefficient, tangential over
+        normal force; first_yield_p0_over_k, at which this patch begins to yield;
+        shakedown_limit_p0_over_k. The limit is the smaller of two: that of a line that rolls with
+        this share of the friction coefficient, and that of a surface that slips everywhere at the
+        largest traction over p0 (of a line: largest traction k).
+    With k: p0_over_k, surface_fatigue_index of the largest traction, and the state 'elastic',
+        'shakes down', 'ratchets', or 'open' where a patch that is no line is above this limit only.
     """
     forces, patch, stress = result["friction"], result["patch"], result["stress"]
     pressure, hardest = result["pressure"]["max_MPa"], stress["von_mises_max_MPa"]

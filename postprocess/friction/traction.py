@@ -24,8 +24,12 @@ CUSP = 0.15  # relative, on six elements a semi-axis: see `unread_peak`
 
 
 def wear_number(found: FrictionSolution, centres: Array) -> float:
-    """The largest of all patches, N: the force on its points, those nearest to its centre, times
-    the rigid slip there on the average of the pressure, which spin about the patch leaves out."""
+    """Largest British Rail wear number of all patches, N: tangential force times mean creepage.
+
+    found: solution of rolling contact. centres (k, 3): of the patches, mm; each contact point
+        belongs to the nearest one. The mean creepage of a patch is its rigid slip weighted by
+        pressure, so that spin about its centre cancels.
+    """
     away = np.linalg.norm(found.points[:, None] - centres, axis=2)
     owner, numbers = np.argmin(away, axis=1), [0.0]
     for patch in range(len(centres)):
@@ -47,13 +51,19 @@ def quantities(
     cycle: bool,
     patches: Array | None = None,
 ) -> dict[str, Any]:
-    """As "friction" in summary.json: forces and moment of the wheel on the rail, N and N mm, with
-    mu N; the wheel's motion over the rail; the share of the patch's area that sticks; the largest
-    traction, MPa. Rolling, T-gamma: the energy dissipated per rolled length, N, as tractions
-    times rigid slip, of unlike bodies, which creep without a force, times slip; with a speed
-    in m/s the power in W; of like bodies British Rail's wear number, T-gamma without spin: force
-    times mean creepage of the patch with the largest, of those with centres (k, 3), mm. Of a
-    cycle, the energy that slip dissipates in it, N mm."""
+    """Entries of "friction" in summary.json.
+
+    found: the solution. rolling: whether the wheel rolls. like: whether both bodies have equal
+        elastic constants. speed: m/s, or None. cycle: whether loads form a cycle. patches (k, 3):
+        centres of the patches, mm.
+    Always: forces (N) and moment (N mm) of the wheel on the rail, the limit mu N, the rigid motion
+        of the wheel, the share of the area that sticks, and the largest traction (MPa).
+    Rolling: T-gamma, the energy dissipated per rolled length, N. It is the integral of traction
+        times rigid slip. Of unlike bodies, which creep without a force, it is that of traction
+        times slip.
+    With a speed: the power, W. With centres, of like bodies: the wear number, N.
+    Of a cycle: the energy that slip dissipates in it, N mm.
+    """
     touches = found.pressure > 0
     share = found.weights[found.sticks].sum() / found.weights[touches].sum()
     out: dict[str, Any] = {
@@ -85,14 +95,17 @@ def quantities(
 def _resolution(
     out: Mapping[str, Any], still: FrictionSolution, motion: tuple[float, float, float]
 ) -> dict[str, Any]:
-    """What the motion adds to the solution `still` without creepage, where like half-spaces have no
-    traction and stick everywhere.
+    """Which quantities are too small for the resolution of bodies and mesh.
 
-    "resolution": by quantity what bodies and mesh have there, in the quantity's unit; of the stick
-    share also the largest share of a contact point. "below_resolution": names of forces, moment
-    and T-gamma of which that is more than RESOLVED, and of what follows from them; of the stick
-    share where what slips is no more than that; of the largest traction, which lies at the border
-    of stick and grows as the square root of what slips, where it is off by more than RESOLVED.
+    out: entries of "friction". still: solution without creepage, in which like half-spaces have no
+        traction and stick everywhere; its values are the errors. motion: creepage along and across,
+        and spin.
+    "resolution": those errors by quantity, in its unit; that of the stick share includes the
+    largest share of one contact point.
+    "below_resolution": names of forces, moment and T-gamma whose error exceeds RESOLVED (relative),
+    and of what is computed from them; the stick share where the share that slips is no larger than
+    its error; the largest traction, which grows as the square root of the share that slips, where
+    its error exceeds RESOLVED.
     """
     rest = quantities(still, rolling=False, like=True, speed=None, cycle=False)
     rest["t_gamma_N"] = sum(rest[name] * each for name, each in zip(LOADS, motion, strict=True))
@@ -114,11 +127,12 @@ def _resolution(
 
 
 def unread_peak(found: FrictionSolution | None, elements: float) -> float:
-    """Relative error of the largest stresses of a patch that is no strip and slips somewhere.
+    """Relative error of the largest stresses of a patch in space that slips somewhere; else 0.
 
-    elements: on the smaller semi-axis. At the border of stick and at the trailing edge the stress
-    has a cusp. Smoothing takes off a part that falls as h^(1/3): at a coefficient of 0.5
-    10 % (rolling) and 17 % (a shift) with four elements, 8 and 15 % with six.
+    found: solution with friction, or None. elements: number of elements on the smaller semi-axis.
+    At the border of stick and at the trailing edge the stress has a cusp. Smoothing cuts off a part
+    that falls as h^(1/3): at a coefficient of 0.5 10 % (rolling) and 17 % (a shift) with four
+    elements, 8 and 15 % with six.
     """
     touches = None if found is None else found.pressure > 0
     if touches is None or found is None or found.sticks[touches].all():

@@ -1,18 +1,22 @@
 """The pressure on a patch of any shape, from the moments of the computed one.
 
 p = sqrt(max(F, 0)) with F(x, s) = sum_k x^k c_k(s), cubic splines c_k: bodies are smooth along the
-rail and may have joints of arcs across it. The computed pressure p_h wavers from point to point,
-its integrals against smooth functions do not. F is the minimum of the convex functional
+rail and may have joints of arcs across it. The computed pressure p_h oscillates
+from point to point, but its integrals against smooth functions are accurate. F is the minimum of
+the convex functional
 
     int 2/3 F+^(3/2) dA - int p_h F dA + 1/2 int r |D3 F|^2
 
-so int p G = int p_h G for every G of that space up to the roughness r. Where G is a polynomial of
-degree 2, F is Hertz's ellipsoid by second moments, which costs no roughness: D3 F holds the third
-derivatives (P. Eilers and B. Marx, Statist. Sci. 11, 1996, penalise splines alike), across in
-units of an element and along in half widths: bodies of one radius along the rail hardly leave a
-third one there. How the curvature along changes across is counted in elements both ways, or a
-patch with a neck would be as uncertain on any mesh. r is small inside, where joints of arcs bend
-F, and large near the ends across, where facets that are half in contact would be followed.
+so int p G = int p_h G for every G of that space, up to the term with the roughness r. D3 F holds
+the third derivatives of F (P. Eilers and B. Marx, Statist. Sci. 11, 1996, penalise splines in the
+same way). Where F is a polynomial of degree 2 they vanish, and F is Hertz's ellipsoid by second
+moments.
+
+Units of length in D3 F: across, an element; along, half the width of the box, since third
+derivatives along are small for bodies of one radius along the rail. The change across of the
+curvature along is measured in elements in both directions. Otherwise a patch with a neck would be
+as uncertain on a fine mesh as on a coarse one. r is small inside, where joints of arcs bend F. It
+is large near the ends across, where F would otherwise follow facets that are half in contact.
 """
 
 from __future__ import annotations

@@ -120,7 +120,7 @@ def test_long_labels_do_not_leave_the_sheet(
     names = {"rail": "lower cylinder", "wheel": "upper cylinder"}
     found = replace(case.findings, largest=largest, subject=Subject(TITLE, names))
     render.stress_cut(export.volume_grid(case.fields, case.stress), found, tmp_path / "s.png")
-    diagrams.depth(found, case.ellipse, 0.3, tmp_path / "d.png", (800.0, 3.0))
+    diagrams.depth(found, case.ellipse, 0.3, tmp_path / "d.png")
     for figure in sheets:
         assert not cut_off(figure)
 
