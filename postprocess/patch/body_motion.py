@@ -13,7 +13,7 @@ from railhead.theory.elastic.halfspace import boussinesq_displacement
 if TYPE_CHECKING:
     from railhead.solver.fields import Fields
 
-RING = (2.5, 5.0)  # over the longest half length of a patch: nodes that tell the motion
+FIT_RING = (2.5, 5.0)  # radii of the nodes that are fitted, over the longest half length
 
 
 def motion(
@@ -31,9 +31,11 @@ def motion(
     young, poisson = _constants(fields, body)
     first = patches[0]
     reach = max(max(patch.a, patch.b) for patch in patches)
-    chosen = np.linalg.norm(points - first.centre, axis=1) < RING[1] * reach
+    chosen = np.linalg.norm(points - first.centre, axis=1) < FIT_RING[1] * reach
     for patch in patches:
-        chosen &= np.linalg.norm(points - patch.centre, axis=1) > RING[0] * max(patch.a, patch.b)
+        chosen &= np.linalg.norm(points - patch.centre, axis=1) > FIT_RING[0] * max(
+            patch.a, patch.b
+        )
     if not chosen.any():
         return 0.0, 0.0
     points, moved = points[chosen], moved[chosen]

@@ -10,7 +10,7 @@ import numpy as np
 from railhead.postprocess.findings import Array
 from railhead.postprocess.patch.reconstruct import SquaredPressure
 
-GRID = 400  # lines each way: zeros of a parabola are found to 4e-6 of its width
+GRID_LINES = 400  # in each direction: zeros of a parabola are exact to 4e-6 of its width
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +37,7 @@ def outline_shape(square: SquaredPressure) -> PatchShape:
 
     The border of the box counts as outside, since the contact surface ends there.
     """
-    x, s = (np.linspace(low, high, GRID, dtype=np.float64) for low, high in square.box)
+    x, s = (np.linspace(low, high, GRID_LINES, dtype=np.float64) for low, high in square.box)
     values = square.grid(x, s)
     top = float(values.max())
     values[[0, -1]] = np.minimum(values[[0, -1]], -1e-9 * top)

@@ -26,16 +26,17 @@ from railhead.postprocess.patch.surface import Surfaces, recover_surfaces
 if TYPE_CHECKING:
     from railhead.solver.fields import Fields
 
-HERTZIAN = 0.02  # largest deviation of the fourth moments from those of a semi-ellipsoid, and ...
-ELLIPTIC = 0.01  # ... that up to which nothing but Hertz's ellipsoid is read
-FOURTH = 9 / 8  # times the deviation of the fourth moments: of half lengths by second ones
-MESH = 0.07  # of the fourth moments of an exact ellipse, by elements over half length squared
-HIGHER = 0.4  # of the shape error: what is no such polynomial
+HERTZIAN = 0.02  # shape error below which the semi-axes are those of an ellipse
+ELLIPTIC = 0.01  # shape error up to which p^2 is that of Hertz's ellipsoid alone
+FOURTH_MOMENT_FACTOR = 9 / 8  # relative change of half lengths per deviation of fourth moments
+# deviation of the fourth moments of an exact ellipse, over (element size / half length)^2
+ELEMENT_SIZE_FACTOR = 0.07
+HIGHER_ORDER_FACTOR = 0.4  # error by terms of higher order, over the shape error
 PEAK_RADIUS = 0.6  # of the semi-axes: where p^2 is fitted for the largest pressure
-READ = ("a", "b", "area", "max_pressure")
-LINE, LINE_POINTS = 1.25, 121  # lines over the patch reach that many half lengths either way
-BESIDE = 0.02  # of its half length: a peak that near to the centre is there
-VARIATION = 100.0  # of the roughness, either way: how far readings differ
+MEASURES = ("a", "b", "area", "max_pressure")
+AXIS_REACH, AXIS_POINTS = 1.25, 121  # pressure along x and s: in half lengths, either way
+CENTRED = 0.02  # of a half length: a peak nearer to the centre is taken to be at the centre
+ROUGHNESS_VARIATION = 100.0  # factor and divisor of the roughness: their change is the scatter
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -246,7 +247,7 @@ def _reading(part: SeparatePatch, frame: Frame, facets: Array, *, parabolic: boo
     fields, found = part.fields, moments(part.fields, frame)
     given = samples(fields, frame, facets)
     share = general_shape_share(found.shape_error)
-    square, scatter = zero_squared_pressure(given), dict.fromkeys(READ, 0.0)
+    square, scatter = zero_squared_pressure(given), dict.fromkeys(MEASURES, 0.0)
     if share > 0:
         square, scatter = reconstruct_general_shape(given)
     if share < 1:
@@ -255,7 +256,7 @@ def _reading(part: SeparatePatch, frame: Frame, facets: Array, *, parabolic: boo
         off = abs(found.force / (peak * 2 / 3 * np.pi * found.a * found.b) - 1)
         other = {"a": da, "b": db, "area": da + db, "max_pressure": max(off, da)}
         square = blend(square, ellipsoid(square, found.centre, (a, b), peak), share)
-        scatter = {key: share * scatter[key] + (1 - share) * other[key] for key in READ}
+        scatter = {key: share * scatter[key] + (1 - share) * other[key] for key in MEASURES}
     return _Reading(frame, square, outline_shape(square), scatter)
 
 
@@ -265,14 +266,14 @@ def reconstruct_general_shape(
     """Rebuild p^2 of a patch of any shape, and estimate how uncertain its extents are.
 
     measure: reads the extents of a p^2. Returns p^2 and, by name, the largest relative differences
-        of a, b, area and max_pressure when the roughness is VARIATION times larger or smaller. They
-        are infinite where one of the three minimisations did not converge.
+        of a, b, area and max_pressure when the roughness is ROUGHNESS_VARIATION times larger or
+        smaller. They are infinite where one of the three minimisations did not converge.
     """
-    stiff = reconstruct(given, VARIATION * ROUGHNESS)
+    stiff = reconstruct(given, ROUGHNESS_VARIATION * ROUGHNESS)
     square = reconstruct(given, start=stiff)
-    soft = reconstruct(given, ROUGHNESS / VARIATION, square)
+    soft = reconstruct(given, ROUGHNESS / ROUGHNESS_VARIATION, square)
     if not (stiff.settled and square.settled and soft.settled):
-        return square, dict.fromkeys(READ, np.inf)
+        return square, dict.fromkeys(MEASURES, np.inf)
     return square, relative_differences(measure(square), [measure(stiff), measure(soft)])
 
 
@@ -305,8 +306,8 @@ def nearly_elliptic(
     element: float,
     *,
     parabolic: bool,
-    fourth: float = FOURTH,
-    mesh: float = MESH,
+    fourth: float = FOURTH_MOMENT_FACTOR,
+    mesh: float = ELEMENT_SIZE_FACTOR,
 ) -> tuple[Array, Array]:
     """Half lengths (2,) of a nearly elliptic patch, mm, and their relative errors (2,).
 
@@ -322,7 +323,7 @@ def nearly_elliptic(
     if parabolic:
         return half, np.abs((1 + off) ** 0.25 - 1)
     rounded = mesh * (element / half.min()) ** 2
-    error = fourth * (rounded + HIGHER * found.shape_error)
+    error = fourth * (rounded + HIGHER_ORDER_FACTOR * found.shape_error)
     return half * (1 + fourth * (off + rounded)), np.full(2, error)
 
 
@@ -374,7 +375,7 @@ def _through(first: _Reading, patch: Patch, frame: Frame, *, hertzian: bool) -> 
     if hertzian:
         return centre
     (top,) = _in_frame(np.array([first.shape.top]), first.frame, frame)
-    near = np.abs(top - centre) < BESIDE * np.array([patch.a, patch.b])
+    near = np.abs(top - centre) < CENTRED * np.array([patch.a, patch.b])
     return np.where(near, centre, top)
 
 
@@ -383,8 +384,8 @@ def _line(
 ) -> AxisPressure:
     """Recovered pressure along x (axis 0) or s (axis 1) through a point, over the whole patch."""
     low, high = patch.main[:, axis].min(), patch.main[:, axis].max()
-    local = np.tile([*through, 0.0], (LINE_POINTS, 1))
-    reach = LINE * (high - low) / 2
-    local[:, axis] = (low + high) / 2 + np.linspace(-reach, reach, LINE_POINTS)
+    local = np.tile([*through, 0.0], (AXIS_POINTS, 1))
+    reach = AXIS_REACH * (high - low) / 2
+    local[:, axis] = (low + high) / 2 + np.linspace(-reach, reach, AXIS_POINTS)
     points = np.array(frame.origin) + local @ frame.axes
     return AxisPressure(local[:, axis], _pressure(readings, points), float(through[1 - axis]))

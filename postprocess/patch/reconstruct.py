@@ -33,14 +33,14 @@ from scipy.linalg import cho_factor, cho_solve
 
 from railhead.postprocess.findings import Array
 
-DEGREE = 4  # of F along the rail ...
-FLAT_DEGREE = 8  # ... where bodies yield: with 4 the largest pressure of a sphere at 20 times its
+DEGREE = 4  # of F along the rail
+YIELD_DEGREE = 8  # of F where bodies yield: with 4 the largest pressure of a sphere at 20 times its
 # first-yield load is 7.5 % too high on six elements, with 8 it is 1.5 %
 NECK = 3.0  # elements: the unit of length along, in the change across of the curvature along
-ROUGHNESS = 1e-5  # r of a spline of ...
-INTERVALS = 16  # ... so many; it grows with their square, or finer meshes would scatter alike
-ENDS, STEEP = 6.0, 6  # r grows like (1 + (6 elements / distance from the end)^6)
-MARGIN = 0.8  # elements of the box around the points with pressure
+ROUGHNESS = 1e-5  # r of a spline with INTERVALS intervals
+INTERVALS = 16  # r grows with their number squared; else finer meshes would scatter as much
+END_ZONE, END_EXPONENT = 6.0, 6  # r grows like (1 + (6 elements / distance from the end)^6)
+BOX_MARGIN = 0.8  # elements of the box around the points with pressure
 ROWS, COLUMNS = 6, 120  # points of integration: a spline's interval, and the box along x
 LINE_ROWS = 60  # of a section, where no second direction averages the end of the patch
 NEWTON_STEPS, CONVERGED = 80, 1e-10  # of the functional
@@ -81,7 +81,7 @@ class Samples:
     @property
     def degree(self) -> int:
         """Degree in x of the polynomial for p^2."""
-        return FLAT_DEGREE if self.yields else DEGREE
+        return YIELD_DEGREE if self.yields else DEGREE
 
     def measure(self, s: Array) -> Array:
         """Contact area per unit of (x, s) at s (n,), 1; of a section per unit of s, mm: its
@@ -216,7 +216,7 @@ def _splines(knots: Array, s: Array) -> sp.csr_matrix:
 
 def _box(samples: Samples) -> Box:
     """Extents of the points with pressure and a margin, cut at the ends of the surface, mm."""
-    margin = MARGIN * float(samples.size.mean())
+    margin = BOX_MARGIN * float(samples.size.mean())
     ends = [
         (max(float(t.min()) - margin, low), min(float(t.max()) + margin, high))
         for t, (low, high) in zip((samples.x, samples.s), samples.limits, strict=True)
@@ -247,10 +247,10 @@ def _penalty(knots: Array, powers: Array, s: Array, weight: Array, samples: Samp
     has a plateau then, whose edges are as sharp along as across."""
     inner = knots[3:-3]
     width = np.interp(s, (inner[1:] + inner[:-1]) / 2, np.diff(inner))
-    margin = MARGIN * float(samples.size.mean())
+    margin = BOX_MARGIN * float(samples.size.mean())
     inside = np.minimum(s - inner[0], inner[-1] - s) - margin
     distance = np.maximum(inside / samples.size.mean(), 0.0) + 0.5
-    weight = weight * (1 + (ENDS / distance) ** STEEP)
+    weight = weight * (1 + (END_ZONE / distance) ** END_EXPONENT)
     at, share = leggauss(samples.degree + 2)
     x0, x1 = _box(samples)[0]
     element = 1.0 if samples.line else 2 * float(samples.size.mean()) / (x1 - x0)

@@ -7,9 +7,9 @@ import numpy as np
 from railhead.postprocess.findings import Array, AxisPressure, Frame, Patch, Surface
 from railhead.postprocess.patch.outline import PatchShape
 from railhead.postprocess.patch.patch import (
-    FOURTH,
+    FOURTH_MOMENT_FACTOR,
+    MEASURES,
     PEAK_RADIUS,
-    READ,
     PatchReading,
     PressureMoments,
     general_shape_share,
@@ -27,9 +27,9 @@ from railhead.postprocess.patch.reconstruct import (
 from railhead.postprocess.patch.surface import recover_surfaces
 from railhead.solver.fields import Fields
 
-MESH = 0.03  # see `patch`
-SAMPLES = 61
-GRID = 2000  # points at which p^2 is looked at
+ELEMENT_SIZE_FACTOR = 0.03  # of a section, see `patch`
+AXIS_POINTS = 61  # of the pressure along the contact line
+LINE_POINTS = 2000  # at which p^2 is evaluated to find its zeros and its maximum
 
 
 def coordinate(fields: Fields) -> int:
@@ -100,7 +100,7 @@ def read(fields: Fields, frame: Frame, *, parabolic: bool = False) -> PatchReadi
     found = moments(fields, frame)
     given = samples(fields, frame)
     share = general_shape_share(found.shape_error)
-    square, scatter = zero_squared_pressure(given), dict.fromkeys(READ, 0.0)
+    square, scatter = zero_squared_pressure(given), dict.fromkeys(MEASURES, 0.0)
     if share > 0:
         square, scatter = reconstruct_general_shape(given, lambda each: _shape(each, fields))
     if share < 1:
@@ -110,7 +110,7 @@ def read(fields: Fields, frame: Frame, *, parabolic: bool = False) -> PatchReadi
         half, other = _ellipse(found, peak, float(given.size.mean()), fields, parabolic=parabolic)
         ellipse = ellipsoid(square, (0.0, found.centre[axis]), (1.0, half), peak)
         square = blend(square, ellipse, share)
-        scatter = {key: share * scatter[key] + (1 - share) * other[key] for key in READ}
+        scatter = {key: share * scatter[key] + (1 - share) * other[key] for key in MEASURES}
     shape = _shape(square, fields)
     outlines = _outlines(_spans(square), axis, None if revolved else length)
     patch = Patch(
@@ -178,7 +178,7 @@ def _shape(square: SquaredPressure, fields: Fields) -> PatchShape:
     spans, axis = _spans(square), coordinate(fields)
     length = fields.kinematics.thickness
     half = (spans[-1][1] - spans[0][0]) / 2
-    peak = _pressure(square, np.linspace(*square.box[1], GRID, dtype=np.float64)).max()
+    peak = _pressure(square, np.linspace(*square.box[1], LINE_POINTS, dtype=np.float64)).max()
     if fields.kinematics.revolved:
         return PatchShape(
             outlines=[], area=float(np.pi * half**2), a=half, b=half, peak=float(peak)
@@ -198,7 +198,11 @@ def _ellipse(
     """
     revolved, length = fields.kinematics.revolved, fields.kinematics.thickness
     (half, _), (error, _) = nearly_elliptic(
-        found, element, parabolic=parabolic, fourth=FOURTH if revolved else 1.0, mesh=MESH
+        found,
+        element,
+        parabolic=parabolic,
+        fourth=FOURTH_MOMENT_FACTOR if revolved else 1.0,
+        mesh=ELEMENT_SIZE_FACTOR,
     )
     unit = 2 / 3 * np.pi * found.a**2 if revolved else np.pi / 2 * found.a * length
     along, across = (error, error) if revolved else (error, 0.0)
@@ -218,7 +222,7 @@ def _axis_pressures(
     local, p = mirrored(surface.local, surface.pressure, fields)
     t = local[:, axis]
     order = np.argsort(t)
-    at = middle + 1.25 * half * np.linspace(-1.0, 1.0, SAMPLES)
+    at = middle + 1.25 * half * np.linspace(-1.0, 1.0, AXIS_POINTS)
     found = AxisPressure(at, np.interp(at, t[order], p[order]))
     if fields.kinematics.revolved:
         return found, found
@@ -229,7 +233,7 @@ def _axis_pressures(
 
 def _spans(square: SquaredPressure) -> list[tuple[float, float]]:
     """Intervals of t in which p^2 is positive, in ascending order."""
-    t = np.linspace(*square.box[1], GRID, dtype=np.float64)
+    t = np.linspace(*square.box[1], LINE_POINTS, dtype=np.float64)
     values = square(np.zeros_like(t), t)
     values[[0, -1]] = np.minimum(values[[0, -1]], -1e-9 * values.max())
     turn = np.flatnonzero((values[:-1] > 0) != (values[1:] > 0))

@@ -16,7 +16,7 @@ from railhead.postprocess.findings import Array, Frame
 if TYPE_CHECKING:
     from railhead.solver.fields import Fields
 
-SMALLEST = 0.002  # share of the force; below it a few open-and-shut points, not a patch
+SMALLEST = 0.002  # share of the force: less is a few points that open and close, no patch
 
 
 @dataclass(frozen=True, kw_only=True)

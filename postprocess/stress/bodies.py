@@ -18,8 +18,8 @@ from railhead.solver.fields import Fields
 from railhead.solver.solution import FrictionSolution
 from railhead.theory.elastic.subsurface import max_shear, von_mises
 
-SAMPLES = 121
-REACH = 3.0  # over the smaller semi-axis
+DEPTH_POINTS = 121  # on an axis
+DEPTH_REACH = 3.0  # largest depth over the smaller semi-axis
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,10 +59,13 @@ def read(
         cells = np.flatnonzero(fields.body == tag)
         if len(cells):
             bodies[name] = Solid(fields, cells), Recovery(fields, cells)
-    axes = {name: _below(*body, frame, centre, name, size * REACH) for name, body in bodies.items()}
+    axes = {
+        name: _below(*body, frame, centre, name, size * DEPTH_REACH)
+        for name, body in bodies.items()
+    }
     shown = next(iter(bodies))
     also = tuple(
-        _below(*bodies[shown], part.frame, (0.0, 0.0), shown, min(part.a, part.b) * REACH)
+        _below(*bodies[shown], part.frame, (0.0, 0.0), shown, min(part.a, part.b) * DEPTH_REACH)
         for part in others
     )
     edges = np.concatenate([solid.sharp_edges() for solid, _ in bodies.values()])
@@ -95,7 +98,9 @@ def _below(
 ) -> DepthAxis:
     """Stress on the axis below a point of the tangent plane, as deep as the body goes."""
     start, into = frame.place(*centre), frame.axes[2] * (-1.0 if name == "rail" else 1.0)
-    depth = np.linspace(0.0, solid.extent(np.array(start), into, reach), SAMPLES, dtype=np.float64)
+    depth = np.linspace(
+        0.0, solid.extent(np.array(start), into, reach), DEPTH_POINTS, dtype=np.float64
+    )
     stress = recovery.at(start + depth[:, None] * into)
     tensor = np.zeros((len(depth), 3, 3))
     tensor[:, ROW, COLUMN] = tensor[:, COLUMN, ROW] = stress

@@ -11,9 +11,9 @@ from railhead.postprocess.stress.gauss_points import stress_at_reference_point
 from railhead.postprocess.stress.solid import Solid
 from railhead.solver.fields import Fields
 
-RULE = 6  # degree of the quadrature in a cell
-ROOM = 2.2  # semi-axis of the outer ellipsoid over the largest distance of a touching point
-WITHIN = 0.9  # of the depth of the body: where the outer ellipsoid ends
+QUADRATURE_DEGREE = 6  # in each cell
+OUTER_RATIO = 2.2  # semi-axis of the outer ellipsoid over the largest distance of a touching point
+DEPTH_SHARE = 0.9  # of the depth of the body: where the outer ellipsoid ends
 SYMMETRIC = (0, 3, 4), (3, 1, 5), (4, 5, 2)  # places of a tensor in (xx, yy, zz, xy, xz, yz)
 
 
@@ -32,18 +32,18 @@ def contact_force(fields: Fields, body: int) -> Array:
         low = np.where(np.abs(normal) > 0.5, -high, low)  # the half at positive coordinates
     centre = (low + high) / 2
     away = touching - centre
-    reach = ROOM * float(np.hypot(away[:, 0], away[:, 1]).max())
+    reach = OUTER_RATIO * float(np.hypot(away[:, 0], away[:, 1]).max())
     into = np.array([0.0, 0.0, -1.0 if body == RAIL else 1.0])
     height = float(np.ptp(fields.points[np.unique(fields.cells[cells]), 2]))
     top = contact.points[np.argmax(contact.pressure)]
-    depth = min(reach, WITHIN * Solid(fields, cells).extent(top, into, height))
+    depth = min(reach, DEPTH_SHARE * Solid(fields, cells).extent(top, into, height))
     scale = 1 / np.array([reach, reach, depth])
-    scale /= max(1.0, ROOM * float(np.linalg.norm(away * scale, axis=1).max()))
+    scale /= max(1.0, OUTER_RATIO * float(np.linalg.norm(away * scale, axis=1).max()))
 
     radius = np.linalg.norm((fields.points[fields.cells[cells]] - centre) * scale, axis=2)
     cells = cells[(radius.min(axis=1) < 1.0) & (radius.max(axis=1) > 0.5)]
     kinematics, total = fields.kinematics, np.zeros(3)
-    rule = basix.make_quadrature(getattr(basix.CellType, fields.cell), RULE)
+    rule = basix.make_quadrature(getattr(basix.CellType, fields.cell), QUADRATURE_DEGREE)
     for reference, weight in zip(*rule, strict=True):
         x, stress, size = stress_at_reference_point(fields, cells, reference)
         size = weight * size * kinematics.measure(kinematics.flatten(x))

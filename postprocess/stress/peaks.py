@@ -23,15 +23,15 @@ from railhead.solver.fields import Fields
 from railhead.solver.space.cells import Index, tabulate
 
 Invariant = Callable[[Array], Array]
-ELEMENTS = 2.0  # that a sharp edge spoils around it,
-OF_PATCH = 0.3  # and at least this share of the smaller semi-axis, whatever the mesh
-SHARE = 0.85  # of the largest nodal average: where a hill may have the highest top
-HILLS = 6  # that are looked at, two elements and half a smaller semi-axis apart, ...
-APART = 0.5
-CLOSE = 0.95  # ... and climbed where their recovered stress is that share of the highest
-STEPS = 8
+EDGE_ELEMENTS = 2.0  # elements next to a sharp edge whose stresses are not used
+EDGE_OF_PATCH = 0.3  # the least such distance, over the smaller semi-axis
+HILL_SHARE = 0.85  # of the largest nodal average: lower nodes start no search
+HILLS = 6  # largest number of searches
+HILL_DISTANCE = 0.5  # of the smaller semi-axis: between their starts, and at least two elements
+CLIMB_SHARE = 0.95  # of the largest recovered stress at the starts: lower ones are dropped
+CLIMB_STEPS = 8  # of each search, by lattice points and by parabolas
 LATTICE = 4  # steps along the edge of a cell between the points that are compared
-REACH = 0.25  # of the radius of a fit: how far from its centre it is trusted
+FIT_REACH = 0.25  # of the radius of a fit: how far from its centre it is trusted
 STENCIL = 0.05  # of that radius: between the values that the parabola goes through
 
 
@@ -73,7 +73,7 @@ class Search:
         """(n,) whether points in cells of these sizes are far enough from every sharp edge."""
         if self._edges is None:
             return np.ones(len(points), dtype=bool)
-        least = np.maximum(2 * ELEMENTS * sizes, OF_PATCH * self._size)
+        least = np.maximum(2 * EDGE_ELEMENTS * sizes, EDGE_OF_PATCH * self._size)
         return self._edges.query(points, distance_upper_bound=least.max(initial=0.0))[0] > least
 
     def _element(self, place: Array) -> float:
@@ -89,7 +89,7 @@ class Search:
         if not len(hills):
             return None
         values = invariant(self._recovery.at(hills))
-        starts = hills[values > CLOSE * values.max()]
+        starts = hills[values > CLIMB_SHARE * values.max()]
         tops = [self._peak(*self._climb(start, invariant)) for start in starts]
         best = max(tops, key=lambda top: top.value)
         rivals = [top.depth for top in tops if top.value > (1 - RIVAL) * best.value]
@@ -108,13 +108,13 @@ class Search:
         candidates = np.flatnonzero(self._sound)
         if not len(candidates):
             return self._nodes[:0]
-        candidates = candidates[average[candidates] > SHARE * average[candidates].max()]
+        candidates = candidates[average[candidates] > HILL_SHARE * average[candidates].max()]
         candidates = candidates[np.argsort(-average[candidates])]
         found: list[int] = []
         while len(candidates) and len(found) < HILLS:
             found.append(int(candidates[0]))
             distance = np.linalg.norm(self._nodes[candidates] - self._nodes[found[-1]], axis=1)
-            least = max(4 * self._sizes[found[-1]], APART * self._size)
+            least = max(4 * self._sizes[found[-1]], HILL_DISTANCE * self._size)
             candidates = candidates[distance > least]
         return self._nodes[found]
 
@@ -123,7 +123,7 @@ class Search:
         around = self._recovery.around(place)
         value = float(invariant(around(place[None]))[0])
         for move in (self._best_point, self._top):
-            for _ in range(STEPS):
+            for _ in range(CLIMB_STEPS):
                 moved = move(place, around, invariant)
                 fitted = self._recovery.around(moved)
                 new = float(invariant(fitted(moved[None]))[0])
@@ -134,7 +134,7 @@ class Search:
 
     def _best_point(self, place: Array, around: Polynomial, invariant: Invariant) -> Array:
         """The lattice point of nearby cells with the largest value; `place` if there is none."""
-        reach = REACH * around.radius
+        reach = FIT_REACH * around.radius
         cells = self._solid.near(place, reach)
         points = (self._lattice @ self._fields.points[self._solid.nodes[cells]]).reshape(-1, 3)
         near = ((points - place) ** 2).sum(axis=1) <= reach**2
@@ -162,7 +162,7 @@ class Search:
         along = slope @ directions
         concave = curvature < 0
         move = np.where(concave, -along / np.where(concave, curvature, 1.0), 0.0)
-        limit = REACH / STENCIL
+        limit = FIT_REACH / STENCIL
         moved = place + step * (directions @ np.clip(move, -limit, limit)) @ axes
         moved[self._planes] = np.abs(moved[self._planes])
         sound = self._is_sound(moved[None], np.array([self._element(place)]))[0]
