@@ -27,7 +27,14 @@ EDGES = {  # of simplices, in gmsh's order of the middle nodes
 
 @contextmanager
 def model(bodies: list[Body], grading: Grading, options: Options) -> Iterator[Any]:
-    """The meshed gmsh model with physical groups for the bodies and their faces."""
+    """Context that yields `gmsh.model`, meshed, with physical groups for the bodies and their
+    faces.
+
+    bodies: the sections and how each is swept.
+    grading: element size; in the plane 'xz' its coordinate across is replaced by x.
+    options: type of the cells, degree, symmetry, plane.
+    The tags of the groups are those of `meshing.tags`. gmsh is closed when the context ends.
+    """
     with _session() as gmsh_model:
         if options.plane == "xz":
             grading = grading.turned()
@@ -47,7 +54,9 @@ def model(bodies: list[Body], grading: Grading, options: Options) -> Iterator[An
 
 @contextmanager
 def _session() -> Iterator[Any]:
-    """gmsh with an empty model."""
+    """Context that starts gmsh in silence on one thread, yields `gmsh.model` with one empty model,
+    and closes gmsh at the end.
+    """
     gmsh.initialize(interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
@@ -63,8 +72,12 @@ ModelSnapshot = tuple[list[tuple[Any, ...]], list[tuple[int, int, str, Array]]]
 
 
 def snapshot_model() -> ModelSnapshot:
-    """Nodes, elements and physical groups of the current gmsh model, as arrays that can be sent to
-    another process."""
+    """Nodes, elements and physical groups of the current gmsh model, as data that can be sent to
+    another process.
+
+    Returns a list with (entity, nodes, elements) of each entity and a list with (dimension, tag,
+    name, entities) of each physical group.
+    """
     model, mesh = gmsh.model, gmsh.model.mesh
     entities = [(at, mesh.getNodes(*at)[:2], mesh.getElements(*at)) for at in model.getEntities()]
     groups = [
@@ -76,7 +89,9 @@ def snapshot_model() -> ModelSnapshot:
 
 @contextmanager
 def restore_model(found: ModelSnapshot) -> Iterator[Any]:
-    """A new gmsh model with the mesh and physical groups of a snapshot."""
+    """Context that yields a new gmsh model with the mesh and the physical groups of a result of
+    `snapshot_model`; gmsh is closed when the context ends.
+    """
     entities, groups = found
     with _session() as gmsh_model:
         for at, nodes, elements in entities:
@@ -89,6 +104,12 @@ def restore_model(found: ModelSnapshot) -> Iterator[Any]:
 
 
 def _name(tag: int, *, volume: bool) -> str:
+    """Name of a physical group: 'rail' or 'wheel' for a body, and for faces 'symmetry_x',
+    'symmetry_y' or the body's name with '_contact' or '_support'.
+
+    tag: number of the group, see `meshing.tags`.
+    volume: whether the group holds a body, not faces.
+    """
     if volume:
         return BODY_NAMES[tag]
     if tag in (SYMMETRY_X, SYMMETRY_Y):
@@ -100,6 +121,13 @@ def _name(tag: int, *, volume: bool) -> str:
 def _sweep(
     body: Body, grading: Grading, options: Options, groups: dict[tuple[int, int], list[int]]
 ) -> None:
+    """Add a body to the gmsh model by sweeping its section from x = 0 along the rail or about its
+    axle, to both sides or, with `options.half`, to one.
+
+    groups: (dimension, physical tag) -> gmsh entities; the new volumes and faces are added to it.
+    A wheel whose mesh is stretched is swept straight. Hexahedra are swept in layers. Raises
+    RuntimeError where gmsh makes another number of side faces than the section has curves.
+    """
     occ = gmsh.model.occ
     curves = plane.wire(body)
     face = occ.addPlaneSurface([occ.addCurveLoop(curves)])
@@ -137,15 +165,20 @@ def _sweep(
 
 
 def _swept(body: Body, grading: Grading) -> Array:
-    """(3, 3) columns: along the sweep, across and up of a body as meshed."""
+    """Directions (3, 3) of a swept body in the coordinates that gmsh meshes in, as columns: along
+    the sweep, across it, upwards. There x is divided by the stretch.
+    """
     columns = body.pose.rotation.copy()
     columns[0, 0] /= grading.stretch
     return columns
 
 
 def undo_stretch(bodies: list[Body], grading: Grading) -> None:
-    """Give the current model's mesh its true length along the rail, and roll up its wheels: a
-    stretched one is meshed as a prism, its rolling circle straightened."""
+    """Move the nodes of the current gmsh model from the stretched coordinates to space.
+
+    The elements get their true length along x. A wheel with an axle, which was meshed as a straight
+    prism, is bent around the axle. Nothing is done for a stretch of 1.
+    """
     if grading.stretch == 1:
         return
     swept = [(b, v) for b in bodies for v in gmsh.model.getEntitiesForPhysicalGroup(3, b.tag)]
@@ -163,6 +196,11 @@ def undo_stretch(bodies: list[Body], grading: Grading) -> None:
 
 
 def _mesh(grading: Grading, options: Options) -> None:
+    """Mesh the current gmsh model: set element sizes and algorithms, generate, raise the degree of
+    the geometry, and straighten badly bent simplices.
+
+    grading: element size. options: type of the cells, degree of the geometry, plane.
+    """
     hexahedra = options.cell == "hexahedron"
     coordinates = ("x", "y") if options.plane else ("y", "z")
     flat = hexahedra or bool(options.plane)
@@ -190,7 +228,12 @@ def _mesh(grading: Grading, options: Options) -> None:
 
 
 def _at_least_two_elements(curve: int, grading: Grading, options: Options) -> None:
-    """Full-quad recombination halves every curve, so none may carry a single element."""
+    """Divide a curve into two elements where it is shorter than four element sizes.
+
+    curve: gmsh tag. grading: element size. options.plane: whether the curve lies in gmsh's plane x,
+        y.
+    Recombination to quadrilaterals alone halves every curve, so that no curve may hold one element.
+    """
     low, high = (bound[0] for bound in gmsh.model.getParametrizationBounds(1, curve))
     middle = gmsh.model.getValue(1, curve, [(low + high) / 2])
     at = middle[:2] if options.plane else middle[1:]
@@ -199,9 +242,11 @@ def _at_least_two_elements(curve: int, grading: Grading, options: Options) -> No
 
 
 def _straighten(dim: int) -> None:
-    """Straighten the edges of badly bent simplices (coarse ones on fillets, far from the patch).
+    """Move the middle nodes of badly bent quadratic simplices to the middle of their edges.
 
-    gmsh's own high-order optimisation gives another mesh in each run.
+    dim: 2 for triangles, 3 for tetrahedra. Elements whose quality is below `REPAIR_BELOW` are
+        straightened, in at most `STRAIGHTENING_PASSES` passes. They are coarse ones on fillets, far
+        from the patch. gmsh's own high-order optimisation gives another mesh in each run.
     """
     coordinates = dict(zip(*_nodes(), strict=True))
     for _ in range(STRAIGHTENING_PASSES):
@@ -218,15 +263,18 @@ def _straighten(dim: int) -> None:
 
 
 def _nodes() -> tuple[np.ndarray, np.ndarray]:
+    """Tags (n,) and coordinates (n, 3) of all nodes of the current gmsh model, mm."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     return tags, np.asarray(coordinates).reshape(-1, 3)
 
 
 def qualities(dim: int = 3) -> np.ndarray:
-    """Shape of each element of the current model's bodies: 1 ideal, 0 flat, negative inverted.
+    """Quality (m,) of all m elements of one dimension in the current gmsh model: 1 ideal, 0 flat,
+    negative inverted.
 
-    The smallest scaled Jacobian; for simplices, where it says nothing of a straight sliver, the
-    smaller of it and the inverse condition number.
+    dim: dimension of the elements, 2 or 3. For quadrilaterals and hexahedra the quality is the
+        smallest scaled Jacobian. For simplices it is the smaller of that and the signed inverse
+        condition number, because the Jacobian does not show a straight sliver.
     """
     types, tags, _ = gmsh.model.mesh.getElements(dim)
     quality = []
@@ -239,4 +287,5 @@ def qualities(dim: int = 3) -> np.ndarray:
 
 
 def _kind(element_type: int) -> str:
+    """gmsh's name of an element type from its number, for example 'Tetrahedron 10'."""
     return str(gmsh.model.mesh.getElementProperties(element_type)[0])

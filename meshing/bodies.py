@@ -14,13 +14,13 @@ ELEMENTS_PER_TURN = 6  # on fillets
 class Body:
     """A section in the plane x = 0 that is swept along x, or about an axle.
 
-    tag: RAIL or WHEEL.
-    section: closed chain of curves (y, z), mm.
-    reach: length of the sweep each way, mm.
-    axle: z of the axle and the radius at which `reach` is measured (mm): the sweep is a revolution;
-        None for a prism.
-    end_role: 'free' or 'support' of the end faces.
-    pose: of the swept body in space.
+    tag: RAIL or WHEEL, see `meshing.tags`.
+    section: closed chain of curves in the body's coordinates (y, z), mm.
+    reach: length of the sweep to each side of the section, mm.
+    axle: (z of the axle, radius at which `reach` is measured), mm: the sweep is a revolution; None:
+        the sweep is straight.
+    end_role: 'support' where the end faces of the sweep are supported, otherwise 'free'.
+    pose: position and rotation of the body's coordinates in space.
     """
 
     tag: int
@@ -35,12 +35,12 @@ class Body:
 class Options:
     """How bodies are meshed.
 
-    cell: 'tetrahedron' or 'hexahedron'; in a section triangles or quadrilaterals.
-    geometry_degree: 1 or 2.
-    half: only x >= 0.
-    plane: '' sweeps the sections; 'xz' or 'yz' meshes them as they are, in the plane along or
-        across the rail.
-    per_turn: tetrahedra or triangles on a full turn of a fillet, at least.
+    cell: 'tetrahedron' or 'hexahedron'; in a section these stand for triangles and quadrilaterals.
+    geometry_degree: polynomial degree of the cells' geometry, 1 or 2.
+    half: whether only x >= 0 is meshed, with a symmetry plane at x = 0.
+    plane: '' sweeps the sections to solids; 'xz' or 'yz' meshes the sections alone, in the plane
+        along or across the rail.
+    per_turn: least number of tetrahedra or triangles on a full turn of a curved edge.
     """
 
     cell: str
@@ -51,5 +51,5 @@ class Options:
 
     @property
     def dim(self) -> int:
-        """Coordinates of the mesh."""
+        """Number of coordinates of the mesh: 2 for a section, 3 for solids."""
         return 2 if self.plane else 3

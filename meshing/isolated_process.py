@@ -15,7 +15,9 @@ _context = multiprocessing.get_context("fork")
 
 
 class IsolatedProcessError(RuntimeError):
-    """The process gave nothing; the text says why, in one line."""
+    """Raised where work in a child process gives no result; the text says in one line why: an
+    exception, a crash or the time limit.
+    """
 
 
 def run(
@@ -24,11 +26,14 @@ def run(
     seconds: float,
     meanwhile: Callable[[], object] = lambda: None,
 ) -> Any:
-    """Call `work(*arguments)` in a child process and return what it returns.
+    """Call `work(*arguments)` in a forked child process and return its result.
 
-    seconds: limit of its time. meanwhile: called in this process before it waits. Raises
-    IsolatedProcessError where `work` raises, crashes or takes longer. (Not by pebble, whose thread
-    prints a traceback where a signal ends child and parent together.)
+    work: function whose result can be pickled.
+    seconds: time limit of the child, measured after `meanwhile`.
+    meanwhile: called in this process while the child runs, before the wait begins.
+    Raises IsolatedProcessError where `work` raises, crashes or takes longer than `seconds`. The
+    child is ended in every case. (Not by pebble, whose thread prints a traceback where a signal
+    ends child and parent together.)
     """
     mine, its = _context.Pipe()
     process = _context.Process(target=_serve, args=(its, work, arguments), daemon=True)
@@ -51,20 +56,28 @@ def run(
 
 
 def die_with_parent() -> None:
-    """Let the system kill this process when the thread that started it is gone."""
+    """Let Linux kill this process (SIGKILL) when the thread that started it has ended."""
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def fill_memory() -> None:
-    """Let memory hold zeros when this process allocates it, as fresh pages do: gmsh's optimiser of
-    tetrahedra (HXT) decides by some that it has not written to, so that its mesh otherwise depends
-    on what was there before."""
+    """Let memory that this process allocates from now on hold zeros, as fresh pages do.
+
+    gmsh's optimiser of tetrahedra (HXT) reads memory that it has not written to. Without zeros its
+    mesh depends on what that memory held before. Nothing is done where the C library has no
+    `mallopt`.
+    """
     libc = ctypes.CDLL(None)
     if hasattr(libc, "mallopt"):
         libc.mallopt(M_PERTURB, 0xFF)
 
 
 def _serve(connection: Connection, work: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+    """Body of the child process: call `work(*arguments)` and send (result, '') or, after an
+    exception, (None, its text in one line).
+
+    connection: end of the pipe to the parent process. SIGTERM and SIGINT get their default action.
+    """
     die_with_parent()
     fill_memory()
     for number in (signal.SIGTERM, signal.SIGINT):

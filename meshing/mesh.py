@@ -21,14 +21,21 @@ PATIENCE, PACE = 60.0, 1e-3  # s, and s a cell, which usually takes a seventh: g
 
 
 class MeshError(RuntimeError):
-    """gmsh could not mesh the bodies, or made elements that cannot be computed with."""
+    """Raised where gmsh cannot mesh the bodies, or makes elements that are inverted or nearly
+    flat.
+    """
 
 
 @dataclass(frozen=True)
 class ContactMesh:
-    """dolfinx mesh of both bodies; cell tags RAIL, WHEEL; facet tags as in `tags`.
+    """Mesh of both bodies, distributed over all ranks.
 
-    quality: of the worst cell, see `blocks.qualities`; cells: number of all cells.
+    mesh: dolfinx mesh, mm.
+    cell_tags: dolfinx MeshTags of the cells, RAIL or WHEEL.
+    facet_tags: dolfinx MeshTags of the contact, support and symmetry facets, numbers as in
+        `meshing.tags`.
+    quality: quality of the worst cell, 1 ideal, 0 flat, see `blocks.qualities`.
+    cells: number of cells of all ranks.
     """
 
     mesh: Any
@@ -46,10 +53,16 @@ def generate(
     save: Path | None = None,
     meanwhile: Callable[[], object] = lambda: None,
 ) -> ContactMesh:
-    """Mesh on rank 0 and distribute. save: also write the gmsh file (.msh, readable by meshio);
-    meanwhile: what every rank does while gmsh works.
+    """Mesh the bodies with gmsh on rank 0 and distribute the mesh (collective).
 
-    Raises MeshError (on every rank) when gmsh fails or an element is inverted or nearly flat.
+    bodies: what is meshed.
+    grading: element size; where gmsh fails, it is tried again with the sizes times `RETRIES`.
+    options: type of the cells, degree, symmetry, plane.
+    comm: communicator of the mesh.
+    save: file that the gmsh mesh is also written to (.msh 2.2, readable by meshio); None: no file.
+    meanwhile: what every rank calls while gmsh works.
+    Raises MeshError on every rank when gmsh fails, takes too long, or an element is inverted or
+    nearly flat.
     """
     if comm.rank:
         meanwhile()
@@ -88,7 +101,12 @@ def generate(
 def _meshed(
     bodies: list[Body], grading: Grading, options: Options, save: Path | None
 ) -> tuple[blocks.ModelSnapshot, np.ndarray]:
-    """The mesh and the quality of its cells."""
+    """Mesh the bodies in this process; returns a snapshot of the gmsh model and the quality (m,) of
+    its cells.
+
+    save: file (.msh) that the mesh is also written to; None: no file. The quality is that of the
+        stretched mesh, before its elements get their true length.
+    """
     with blocks.model(bodies, grading, options):
         shapes = blocks.qualities(options.dim)
         blocks.undo_stretch(bodies, grading)
@@ -99,6 +117,9 @@ def _meshed(
 
 
 def _check(shapes: np.ndarray) -> None:
+    """Raise MeshError where a cell has a quality below `MIN_QUALITY`; shapes: quality of the cells
+    (m,).
+    """
     bad = int(np.sum(shapes < MIN_QUALITY))
     if bad:
         raise MeshError(
@@ -108,6 +129,9 @@ def _check(shapes: np.ndarray) -> None:
 
 
 def _raise_together(comm: MPI.Intracomm, message: str | None) -> None:
+    """Broadcast an error message from rank 0 and raise MeshError with it on all other ranks; None:
+    no error (collective).
+    """
     message = comm.bcast(message)
     if comm.rank and message is not None:
         raise MeshError(message)

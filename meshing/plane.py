@@ -16,12 +16,19 @@ Array = NDArray[np.float64]
 
 
 def wire(body: Body, *, flat: bool = False) -> list[int]:
-    """Closed chain of gmsh curves of the body's section; flat: in gmsh's plane z = 0."""
+    """Add the section of a body to gmsh's current model; returns the tags of its curves, a closed
+    chain in the order of `body.section`.
+
+    flat: whether the section is drawn in gmsh's plane z = 0, with y and z as gmsh's x and y,
+        instead of in its place in space. A curve with a centre becomes a circular arc, one with two
+        points a line, any other a spline.
+    """
     import gmsh
 
     occ = gmsh.model.occ
 
     def point(yz: Array) -> int:
+        """gmsh tag of a new point at (y, z) in the body's coordinates, mm."""
         x, y, z = body.pose.outward(np.array([0.0, *yz]))
         return int(occ.addPoint(y, z, 0.0) if flat else occ.addPoint(x, y, z))
 
@@ -41,7 +48,11 @@ def wire(body: Body, *, flat: bool = False) -> list[int]:
 
 
 def surface(body: Body, options: Options, groups: dict[tuple[int, int], list[int]]) -> None:
-    """Add the section of a body in gmsh's plane z = 0, with the tags of its edges."""
+    """Add the section of a body to gmsh's current model as a surface in gmsh's plane z = 0.
+
+    groups: (dimension, physical tag) -> gmsh entities; the surface and its contact, support and
+        symmetry edges are added to it.
+    """
     import gmsh
 
     curves = wire(body, flat=True)
@@ -55,19 +66,31 @@ def surface(body: Body, options: Options, groups: dict[tuple[int, int], list[int
 
 
 def disc(radius: float, depth: float, reach: float, height: float, *, half: bool) -> list[Curve]:
-    """The lowest part of a wheel in the plane x, z, with its lowest point at (0, height).
+    """Outline of the lowest part of a wheel in the plane x, z: a closed chain of curves with points
+    (x, z), mm.
 
-    A ring segment of the given depth, +-reach long on its contact arc and held on the inner one;
-    where the depth is the radius, half a disc held on its diametral plane.
+    radius: of the rolling circle, mm.
+    depth: radial thickness of the ring segment, mm; from the radius on, the result is half a disc
+        supported on its horizontal diameter.
+    reach: length of the contact arc to each side, mm.
+    height: z of the lowest point, which has x = 0, mm.
+    half: whether only x >= 0 is returned, with a curve of symmetry at x = 0.
+    The outer arc has the role 'contact', the inner arc 'support', the ends 'free'.
     """
     axle = np.array([0.0, height + radius])
     whole = depth >= radius
     end = np.pi / 2 if whole else reach / radius
 
     def at(distance: float, angle: float) -> Array:
+        """Point (x, z) at a distance from the axle (mm) and an angle from the downward vertical
+        (rad).
+        """
         return axle + distance * np.array([np.sin(angle), -np.cos(angle)])
 
     def arcs(distance: float, angles: list[float], role: str) -> list[Curve]:
+        """Circular arcs about the axle between successive angles (rad), at a distance from it
+        (mm).
+        """
         pairs = zip(angles[:-1], angles[1:], strict=True)
         return [Curve(np.array([at(distance, a), at(distance, b)]), role, axle) for a, b in pairs]
 
@@ -87,7 +110,9 @@ def disc(radius: float, depth: float, reach: float, height: float, *, half: bool
 
 
 def flipped(section: list[Curve]) -> list[Curve]:
-    """Upside down."""
+    """The section mirrored upside down: z of all points and centres changes its sign; the roles
+    stay.
+    """
     flip = np.array([1.0, -1.0])
     return [
         Curve(c.points * flip, c.role, None if c.centre is None else c.centre * flip)
@@ -97,9 +122,11 @@ def flipped(section: list[Curve]) -> list[Curve]:
 
 @dataclass(frozen=True)
 class StraightTread:
-    """A wheel of infinite rolling radius: the same profile everywhere along the rail, solid above.
+    """A wheel of infinite rolling radius: the same profile at every x, and solid above it.
 
-    lift: height of the nominal rolling radius, mm; shift: y of its profile's origin, mm.
+    profile: profile of the wheel; its height counts downwards from the nominal rolling radius, mm.
+    lift: z of the nominal rolling radius, mm.
+    shift: y of the origin of the profile, mm.
     """
 
     profile: Profile
@@ -107,7 +134,12 @@ class StraightTread:
     shift: float = 0.0
 
     def implicit(self, points: Array) -> tuple[Array, Array]:
-        """See `geometry.surfaces.Surface`."""
+        """Function that is zero on the tread and grows downwards out of the wheel, and its
+        gradient.
+
+        points: (n, 3) mm. Returns lift - height(y - shift) - z (n,) in mm, negative inside the
+            wheel, and its gradient (n, 3).
+        """
         y = points[:, 1] - self.shift
         one = np.ones_like(y)
         gradient = np.column_stack([0.0 * one, -self.profile.slope(y), -one])

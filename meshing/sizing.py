@@ -15,27 +15,32 @@ FAR_GROWTH = 1.5  # ... its growth with the distance over the usual one
 
 
 def suited_stretch(a: float, b: float) -> float:
-    """Length over width of the elements that suit a patch of half lengths a along and b across."""
+    """Ratio of length along the rail to width of the elements that suit a patch with half lengths a
+    along the rail and b across it, mm: a / b / LONG, between 1 and MAX_STRETCH.
+    """
     return min(MAX_STRETCH, max(1.0, a / b / LONG))
 
 
 @dataclass(frozen=True)
 class Grading:
-    """Element size h inside an ellipsoid around the patch, plus growth * distance outside of it.
+    """Element size: `size` inside an ellipsoid around the patch, plus growth times distance outside
+    of it.
 
-    The distance is the larger of that to the ellipsoid to first order, rho (rho - 1) / |grad rho^2|
-    times 2 with rho = |x / semi-axes|, and of that to its bounding box: both are exact on the axes,
-    and neither leaves out the tips of a needle.
+    The distance is the larger of two: that to the ellipsoid to first order, 2 rho (rho - 1) / |grad
+    rho^2| with rho = |x / semi-axes|, and that to its bounding box. Both are exact on the axes, and
+    neither leaves out the tips of a needle.
 
     centre: (x, y, z) of the patch, mm.
-    a, b: semi-axes along x and along the tangent across, mm.
+    a: semi-axis of the patch along x, mm.
+    b: semi-axis of the patch along the tangent across the rail, mm.
     angle: of that tangent to the horizontal, rad.
-    size, coarsest: smallest and largest element size, mm.
-    growth: increase of the size per distance.
+    size: smallest element size, mm.
+    growth: increase of the size per distance from the ellipsoid.
     margin: semi-axes of the fine ellipsoid over a and b.
-    stretch: elements are so many times longer along the rail. Sizes are isotropic where x is
-        divided by it, which is where gmsh meshes.
-    also: further patches of the same stretch, with sizes of their own; the smallest size holds.
+    coarsest: largest element size, mm.
+    stretch: ratio of the elements' length along the rail to their width. gmsh meshes in coordinates
+        where x is divided by it, and sizes are isotropic there.
+    also: gradings of further patches, with the same stretch; the smallest size holds.
     """
 
     centre: tuple[float, float, float]
@@ -51,25 +56,32 @@ class Grading:
 
     @property
     def _fine(self) -> tuple[float, float, float]:
-        """Semi-axes of the fine ellipsoid: along (divided by the stretch), across, down."""
+        """Semi-axes of the fine ellipsoid, mm: along the rail (divided by the stretch), across it,
+        normal to the surface.
+        """
         return self.margin * self.a / self.stretch, self.margin * self.b, self.depth
 
     @property
     def depth(self) -> float:
-        """Depth of the fine zone, mm."""
+        """Depth of the fine zone below the surface, mm: the smaller of a and b."""
         return min(self.a, self.b)
 
     @property
     def resolution(self) -> float:
-        """Elements per smaller semi-axis; smaller ones that make up for too much stretch, count as
-        what they would be without it."""
+        """Number of elements per smaller semi-axis. Where the elements are stretched more than
+        suits the patch, the smaller size that makes up for that is not counted.
+        """
         spared = max(1.0, self.stretch / suited_stretch(self.a, self.b))
         return self.depth / (self.size * spared)
 
     @property
     def _lines(self) -> list[tuple[float, float]]:
-        """Size at the patch and growth; the smaller one holds. Long elements far from a patch would
-        miss how its field changes along the rail, so they grow more slowly there."""
+        """(size in mm at the ellipsoid, growth) of one or two straight lines over the distance; the
+        smallest line gives the element size.
+
+        With a stretch there are two, because long elements far from a patch would miss how its
+        field changes along the rail. The second line starts coarser and grows more slowly.
+        """
         near = self.size, self.growth
         if self.stretch == 1:
             return [near]
@@ -77,19 +89,25 @@ class Grading:
         return [near, (first, FAR_GROWTH * self.growth / self.stretch)]
 
     def _size(self, distance: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Element size (n,) in mm at distances (n,) in mm from the fine ellipsoid, for this patch
+        alone and without the limit `coarsest`.
+        """
         return np.minimum.reduce([size + growth * distance for size, growth in self._lines])
 
     def turned(self) -> Grading:
-        """The same with x in the place of the coordinate across."""
+        """The grading for a section along the rail, where x takes the place of y: centre (0, x, z),
+        a and b exchanged, angle 0. Further patches stay as they are.
+        """
         x, _, z = self.centre
         return replace(self, centre=(0.0, x, z), a=self.b, b=self.a, angle=0.0)
 
     def expression(
         self, *, section: bool = False, coordinates: tuple[str, str] = ("y", "z")
     ) -> str:
-        """The size as a gmsh MathEval formula of x / stretch, y and z; section: in the plane
-        x = centre alone.
+        """The element size as a formula for gmsh's MathEval, in mm and in the stretched
+        coordinates, without the limit `coarsest`.
 
+        section: whether the size is that of the plane x = centre, so that x does not enter.
         coordinates: gmsh's names of y and z.
         """
         y, z = coordinates
@@ -102,6 +120,9 @@ class Grading:
         terms = list(zip((dx, across, normal), self._fine, strict=True))
 
         def norm(power: int) -> str:
+            """Formula of the norm of the offset from the centre, each component divided by its
+            semi-axis to this power; a small constant keeps it above zero.
+            """
             squares = "+".join(f"{x}*{x}/{e ** (2 * power):.15g}" for x, e in terms)
             return f"Sqrt({squares}+{1e-12 / min(self._fine) ** (2 * power - 2):.15g})"
 
@@ -117,7 +138,9 @@ class Grading:
         return own
 
     def at(self, y: float, z: float) -> float:
-        """The size at a point of the section through the centre."""
+        """Element size in mm at a point (y, z), mm, of the section through the centre of the
+        patch.
+        """
         dy, dz = y - self.centre[1], z - self.centre[2]
         c, s = np.cos(self.angle), np.sin(self.angle)
         offset = np.array([c * dy + s * dz, c * dz - s * dy])
@@ -128,13 +151,17 @@ class Grading:
         return float(min([float(own), *(other.at(y, z) for other in self.also)]))
 
     def along(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The same on the line through the centre along the rail."""
+        """Length of the elements along the rail (n,), mm, on the line through the centre of the
+        patch along the rail, at positions x (n,), mm.
+        """
         outside = np.maximum(np.abs(x - self.centre[0]) - self.margin * self.a, 0.0)
         own = self.stretch * self._size(outside / self.stretch)
         return np.minimum.reduce([own, *(other.along(x) for other in self.also)])
 
     def layers(self, length: float) -> list[float]:
-        """Ends of graded layers from the patch centre to `length`, as fractions of it."""
+        """Ends of graded layers of hexahedra along the rail, from the centre of the patch to
+        `length` (mm), as fractions of it: increasing, the last one 1; at least two.
+        """
         x = np.linspace(0.0, length, 2001)
         density = 1.0 / self.along(self.centre[0] + x)
         count = np.concatenate([[0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(x))])
@@ -142,18 +169,29 @@ class Grading:
         return [float(v) for v in np.interp(ends, count, x) / length]
 
     def predicted_triangles(self, reach: float) -> float:
-        """Triangles of the section of one whole body: the integral of the density 1/size^2."""
+        """Predicted number of triangles of the section of one whole body that reaches `reach` mm
+        from the patch: the integral of 1/size^2 times a factor that fits gmsh's meshes.
+        """
         radius = np.geomspace(1e-3 * self.size, reach, 400)
         fine = self.margin * np.sqrt(self.b * self.depth)
         size = self.size + self.growth * np.maximum(radius - fine, 0.0)
         return 2.3 * float(trapezoid(np.pi * radius / size**2, radius))
 
     def predicted_cells(self, reach: float, *, hexahedra: bool = False) -> float:
-        """Cells of one whole body: the integral of the density 1/size^3 (factors: gmsh's habit)."""
+        """Predicted number of cells of one whole body: the integral of 1/size^3 times a factor that
+        fits gmsh's meshes.
+
+        reach: distance that the body extends from the patch along the rail, mm.
+        hexahedra: whether the cells are hexahedra swept in layers, otherwise tetrahedra. The cells
+            of all further patches are added.
+        """
         others = (other.predicted_cells(reach, hexahedra=hexahedra) for other in self.also)
         return self._predicted_cells(reach, hexahedra) + sum(others)
 
     def _predicted_cells(self, reach: float, hexahedra: bool) -> float:
+        """Predicted number of cells of one whole body that extends `reach` mm from the patch, for
+        this patch without the further ones.
+        """
         distance = np.concatenate([[0.0], np.geomspace(1e-3 * self.size, reach, 400)])
         size = self._size(distance)
         if hexahedra:

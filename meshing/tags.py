@@ -7,5 +7,5 @@ SYMMETRY_X, SYMMETRY_Y = 31, 32
 
 
 def other(tag: int) -> int:
-    """Of the two bodies."""
+    """Tag of the other body: RAIL for WHEEL, and WHEEL for RAIL."""
     return RAIL if tag == WHEEL else WHEEL
