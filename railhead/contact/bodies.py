@@ -27,10 +27,14 @@ TWIST_REACH = 500.0  # mm, half length of a whole section that can twist: it dec
 def bodies(
     contact: Contact, reach: float, deformable: Sequence[int], *, whole_section: bool, half: bool
 ) -> list[Body]:
-    """Sections and sweeps of the deformable bodies (RAIL, WHEEL).
-
-    reach: half length along the rail (edge of the cube for half-spaces), mm; whole_section: with
-    web and foot, else the head alone; half: only y >= 0.
+    """Sections and sweeps of the deformable bodies, rail first.
+    contact: first contact of the undeformed bodies.
+    reach: half length along the rail of bodies without a length of their own, or half the edge of
+        the blocks for half-spaces, mm.
+    deformable: tags of the bodies wanted, RAIL or WHEEL.
+    whole_section: a standard rail with web and foot, else its head alone.
+    half: only y >= 0.
+    Raises SceneError where a depth or a width of the scene does not fit.
     """
     made = []
     if RAIL in deformable:
@@ -41,8 +45,9 @@ def bodies(
 
 
 def depth(scene: Scene, body: int) -> float:
-    """From the contact of RAIL or WHEEL to where the body is held, mm: of a standard rail its
-    head."""
+    """Distance from the contact of the body (RAIL or WHEEL) to where the body is held, mm. For a
+    standard rail this is the depth of its head.
+    """
     if body == WHEEL:
         return scene.wheel.rim_depth or min(RIM_DEPTH, 0.5 * scene.wheel.rolling_radius)
     if scene.rail.profile in profiles.STANDARD_RAILS:
@@ -51,7 +56,10 @@ def depth(scene: Scene, body: int) -> float:
 
 
 def rail_reach(contact: Contact, reach: float, *, whole_section: bool) -> float:
-    """Half length of the rail, mm; reach: that of bodies which are not twisted."""
+    """Half length of the rail, mm: half of `rail.length` where given, else reach.
+    reach: half length of bodies that do not twist, mm. A whole section without symmetry at y = 0
+        can twist and gets at least TWIST_REACH.
+    """
     if contact.scene.rail.length is not None:
         return contact.scene.rail.length / 2
     twisted = whole_section and contact.why_asymmetric_in_y() is not None
@@ -59,6 +67,9 @@ def rail_reach(contact: Contact, reach: float, *, whole_section: bool) -> float:
 
 
 def _rail(contact: Contact, reach: float, *, whole_section: bool, half: bool) -> Body:
+    """The rail as a section and half length: standard section, block below a crown, or half-space.
+    Raises SceneError where rail.depth does not exceed the drop of the crown.
+    """
     scene = contact.scene
     if contact.pair is None:
         return _half_space(RAIL, reach, half=half)
@@ -87,6 +98,9 @@ def _rail(contact: Contact, reach: float, *, whole_section: bool, half: bool) ->
 
 
 def _wheel(contact: Contact, reach: float, *, half: bool) -> Body:
+    """The wheel as a ring segment in its pose, or a half-space. Raises SceneError where the rim is
+    deeper than the wheel, or the segment is too thin for its length.
+    """
     scene = contact.scene
     wheel = scene.wheel
     if contact.pair is None or contact.pose is None:
@@ -123,7 +137,9 @@ def _wheel(contact: Contact, reach: float, *, half: bool) -> Body:
 
 
 def _half_space(tag: int, reach: float, *, half: bool) -> Body:
-    """A block with one flat contact face; all other outer faces are supported (far field)."""
+    """A block with one flat contact face, a body tagged RAIL (below) or WHEEL (above); all other
+    outer faces are supported (far field). reach: half width, depth and half length, mm.
+    """
     flat = profiles.single_radius(math.inf, reach, "flat")
     outwards = 1 if tag == RAIL else -1
     section = outlines.block_section(

@@ -21,10 +21,11 @@ EQUAL = 1e-9  # relative difference of the curvatures of a circular contact
 
 @dataclass(frozen=True)
 class Dimension:
-    """kind: 'solid', 'plane_along' (section x, z), 'plane_across' (y, z) or 'axisymmetric'.
-
-    length: of a line contact, mm (0 otherwise); centre: y of its middle, mm; plane_strain: why it
-    is on or off.
+    """How many dimensions the model of a scene needs, and why.
+    kind: 'solid', 'plane_along' (section x, z), 'plane_across' (section y, z) or 'axisymmetric'.
+    plane_strain: text that says why plane strain is on or off.
+    length: length of a line contact, mm; 0 otherwise.
+    centre: y of the middle of a line contact, mm.
     """
 
     kind: str
@@ -34,13 +35,16 @@ class Dimension:
 
     @property
     def line(self) -> bool:
-        """Whether the contact is a line."""
+        """Whether the contact is a line, so that a plane section models the contact."""
         return self.kind.startswith("plane")
 
 
 def choose(scene: Scene) -> Dimension:
-    """Decide. Raises SceneError where effects.plane_strain or effects.axisymmetry cannot be as
-    given, a line contact has no length or is not level, or its section cannot use a given key."""
+    """Choose solid, plane or meridian section for a scene, from its curvatures, its widths and the
+    effects that the scene forces.
+    Raises SceneError where effects.plane_strain or effects.axisymmetry cannot be as given, a line
+    contact has no length or is not level, or its section cannot use a given key.
+    """
     ring = circular(scene)
     forced = scene.effects.axisymmetry
     if forced == "on" and not ring[0]:
@@ -53,7 +57,9 @@ def choose(scene: Scene) -> Dimension:
 
 
 def _curvatures(scene: Scene) -> tuple[float, float] | None:
-    """Relative curvatures (along, across), 1/mm; None for a profile without a single radius."""
+    """Relative curvatures of a scene, along and across the rail, 1/mm; None for a profile without a
+    single radius.
+    """
     try:
         return scene.relative_curvatures()
     except SceneError:
@@ -61,8 +67,9 @@ def _curvatures(scene: Scene) -> tuple[float, float] | None:
 
 
 def circular(scene: Scene) -> tuple[bool, str]:
-    """Whether both bodies are of revolution about the normal of the contact, and what loads them,
-    and why."""
+    """Whether both bodies, and their loads, are symmetric about the normal of the contact, with a
+    text that says why.
+    """
     curvatures = _curvatures(scene)
     if curvatures is None:
         return False, "a profile without a single radius is no body of revolution"
@@ -85,7 +92,9 @@ def circular(scene: Scene) -> tuple[bool, str]:
 
 
 def _across(scene: Scene) -> Dimension:
-    """A wheel that is a straight bar: the section across it."""
+    """Plane section across the rail, for a wheel that is a straight bar. Raises SceneError where
+    plane strain is off, the length is missing, or the section cannot use a given key.
+    """
     if scene.effects.plane_strain == "off":
         raise SceneError(
             "effects.plane_strain",
@@ -103,7 +112,9 @@ def _across(scene: Scene) -> Dimension:
 
 
 def _along(scene: Scene) -> Dimension:
-    """A cylinder on a flat rail: the section along it."""
+    """Plane section along the rail for a cylinder on a flat crown or one nearly so, else a solid.
+    Raises SceneError where the forced plane strain or the geometry does not allow the choice.
+    """
     forced = scene.effects.plane_strain
     curvatures = _curvatures(scene)
     if curvatures is None or curvatures[1] < 0:
@@ -145,13 +156,14 @@ def _along(scene: Scene) -> Dimension:
 
 
 def _solid(forced: str, why: str) -> Dimension:
+    """A solid with the text why. Raises SceneError where plane strain is forced 'on'."""
     if forced == "on":
         raise SceneError("effects.plane_strain", f"'on' is not allowed: {why}; give auto or off")
     return Dimension("solid", why)
 
 
 def _radii(scene: Scene) -> tuple[float, float]:
-    """Transverse radii of rail and wheel, mm."""
+    """Transverse radii of rail and wheel, mm; nominal ones for standard profiles."""
     rail, wheel = scene.rail, scene.wheel
     return (
         float(rail.crown_radius or NOMINAL_RADIUS[rail.profile]),
@@ -160,7 +172,7 @@ def _radii(scene: Scene) -> tuple[float, float]:
 
 
 def _common_width(scene: Scene) -> tuple[float, float]:
-    """Width over which crown and tread face each other and its middle y, mm."""
+    """Width over which crown and tread face each other, and the y of its middle, mm."""
     rail = (scene.rail.width or 2 * RAIL_HALF_WIDTH) / 2
     wheel = (scene.wheel.width or 2 * TREAD_HALF_WIDTH) / 2
     shift = scene.wheelset.shift
@@ -169,7 +181,9 @@ def _common_width(scene: Scene) -> tuple[float, float]:
 
 
 def _half_width(scene: Scene, along: float, length: float) -> float:
-    """Of the strip along that length, mm."""
+    """Half width of the strip of a line contact along the rail, in the direction of the rail, mm;
+    along: relative curvature, 1/mm; length: of the line, mm.
+    """
     rail, wheel = scene.rail, scene.wheel
     return line.contact(
         along,
@@ -183,6 +197,9 @@ def _half_width(scene: Scene, along: float, length: float) -> float:
 
 
 def _semi_axis_across(scene: Scene, along: float, across: float) -> float:
+    """Semi-axis across the rail of Hertz's ellipse, mm, for relative curvatures along and across
+    (1/mm) and the load or approach of the scene.
+    """
     rail, wheel = scene.rail, scene.wheel
     modulus = hertz.contact_modulus(
         rail.young_modulus, rail.poisson_ratio, wheel.young_modulus, wheel.poisson_ratio

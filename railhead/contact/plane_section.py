@@ -37,13 +37,17 @@ WIDE = 1e4  # mm: what is flat across has no end in a section
 
 @dataclass(frozen=True, kw_only=True)
 class SectionContact(Contact, ABC):
-    """First contact in a section; dimension: why it is one, and the length of a line contact."""
+    """First contact of the bodies in a section of two dimensions.
+    dimension: kind of section, the reason for it, and the length of a line contact.
+    """
 
     dimension: Dimension
 
     @property
     def kinematics(self) -> Kinematics:
-        """What the section's coordinates stand for."""
+        """World directions of the two coordinates of the section, a world point of the section, the
+        thickness (mm; 1 where there is no length) and whether the section is a meridian.
+        """
         from railhead.solver.space.kinematics import Kinematics
 
         first = [0.0, 1.0, 0.0] if self.plane == "yz" else [1.0, 0.0, 0.0]
@@ -55,7 +59,10 @@ class SectionContact(Contact, ABC):
         )
 
     def line_contact(self, load: float | None) -> LineContact | None:
-        """See `Contact`."""
+        """Closed form of the line contact between bodies of that length.
+        load: vertical load, N; None takes the approach of the scene instead. Both are resolved
+            along the contact normal.
+        """
         rail, wheel, touch = self.scene.rail, self.scene.wheel, self.touch
         across, cosine = self.plane == "yz", math.cos(touch.angle)
         approach = None if load is not None else float(self.scene.approach or 0.0) * cosine
@@ -70,23 +77,27 @@ class SectionContact(Contact, ABC):
         )
 
     def exact_approach(self, hertz: Hertz) -> float | None:
-        """Half-planes and half-spaces: of the datum points."""
+        """Approach of the datum points of half-planes or half-spaces along the vertical, mm, for a
+        closed form; None for bodies that end.
+        """
         return hertz.approach / math.cos(self.touch.angle) if self.half_space else None
 
     @abstractmethod
     def bodies(
         self, reach: float, deformable: Sequence[int], *, whole_section: bool, half: bool
     ) -> list[Body]:
-        """Sections of the deformable bodies (RAIL, WHEEL).
-
-        reach: half length of what has no end of its own, mm. whole_section: a rail with web and
-        foot, else its head alone. half: cut at the middle. Raises SceneError.
+        """Bodies of the section, each with its closed outline, for the deformable ones (RAIL,
+        WHEEL).
+        reach: half length of what has no end of its own, mm.
+        whole_section: a standard rail has web and foot, else its head alone.
+        half: only one side of the middle is modelled.
+        Raises SceneError where a depth or a length of the scene does not fit the section.
         """
 
 
 @dataclass(frozen=True, kw_only=True)
 class LongitudinalSection(SectionContact):
-    """Plane strain along the rail: a cylinder on a flat crown."""
+    """Plane strain in the plane x, z along the rail: a cylinder on a flat crown."""
 
     plane = "xz"
     line = True
@@ -95,33 +106,44 @@ class LongitudinalSection(SectionContact):
 
     @property
     def cross_profiles(self) -> list[tuple[str, Profile, float]]:
-        """None: no profile across the track counts."""
+        """Empty: the gap in a section along the rail depends on no profile across the track."""
         return []
 
     def why_asymmetric_in_x(self) -> str | None:
-        """None: a cylinder on a flat crown mirrors at x = 0."""
+        """None: a cylinder on a flat crown is symmetric about x = 0."""
         return None
 
     def why_asymmetric_in_y(self) -> str | None:
-        """See `Contact`."""
+        """Why y = 0 is no plane of symmetry of the section: the section has no direction y."""
         return "the section runs along the rail"
 
     def is_half_outline(self, *, half_x: bool, half_y: bool) -> bool:
-        """See `Contact`."""
+        """Whether the outline is cut at its middle: if only x >= 0 is modelled (half_x)."""
         return half_x
 
     @property
     def _rail_length(self) -> float | None:
+        """Length of the rail in the section, mm; None where the scene gives none."""
         return self.scene.rail.length
 
     @property
     def _usual_rim_depth(self) -> float:
+        """Depth of the wheel's rim where the scene gives none: RIM_DEPTH, but at most half the
+        rolling radius, mm.
+        """
         return min(RIM_DEPTH, 0.5 * self.scene.wheel.rolling_radius)
 
     def bodies(
         self, reach: float, deformable: Sequence[int], *, whole_section: bool, half: bool
     ) -> list[Body]:
-        """See `SectionContact`."""
+        """Bodies of the section, each with its closed outline, for the deformable ones (RAIL,
+        WHEEL).
+        reach: half length of what has no end of its own, mm.
+        whole_section: has no effect here.
+        half: only x >= 0.
+        Raises SceneError where the rim is deeper than the radius, or a half disc has a segment
+        length.
+        """
         if self.half_space:
             return solid_bodies(self, reach, deformable, whole_section=False, half=half)
         rail, wheel = self.scene.rail, self.scene.wheel
@@ -160,7 +182,9 @@ class LongitudinalSection(SectionContact):
 
 @dataclass(frozen=True, kw_only=True)
 class MeridianSection(LongitudinalSection):
-    """Half a section through the axis of two bodies of revolution: a sphere on a plane."""
+    """Half a meridian section, x >= 0, z, of two bodies of revolution about the contact normal: a
+    sphere on a plane.
+    """
 
     revolved = True
     line = False
@@ -168,29 +192,35 @@ class MeridianSection(LongitudinalSection):
     error_family_shape = "meridian"
 
     def line_contact(self, load: float | None) -> LineContact | None:
-        """None: the contact is a point."""
+        """None: the contact of a meridian section is a point, for any load."""
         return None
 
     def why_asymmetric_in_x(self) -> str | None:
-        """See `Contact`."""
+        """Why x = 0 is no plane of symmetry of the section: it is the axis of revolution, which
+        bounds the section.
+        """
         return "the axis of revolution bounds the section"
 
     def is_half_outline(self, *, half_x: bool, half_y: bool) -> bool:
-        """Always: the axis bounds the section."""
+        """True: the outline of a meridian section always ends at the axis, whatever half_x and
+        half_y say.
+        """
         return True
 
     @property
     def _rail_length(self) -> float | None:
+        """Diameter of the rail's block, mm, from rail.width; None where the scene gives none."""
         return self.scene.rail.width
 
     @property
     def _usual_rim_depth(self) -> float:
+        """Depth of the wheel where the scene gives none: the rolling radius, a half sphere, mm."""
         return self.scene.wheel.rolling_radius
 
 
 @dataclass(frozen=True, kw_only=True)
 class TransverseSection(SectionContact):
-    """Plane strain across the rail: a straight bar on the rail."""
+    """Plane strain in the plane y, z across the rail: a straight bar on the rail."""
 
     plane = "yz"
     line = True
@@ -198,11 +228,13 @@ class TransverseSection(SectionContact):
     error_family_shape = "plane strain"
 
     def why_asymmetric_in_x(self) -> str | None:
-        """See `Contact`."""
+        """Why x = 0 is no plane of symmetry of the section: the section has no direction x."""
         return "the section runs across the rail"
 
     def gap(self, slave: int) -> ExactGap | ParabolicGap:
-        """Exact gap from the slave body (RAIL or WHEEL) to the other one."""
+        """Exact gap from the slave body (RAIL or WHEEL) to the other one; a parabola between half-
+        planes.
+        """
         if self.pair is None:
             return super().gap(slave)
         rail = RailSurface(self.pair.rail)
@@ -210,8 +242,11 @@ class TransverseSection(SectionContact):
         return ExactGap(rail, wheel) if slave == RAIL else ExactGap(wheel, rail)
 
     def exact_approach(self, hertz: Hertz) -> float | None:
-        """Half-planes: of the datum points; half discs: of their axes, the whole discs being loaded
-        from both sides."""
+        """Approach of the supports, mm, for a closed form; None unless both bodies are half-planes
+        or both are half discs.
+        Half-planes: approach of their datum points along the vertical. Half discs: approach of
+        their centres, where whole discs are loaded from both sides.
+        """
         if self.half_space:
             return super().exact_approach(hertz)
         rail, wheel = self.scene.rail, self.scene.wheel
@@ -223,14 +258,16 @@ class TransverseSection(SectionContact):
 
     @property
     def lift(self) -> float:
-        """Height of the wheel's nominal rolling radius in the section across the rail, mm."""
+        """z of the wheel's nominal rolling radius in the section across the rail, mm."""
         shift = self.scene.wheelset.shift
         tread = 0.0 if self.pair is None else float(self.pair.wheel.height(self.touch.y - shift))
         return self.touch.z + tread
 
     @property
     def discs(self) -> dict[int, float]:
-        """Radius (mm) of the bodies that are half a disc in the section across the rail."""
+        """Radius in mm by tag (RAIL, WHEEL) of the bodies that are half a disc: those whose depth
+        is their radius and whose width is not less than two radii.
+        """
         rail, wheel = self.scene.rail, self.scene.wheel
         found = {}
         for tag, radius, depth, width in (
@@ -244,7 +281,13 @@ class TransverseSection(SectionContact):
     def bodies(
         self, reach: float, deformable: Sequence[int], *, whole_section: bool, half: bool
     ) -> list[Body]:
-        """See `SectionContact`."""
+        """Bodies of the section, each with its closed outline, for the deformable ones (RAIL,
+        WHEEL).
+        reach: half length of what has no end of its own, mm.
+        whole_section: a standard rail has web and foot, else its head alone.
+        half: only y >= 0.
+        Raises SceneError where a depth or a width of the scene does not fit.
+        """
         if self.half_space:
             return solid_bodies(self, reach, deformable, whole_section=False, half=half)
         solid = Contact(_of_any_radius(self.scene), self.touch, self.pair, self.pose)
@@ -255,6 +298,9 @@ class TransverseSection(SectionContact):
         ]
 
     def _half_disc(self, tag: int, *, half: bool) -> Body:
+        """Body with the outline of a half disc, tagged RAIL (flat side below) or WHEEL (flat side
+        above); half: only y >= 0.
+        """
         radius = self.discs[tag]
         section = plane.disc(radius, radius, 0.0, 0.0, half=half)
         if tag == RAIL:
@@ -264,7 +310,9 @@ class TransverseSection(SectionContact):
 
 
 def locate(scene: Scene, dimension: Dimension) -> SectionContact:
-    """First contact in a section. Raises SceneError as `contact.solid.locate`."""
+    """First contact of a scene in the section that dimension names. Raises SceneError where a wheel
+    misses its rail or the pair has no contact with a common tangent.
+    """
     if dimension.kind == "plane_across":
         solid = geometry.lower(_of_any_radius(scene))
         touch = replace(solid.touch, curvature_x=0.0)
@@ -282,5 +330,8 @@ def locate(scene: Scene, dimension: Dimension) -> SectionContact:
 
 
 def _of_any_radius(scene: Scene) -> Scene:
+    """The scene with a wheel of the rolling radius ANY_RADIUS, in mm, for a section across the rail
+    that does not depend on the radius.
+    """
     wheel = scene.wheel.model_copy(update={"rolling_radius": ANY_RADIUS})
     return scene.model_copy(update={"wheel": wheel})

@@ -36,7 +36,9 @@ TREAD_HALF_WIDTH = 67.5  # mm, of a cylinder, cone or arc
 
 
 def rail_profile(scene: Scene, stretch: float = 1.0) -> Profile:
-    """Crown z(y) of the rail as it stands, inclination included; stretch: as in `measured`."""
+    """Crown z(y) of the rail as it stands, inclination included. stretch: factor on the smoothing
+    wavelengths of a measured profile. Raises SceneError for a file that cannot be used.
+    """
     rail = scene.rail
     if rail.profile in profiles.STANDARD_RAILS:
         return profiles.rail_head(rail.profile, rail.inclination)
@@ -48,7 +50,10 @@ def rail_profile(scene: Scene, stretch: float = 1.0) -> Profile:
 
 
 def wheel_profile(scene: Scene, stretch: float = 1.0) -> Profile:
-    """Tread z(y), outwards from the nominal rolling radius; stretch: as in `measured`."""
+    """Tread profile z(y), outwards from the nominal rolling radius. stretch: factor on the
+    smoothing wavelengths of a measured profile. Raises SceneError for a file that cannot be
+    used.
+    """
     wheel = scene.wheel
     if wheel.profile in profiles.CONES:
         return profiles.cone(profiles.CONES[wheel.profile], TREAD_HALF_WIDTH, wheel.profile)
@@ -60,15 +65,17 @@ def wheel_profile(scene: Scene, stretch: float = 1.0) -> Profile:
 
 
 def measured_bodies(scene: Scene) -> tuple[str, ...]:
-    """'rail', 'wheel': whose profiles come from files."""
+    """The names 'rail' and 'wheel' of the bodies of a scene whose profiles come from files."""
     return tuple(
         body for body in ("rail", "wheel") if is_profile_file(getattr(scene, body).profile)
     )
 
 
 def from_file(scene: Scene, body: str, stretch: float = 1.0) -> Measured:
-    """The measured profile of the 'rail' or 'wheel', smoothed with `stretch` times the wavelengths
-    that it would be smoothed with. Raises SceneError."""
+    """The measured profile of body, 'rail' or 'wheel', from the scene's file.
+    stretch: factor on the smoothing wavelengths.
+    Raises SceneError where the file cannot be read or is no profile.
+    """
     part: Rail | Wheel = getattr(scene, body)
     given = Orientation(
         unit=part.profile_unit,
@@ -86,19 +93,20 @@ def from_file(scene: Scene, body: str, stretch: float = 1.0) -> Measured:
 
 @dataclass(frozen=True)
 class Contact:
-    """First contact of the undeformed bodies and the exact gap around it.
-
-    touch: the contact point, in axes along the rail that have it at x = 0.
+    """First contact of the undeformed bodies of a scene, as a solid, and the exact gap around it.
+    scene: the scene.
+    touch: the contact point, in axes along the rail with x = 0 there.
     pair: both profiles; None for half-spaces, which touch at the origin.
-    pose: of the wheel in these axes.
+    pose: of the wheel in these axes; None for half-spaces.
     placed: the whole wheelset; None for half-spaces and sections.
 
-    A solid; sections in two dimensions are its subclasses in `plane_section`, which set:
+    Class constants, other values in the sections of two dimensions in `plane_section`:
     plane: '' for a solid, 'xz' for a section along the rail, 'yz' for one across it.
     revolved: the section is a meridian.
     line: the contact is one along a line.
-    prescribed_length: result key of the half length that is prescribed, not solved for.
-    error_family_shape: `Setting.shape` of bodies that end.
+    prescribed_length: result key of the half length that is prescribed, not solved for; None
+        without.
+    error_family_shape: shape of the error envelopes, `Setting.shape`, of bodies that end.
     """
 
     plane: ClassVar[Literal["", "xz", "yz"]] = ""
@@ -115,7 +123,9 @@ class Contact:
 
     @property
     def profiles(self) -> dict[str, tuple[Profile, float]]:
-        """Profile of each body and what to add to its y for that on the rail, at the contact."""
+        """By body ('rail', 'wheel'): its profile, and the y in mm to add to the profile's own y for
+        the y on the rail, at the contact. Empty for half-spaces.
+        """
         if self.pair is None:
             return {}
         shift = self.touch.y - self.touch.wheel_y
@@ -124,48 +134,54 @@ class Contact:
     @property
     def cross_profiles(self) -> list[tuple[str, Profile, float]]:
         """Body, profile and offset in y (mm) of the profiles across the track that the gap depends
-        on; empty for half-spaces and for sections along the rail."""
+        on; empty for half-spaces and for sections along the rail.
+        """
         return [(body, *profile) for body, profile in self.profiles.items()]
 
     @property
     def kinematics(self) -> Kinematics:
-        """What the coordinates of the mesh stand for."""
+        """How coordinates of the mesh become world coordinates: for a solid they are the same."""
         from railhead.solver.space.kinematics import SOLID
 
         return SOLID
 
     def line_contact(self, load: float | None) -> LineContact | None:
-        """Closed form of a line contact under the load (N), or under the approach of the scene;
-        None for a point contact."""
+        """Closed form of a line contact under the load (N), or under the approach of the scene
+        where load is None; None for a point contact.
+        """
         return None
 
     def exact_approach(self, hertz: Hertz) -> float | None:
-        """Approach of the supports (mm) along the load that belongs to a closed form; None where no
-        formula is known."""
+        """Approach of the supports (mm) along the load that belongs to the closed form `hertz`;
+        None where no formula is known.
+        """
         return None
 
     def is_half_outline(self, *, half_x: bool, half_y: bool) -> bool:
-        """Whether outlines of the bodies are cut at their middle, where only x >= 0 or only y >= 0
-        is modelled."""
+        """Whether outlines of the bodies are cut at their middle, given that only x >= 0 (half_x)
+        or only y >= 0 (half_y) is modelled.
+        """
         return half_y
 
     @property
     def half_space(self) -> bool:
-        """Flat blocks under Hertz's parabolic gap."""
+        """Whether both bodies are flat blocks under Hertz's parabolic gap."""
         return self.pair is None
 
     @property
     def origin(self) -> tuple[float, float, float]:
-        """Contact point, mm."""
+        """Contact point (x, y, z), mm; x is 0."""
         return 0.0, self.touch.y, self.touch.z
 
     @property
     def frame(self) -> Frame:
-        """Axes along the rail, along the common tangent across it and out of the rail."""
+        """Axes at the contact point: along the rail, along the common tangent across it and out of
+        the rail.
+        """
         return Frame(self.origin, self.touch.angle)
 
     def why_asymmetric_in_y(self) -> str | None:
-        """Why y = 0 is not a plane of symmetry of the bodies; None if it is one."""
+        """Reason why y = 0 is not a plane of symmetry of the bodies, as text; None if it is one."""
         if self.half_space:
             return None
         scene = self.scene
@@ -181,22 +197,28 @@ class Contact:
         return self.why_asymmetric_in_x()
 
     def why_asymmetric_in_x(self) -> str | None:
-        """Why x = 0 is not a plane of symmetry of the bodies; None if it is one."""
+        """Reason why x = 0 is not a plane of symmetry of the bodies, as text; None if it is one."""
         yaw = self.scene.wheelset.yaw
         return f"axle turned by {1e3 * yaw:g} mrad" if yaw and not self.half_space else None
 
     def touches(self, clearance: float) -> list[ContactPoint]:
-        """Contact points up to a clearance (mm) above the first one."""
+        """Contact points whose gap is at most `clearance` mm above the first one's, lowest first;
+        the first contact alone for half-spaces.
+        """
         if self.pair is None or self.pose is None:
             return [self.touch]
         return self.pair.touches(self.pose, clearance)
 
     def half_space_gap(self, touch: ContactPoint) -> Callable[[Array, Array], Array]:
-        """Gap normal to the tangent plane of a contact point, at x, s (n,) in that plane, mm."""
+        """Function of x and s (n,), mm, in the tangent plane of a contact point, along the rail and
+        across it. The function gives the gap (n,) in mm between both surfaces along the normal
+        of that plane, infinite where the rail is missed.
+        """
         c, t = math.cos(touch.angle), math.sin(touch.angle)
         rail, wheel = self.surfaces()
 
         def gap(x: Array, s: Array) -> Array:
+            """Gap (n,) in mm at x, s (n,) in mm in the tangent plane."""
             points = np.column_stack([touch.x + x, touch.y + c * s, touch.z + t * s])
             normals = np.tile([0.0, -t, c], (len(x), 1))
             lower, upper = along(rail, points, normals), along(wheel, points, normals)
@@ -206,14 +228,16 @@ class Contact:
         return gap
 
     def surfaces(self) -> tuple[RailSurface, WheelSurface]:
-        """The exact surfaces of real bodies."""
+        """The exact surfaces of rail and wheel. Raises ValueError for half-spaces."""
         if self.pair is None or self.pose is None:
             raise ValueError("half-spaces have no profiles")
         wheel = WheelSurface(self.pair.wheel, self.pair.rolling_radius, self.pose)
         return RailSurface(self.pair.rail), wheel
 
     def gap(self, slave: int) -> ExactGap | ParabolicGap:
-        """Exact gap from the slave body (RAIL or WHEEL) to the other one."""
+        """Exact gap from the slave body (RAIL or WHEEL) to the other one; a parabola between half-
+        spaces.
+        """
         if self.half_space:
             outward = 1 if slave == RAIL else -1
             return ParabolicGap(self.touch.curvature_x, self.touch.curvature_y, outward)
@@ -222,15 +246,18 @@ class Contact:
 
 
 def pair(scene: Scene, stretch: float = 1.0) -> Pair:
-    """Both profiles; stretch: as in `from_file`."""
+    """Rail and wheel profiles of a scene and its rolling radius; stretch: factor on the smoothing
+    wavelengths of measured profiles. Raises SceneError for a file that cannot be used.
+    """
     rail, wheel = rail_profile(scene, stretch), wheel_profile(scene, stretch)
     return Pair(rail, wheel, scene.wheel.rolling_radius)
 
 
 def place(scene: Scene, clearance: float = 0.0, both: Pair | None = None) -> tuple[Pair, Placed]:
-    """Lower the wheelset of a scene onto its track; further contacts up to a clearance (mm).
-
-    both: profiles in place of the scene's. Raises SceneError where a wheel misses its rail.
+    """Lower the wheelset of a scene onto its track; return both profiles and the placed wheelset.
+    clearance: gap above the lowest contact point up to which further contact points are kept, mm.
+    both: profiles in place of the scene's.
+    Raises SceneError where a wheel misses its rail or both cannot touch.
     """
     both = both or pair(scene)
     wheelset_, track = scene.wheelset, Track(scene.wheelset.back_to_back, scene.rail.gauge)
@@ -242,9 +269,10 @@ def place(scene: Scene, clearance: float = 0.0, both: Pair | None = None) -> tup
 
 
 def locate(scene: Scene, both: Pair | None = None) -> Contact:
-    """The right wheel of the wheelset on its rail; both: profiles in place of the scene's.
-
-    Raises SceneError where the pair has no point contact with a common tangent.
+    """First contact of the right wheel of the wheelset on its rail, with x = 0 there.
+    both: profiles in place of the scene's.
+    Raises SceneError where a wheel misses its rail, or the pair has no point contact with a common
+    tangent.
     """
     if scene.rail.extent == "half-space":
         return Contact(scene, placement.parabolic_contact(*scene.relative_curvatures()))
@@ -256,7 +284,9 @@ def locate(scene: Scene, both: Pair | None = None) -> Contact:
 
 
 def lower(scene: Scene) -> Contact:
-    """A single wheel that neither rolls nor yaws on its rail. Raises SceneError as `locate`."""
+    """First contact of a single wheel that neither rolls nor yaws on its rail. Raises SceneError
+    where the wheel misses the rail, or the pair has no point contact with a common tangent.
+    """
     if scene.rail.extent == "half-space":
         return locate(scene)
     both, shift = pair(scene), scene.wheelset.shift
@@ -269,7 +299,9 @@ def lower(scene: Scene) -> Contact:
 
 
 def _tangent(scene: Scene, touch: ContactPoint) -> ContactPoint:
-    """The contact point, refused where the pair has no point contact with a common tangent."""
+    """The contact point as it is. Raises SceneError where the contact point is at the edge of a
+    profile, or its relative curvature across the rail is not positive.
+    """
     if touch.at_edge:
         raise SceneError(
             "wheelset.shift",

@@ -32,12 +32,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class WheelsetCreepage:
-    """How the wheel of a scene creeps where its wheelset stands.
-
-    axle: free or nominal.
-    turning: radius R by which the axle turns, mm.
-    radius: of the wheel's circle at the contact, mm.
-    yaw, roll, angle: of the axle and of the contact, rad.
+    """Creepage of the wheel of a scene in the pose of its wheelset.
+    axle: 'free' or 'nominal'.
+    turning: radius R by which the axle turns, mm: the axle moves by R in one radian.
+    radius: radius of the wheel's circle at the contact, mm.
+    yaw: yaw of the wheelset, rad.
+    roll: roll of the wheelset, rad.
+    angle: contact angle, rad.
+    creepage: rigid creepages along and across the rail, and spin in 1/mm.
     """
 
     axle: str
@@ -50,7 +52,7 @@ class WheelsetCreepage:
 
     @property
     def why(self) -> str:
-        """What the creepage comes from."""
+        """Sentence that gives the creepages and the radii and angles that lead to them."""
         radius = {"free": "the mean of both wheels'", "nominal": "the nominal radius"}[self.axle]
         moves = self.creepage
         return (
@@ -61,7 +63,7 @@ class WheelsetCreepage:
         )
 
     def summary(self) -> dict[str, Any]:
-        """As in summary.json."""
+        """Fields and creepages as in summary.json: keys with units (mm, rad, 1/mm)."""
         return {
             "axle": self.axle,
             "axle_radius_mm": self.turning,
@@ -76,7 +78,9 @@ class WheelsetCreepage:
 
 
 def wheelset_creepage(contact: Contact) -> WheelsetCreepage:
-    """The wheelset of a scene. SceneError without one."""
+    """Rigid creepage of the right wheel of a scene's wheelset at the first contact. Raises
+    SceneError for half-spaces and sections, which have no wheelset.
+    """
     placed, pose = contact.placed, contact.pose
     if placed is None or pose is None:
         kind = "half-spaces have" if contact.half_space else "a section has"
@@ -98,7 +102,9 @@ def wheelset_creepage(contact: Contact) -> WheelsetCreepage:
 
 
 def _turning_radius(contact: Contact) -> float:
-    """How far the axle moves while it turns by 1 rad, mm."""
+    """Distance in mm that the axle moves while it turns by 1 rad: the nominal radius, or the mean
+    of both wheels' rolling radii for a free axle.
+    """
     rolling, placed = contact.scene.rolling, contact.placed
     if placed is None or not rolling.from_wheelset or rolling.axle == "nominal":
         return contact.scene.wheel.rolling_radius
@@ -106,8 +112,9 @@ def _turning_radius(contact: Contact) -> float:
 
 
 def _angular_velocity(contact: Contact) -> Array:
-    """(3,) of the wheel about its axle, 1/mm; 0 of half-spaces and sections, which are planes, and
-    of a wheel that does not roll."""
+    """Angular velocity (3,) of the wheel about its axle per rolled length, 1/mm; 0 for half-spaces
+    and sections, which are planes, and for a wheel that does not roll.
+    """
     if contact.pose is None or contact.plane or not contact.scene.rolling.prescribed:
         return np.zeros(3)
     return np.asarray(contact.pose.rotation[:, 1] / _turning_radius(contact))
@@ -115,12 +122,12 @@ def _angular_velocity(contact: Contact) -> Array:
 
 @dataclass(frozen=True)
 class RigidSlip:
-    """Rigid slip of a wheel over its rail in multiples of four modes: creepages and a spin of 1 at
-    the first contact and, once, what turns about axes in the tangent plane there.
-
-    frame: of the first contact.
-    angular (4, 3): angular velocity of each mode, 1/mm.
-    rail: its undeformed surface; None is a plane.
+    """Rigid slip of a wheel over its rail for four modes of motion.
+    The modes are unit creepage along and across the rail, unit spin, and the actual angular
+    velocity about axes in the tangent plane at the first contact.
+    frame: axes at the first contact.
+    angular: (4, 3) angular velocity of each mode, 1/mm.
+    rail: undeformed surface of the rail; None is a plane.
     """
 
     frame: Frame
@@ -128,8 +135,10 @@ class RigidSlip:
     rail: RailSurface | None
 
     def __call__(self, points: Array) -> Array:
-        """(4, n, 3) of each mode at points (n, 3) near the contact, mm: at the nearest places of
-        the rail, in its tangent planes. NaN beyond its profile."""
+        """Slip (4, n, 3) of each mode per rolled length at points (n, 3) near the contact, mm, in
+        the tangent planes at the nearest places of the rail.
+        NaN beyond the profile of the rail.
+        """
         normals = self.frame.axes[2]
         if self.rail is not None:
             points, normals = nearest(self.rail, points)
@@ -139,7 +148,7 @@ class RigidSlip:
 
 
 def rigid_slip(contact: Contact) -> RigidSlip:
-    """Of the wheel of a scene."""
+    """Rigid slip of the wheel of a contact; its rail is a plane in half-spaces and sections."""
     turns, normal = _angular_velocity(contact), contact.frame.axes[2]
     angular = np.zeros((4, 3))
     angular[2:] = normal, turns - (turns @ normal) * normal

@@ -16,9 +16,10 @@ SPACING, SAMPLES = 1.0, 20001  # mm between points of splines, and y where their
 
 @dataclass(frozen=True)
 class Curve:
-    """A line (2 points), a circular arc (2 points and its centre) or a spline (more points).
-
-    points: (n, 2) of (y, z) in mm. role: 'contact', 'support', 'symmetry' or 'free'.
+    """A line, a circular arc or a spline; one part of a closed section in the (y, z) plane.
+    points: (n, 2) of (y, z) in mm; two ends for a line or an arc, more points for a spline.
+    role: 'contact', 'support', 'symmetry' or 'free'.
+    centre: (y, z) of the centre of an arc, mm; None for a line or a spline.
     """
 
     points: Array
@@ -27,11 +28,13 @@ class Curve:
 
     @property
     def radius(self) -> float:
-        """Of an arc in mm; infinite for others."""
+        """Radius of an arc, mm; infinite for a line or a spline."""
         return math.inf if self.centre is None else math.dist(self.points[0], self.centre)
 
     def sampled(self) -> Array:
-        """Points (n, 2) along the curve: 500 of an arc, else its own."""
+        """Points (n, 2) of (y, z) along the curve, mm: 500 on an arc, else the points that define
+        the curve.
+        """
         if self.centre is None:
             return self.points
         first, last = (np.arctan2(*(point - self.centre)[::-1]) for point in self.points[[0, -1]])
@@ -41,25 +44,30 @@ class Curve:
         )
 
     def mirrored(self) -> Curve:
-        """Reflected at y = 0, with its direction kept around the section."""
+        """The curve reflected at y = 0, with its points in reverse order, so that the direction
+        around the section is kept.
+        """
         flip = np.array([-1.0, 1.0])
         centre = None if self.centre is None else self.centre * flip
         return Curve(self.points[::-1] * flip, self.role, centre)
 
     def moved(self, rotation: Array, shift: Array) -> Curve:
-        """Rotated (2, 2), then shifted (2,)."""
+        """The curve rotated about the origin by a matrix (2, 2), then shifted by (y, z) in mm."""
         centre = None if self.centre is None else rotation @ self.centre + shift
         return replace(self, points=self.points @ rotation.T + shift, centre=centre)
 
 
 def _line(start: Array, end: Array, role: str) -> Curve:
+    """A straight curve from start to end, each (y, z) in mm, with the given role."""
     return Curve(np.array([start, end]), role)
 
 
 def rail_section(name: str, extent: str, *, half: bool) -> list[Curve]:
-    """54E1 or 60E1, whole ('section') or cut where the web begins ('head'); crown centre at (0, 0).
-
-    half: only y >= 0, closed by a symmetry line. The order runs clockwise from the crown.
+    """Closed outline of the standard rail 54E1 or 60E1, upright, with the crown centre at (0, 0).
+    extent: 'section' for the whole rail, 'head' for the part above the start of the web.
+    half: only y >= 0, closed by a symmetry line.
+    The order runs clockwise from the crown. The contact curves are the three arcs on each half of
+    the crown, the support is the bottom of the foot, or the cut of the head.
     """
     segments = data("rails.json")[name]["half_section"]
     top = np.array(segments[0]["start"])
@@ -83,9 +91,8 @@ def rail_section(name: str, extent: str, *, half: bool) -> list[Curve]:
 
 
 def sharpened(section: list[Curve], radius: float) -> list[Curve]:
-    """The same closed section with a sharp corner in place of each arc between two lines that has a
-    smaller radius (mm).
-
+    """The closed section with a sharp corner in place of each arc between two lines whose radius is
+    below the given one (mm).
     A corner of radius r that turns by t gains the area r^2 (tan(t/2) - t/2).
     """
     made = list(section)
@@ -103,14 +110,21 @@ def sharpened(section: list[Curve], radius: float) -> list[Curve]:
 
 
 def head_depth(name: str) -> float:
-    """Depth of the cut below the crown of 54E1 or 60E1 where the web begins, mm."""
+    """Vertical distance from the crown of 54E1 or 60E1 to the start of the web, where a head alone
+    is cut, mm.
+    """
     segments = data("rails.json")[name]["half_section"]
     web = next(segment for segment in segments if segment["name"].startswith("web"))
     return float(segments[0]["start"][1] - web["start"][1])
 
 
 def profile_curves(profile: Profile, start: float, end: float, *, outwards: int) -> list[Curve]:
-    """The contact line z = outwards * profile between two y, piece by piece."""
+    """Contact curves z = outwards * profile(y) from y = start to y = end (mm), one for each piece
+    of the profile.
+    outwards: 1 for a rail (z up), -1 for a wheel (profile outwards from the axle).
+    Arcs stay arcs, straight pieces stay lines; other pieces become splines with points about 1 mm
+    apart.
+    """
     curves: list[Curve] = []
     for piece in profile.pieces:
         first, last = max(start, piece.start), min(end, piece.end)
@@ -131,7 +145,9 @@ def profile_curves(profile: Profile, start: float, end: float, *, outwards: int)
 
 
 def _even(piece: Piece, first: float, last: float) -> Array:
-    """y of points that are about SPACING apart along a piece, its ends included."""
+    """y (n,) of points that are about SPACING apart in arc length along a piece between y = first
+    and y = last (mm), both included; at least six points.
+    """
     y = np.linspace(first, last, SAMPLES, dtype=np.float64)
     s = np.cumsum(np.hypot(np.diff(y, prepend=y[0]), np.diff(piece.derivative(y, 0), prepend=0.0)))
     s -= s[0]
@@ -141,7 +157,12 @@ def _even(piece: Piece, first: float, last: float) -> Array:
 def block_section(
     profile: Profile, start: float, end: float, base: float, *, outwards: int, half: bool
 ) -> list[Curve]:
-    """A block between the contact line and z = base; rail: outwards 1, wheel: outwards -1."""
+    """Closed section of a block between the contact line z = outwards * profile(y), from y = start
+    to end, and the level z = base, mm.
+    outwards: 1 for a rail, -1 for a wheel.
+    half: the side at y = start is a symmetry line, else a free one.
+    The side at z = base is the support; sides shorter than 1e-6 mm are left out.
+    """
     top = profile_curves(profile, start, end, outwards=outwards)
     first, last = top[0].points[0], top[-1].points[-1]
     right, left = np.array([last[0], base]), np.array([first[0], base])

@@ -27,10 +27,9 @@ class PlacementError(ValueError):
 
 @dataclass(frozen=True)
 class Outline:
-    """Points of a wheel whose normal has no x component.
-
-    points: (n, 3), mm.
-    slope: (n,) dz/dy of the tangent across.
+    """The contact locus of a wheel: points whose normal has no x component.
+    points: (n, 3) of (x, y, z), mm.
+    slope: (n,) dz/dy of the tangent across the rail.
     turn: (n,) angle about the axle from the wheel's lowest line, rad.
     radius: (n,) distance from the axle, mm.
     """
@@ -44,17 +43,18 @@ class Outline:
 @dataclass(frozen=True, kw_only=True)
 class ContactPoint:
     """A point where the undeformed bodies touch, or come closest.
-
-    x, y, z: the point, mm.
-    slope: dz/dy of the common tangent.
+    x, y, z: coordinates of the point on the wheel, mm.
+    slope: dz/dy of the rail there, which is the common tangent away from edges.
     gap: height of the wheel over the rail there, mm.
     wheel_y: y of the point in the wheel's profile, mm.
     axle_angle: angle about the axle from the wheel's lowest line, rad.
     radius: distance from the axle, mm.
-    rail_curvature: of the rail across, 1/mm.
-    wheel_curvatures: of the wheel along its circles and across, 1/mm.
-    curvature_x, curvature_y: relative principal curvatures, 1/mm.
-    orientation: angle of the first one's direction to the rail in the tangent plane, rad.
+    rail_curvature: curvature of the rail across, 1/mm, positive where convex.
+    wheel_curvatures: curvatures of the wheel, first along its circles, then across, 1/mm.
+    curvature_x, curvature_y: relative principal curvatures, 1/mm, in the directions nearer to the
+    rail's axis and nearer to across.
+    orientation: angle from the rail's axis to the direction of curvature_x in the tangent plane,
+        rad.
     at_edge: the point is the end of a profile, and the bodies have no common tangent.
     """
 
@@ -75,25 +75,33 @@ class ContactPoint:
 
     @property
     def angle(self) -> float:
-        """Contact angle, rad."""
+        """Contact angle arctan(slope) from the horizontal to the tangent across the rail, rad."""
         return float(np.arctan(self.slope))
 
 
 def parabolic_contact(curvature_x: float, curvature_y: float) -> ContactPoint:
-    """Half-spaces that touch at the origin under Hertz's parabolic gap."""
+    """Contact point at the origin of two half-spaces whose gap is the parabola with relative
+    curvatures curvature_x and curvature_y (1/mm).
+    """
     return ContactPoint(curvature_x=curvature_x, curvature_y=curvature_y)
 
 
 @dataclass(frozen=True)
 class Pair:
-    """A wheel over a rail; origin (0, 0) of the rail's profile is the crown centre."""
+    """The profiles of a wheel and of the rail under the wheel.
+    rail: z(y) with the origin at the crown centre, mm.
+    wheel: height over the nominal rolling radius, outwards, as a function of y, mm.
+    rolling_radius: nominal rolling radius of the wheel, mm.
+    """
 
     rail: Profile
     wheel: Profile
     rolling_radius: float
 
     def outline(self, pose: Pose, tread: ArrayLike) -> Outline:
-        """Where the wheel's circles at profile coordinates tread (n,) face the rail."""
+        """Contact locus of the wheel in a pose: the points on the wheel's circles at profile
+        coordinates tread (n,) in mm whose normal has no x component.
+        """
         tread = np.asarray(tread, dtype=float)
         ahead, axle, up = pose.rotation.T
         radius = self.rolling_radius + self.wheel.height(tread)
@@ -108,8 +116,8 @@ class Pair:
         return Outline(points, -normal[..., 1] / normal[..., 2], turn, radius)
 
     def touches(self, pose: Pose, clearance: float = 0.0) -> list[ContactPoint]:
-        """The lowest point over the rail, and all minima up to `clearance` mm above it.
-
+        """The wheel's lowest point over the rail, and all minima of height up to `clearance` mm
+        above that one; lowest first.
         Raises PlacementError where no part of the wheel is over the rail.
         """
         tread = np.linspace(*self.wheel.domain, SAMPLES, dtype=np.float64)
@@ -128,7 +136,11 @@ class Pair:
     def _polish(
         self, pose: Pose, tread: Array, over: NDArray[np.bool_], index: int
     ) -> ContactPoint:
-        """The minimum near a sample: both bodies have the same slope there."""
+        """The contact point at the minimum of height near sample `index` of the wheel coordinates
+        tread (n,), where wheel and rail have the same slope.
+        over: (n,) whether the sample is over the rail; a sample without two neighbours over the
+            rail is an edge.
+        """
 
         def excess(at: float) -> float:
             outline = self.outline(pose, at)
@@ -142,6 +154,9 @@ class Pair:
         return self._touch(pose, at, at_edge)
 
     def _touch(self, pose: Pose, tread: float, at_edge: bool) -> ContactPoint:
+        """Contact point of the wheel's circle at profile coordinate tread (mm), with curvatures of
+        both bodies and the gap; at_edge is passed on.
+        """
         outline = self.outline(pose, tread)
         x, y, z = (float(value) for value in outline.points)
         slope = float(self.rail.slope(y)) + 0.0  # no negative zero
@@ -172,9 +187,12 @@ class Pair:
 
 
 def relative(rail: float, around: float, across: float, angle: float) -> tuple[float, float, float]:
-    """Principal relative curvatures (nearer to x, nearer to s) in 1/mm and the first one's angle.
-
-    rail: its curvature along s; around, across: the wheel's, turned by angle (rad) from x.
+    """Principal relative curvatures in 1/mm, the one nearer to x first, then the one nearer to s,
+    and the angle of the first one's direction from x, rad.
+    x is along the rail and s across it in the tangent plane.
+    rail: curvature of the rail along s, 1/mm.
+    around, across: principal curvatures of the wheel along its circle and across, 1/mm.
+    angle: from x to the direction of the wheel's circle, rad.
     """
     c, s = np.cos(angle), np.sin(angle)
     xx = around * c * c + across * s * s

@@ -26,26 +26,33 @@ CONES = {"cylinder": 0.0, "cone20": 1 / 20, "cone40": 1 / 40}
 
 
 class Piece(Protocol):
-    """One smooth part of a profile, for start <= y <= end."""
+    """One smooth part of a profile, for start <= y <= end.
+    start, end: first and last y, mm.
+    """
 
     @property
     def start(self) -> float:
-        """First y, mm."""
+        """First y of the piece, mm."""
         ...
 
     @property
     def end(self) -> float:
-        """Last y, mm."""
+        """Last y of the piece, mm."""
         ...
 
     def derivative(self, y: Array, order: int) -> Array:
-        """z (order 0), dz/dy (1) or d2z/dy2 (2)."""
+        """z in mm (order 0), dz/dy (order 1) or d2z/dy2 in 1/mm (order 2) at y (n,) in mm."""
         ...
 
 
 @dataclass(frozen=True)
 class Arc:
-    """z = centre_z + side sqrt(r^2 - (y - centre_y)^2), side +1 (upper half) or -1."""
+    """Circular arc z = centre_z + side sqrt(radius^2 - (y - centre_y)^2).
+    start, end: first and last y, mm.
+    centre_y, centre_z: centre of the circle, mm.
+    radius: radius of the circle, mm, positive.
+    side: +1 for the upper half of the circle, -1 for the lower one.
+    """
 
     start: float
     end: float
@@ -55,6 +62,9 @@ class Arc:
     side: int
 
     def derivative(self, y: Array, order: int) -> Array:
+        """z in mm (order 0), dz/dy (order 1) or d2z/dy2 in 1/mm (order 2) at y (n,) in mm; the root
+        stays positive beyond the circle.
+        """
         offset = y - self.centre_y
         root = np.sqrt(np.maximum(self.radius**2 - offset**2, 1e-12 * self.radius**2))
         if order == 0:
@@ -64,7 +74,10 @@ class Arc:
 
 @dataclass(frozen=True)
 class Polynomial:
-    """z = sum c_k y^k."""
+    """Polynomial z = sum of c_k y^k, in mm.
+    start, end: first and last y, mm.
+    coefficients: c_0, c_1, ... of the powers of y.
+    """
 
     start: float
     end: float
@@ -72,43 +85,55 @@ class Polynomial:
 
     @cached_property
     def _derivatives(self) -> tuple[np.polynomial.Polynomial, ...]:
+        """The polynomial, its first and its second derivative as numpy polynomials."""
         poly = np.polynomial.Polynomial(self.coefficients)
         return poly, poly.deriv(1), poly.deriv(2)
 
     def derivative(self, y: Array, order: int) -> Array:
+        """z in mm (order 0), dz/dy (order 1) or d2z/dy2 in 1/mm (order 2) at y (n,) in mm."""
         return np.asarray(self._derivatives[order](y), dtype=float)
 
 
 @dataclass(frozen=True)
 class Spline:
-    """A scipy spline in y."""
+    """Spline z(y), in mm.
+    start, end: first and last y, mm.
+    spline: scipy spline, called with y and the order of the derivative `nu`.
+    """
 
     start: float
     end: float
     spline: Any
 
     def derivative(self, y: Array, order: int) -> Array:
+        """z in mm (order 0), dz/dy (order 1) or d2z/dy2 in 1/mm (order 2) at y (n,) in mm."""
         return np.asarray(self.spline(y, nu=order), dtype=float)
 
 
 @dataclass(frozen=True)
 class Profile:
-    """A chain of pieces in ascending y; NaN outside of it."""
+    """A transverse profile z(y), a chain of pieces in ascending y; NaN outside of the pieces.
+    name: name of the profile, used in messages.
+    pieces: arcs, polynomials or splines, each from its start to its end.
+    """
 
     name: str
     pieces: tuple[Piece, ...]
 
     @property
     def domain(self) -> tuple[float, float]:
-        """First and last y, mm."""
+        """First and last y of the profile, mm."""
         return self.pieces[0].start, self.pieces[-1].end
 
     @property
     def joints(self) -> list[float]:
-        """y where two pieces meet, mm."""
+        """y where two pieces meet, in ascending order, mm."""
         return [piece.start for piece in self.pieces[1:]]
 
     def _evaluate(self, y: ArrayLike, order: int) -> Array:
+        """z (order 0), dz/dy (1) or d2z/dy2 (2) at y of any shape, mm; NaN beyond the profile. At a
+        joint the later piece counts.
+        """
         y = np.asarray(y, dtype=float)
         out = np.full(y.shape, np.nan)
         for piece in self.pieces:
@@ -118,28 +143,32 @@ class Profile:
         return out
 
     def height(self, y: ArrayLike) -> Array:
-        """z(y), mm."""
+        """z at y of any shape, mm; NaN beyond the profile."""
         return self._evaluate(y, 0)
 
     def slope(self, y: ArrayLike) -> Array:
-        """dz/dy."""
+        """dz/dy at y (mm) of any shape; NaN beyond the profile."""
         return self._evaluate(y, 1)
 
     def curvature(self, y: ArrayLike) -> Array:
-        """1/mm, positive where the solid below z is convex: -z'' / (1 + z'^2)^(3/2)."""
+        """Curvature -z'' / (1 + z'^2)^(3/2) at y (mm), in 1/mm: positive where the solid below z is
+        convex.
+        """
         return np.asarray(-self._evaluate(y, 2) / (1 + self.slope(y) ** 2) ** 1.5)
 
 
 @lru_cache
 def data(name: str) -> dict[str, Any]:
-    """A JSON file of this room's data folder."""
+    """Content of the JSON file with that name in the data folder of railhead.geometry; cached."""
     file = resources.files("railhead.geometry") / "data" / name
     content: dict[str, Any] = json.loads(file.read_text())
     return content
 
 
 def single_radius(radius: float, half_width: float, name: str = "arc") -> Profile:
-    """A crown of one radius (mm; negative is concave, infinite is flat) with its top at y = 0."""
+    """Profile of one radius (mm; negative is concave, infinite is flat) through (0, 0), level
+    there, for |y| <= half_width; at most 0.95 of the radius.
+    """
     if math.isinf(radius):
         return Profile(name, (Polynomial(-half_width, half_width, (0.0,)),))
     reach = min(half_width, 0.95 * abs(radius))
@@ -148,12 +177,16 @@ def single_radius(radius: float, half_width: float, name: str = "arc") -> Profil
 
 
 def cone(slope: float, half_width: float, name: str) -> Profile:
-    """A conical tread: the wheel is larger on its flange side, y < 0."""
+    """Conical tread z = -slope * y for |y| <= half_width (mm): the wheel is larger on its flange
+    side, y < 0.
+    """
     return Profile(name, (Polynomial(-half_width, half_width, (0.0, -slope)),))
 
 
 def s1002() -> Profile:
-    """The S1002 wheel, zones A to H; flange at y < 0."""
+    """Profile of the S1002 wheel from its zones A to H, each an arc or a polynomial; the flange is
+    at y < 0.
+    """
     pieces: list[Piece] = []
     for zone in data("s1002.json")["zones"].values():
         start, end = zone["range"]
@@ -165,9 +198,10 @@ def s1002() -> Profile:
 
 
 def rail_head(name: str, inclination: float = 0.0) -> Profile:
-    """Top of 54E1 or 60E1 (R300-R80-R13 on both sides), rolled about the crown centre.
-
-    inclination: slope towards the track's centre (y < 0), as 1/20.
+    """Crown of 54E1 or 60E1 with three arcs on each side (R300, R80, R13), turned about the crown
+    centre.
+    inclination: slope by which the rail leans towards the track's centre (y < 0), as 1/20.
+    Ends that no longer face upwards are cut.
     """
     segments = data("rails.json")[name]["half_section"][:3]
     top = np.array(segments[0]["start"])
@@ -187,7 +221,9 @@ def rail_head(name: str, inclination: float = 0.0) -> Profile:
 
 
 def rolled(profile: Profile, slope: float) -> Profile:
-    """The profile rolled about the origin by a slope; exact for a single arc, else resampled."""
+    """The profile turned about the origin by the angle arctan(slope), from y to z. The result is
+    exact for a single arc, else a cubic spline through 2001 points.
+    """
     if not slope:
         return profile
     c, s = _cos_sin(slope)
@@ -208,7 +244,9 @@ def rolled(profile: Profile, slope: float) -> Profile:
 
 def osculating(profile: Profile, y: float) -> Profile:
     """The circle of curvature of a profile at y (mm), as a profile; a straight line where the
-    curvature is below STRAIGHT. Height, slope and curvature at y are the same."""
+    modulus of the curvature is below STRAIGHT.
+    Both profiles have the same height, slope and curvature at y.
+    """
     start, end = profile.domain
     height, slope, curvature = (
         float(f(y)) for f in (profile.height, profile.slope, profile.curvature)
@@ -224,12 +262,13 @@ def osculating(profile: Profile, y: float) -> Profile:
 
 
 def _cos_sin(slope: float) -> tuple[float, float]:
+    """Cosine and sine of the angle whose tangent is the slope."""
     angle = math.atan(slope)
     return math.cos(angle), math.sin(angle)
 
 
 def _join(pieces: list[Piece]) -> list[Piece]:
-    """The two crown arcs of the halves are one arc."""
+    """The pieces, in order, with neighbouring arcs of the same centre joined to one arc."""
     joined: list[Piece] = []
     for piece in pieces:
         last = joined[-1] if joined else None

@@ -17,20 +17,27 @@ CONVERGED = 1e-9  # mm, of the last step: a line that misses the surface takes l
 
 
 class Surface(Protocol):
-    """The zero set of a function that is positive outside the solid."""
+    """A surface as the zero set of a function that is positive outside the solid."""
 
     def implicit(self, points: Array) -> tuple[Array, Array]:
-        """(n,) values in mm and (n, 3) gradients at points (n, 3); NaN beyond the profile."""
+        """Values (n,) in mm of the function and its gradients (n, 3) at points (n, 3) in mm; NaN
+        beyond the profile.
+        """
         ...
 
 
 @dataclass(frozen=True)
 class RailSurface:
-    """A straight rail: z - profile(y)."""
+    """Straight rail along x, the zero set of z - profile(y).
+    profile: z(y) of the rail, mm.
+    """
 
     profile: Profile
 
     def implicit(self, points: Array) -> tuple[Array, Array]:
+        """Values (n,) of z - profile(y) in mm and gradients (n, 3) at points (n, 3) in mm; NaN
+        beyond the profile.
+        """
         y = points[:, 1]
         gradient = np.column_stack([np.zeros_like(y), -self.profile.slope(y), np.ones_like(y)])
         return points[:, 2] - self.profile.height(y), gradient
@@ -38,13 +45,21 @@ class RailSurface:
 
 @dataclass(frozen=True)
 class WheelSurface:
-    """A surface of revolution: distance from the axle - (rolling_radius + profile(y))."""
+    """Surface of revolution, the zero set of distance from the axle - (rolling_radius +
+    profile(y)).
+    profile: height over the nominal rolling radius, outwards, mm.
+    rolling_radius: nominal rolling radius, mm.
+    pose: position of the wheel in the world.
+    """
 
     profile: Profile
     rolling_radius: float
     pose: Pose
 
     def implicit(self, points: Array) -> tuple[Array, Array]:
+        """Values (n,) of distance from the axle - (rolling_radius + profile(y)) in mm and gradients
+        (n, 3) in world axes, at world points (n, 3) in mm; NaN beyond the profile.
+        """
         x, y, z = self.pose.inward(points).T
         distance = np.hypot(x, z)
         gradient = np.column_stack([x / distance, -self.profile.slope(y), z / distance])
@@ -54,9 +69,9 @@ class WheelSurface:
 
 def along(surface: Surface, points: Array, directions: Array) -> Array:
     """Distance t (n,) with points + t directions on the surface, by Newton's method from t = 0.
-
-    points, directions: (n, 3), mm. Infinite where the line misses the surface or its profile ends,
-    and where a point is not finite.
+    points: (n, 3), mm.
+    directions: (n, 3); t is in mm where these have unit length.
+    Infinite where the line misses the surface or its profile ends, and where a point is not finite.
     """
     t, step = np.zeros(len(points)), np.zeros(len(points))
     with np.errstate(invalid="ignore"):
@@ -70,8 +85,10 @@ def along(surface: Surface, points: Array, directions: Array) -> Array:
 
 
 def nearest(surface: Surface, points: Array) -> tuple[Array, Array]:
-    """Places (n, 3) on a surface nearest to points (n, 3) beside it, mm, and its unit normals
-    there; NaN beyond the profile."""
+    """Places (n, 3) on a surface close to points (n, 3) beside the surface, mm, and outward unit
+    normals (n, 3) at these places.
+    Each place lies on the line through its point along the gradient there. NaN beyond the profile.
+    """
     direction = _unit(surface.implicit(points)[1])
     with np.errstate(invalid="ignore"):
         places = points + along(surface, points, direction)[:, None] * direction
@@ -80,34 +97,38 @@ def nearest(surface: Surface, points: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class ExactGap:
-    """Gap from `slave` along its outward normal to `master`."""
+    """Gap from one surface along its outward normal to the other surface, mm.
+    slave: surface from which the gap is measured.
+    master: surface that the normal meets.
+    """
 
     slave: Surface
     master: Surface
 
     def __call__(self, points: Array) -> tuple[Array, Array]:
-        """points (n, 3) near the slave -> (gap (n,), outward normal (n, 3)).
-
+        """Gap (n,) in mm and outward unit normals (n, 3) of the slave, at points (n, 3) near the
+        slave in mm.
         The points are moved onto the slave first. The gap is infinite where the normal misses the
-        master.
+        master; the normal is zero beyond the profile of the slave.
         """
         places, normal = nearest(self.slave, points)
         return along(self.master, places, normal), np.where(np.isfinite(normal), normal, 0.0)
 
     def off_surface(self, points: Array) -> Array:
-        """Distance (n,) of points (n, 3) from the slave, mm."""
+        """Distance (n,) of points (n, 3) from the slave surface, mm; NaN beyond its profile."""
         return np.asarray(np.linalg.norm(nearest(self.slave, points)[0] - points, axis=1))
 
 
 def _unit(vectors: Array) -> Array:
+    """Vectors (n, 3), each divided by its length."""
     return np.asarray(vectors / np.linalg.norm(vectors, axis=1)[:, None])
 
 
 @dataclass(frozen=True)
 class ParabolicGap:
     """Hertz's own gap, curvature_x x^2/2 + curvature_y y^2/2, between two flat half-spaces.
-
-    outward: +1 if the slave is the lower body.
+    curvature_x, curvature_y: relative curvatures along x and y, 1/mm.
+    outward: +1 if the slave is the lower body, else -1.
     """
 
     curvature_x: float
@@ -115,6 +136,8 @@ class ParabolicGap:
     outward: int
 
     def __call__(self, points: Array) -> tuple[Array, Array]:
-        """points (n, 3) -> (gap (n,), normal (n, 3))."""
+        """Gap (n,) in mm and outward unit normals (n, 3) of the slave, (0, 0, outward), at points
+        (n, 3) in mm.
+        """
         gap = 0.5 * (self.curvature_x * points[:, 0] ** 2 + self.curvature_y * points[:, 1] ** 2)
         return gap, np.tile([0.0, 0.0, float(self.outward)], (len(points), 1))

@@ -22,27 +22,30 @@ LARGEST_ROLL = 0.1  # rad
 
 @dataclass(frozen=True)
 class Track:
-    """back_to_back: distance of the flange backs; gauge: distance of the rails 14 mm below their
-    tops (mm), None where the tape circles stand over the crown centres."""
+    """Distances that place a wheelset over its track.
+    back_to_back: distance of the flange backs, mm.
+    gauge: distance of the rails 14 mm below their tops, mm; None where the tape circles stand over
+        the crown centres.
+    """
 
     back_to_back: float = 1360.0
     gauge: float | None = None
 
     @property
     def tape(self) -> float:
-        """Distance of the tape circle from the wheelset's centre, mm."""
+        """Distance of the tape circle, 70 mm from the flange back, to the wheelset's centre, mm."""
         return self.back_to_back / 2 + TAPE_CIRCLE
 
     def crown(self, rail: Profile) -> float:
-        """Distance of the crown centre from the centre of the track, mm.
-
-        Raises PlacementError where the profile ends above the depth of the gauge.
+        """Distance of the rail's crown centre from the centre of the track, mm.
+        Raises PlacementError where a gauge is given and the profile ends above the depth of the
+        gauge.
         """
         return self.tape if self.gauge is None else self.gauge / 2 - gauge_face(rail)
 
 
 def top(rail: Profile) -> tuple[float, float]:
-    """y and z of the highest point of a rail, mm."""
+    """y and z of the highest point of a rail's profile, mm."""
     y = np.linspace(*rail.domain, 20001)
     slope = rail.slope(y)
     best = int(np.nanargmax(rail.height(y)))
@@ -54,7 +57,9 @@ def top(rail: Profile) -> tuple[float, float]:
 
 
 def gauge_face(rail: Profile) -> float:
-    """y of the gauge face, 14 mm below the highest point, mm."""
+    """y at which the profile, on its side y below the top, is 14 mm below its highest point, mm.
+    Raises PlacementError where the profile ends above this depth.
+    """
     start = rail.domain[0]
     crest, height = top(rail)
     if not float(rail.height(start)) < height - GAUGE_DEPTH:
@@ -67,7 +72,11 @@ def gauge_face(rail: Profile) -> float:
 
 @dataclass(frozen=True)
 class Side:
-    """One wheel on its rail: its pose in the side's axes, and its contacts, lowest gap first."""
+    """One wheel on its rail, in the axes of its side: origin at the crown centre, y to the field
+    side.
+    pose: position of the wheel.
+    touches: contact points, smallest gap first.
+    """
 
     pose: Pose
     touches: list[ContactPoint]
@@ -75,7 +84,12 @@ class Side:
 
 @dataclass(frozen=True)
 class Placed:
-    """A wheelset that touches both rails. roll rad; height of its centre over the crowns, mm."""
+    """A wheelset that touches both rails.
+    roll: roll angle of the wheelset, rad.
+    height: height of its centre over the crown centres, mm.
+    right: right wheel on its rail.
+    left: left wheel on its rail, in mirrored axes.
+    """
 
     roll: float
     height: float
@@ -84,29 +98,40 @@ class Placed:
 
     @property
     def rolling_radius_difference(self) -> float:
-        """Right minus left, mm."""
+        """Radius of the wheel at the first contact, right minus left, mm."""
         return self.right.touches[0].radius - self.left.touches[0].radius
 
 
 def place(
     pair: Pair, track: Track, shift: float = 0.0, yaw: float = 0.0, clearance: float = 0.0
 ) -> Placed:
-    """Lower the wheelset, moved by shift (mm) to the right and turned by yaw (rad), onto the track.
-
-    clearance: gap up to which further contact points are kept, mm. Raises PlacementError where a
-    wheel misses its rail.
+    """Lower a wheelset, moved by shift (mm) to the right and turned by yaw (rad), onto the track;
+    the roll follows from contact on both sides.
+    clearance: height above the lowest contact point up to which further contact points are kept,
+        mm.
+    Raises PlacementError where a wheel misses its rail, no roll lets both wheels touch, or the
+    rail's profile does not reach the gauge.
     """
     offset = track.crown(pair.rail)
 
     def pose(side: int, roll: float, height: float = 0.0) -> Pose:
+        """Pose of the right (side 1) or left (side -1) wheel in the axes of its side, for a roll in
+        rad and a height of the wheelset's centre in mm.
+        """
         rotation = turned(side * yaw, side * roll)
         centre = np.array([0.0, side * shift - offset, height])
         return Pose(rotation, centre + track.tape * rotation[:, 1])
 
     def height(side: int, roll: float) -> float:
+        """Height of the wheelset's centre at which the wheel of that side touches its rail at a
+        roll in rad, mm.
+        """
         return -pair.touches(pose(side, roll))[0].gap
 
     def tilt(roll: float) -> float:
+        """Height of the centre for contact on the right minus that on the left, at a roll in rad,
+        mm.
+        """
         return height(1, roll) - height(-1, roll)
 
     roll = 0.0
