@@ -26,7 +26,7 @@ Quantities = dict[str, Any]
 def from_findings(found: Findings, load: float, approach: float) -> Quantities:
     """Quantities of the finite-element result.
 
-    load: N. approach: of the hub, along the load, mm.
+    load: on the wheel, N. approach: of the hub, along the load, mm.
     """
     axis, patch = found.axis, found.patch
     below = [axis, *found.also][: len(patch.each)]
@@ -45,7 +45,9 @@ def from_findings(found: Findings, load: float, approach: float) -> Quantities:
 
 
 def _one(patch: OnePatch, axis: DepthAxis) -> Quantities:
-    """Quantities of one separate patch, with the largest stresses on the axis below it."""
+    """Quantities of one separate patch: centre, contact angle, half lengths, area, largest
+    pressure, share of the load, and the largest stresses on the axis below the patch.
+    """
     return {
         "centre_mm": list(patch.centre),
         "contact_angle_rad": patch.angle,
@@ -84,9 +86,11 @@ def from_line(
     origin: Place,
     approach: float | None,
 ) -> Quantities:
-    """Quantities of the exact line contact; arguments as those of `from_hertz`.
+    """Quantities of the exact line contact.
 
-    approach: of the supports of the bodies along the load, mm, or None where it is not known.
+    poisson: Poisson's ratio by body name; the axis of the first body is shown. angle: contact
+        angle, rad. origin: contact point, mm. approach: of the supports of the bodies along the
+        load, mm, or None where it is not known.
     """
     return {
         "load_N": contact.load * math.cos(angle),
@@ -146,6 +150,10 @@ def _areas(solution: Solution, plane: float) -> float:
 def _half_space_patch(
     patch: PatchSolution, surface: Callable[[Array, Array], Array], force: float
 ) -> Quantities:
+    """Quantities of one separate patch of boundary elements.
+
+    surface: maps x, s (n,) to points (n, 3), mm. force: normal force on all patches, N.
+    """
     x, s = patch.centroid
     a, b = patch.half_extents_on(patch.plane)
     return {

@@ -26,11 +26,11 @@ PEAK_SAMPLES = 8  # either side of the largest one
 
 @dataclass(frozen=True)
 class Frame:
-    """Axes of a contact: x along the rail, s along the common tangent across it, and the outward
-    normal of the rail.
+    """Axes of a contact: x along the rail, s along the common tangent across the rail, and the
+    outward normal of the rail.
 
-    origin (3,): contact point, mm.
-    angle: of the tangent s to the horizontal, rad.
+    origin (3,): contact point in space, mm.
+    angle: contact angle, from the horizontal to the tangent s, rad.
     """
 
     origin: tuple[float, float, float]
@@ -62,13 +62,14 @@ class Frame:
 
 @dataclass(frozen=True, kw_only=True)
 class Surface:
-    """Fields on the modelled part of a contact surface.
+    """Fields at the n nodes of the modelled part of a contact surface.
 
-    points, displacement (n, 3): nodes and their displacement, mm.
-    local (n, 2): x and s of the nodes, mm.
+    points (n, 3): undeformed nodes in space, mm.
+    local (n, 2): x and s of the nodes in the contact frame, mm.
     triangles (t, 3): nodes of each triangle; of a section lines (t, 2).
-    pressure (n,): contact pressure at the nodes, linear between them, never negative, MPa.
+    pressure (n,): smooth contact pressure at the nodes, never negative, MPa.
     gap (n,): distance to the other body, mm.
+    displacement (n, 3): of the nodes, mm.
     """
 
     points: Array
@@ -83,11 +84,11 @@ class Surface:
 class OnePatch:
     """One of several separate contact patches, in its own tangent plane.
 
-    centre (3,): centre of pressure, mm.
-    angle: contact angle, rad.
-    a, b: half lengths along and across, mm.
+    centre (3,): centre of pressure in space, mm.
+    angle: contact angle of the tangent plane, rad.
+    a, b: half lengths along x and along s, mm.
     area: mm2.
-    max_pressure: MPa.
+    max_pressure: largest pressure, MPa.
     share: part of the whole contact force, 0 to 1.
     """
 
@@ -102,17 +103,19 @@ class OnePatch:
 
 @dataclass(frozen=True, kw_only=True)
 class Patch:
-    """The contact patch, parts that symmetry left out included.
+    """The contact patch, with the mirror images of a model that was cut at symmetry planes.
 
     a, b: semi-axes along x and s from second moments where the pressure is Hertz's, else half
-        lengths of the outline; of a line contact half width and half length, mm.
-    centre: (x, s) of the pressure's centroid, mm.
-    area: mm2.
-    max_pressure, mean_pressure: MPa.
-    outlines: closed curves (k, 2) of (x, s), one a separate patch.
-    each: one entry a separate patch; then a, b and centre are those of the most loaded one.
-    scatter: relative differences of a, b, area and max_pressure from other readings of the same
-        solution. They say nothing of the mesh.
+        lengths of the outline; of a line contact half width and half length, mm. Of several patches
+        they are those of the most loaded one.
+    centre: (x, s) of the centre of pressure, mm; of several patches that of the most loaded one.
+    area: of all patches, mm2.
+    max_pressure, mean_pressure: largest pressure, and force over area, MPa.
+    outlines: closed curves (k, 2) of (x, s), mm; each separate patch has one, and each hole
+        another.
+    each: the separate patches, most loaded first; empty for a section.
+    scatter: relative differences of a, b, area and max_pressure, by these names, from other
+        readings of the same solution. They are no measure of the error by the mesh.
     """
 
     a: float
@@ -127,13 +130,13 @@ class Patch:
 
     @property
     def box(self) -> tuple[Array, Array]:
-        """Least and greatest (x, s) of all outlines."""
+        """Smallest and largest (x, s) of all outlines, each (2,), mm."""
         every = np.concatenate(self.outlines)
         return every.min(axis=0), every.max(axis=0)
 
     @property
     def main(self) -> Array:
-        """The outline (k, 2) around the centre; the largest of several there."""
+        """The outline (k, 2) whose box holds the centre, mm; the largest one if there are more."""
         around = [
             line
             for line in self.outlines
@@ -149,7 +152,7 @@ class Peak:
     value: MPa.
     depth: below the contact surface, mm.
     place: in space, mm; None where it is not known.
-    rivals: depths (mm) of other local maxima whose values are within RIVAL of it.
+    rivals: depths (mm) of local maxima whose values are within RIVAL (relative) of the largest.
     """
 
     value: float
@@ -160,9 +163,12 @@ class Peak:
 
 @dataclass(frozen=True)
 class Largest:
-    """Largest shear and von Mises stress of one body, anywhere but at sharp edges.
+    """Largest stresses of one body, apart from those near sharp edges.
 
-    edges: the same two near sharp edges, where a mesh says more there; None elsewhere.
+    tau: largest shear stress.
+    von_mises: largest von Mises stress.
+    edges: largest shear and von Mises stress near sharp edges; each is None unless it exceeds that
+        elsewhere. It depends on the mesh.
     """
 
     tau: Peak
@@ -172,11 +178,14 @@ class Largest:
 
 @dataclass(frozen=True)
 class DepthAxis:
-    """Stress along the normal below the contact in one body.
+    """Stresses on a line along the normal into one body, from the tangent plane at the centre of a
+    patch.
 
-    depth (k,): mm.
-    stress (k, 6): MPa, in space.
-    line: start of the axis (mm) and its direction, in space.
+    body: 'rail' or 'wheel'.
+    depth (k,): below the tangent plane, mm, ascending.
+    stress (k, 6): components (xx, ss, nn, xs, xn, sn) in the contact frame, MPa, tension positive.
+    line: start of the axis in space (mm) and its unit vector into the body; None where they are not
+        known.
     """
 
     body: str
@@ -185,9 +194,10 @@ class DepthAxis:
     line: tuple[Place, Place] | None = None
 
     def peak(self, values: Array) -> tuple[float, float]:
-        """Depth and value of the maximum of (k,) values, by a quartic through the samples around.
+        """Depth (mm) and value of the maximum of values (k,) at the depths of the axis.
 
-        A maximum at either end is the sample itself.
+        The maximum is that of a quartic polynomial fitted to the PEAK_SAMPLES values on either side
+        of the largest one. A largest value at either end is returned as it is.
         """
         top = int(np.argmax(values))
         around = slice(max(top - PEAK_SAMPLES, 0), min(top + PEAK_SAMPLES + 1, len(values)))
@@ -205,7 +215,9 @@ class DepthAxis:
         return float(self.depth[top] + best), float(curve(best))
 
     def flatness(self, values: Array) -> float:
-        """Half the range of depths, mm, in which (k,) values are within FLAT of the largest one."""
+        """Half the range of depths, mm, around the largest of values (k,) in which they are within
+        FLAT (relative) of the largest.
+        """
         least = (1 - FLAT) * values.max()
         high = np.flatnonzero(values >= least)
         ends = []
@@ -218,8 +230,10 @@ class DepthAxis:
         return (ends[1] - ends[0]) / 2
 
     def rivals(self, doubt: float) -> list[float]:
-        """Depths at which the largest shear stress may be as well, mm: tops of the half differences
-        of two normal stresses that are within `doubt` (relative) of the highest of them."""
+        """Depths, mm, at which the largest shear stress may lie: those of the maxima of the half
+        differences of two normal stresses that are within `doubt` (relative) of the highest of
+        these maxima.
+        """
         normal = self.stress[:, :3].T
         pairs = ((0, 1), (0, 2), (1, 2))
         tops = [self.peak(np.abs(normal[i] - normal[j]) / 2) for i, j in pairs]
@@ -232,6 +246,7 @@ class DepthAxis:
         return Largest(self._peak(max_shear(self.stress)), self._peak(von_mises(self.stress)))
 
     def _peak(self, values: Array) -> Peak:
+        """Maximum of values (k,) at the depths of the axis, in MPa, with its place in space."""
         depth, value = self.peak(values)
         if self.line is None:
             return Peak(value, depth, None)
@@ -241,12 +256,12 @@ class DepthAxis:
 
 @dataclass(frozen=True)
 class AxisPressure:
-    """Contact pressure along a line in x or s.
+    """Contact pressure on a line along x or along s.
 
-    coordinate (k,): mm.
+    coordinate (k,): x or s, mm.
     pressure (k,): MPa.
     at: the other coordinate of the line, mm: that of the largest pressure of the most loaded patch,
-        of an ellipse its centre.
+        or of the centre of an ellipse.
     """
 
     coordinate: Array
@@ -258,24 +273,27 @@ class AxisPressure:
 class Findings:
     """Everything that is read out of one solution.
 
-    frame: axes of the contact.
+    frame: axes of the contact; of several patches those of the most loaded one.
     patch: the contact patch.
-    surface: fields on the contact surface that carries the pressure.
-    depth: stresses below the contact, by body name.
+    surface: fields on the contact surface of the slave, the body whose facets carry the pressure.
+    depth: stresses on the axis below the contact, by body name.
     along, across: pressure along x and along s.
-    shape_error: relative L2 distance of the pressure from the nearest semi-ellipsoid.
-    hertzian: whether moments of the pressure give the semi-axes.
+    shape_error: largest relative deviation of the pressure's third and fourth moments from those of
+        a semi-ellipsoid, or in a section of Hertz's pressure there.
+    hertzian: whether second moments of the pressure give the semi-axes.
     largest: largest stresses, by body name.
     also: axes below the other patches, in the order of `Patch.each`, in the body of `axis`.
     notes: remarks that every picture shows below it.
-    subject: what pictures are of, in words.
-    noise: relative L2 scatter of the computed pressure.
-    elements_across: elements along and across the most loaded patch.
-    edge_distance: of the patch from an edge of the body, over its smaller half length.
-    misfit: relative difference of smoothed and element stresses around the largest ones.
-    opposite: fields on the contact surface of the other body; None where it is rigid.
-    dissipated: energy by friction per rolled length, N; NaN where nothing rolls.
-    unread_peak: relative error of the largest stresses by peaks of partial slip at the surface.
+    subject: words for titles and labels of pictures.
+    noise: relative L2 difference of computed and smooth pressure.
+    elements_across: numbers of elements over the length and over the width of the most loaded
+        patch.
+    edge_distance: smallest distance of a point with pressure from an edge of the bodies, over the
+        smaller half length of the patch.
+    misfit: largest relative difference of smooth and element stresses around the largest ones.
+    opposite: fields on the contact surface of the other body; None where that is rigid.
+    dissipated: energy dissipated by friction per rolled length, N; NaN where nothing rolls.
+    unread_peak: relative error of the largest stresses from the cusps at the border of stick.
     """
 
     frame: Frame
@@ -300,5 +318,5 @@ class Findings:
 
     @property
     def axis(self) -> DepthAxis:
-        """The stresses below the contact in the rail, or in the wheel if the rail is rigid."""
+        """Stresses on the axis below the contact in the rail, or in the wheel of a rigid rail."""
         return self.depth.get("rail") or next(iter(self.depth.values()))

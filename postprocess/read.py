@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 
 def moments(fields: Fields, frame: Frame) -> PressureMoments:
-    """Moments of the pressure; see `patch.moments` and `section.moments`."""
+    """Moments of the contact pressure in the contact frame: force, centre, semi-axes and their
+    deviation from Hertz, for bodies in space or for a section.
+    """
     return (section if fields.kinematics.dim == 2 else patch).moments(fields, frame)
 
 
@@ -28,10 +30,13 @@ def findings(
     *,
     parabolic: bool = False,
 ) -> Findings:
-    """Patch, recovered surface fields, and stresses below the contact in every meshed body.
+    """Read the patch, the smooth fields on the contact surfaces and the stresses in every meshed
+    body out of a solution.
 
-    rubbing: of a solution with friction; parabolic: see `patch.read`. Where there are several
-    patches, the frame becomes that of the most loaded one.
+    fields: the solution. frame: contact frame; where there are several patches, that of the most
+        loaded one replaces it. rubbing: solution with friction, or None. parabolic: whether Hertz's
+        theory is exact, that is for elastic half-spaces whose gap is quadratic; second moments of
+        the pressure then give the semi-axes.
     """
     flat = fields.kinematics.dim == 2
     separate = [] if flat else separate_patches(fields)

@@ -49,8 +49,11 @@ STYLE = {
 def new_figure(
     path: Path | None, width: float, height: float, of: Findings | str = ""
 ) -> Iterator[Figure]:
-    """A figure of the given size in inches, saved at the end if there is a path, with the title of
-    what it is of over it and the notes below it; the backend is Agg by itself."""
+    """Context manager: a matplotlib figure of width by height inches, drawn by the Agg backend and
+    saved as PNG at the end if `path` is given.
+
+    of: findings, whose title is written above the figure and whose notes below; or a title alone.
+    """
     import matplotlib
     from matplotlib.figure import Figure
 
@@ -79,7 +82,12 @@ def closed_ellipse(ellipse: Ellipse) -> Array:
 
 
 def pressure(findings: Findings, ellipse: Hertz | None, path: Path | None = None) -> Figure:
-    """Pressure along and across the rail through its largest value, MPa over mm."""
+    """Contact pressure (MPa) along x and along s (mm), through the largest pressure of the most
+    loaded patch.
+
+    ellipse: exact Hertz contact, drawn beside the result, or None. path: of the PNG file, or None.
+        Of a meridian section there is one panel, over the radius.
+    """
     revolved = findings.subject.revolved  # along and across are the same
     with new_figure(path, 7 if revolved else 10, 5.1, findings) as figure:
         left, *others = figure.subplots(1, 1 if revolved else 2, sharey=True, squeeze=False)[0]
@@ -101,8 +109,10 @@ def pressure(findings: Findings, ellipse: Hertz | None, path: Path | None = None
 
 
 def loaded(line: AxisPressure) -> tuple[Array, Array]:
-    """Coordinate (k,) and pressure (k,) of a cut where it is pressed: points beyond the patch are
-    left out, and p^2, which is straight at an edge, is followed to 0 before the next of them."""
+    """Coordinates (k,) in mm and pressures (k,) in MPa of those points of a line that carry
+    pressure, in ascending order. Each end of the pressure is added as a point with zero
+    pressure, where p^2, extrapolated in a straight line from the last two points, is zero.
+    """
     t, p = line.coordinate, line.pressure
     ends: list[tuple[float, float]] = []
     for step in (1, -1):  # where the pressure ends going up, where it ends going down
@@ -122,6 +132,11 @@ def loaded(line: AxisPressure) -> tuple[Array, Array]:
 
 
 def _pressure(axes: Axes, findings: Findings, ellipse: Hertz | None, axis: int, name: str) -> None:
+    """Draw the pressure of the result along x (axis 0) or s (axis 1), and that of the exact Hertz
+    contact with its edges.
+
+    ellipse: exact Hertz contact, or None. name: label of the result in the legend.
+    """
     line: AxisPressure = (findings.along, findings.across)[axis]
     axes.plot(*loaded(line), "o-", color=FE, lw=0.8, ms=3.5, label=name)
     axes.set_xlabel(findings.subject.label(axis))
@@ -147,9 +162,11 @@ def depth(
     poisson: float,
     path: Path | None = None,
 ) -> Figure:
-    """Principal stresses and largest shear (MPa) below the contact centre, over the depth (mm).
+    """Principal stresses and largest shear stress (MPa) over the depth (mm) below the centre of the
+    most loaded patch, in two panels.
 
-    poisson: of the body shown.
+    ellipse: exact Hertz contact, drawn beside the result, or None. poisson: Poisson's ratio of the
+        body shown, for the exact stresses. path: of the PNG file, or None.
     """
     axis = findings.axis
     fine = np.linspace(0, float(axis.depth.max()), 301, dtype=np.float64)
@@ -185,16 +202,21 @@ def depth(
 
 
 def minus(text: str) -> str:
-    """A number's text with the minus sign that axes have."""
+    """A number's text with the typographic minus sign, which matplotlib's axes have, in place of
+    each hyphen.
+    """
     return text.replace("-", "\N{MINUS SIGN}")
 
 
 def rounded(place: float, size: float) -> str:
-    """A coordinate (mm) as text: three digits, or 1e-3 of a size (mm)."""
+    """Text of a coordinate (mm) with three digits; zero if the coordinate is at most 1e-3 of a size
+    (mm).
+    """
     return minus(f"{place if abs(place) > 1e-3 * size else 0.0:.3g}")
 
 
 def _kind(ellipse: Hertz) -> str:
+    """Shape of an exact Hertz contact in words: 'line', 'circular' or 'elliptic'."""
     if not isinstance(ellipse, Ellipse):
         return "line"
     return "circular" if math.isclose(ellipse.a, ellipse.b, rel_tol=1e-6) else "elliptic"
@@ -207,7 +229,9 @@ def _centred(findings: Findings) -> bool:
 
 
 def _elsewhere(findings: Findings) -> str:
-    """Text: the body's largest shear stress, where it is not on the depth axis; else empty."""
+    """Text with the body's largest shear stress where this exceeds the largest on the depth axis by
+    the factor 1 + OFF_AXIS; otherwise empty.
+    """
     axis = findings.axis
     largest = findings.largest[axis.body].tau.value
     if largest < (1 + OFF_AXIS) * axis.peak(max_shear(axis.stress))[1]:
@@ -216,7 +240,9 @@ def _elsewhere(findings: Findings) -> str:
 
 
 def _below(findings: Findings) -> str:
-    """Text: where the depth axis starts."""
+    """Text that says below which point the depth axis lies: the most loaded patch of several, the
+    first contact, or a point x, s.
+    """
     x, s = findings.patch.centre
     if findings.also:
         return ", below the most loaded patch"
@@ -226,7 +252,7 @@ def _below(findings: Findings) -> str:
 
 
 def _diagonal(normal: Array) -> Array:
-    """(n, 3) normal stresses -> (n, 6) without shear."""
+    """Stresses (n, 6) from normal stresses (n, 3), with zero shear stresses."""
     return np.hstack((normal, np.zeros_like(normal)))
 
 
@@ -239,7 +265,12 @@ def _stresses(
     name: str,
     peak: tuple[float, float],
 ) -> None:
-    """Draw one result in both panels; peak: depth and value of its largest shear."""
+    """Draw principal stresses (first panel) and largest shear stress (second panel) of one result
+    over the depth.
+
+    at (k,): depths, mm. stress (k, 6): MPa. style: 'o' for points, '-' for a line. name: label in
+        the legend. peak: depth (mm) and value (MPa) of the largest shear stress, marked by a cross.
+    """
     look: dict[str, Any] = {"color": colour, "zorder": 2}
     if style == "o":
         look |= {"markevery": 3, "zorder": 3, "clip_on": False}
@@ -250,10 +281,10 @@ def _stresses(
 
 
 def mark_largest(axes: Axes, findings: Findings, across: int) -> None:
-    """Mark the largest shear stress of each body in a cut of x (across = 0) or s (1) over height.
+    """Mark the place of the largest shear stress of each body in a picture of x or s over height.
 
-    One that lies elsewhere along the rail is named by its distance; one whose image the cut shows
-    as well is marked once.
+    across: 0 where the horizontal axis is x, 1 where it is s. Legend entries give the value, the
+        depth and, if the place lies off a cut across the rail, its x.
     """
     half = min(findings.patch.a, findings.patch.b)
     for body, largest in findings.largest.items():
@@ -287,7 +318,11 @@ def _name_curves(axes: Axes, axis: DepthAxis) -> None:
 
 
 def patch(findings: Findings, ellipse: Ellipse | None, path: Path) -> None:
-    """Pressure over the whole patch in the contact plane (x, s), with the outlines."""
+    """Write a PNG file of the pressure in bands over the whole patch, with axes x and s in the
+    tangent plane, and its outlines.
+
+    ellipse: exact Hertz contact, whose outline is drawn too, or None. path: of the file.
+    """
     from matplotlib.path import Path as Path2D
     from matplotlib.ticker import MaxNLocator
 

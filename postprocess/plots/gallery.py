@@ -23,9 +23,13 @@ def draw(
     poisson: float,
     folder: Path,
 ) -> tuple[meshio.Mesh, meshio.Mesh]:
-    """Write the PNG files: six, four of a section. stresses (n, 6): of the fields, as
-    `nodal_stress` reads them. Returns what they show: cells, and the surface
-    that the pressure was found on."""
+    """Write the pictures of one result as PNG files into a folder: six, or four of a section or a
+    line contact.
+
+    stresses (n, 6): at the nodes of the fields, MPa. ellipse: exact Hertz contact; left out where
+        there are several patches. poisson: Poisson's ratio of the body on the depth axis. Returns
+        the grid of the cells, and that of the slave's contact surface.
+    """
     volume = export.volume_grid(fields, stresses)
     contact = export.contact_grid({fields.slave: found.surface})
     # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.

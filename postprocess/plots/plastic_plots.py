@@ -35,8 +35,13 @@ def draw(
     exact: Ellipse | LineContact | None,
     path: Path,
 ) -> None:
-    """Plastic strain and residual von Mises stress below the patch, the pressure beside the elastic
-    one and Hertz's, and how far the surfaces stay displaced."""
+    """Write a PNG file with four panels: equivalent plastic strain, residual von Mises stress,
+    contact pressure, and height of the surfaces after the load.
+
+    pressed: fields under the load. residual: fields after it. found: findings of the yielding
+        bodies. elastic: findings of the same load without yield. exact: Hertz contact, or None.
+        path: of the file.
+    """
     assert pressed.plastic_strain is not None
     patch = found.patch
     axis = 1 if pressed.kinematics.dim == 3 else coordinate(pressed)
@@ -59,8 +64,12 @@ def _cut(
     figure: Figure, axes: Axes, found: Findings, samples: tuple[Array, Array], across: int,
     label: str,
 ) -> None:  # fmt: skip
-    """Gauss points near the plane across the rail (or all of a section), as coloured dots; below
-    and above all patches."""
+    """Draw values at Gauss points as coloured dots, over x or s and the height. Shown are the
+    points near the plane across the rail through the contact, or all of a section.
+
+    samples: points (m, g, 3) in mm and values (m, g). across: 0 where the horizontal axis is x, 1
+        where it is s. label: of the colour bar.
+    """
     points, values = samples[0].reshape(-1, 3), samples[1].ravel()
     local = found.frame.local(points)
     low, high = (each[across] for each in found.patch.box)
@@ -86,6 +95,9 @@ def _cut(
 def _pressures(
     axes: Axes, found: Findings, elastic: Findings, exact: Ellipse | LineContact | None, axis: int
 ) -> None:
+    """Draw contact pressure (MPa) along x (axis 0) or s (axis 1), mm: of the yielding bodies, of
+    the elastic ones, and of the exact Hertz contact if there is one.
+    """
     line, without = (loaded((each.along, each.across)[axis]) for each in (found, elastic))
     axes.plot(*line, "o-", color=FE, lw=0.8, ms=3.5, label="with yield")
     if exact is not None:
@@ -99,8 +111,11 @@ def _pressures(
 
 
 def _left(axes: Axes, residual: Fields, pressed: Fields, found: Findings, half: float) -> None:
-    """Height of the nodes of both contact surfaces, along both axes, um; of a body that stays as it
-    was no line."""
+    """Draw the displacement along the rail's normal (um) of the contact surfaces after the load,
+    along x and along s (mm). A body that was not displaced has no line.
+
+    half: half length of the patch, mm, which sets the range that is shown.
+    """
     frame, subject = found.frame, found.subject
     surfaces = {pressed.slave: np.unique(pressed.contact.facet_nodes)}
     if pressed.master_surface is not None:

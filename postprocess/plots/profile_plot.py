@@ -15,7 +15,12 @@ RAW, SMOOTH, STANDARD, LOST = "#9a9a9a", "#1f4e79", "#c8502d", "#9a5f00"
 
 
 def draw(found: Measured, worn: LaidStandard, path: Path) -> None:
-    """Profile, residual, curvature and wear over y, below each other."""
+    """Write a PNG file with four panels over y: the profile, the difference of measured and
+    smoothed heights, the curvature, and the material lost to wear.
+
+    found: measured and smoothed profile. worn: the nearest standard profile, laid on the measured
+        one. path: of the file.
+    """
     smoothed, profile = found.smoothed, found.profile
     y = np.linspace(*inner(profile), 3000)
     with new_figure(path, 9, 11) as figure:
@@ -58,7 +63,9 @@ def draw(found: Measured, worn: LaidStandard, path: Path) -> None:
 
 
 def _curvature(worn: LaidStandard) -> tuple[Array, Array]:
-    """y (n,) and curvature (n,) of the standard, 1/mm, where it faces upwards."""
+    """y (n,) in mm and curvature (n,) in 1/mm, convex positive, of those parts of a standard
+    profile that face upwards.
+    """
     outline = worn.outline[::10]
     first = np.gradient(outline, axis=0)
     second = np.gradient(first, axis=0)

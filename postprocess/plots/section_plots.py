@@ -30,7 +30,9 @@ _TRIANGLES = {  # flat triangles through all nodes of a cell
 
 
 def bodies(fields: Fields, findings: Findings, path: Path) -> None:
-    """The whole section with its mesh, and the mesh around the contact."""
+    """Write a PNG file with two panels: the whole section with its mesh, mirror image included, and
+    the mesh around the contact.
+    """
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch as Swatch
 
@@ -70,8 +72,11 @@ def bodies(fields: Fields, findings: Findings, path: Path) -> None:
 
 
 def stress_cut(fields: Fields, stress: Array, findings: Findings, path: Path) -> None:
-    """sigma_3 and the largest shear stress in both bodies around the contact; stress (n, 6) MPa at
-    the nodes."""
+    """Write a PNG file of the smallest principal stress and the largest shear stress in a section
+    around the contact.
+
+    stress (n, 6): at the nodes of the fields, MPa. path: of the file.
+    """
     half, middle = _half_width(fields, findings)
     reach, axis = np.array([2.4, 1.8]) * half, coordinate(fields)
     at = findings.frame.local(fields.points)[:, [axis, 2]]
@@ -89,13 +94,15 @@ def stress_cut(fields: Fields, stress: Array, findings: Findings, path: Path) ->
 
 
 def _half_width(fields: Fields, findings: Findings) -> tuple[float, float]:
-    """Half width of the patch in the section and its middle, mm."""
+    """Half width of the patch in the section, and coordinate of its centre, mm."""
     axis, patch = coordinate(fields), findings.patch
     return (patch.a, patch.b)[axis], patch.centre[axis]
 
 
 def _parts(fields: Fields, findings: Findings) -> Iterator[tuple[int, Array, NDArray[np.int64]]]:
-    """Tag, nodes (n, 2) in the section and cells of each body, and of its mirror image."""
+    """For each body, and again for its mirror image where the model was cut: tag, coordinates (n,
+    2) of all nodes of the model, as x or s and height, mm, and nodes (m, k) of the body's cells.
+    """
     local = findings.frame.local(fields.points)[:, [coordinate(fields), 2]]
     for sign in (1.0, -1.0) if fields.mirrors else (1.0,):
         for tag in np.unique(fields.body):

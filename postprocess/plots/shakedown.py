@@ -16,8 +16,13 @@ POINTS = 61
 
 
 def draw(friction: Mapping[str, Any], poisson: float, path: Path, title: str = "") -> None:
-    """`friction` of a result in summary.json, with p0_over_k; limits of a line
-    under full slip, and those of this patch."""
+    """Write a PNG file of the shakedown map, p0/k over the traction coefficient, with the point and
+    the limits of one patch.
+
+    friction: "friction" of a result in summary.json, which must hold p0_over_k. poisson: Poisson's
+        ratio, for the limits of a line contact under full slip. path: of the file. title: above the
+        picture.
+    """
     used, ratio = friction["traction_coefficient"], friction["p0_over_k"]
     shares = np.linspace(0.0, max(WIDE, 1.1 * used), POINTS)
     with new_figure(path, 7, 4.8, title) as figure:

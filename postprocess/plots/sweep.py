@@ -33,8 +33,13 @@ LETTER = 0.11  # in: width of one of a value
 
 
 def curves(columns: Sequence[str], rows: Rows, path: Path, y: str, title: str = "") -> None:
-    """Four quantities over the column with the most values, a line for each value of the other;
-    what no check signs is ringed. y: its label."""
+    """Write a PNG file with four panels: largest pressure, area, place in y and largest shear
+    stress over the varied column with the most values.
+
+    columns: names of the one or two columns that are varied. rows: of the table. y: label of the
+        place in y. title: above the picture. There is a line for each value of the other column.
+        Rows whose checks did not pass are ringed.
+    """
     over, *others = _by_values(columns, rows)
     lines = _values(others[0], rows) if others else [None]
     with new_figure(path, 11, 7.6, title) as figure:
@@ -73,9 +78,14 @@ def patches(
     columns: Sequence[str], rows: Rows, outlines: Sequence[Sequence[Any]], path: Path, y: str,
     title: str = "",
 ) -> None:  # fmt: skip
-    """Outlines seen from above (red where a check failed), to scale, at their places in y (whose
-    label that is): a strip for each value of the column with fewer values, or one strip where one
-    column changes."""
+    """Write a PNG file of all patch outlines from above, to scale, beside each other at their
+    places in y. Nothing is written if there is no outline.
+
+    columns: names of the one or two columns that are varied. rows: of the table. outlines: of each
+        row, a list of curves (k, 2) in x and y, mm. y: label of the vertical axis. title: above the
+        picture. There is a strip for each value of the column with fewer values, or one if one
+        column is varied. Patches of rows whose checks did not pass are red.
+    """
     over, *others = _by_values(columns, rows)
     split = others[0] if others else None
     strips = _values(split, rows) if split else [None]
@@ -116,6 +126,11 @@ def patches(
 def _strip(
     axes: Axes, each: Sequence[Sequence[Array]], signed: Sequence[bool], step: float
 ) -> None:
+    """Fill the outlines of one strip of patches, `step` (mm) apart along the horizontal axis.
+
+    each: curves (k, 2) of each patch, mm. signed: of each patch, whether all checks passed;
+        otherwise it is red.
+    """
     for number, (lines, good) in enumerate(zip(each, signed, strict=True)):
         colour = FE if good else HERTZ
         for line in lines:
@@ -124,25 +139,30 @@ def _strip(
 
 
 def _along(lines: Sequence[Array]) -> float:
+    """Extent of curves (k, 2) along their first coordinate, mm."""
     return float(np.ptp(np.concatenate([line[:, 0] for line in lines])))
 
 
 def _by_values(columns: Sequence[str], rows: Rows) -> list[str]:
-    """Columns in the order of how many different values they have, most first."""
+    """Names of columns in the order of how many different values each has, most first."""
     return sorted(columns, key=lambda name: -len(_values(name, rows)))
 
 
 def _values(column: str, rows: Rows) -> list[Any]:
+    """Different values of a column, in the order of their first rows."""
     return list(dict.fromkeys(row[column] for row in rows))
 
 
 def _numbers(column: str, rows: Rows) -> bool:
+    """Whether all values of a column are finite numbers, truth values excluded."""
     return all(isinstance(row[column], float | int) and not isinstance(row[column], bool)
                and math.isfinite(row[column]) for row in rows)  # fmt: skip
 
 
 def _places(column: str, own: Rows, rows: Rows) -> Array:
-    """Positions on an axis: numbers where they are, words at 0, 1, 2 ..."""
+    """Horizontal positions (n,) of the rows `own`: the column's values if they all are numbers in
+    `rows`; otherwise 0, 1, 2 ... in the order in which the values first stand in `rows`.
+    """
     if _numbers(column, rows):
         return np.array([float(row[column]) for row in own])
     order = {value: float(place) for place, value in enumerate(_values(column, rows))}
@@ -150,4 +170,5 @@ def _places(column: str, own: Rows, rows: Rows) -> Array:
 
 
 def _word(value: object) -> str:
+    """Text of a value: decimal numbers in their shortest form."""
     return f"{value:g}" if isinstance(value, float) else str(value)

@@ -24,9 +24,15 @@ THIN = 0.15  # of the patch's half length across: points nearer to its middle li
 def draw(
     found: FrictionSolution, findings: Findings, coefficient: float, path: Path, *, mirrored: bool
 ) -> None:  # fmt: skip
-    """Stick and slip in the tangent plane with the tractions of the wheel on the rail as arrows
-    (not of a section), and the traction along the middle line of the (most loaded) patch against
-    mu p. mirrored: the other half, across, is an image."""
+    """Write a PNG file of the tractions of the wheel on the rail.
+
+    One panel shows the zones of stick and slip in the tangent plane, with tractions as arrows; of a
+    section it is left out. The other shows tractions along the middle line of the most loaded
+    patch, between the limits +/- mu p.
+
+    coefficient: of friction, mu. path: of the file. mirrored: whether the model was cut at s = 0,
+        so that the other half is drawn as an image.
+    """
     frame, patch, subject = findings.frame, findings.patch, findings.subject
     touches = found.pressure > 0
     local = frame.local(found.points[touches])[:, :2]
@@ -68,11 +74,19 @@ def draw(
 
 
 def _stick_and_slip(axes: Axes, at: Array, sticks: NDArray[np.bool_]) -> None:
+    """Draw points `at` (n, 2) in one colour where `sticks` (n,) is true and in another where it is
+    false.
+    """
     for chosen, colour, name in ((sticks, STICK, "sticks"), (~sticks, SLIP, "slips")):
         axes.scatter(*at[chosen].T, s=9, color=colour, linewidths=0, label=name)
 
 
 def _map(axes: Axes, local: Array, traction: Array, sticks: NDArray[np.bool_]) -> None:
+    """Draw the zones of stick and slip with tractions as arrows at a few points.
+
+    local (n, 2): x and s of the contact points, mm. traction (n, 2): along x and s, MPa. sticks
+        (n,): whether each point sticks.
+    """
     _stick_and_slip(axes, local, sticks)
     cell = float(np.ptp(local, axis=0).max()) / ARROWS
     few = thinned(local, cell)
@@ -86,8 +100,8 @@ def _map(axes: Axes, local: Array, traction: Array, sticks: NDArray[np.bool_]) -
 
 
 def thinned(local: Array, cell: float) -> NDArray[np.int64]:
-    """Indices of a subset of points (n, 2): the one nearest to the middle of each square of a grid
-    of cells (mm).
+    """Indices of a subset of points (n, 2), mm: in each square of a grid with side `cell`, mm, the
+    point nearest to the middle of the square.
     """
     square = np.floor(local / cell)
     off = np.hypot(*(local - (square + 0.5) * cell).T)

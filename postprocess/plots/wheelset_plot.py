@@ -23,8 +23,13 @@ LIFT = 25.0  # mm between wheel and rail in the picture of the positions
 
 
 def profiles(pair: Pair, placed: Placed, path: Path, title: str = "") -> None:
-    """Both wheels on their rails, seen along the track; the left one is drawn as it stands, with y
-    towards the field side on both."""
+    """Write a PNG file with two panels, the left and the right wheel on their rails, seen along the
+    track, with all contact points.
+
+    The left panel is mirrored, so that it stands as the left side does; its labels of y grow
+    towards the field side as those of the right panel do. pair: profiles of rail and wheel. placed:
+    the wheelset's position. path: of the file. title: above the picture.
+    """
     from matplotlib.ticker import FuncFormatter
 
     with new_figure(path, 12, 4.2, title) as figure:
@@ -70,7 +75,12 @@ def profiles(pair: Pair, placed: Placed, path: Path, title: str = "") -> None:
 def positions(
     pair: Pair, swept: Sequence[tuple[float, Placed]], path: Path, title: str = ""
 ) -> None:
-    """Right wheel: lines join the contact on the rail with that on the wheel, for each shift."""
+    """Write a PNG file of the right wheel, lifted above the right rail. Lines join each contact on
+    the rail with the same contact on the wheel, coloured by the lateral shift.
+
+    swept: lateral shift to the right, mm, and placed wheelset. path: of the file. title: above the
+        picture.
+    """
     from matplotlib.collections import LineCollection
     from matplotlib.colors import LinearSegmentedColormap
 
@@ -103,13 +113,19 @@ def positions(
 
 
 def _offset(swept: Sequence[tuple[float, Placed]]) -> float:
-    """y of the tape circle over the rail without shift, mm."""
+    """Lateral coordinate y of the right wheel's origin, mm, when the wheelset is not shifted, from
+    the position whose shift is nearest to zero.
+    """
     shift, placed = min(swept, key=lambda each: abs(each[0]))
     return float(placed.right.pose.origin[1]) - shift
 
 
 def rolling_radius(swept: Sequence[tuple[float, Placed]], path: Path, title: str = "") -> None:
-    """Difference of the rolling radii and the contact positions over the lateral shift."""
+    """Write a PNG file with two panels over the lateral shift: the rolling radius difference, right
+    less left, and the places y of the contacts on both rails, all in mm.
+
+    swept: lateral shift to the right, mm, and placed wheelset, in ascending order of shift.
+    """
     shifts = np.array([shift for shift, _ in swept])
     with new_figure(path, 9, 7, title) as figure:
         upper, lower = figure.subplots(2, 1, sharex=True)
@@ -132,11 +148,14 @@ def rolling_radius(swept: Sequence[tuple[float, Placed]], path: Path, title: str
 
 
 def _side(placed: Placed, name: str) -> Side:
+    """Right side of a placed wheelset if name is 'right', else the left."""
     return placed.right if name == "right" else placed.left
 
 
 def _jump(swept: Sequence[tuple[float, Placed]], name: str) -> np.ndarray:
-    """(n - 1,) whether the first contact jumps between neighbouring shifts."""
+    """(n - 1,) whether the first contact on the wheel moves by more than JUMP mm between
+    neighbouring shifts. name: 'right' or 'left'.
+    """
     first: list[ContactPoint] = [_side(placed, name).touches[0] for _, placed in swept]
     return np.abs(np.diff([touch.wheel_y for touch in first])) > JUMP
 
@@ -144,7 +163,7 @@ def _jump(swept: Sequence[tuple[float, Placed]], name: str) -> np.ndarray:
 def _broken(
     ax: Axes, x: Array, y: Array, breaks: np.ndarray, colour: str, label: str | None
 ) -> None:
-    """A line that is interrupted at jumps."""
+    """Draw y (n,) over x (n,), interrupted after each point at which `breaks` (n - 1,) is true."""
     at = np.flatnonzero(breaks) + 1
     ax.plot(
         np.insert(x, at, np.nan),

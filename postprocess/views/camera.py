@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 
 
 def load_pyvista() -> Any:
-    """pyvista, imported at first use as it is slow; it draws without a display if there is none."""
+    """The pyvista module, imported at first use because the import is slow. Without a DISPLAY it is
+    set to draw off screen through EGL.
+    """
     if not os.environ.get("DISPLAY"):
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     import pyvista
@@ -30,12 +32,13 @@ def load_pyvista() -> Any:
 
 @dataclass(frozen=True)
 class Camera:
-    """A parallel camera.
+    """A camera with parallel projection, for images of pyvista meshes.
 
-    focal (3,): point in the middle of the image, mm.
-    towards (3,): direction from there to the eye; z, or `up`, points upwards.
-    half_width, half_height: of what is seen, mm.
-    pixels: of the longer side.
+    focal (3,): point in space in the middle of the image, mm.
+    towards (3,): direction from that point to the eye, of any length.
+    half_width, half_height: half the width and height of the visible rectangle, mm.
+    up (3,): direction that points upwards in the image; z by default.
+    pixels: number of pixels along the longer side of the image.
     """
 
     focal: Array
@@ -47,25 +50,33 @@ class Camera:
 
     @property
     def axes(self) -> Array:
-        """(3, 3) rows: unit vectors to the right, upwards and to the eye."""
+        """(3, 3) rows: unit vectors to the right in the image, upwards in the image, and from the
+        focal point to the eye.
+        """
         eye = self.towards / np.linalg.norm(self.towards)
         right = np.cross(self.up, eye)
         right /= np.linalg.norm(right)
         return np.array([right, np.cross(eye, right), eye])
 
     def project(self, points: Array) -> Array:
-        """Position (n, 2) in the image, mm from its middle, of points (n, 3) in space, mm."""
+        """Image coordinates (n, 2) of points (n, 3) in space: mm to the right of and above the
+        middle of the image.
+        """
         return np.asarray((points - self.focal) @ self.axes[:2].T)
 
     def shoot(self, meshes: list[tuple[Any, dict[str, Any]]]) -> NDArray[np.uint8]:
-        """Image (h, w, 3) of pyvista meshes, each with its options for `add_mesh`."""
+        """RGB image (h, w, 3), uint8, of pyvista meshes, each given with its keyword arguments for
+        `Plotter.add_mesh`.
+        """
         plotter = self.plotter(meshes)
         image = plotter.screenshot(return_img=True)
         plotter.close()
         return np.asarray(image)
 
     def plotter(self, meshes: list[tuple[Any, dict[str, Any]]]) -> Any:
-        """A pyvista plotter of meshes with options for `add_mesh`; the caller closes it."""
+        """A pyvista plotter, off screen, with the meshes and this camera. Each mesh comes with its
+        keyword arguments for `Plotter.add_mesh`. The caller must close the plotter.
+        """
         half = np.array([self.half_width, self.half_height])
         size = np.round(half / half.max() * self.pixels).astype(int)
         pv = load_pyvista()
@@ -85,7 +96,10 @@ class Camera:
         return plotter
 
     def show(self, axes: Axes, image: NDArray[np.uint8], origin: Array | None = None) -> None:
-        """Put the image on axes whose data coordinates are mm in the image, from `origin` (3,)."""
+        """Draw an image (h, w, 3) of this camera on matplotlib axes, whose data coordinates then
+        are mm in the image. The zero of these coordinates is at the projection of `origin` (3,),
+        a point in space in mm, or at the middle of the image if it is None.
+        """
         shift = np.zeros(2) if origin is None else self.project(origin[None])[0]
         w, h = self.half_width, self.half_height
         left, low = -w - shift[0], -h - shift[1]

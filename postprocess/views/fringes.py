@@ -19,12 +19,12 @@ MAPS = ("YlGnBu_r", "YlOrRd")
 
 @dataclass(frozen=True)
 class Cut:
-    """One body in a cut.
+    """One body in a plane cut through the contact, with nodal stresses.
 
-    places (n, 2): nodes in the cut, mm.
+    local (n, 2): coordinates of the nodes in the cut, x or s and height over the tangent plane, mm.
     triangles (t, 3): nodes of each triangle.
-    sigma_3, shear (n,): least principal stress and largest shear stress, MPa.
-    rim (k, 2, 2): lines of the outline, mm.
+    stresses: smallest principal stress (n,) and largest shear stress (n,) at the nodes, MPa.
+    rim (k, 2, 2): start and end of the lines of the outline, in the coordinates of the cut, mm.
     """
 
     local: Array
@@ -35,8 +35,14 @@ class Cut:
 
 @dataclass(frozen=True)
 class Fringes:
-    """seen: the values in the window, for the bands; width, height: its limits, mm; axis: 0 where
-    it runs along x, 1 along s."""
+    """The window that a picture of a cut shows.
+
+    seen: smallest principal stresses and largest shear stresses in the window, MPa; they set the
+        limits of the colour bands.
+    width: limits of the window along x or s, mm.
+    height: limits of the height over the tangent plane, mm.
+    axis: 0 where the horizontal axis of the picture is x, 1 where it is s.
+    """
 
     seen: list[Array]
     width: tuple[float, float]
@@ -45,8 +51,12 @@ class Fringes:
 
 
 def draw_fringes(parts: list[Cut], fringes: Fringes, findings: Findings, path: Path) -> None:
-    """Both stresses beside each other; the largest shear stress of each body is marked in its own
-    picture."""
+    """Write a PNG file with two panels: bands of the smallest principal stress and of the largest
+    shear stress in all bodies of a cut.
+
+    parts: the bodies. fringes: the window. findings: give the title, the edges of the patch and the
+        largest shear stress of each body, which is marked in the second panel. path: of the file.
+    """
     from matplotlib.collections import LineCollection
     from matplotlib.lines import Line2D
 
@@ -93,8 +103,10 @@ def draw_fringes(parts: list[Cut], fringes: Fringes, findings: Findings, path: P
 
 
 def levels(values: Array, *, below: bool) -> Array:
-    """Limits of the bands, MPa, of which 0 is one: the last where the values lie below it, but for
-    what is drawn out of range; else the first."""
+    """Limits (k,) of the colour bands, MPa, for values (n,). Zero is one of the limits. below:
+    whether the bands cover the negative values, from the smallest to zero; otherwise they cover
+    the positive ones, from zero to the largest.
+    """
     from matplotlib.ticker import MaxNLocator
 
     low, high = (min(values.min(), 0.0), 0.0) if below else (0.0, max(values.max(), 0.0))

@@ -36,7 +36,12 @@ SHADE = {"ambient": 0.45, "diffuse": 0.6}
 
 
 def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
-    """Wheel on rail, cut open across the rail at the contact, and the mesh around the patch."""
+    """Write a PNG file with two panels: the bodies cut open across the rail at the contact, with
+    their mesh, and the mesh around the patch.
+
+    grid: cells of the modelled part, as `export.volume_grid` makes them. findings: frame, patch,
+        surface and names. path: of the file.
+    """
     from matplotlib.patches import Patch as Swatch
 
     frame, patch = findings.frame, findings.patch
@@ -74,8 +79,12 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
 
 
 def stress_cut(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
-    """sigma_3 and the largest shear stress of both bodies in the section across the rail through
-    the contact."""
+    """Write a PNG file of the smallest principal stress and the largest shear stress, in the
+    section across the rail through the contact.
+
+    grid: cells with nodal stresses, as `export.volume_grid` makes them. findings: frame, patch and
+        largest stresses. path: of the file.
+    """
     frame, patch = findings.frame, findings.patch
     low, high = (each[1] for each in patch.box)
     half = np.array([1.2 * (high - low), min(0.9 * (high - low), 5 * patch.a)])
@@ -99,7 +108,12 @@ def stress_cut(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
 def patch_on_rail(
     grid: meshio.Mesh, findings: Findings, ellipse: Ellipse | None, path: Path
 ) -> None:
-    """Pressure on the contact surface (grid) seen obliquely from above, with the outlines."""
+    """Write a PNG file of the pressure on the contact surface, seen obliquely from above, with
+    outlines and dimensions of the patch.
+
+    grid: the contact surface, as `export.contact_grid` makes it. ellipse: exact Hertz contact,
+        whose outline is drawn too, or None. path: of the file.
+    """
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
@@ -132,7 +146,7 @@ def patch_on_rail(
 
 
 def camera_over(findings: Findings) -> Camera:
-    """A camera that sees the whole patch obliquely from above."""
+    """A camera that looks obliquely from above at the middle of all patches, and shows them all."""
     frame = findings.frame
     low, high = findings.patch.box
     reach = (high - low).max() * (SEVERAL if len(findings.patch.outlines) > 1 else 1.0)
@@ -142,15 +156,19 @@ def camera_over(findings: Findings) -> Camera:
 
 
 def bodies_of(grid: meshio.Mesh) -> dict[str, Any]:
-    """The cells of each body as a pyvista grid, by body name."""
+    """Split a grid of cells, tagged by its cell data "body", into one pyvista grid for each body,
+    by body name.
+    """
     volume = load_pyvista().from_meshio(grid)
     tags = np.unique(volume["body"])
     return {BODY_NAMES[int(tag)]: volume.extract_cells(volume["body"] == tag) for tag in tags}
 
 
 def split(surface: Any, frame: Frame, patch: Patch) -> tuple[Any, Any]:
-    """A contact surface inside and outside the outlines of the patch; the pressure of the corners
-    outside is that of triangles and no part of the patch."""
+    """Cut a pyvista contact surface along the outlines of the patch, into the part inside and the
+    part outside. Both carry the point data "outside": distance to the nearest outline point, mm,
+    negative inside. Triangles that the patch covers only in part are cut.
+    """
     from matplotlib.path import Path as Path2D
 
     local = frame.local(surface.points)[:, :2]
@@ -165,12 +183,14 @@ def split(surface: Any, frame: Frame, patch: Patch) -> tuple[Any, Any]:
 
 
 def outer(part: Any) -> Any:
-    """Outer faces of a body as a pyvista surface, with the cells' straight edges."""
+    """Outer faces of a pyvista grid as a surface, with the cells' straight edges."""
     return part.extract_surface(nonlinear_subdivision=0, algorithm="dataset_surface")
 
 
 def mirrored(surface: Any, axes: list[int]) -> Any:
-    """A surface and its images across x = 0 (axis 0) and y = 0 (axis 1), joined."""
+    """A pyvista surface joined with its mirror images across x = 0 (axis 0) and y = 0 (axis 1), for
+    the axes in the list. Points on a plane are shared.
+    """
     for axis in axes:
         along = surface.points[:, axis]
         along[np.abs(along) < 1e-9 * np.ptp(along)] = 0.0  # so that the images share these points
@@ -181,7 +201,10 @@ def mirrored(surface: Any, axes: list[int]) -> Any:
 
 
 def behind(part: Any, findings: Findings) -> Any:
-    """Outer faces of the half of a body that lies at smaller x than the contact."""
+    """Outer faces, as a pyvista surface, of the half of a body that lies at smaller x than the
+    contact point. A model that was cut at x = 0 is mirrored to that side; one that was cut at y
+    = 0 is joined with its image.
+    """
     frame = findings.frame
     cut = cut_axes(frame.local(part.points))
     if 0 in cut:
@@ -193,8 +216,9 @@ def behind(part: Any, findings: Findings) -> Any:
 
 
 def _half(part: Any, at: float, reach: float) -> Any:
-    """Cells at x below `at`, mm, or, within reach of it, below 0. To clip along faces of cells or
-    close to them leaves slivers, so a mesh that has them there is parted between them."""
+    """Cells of a body at x below `at`, mm. If a plane between cells lies there, or at x = 0 within
+    `reach` (mm) of `at`, the body is parted at it. Otherwise cells are clipped at `at`.
+    """
     x = part.points[:, 0]
     rounding = 1e-9 * np.ptp(x)
     for plane in (at, 0.0 if abs(at) < reach else at):
@@ -206,14 +230,18 @@ def _half(part: Any, at: float, reach: float) -> Any:
 
 
 def _section(part: Any, frame: Frame, offset: float) -> Any:
-    """Triangles of the section of a body at the contact's x + offset, mm."""
+    """Triangles, with point data, of the section of a body at the plane x = contact point + offset
+    (mm), joined with their image where the model was cut at y = 0.
+    """
     x, y, z = frame.origin
     section = part.slice(normal="x", origin=(x + offset, y, z)).triangulate()
     return mirrored(section, [axis for axis in cut_axes(frame.local(part.points)) if axis == 1])
 
 
 def _rim(section: Any, frame: Frame) -> Array:
-    """Outline of a section as lines (k, 2, 2) in s and height, mm."""
+    """Start and end (k, 2, 2) of the boundary lines of a section, in s and height over the tangent
+    plane, mm.
+    """
     rim = section.extract_feature_edges(
         boundary_edges=True, feature_edges=False, manifold_edges=False, non_manifold_edges=False
     )
@@ -221,8 +249,10 @@ def _rim(section: Any, frame: Frame) -> Array:
 
 
 def _dimensions(axes: Axes, camera: Camera, findings: Findings) -> None:
-    """Dimension lines along x and s beside the (most loaded) patch, as long as it is; which side is
-    which, and where it rolls."""
+    """Draw on the axes the dimension lines 2a along x and 2b along s beside the most loaded patch.
+    Where the subject has them, also name the gauge side, the field side and the direction of
+    rolling.
+    """
     frame, patch, subject = findings.frame, findings.patch, findings.subject
     (x0, s0), (x1, s1) = patch.main.min(axis=0), patch.main.max(axis=0)
     away = max(0.2 * max(x1 - x0, s1 - s0), BESIDE * camera.half_width)
@@ -257,7 +287,9 @@ def _dimensions(axes: Axes, camera: Camera, findings: Findings) -> None:
 
 
 def _around(points: Array, towards: Array) -> Camera:
-    """A camera that looks from the direction `towards` and sees all points (n, 3)."""
+    """A camera that looks from the direction `towards` (3,) and whose image just holds all points
+    (n, 3), mm.
+    """
     image = Camera(np.zeros(3), towards, 1.0, 1.0)
     flat = image.project(points)
     middle = (flat.min(0) + flat.max(0)) / 2 @ image.axes[:2]
@@ -270,7 +302,9 @@ def _global(frame: Frame, local: ArrayLike) -> Array:
 
 
 def _on(surface: Any, frame: Frame, line: Array) -> Array:
-    """(n, 3) global points of a curve (n, 2) in x, s, put on the surface."""
+    """Points (n, 3) in space, mm, of a curve (n, 2) of x and s, at the heights of a contact surface
+    there. surface: has points (k, 3) in space, mm.
+    """
     local = frame.local(surface.points)
     near = np.abs(local).max(axis=1) < 2 * np.abs(line).max()
     height = griddata(local[near, :2], local[near, 2], line, fill_value=0.0)

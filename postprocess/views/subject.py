@@ -7,14 +7,23 @@ from dataclasses import dataclass, field
 
 
 def _rail_and_wheel() -> Mapping[str, str]:
+    """Default names of the bodies in pictures: 'rail' and 'wheel' as they are."""
     return {"rail": "rail", "wheel": "wheel"}
 
 
 @dataclass(frozen=True)
 class Subject:
-    """title: case, load and pair, above every picture; names: of the bodies by the scene's; along,
-    across: where x and s run; gauge: negative s is the gauge side; rolls: towards positive x;
-    rubs: with friction; revolved: a meridian section."""
+    """Words for titles, axis labels and legends of pictures.
+
+    title: case, load and pair of profiles; stands above every picture.
+    names: name in pictures of each body, by its name in the results ('rail' or 'wheel').
+    along: where x runs, for example 'along the rail'.
+    across: where s runs, for example 'across the rail'.
+    gauge: whether negative s is the gauge side and positive s the field side.
+    rolls: whether the wheel rolls, towards positive x.
+    rubs: whether the solution has friction.
+    revolved: whether the model is a meridian section of bodies of revolution.
+    """
 
     title: str = ""
     names: Mapping[str, str] = field(default_factory=_rail_and_wheel)
@@ -27,11 +36,13 @@ class Subject:
 
     @property
     def y(self) -> str:
-        """Of the axis of the scene that s is projected on."""
+        """Label, with its unit, of the scene's axis y, on which s is projected."""
         return "y, mm" if self.revolved else f"y, {self.across}, mm"
 
     def label(self, axis: int) -> str:
-        """Of an axis of x (0) or s (1)."""
+        """Label, with its unit and direction, of the picture's axis for x (axis 0) or s (axis 1);
+        of a meridian section for the radius.
+        """
         if self.revolved:
             return "r, from the axis, mm"
         if axis == 0:

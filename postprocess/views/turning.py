@@ -37,14 +37,14 @@ PIXELS = 900
 
 @dataclass(frozen=True)
 class View:
-    """A scene that turns in a browser.
+    """A scene in three dimensions that turns in a browser.
 
     name: its title.
-    text: what is seen.
-    top: value (MPa) of the last colour; the first is 0.
-    colours: hexadecimal.
-    scene: zip for vtk.js's OfflineLocalView.
-    still: the same view as PNG, for paper.
+    text: one line that says what is seen.
+    top: stress of the last colour, MPa; that of the first colour is 0.
+    colours: nine colours from the first to the last, as hexadecimal codes.
+    scene: content of a zip file that vtk.js's OfflineLocalView reads.
+    still: the same view as a PNG image, for paper.
     """
 
     name: str
@@ -58,8 +58,12 @@ class View:
 def views(
     fields: Fields, findings: Findings, volume: meshio.Mesh, contact: meshio.Mesh
 ) -> list[View]:
-    """The stresses in the bodies, cut open at the contact, and the pressure as a hill over the
-    contact surface; the grids are those of `export`."""
+    """Two views: von Mises stress in the bodies, cut open at the contact, and the contact pressure
+    as a hill over the contact surface.
+
+    Bodies of a plane section are drawn with a length, those of a meridian section turned about the
+    axis. volume, contact: grids that `export.volume_grid` and `export.contact_grid` make.
+    """
     if fields.kinematics.dim == 2:
         solids, hill = _swept_bodies(fields, findings, volume), _swept_hill(fields, findings)
         towards = np.array([0.45, -1.0, 0.35] if _axis(fields) == 0 else [1.0, 0.45, 0.35])
@@ -92,11 +96,14 @@ def views(
 
 
 def _axis(fields: Fields) -> int:
+    """Axis of the contact frame in the plane of a section: 0 for x, 1 for s."""
     return int(np.argmax(np.abs(fields.kinematics.axes[0])))
 
 
 def _bare(surface: Any, *keep: str) -> Any:
-    """A copy with no other data than what is drawn, in single precision."""
+    """Outer triangles of a pyvista mesh in single precision, with only those point data whose names
+    are in `keep`.
+    """
     surface = surface.extract_surface(
         algorithm="dataset_surface", pass_cellid=False, pass_pointid=False
     ).triangulate()
@@ -107,7 +114,9 @@ def _bare(surface: Any, *keep: str) -> Any:
 
 
 def _hill(findings: Findings, contact: meshio.Mesh) -> tuple[Any, list[Any]]:
-    """The patch raised by its pressure, and the surface around it."""
+    """The patch with each point raised along the rail's normal in proportion to its pressure, and
+    the contact surface around the patch in a list. contact: grid of the contact surface.
+    """
     frame, patch = findings.frame, findings.patch
     surface = outer(load_pyvista().from_meshio(contact))
     surface = mirrored(surface, cut_axes(frame.local(surface.points)))
@@ -121,6 +130,10 @@ def _hill(findings: Findings, contact: meshio.Mesh) -> tuple[Any, list[Any]]:
 
 
 def _raised(findings: Findings, pressure: Array) -> Array:
+    """Height (n,) of the hill, mm, over points with pressure (n,) in MPa. At the largest pressure
+    it is HILL times the length of the patch; for a patch more than six times longer than wide,
+    HILL times its width.
+    """
     main = findings.patch.main
     across = np.ptp(main, axis=0)
     size = float(across.min() if across.max() > 6 * across.min() else across.max())
@@ -128,7 +141,9 @@ def _raised(findings: Findings, pressure: Array) -> Array:
 
 
 def _swept_bodies(fields: Fields, findings: Findings, volume: meshio.Mesh) -> list[Any]:
-    """Bodies of a section: turned about the axis, or as long as a part of the contact."""
+    """Bodies of a section as pyvista solids with von Mises stress: turned by OPEN degrees about the
+    axis for a meridian section, otherwise extruded along the contact line.
+    """
     found = []
     for part in bodies_of(volume).values():
         flat = outer(part)
@@ -144,14 +159,19 @@ def _swept_bodies(fields: Fields, findings: Findings, volume: meshio.Mesh) -> li
 
 
 def _along(fields: Fields, findings: Findings) -> Array:
-    """Vector (3,) by which a section is swept to a body, mm, away from the eye."""
+    """Vector (3,) in space, mm, along which a plane section is extruded, away from the eye. Its
+    length is the thickness, at most LONGEST half widths.
+    """
     patch, axis = findings.patch, _axis(fields)
     length = min(fields.kinematics.thickness, LONGEST * (patch.a, patch.b)[axis])
     return np.asarray(length * (findings.frame.axes[1] if axis == 0 else -findings.frame.axes[0]))
 
 
 def _swept_hill(fields: Fields, findings: Findings) -> tuple[Any, list[Any]]:
-    """The pressure along the section as a ridge, or turned about the axis."""
+    """Surface whose height is the pressure along a section: a ridge extruded along the contact
+    line, or half a turn about the axis for a meridian section. The second entry, the surface
+    around it, is empty.
+    """
     frame, axis = findings.frame, _axis(fields)
     line = (findings.along, findings.across)[axis]
     raised = _raised_line(findings, line.pressure, axis)
@@ -173,6 +193,10 @@ def _swept_hill(fields: Fields, findings: Findings) -> tuple[Any, list[Any]]:
 
 
 def _raised_line(findings: Findings, pressure: Array, axis: int) -> Array:
+    """Height (n,) of the hill of a section, mm, over points with pressure (n,) in MPa: HILL times
+    the width of the patch at the largest pressure. axis: 0 where the section runs along x, 1
+    along s.
+    """
     half = (findings.patch.a, findings.patch.b)[axis]
     return np.asarray(2 * HILL * half * pressure / findings.patch.max_pressure)
 
@@ -180,6 +204,12 @@ def _raised_line(findings: Findings, pressure: Array, axis: int) -> Array:
 def _view(
     name: str, text: str, top: float, camera: Camera, meshes: list[tuple[Any, dict[str, Any]]]
 ) -> View:
+    """Render meshes in perspective, and pack the scene and its image.
+
+    name, text, top: entries of the view. camera: gives the direction and the visible height.
+        meshes: pyvista meshes with keyword arguments for `Plotter.add_mesh`; those with "scalars"
+        are coloured from 0 to `top`, MPa.
+    """
     import matplotlib.image
     from matplotlib.colors import to_hex
 
@@ -202,7 +232,7 @@ def _view(
 
 
 def packed(plotter: Any) -> bytes:
-    """A rendered pyvista scene as a zip that vtk.js reads."""
+    """Content of a zip file that vtk.js reads, with the scene of a rendered pyvista plotter."""
     from trame_vtk.modules.vtk.serializers import (
         SynchronizationContext,
         extract_array_hash,
@@ -231,7 +261,9 @@ def packed(plotter: Any) -> bytes:
 
 
 def viewer() -> str:
-    """The HTML page of vtk.js that shows such a zip; it calls loadDataSet()."""
+    """Text of the HTML page with vtk.js that shows a zip file of a scene; its script function
+    loadDataSet() opens the file.
+    """
     from trame_vtk.tools.vtksz2html import HTML_VIEWER_PATH
 
     return str(HTML_VIEWER_PATH.read_text(encoding="utf-8"))

@@ -75,6 +75,10 @@ def volume_grid(fields: Fields, stress: Array) -> meshio.Mesh:
 
 
 def _plastic(fields: Fields) -> dict[str, list[Array]]:
+    """Cell data of plastic strain, averaged over the Gauss points of each cell:
+    equivalent_plastic_strain (m,) and plastic_strain (m, 9), the tensor row by row. Empty where
+    nothing yields.
+    """
     if fields.plastic_strain is None:
         return {}
     strain = fields.plastic_strain.strain.mean(axis=1).reshape(-1, 9)
@@ -97,12 +101,12 @@ def series(files: Mapping[float, str], path: Path) -> None:
 
 
 def contact_grid(surfaces: Mapping[int, Surface]) -> meshio.Mesh:
-    """Triangles (of a section: lines) of modelled contact surfaces, by tag of their body,
-    undeformed, wound so that they look out of it.
+    """Triangles of the modelled contact surfaces, undeformed, wound so that their normals point out
+    of the body; of a section lines.
 
-    Point data: displacement (n, 3) mm; pressure (n,) MPa; gap (n,) mm between the deformed
-    surfaces; status (n,), 1 where it touches, 0 where it is open. Cell data: body, as in
-    `volume_grid`.
+    surfaces: by tag of their body. Point data: displacement (n, 3) mm; pressure (n,) MPa; gap (n,)
+        mm between the deformed surfaces; status (n,), 1 where the pressure is positive, 0
+        elsewhere. Cell data: body, 1 the rail, 2 the wheel.
     """
     each = list(surfaces.values())
     first = np.cumsum([0, *(len(one.points) for one in each)])
@@ -136,9 +140,10 @@ def _outwards(surface: Surface, tag: int) -> NDArray[np.int64]:
 
 
 def traction_points(found: FrictionSolution) -> meshio.Mesh:
-    """The contact points that touch. Point data: traction (n, 3) MPa of the wheel on the rail; slip
-    (n, 3) of the wheel over the rail, mm, or, rolling, of 1; sticks (n,), 1 where it sticks, 0
-    where it slips; pressure (n,) MPa."""
+    """Contact points with pressure, as vertices. Point data: traction (n, 3) of the wheel on the
+    rail, MPa; slip (n, 3) of the wheel over the rail, mm, or, in rolling, dimensionless; sticks
+    (n,), 1 where the point sticks, 0 where it slips; pressure (n,), MPa.
+    """
     touches = found.pressure > 0
     count = int(touches.sum())
     return meshio.Mesh(
@@ -154,13 +159,17 @@ def traction_points(found: FrictionSolution) -> meshio.Mesh:
 
 
 def write(mesh: meshio.Mesh, path: Path) -> None:
-    """Write a .vtu file, binary and compressed by zlib, with the units of its arrays (VTK's
-    UNITS_LABEL). OSError: the path cannot be written."""
+    """Write a .vtu file, binary and compressed by zlib, with the unit of each array under VTK's key
+    UNITS_LABEL. OSError: the path cannot be written.
+    """
     meshio.write(path, mesh, file_format="vtu", binary=True, compression="zlib")
     path.write_bytes(_ARRAY.sub(_with_unit, path.read_bytes()))
 
 
 def _with_unit(tag: re.Match[bytes]) -> bytes:
+    """Header and data of one array of a .vtu file, followed by the XML element with its unit if
+    UNITS has one. tag: match of an array, whose first group is the array's name.
+    """
     unit = UNITS.get(tag[1].decode())
     if unit is None:
         return tag[0]

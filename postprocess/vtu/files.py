@@ -20,9 +20,17 @@ def write(
     fields: Fields, stress: Array, found: Findings, residual: Fields | None,
     rubbing: FrictionSolution | None, folder: Path, *, whole: bool = False,
 ) -> None:  # fmt: skip
-    """solution.vtu and contact.vtu; with the state after the load residual.vtu and solution.pvd,
-    with friction traction.vtu. stress (n, 6): of the fields, as `nodal_stress` reads it; whole:
-    with the images of what symmetry left out. OSError."""
+    """Write the .vtu files of one result into a folder.
+
+    solution.vtu holds the cells, contact.vtu the contact surfaces. With friction there is
+    traction.vtu. With a state after the load there are residual.vtu, and solution.pvd, which steps
+    from the loaded state to it.
+
+    fields: under the load. stress (n, 6): at their nodes, MPa, as `nodal_stress` computes it.
+        found: gives the contact surfaces. residual: fields after the load, or None. rubbing:
+        solution with friction, or None. whole: whether mirror images of a cut model are added.
+        OSError: a file cannot be written.
+    """
     for name, grid in _grids(fields, stress, found, residual, rubbing):
         shown = whole_grid(grid, fields.mirrors) if whole else grid
         export.write(shown, folder / f"{name}.vtu")
@@ -38,7 +46,12 @@ def _grids(
     residual: Fields | None,
     rubbing: FrictionSolution | None,
 ) -> Iterator[tuple[str, meshio.Mesh]]:
-    """Grids of all files of a result, each with its file name."""
+    """File names without suffix and grids of one result: "contact", "solution", and, if given,
+    "residual" and "traction".
+
+    stress (n, 6): at the nodes of the fields, MPa. residual: fields after the load, or None.
+        rubbing: solution with friction, or None.
+    """
     surfaces = {fields.slave: found.surface}
     if found.opposite is not None:
         surfaces[other(fields.slave)] = found.opposite

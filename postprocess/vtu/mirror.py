@@ -35,12 +35,16 @@ _TURNED = {
 
 
 def cut_axes(local: Array) -> list[int]:
-    """Axes (0: x, 1: s) across which points (n, 2 or 3) in the contact frame lie on one side."""
+    """Axes (0: x, 1: s) along which points (n, 2 or 3) in the contact frame all have positive or
+    zero coordinates: a model with these points was cut there at a symmetry plane.
+    """
     return [axis for axis in (0, 1) if local[:, axis].min() > -_TOLERANCE * np.ptp(local[:, axis])]
 
 
 def whole(surface: Surface) -> Surface:
-    """A contact surface together with its mirror images; unchanged if symmetry left nothing out."""
+    """A contact surface joined with its mirror images across x = 0 and s = 0, where all its points
+    lie on one side; otherwise unchanged. The displacement is reflected.
+    """
     for axis in cut_axes(surface.local):
         flip = np.where(np.arange(3) == axis, -1.0, 1.0)
         points, local = surface.points * flip, surface.local * flip[:2]
@@ -58,20 +62,29 @@ def whole(surface: Surface) -> Surface:
 
 
 def whole_grid(grid: meshio.Mesh, normals: Iterable[tuple[float, float, float]]) -> meshio.Mesh:
-    """A grid of `export` with its images in planes x = 0 or y = 0, given by their normals: nodes on
-    a plane are shared, vectors and tensors reflected."""
+    """A grid joined with its mirror images in planes x = 0 or y = 0, which are given by their
+    normals. Nodes on a plane are shared. Vectors and tensors are reflected; principal stresses
+    are copied.
+    """
     for normal in normals:
         grid = _with_image(grid, int(np.argmax(np.abs(normal))))
     return grid
 
 
 def _with_image(grid: meshio.Mesh, axis: int) -> meshio.Mesh:
+    """A grid joined with its mirror image across x = 0 (axis 0) or y = 0 (axis 1). Arrays with 3
+    columns are reflected as vectors, with 9 as tensors; scalars and principal stresses are
+    copied.
+    """
     flip = np.where(np.arange(3) == axis, -1.0, 1.0)
     count, across = len(grid.points), grid.points[:, axis]
     beside = np.abs(across) > _TOLERANCE * np.ptp(across)
     image = np.where(beside, count - 1 + np.cumsum(beside), np.arange(count))
 
     def reflected(name: str, values: Array) -> Array:
+        """Point or cell data of the image: scalars (n,) and principal stresses as they are, vectors
+        (n, 3) and tensors (n, 9) with the signs of the reflection.
+        """
         if values.ndim == 1 or name in _NUMBERS:
             return values
         signs = flip if values.shape[1] == 3 else np.outer(flip, flip).ravel()
