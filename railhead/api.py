@@ -21,7 +21,7 @@ __all__ = ["Planned", "find", "plan", "solve"]
 
 @dataclass(frozen=True)
 class Planned:
-    """The plan of a scene: effects, mesh and cost; prints as the table of `railhead plan`.
+    """The plan of a scene: effects, mesh and cost. Prints as the table of `railhead plan`.
 
     plan: the decisions with their reasons.
     """
@@ -29,9 +29,11 @@ class Planned:
     plan: Plan
 
     def __str__(self) -> str:
+        """The table of the plan as text."""
         return terminal.text(self.show)
 
     def _repr_html_(self) -> str:
+        """The table of the plan as HTML, for notebooks."""
         return terminal.html(self.show)
 
     def as_dict(self) -> dict[str, Any]:
@@ -39,7 +41,7 @@ class Planned:
         return self.plan.summary()
 
     def show(self, console: Console) -> None:
-        """Print the plan as a table."""
+        """Print the plan as a table on a console of rich."""
         from railhead.results.report import tables
 
         tables.show_plan(self.plan, console)
@@ -52,9 +54,12 @@ def plan(
     budget: str | float | None = None,
     quiet: bool = False,
 ) -> Planned:
-    """What would be simulated and what it costs; solves no finite elements.
+    """Plan a scene: what would be simulated and its cost. No finite elements are solved.
 
-    accuracy, budget: as for `solve`. quiet: has no effect. Raises SceneError.
+    accuracy: largest relative error of the results, e.g. 0.01 or "1%"; None keeps the scene's.
+    budget: computing time for the best accuracy, s or e.g. "30 s"; None keeps the scene's.
+    quiet: no effect.
+    Raises SceneError for a wrong value and for a scene that makes no contact problem.
     """
     return Planned(planning.make(with_accuracy(scene, accuracy, budget)))
 
@@ -66,12 +71,14 @@ def solve(
     budget: str | float | None = None,
     quiet: bool = False,
 ) -> Result:
-    """Solve a scene by finite elements and read the result.
+    """Solve a scene by finite elements and return the result. Under MPI, call this on all ranks.
 
     accuracy: largest relative error of the results, e.g. 0.01 or "1%"; meshes are refined until the
-    estimates meet it. budget: time for the best accuracy it allows, e.g. "30 s". With neither, one
-    mesh is solved. quiet: whether no progress is shown on standard error. Under MPI, call it on all
-    ranks. Raises SceneError for a scene that makes no contact problem, MeshError where gmsh fails.
+        error estimates meet it.
+    budget: computing time for the best accuracy, s or e.g. "30 s". With neither, one mesh is
+        solved.
+    quiet: whether no progress is shown on standard error.
+    Raises SceneError for a scene that makes no contact problem, MeshError where gmsh fails.
     """
     from railhead.results import pipeline
     from railhead.run import refinement
@@ -82,8 +89,9 @@ def solve(
 
 
 def with_accuracy(scene: Scene, accuracy: str | float | None, budget: str | float | None) -> Scene:
-    """A scene with its keys `accuracy` and `budget` set, where they are not None. Raises SceneError
-    for a wrong value, and for what is no Scene."""
+    """The scene with the keys `accuracy` and `budget` set to those arguments that are not None.
+    Raises SceneError for a wrong value and for an argument that is no Scene.
+    """
     keys = {"accuracy": accuracy, "budget": budget}
     values = {key: value for key, value in keys.items() if value is not None}
     scene = checked(scene)

@@ -12,7 +12,9 @@ from railhead.scene.scene import Scene, SceneError
 
 
 def shipped() -> dict[str, str]:
-    """The first line of each case's docstring by its name; no case is imported for it."""
+    """First line of the docstring of each case by the name of the case. The modules are parsed, not
+    imported.
+    """
     descriptions = {}
     for path in importlib.import_module("railhead.cases").__path__:
         for file in sorted(Path(path).glob("[!_]*.py")):
@@ -22,7 +24,9 @@ def shipped() -> dict[str, str]:
 
 
 def find(name: str | Path) -> Scene:
-    """The scene of a shipped case, or of a TOML file. Raises SceneError if there is neither."""
+    """The scene of a shipped case of this name, or of a TOML file at this path. Raises SceneError
+    if there is neither.
+    """
     known, name = shipped(), str(name)
     if name in known:
         scene: Scene = importlib.import_module(f"railhead.cases.{name}").SCENE

@@ -11,8 +11,8 @@ def read(path: str) -> list[tuple[float, float]]:
     """Points (plastic strain, true stress in MPa) of a .csv file; a heading is left out.
 
     Raises ValueError (one line) for less than two points, a value that is no number, a first strain
-    other than 0, strains that do not grow, and a stress that is not positive or falls (softening
-    has no unique answer).
+    other than 0, strains that do not increase, and a stress out of range or below the one before it
+    (softening has no unique answer).
     """
     points: list[tuple[float, float]] = []
     try:
@@ -42,6 +42,9 @@ def read(path: str) -> list[tuple[float, float]]:
 def _check(
     path: str, number: int, point: tuple[float, float], before: list[tuple[float, float]]
 ) -> None:
+    """Raise ValueError (one line) where a point (plastic strain, stress in MPa) cannot follow the
+    points before it. path, number: file and line, for the message.
+    """
     strain, stress = point
     problem = ""
     if not before and strain != 0:

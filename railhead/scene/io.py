@@ -14,7 +14,9 @@ from railhead.scene.scene import MAX_NAME_BYTES, Scene, SceneError
 
 
 def _read_text(path: Path) -> str:
-    """Return the text of a UTF-8 file; raise SceneError if there is none."""
+    """The text of a UTF-8 file. Raises SceneError where the file is missing, unreadable or not
+    UTF-8.
+    """
     try:
         is_file = stat.S_ISREG(path.stat().st_mode)
         text = path.read_text(encoding="utf-8-sig") if is_file else ""
@@ -31,7 +33,7 @@ def _read_text(path: Path) -> str:
 
 
 def _read_toml(path: Path) -> dict[str, Any]:
-    """Return the tables of a TOML file; raise SceneError if it is not one."""
+    """Nested tables of a TOML file. Raises SceneError for an unreadable file or invalid TOML."""
     try:
         return tomllib.loads(_read_text(path))
     except SceneError:
@@ -42,11 +44,11 @@ def _read_toml(path: Path) -> dict[str, Any]:
 
 
 def read_scene(path: str | Path) -> Scene:
-    """Return the scene that a TOML file describes.
+    """The scene of a TOML file.
 
-    Without a ``name`` the scene takes the file's, with ``_`` for characters a name may not have.
-    A relative path of a profile starts at the file's folder.
-    Raises SceneError: one line, naming the file if it cannot be read, else the key.
+    Without a key `name` the scene is named after the file, with _ for characters that names may not
+    have. A relative path of a profile starts at the folder of the file.
+    Raises SceneError (one line), naming the file if it cannot be read, else the key.
     """
     path = Path(path)
     data = _read_toml(path)
@@ -61,8 +63,7 @@ def read_scene(path: str | Path) -> Scene:
 
 
 def to_toml(scene: Scene) -> str:
-    """Return a TOML text with every key of `scene`, in N, mm and MPa, that reads back equal to it.
-
-    Keys without a value are left out.
+    """TOML text of a scene with every key that has a value, in N, mm and MPa. Reading the text
+    gives an equal scene.
     """
     return tomli_w.dumps(scene.model_dump(exclude_none=True))

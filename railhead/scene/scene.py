@@ -56,6 +56,9 @@ OTHER_NAMES = {"friction.tangential_load": "friction.force_along"}
 
 
 def _name(value: object) -> str:
+    """A valid name of a scene: letters, digits, _, - and ., 1 to MAX_NAME_BYTES bytes, not only
+    dots. Raises ValueError (one line) for anything else.
+    """
     if (
         isinstance(value, str)
         and re.fullmatch(r"(?!\.+$)[\w.-]+", value)
@@ -67,7 +70,11 @@ def _name(value: object) -> str:
 
 
 def assignment(text: str) -> tuple[str, object]:
-    """Split ``key=value``; the value is a TOML scalar if it reads as one, else a plain string."""
+    """Split the text "key=value" into key and value.
+
+    A value that is a TOML scalar becomes a number, a boolean or a string; any other value and that
+    of a key in _WORDS remains a string. Raises SceneError for a text without key and equals sign.
+    """
     if not isinstance(text, str):
         raise SceneError("assignment", f"{show(text)} is not text; write e.g. load=110kN")
     key, equals, value = (part.strip() for part in text.partition("="))
@@ -84,7 +91,7 @@ def assignment(text: str) -> tuple[str, object]:
 
 
 def _dotted(values: Mapping[str, object]) -> Iterator[tuple[str, object]]:
-    """Dotted keys and values of nested tables or sections."""
+    """Pairs (dotted key, value) of nested tables or sections."""
     for key, value in values.items():
         if isinstance(value, Section):
             value = value.model_dump()
@@ -95,10 +102,26 @@ def _dotted(values: Mapping[str, object]) -> Iterator[tuple[str, object]]:
 
 
 class Scene(Section):
-    """A wheel on a rail, pressed by a load (N) or by an approach (mm): exactly one of the two.
+    """A wheel on a rail, pressed by a load or by an approach: exactly one of both is given.
 
-    ``Scene(load="25 kN", rail=Rail(profile="60E1"))`` builds one; a wrong key or value raises
-    SceneError, a later assignment pydantic's ValidationError, as a scene is frozen.
+    ``Scene(load="25 kN", rail=Rail(profile="60E1"))`` builds a scene; a wrong key or value raises
+    SceneError. A later assignment raises pydantic's ValidationError, as scenes are frozen.
+
+    name: name of the scene and of its folder in results/.
+    load: N, normal force; None: approach is given.
+    approach: mm, by which the bodies come closer; None: load is given.
+    accuracy: largest relative error of the results, 0.0005 to 0.2; None: not given.
+    budget: s of computing time for the best possible accuracy; None: not given.
+    unload: whether bodies that yield are unloaded after the load.
+    cycles: how often bodies that yield are loaded at the same place, 1 to 100.
+    rail: the rail, a `Rail`.
+    wheel: the wheel, a `Wheel`.
+    wheelset: position of the wheelset, a `Wheelset`.
+    friction: friction and shifting forces, a `Friction`.
+    rolling: steady rolling, a `Rolling`.
+    solver: contact method and linear solver, a `Solver`.
+    mesh: the elements, a `Mesh`.
+    effects: switches of the effects, an `Effects`.
     """
 
     name: Annotated[str, BeforeValidator(_name)] = "scene"
@@ -119,6 +142,7 @@ class Scene(Section):
 
     @model_validator(mode="after")
     def _load_or_approach(self) -> Self:
+        """Raise SceneError unless exactly one of load and approach is given."""
         if self.load is None and self.approach is None:
             raise SceneError("load, approach", "neither is given; give exactly one of them")
         if self.load is not None and self.approach is not None:
@@ -128,6 +152,7 @@ class Scene(Section):
 
     @model_validator(mode="after")
     def _size_or_accuracy(self) -> Self:
+        """Raise SceneError where mesh.patch_size is given beside accuracy or budget."""
         if self.mesh.patch_size is not None and (self.accuracy or self.budget):
             other = "accuracy" if self.accuracy else "budget"
             raise SceneError(
@@ -138,6 +163,9 @@ class Scene(Section):
 
     @model_validator(mode="after")
     def _shifted_or_rolling(self) -> Self:
+        """Raise SceneError where rolling is prescribed beside a force of [friction], or
+        friction.cycle is true without such a force.
+        """
         friction, rolling = self.friction, self.rolling
         if rolling.prescribed and (friction.force_along or friction.force_across):
             raise SceneError("rolling", "is not allowed beside a force of [friction]; give one")
@@ -160,7 +188,7 @@ class Scene(Section):
 
     @property
     def asymmetric_friction(self) -> tuple[bool, bool]:
-        """Whether friction breaks the mirror symmetry about the planes x = 0 and y = 0."""
+        """Two booleans: whether friction breaks the mirror symmetry about x = 0 and about y = 0."""
         friction, rolling = self.friction, self.rolling
         if not friction.coefficient or self.effects.friction == "off":
             return False, False
@@ -171,6 +199,7 @@ class Scene(Section):
 
     @model_validator(mode="after")
     def _one_body_deforms(self) -> Self:
+        """Raise SceneError where both bodies are rigid."""
         if math.isinf(self.rail.young_modulus) and math.isinf(self.wheel.young_modulus):
             keys = "rail.young_modulus, wheel.young_modulus"
             raise SceneError(keys, "both are inf (rigid); make at least one of them finite")
@@ -178,6 +207,9 @@ class Scene(Section):
 
     @model_validator(mode="after")
     def _half_space_is_a_point_or_line_contact(self) -> Self:
+        """Raise SceneError for half-spaces whose relative curvatures make neither a point nor a
+        line contact, and for keys that half-spaces cannot use.
+        """
         if self.rail.extent == "half-space":
             along, across = self.relative_curvatures()
             if across < 0 or not along + across > 0:
@@ -199,18 +231,20 @@ class Scene(Section):
 
     @property
     def _half_space(self) -> str:
-        """The kind of half-space contact, a key of `unused.UNUSED_KEYS`."""
+        """Key of `unused.UNUSED_KEYS` for the kind of contact of two half-spaces: point contact,
+        line contact curved along the rail, or line contact curved across the rail.
+        """
         along, across = self.relative_curvatures()
         if along and across:
             return "half_space"
         return "half_space_along" if along else "half_space_across"
 
     def relative_curvatures(self) -> tuple[float, float]:
-        """Return the relative curvatures (along, across) the rail in 1/mm of two half-spaces.
+        """Relative curvatures (along, across the rail) of two half-spaces, 1/mm.
 
-        Along: 1/rolling_radius, the rail being straight; across: 1/crown_radius +
-        1/transverse_radius (K. L. Johnson, Contact Mechanics, 1985, section 4.1). Standard rails
-        count with the radius of their crown, cylinders and cones as straight across.
+        Along: 1/rolling_radius, as the rail is straight; across: 1/crown_radius +
+            1/transverse_radius (K. L. Johnson, Contact Mechanics, 1985, section 4.1). Standard
+            rails have the radius of their crown; cylinders and cones are straight across.
         Raises SceneError for a profile without a single radius (S1002, a file).
         """
         across = 0.0
@@ -227,7 +261,9 @@ class Scene(Section):
 
     @classmethod
     def from_mapping(cls, data: Mapping[str, object]) -> Self:
-        """Return the scene that nested tables describe; raise SceneError for the first problem."""
+        """The scene of nested tables {key: value or {key: value}}. Raises SceneError for the first
+        wrong key or value.
+        """
         if not isinstance(data, Mapping):
             raise SceneError(
                 "scene", f"{show(data)} is not a table; give one, e.g. {{'load': 25000}}"
@@ -271,12 +307,16 @@ class Scene(Section):
         return self.from_mapping(data)
 
     def value(self, key: str) -> object:
-        """Return the value of a dotted key, in base units; raise KeyError for no key."""
+        """The value of a dotted key, in its base unit (N, mm, MPa, s, rad). Raises KeyError for an
+        unknown key.
+        """
         return reduce(getitem, OTHER_NAMES.get(key, key).split("."), self.model_dump())
 
 
 def unit(key: str) -> str:
-    """Return the base unit of a dotted key's values, N, mm, MPa, ..., empty where it has none."""
+    """Base unit (N, mm, MPa, s, rad, 1/mm, m/s) of the values of a dotted key; empty for keys
+    without unit and for unknown keys.
+    """
     table, _, leaf = OTHER_NAMES.get(key, key).rpartition(".")
     section = type(Scene.model_fields[table].default) if table in Scene.model_fields else Scene
     if not issubclass(section, Section) or leaf not in section.model_fields:
@@ -286,7 +326,7 @@ def unit(key: str) -> str:
 
 
 def checked(scene: object) -> Scene:
-    """The argument, if it is a Scene. Raises SceneError for anything else."""
+    """The argument, if it is a Scene. Raises SceneError for any other object."""
     if not isinstance(scene, Scene):
         raise SceneError("scene", f"{show(scene)} is no Scene; give one, e.g. railhead.find(name)")
     return scene

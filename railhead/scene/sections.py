@@ -19,24 +19,34 @@ ALIASES = {"UIC54": "54E1", "UIC60": "60E1"}
 
 
 class SceneError(ValueError):
-    """The input is wrong: ``key`` says where, ``text`` what it was and what is allowed there."""
+    """Error of a scene or of a command's input, as one line "key: text".
+
+    key: dotted key or option that is wrong.
+    text: what the value was and what is allowed there.
+    """
 
     def __init__(self, key: str, text: str) -> None:
+        """key: dotted key or option that is wrong; text: what the value was and what is allowed."""
         super().__init__(key, text)
         self.key, self.text = key, text
 
     def __str__(self) -> str:
+        """The line "key: text"; a key with unprintable characters is shown as its `repr`."""
         key = self.key if self.key and self.key.isprintable() else show(self.key)
         return f"{key}: {self.text}"
 
 
 class Section(BaseModel):
-    """A frozen table of keys; a wrong key or value raises `SceneError`. A key with the value
-    ``none`` has its default."""
+    """Base class of the tables of a scene: a frozen pydantic model without unknown keys.
+
+    Keys are given by name. A wrong key or value raises SceneError. A key with the value "none" has
+    its default.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     def __init__(self, /, **data: Any) -> None:
+        """Check the given keys. Raises SceneError for the first wrong key or value."""
         try:
             super().__init__(**data)
         except ValidationError as error:
@@ -45,6 +55,7 @@ class Section(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _unset(cls, data: Any) -> Any:
+        """Remove keys whose value is the text "none", so that they get their defaults."""
         if not isinstance(data, dict):
             return data
         return {
@@ -54,7 +65,7 @@ class Section(BaseModel):
 
     @classmethod
     def _first_problem(cls, error: ValidationError) -> SceneError:
-        """Put the first of pydantic's findings into one line."""
+        """The first error of pydantic's ValidationError as a SceneError of one line."""
         first = error.errors(include_url=False)[0]
         key = str(first["loc"][0]) if first["loc"] else ""  # then the branches of a union
         value = show(first["input"])
@@ -81,18 +92,24 @@ class Section(BaseModel):
 
 
 def _readable(path: str) -> bool:
-    """Return whether `path` is a file that can be read, with a name that TOML can hold."""
+    """Whether a path is a readable file whose name is valid Unicode, as TOML needs it."""
     is_text = path.encode(errors="ignore").decode() == path
     return is_text and os.path.isfile(path) and os.access(path, os.R_OK)
 
 
 def _profile(body: str, *names: str) -> BeforeValidator:
-    """Return a validator of a profile: one of `names`, an alias, or a file (kept absolute)."""
+    """A pydantic validator of the key `profile` of a body ("rail" or "wheel").
+
+    names: names of the allowed standard profiles. The validator returns one of them (UIC54 and
+        UIC60 become 54E1 and 60E1) or the absolute path of a readable profile file. It raises
+        ValueError (one line) for anything else.
+    """
     suffixes = [suffix for suffix in EXTENSIONS
                 if BODY_BY_EXTENSION.get(suffix, body) == body]  # fmt: skip
     kinds = f"a {', '.join(suffixes[:-1])} or {suffixes[-1]} file"
 
     def validate(value: object) -> str:
+        """The name of a standard profile or the absolute path of a file. Raises ValueError."""
         text = str(value) if isinstance(value, str | Path) else ""
         text = ALIASES.get(text, text)
         if text in names:
@@ -114,9 +131,14 @@ def is_profile_file(profile: str) -> bool:
 
 
 def _curve() -> BeforeValidator:
-    """Return a validator of a .csv file with a stress-strain curve (kept absolute)."""
+    """A pydantic validator of the path of a .csv file with a stress-strain curve.
+
+    The validator returns the absolute path. It raises ValueError (one line) for a file that cannot
+    be read or that holds no valid curve (`curves.read`).
+    """
 
     def validate(value: object) -> str:
+        """The absolute path of a valid stress-strain file. Raises ValueError."""
         path = os.path.abspath(str(value))
         if not path.lower().endswith(".csv") or not _readable(path):
             raise ValueError(f"{show(value)} is not a readable .csv file; give one that exists")
@@ -127,7 +149,9 @@ def _curve() -> BeforeValidator:
 
 
 def _check_arc(profile: str, key: str, radius: float | None) -> None:
-    """Require `radius` of the profile ``arc``, and of no other."""
+    """Raise SceneError where the profile is "arc" and `radius` is None, or where a radius (mm) is
+    given for another profile. key: name of the radius in the message.
+    """
     if profile == "arc" and radius is None:
         raise SceneError(key, 'not given; profile arc needs it, e.g. 80 or "80 mm"')
     if profile != "arc" and radius is not None:
@@ -138,14 +162,27 @@ Switch = Literal["auto", "on", "off"]
 
 
 class BodySection(Section):
-    """What a body is made of: elastic constants, and how it yields: as a `steel` does, at
-    `yield_stress`, with a constant `hardening_modulus`, or along `stress_strain`, a .csv file of
-    plastic strain and true stress (MPa). `kinematic_fraction` of the hardening moves the yield
-    surface, the rest widens it. A body without any stays elastic.
+    """Material of a rail or a wheel, and how the file of its profile is read.
 
-    How a profile's file is read: `profile_unit` of its numbers, `profile_mirror` left and right,
-    `profile_flip` up and down, `profile_origin` as in the file; `smoothing` is the length in mm of
-    waves that keep half of their height. What is ``auto`` is found out from the points.
+    At most one of steel, yield_stress and stress_strain may be given; with none of them the body is
+    elastic. Keys of the file are only allowed where the profile is a file; "auto" derives them from
+    the points.
+
+    young_modulus: MPa; inf is a rigid body, which is not meshed.
+    poisson_ratio: 0 to below 0.5.
+    steel: name of a steel with a known yield stress; None: no steel.
+    yield_stress: MPa; None: no yield stress.
+    hardening_modulus: MPa, derivative of stress by plastic strain beyond yield_stress; None: no
+        hardening. Only beside yield_stress.
+    kinematic_fraction: share of the hardening that moves the yield surface, 0 to 1; the rest widens
+        the surface. None: not given. Only in a body that yields.
+    stress_strain: path of a .csv file, a row of plastic strain and true stress (MPa) a line; None:
+        no curve.
+    profile_unit: unit of the file's numbers: "auto", "mm", "m" or "inch".
+    profile_mirror: whether left and right of the file are exchanged: "auto", "on" or "off".
+    profile_flip: whether up and down of the file are exchanged: "auto", "on" or "off".
+    profile_origin: "file" keeps the file's origin; "auto" places the origin.
+    smoothing: mm, wavelength of which the smoothing keeps half of the height; "auto" chooses.
     """
 
     young_modulus: units.Modulus = 207000.0
@@ -163,6 +200,9 @@ class BodySection(Section):
 
     @model_validator(mode="after")
     def _one_way_to_yield(self) -> Self:
+        """Raise SceneError for two of steel, stress_strain and yield_stress, and for a
+        hardening_modulus or a kinematic_fraction without what they need.
+        """
         given = [key for key in ("steel", "stress_strain", "yield_stress") if getattr(self, key)]
         if len(given) > 1:
             raise SceneError(given[1], f"is not allowed beside {given[0]}; give one of them")
@@ -175,7 +215,9 @@ class BodySection(Section):
         return self
 
     def _check_file(self, profile: str) -> None:
-        """Refuse keys that say how a file is read where the profile is no file."""
+        """Raise SceneError where a key that says how a file is read is set and `profile` is no
+        file.
+        """
         for key in ("profile_unit", "profile_mirror", "profile_flip", "profile_origin",
                     "smoothing"):  # fmt: skip
             value = getattr(self, key)
@@ -190,9 +232,11 @@ class BodySection(Section):
 
     @property
     def curve(self) -> tuple[tuple[float, float], ...]:
-        """Points (plastic strain, true stress in MPa) of the steel or of `stress_strain`.
+        """Points (plastic strain, true stress in MPa) of the stress-strain curve of `steel` or of
+        the file `stress_strain`.
 
-        The stress is constant after the last. Empty where the body has neither."""
+        The stress is constant after the last point. Empty where the body has neither key.
+        """
         if self.steel is not None:
             return ((0.0, steels.by_name()[self.steel].yield_stress),)
         if self.stress_strain is not None:
@@ -201,11 +245,17 @@ class BodySection(Section):
 
 
 class Rail(BodySection):
-    """The rail: straight, its crown radius in mm, its inclination the tangent of an angle.
+    """A straight rail. Keys of the material and of the profile's file: `BodySection`.
 
-    ``depth`` (below the crown) and ``width`` are those of a block under an arc.
-    ``gauge`` is the distance of the two rails, 14 mm below their tops, in mm; without it the
-    wheel's tape circle (70 mm from the flange back) stands over the crown centre.
+    profile: 54E1 (UIC54), 60E1 (UIC60), arc, or the path of a file of points.
+    crown_radius: mm, radius of an arc; inf is flat. Required for arc, not allowed otherwise.
+    inclination: tangent of the angle by which the rail leans towards the track's middle, e.g. 1/20.
+    gauge: mm between both rails, 14 mm below their tops; None: the wheel's tape circle (70 mm from
+        the flange back) stands over the crown.
+    extent: "head" meshes the head, "section" web and foot too, "half-space" an unbounded body.
+    length: mm of the rail that is meshed; None: the plan chooses.
+    depth: mm of the block below an arc; None: the plan chooses. Only for arc.
+    width: mm of the block below an arc, across; None: the plan chooses. Only for arc.
     """
 
     profile: Annotated[str, _profile("rail", "54E1", "60E1", "arc")] = "54E1"
@@ -219,6 +269,9 @@ class Rail(BodySection):
 
     @model_validator(mode="after")
     def _radius_of_an_arc(self) -> Self:
+        """Raise SceneError for an arc without crown_radius, and for crown_radius, depth or width of
+        another profile; also for keys of a file where the profile is none.
+        """
         _check_arc(self.profile, "crown_radius", self.crown_radius)
         self._check_file(self.profile)
         for key, value in (("depth", self.depth), ("width", self.width)):
@@ -228,9 +281,15 @@ class Rail(BodySection):
 
 
 class Wheel(BodySection):
-    """The wheel; ``segment_length`` is the arc length that is kept along the rail, in mm.
+    """A wheel. Keys of the material and of the profile's file: `BodySection`.
 
-    A rolling radius of inf is a straight bar with the tread's section.
+    profile: cylinder, cone20, cone40, arc, S1002, or the path of a file of points.
+    rolling_radius: mm; inf is a straight bar with the profile of the tread.
+    transverse_radius: mm, radius of an arc across the rail; negative is concave, inf is straight.
+        Required for arc, not allowed otherwise.
+    width: mm across the rail; None: the plan chooses.
+    rim_depth: mm of the rim that is meshed; None: the plan chooses.
+    segment_length: mm of the circumference that is meshed; None: the plan chooses.
     """
 
     profile: Annotated[str, _profile("wheel", "cylinder", "cone20", "cone40", "arc", "S1002")] = (
@@ -244,15 +303,20 @@ class Wheel(BodySection):
 
     @model_validator(mode="after")
     def _radius_of_an_arc(self) -> Self:
+        """Raise SceneError for an arc without transverse_radius and for transverse_radius of
+        another profile; also for keys of a file where the profile is none.
+        """
         _check_arc(self.profile, "transverse_radius", self.transverse_radius)
         self._check_file(self.profile)
         return self
 
 
 class Wheelset(Section):
-    """Where the wheel stands: ``shift`` brings its flange to the rail, in mm; ``yaw`` turns the
-    axle about the vertical, in rad; the roll follows, as both wheels touch both rails.
-    ``back_to_back`` is the distance of the flange backs, in mm.
+    """Position of the wheelset on the track. The roll follows, as both wheels touch their rails.
+
+    shift: mm, lateral displacement that brings the flange of the wheel towards the rail.
+    yaw: rad, rotation of the axle about the vertical.
+    back_to_back: mm between the backs of both flanges.
     """
 
     shift: units.Shift = 0.0
@@ -261,9 +325,15 @@ class Wheelset(Section):
 
 
 class Solver(Section):
-    """How the contact is enforced; ``gamma_factor`` multiplies the default stabilisation.
+    """Contact method and linear solver.
 
-    Without ``theta`` Nitsche's method is symmetric (1) down to factor 1 and skew (-1) below it.
+    method: "nitsche" (Nitsche's method) or "penalty".
+    theta: symmetry parameter of Nitsche's method: 1 (symmetric), 0 or -1 (skew). None: 1 for
+        gamma_factor of at least 1, else -1. Not allowed with method penalty.
+    gamma_factor: factor on the default stabilisation of Nitsche's method or on the default penalty.
+    linear: solver of linear systems: "direct", "multigrid", or "auto", which leaves the choice to
+        the plan.
+    max_newton: largest number of steps of Newton's method, 1 to 200.
     """
 
     method: Literal["nitsche", "penalty"] = "nitsche"
@@ -274,13 +344,20 @@ class Solver(Section):
 
     @model_validator(mode="after")
     def _theta_of_nitsche(self) -> Self:
+        """Raise SceneError where theta is given with the penalty method."""
         if self.method == "penalty" and self.theta is not None:
             raise SceneError("theta", f"{self.theta} is not allowed; only method nitsche takes it")
         return self
 
 
 class Mesh(Section):
-    """The cells; without ``order`` tetrahedra are quadratic and hexahedra linear."""
+    """Elements of the bodies.
+
+    cell: "tetrahedron" or "hexahedron".
+    order: polynomial order of the elements, 1 or 2; None: 2 for tetrahedra, 1 for hexahedra.
+    patch_size: mm, size of the elements in the contact patch, not allowed beside accuracy or
+        budget; None: the plan chooses.
+    """
 
     cell: Literal["tetrahedron", "hexahedron"] = "tetrahedron"
     order: units.Order | None = None
@@ -288,14 +365,18 @@ class Mesh(Section):
 
     @property
     def linear(self) -> bool:
-        """Whether the cells are linear tetrahedra (in a section triangles), which lock."""
+        """Whether the cells are tetrahedra (in a section triangles) of order 1, which lock."""
         return self.cell == "tetrahedron" and self.order == 1
 
 
 class Friction(Section):
-    """Dry friction. ``force_along`` and ``force_across`` (N) of the wheel on the rail shift it from
-    rest; ``tangential_load`` is another name of the first. ``cycle``: there, back to the opposite
-    forces and there again.
+    """Coulomb friction, and tangential forces that shift the wheel on the rail from rest.
+
+    coefficient: friction coefficient, 0 to 2; 0: no friction.
+    force_along: N, tangential force of the wheel on the rail along x, along the rail. The key
+        tangential_load is another name of this one.
+    force_across: N, tangential force of the wheel on the rail along y, across the rail.
+    cycle: whether the forces are applied, reversed and applied again; false: applied once.
     """
 
     coefficient: units.FrictionCoefficient = 0.0
@@ -306,6 +387,7 @@ class Friction(Section):
     @model_validator(mode="before")
     @classmethod
     def _other_name(cls, data: Any) -> Any:
+        """Replace the key tangential_load by force_along. Raises SceneError where both are set."""
         if isinstance(data, dict) and "tangential_load" in data:
             data = dict(data)
             force = data.pop("tangential_load")
@@ -316,12 +398,21 @@ class Friction(Section):
 
 
 class Rolling(Section):
-    """Steady rolling towards positive x. Of either direction a creepage (velocity of the wheel's
-    surface relative to the rail's over the rolling speed) or a force of the wheel on the rail (N)
-    to be met; ``spin`` in 1/mm about the normal out of the rail; ``speed`` in m/s is for the power
-    and the flash temperature. ``from_wheelset`` takes creepages and spin from where the wheelset
-    stands; beside it a torque may give ``force_along``, and ``axle`` says by which radius the axle
-    turns: the mean of both wheels' rolling radii (free) or wheel.rolling_radius (nominal).
+    """Steady rolling of the wheel towards positive x.
+
+    Along and across, either a creepage or a force may be given, not both. Beside from_wheelset only
+    force_along, axle and speed are allowed. Creepages are the velocity of the wheel's surface
+    relative to the rail's over the rolling speed.
+
+    from_wheelset: whether creepages and spin follow from the position of the wheelset.
+    axle: beside from_wheelset, the radius by which the axle turns: the mean of both wheels' rolling
+        radii ("free") or wheel.rolling_radius ("nominal").
+    creepage_along: creepage along the rail, -1 to 1; None: not given.
+    creepage_across: creepage across the rail, -1 to 1; None: not given.
+    force_along: N, force of the wheel on the rail to be met along the rail; None: not given.
+    force_across: N, force of the wheel on the rail to be met across the rail; None: not given.
+    spin: 1/mm, angular velocity about the normal out of the rail over the rolling speed.
+    speed: m/s, for the friction power and the flash temperature; None: neither is computed.
     """
 
     from_wheelset: bool = False
@@ -335,6 +426,9 @@ class Rolling(Section):
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
+        """Raise SceneError for a creepage and a force in one direction, for a key that
+        from_wheelset gives, for an axle without from_wheelset and for a speed without rolling.
+        """
         for way in ("along", "across"):
             if (
                 getattr(self, f"creepage_{way}") is not None
@@ -359,9 +453,23 @@ class Rolling(Section):
 
 
 class Effects(Section):
-    """Effects that a person may force; ``auto`` leaves them to the plan.
+    """Switches of the physical effects: "on", "off", or "auto", which leaves the choice to the
+    plan.
 
-    ``symmetry`` is short for both planes.
+    symmetry: both planes of symmetry x = 0 and y = 0.
+    plane_strain: a line contact is solved in a plane section.
+    axisymmetry: bodies of revolution are solved in a meridian section.
+    symmetry_x: plane x = 0; half of the model is solved.
+    symmetry_y: plane y = 0; half of the model is solved.
+    deformable_rail: the rail deforms; off: a rigid rail.
+    deformable_wheel: the wheel deforms; off: a rigid wheel.
+    rail_section: web and foot of the rail are meshed, too.
+    far_field: half-spaces around the meshed bodies.
+    true_profile: real profiles; off: arcs with their radii at the contact.
+    mean_dilatation: treatment of nearly incompressible materials.
+    plasticity: bodies yield.
+    friction: Coulomb friction.
+    heat: flash temperature of 100 K and more, which is not simulated; off accepts that.
     """
 
     symmetry: Switch = "auto"
@@ -380,6 +488,8 @@ class Effects(Section):
     heat: Switch = "auto"
 
     def state(self, name: str) -> Switch:
-        """The switch of one effect; `symmetry` stands for both planes where theirs are auto."""
+        """The switch ("auto", "on" or "off") of the effect `name`. The switch `symmetry` replaces
+        those of symmetry_x and symmetry_y that are "auto".
+        """
         choice: Switch = getattr(self, name)
         return self.symmetry if choice == "auto" and name.startswith("symmetry") else choice

@@ -36,22 +36,23 @@ class Steel:
 
 @cache
 def by_name() -> dict[str, Steel]:
-    """All steels of data/steels.json by name."""
+    """The steels of data/steels.json by name, read once."""
     text = (Path(__file__).parent / "data" / "steels.json").read_text(encoding="utf-8")
     return {name: Steel(**entry) for name, entry in json.loads(text).items()}
 
 
 def is_steel(modulus: float) -> bool:
-    """Whether a Young's modulus in MPa is that of a steel, as bodies without a given yield stress
-    are judged."""
+    """Whether a Young's modulus (MPa) lies in the range of steels, 180 to 230 GPa."""
     return STEEL_MODULI[0] <= modulus <= STEEL_MODULI[1]
 
 
 def name_validator() -> BeforeValidator:
-    """A validator that accepts the name of a steel with data and refuses anything else in one
-    line."""
+    """A pydantic validator that accepts the name of a steel in data/steels.json and raises
+    ValueError (one line) for anything else.
+    """
 
     def validate(value: object) -> str:
+        """The name of a steel with data. Raises ValueError for anything else."""
         if isinstance(value, str) and value in by_name():
             return value
         allowed = f"give {', '.join(by_name())}"

@@ -28,7 +28,10 @@ _UNIT = re.compile(rf"(?:1\s*/\s*)?{_POWER}(?:\s*[*/]\s*{_POWER})*")  # 1/m as w
 
 
 class _ShortRepr(reprlib.Repr):
+    """`repr` of objects, of strings and other objects at most 100 characters."""
+
     def __init__(self) -> None:
+        """Set the largest lengths of strings and of other objects to 100 characters."""
         super().__init__()
         self.maxstring = self.maxother = 100
 
@@ -48,26 +51,28 @@ def show(value: object) -> str:
 
 @lru_cache(maxsize=1)
 def _registry() -> "pint.UnitRegistry[Decimal]":
-    """The units of pint, whose import takes a tenth of a short run: only for rare units."""
+    """The unit registry of pint with decimal numbers, made once. Pint is imported here because its
+    import is slow and only rare units need it.
+    """
     import pint
 
     return pint.UnitRegistry(non_int_type=Decimal)
 
 
 def to_reader(base: str, unit: str) -> float:
-    """The number of a unit in one base unit, e.g. 0.001 for N and kN."""
+    """The number of `unit` in one `base` unit, e.g. 0.001 for base N and unit kN."""
     return float(_registry().Quantity(1, base).to(unit).magnitude)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class QuantityKind:
-    """A kind of physical quantity and how it is written.
+    """A kind of physical quantity and the texts by which values are given.
 
-    noun: its name with an article, for messages.
-    hint: how to write it, for messages.
+    noun: name with an article, for messages.
+    hint: how to write a value, for messages.
     unit: base unit; empty for plain numbers.
-    factors: base units in one of its usual units.
-    pint: whether other units of the same dimension are read, too.
+    factors: usual units, and the number of base units in one of each.
+    pint: whether other units of the same dimension are read with the package pint.
     """
 
     noun: str
@@ -77,10 +82,11 @@ class QuantityKind:
     pint: bool = False
 
     def convert(self, number: str, unit: str) -> float:
-        """A decimal number with a unit in the base unit. Raises ValueError, TypeError or
-        ArithmeticError where the unit is none of this kind.
+        """The value, in the base unit, of a decimal number (text) with a unit (text).
 
-        In decimals, so that "0.42 m" is the same float as 420."""
+        Decimal arithmetic makes "0.42 m" the same float as 420 mm. Raises ValueError, TypeError or
+        ArithmeticError where the unit is none of this kind.
+        """
         factor = self.factors.get(unit)
         if isinstance(factor, float):  # of an angle: no decimal has it
             return float(number) * factor
@@ -96,10 +102,12 @@ class QuantityKind:
 
 
 class SlopeKind(QuantityKind):
-    """A slope: an angle below 90 degrees, whose tangent is taken, 1:20, 1/20, or per cent."""
+    """A slope, given as the tangent, as an angle below 90 degrees, as 1:20 or 1/20, or per cent."""
 
     def convert(self, number: str, unit: str) -> float:
-        """The slope, as in `QuantityKind.convert`."""
+        """The slope (tangent) of a number (text) with a unit (text): an angle's unit, ":20", "/20"
+        or "%". Raises ValueError, TypeError or ArithmeticError for another unit.
+        """
         if unit in ANGLE.factors and abs(angle := ANGLE.convert(number, unit)) < math.pi / 2:
             return math.tan(angle)
         if run := _RUN.fullmatch(unit):
@@ -190,12 +198,14 @@ def to_base(value: object, kind: QuantityKind) -> float:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RangeValidator:
-    """Validator of a quantity: called with a value, returns it in the base unit of its kind.
+    """Validator of a quantity: called with a value, returns the value in the base unit of its kind.
 
-    low, high: smallest and largest allowed value, in the base unit.
-    excluded: values between them that are not allowed.
+    kind: the kind of quantity, with its base unit.
+    low: smallest allowed value, in the base unit.
+    high: largest allowed value, in the base unit.
+    excluded: values between low and high that are not allowed.
     infinite: whether inf is allowed, too.
-    either_sign: whether low and high are those of the absolute value.
+    either_sign: whether low and high bound the absolute value.
     whole: whether only whole numbers are allowed.
     allowed: what is allowed, for the message "<value> is not allowed; give <allowed>".
     """
@@ -210,7 +220,9 @@ class RangeValidator:
     allowed: str
 
     def __call__(self, value: object) -> float:
-        """Convert and check. Raises ValueError (one line)."""
+        """The value (a number, or a text with its unit) in the base unit. Raises ValueError (one
+        line) for what is no such quantity or out of range.
+        """
         number = to_base(value, self.kind)
         size = abs(number) if self.either_sign else number
         inside = self.low <= size <= self.high and size not in self.excluded
@@ -233,8 +245,12 @@ def _in_range(
     either_sign: bool = False,
     whole: bool = False,
 ) -> BeforeValidator:
-    """The validator of a range; note: added to what the message says of it; allowed: in its
-    place."""
+    """A pydantic validator of quantities of a kind from low to high (base unit).
+
+    note: added to the description of the range in messages.
+    allowed: replaces that description.
+    excluded, infinite, either_sign, whole: as in `RangeValidator`.
+    """
     ends = f"from {_short(low)} to {_short(high)} {kind.unit}".rstrip()
     noun = "a whole number" if whole else kind.noun
     return BeforeValidator(

@@ -33,8 +33,9 @@ UNUSED_KEYS: dict[str, tuple[str, frozenset[str]]] = {
 
 
 def set_but_unused(scene: Scene, kind: str) -> list[tuple[str, Any]]:
-    """Dotted keys and values of a scene that are not their defaults and that a scene of this kind
-    (a key of UNUSED_KEYS) cannot use."""
+    """Pairs (dotted key, value) of the keys that a kind of scene cannot use and whose values are
+    not the defaults. kind: a key of UNUSED_KEYS.
+    """
     pairs = []
     for key in sorted(UNUSED_KEYS[kind][1]):
         section, leaf = key.split(".")
@@ -46,7 +47,9 @@ def set_but_unused(scene: Scene, kind: str) -> list[tuple[str, Any]]:
 
 
 def refuse(scene: Scene, kind: str) -> None:
-    """Raise SceneError for the first key that is set and that a scene of this kind cannot use."""
+    """Raise SceneError for the first key that is set and that this kind of scene (a key of
+    UNUSED_KEYS) cannot use.
+    """
     for key, value in set_but_unused(scene, kind):
         name, keys = UNUSED_KEYS[kind]
         text = f"{value:g} is not allowed; a {name} has no use for it (nor for "
@@ -54,7 +57,7 @@ def refuse(scene: Scene, kind: str) -> None:
 
 
 def drop_keys(data: Mapping[str, Any], keys: Iterable[str]) -> dict[str, Any]:
-    """The nested tables of a scene without some dotted keys."""
+    """A copy of the nested tables of a scene without the given dotted keys."""
     dropped = set(keys)
     return {
         section: {k: v for k, v in table.items() if f"{section}.{k}" not in dropped}
