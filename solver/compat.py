@@ -26,7 +26,12 @@ _OLD = VERSION < (0, 8)
 
 
 def model_to_mesh(model: Any, comm: MPI.Comm, dim: int = 3) -> tuple[Any, Any, Any]:
-    """Mesh, cell tags and facet tags, in `dim` coordinates, from a gmsh model on rank 0."""
+    """Distributed dolfinx mesh, MeshTags of its cells and MeshTags of its facets, from a gmsh model
+    on rank 0 (collective).
+
+    model: gmsh model with physical groups; None on the other ranks.
+    dim: number of coordinates of the mesh.
+    """
     if VERSION < (0, 10):
         from dolfinx.io import gmshio
 
@@ -41,8 +46,9 @@ def model_to_mesh(model: Any, comm: MPI.Comm, dim: int = 3) -> tuple[Any, Any, A
 def _compiling(mesh: Any, **options: Any) -> Iterator[dict[str, Any]]:
     """Context in which this process alone compiles forms and elements; yields keywords for dolfinx.
 
-    options: of the compiler. The cache folder is this program's own, because only its processes
-    respect the lock and expect that unfinished files are removed.
+    mesh: mesh whose ranks compile together. options: options of the compiler.
+    The cache folder is this program's own, because only its processes respect the lock and expect
+    that unfinished files are removed.
     """
     chosen = jit.get_parameters() if _OLD else jit.get_options()
     folder = Path(chosen["cache_dir"]) / "railhead"
@@ -51,7 +57,9 @@ def _compiling(mesh: Any, **options: Any) -> Iterator[dict[str, Any]]:
 
 
 def vector_space(mesh: Any, degree: int) -> Any:
-    """Continuous Lagrange space of vectors with as many components as the mesh has coordinates."""
+    """Continuous Lagrange space of vectors with as many components as the mesh has coordinates;
+    degree: polynomial degree.
+    """
     kind = ("Lagrange", degree, (mesh.geometry.dim,))
     if _OLD:
         kind = ufl.VectorElement("Lagrange", mesh.ufl_cell(), degree)
@@ -59,6 +67,9 @@ def vector_space(mesh: Any, degree: int) -> Any:
 
 
 def _space(mesh: Any, kind: Any) -> Any:
+    """dolfinx function space on a mesh; kind: a UFL element, or (family, degree) and for vectors
+    the shape.
+    """
     if VERSION >= (0, 11):
         return fem.functionspace(mesh, kind)  # which compiles nothing
     with _compiling(mesh) as how:
@@ -66,7 +77,9 @@ def _space(mesh: Any, kind: Any) -> Any:
 
 
 def cellwise_constant(mesh: Any, values: NDArray[np.float64]) -> Any:
-    """Function that is constant in each cell; values: of all local cells, ghosts included."""
+    """dolfinx function that is constant in each cell; values: (cells,) of all local cells, ghosts
+    included.
+    """
     space = _space(mesh, ("DG", 0))
     function = fem.Function(space)
     function.x.array[_table(space.dofmap.list, len(values)).ravel()] = values
@@ -74,7 +87,9 @@ def cellwise_constant(mesh: Any, values: NDArray[np.float64]) -> Any:
 
 
 def form(expression: ufl.Form, mesh: Any) -> Any:
-    """Compile a form on a mesh with the C compiler's optimiser on."""
+    """Compile a UFL form on a mesh with the optimiser of the C compiler switched on; returns the
+    dolfinx form.
+    """
     with _compiling(mesh, cffi_extra_compile_args=["-O3", "-march=native"]) as how:
         return fem.form(expression, **how)
 
@@ -87,13 +102,15 @@ def collect(comm: MPI.Comm) -> None:
 
 
 def _table(table: Any, rows: int) -> NDArray[np.int32]:
-    """An adjacency list or an array as an array of as many rows."""
+    """An adjacency list of equal rows, or an array, as an array (rows, entries of a row)."""
     array = np.asarray(table.array if hasattr(table, "array") else table, dtype=np.int32)
     return array.reshape(-1, array.size // max(rows, 1))
 
 
 def cell_nodes(mesh: Any) -> NDArray[np.int32]:
-    """Local geometry nodes (cells, nodes) of every local cell, in basix order."""
+    """Local numbers (cells, nodes) of the geometry nodes of every local cell, ghosts included, in
+    basix order.
+    """
     geometry = mesh.geometry
     table = geometry.dofmaps[0] if hasattr(geometry, "dofmaps") else geometry.dofmap
     cells = mesh.topology.index_map(mesh.topology.dim)
@@ -101,7 +118,9 @@ def cell_nodes(mesh: Any) -> NDArray[np.int32]:
 
 
 def cell_dofs(space: Any) -> NDArray[np.int32]:
-    """Local block dofs (cells, dofs) of every local cell, in basix order."""
+    """Local numbers (cells, dofs) of the block dofs of every local cell, ghosts included, in basix
+    order.
+    """
     cells = space.mesh.topology.index_map(space.mesh.topology.dim)
     return _table(space.dofmap.list, cells.size_local + cells.num_ghosts)
 
@@ -113,9 +132,12 @@ def cell_type(mesh: Any) -> str:
 
 
 def straight_mesh(comm: MPI.Comm, cells: NDArray, points: NDArray[np.float64], cell: str) -> Any:
-    """Mesh of straight-sided cells.
+    """dolfinx mesh of straight-sided cells.
 
-    cells: points of each cell (c, k), in basix order. points: (n, d). cell: see `cell_type`.
+    comm: communicator of the mesh.
+    cells: (m, k) points of each cell by row number of `points`, in basix order.
+    points: (n, d), mm.
+    cell: 'tetrahedron', 'hexahedron', 'triangle' or 'quadrilateral'.
     """
     cells, dim = cells.astype(np.int64), points.shape[1]
     if _OLD:
@@ -128,12 +150,16 @@ def straight_mesh(comm: MPI.Comm, cells: NDArray, points: NDArray[np.float64], c
 
 
 def node_points(mesh: Any) -> NDArray[np.float64]:
-    """Coordinates (n, d) of the local geometry nodes."""
+    """Coordinates (n, d) of the local geometry nodes, ghosts included, mm; d is the number of
+    coordinates of the mesh.
+    """
     return np.asarray(mesh.geometry.x[:, : mesh.geometry.dim])
 
 
 def interpolation(coarse: Any, fine: Any) -> PETSc.Mat:
-    """Matrix that interpolates functions of one space into another on the same mesh."""
+    """PETSc matrix that interpolates functions of one space (coarse) into another (fine) on the
+    same mesh.
+    """
     if VERSION < (0, 9):
         matrix = dolfinx.cpp.fem.petsc.interpolation_matrix(coarse._cpp_object, fine._cpp_object)
     else:
@@ -143,7 +169,9 @@ def interpolation(coarse: Any, fine: Any) -> PETSc.Mat:
 
 
 def function(space: Any, values: PETSc.Vec) -> Any:
-    """Function of a space from the values of its owned dofs; ghosts are updated."""
+    """dolfinx function of a space from the values of the dofs that this process owns; ghosts are
+    updated (collective).
+    """
     made = fem.Function(space)
     made.x.array[: values.getLocalSize()] = values.array
     made.x.scatter_forward()
@@ -151,13 +179,15 @@ def function(space: Any, values: PETSc.Vec) -> Any:
 
 
 def dof_points(space: Any) -> NDArray[np.float64]:
-    """Coordinates (n, d) of the owned block dofs."""
+    """Coordinates (n, d) of the block dofs that this process owns, without ghosts, mm; d is the
+    number of coordinates of the mesh.
+    """
     owned = space.dofmap.index_map.size_local
     return np.asarray(space.tabulate_dof_coordinates()[:owned, : space.mesh.geometry.dim])
 
 
 def geometry_degree(mesh: Any) -> int:
-    """Polynomial degree of the coordinate map of a mesh."""
+    """Polynomial degree of the map from the reference cell to the cells of a mesh."""
     geometry = mesh.geometry
     cmap = geometry.cmaps[0] if hasattr(geometry, "cmaps") else geometry.cmap
     degree = cmap.degree

@@ -17,13 +17,17 @@ from railhead.solver.solution import Solution
 
 
 class ContactModel(ContactSystem):
-    """Two bodies in contact on a mesh: everything that serves all load cases is assembled once.
+    """Two bodies in contact on a mesh; matrices that serve all load cases are assembled once.
 
-    mesh, cell_tags, facet_tags: a dolfinx mesh with MeshTags of its cells and facets.
-    setup: bodies, contact law, supports; with a load path the bodies may yield, with friction
-        settings the surfaces carry tangential tractions. What the setup lacks is not built.
-    Raises ValueError for a tag that no cell or facet carries. The support of the fixed body may be
-    missing where the setup has symmetry planes.
+    setup: bodies, contact law and supports. With a load path the bodies may yield. With friction
+        settings the surfaces carry tangential tractions.
+    plastic_problem: contact problem with plastic strain; None where the setup has no load path.
+    seconds: wall time, s, under the keys 'assemble' and 'solve'; the latter grows with every load
+        case.
+    All attributes of `ContactSystem` belong to the model too. Its arguments are a dolfinx mesh
+    (mm), MeshTags of the cells and facets, and the setup. Raises ValueError for a tag that no cell
+    or facet carries. The support of the fixed body may be missing where the setup has symmetry
+    planes.
     """
 
     def __init__(self, mesh: Any, cell_tags: Any, facet_tags: Any, setup: Setup) -> None:
@@ -44,15 +48,17 @@ class ContactModel(ContactSystem):
         progress: Callable[[int, float], None] = lambda step, residual: None,
         force: PETSc.Vec | None = None,
     ) -> Solution:
-        """Solve one load case: pressed, then sheared by friction, then unloaded where that is set.
+        """Solve one load case: press the bodies, then apply friction, then remove the load where
+        the load path says so (collective).
 
         load: N, of the whole model, under load control.
         approach: mm, under approach control.
-        active: (n,) local contact points that touch at the start of the iterations.
-        max_steps: limit of Newton's steps of each nonlinear solve.
-        progress: called with the number and the relative residual of each step.
-        force: on the owned dofs of `bulk.space`, N, for example an assembled body force.
-        Raises ValueError for the one of load and approach that the setup does not control; a far
+        active: (n,) contact points of this rank that touch at the start of the iterations.
+        max_steps: largest number of Newton's steps in each nonlinear solve.
+        progress: called with the number and the relative residual of each of Newton's steps.
+        force: forces at the dofs that this process owns, in the order of `bulk.space`, N, for
+            example an assembled body force.
+        Raises ValueError for a load under approach control or an approach under load control. A far
         field takes a load beside the approach. A solution that did not converge is returned too:
         see `Solution.newton`.
         """
@@ -79,7 +85,9 @@ class ContactModel(ContactSystem):
         return solution
 
     def response(self) -> ElasticResponse:
-        """How the bodies respond to a load case: elastically, or with yield; without a history."""
+        """Response of the bodies to one load case, without a history yet: elastic, or with yield
+        where the setup has a load path.
+        """
         path = self.setup.load_path
         if path is None or self.plastic_problem is None:
             return ElasticResponse(self)

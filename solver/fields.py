@@ -21,15 +21,16 @@ from railhead.solver.space.kinematics import SOLID, Kinematics
 class ContactFields:
     """Values at q quadrature points on the f facets of the slave's contact surface, in space.
 
-    points: (q, 3) mm.
-    weights: area of each point (q,) mm2.
-    pressure: (q,) MPa.
-    indicator: (q,) MPa, the pressure before its negative part is cut off.
-    gap: (q,) mm, negative where the surfaces overlap.
+    points: position (q, 3), mm.
+    weights: area of each point (q,) in the meshed part, mm2.
+    pressure: contact pressure (q,), MPa.
+    indicator: pressure before its negative part is set to zero (q,), MPa.
+    gap: gap of the deformed surfaces (q,), mm, negative where they overlap.
     normals: (q, 3) outward unit normals of the slave.
-    facet: (q,) the facet that each point lies on, a row of `facet_nodes`.
-    xi: (q, 2) or, in a section, (q, 1) coordinates of each point in its facet.
-    facet_nodes: (f, k) nodes of each facet, rows of `Fields.points`, corners first, basix order.
+    facet: (q,) row of `facet_nodes` that belongs to the facet that each point lies on.
+    xi: (q, 2) or, in a section, (q, 1) coordinates of each point in the reference facet.
+    facet_nodes: (f, k) nodes of each facet as row numbers of `Fields.points`, corners first, basix
+        order.
     """
 
     points: Array
@@ -48,19 +49,20 @@ class Fields:
     """Solution at the n nodes of the m cells of the meshed part, in space; a plane section lies in
     its plane.
 
-    points: (n, 3) mm.
-    displacement: (n, 3) mm.
-    cells: (m, k) nodes of each cell, basix order.
+    points: position of the nodes (n, 3), mm.
+    displacement: displacement of the nodes (n, 3), mm.
+    cells: (m, k) nodes of each cell as row numbers of `points`, basix order.
     body: (m,) tag of the body that each cell belongs to.
-    lame: (m, 2) lambda and mu, MPa.
-    cell: type of the cells, see `compat.cell_type`.
+    lame: (m, 2) Lame's constants lambda and mu of each cell, MPa.
+    cell: 'tetrahedron', 'hexahedron', 'triangle' or 'quadrilateral'.
     degree: polynomial degree of the displacement.
     slave: tag of the body that the contact facets belong to.
     mirrors: normals of the symmetry planes through x = 0 or y = 0 at which the model was cut.
     contact: values at the contact points.
-    kinematics: what the coordinates of the mesh stand for.
-    plastic_strain: in the cells; None where nothing yields.
-    master_surface: the other contact surface; None where that body is rigid.
+    kinematics: meaning of the mesh coordinates: a solid, plane strain, or a section that is
+        revolved.
+    plastic_strain: plastic strain in the cells; None where no body yields.
+    master_surface: gap at the nodes of the other contact surface; None where that body is rigid.
     """
 
     points: Array
@@ -79,7 +81,9 @@ class Fields:
 
 
 def gather(model: ContactModel, solution: Solution) -> Fields | None:
-    """The fields of a solution of all ranks, on rank 0; None on the others (collective)."""
+    """Collect the fields of a solution from all ranks on rank 0; returns None on the other ranks
+    (collective).
+    """
     comm, space = model.comm, model.bulk.space
     topology = space.mesh.topology
     own_cells = topology.index_map(topology.dim).size_local
@@ -96,6 +100,7 @@ def gather(model: ContactModel, solution: Solution) -> Fields | None:
     offset = comm.exscan(len(interface.slave)) or 0
 
     def collected(**arrays: NDArray[Any]) -> dict[str, NDArray[Any]]:
+        """The arrays of all ranks by name, each joined along its first axis on rank 0."""
         return {name: _to_root(comm, array) for name, array in arrays.items()}
 
     nodal = collected(
@@ -142,5 +147,8 @@ def gather(model: ContactModel, solution: Solution) -> Fields | None:
 
 
 def _to_root(comm: MPI.Intracomm, array: NDArray[Any]) -> NDArray[Any]:
+    """An array whose rows are those of all ranks, in the order of the ranks, on rank 0; the local
+    array elsewhere (collective).
+    """
     parts = comm.gather(np.ascontiguousarray(array))
     return np.concatenate(parts) if parts is not None else array

@@ -23,12 +23,13 @@ FarField = Callable[[float, int, Array], Array]
 
 @dataclass(frozen=True)
 class ContactBody:
-    """One of the two bodies: where it is on the mesh, and its material.
+    """One of the two bodies: tags of its cells and faces, and its material.
 
-    tag: MeshTags value of its cells.
-    contact: value of the facets of its contact surface.
-    support: value of the facets that are fixed or belong to the rigid hub.
-    material: an infinite Young's modulus makes the body rigid; it then has no cells.
+    tag: MeshTags value of the body's cells.
+    contact: MeshTags value of the facets of its contact surface.
+    support: MeshTags value of the facets that are fixed or belong to the rigid hub.
+    material: elastic constants and flow curve. An infinite Young's modulus makes the body rigid; a
+        rigid body has no cells.
     """
 
     tag: int
@@ -44,11 +45,11 @@ class ContactBody:
 
 @dataclass(frozen=True, kw_only=True)
 class LoadPath:
-    """How bodies that may yield are loaded.
+    """Load history of bodies that may yield.
 
     steps: number of load steps from first yield up to the load.
-    cycles: how often the load is applied.
-    unload: whether it is removed at last, so that the residual state is known.
+    cycles: number of times that the load is applied.
+    unload: whether the load is removed at the end, so that the residual state is computed.
     near: points in space (n, 3) mm -> (n,) whether plastic strain is followed there.
     """
 
@@ -62,17 +63,18 @@ class LoadPath:
 class FrictionSettings:
     """Coulomb friction of the wheel over the rail: a shift from rest, or steady rolling.
 
-    coefficient: of friction, positive.
-    rolling: steady rolling along +x; otherwise the wheel is shifted.
-    axes: (3, 3) unit vectors along the rail, across it and out of it at the origin.
-    origin: (3,) mm; moments are about it.
-    rigid_slip: points (n, 3) mm -> (4, n, 3) slip of rigid bodies under four motions: unit
-        creepage along, unit creepage across, spin of 1/mm, and the wheel's turning about axes in
-        the tangent plane at the origin, which is always there in full.
-    creepage: prescribed creepage along and across, and spin in 1/mm; zero where a force decides.
-    force_controlled: (index, force) of motions that follow from a force of the wheel on the rail,
-        N; index 0 is along, 1 across.
-    load_steps: (share of the load, share of these forces) of each load step.
+    coefficient: coefficient of friction, positive.
+    rolling: True: steady rolling along +x; False: the wheel is shifted.
+    axes: (3, 3) rows: unit vectors along the rail, across it and out of it at the origin.
+    origin: (x, y, z) of the point that moments refer to, mm.
+    rigid_slip: points (n, 3) mm -> slip (4, n, 3) of rigid bodies under four motions: unit creepage
+        along, unit creepage across, spin of 1/mm, and rotation of the wheel about axes in the
+        tangent plane at the origin; the fourth always has the factor 1.
+    creepage: prescribed creepage along and across, and spin in 1/mm; zero where a force is
+        prescribed instead.
+    force_controlled: (index, force) of each motion that follows from a prescribed force of the
+        wheel on the rail, N; index 0 is along, 1 across.
+    load_steps: (share of the load, share of the prescribed tangential forces) of each load step.
     far_field: (0 along or 1 across, body tag, points (n, 3) mm) -> displacement (n, 3) mm of the
         supported faces under a force of 1 N; None where the bodies end at their supports.
     """
@@ -90,23 +92,24 @@ class FrictionSettings:
 
 @dataclass(frozen=True)
 class Setup:
-    """Input of a contact model. Directions, normals, gap and far field are those of space, also
+    """Input of a contact model. Directions, normals, gap and far field are vectors in space, also
     where the mesh is a plane section.
 
     fixed: the body that is held at its support.
     moving: the body that a rigid hub at its support pushes along `direction`.
     slave: tag of the body whose contact surface carries the contact points.
-    gap: exact initial gap, seen from the slave.
+    gap: exact initial gap in mm and its normals, from points on the slave.
     degree: polynomial degree of the displacement, 1 or 2.
-    law: Nitsche's method or a penalty.
+    law: contact law, Nitsche's method or a penalty.
     direction: unit vector of the approach.
-    planes: facet tag and normal of each plane of symmetry.
-    far_field: displacement prescribed at both supports on top of the rigid motion.
-    load_control: True prescribes the load, and the approach is unknown; False the reverse.
-    linear: how linear systems are solved, one of `LINEAR_SOLVERS`.
-    kinematics: what the coordinates of the mesh stand for.
+    planes: (facet tag, unit normal) of each symmetry plane.
+    far_field: displacement prescribed at both supports beside the rigid motion; None: zero.
+    load_control: True: the load is prescribed and the approach unknown; False: the reverse.
+    linear: method for linear systems, one of `LINEAR_SOLVERS`.
+    kinematics: meaning of the mesh coordinates: a solid, plane strain, or a section that is
+        revolved.
     load_path: load history of bodies that may yield; None: all bodies stay elastic.
-    friction: None: the contact is frictionless.
+    friction: settings of Coulomb friction; None: the contact is frictionless.
 
     Raises ValueError for a slave that is no deformable body, and for an unknown `linear`.
     """
@@ -135,17 +138,21 @@ class Setup:
 
     @property
     def parts(self) -> int:
-        """Number of symmetric images, the meshed part included, that make up the whole model."""
+        """Number of symmetric images that make up the whole model, the meshed part included: 2 to
+        the power of the number of symmetry planes, 1 for a section that is revolved.
+        """
         return 1 if self.kinematics.revolved else int(2 ** len(self.planes))
 
     @property
     def push(self) -> Array:
-        """Unit vector of the approach in the coordinates of the mesh (c,)."""
+        """Unit vector (c,) of the approach along the c coordinates of the mesh."""
         return self.kinematics.flatten(np.array(self.direction))
 
 
 def __getattr__(name: str) -> Any:
-    """The former name of `ContactBody`, until version 0.5."""
+    """`ContactBody` for its former name `Side`, with a DeprecationWarning. Raises AttributeError
+    for any other missing name.
+    """
     if name != "Side":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     warnings.warn("Side is now called ContactBody", DeprecationWarning, stacklevel=2)

@@ -14,9 +14,10 @@ from railhead.solver.space.cells import Array
 
 @dataclass(frozen=True)
 class PlasticStrain:
-    """Plastic strain at the g Gauss points of each of m cells (m: of this rank, or of all).
+    """Plastic strain at the g Gauss points of each of m cells: the cells of one rank, or in
+    `Fields` of all.
 
-    strain: plastic strain tensors in space (m, g, 3, 3).
+    strain: plastic strain tensors in space (m, g, 3, 3), without dimension.
     equivalent: equivalent plastic strain (m, g).
     """
 
@@ -29,11 +30,13 @@ class PlasticSolution:
     """Load history of bodies of which at least one yields.
 
     load_over_first_yield: load over the load of first yield.
-    newton_results: results of Newton's method of all load steps, unloading included, in order.
-    first_loading_steps: number of the first of them that lead up to the load for the first time.
-    residual_state: solution after unloading, the bodies apart; None where none was called for.
-    indentation_depth: largest residual displacement of each body's contact surface into the body,
-        mm, by the body's tag; empty without a residual state.
+    newton_results: results of Newton's method in all load steps, in order, unloading included.
+    first_loading_steps: number of results that lead up to the full load for the first time; these
+        come first in `newton_results`.
+    residual_state: solution after unloading, with the bodies apart; None where the load is not
+        removed.
+    indentation_depth: body tag -> largest residual displacement of the contact surface into that
+        body, mm; empty without a residual state.
     """
 
     load_over_first_yield: float
@@ -47,28 +50,31 @@ class PlasticSolution:
 class FrictionSolution:
     """Tangential tractions and slip at n contact points of all ranks, at the last load step.
 
-    Slip, motion and creepage are those of the wheel over the rail. A shift has slip in mm;
-    steady rolling has slip over rolled distance, without dimension.
+    Slip, motion and creepage are those of the wheel over the rail. A shift has slip in mm. Steady
+    rolling has slip over rolled distance, without dimension.
 
     points: position (n, 3), mm.
     weights: area of each point (n,) in the whole model, mm2.
-    pressure: (n,) MPa.
+    pressure: contact pressure (n,), MPa, zero at points that do not touch.
     traction: tangential traction of the wheel on the rail (n, 3), MPa.
-    slip: (n, 3), of a shift since the end of the load step before.
+    slip: (n, 3) at each point; for a shift it is that since the end of the load step before.
     sticks: (n,) whether a point with pressure sticks.
-    rigid_motion: along, across and spin about the normal: creepages and spin in 1/mm, or, of a
-        shift, mm and rad.
-    force: of the wheel on the rail along and across, N.
-    moment: about the normal at the origin, N mm.
+    rigid_motion: (along, across, spin about the normal): for rolling, two creepages and the spin in
+        1/mm; for a shift, mm, mm and rad.
+    force: (along, across), force of the wheel on the rail, N.
+    moment: moment of the tractions of the wheel on the rail about the normal at the origin of the
+        friction settings, N mm; zero with symmetry planes.
     friction_limit: coefficient of friction times normal force, N.
-    load_steps: (l, 4) force along and across (N) and rigid motion along and across at the end of
-        each of l load steps.
+    load_steps: (l, 4) at the end of each of l load steps: force along and across (N), rigid motion
+        along and across.
     dissipated_energy: work of friction after the full tangential force was reached for the first
-        time, N mm.
-    coupling_iterations: how many times tractions and pressure were solved alternately.
-    rigid_slip: slip of rigid bodies with the same motion (n, 3).
-    newton_history: residuals of the longest of Newton's iterations, see `TangentialState.history`.
-    without_creepage: for rolling, the same contact at zero creepage and spin.
+        time, N mm; zero for rolling.
+    coupling_iterations: number of times, over all load steps, that the tractions were solved on a
+        linearised contact.
+    rigid_slip: slip (n, 3) of rigid bodies with the same motion.
+    newton_history: relative residuals of the longest run of Newton's method on the tractions, see
+        `TangentialState.history`.
+    without_creepage: for rolling, the same contact at zero creepage and spin; otherwise None.
     """
 
     points: Array
@@ -91,24 +97,24 @@ class FrictionSolution:
 
 @dataclass(frozen=True, kw_only=True)
 class Solution:
-    """Answer of a contact model to one load case, at the n local points of its interface.
+    """Answer of a contact model to one load case, at the n contact points of this rank.
 
     Forces are those of the whole model, symmetric images included.
 
-    displacement: values of the owned dofs of `bulk.space`, mm.
+    displacement: displacement at the dofs that this process owns, in the order of `bulk.space`, mm.
     pressure: contact pressure (n,), MPa.
-    indicator: pressure before its negative part is cut off (n,), MPa; the active set is where it
-        is positive.
-    approach: motion of the hub along the direction of the setup, mm.
-    load: resultant of the contact tractions against that direction, N.
-    reaction: the same force at the support, N.
-    penetration: largest overlap of the surfaces, mm.
-    newton: result of Newton's method of the last load step, or of the one that failed.
-    plastic_strain: of all cells of this rank; None where nothing yields.
-    plasticity: load history; None where nothing yields.
-    friction: tractions and slip; None without friction.
+    indicator: pressure before its negative part is set to zero (n,), MPa; positive on the active
+        set.
+    approach: displacement of the hub along the direction of the setup, mm.
+    load: resultant of the contact tractions on the moving body, against that direction, N.
+    reaction: the same force from the balance at the support, N.
+    penetration: largest overlap of the deformed surfaces, mm, at least zero.
+    newton: result of Newton's method in the last load step, or in the step that failed.
+    plastic_strain: plastic strain in all cells of this rank; None where no body yields.
+    plasticity: load history; None where no body yields.
+    friction: tangential tractions and slip; None without friction.
     reference: with friction, the frictionless solution of the same load case; without friction but
-        with yield, the elastic one; otherwise None.
+        with yield, the elastic solution; otherwise None.
     """
 
     displacement: PETSc.Vec

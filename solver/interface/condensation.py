@@ -53,25 +53,28 @@ Entry = TypeVar("Entry", bound=np.generic)
 
 @dataclass(frozen=True, kw_only=True)
 class ContactCompliance:
-    """Response of n contact points, of all ranks, to m tractions at nodes, on every rank.
+    """Response of n contact points of all ranks to m tractions at nodes of the slave, the same on
+    every rank.
 
-    The points are those on facets that touch; each has k tangents. The last four fields belong to
-    the solution that the response is linearised around, without tractions.
+    The points lie on facets that touch, and each has k tangents. Compliances are derivatives by the
+    nodal tractions (MPa). The last four fields belong to the solution that the response is
+    linearised around, without the effect of tractions.
 
-    points: (n, 3) mm in space.
+    points: position in space (n, 3), mm.
     weights: area of each point (n,) in the meshed part, mm2.
-    tangents: (n, k, 3) unit vectors in space.
+    tangents: (n, k, 3) unit vectors in space: along the rail and, in a solid, across it.
     tau: parameter of the contact law (n,), MPa/mm.
-    step: length d of the upstream differences when rolling, mm; 1 for a shift.
-    shape_functions: F (n k, m), tractions at the points of tractions at the nodes.
-    trial_compliance: D (n k, m).
-    displacement_compliance: D_g (n k, m), mm/MPa.
-    pressure_compliance: D_p (n, m).
+    step: distance d of the upstream differences for rolling, mm; 1 for a shift.
+    shape_functions: F (n k, m), tractions at the points per traction at a node.
+    trial_compliance: D (n k, m), trial traction per nodal traction.
+    displacement_compliance: D_g (n k, m), relative displacement per nodal traction, mm/MPa.
+    pressure_compliance: D_p (n, m), pressure per nodal traction.
     parts: number of symmetric images that make up the whole model.
-    active: whether a point touches (n,).
+    active: (n,) whether a point touches.
     trial_traction: q0 (n, k), MPa.
-    displacement: g0 (n, k), mm.
-    pressure: p0 (n,), MPa.
+    displacement: g0 (n, k), tangential displacement of the wheel relative to the rail, mm; when
+        rolling, -d times its derivative along x.
+    pressure: p0 (n,), MPa, also where it is negative.
     """
 
     points: Array
@@ -95,22 +98,45 @@ class ContactCompliance:
         return self.parts * self.weights
 
     def in_space(self, values: Array) -> Array:
-        """Vectors in space (n, 3) of components along the tangents (n, k)."""
+        """Vectors in space (n, 3) from their components along the tangents of the n points (n,
+        k).
+        """
         return np.asarray(np.einsum("nk,nkc->nc", values, self.tangents))
 
     def force(self, axis: Array) -> Array:
-        """(m,) resultant along a unit vector (3,), N of the whole model, per traction at a node."""
+        """Derivatives (m,) of the resultant of the tractions by each nodal traction, N/MPa, in the
+        whole model; axis: unit vector in space (3,) along which the resultant counts.
+        """
         share = self.area[:, None] * (self.tangents @ axis)
         return np.asarray(self.shape_functions.T @ share.ravel())
 
 
 class StaticCondensation:
-    """Factorises the tangent stiffness of a pressed contact and condenses it to the contact points.
+    """Factorisation of the tangent stiffness of a pressed contact, and its condensation to the
+    contact points.
 
+    J, G and S_t are the jump, the relative displacement and the shear stress, see the head of this
+    module.
+
+    system: contact system.
+    response: response of the bodies; gives the shear stress that plastic strain takes.
+    settings: friction settings.
+    comm: communicator of the mesh.
     own: numbers of this rank's contact points on facets that touch.
-    sign: of the slave's stress in q, -1 where the slave is the wheel.
-    jump: J on all dofs. change: G. trial: +-S_t + tau G.
-    noise: part of q (n, k) of the frictionless solution that is the mesh's error, MPa.
+    slave, master: contact facets of all ranks; master None: a rigid body.
+    sign: sign of the slave's stress in the trial traction: -1 where the slave is the wheel, else 1.
+    normals: (p, c) outward normals of the slave at these points.
+    x: position (p, c) of these points, mm.
+    tangents: (p, k, c) unit tangents at these points.
+    rows: slice of this rank's rows among those of all ranks.
+    step: distance d of the upstream differences, mm; 1 for a shift.
+    tangent: tangent stiffness A of the free unknowns, N/mm.
+    pc: its factorisation.
+    jump: matrix J on all dofs.
+    change: matrix G on all dofs.
+    trial: matrix of the trial traction, +-S_t + tau G, MPa/mm.
+    noise: part (p, k) of the trial traction of the frictionless solution that is error of the mesh,
+        MPa.
     Raises ValueError when rolling and a surface ends upstream of the patch.
     """
 
@@ -160,11 +186,13 @@ class StaticCondensation:
 
     @property
     def size(self) -> int:
-        """Number of tangents at a point, k."""
+        """Number k of tangents at a point: 2 in a solid, 1 in a section."""
         return int(self.tangents.shape[1])
 
     def condense(self, solution: Solution) -> ContactCompliance:
-        """The response around a solution without tractions (collective)."""
+        """Compliance of the contact points, and the linearisation around a solution without
+        tangential tractions (collective).
+        """
         problem, setup = self.system.problem, self.system.setup
         pressure = select_rows(problem.normal_operator, self.own)
         pressure.scale(-1.0)
@@ -197,7 +225,14 @@ class StaticCondensation:
     def _compliances(
         self, pressure: PETSc.Mat, weights: Array, shape: sp.csr_matrix
     ) -> tuple[Array, Array, Array]:
-        """D, D_g and D_p of bodies whose supports stay, by solving with A for each node."""
+        """Compliances of trial traction (n k, m), relative displacement (n k, m) and pressure (n,
+        m) of bodies whose supports stay (collective).
+
+        pressure: matrix from the free unknowns to the pressure at this rank's points.
+        weights: areas of this rank's points (p,), mm2.
+        shape: shape functions of all points (n k, m).
+        One linear system with the tangent stiffness is solved for each of the m nodal tractions.
+        """
         reduce = self.system.reduction.matrix
         outputs = [self.trial.matMult(reduce), self.change.matMult(reduce), pressure]
         jump = self.jump.matMult(reduce)
@@ -217,7 +252,11 @@ class StaticCondensation:
     def linearised(
         self, contact: ContactCompliance, solution: Solution, nodal: Array
     ) -> ContactCompliance:
-        """The response around another solution, found under tractions (m,) at the nodes."""
+        """Compliance with the last four fields replaced by those of another solution.
+
+        solution: solution of the bodies under the nodal tractions.
+        nodal: nodal tractions (m,), MPa, whose elastic effect is subtracted (collective).
+        """
         active, trial, displacement, pressure = self._linearisation(solution)
         elastic = contact.displacement_compliance @ nodal
         return replace(
@@ -229,7 +268,12 @@ class StaticCondensation:
         )
 
     def _linearisation(self, solution: Solution) -> tuple[Mask, Array, Array, Array]:
-        """Active points (n,), q (n, k) MPa, g (n, k) mm and indicator (n,) MPa of a solution."""
+        """Values of a solution at the n points of all ranks (collective): active points (n,), trial
+        traction (n, k) in MPa, relative displacement (n, k) in mm, and indicator (n,) in MPa.
+
+        The stress that plastic strain takes and the error of the mesh are subtracted from the trial
+        traction.
+        """
         u, plastic = solution.displacement, self._plastic_shear()
         trial = (self.trial * u).array.reshape(-1, self.size)
         displacement = (self.change * u).array.reshape(-1, self.size)
@@ -241,13 +285,16 @@ class StaticCondensation:
         )
 
     def _plastic_shear(self) -> Array:
-        """Part of the shear stress (p, k) at this rank's points that plastic strain takes, MPa."""
+        """Shear stress (p, k) that plastic strain takes at this rank's contact points along their
+        tangents, MPa.
+        """
         return self.response.plastic_shear_stress(self.own, self.tangents, self.normals)
 
     @cached_property
     def far_field(self) -> list[PETSc.Vec]:
-        """Displacement of the supported faces under 1 N along and across, on all dofs, mm; empty
-        where the bodies end at their supports."""
+        """Displacement of the supported faces under 1 N along the rail and, in a solid, under 1 N
+        across it: vectors on all dofs, mm/N; empty where the bodies end at their supports.
+        """
         system, field = self.system, self.settings.far_field
         if field is None:
             return []
@@ -257,7 +304,9 @@ class StaticCondensation:
 
     @cached_property
     def _far_field_response(self) -> list[tuple[PETSc.Vec, PETSc.Vec]]:
-        """For each far field: displacement on all dofs, and of the free unknowns alone."""
+        """For each far field of 1 N, the response of both bodies to it with a pressed contact,
+        mm/N: displacement on all dofs, and the part of the free unknowns.
+        """
         reduction, responses = self.system.reduction, []
         for field in self.far_field:
             u = field.copy()
@@ -270,13 +319,20 @@ class StaticCondensation:
         return responses
 
     def _solve(self, rhs: PETSc.Mat) -> PETSc.Mat:
-        """A^-1 of dense columns."""
+        """Solution of linear systems with the factorised tangent stiffness A: A^-1 times dense
+        columns (rhs).
+        """
         out = rhs.duplicate()
         self.pc.getFactorMatrix().matSolve(rhs, out)
         return out
 
     def forces(self, nodal: Array, contact: ContactCompliance) -> PETSc.Vec:
-        """-J^T W F c on all dofs, N: forces on the bodies of tractions c (m,) at the nodes."""
+        """Forces -J^T W F c on the bodies from tangential tractions, on all dofs, N; J is the jump,
+        W the areas, F the shape functions.
+
+        nodal: tractions c (m,) of the wheel on the rail at the nodes, MPa. contact: compliance that
+            holds F.
+        """
         weights = np.repeat(self.system.interface.weights[self.own], self.size)
         force = self.jump.createVecRight()
         pull = vector(self.jump, -weights * (contact.shape_functions[self.rows] @ nodal))
@@ -284,14 +340,18 @@ class StaticCondensation:
         return force
 
     def _mean_edge(self, touched: Mask) -> float:
-        """Mean length of two edges at a corner of the facets that touch, mm, of all ranks."""
+        """Mean distance of the other corners from the first corner of each facet that touches, of
+        all ranks, mm; touched: (f,) mask of this rank's slave facets.
+        """
         corners = self.system.interface.slave.vertices[touched]
         edges = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2)
         total, count = (self.comm.allreduce(value) for value in (edges.sum(), edges.size))
         return float(total / count)
 
     def _relative_change(self) -> PETSc.Mat:
-        """G on all dofs: J, or, rolling, its upstream difference."""
+        """Matrix G on all dofs: the tangential jump J or, when rolling, its upstream difference of
+        second order, which is -d times its derivative along x.
+        """
         change = self.jump.copy()
         if self.settings.rolling:
             change.scale(UPSTREAM[0][1])
@@ -300,7 +360,11 @@ class StaticCondensation:
         return change
 
     def _jump(self, shift: float) -> PETSc.Mat:
-        """J at the points moved by `shift` mm along x, on all dofs."""
+        """Matrix of the tangential jump t . (u_wheel - u_rail) at this rank's points, on all dofs.
+
+        shift: distance by which the points are moved along their first tangent, mm. Raises
+            ValueError where a moved point finds no facet.
+        """
         at = self.x + shift * self.tangents[:, 0]
         blocks = []
         for surface, sign in ((self.slave, -self.sign), (self.master, self.sign)):
@@ -315,7 +379,9 @@ class StaticCondensation:
         return self._rows(blocks)
 
     def _shear(self) -> PETSc.Mat:
-        """S_t on all dofs."""
+        """Matrix of the slave's shear stress t . sigma . n along the tangents at this rank's
+        points, on all dofs, MPa/mm.
+        """
         interface = self.system.interface
         facet, xi = interface.facet[self.own], interface.xi[self.own]
         slave, t, n = interface.slave, self.tangents, self.normals
@@ -326,13 +392,19 @@ class StaticCondensation:
         return self._rows([self._block(slave, facet, values)])
 
     def _block(self, surface: FacetSet, facet: Index, values: Array) -> tuple[Index, Array]:
-        """Dofs and coefficients, a row a point and tangent, of values (n, k, nodes, c) at the nodes
-        of facets (n,)."""
+        """Dofs and coefficients of matrix rows, one row a point and tangent, each (n k, nodes, c).
+
+        facet: facet of `surface` that each point lies on (n,).
+        values: coefficients (n, k, nodes, c) of the nodes of these facets.
+        """
         dim = self.tangents.shape[2]
         dofs = dim * surface.dofs[facet][:, :, None] + np.arange(dim)
         return np.repeat(dofs, self.size, axis=0), values.reshape(-1, *values.shape[2:])
 
     def _rows(self, blocks: list[tuple[Index, Array]]) -> PETSc.Mat:
+        """Distributed matrix on all dofs, with a row for each point and tangent of this rank;
+        blocks: pairs of dofs and coefficients that are added.
+        """
         system = self.system
         count = len(self.own) * self.size
         owned = system.setup.kinematics.dim * system.owned
@@ -340,7 +412,9 @@ class StaticCondensation:
         return assemble_rows(blocks, count, owned, total, self.comm)
 
     def _shape_functions(self) -> sp.csr_matrix:
-        """F for the points and tangents of all ranks."""
+        """Shape functions F (n k, m): tractions at the n points along k tangents per traction at
+        each node of the facets, of all ranks (collective).
+        """
         interface = self.system.interface
         facet, xi = interface.facet[self.own], interface.xi[self.own]
         slave = interface.slave
@@ -354,21 +428,24 @@ class StaticCondensation:
         return sp.kron(table, sp.eye(self.size), format="csr")
 
     def _nodal_forces(self, jump: PETSc.Mat, block: Array) -> PETSc.Mat:
-        """J^T W F c for the columns of a dense block, of which this rank has its rows."""
+        """Product J^T X as a distributed dense matrix; jump: J; block: this rank's rows of X, the
+        weighted tractions at the points, N.
+        """
         columns = block.shape[1]
         sizes = ((block.shape[0], None), (None, columns))
         dense = PETSc.Mat().createDense(sizes, array=np.asfortranarray(block), comm=self.comm)
         return jump.transposeMatMult(dense)
 
     def _all(self, values: NDArray[Entry]) -> NDArray[Entry]:
-        """Rows of all ranks, on every rank."""
+        """Array with the rows of all ranks in their order, on every rank (collective)."""
         return np.concatenate(self.comm.allgather(values))
 
 
 def surface_tangents(normals: Array) -> Array:
-    """Unit tangents (n, k, c) of a surface: along x and, with three coordinates, across it.
+    """Unit tangents (n, k, c) of a surface: the x axis projected on the tangent plane and, with
+    three coordinates, the normal times that tangent (cross product).
 
-    normals: (n, c), out of the rail.
+    normals: unit normals (n, c), out of the rail.
     """
     along = np.zeros_like(normals)
     along[:, 0] = 1.0

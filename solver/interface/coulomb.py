@@ -35,19 +35,20 @@ TINY = 1e-300  # below this length a vector has no direction
 
 @dataclass(frozen=True, kw_only=True)
 class TangentialState:
-    """Tractions and slip at n contact points with k tangents; m nodes' tractions, j free motions.
+    """Tractions and slip at n contact points with k tangents, from tractions at m nodal dofs and j
+    free rigid motions.
 
-    traction: of the wheel on the rail (n, k), MPa.
-    slip: of the wheel over the rail (n, k): mm since the surfaces were at rest, or, when rolling,
-        over rolled distance.
+    traction: traction of the wheel on the rail (n, k), MPa.
+    slip: slip of the wheel over the rail (n, k): mm since the surfaces were at rest or, when
+        rolling, over rolled distance.
     sticks: (n,) whether a point with pressure sticks.
-    pressure: (n,) MPa, zero at points that do not touch.
+    pressure: contact pressure (n,), MPa, zero at points that do not touch.
     nodal: tractions at the nodes (m,), MPa.
     motion: factors (j,) of the free modes of rigid slip.
     slips: (n,) points that slip in Newton's last step.
-    direction: of their slip (n, k).
-    history: for each of Newton's steps, the change of the tractions over the largest mu p, or the
-        missing part of prescribed forces over mu times load, whichever is larger.
+    direction: unit vectors (n, k) of the trial traction, which is the direction of slip.
+    history: for each of Newton's steps, the larger of two: the change of the tractions over the
+        largest mu p, and the missing part of prescribed forces over mu times load.
     """
 
     traction: Array
@@ -67,9 +68,13 @@ class TangentialState:
 
 
 class CoulombContact:
-    """A condensed contact with a coefficient of friction.
+    """A condensed contact with a coefficient of friction. n points have k tangents; m is the number
+    of nodal tractions.
 
-    projection: F^T W (m, n k), so that F^+ = mass^-1 projection.
+    contact: compliance of the contact points.
+    coefficient: coefficient of friction mu.
+    projection: F^T W (m, n k) with the shape functions F and the areas W; mass^-1 projection is the
+        L2 projection on the nodes, F^+.
     mass: F^T W F (m, m), mm2.
     Raises ValueError for a coefficient that is not positive and finite.
     """
@@ -84,7 +89,9 @@ class CoulombContact:
 
     @property
     def largest_bound(self) -> float:
-        """Largest mu p of the contact without tractions, MPa."""
+        """Largest limit of the traction, mu p, at the active points of the contact without
+        tractions, MPa.
+        """
         return float(self.coefficient * self.contact.pressure[self.contact.active].max())
 
     def solve(
@@ -98,12 +105,15 @@ class CoulombContact:
     ) -> TangentialState:
         """Tractions under a prescribed rigid slip and prescribed forces.
 
-        slip: rigid slip of the wheel over the rail (n, k), mm, or over rolled distance.
+        slip: rigid slip of the wheel over the rail (n, k), mm or, when rolling, over rolled
+            distance.
         modes: further modes of rigid slip (j, n, k), whose factors follow from the forces.
-        forces: (j, 4): unit vector in space, and force along it, N.
-        rest: of a shift, relative displacement (n, k) at which the surfaces were at rest, mm.
-        start: solution of a similar problem to begin with.
-        The state that is returned may not have converged.
+        forces: (j, 4) rows: unit vector in space (3), and force along it, N.
+        rest: for a shift, relative displacement (n, k) at which the surfaces were at rest, mm;
+            None: zero.
+        start: solution of a similar problem to begin with; None: all points stick at first.
+        If Newton's method does not converge from `start`, it is begun from sticking points, then
+        with a stiffness on the free motions. The state that is returned may not have converged.
         """
         contact, (n, k) = self.contact, slip.shape
         base = contact.trial_traction + contact.tau[:, None] * (contact.step * slip)
@@ -133,16 +143,19 @@ class CoulombContact:
 
 @dataclass(frozen=True, kw_only=True)
 class CoulombEquations:
-    """Nonlinear equations of m tractions at nodes and j motions, together x (m + j,):
+    """Nonlinear equations for m nodal tractions c and j motions, together x (m + j,):
 
         mass c - projection lambda(q, p) = 0,    force_rows c = forces
         q = trial_traction + trial_matrix x,     p = p0 + pressure_matrix x
 
-    trial_traction: (n, k) MPa, prescribed slip included.
-    trial_matrix: (n, k, m + j).
-    pressure_matrix: (n, m + j).
-    force_rows: (j, m) forces of the tractions, N/MPa.
-    forces: prescribed (j,), N.
+    lambda is q projected on the disc of radius mu p, at n points with k tangents.
+
+    friction: condensed contact with mu, mass, projection and p0.
+    trial_traction: (n, k), MPa, prescribed slip included.
+    trial_matrix: (n, k, m + j), trial traction per unknown.
+    pressure_matrix: (n, m + j), pressure per unknown.
+    force_rows: (j, m) forces per nodal traction, N/MPa.
+    forces: prescribed forces (j,), N.
     """
 
     friction: CoulombContact
@@ -153,10 +166,12 @@ class CoulombEquations:
     forces: Array
 
     def solve(self, begin: TangentialState | None, motion_stiffness: float) -> TangentialState:
-        """Semismooth Newton's method.
+        """Solve the equations by semismooth Newton's method; the state that is returned may not
+        have converged.
 
-        begin: solution of a similar problem; None: all points stick.
-        motion_stiffness: added to the tangent of the motions, N/mm.
+        begin: solution of a similar problem; None: all points stick at first.
+        motion_stiffness: stiffness that is added to the tangent of the motions, N over a unit of
+            motion.
         """
         contact, coefficient = self.friction.contact, self.friction.coefficient
         n, k, unknowns = self.trial_matrix.shape
@@ -208,17 +223,24 @@ class CoulombEquations:
         )
 
     def _newton_step(self, x: Array, slips: NDArray[np.bool_], stiffness: float) -> Array:
-        """Newton's step (m + j,); stiffness: of the motions, N/mm. Raises LinAlgError."""
+        """Newton's step (m + j,) from the unknowns x.
+
+        slips: (n,) active points that slip; the other active points stick.
+        stiffness: stiffness added to the tangent of the motions. Raises LinAlgError where the
+            tangent is singular.
+        """
         m = len(self.friction.mass)
         residual, tangent = self.linearised(x, slips)
         tangent[m:, m:] = stiffness * np.eye(len(self.forces))
         return np.asarray(scipy.linalg.solve(tangent, -residual, check_finite=False))
 
     def _slide(self, x: Array, slips: NDArray[np.bool_]) -> tuple[Array, Array]:
-        """Newton's step (m + 1,) and new x where all points slip along the only tangent.
+        """Newton's step (m + 1,) and new unknowns x (m + 1,) where all points slip along the only
+        tangent.
 
         The motion then changes no traction, and the tangent is singular, until points change the
-        direction of their slip. The point is searched at which that happens when the force is met.
+        direction of their slip. The function finds the point whose change of direction makes the
+        tractions reach the prescribed force.
         """
         contact, m = self.friction.contact, len(self.friction.mass)
         residual, tangent = self.linearised(x, slips)
@@ -236,8 +258,8 @@ class CoulombEquations:
         return step, x
 
     def linearised(self, x: Array, slips: NDArray[np.bool_]) -> tuple[Array, Array]:
-        """Residual (m + j,) and its derivative (m + j, m + j), where some of the active points slip
-        and the others stick:
+        """Residual (m + j,) of the equations at the unknowns x, and its derivative (m + j, m + j).
+        The active points in `slips` (n,) slip and the others stick:
 
             lambda(x + dx) = lambda + (mu p / |q|) (1 - n x n) dq + mu n dp    slip, n = q / |q|
             lambda(x + dx) = q + dq                                            stick
@@ -264,7 +286,9 @@ class CoulombEquations:
         return np.concatenate(residual), tangent
 
     def _trial_state(self, x: Array) -> tuple[Array, Array, Array, Array]:
-        """q (n, k), mu p and |q| (n,), MPa, and the direction of q (n, k)."""
+        """Trial traction q (n, k) in MPa, limit mu p (n,) in MPa, length of q (n,) in MPa and
+        direction of q (n, k), at the unknowns x.
+        """
         contact = self.friction.contact
         q = self.trial_traction + self.trial_matrix @ x
         pressure = np.maximum(contact.pressure + self.pressure_matrix @ x, 0.0)
@@ -272,12 +296,17 @@ class CoulombEquations:
         return q, self.friction.coefficient * pressure, size, q / size[:, None]
 
     def _share(self, bound: Array, size: Array) -> Array:
-        """Length of the projected q over that of q (n,), from mu p and |q|."""
+        """Length of the projected trial traction over that of the trial traction (n,): 1 where a
+        point sticks, 0 where it is not active; bound: mu p (n,), size: length of the trial
+        traction (n,).
+        """
         return np.where(self.friction.contact.active, np.minimum(1.0, bound / size), 0.0)
 
     def _residual_norm(self, x: Array) -> float:
-        """Squared distance of the tractions at the nodes from the projected ones, weighted by the
-        nodes' areas."""
+        """Squared residual of the tractions at the unknowns x, each component over the diagonal of
+        the mass, MPa2 mm2: a measure of the distance of the nodal tractions from the projected
+        ones.
+        """
         q, bound, size, _ = self._trial_state(x)
         share = self._share(bound, size)
         mass, m = self.friction.mass, len(self.friction.mass)

@@ -22,19 +22,36 @@ ANDERSON_DEPTH = 5  # former coupling iterations that the next one draws on
 
 
 class FrictionHistory:
-    """Friction on a pressed contact, load step by load step.
+    """Friction on a pressed contact, load step by load step. n contact points have k tangents.
 
-    A step alternates until the tractions settle: tractions on the contact linearised around the
-    last solution (`CoulombContact`), then the bodies pressed under these tractions. A step starts
-    where the last one ended.
+    A step alternates until the tractions no longer change: tractions on the contact linearised
+    around the last solution (`CoulombContact`), then the bodies pressed under these tractions. A
+    step starts where the last one ended.
 
-    contact: the linearised contact.
-    nodal: tractions at the nodes (m,), MPa, that the bodies are pressed under.
-    tangential: their force along and across, N.
-    motion: factors (4,) of the modes of rigid slip, see `FrictionSettings.rigid_slip`.
-    rest: (n, k) relative tangential displacement at which the surfaces last came to rest, mm; None
+    system: contact system.
+    response: response of the bodies, elastic or with yield.
+    settings: friction settings.
+    case: load case of the frictionless solution.
+    pressed: frictionless solution.
+    condensation: static condensation of the pressed contact.
+    contact: compliance, linearised around the last solution.
+    rigid_slip: modes of rigid slip (4, n, k), see `FrictionSettings.rigid_slip`.
+    motion: factors (4,) of these modes.
+    prescribed_slip: rigid slip (n, k) of the prescribed motions.
+    free_modes: indices of the modes that follow from prescribed forces.
+    rest: relative tangential displacement (n, k) at which the surfaces last came to rest, mm; None
         when rolling.
-    Raises ValueError as `StaticCondensation` does.
+    nodal: tractions at the nodes (m,), MPa, that the bodies are pressed under.
+    tangential: force of these tractions along and across (2,), N.
+    load_share: share of the load that acts.
+    was_active: (n,) points in contact after the last change of the load.
+    full_force_reached: whether a step with the full tangential force has ended.
+    dissipated_energy: work of friction since then, N mm.
+    coupling_iterations: number of solves for the tractions so far.
+    step_results: force along and across (N) and rigid motion along and across, (4,) for each step.
+    newton_history: longest history of Newton's method on the tractions.
+    tangential_state: tractions and slip of the last solve.
+    Raises ValueError when rolling and a surface ends upstream of the patch.
     """
 
     tangential_state: TangentialState
@@ -65,8 +82,10 @@ class FrictionHistory:
         self.newton_history: tuple[float, ...] = ()
 
     def solve(self) -> Solution:
-        """The solution after all load steps, or after the first that does not converge. Its
-        reference is the frictionless one."""
+        """Solution after all load steps, or after the first that does not converge. Its field
+        `reference` is the frictionless solution, and its load includes what tractions on
+        inclined surfaces carry.
+        """
         solution = self.pressed
         for load_share, force_share in self.settings.load_steps:
             solution = self._step(solution, load_share, force_share)
@@ -80,7 +99,13 @@ class FrictionHistory:
         )
 
     def _step(self, solution: Solution, load_share: float, force_share: float) -> Solution:
-        """From a solution to shares of the load and of the prescribed tangential forces."""
+        """Solution after one load step; its result of Newton's method says whether the step
+        converged.
+
+        solution: solution at the end of the last step.
+        load_share: share of the load at the end of this step.
+        force_share: share of the prescribed tangential forces at the end of this step.
+        """
         self.response.start_friction_step()
         if load_share != self.load_share:
             solution = self._change_load(solution, load_share)
@@ -117,7 +142,9 @@ class FrictionHistory:
         return solution
 
     def _end_step(self, force_share: float) -> None:
-        """Note where the surfaces came to rest, the work of friction, force and motion."""
+        """Record the results of a step that converged: displacement at rest, work of friction,
+        force and motion; force_share: share of the prescribed tangential forces in it.
+        """
         state = self.tangential_state
         if self.rest is not None:
             self.rest = self.rest + state.slip
@@ -128,8 +155,11 @@ class FrictionHistory:
         self.step_results.append(np.concatenate([self._force(state), self.motion[:2]]))
 
     def _change_load(self, solution: Solution, share: float) -> Solution:
-        """Press by another share of the load under the present tractions. Points that come into
-        contact on the way rest where the surfaces are at that moment."""
+        """Solution under another share of the load and the present tractions.
+
+        Points that come into contact on the way are at rest with respect to the displacement at
+        that moment, interpolated between the two shares of the load.
+        """
         before, self.load_share = self._relative_displacement(), share
         solution = self._press_again(solution)
         if self.rest is not None:
@@ -140,7 +170,9 @@ class FrictionHistory:
         return solution
 
     def _press_again(self, solution: Solution) -> Solution:
-        """Press under the present tractions, and linearise the contact around the result."""
+        """Solution of the bodies under the present share of the load and the present tractions,
+        starting from the active set of `solution`; `contact` is linearised around the result.
+        """
         case = self.case.scaled(self.load_share)
         force = self.condensation.forces(self.nodal, self.contact)
         if self.case.force is not None:
@@ -156,10 +188,12 @@ class FrictionHistory:
         return solution
 
     def _contact_times(self, before: Mask) -> Array:
-        """When each point came into contact, as a share of the load step (n,).
+        """Moment at which each point came into contact, as a share of the load step (n,), 0 at its
+        start and 1 at its end.
 
-        The length of the patch grows evenly. Where p = p0 sqrt(1 - r^2), its border passes the
-        point at r. before: points in contact at the start of the step.
+        The length of the patch is taken to grow evenly. Where p = p0 sqrt(1 - r^2), its border
+        passes a point at r.
+        before: (n,) points in contact at the start of the step.
         """
         pressure, active = self.contact.pressure, self.contact.active
         share = np.clip(pressure / pressure[active].max(), 0.0, 1.0)
@@ -168,15 +202,18 @@ class FrictionHistory:
         return np.clip((r - edge) / max(1 - edge, TINY), 0.0, 1.0)
 
     def _relative_displacement(self) -> Array:
-        """Tangential displacement of the wheel's surface over the rail's (n, k), mm."""
+        """Tangential displacement of the wheel's surface relative to the rail's (n, k), mm, rigid
+        slip included.
+        """
         contact = self.contact
         elastic = (contact.displacement_compliance @ self.nodal).reshape(contact.displacement.shape)
         rigid = np.tensordot(self.motion, self.rigid_slip, axes=1)
         return np.asarray(contact.displacement + elastic + rigid)
 
     def _force(self, state: TangentialState) -> Array:
-        """Force of the wheel on the rail along and across (2,), N, of the whole model: symmetric
-        images cancel the component normal to a plane of symmetry."""
+        """Force of the wheel on the rail along and across (2,), N, of the whole model. Symmetric
+        images cancel the component normal to a symmetry plane.
+        """
         total = self.contact.area @ self.contact.in_space(state.traction)
         for _, normal in self.system.setup.planes:
             total = total - np.array(normal) * (total @ np.array(normal))
@@ -184,12 +221,14 @@ class FrictionHistory:
 
     @property
     def _carried(self) -> float:
-        """What the tractions on inclined surfaces carry of the load, N."""
+        """Part of the load that the tangential tractions on inclined surfaces carry, N."""
         direction = np.array(self.system.setup.direction)
         return float(self.contact.force(direction) @ self.nodal)
 
     def _friction_solution(self) -> FrictionSolution:
-        """Of the last load step; when rolling, with the solution at zero creepage."""
+        """Tractions and slip at the last load step; when rolling, its field `without_creepage` is
+        the same contact at zero creepage and spin.
+        """
         solution = self._described(self.tangential_state, self.motion)
         if not self.settings.rolling:
             return solution
@@ -201,6 +240,9 @@ class FrictionHistory:
         return replace(solution, without_creepage=without)
 
     def _described(self, state: TangentialState, motion: Array) -> FrictionSolution:
+        """Friction solution, with vectors in space, of a tangential state; motion: factors (4,) of
+        the modes of rigid slip.
+        """
         contact, settings = self.contact, self.settings
         traction, area = contact.in_space(state.traction), contact.area
         arm = contact.points - np.array(settings.origin)
@@ -227,10 +269,11 @@ class FrictionHistory:
 
 
 def anderson_mixing(tried: list[tuple[Array, Array]]) -> Array:
-    """Next iterate of a fixed-point iteration (Anderson 1965).
+    """Next iterate (m,) of a fixed-point iteration (Anderson 1965).
 
-    tried: (change, result) of the last iterations; the combination of the results is returned
-    whose change would be least if the iteration were linear.
+    tried: (change (m,), result (m,)) of the last iterations, the latest last. The returned
+        combination of the results is the one whose change would be least if the iteration were
+        linear.
     """
     changes, results = (np.array(each) for each in zip(*tried, strict=True))
     if len(tried) == 1:
@@ -240,5 +283,8 @@ def anderson_mixing(tried: list[tuple[Array, Array]]) -> Array:
 
 
 def rigid_slip_modes(settings: FrictionSettings, contact: ContactCompliance) -> Array:
-    """Tangential components (4, n, k) of the modes `FrictionSettings.rigid_slip`."""
+    """Rigid slip (4, n, k) along the k tangents of n contact points under four motions: unit
+    creepage along, unit creepage across, unit spin, and the rotation of the wheel about tangents
+    at the origin.
+    """
     return np.einsum("mnc,nkc->mnk", settings.rigid_slip(contact.points), contact.tangents)

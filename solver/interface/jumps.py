@@ -34,21 +34,22 @@ Gap = Callable[[Array], tuple[Array, Array]]
 
 @dataclass(frozen=True, kw_only=True)
 class Interface:
-    """n local quadrature points of the slave's contact surface, and the operators N and S on all
-    dofs.
+    """n quadrature points of this rank on the slave's contact surface, and matrices N (gap) and S
+    (normal stress) on all dofs. c is the number of coordinates of the mesh.
 
-    slave: facets of the slave, of this rank.
-    master: facets of the master, of this rank; None where it is rigid.
-    points: (n, c) mm, in the c coordinates of the mesh.
-    weights: area of each point (n,), mm2.
-    initial_gap: g0 (n,), mm.
+    slave: contact facets of the slave on this rank.
+    master: contact facets of the master on this rank; None where it is rigid.
+    points: position (n, c), mm.
+    weights: area of each point (n,) in the meshed part, mm2.
+    initial_gap: exact initial gap g0 (n,), mm.
     normals: (n, c) outward unit normals of the slave's exact surface.
-    trace_bound: see the function `trace_bound`, of the facet of each point (n,), MPa/mm.
+    trace_bound: smallest stable parameter of Nitsche's method (n,), MPa/mm, from the cell of each
+        point, see the function `trace_bound`.
     layered: whether the cells are hexahedra or quadrilaterals, which lie in layers.
-    facet: facet of the slave that each point lies on (n,).
-    xi: coordinates of each point in its facet (n, c - 1).
-    gap: N.
-    stress: S, MPa/mm.
+    facet: number of the slave's facet that each point lies on (n,).
+    xi: coordinates of each point in its reference facet (n, c - 1).
+    gap: N, change of the gap per displacement: n . (u_master - u_slave).
+    stress: S, normal stress n . sigma(u_slave) . n, MPa/mm.
     """
 
     slave: FacetSet
@@ -65,9 +66,12 @@ class Interface:
     stress: PETSc.Mat
 
     def stiffness_bound(self, law: ContactLaw) -> Array:
-        """What the parameter of a law is a multiple of (n,), MPa/mm: for Nitsche's method the
-        smallest stable one. A penalty is stable at any, and a larger one makes its pressure
-        oscillate more."""
+        """Value (n,) that the parameter of a contact law is a multiple of, MPa/mm.
+
+        For Nitsche's method it is the smallest stable parameter, in layered cells the trace bound
+        times `LAYER_FACTOR`. A penalty is stable at any parameter, and a larger one makes its
+        pressure oscillate more, so that its value is the trace bound alone.
+        """
         return LAYER_FACTOR * self.trace_bound if self.layered and law.sigma else self.trace_bound
 
 
@@ -78,12 +82,14 @@ def build(
     local_dofs: int,
     comm: MPI.Intracomm,
 ) -> Interface:
-    """Pair the surfaces and assemble N and S (collective).
+    """Pair the surfaces and assemble the matrices of gap and normal stress (collective).
 
-    slave, master: facets of this rank; master None is a rigid counterface.
-    exact: exact initial gap.
+    slave: contact facets of the slave on this rank.
+    master: contact facets of the master on this rank; None: a rigid counterface.
+    exact: exact initial gap and its normals.
     local_dofs: number of owned dofs of the displacement space on this rank.
-    Points whose normal misses the master surface cannot touch it and are left out.
+    comm: communicator of the mesh.
+    Points whose normal misses the master surface, or where the gap is not finite, are left out.
     """
     flat = slave.kinematics.dim == 2
     order = SECTION_QUADRATURE if flat else 2 * slave.degree + 1
@@ -129,21 +135,27 @@ def build(
 
 
 def _exact(slave: FacetSet, exact: Gap, points: Array) -> tuple[Array, Array]:
-    """Exact gap (n,) and normals (n, c) at points (n, c), in the coordinates of the mesh."""
+    """Exact gap (n,) in mm and unit normals (n, c) at points (n, c) of the slave, in the c
+    coordinates of the mesh.
+    """
     gap, normals = exact(slave.kinematics.lift(points))
     return gap, slave.kinematics.flatten(normals)
 
 
 def trace_bound(slave: FacetSet, exact: Gap, degree: int) -> Array:
-    """Smallest stable parameter tau (m,) of each facet F of its cell K, MPa/mm: the largest
-    eigenvalue of
+    """Smallest stable parameter tau (m,) of Nitsche's method on each of m facets F of cells K,
+    MPa/mm: the largest eigenvalue of
 
         int_F (n . sigma(v) . n)^2 = tau a_K(v, v)   over the shape functions v of K.
 
-    This is the constant of the trace-inverse inequality, computed for the cell as it is, of any
-    shape, order, curvature and material. Warburton and Hesthaven 2003 bound it by
-    (k+1)(k+3)/3 A/V (lambda + 2 mu) on straight tetrahedra. A cell with several contact facets
-    shares its energy among them. degree: of the quadrature on the facets.
+    a_K is the strain energy product of the cell. tau is the constant of the trace-inverse
+    inequality, computed for the cell as it is, of any shape, order, curvature and material.
+    Warburton and Hesthaven 2003 bound it by (k+1)(k+3)/3 A/V (lambda + 2 mu) on straight
+    tetrahedra. The value is multiplied by the number of contact facets of the cell, which share its
+    energy.
+
+    exact: exact gap, which gives the normals n.
+    degree: degree of the quadrature on the facets.
     """
     count = len(slave)
     if not count:  # this rank holds no part of the contact surface
@@ -164,8 +176,9 @@ def trace_bound(slave: FacetSet, exact: Gap, degree: int) -> Array:
 
 
 def _cell_stiffness(slave: FacetSet) -> Array:
-    """Stiffness of each cell (m, cd, cd), with a stiffness added on rigid motions, which carry no
-    stress, so that it is regular."""
+    """Stiffness matrix (m, c d, c d) of each of m cells with d dofs of c components, N/mm. A
+    stiffness is added on rigid motions, which carry no stress, so that the matrix is regular.
+    """
     kinematics = slave.kinematics
     order = quadrature_degree(slave.cell, slave.degree, kinematics)
     gradients, traces, volumes = slave.cell_strains(order)
@@ -196,8 +209,13 @@ def _cell_stiffness(slave: FacetSet) -> Array:
 
 
 def normal_stress(slave: FacetSet, facet: Index, reference: Array, normals: Array) -> Array:
-    """Coefficients (n, d, c) of n . sigma(u) . n at reference points of the slave's cells,
-    MPa/mm."""
+    """Coefficients (n, d, c) of the normal stress n . sigma(u) . n per displacement of the d dofs
+    of a cell, MPa/mm.
+
+    facet: facet of the slave at each of n points.
+    reference: reference coordinates (n, c) of the points in the cells.
+    normals: unit normals (n, c).
+    """
     _, gradient = slave.basis(facet, reference)
     trace = slave.divergence(facet, reference)
     lam, mu = slave.lame[facet].T[..., None, None]

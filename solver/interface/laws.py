@@ -19,11 +19,12 @@ STAGE_GROWTH = 10.0  # of the parameter from one stage of a stiff law to the nex
 
 @dataclass(frozen=True)
 class ContactLaw:
-    """Contact law.
+    """Contact law: method and parameters.
 
     method: 'nitsche' or 'penalty'.
-    theta: variant of Nitsche's method, 1 (symmetric), 0 or -1; None: `suited` chooses.
-    gamma_factor: factor on the smallest parameter that is safe, positive.
+    theta: variant of Nitsche's method: 1 (symmetric), 0 or -1; None: `suited` chooses.
+    gamma_factor: parameter over the smallest stable one or, for a penalty, over `PENALTY_FACTOR`
+        times the trace bound; positive.
     Raises ValueError for other values.
     """
 
@@ -41,28 +42,33 @@ class ContactLaw:
 
     @property
     def sigma(self) -> int:
-        """1 for Nitsche's method, whose law holds the bulk stress; 0 for a penalty."""
+        """Factor of the bulk stress in the contact law: 1 for Nitsche's method, 0 for a penalty."""
         return int(self.method == "nitsche")
 
     @property
     def symmetric(self) -> bool:
-        """Whether the tangent is symmetric: a penalty, or theta = 1."""
+        """Whether the tangent is symmetric: for a penalty, and for Nitsche's method with theta
+        = 1.
+        """
         return self.method == "penalty" or self.theta == 1
 
     @property
     def scale(self) -> float:
-        """tau over the trace bound of a facet (`jumps.trace_bound`)."""
+        """Parameter tau of the law over the stiffness bound of a facet
+        (`Interface.stiffness_bound`).
+        """
         return self.gamma_factor * (1.0 if self.sigma else PENALTY_FACTOR)
 
     def suited(self, young_modulus: float, lame: tuple[float, float]) -> ContactLaw:
-        """The law with theta and factor chosen for a slave of this material.
+        """The law with theta and factor chosen for the material of the slave.
 
-        young_modulus, lame = (lambda, mu): MPa.
+        young_modulus: MPa.
+        lame: Lame's constants (lambda, mu), MPa.
 
-        theta = 1 is coercive down to factor 1, theta = -1 at any factor: it is taken below 1 unless
-        theta is given. Towards incompressibility the safe parameter grows with lambda, although the
-        contact gets no stiffer. It is then cut to LARGEST_PARAMETER times E, unless theta = 1 is
-        given.
+        theta = 1 is coercive down to factor 1, theta = -1 at any factor. So theta = -1 is chosen
+        for factors below 1 where theta is None. Towards incompressibility the safe parameter grows
+        with lambda, although the contact gets no stiffer. The parameter is then limited to
+        LARGEST_PARAMETER times E, unless theta = 1 is given.
         """
         lam, mu = lame
         factor = self.gamma_factor
@@ -73,8 +79,9 @@ class ContactLaw:
 
     @property
     def stages(self) -> list[ContactLaw]:
-        """Laws to solve with in turn: from near the default parameter, up to this law as the last.
-        Their parameters grow by `STAGE_GROWTH`."""
+        """Laws to solve with one after the other, from a parameter near the default up to this law,
+        which is the last; from one to the next the parameter grows by `STAGE_GROWTH`.
+        """
         count = max(0, math.ceil(math.log(self.scale / STAGE_GROWTH, STAGE_GROWTH)))
         return [
             replace(self, gamma_factor=self.gamma_factor / STAGE_GROWTH**k)

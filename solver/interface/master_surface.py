@@ -18,12 +18,13 @@ MISS_PER_GAP, MISS_PER_FACET = 0.1, 0.02  # by which that normal may miss, of ga
 
 @dataclass(frozen=True)
 class MasterSurface:
-    """The nodes of the master's contact surface at which normals of the slave end.
+    """Gap at n nodes of the master's contact surface at which normals of the slave end.
 
-    facet_nodes: (f, k) nodes of the facets whose nodes all are such, rows of `Fields.points`,
-        corners first, basix order.
-    nodes: (n,) all nodes of these facets.
-    gap: (n,) between the deformed surfaces along the slave's normal, mm.
+    facet_nodes: (f, k) nodes of the facets of which all nodes are such, as row numbers of
+        `Fields.points`, corners first, basix order.
+    nodes: (n,) all nodes of these facets, as row numbers of `Fields.points`.
+    gap: gap between the deformed surfaces along the slave's normal (n,), mm, negative where they
+        overlap.
     """
 
     facet_nodes: NDArray[np.int64]
@@ -32,7 +33,7 @@ class MasterSurface:
 
 
 def outer_nodes(facets: FacetSet) -> NDArray[np.int64]:
-    """Nodes (m, k) of each facet, corners first, basix order."""
+    """Global block dofs (m, k) on each of m facets, corners first, basix order."""
     closure = facet_closure(facets.cell, facets.degree)
     return np.take_along_axis(facets.dofs, closure[facets.local_facet], axis=1)
 
@@ -40,14 +41,16 @@ def outer_nodes(facets: FacetSet) -> NDArray[np.int64]:
 def master_surface(
     slave: FacetSet, master: FacetSet, exact: Gap, points: Array, displacement: Array
 ) -> MasterSurface:
-    """The master's nodes that face the slave, with the gap g0 + n . (u_master - u_slave).
+    """Gap g0 + n . (u_master - u_slave) at the nodes of the master that face the slave; n is the
+    slave's normal.
 
     The point of the slave that faces a node is searched by following the normal that the slave has
-    at the last guess, `ITERATIONS` times.
+    at the last guess, `ITERATIONS` times. Nodes for which the normal still misses are left out.
 
-    slave, master: facets of all ranks.
-    exact: exact initial gap.
-    points, displacement: of all nodes (n, 3), in space, mm.
+    slave, master: contact facets of all ranks.
+    exact: exact initial gap and its normals.
+    points: position of all nodes of the mesh in space (n, 3), mm.
+    displacement: displacement of these nodes in space (n, 3), mm.
     """
     faces = outer_nodes(master)
     nodes = np.unique(faces)
