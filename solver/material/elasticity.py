@@ -21,9 +21,9 @@ from railhead.solver.space.kinematics import SOLID, Kinematics
 class Material:
     """Isotropic solid.
 
-    young_modulus: E, MPa; math.inf: rigid.
-    poisson_ratio: nu, in [0, 0.5).
-    hardening: flow curve; None: it stays elastic.
+    young_modulus: Young's modulus E, MPa; math.inf: the body is rigid.
+    poisson_ratio: Poisson's ratio nu, in [0, 0.5).
+    hardening: flow curve; None: the body stays elastic.
     """
 
     young_modulus: float
@@ -45,14 +45,19 @@ def assemble(
     kinematics: Kinematics = SOLID,
     rule: int | None = None,
 ) -> tuple[Bulk, PETSc.Mat]:
-    """Displacement space, and K of a(u, v) = int sigma(u) : eps(v) dx (collective).
+    """Displacement space, and stiffness matrix K of a(u, v) = int sigma(u) : eps(v) dx
+    (collective).
 
         sigma = lambda tr(eps) I + 2 mu eps
 
-    materials: by the cell tag of the body.
-    degree: of the displacement.
-    rule: degree of the quadrature, where it is not that which suits `degree`.
-    K is in blocks of a node (BAIJ), N/mm; no boundary condition is applied.
+    mesh: dolfinx mesh, mm.
+    cell_tags: MeshTags of the cells.
+    materials: cell tag of each body -> its material.
+    degree: polynomial degree of the displacement.
+    kinematics: meaning of the mesh coordinates: a solid, plane strain, or a section that is
+        revolved.
+    rule: degree of the quadrature; None: that which suits `degree`.
+    K has one block a node (BAIJ), in N/mm, and no boundary condition is applied.
     """
     cells = mesh.topology.index_map(mesh.topology.dim)
     lame = np.zeros((cells.size_local + cells.num_ghosts, 2))
@@ -79,8 +84,12 @@ def assemble(
 
 
 def _mean_dilatation(space: Any, lam: Any, degree: int) -> PETSc.Mat:
-    """B^T (lambda/V) B of a meridian section: lambda V times the squared mean dilatation of each
-    cell. B: integrals of tr eps over each cell, V: its volume, both with the weight 2 pi r."""
+    """Matrix B^T (lambda/V) B of a meridian section: lambda V times the squared mean dilatation of
+    each cell. B holds the integrals of the trace of the strain over each cell, and V is the
+    volume, both with the weight 2 pi r.
+
+    space: displacement space. lam: lambda in each cell, MPa. degree: degree of the quadrature.
+    """
     mesh, dx = space.mesh, ufl.dx(metadata={"quadrature_degree": degree})
     r = ufl.SpatialCoordinate(mesh)[0]
     cell = 2 * np.pi * r * ufl.TestFunction(lam.function_space)

@@ -21,13 +21,13 @@ ROOT = np.sqrt(2.0 / 3.0)
 
 @dataclass(frozen=True)
 class Hardening:
-    """Curve of uniaxial true stress over plastic strain, straight between its points.
+    """Curve of uniaxial true stress over plastic strain, straight between its k points.
 
-    strain: plastic strain of the points (k,), the first at 0.
-    stress: MPa at the points (k,); the first is the initial yield stress.
+    strain: plastic strain of the points (k,), ascending, the first 0.
+    stress: stress of the points (k,), MPa; the first is the initial yield stress.
     kinematic: share of the hardening, 0 to 1, by which the yield surface moves instead of growing
         (Prager's rule).
-    final_hardening_modulus: slope after the last point, MPa.
+    final_hardening_modulus: slope d stress / d plastic strain after the last point, MPa.
     """
 
     strain: tuple[float, ...]
@@ -37,7 +37,10 @@ class Hardening:
 
     @classmethod
     def linear(cls, stress: float, modulus: float = 0.0, kinematic: float = 0.0) -> Hardening:
-        """Yield at a stress (MPa), then a constant slope d stress / d plastic strain (MPa)."""
+        """Curve with the initial yield stress `stress` (MPa) and the constant slope `modulus`, d
+        stress / d plastic strain (MPa); kinematic: share of the hardening by which the yield
+        surface moves.
+        """
         return cls((0.0,), (stress,), kinematic, modulus)
 
     @property
@@ -61,9 +64,9 @@ class Hardening:
 
 @dataclass(frozen=True)
 class History:
-    """State of n points after a load step.
+    """Plastic state of n points after a load step, with m components in Mandel's notation.
 
-    plastic: plastic strain (n, m) in Mandel's notation.
+    plastic: plastic strain (n, m).
     back: back stress (n, m), MPa, by which the yield surface has moved.
     equivalent: equivalent plastic strain (n,).
     """
@@ -74,13 +77,16 @@ class History:
 
     @classmethod
     def virgin(cls, count: int, size: int) -> History:
-        """State of points without plastic strain; size: strain components m."""
+        """State of `count` points without plastic strain or back stress; size: number m of
+        components.
+        """
         return cls(np.zeros((count, size)), np.zeros((count, size)), np.zeros(count))
 
 
 @dataclass(frozen=True)
 class TangentReduction:
-    """By what the consistent tangent C_ep is smaller than C, at the k points that yield:
+    """Difference between the elastic tangent C and the consistent tangent C_ep, at the k points
+    that yield:
 
         C - C_ep = 2 mu (shear (I - 1x1/3) + along n x n)
 
@@ -98,17 +104,21 @@ class TangentReduction:
     mu: Array
 
     def renumbered(self, members: NDArray[np.int64]) -> TangentReduction:
-        """The same where the points so far are numbers in a list `members` of all points."""
+        """The same reduction with point numbers members[points]; members: for each point of a
+        subset, its number among all points.
+        """
         return replace(self, points=members[self.points])
 
     @classmethod
     def joined(cls, reductions: Sequence[TangentReduction]) -> TangentReduction:
-        """One reduction for the points of several."""
+        """One reduction for the points of several, in their order."""
         parts = {each.name: [getattr(one, each.name) for one in reductions] for each in fields(cls)}
         return cls(**{name: np.concatenate(values) for name, values in parts.items()})
 
     def stress(self, strain: Array) -> Array:
-        """(C - C_ep) : strain (k, m), MPa, of strains (k, m) at these points."""
+        """Stress (C - C_ep) : strain (k, m), MPa, from strains (k, m) at the k points, in Mandel's
+        notation.
+        """
         along = np.einsum("km,km->k", self.normal, strain) * self.along
         sheared = self.shear[:, None] * deviator(strain)
         return 2 * self.mu[:, None] * (sheared + along[:, None] * self.normal)
@@ -124,11 +134,15 @@ def deviator(tensors: Array) -> Array:
 def radial_return(
     strain: Array, mu: Array, before: History, hardening: Hardening
 ) -> tuple[History, TangentReduction]:
-    """State after a load step to strains (n, m), and by what yield reduces the tangent.
+    """State at n points after a load step, and the reduction of the tangent at the points that
+    yield.
 
-    Radial return of the trial stress to the yield surface (Simo and Hughes 1998, box 3.2). The
-    growth of the equivalent plastic strain solves a scalar equation that is straight in pieces.
-    mu: shear modulus (n,), MPa. before: state at the start of the step.
+    strain: total strain at the end of the step (n, m), in Mandel's notation.
+    mu: shear modulus (n,), MPa.
+    before: state at the start of the step.
+    hardening: flow curve of all points.
+    The trial stress returns along the radius to the yield surface (Simo and Hughes 1998, box 3.2).
+    The growth of the equivalent plastic strain solves a scalar equation that is straight in pieces.
     """
     trial = 2 * mu[:, None] * (deviator(strain) - before.plastic) - before.back
     size = np.sqrt(np.einsum("nm,nm->n", trial, trial))

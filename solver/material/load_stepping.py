@@ -25,17 +25,19 @@ SMALLEST_STEP = 1 / 32  # of a load step, below which it is cut no further
 
 @dataclass
 class SeparatedProblem(PlasticProblem):
-    """Equilibrium of the bodies apart, without contact. The approach, which nothing resists then,
-    is held by a spring in `stiffness`.
+    """Equilibrium of bodies that yield, without contact. Nothing resists the approach then; a
+    spring in `stiffness` holds it. The other fields are those of `PlasticProblem`.
 
-    reference_force: force that the residual is measured by, N.
+    reference_force: force that the residual is divided by, N.
     """
 
     reference_force: float = 1.0
 
     @classmethod
     def of(cls, problem: PlasticProblem, reference_force: float) -> SeparatedProblem:
-        """The problem without contact; it shares matrices and history points."""
+        """The problem without contact; matrices and histories are shared with the given problem;
+        reference_force: N.
+        """
         shared = {
             each.name: getattr(problem, each.name) for each in fields(PlasticProblem) if each.init
         }
@@ -44,23 +46,30 @@ class SeparatedProblem(PlasticProblem):
         return cls(**shared, reference_force=reference_force)
 
     def indicator(self, y: PETSc.Vec) -> Array:
-        """-1 MPa at all contact points: none is active. Sets the state as `PlasticProblem` does."""
+        """Array (n,) of -1 MPa: no contact point is active. The plastic state at the free unknowns
+        y is computed and kept, as in `PlasticProblem.indicator`.
+        """
         super().indicator(y)
         return np.full(len(self.area), -1.0)
 
     def contact_force(self, pressure: Array) -> float:
-        """The reference force, N."""
+        """Force that the residual is divided by, N: the reference force, whatever the pressure."""
         return self.reference_force
 
 
 class LoadStepping:
-    """Solves a load case in shares of it, one after the other.
+    """Solves a load case in shares of the full load, one after the other.
 
-    solution: of the last step, converged or not.
+    system: contact system.
+    problem: contact problem of the next step; after `separate` one without contact.
+    case: load case at its full load.
+    preconditioner: preconditioner of the next step.
+    active: (n,) points that touch at the start of the next step.
+    y: free unknowns at the last share reached; None before the first step.
     share: share of the load case that was reached.
-    state: history at the Gauss points and at the contact points there.
-    results: of Newton's method in all steps so far.
-    problem, preconditioner, active: of the next step; `separate` changes them.
+    state: plastic histories at the Gauss points and at the contact points at that share.
+    results: results of Newton's method in all steps so far.
+    solution: solution of the last step, converged or not.
     """
 
     solution: Solution
@@ -74,14 +83,17 @@ class LoadStepping:
         self.active: Mask = np.zeros(len(problem.area), dtype=bool)
 
     def repeat(self, case: LoadCase, state: State) -> Solution:
-        """The step to the present share, from another history and with another load case."""
+        """Solution of the step to the present share, from another history `state` and with another
+        load case.
+        """
         self.case, self.state = case, state
         self._step(self.share)
         return self.solution
 
     def solve_load_steps(self, shares: Iterable[float]) -> NewtonResult:
-        """Go to shares of the load case in turn. A step that does not converge is halved, down to
-        `SMALLEST_STEP`; the result of the last step is returned."""
+        """Apply the load case in these shares of the full load, in turn. A step that does not
+        converge is halved, down to `SMALLEST_STEP` of it. Returns the result of the last step.
+        """
         for share in shares:
             least = abs(share - self.share) * SMALLEST_STEP
             while self.share != share:
@@ -93,12 +105,19 @@ class LoadStepping:
         return self.solution.newton
 
     def separate(self, reference_force: float) -> None:
-        """Take the bodies apart: the next steps have no contact."""
+        """Remove the contact from all further steps; reference_force: force that the residual is
+        then divided by, N.
+        """
         self.problem = SeparatedProblem.of(self.problem, reference_force)
         self.active = np.zeros(len(self.problem.area), dtype=bool)
         self.preconditioner = self.system.new_preconditioner(self.problem)
 
     def _step(self, share: float) -> NewtonResult:
+        """Solve one step to a share of the load case; returns the result of Newton's method.
+
+        If it converges, its plastic state becomes the history of the next step. The fields
+        `solution` and `results` change in any case.
+        """
         system, problem, case = self.system, self.problem, self.case.scaled(share)
         prescribed = system.apply(problem, case)
         problem.set_prescribed_strain(prescribed)
@@ -127,11 +146,12 @@ class LoadStepping:
         return result
 
     def _predicted(self, y: PETSc.Vec, ratio: float) -> PETSc.Vec:
-        """Solution of the linear problem whose active set follows the load as in Hertz's theory;
-        y itself where that tangent is singular.
+        """Prediction of the free unknowns for the next load, from those of the last one (y).
 
-        ratio: of the next load over the last one. Before the last state is made the history, the
-        tangent is that of continued yield; afterwards it is that of unloading.
+        It solves the linear problem in which the active set follows the load as in Hertz's theory.
+        Where its tangent is singular, y itself is returned. ratio: next load over the last one.
+        Before the last state is made the history, the tangent is that of continued yield;
+        afterwards it is that of unloading.
         """
         problem = self.problem
         indicator = problem.indicator(y)
@@ -145,10 +165,11 @@ class LoadStepping:
 
 
 def predict_active_set(system: ContactSystem, indicator: Array, ratio: float) -> Mask:
-    """Active points (n,) after the load is multiplied by a ratio: those with the highest
-    indicator, on an area that grows as Hertz's: by ratio^(2/3), of a line contact by ratio^(1/2).
+    """Active points (n,) after the load is multiplied by a ratio: those with the highest indicator
+    (collective).
 
-    indicator: (n,) at the local contact points before, MPa (collective).
+    Their area grows as in Hertz's theory: by ratio^(2/3), for a line contact by ratio^(1/2).
+    indicator: (n,) at this rank's contact points before the change of the load, MPa.
     """
     every = np.concatenate(system.comm.allgather(indicator))
     order = np.argsort(-every)
@@ -162,8 +183,10 @@ def predict_active_set(system: ContactSystem, indicator: Array, ratio: float) ->
 def plastic_strain(
     system: ContactSystem, problem: PlasticProblem, history: History
 ) -> PlasticStrain:
-    """A history at the Gauss points as tensors in all cells of this rank, zero in cells whose
-    plastic strain is not followed."""
+    """Plastic strain as tensors in space at the Gauss points of all cells of this rank, zero in
+    cells where it is not followed; history: state at the Gauss points of the others
+    (collective).
+    """
     topology = system.bulk.space.mesh.topology
     count = topology.index_map(topology.dim).size_local
     cells = problem.bulk.cells

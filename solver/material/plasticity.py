@@ -33,17 +33,19 @@ State = tuple[History, History]
 
 @dataclass(kw_only=True)
 class YieldPoints:
-    """n local points at which plastic strain is followed, with m strain components each.
+    """n points of this rank at which plastic strain is followed, with m strain components each, in
+    Mandel's notation.
 
-    strain_matrix: E, n m rows: strains of the free unknowns.
-    full_strain_matrix: the same for all dofs.
-    prescribed_strain: strain (n, m) of the prescribed displacement u0.
-    cells: numbers (k,) of this rank's cells that the Gauss points lie in, cell by cell.
-    points: (n, 3) mm in space.
-    weights: (n,) mm3, of contact points mm2.
+    strain_matrix: E with n m rows: strains per free unknown, 1/mm.
+    full_strain_matrix: strains per dof, n m rows, 1/mm.
+    prescribed_strain: strain (n, m) of the prescribed displacement.
+    cells: numbers (k,) of this rank's cells that the Gauss points lie in, cell by cell; none for
+        contact points.
+    points: position in space (n, 3), mm.
+    weights: quadrature weight (n,), mm3, of contact points mm2.
     mu: shear modulus (n,), MPa.
-    groups: for each body that yields, numbers of its points, and its hardening.
-    history: at the end of the last load step.
+    groups: (numbers of its points, hardening) of each body that yields.
+    history: plastic state at the end of the last load step.
     """
 
     strain_matrix: PETSc.Mat
@@ -57,17 +59,18 @@ class YieldPoints:
     history: History
 
     def strains(self, y: PETSc.Vec) -> Array:
-        """E y (n, m)."""
+        """Strains (n, m) of the free unknowns y, without those of the prescribed displacement."""
         return np.asarray((self.strain_matrix * y).array).reshape(self.prescribed_strain.shape)
 
     def set_prescribed_strain(self, prescribed: PETSc.Vec) -> None:
-        """Take the strain of a displacement u0 on all dofs, mm."""
+        """Set the prescribed strain to that of a displacement on all dofs, mm."""
         strain = np.array((self.full_strain_matrix * prescribed).array)
         self.prescribed_strain = strain.reshape(self.prescribed_strain.shape)
 
     def return_mapping(self, y: PETSc.Vec) -> tuple[History, TangentReduction | None]:
-        """State after a step from the history to the strains of y, and by what yield reduces the
-        tangent; None instead where no body yields here."""
+        """State after a step from the history to the strains of the free unknowns y, and the
+        reduction of the tangent by yield; None instead of the latter where no body yields here.
+        """
         strain = self.strains(y) + self.prescribed_strain
         state = History(*(getattr(self.history, each.name).copy() for each in fields(History)))
         reductions = []
@@ -80,24 +83,29 @@ class YieldPoints:
         return state, TangentReduction.joined(reductions) if reductions else None
 
     def strain_rows(self, reduction: TangentReduction | None) -> PETSc.Mat:
-        """Rows of E of the points that yield: k m on this rank (collective)."""
+        """Rows of the strain matrix E of the k points that yield: k m rows on this rank
+        (collective); reduction: reduction of the tangent at these points, None: no point yields.
+        """
         points = np.zeros(0, dtype=np.int64) if reduction is None else reduction.points
         size = self.prescribed_strain.shape[1]
         rows = (points[:, None] * size + np.arange(size)).ravel()
         return select_rows(self.strain_matrix, rows)
 
     def add_forces(self, stress: Array, out: PETSc.Vec) -> None:
-        """out += E^T w stress, for stresses (n, m) in MPa."""
+        """Add the nodal forces E^T w stress of stresses (n, m), MPa, to a vector of the free
+        unknowns, N; w: quadrature weights.
+        """
         add_transposed(self.strain_matrix, self.weights[:, None] * stress, out)
 
 
 @dataclass
 class PlasticProblem(ContactProblem):
-    """The contact problem at one load step.
+    """Contact problem of bodies that yield, at one load step. The other fields are those of
+    `ContactProblem`.
 
     bulk: Gauss points of the bodies that yield.
-    surface: contact points; none where the slave does not yield.
-    normal_dyads: n x n (q, m) at the contact points, in Mandel's notation.
+    surface: the n contact points; no group of them yields where the slave stays elastic.
+    normal_dyads: dyads n x n of the normals (n, m) at the contact points, in Mandel's notation.
     """
 
     bulk: YieldPoints = field(kw_only=True)
@@ -105,6 +113,9 @@ class PlasticProblem(ContactProblem):
     normal_dyads: Array = field(kw_only=True)
 
     def __post_init__(self) -> None:
+        """Start with the histories of the points as their states, and without operators of yielding
+        points.
+        """
         self._bulk: tuple[History, TangentReduction | None] = self.bulk.history, None
         self._surface: tuple[History, TangentReduction | None] = self.surface.history, None
         self._yielding_operators: tuple[PETSc.Mat, PETSc.Mat] | None = None
@@ -124,19 +135,26 @@ class PlasticProblem(ContactProblem):
         return self.law.symmetric and not total
 
     def indicator(self, y: PETSc.Vec) -> Array:
-        """-(B y + c - t) (n,), MPa. Sets the state that `residual`, `tangent` and `state` use."""
+        """Indicator -(B y + c - t) (n,) at the contact points, MPa, where t is the normal stress
+        that plastic strain takes. The plastic state at y is kept for `residual`, `tangent` and
+        `state`.
+        """
         self._bulk, self._surface = self.bulk.return_mapping(y), self.surface.return_mapping(y)
         self._yielding_operators = None
         plastic = self.plastic_normal_stress(self._surface[0].plastic)
         return super().indicator(y) + self.law.sigma * plastic
 
     def plastic_normal_stress(self, plastic: Array) -> Array:
-        """t = 2 mu n . eps_p . n (n,), MPa, of plastic strains (n, m) at the contact points."""
+        """Normal stress that plastic strain takes, t = 2 mu n . eps_p . n (n,), MPa, from plastic
+        strains (n, m) at the contact points.
+        """
         strain = np.einsum("nm,nm->n", self.normal_dyads, plastic)
         return np.asarray(2 * self.surface.mu * strain)
 
     def residual(self, y: PETSc.Vec, pressure: Array) -> PETSc.Vec:
-        """R(y), N. pressure: p(y), which must have been the last call of `pressure`."""
+        """Residual R(y) in the free unknowns, N. pressure: p(y) (n,), MPa; its computation must be
+        the last use of `indicator`, which keeps the plastic state.
+        """
         r = super().residual(y, pressure)
         plastic = self._bulk[0].plastic
         self.bulk.add_forces(-2 * self.bulk.mu[:, None] * plastic, r)
@@ -146,9 +164,12 @@ class PlasticProblem(ContactProblem):
         return r
 
     def slope(self, y: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
-        """t -> R(y + t step) . step, N mm."""
+        """Function t -> R(y + t step) . step, N mm, with the residual R: the slope of the energy
+        along a step.
+        """
 
         def value(t: float) -> float:
+            """Product R(y + t step) . step at a step length t, N mm."""
             at = y.copy()
             at.axpy(t, step)
             return float(self.residual(at, self.pressure(at)).dot(step))
@@ -156,16 +177,20 @@ class PlasticProblem(ContactProblem):
         return value
 
     def tangent(self, active: Mask) -> PETSc.Mat:
-        """The consistent tangent of the last state as an operator (nothing is assembled)."""
+        """Consistent tangent of the last state, at an active set (n,), as a PETSc operator; no
+        matrix is assembled.
+        """
         return self.shell(_PlasticTangent(self, active))
 
     def set_prescribed_strain(self, prescribed: PETSc.Vec) -> None:
-        """Take the strains of a displacement u0 on all dofs, mm."""
+        """Set the prescribed strains of all points to those of a displacement on all dofs, mm."""
         self.bulk.set_prescribed_strain(prescribed)
         self.surface.set_prescribed_strain(prescribed)
 
     def reset_history(self) -> None:
-        """Set plastic strain and back stress to zero."""
+        """Set plastic strain and back stress of all points to zero, in the history and in the last
+        state.
+        """
         for points in (self.bulk, self.surface):
             points.history = History.virgin(*points.prescribed_strain.shape)
         self._bulk, self._surface = (self.bulk.history, None), (self.surface.history, None)
@@ -173,16 +198,22 @@ class PlasticProblem(ContactProblem):
 
     @property
     def state(self) -> State:
-        """State at the Gauss points and at the contact points after the last `indicator`."""
+        """Plastic states at the Gauss points and at the contact points from the last use of
+        `indicator`.
+        """
         return self._bulk[0], self._surface[0]
 
     def commit(self, state: State) -> None:
-        """Make a state the history that the next step starts from."""
+        """Make a state the history that the next step starts from; state: at the Gauss points and
+        at the contact points.
+        """
         self.bulk.history, self.surface.history = state
 
     @property
     def yielding_operators(self) -> tuple[PETSc.Mat, PETSc.Mat]:
-        """Rows of E at the Gauss and at the contact points that yield in the last state."""
+        """Rows of the strain matrices at the Gauss points and at the contact points that yield in
+        the last state.
+        """
         if self._yielding_operators is None:
             self._yielding_operators = (
                 self.bulk.strain_rows(self._bulk[1]),
@@ -191,10 +222,10 @@ class PlasticProblem(ContactProblem):
         return self._yielding_operators
 
     def apply_tangent_loss(self, x: PETSc.Vec, out: PETSc.Vec) -> Array:
-        """out -= E^T w (C - C_ep) E x.
+        """Subtract the forces that yield takes from the tangent: out -= E^T w (C - C_ep) E x.
 
-        Returns n . (C - C_ep) E x . n (n,) at the contact points, MPa: by what yield reduces the
-        change of their normal stress.
+        x: step of the free unknowns. Returns n . (C - C_ep) E x . n (n,) at the contact points,
+            MPa: the part by which yield reduces the change of their normal stress.
         """
         (bulk, surface), normal = self.yielding_operators, np.zeros(len(self.area))
         strain, reduction = (bulk * x).array, self._bulk[1]
@@ -211,9 +242,15 @@ class PlasticProblem(ContactProblem):
 
 
 class _PlasticTangent(Tangent):
-    """y -> K y - E^T w (C - C_ep) E y - theta S^T w S_ep y + Bt^T w A B_ep y."""
+    """PETSc shell context of the tangent y -> K y - E^T w (C - C_ep) E y - theta S^T w S_ep y +
+    Bt^T w A B_ep y.
+
+    C_ep is the consistent tangent. S_ep and B_ep are S and B less the normal stress that yield
+    takes.
+    """
 
     def mult(self, mat: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
+        """Product of the tangent with x, written into y; called by PETSc."""
         super().mult(mat, x, y)
         problem = self.problem
         loss = problem.apply_tangent_loss(x, y)
@@ -233,9 +270,14 @@ def bulk_points(
     reduction: Reduction,
     comm: MPI.Intracomm,
 ) -> YieldPoints:
-    """The Gauss points of K in this rank's cells near the contact, in the bodies that yield.
+    """Gauss points of the stiffness matrix in this rank's cells near the contact, in the bodies
+    that yield (collective).
 
-    materials: by the cell tag of the body. near: centroids of cells in space (k, 3) mm -> mask.
+    bulk: displacement space.
+    cell_tags: MeshTags of the cells.
+    materials: cell tag of each body -> its material.
+    near: centroids of cells in space (k, 3), mm -> (k,) whether plastic strain is followed there.
+    reduction: map from free unknowns to dofs.
     """
     mesh, kinematics = bulk.space.mesh, bulk.kinematics
     own = mesh.topology.index_map(mesh.topology.dim).size_local
@@ -278,7 +320,9 @@ def surface_points(
     reduction: Reduction,
     comm: MPI.Intracomm,
 ) -> YieldPoints:
-    """The contact points, in the slave; without hardening they stay elastic."""
+    """The contact points of this rank, as points of the slave (collective); hardening: flow curve
+    of the slave, None: it stays elastic.
+    """
     slave, index = interface.slave, interface.facet
     every = np.arange(len(index))
     reference = slave.reference(index, interface.xi)
@@ -301,7 +345,9 @@ def _strain_matrices(
     reduction: Reduction,
     comm: MPI.Intracomm,
 ) -> dict[str, Any]:
-    """Strain matrices and zero states of `YieldPoints` at reference points of cells."""
+    """Strain matrices, zero prescribed strain and zero history, as fields of `YieldPoints` by name;
+    index: cell of each point (n,); reference: its reference coordinates (n, c) (collective).
+    """
     owned = bulk.space.dofmap.index_map.size_local * cells.kinematics.dim
     full, size = assemble_strains(cells, index, reference, owned, comm)
     return {
@@ -313,7 +359,9 @@ def _strain_matrices(
 
 
 def normal_dyads(normals: Array) -> Array:
-    """n x n (q, m) of unit vectors (q, c), in Mandel's notation."""
+    """Dyads n x n (q, m) of unit vectors n (q, c), in Mandel's notation: 11, 22, 33 and sqrt(2)
+    times 23, 13, 12; in a section 11, 22, a zero, and sqrt(2) times 12.
+    """
     dim = normals.shape[1]
     shears = [(1, 2), (0, 2), (0, 1)] if dim == 3 else [(0, 1)]
     out = np.zeros((len(normals), 3 + len(shears)))

@@ -31,41 +31,51 @@ UNLOADING = (0.95, 0.85, 0.4, 0.05)  # shares of the load before the bodies part
 
 
 class ElasticResponse:
-    """Elastic bodies: the response has no history."""
+    """Response of elastic bodies to one load case, which has no history.
+
+    system: contact system.
+    """
 
     def __init__(self, system: ContactSystem) -> None:
         self.system = system
 
     def press(self, case: LoadCase) -> Solution:
-        """Frictionless solution of the load case."""
+        """Frictionless solution of the load case (collective)."""
         return self.system.press(case)
 
     def start_friction_step(self) -> None:
-        """Fix the history that `press_again` starts from: that of the last solution."""
+        """Mark the start of a friction load step; elastic bodies have no history, so that nothing
+        is done.
+        """
 
     def press_again(self, solution: Solution, case: LoadCase) -> Solution:
-        """Solution of a load case whose force holds tangential tractions. solution: the last one,
-        whose reference and load history the new one keeps."""
+        """Solution of a load case whose force holds tangential tractions; solution: the last one,
+        which elastic bodies do not need.
+        """
         return self.press(case)
 
     def plastic_shear_stress(self, points: Index, tangents: Array, normals: Array) -> Array:
-        """Part of the shear stress t . sigma . n that plastic strain takes away, MPa (p, k).
+        """Shear stress t . sigma . n that plastic strain takes (p, k), MPa: zero for elastic
+        bodies.
 
-        points: numbers (p,) of local contact points. tangents: t (p, k, c). normals: n (p, c).
+        points: numbers (p,) of contact points of this rank.
+        tangents: unit tangents t (p, k, c).
+        normals: unit normals n (p, c).
         """
         return np.zeros(tangents.shape[:2])
 
     def unload(self, solution: Solution) -> Solution:
-        """The solution, with its residual state where one is called for."""
+        """The solution itself, because elastic bodies leave no residual state."""
         return solution
 
 
 class PlasticResponse(ElasticResponse):
-    """Bodies that yield: loaded in steps from first yield on.
+    """Response of bodies that yield: they are loaded in steps from first yield on.
 
-    problem: the contact problem with plastic strain.
-    path: number of steps, cycles, unloading.
-    stepping: the load steps; None as long as everything stays elastic.
+    system: contact system.
+    problem: contact problem with plastic strain.
+    path: number of load steps, cycles, unloading.
+    stepping: load steps so far; None as long as everything stays elastic.
     """
 
     stepping: LoadStepping | None = None
@@ -77,8 +87,12 @@ class PlasticResponse(ElasticResponse):
         self._start: State = problem.state
 
     def press(self, case: LoadCase) -> Solution:
-        """Elastic up to first yield, then in equal load steps; cycles in between unload by the
-        shares `UNLOADING`. The elastic solution is the reference of the one returned."""
+        """Frictionless solution: elastic up to first yield, then in equal load steps (collective).
+
+        With several cycles the load is lowered by the shares `UNLOADING` before it is applied
+        again. The elastic solution is the field `reference` of the one returned, or is returned
+        itself where nothing yields or it does not converge.
+        """
         elastic = super().press(case)
         over = self._load_over_first_yield(elastic, case)
         if not elastic.newton.converged or over <= 1:
@@ -101,20 +115,33 @@ class PlasticResponse(ElasticResponse):
         return replace(stepping.solution, reference=elastic, plasticity=plasticity)
 
     def start_friction_step(self) -> None:
-        """Fix the history that `press_again` starts from: that of the last solution."""
+        """Mark the start of a friction load step: the present plastic state is the history from
+        which `press_again` starts.
+        """
         if self.stepping is None:
             self.problem.reset_history()
         self._start = self.problem.state if self.stepping is None else self.stepping.state
 
     def press_again(self, solution: Solution, case: LoadCase) -> Solution:
-        """The last load step again, under a load case whose force holds tangential tractions."""
+        """Solution of the last load step again, under a load case whose force holds tangential
+        tractions.
+
+        It starts from the history at the start of the friction load step. It takes over reference
+        and load history of `solution`, the last one.
+        """
         if self.stepping is None:
             return self.press(case)
         again = self.stepping.repeat(case, self._start)
         return replace(again, reference=solution.reference, plasticity=solution.plasticity)
 
     def plastic_shear_stress(self, points: Index, tangents: Array, normals: Array) -> Array:
-        """2 mu t . eps_p . n of the last state, MPa (p, k); see `ElasticResponse`."""
+        """Shear stress that plastic strain takes, 2 mu t . eps_p . n (p, k), MPa, in the last
+        state.
+
+        points: numbers (p,) of contact points of this rank.
+        tangents: unit tangents t (p, k, c).
+        normals: unit normals n (p, c).
+        """
         kinematics = self.system.setup.kinematics
         strain = kinematics.tensors(self.problem.state[1].plastic[points])
         along = kinematics.in_space(tangents)
@@ -122,8 +149,9 @@ class PlasticResponse(ElasticResponse):
         return np.asarray(2 * self.problem.surface.mu[points, None] * shear)
 
     def unload(self, solution: Solution) -> Solution:
-        """The solution with its residual state: the load is removed by the shares `UNLOADING`,
-        then the bodies part."""
+        """The solution with its residual state, where the load path has one: the load is lowered by
+        the shares `UNLOADING`, then the bodies are separated. Otherwise the solution itself.
+        """
         plasticity, stepping = solution.plasticity, self.stepping
         if not (plasticity and stepping and self.path.unload and solution.newton.converged):
             return solution
@@ -141,8 +169,10 @@ class PlasticResponse(ElasticResponse):
         return replace(solution, plasticity=plasticity)
 
     def _load_over_first_yield(self, elastic: Solution, case: LoadCase) -> float:
-        """Ratio of the load to that of first yield, by the largest elastic von Mises stress over
-        the yield stress: in Hertz's theory its cube, of a line contact its square."""
+        """Ratio of the load to that of first yield. In Hertz's theory it is the cube of the largest
+        elastic von Mises stress over the yield stress, for a line contact the square
+        (collective).
+        """
         self.problem.set_prescribed_strain(self.system.prescribed(case))
         worst = 0.0
         for points in (self.problem.bulk, self.problem.surface):
@@ -157,8 +187,10 @@ class PlasticResponse(ElasticResponse):
 
 
 def plastic_problem(system: ContactSystem, path: LoadPath) -> PlasticProblem:
-    """The contact problem of a system with plastic strain at the Gauss points near the contact and
-    at the contact points of the slave. The matrices are shared with the elastic problem."""
+    """Contact problem of a system with plastic strain at the Gauss points near the contact and at
+    the contact points of the slave; path: gives the region. Matrices are shared with the elastic
+    problem.
+    """
     shared = {each.name: getattr(system.problem, each.name) for each in fields(ContactProblem)}
     shared["force"] = system.problem.force.duplicate()
     hardening = system.materials[system.setup.slave].hardening
@@ -182,10 +214,12 @@ def plastic_problem(system: ContactSystem, path: LoadPath) -> PlasticProblem:
 def indentation_depth(
     system: ContactSystem, residual: Solution, pressure: Array
 ) -> Mapping[int, float]:
-    """Largest residual displacement of each deformable body's contact surface into the body, mm,
-    by tag (collective).
+    """Body tag -> largest residual displacement of the contact surface of that body into it, mm,
+    for each deformable body (collective).
 
-    residual: state after unloading. pressure: (n,) MPa before; its resultant is the direction.
+    residual: solution after unloading.
+    pressure: (n,) before unloading, MPa; the displacement counts along the resultant of the
+        pressure.
     """
     interface, setup = system.interface, system.setup
     normal = system.comm.allreduce((interface.weights * pressure) @ interface.normals)

@@ -21,10 +21,11 @@ Index = NDArray[np.int64]
 class Bulk:
     """Displacement space of all bodies of one mesh.
 
-    space: dolfinx function space.
-    lame: lambda and mu of every local cell (cells, 2), MPa.
+    space: dolfinx function space of vectors.
+    lame: Lame's constants lambda and mu of every local cell, ghosts included (cells, 2), MPa.
     degree: polynomial degree of the displacement.
-    kinematics: what the coordinates of the mesh stand for.
+    kinematics: meaning of the mesh coordinates: a solid, plane strain, or a section that is
+        revolved.
     """
 
     space: Any
@@ -34,8 +35,13 @@ class Bulk:
 
 
 def quadrature_degree(cell: str, degree: int, kinematics: Kinematics = SOLID) -> int:
-    """Degree of the quadrature for K. It is exact on straight-sided simplices and on boxes; in a
-    meridian section the hoop strain u_r/r is a rational function."""
+    """Degree of the quadrature for the stiffness matrix.
+
+    cell: type of the cells, for example 'tetrahedron'. degree: polynomial degree of the
+        displacement.
+    The rule is exact on straight-sided simplices and on boxes. In a meridian section the hoop
+    strain u_r/r is a rational function, and no rule is exact.
+    """
     if kinematics.revolved:
         return 2 * degree + 2
     simplex = cell in ("tetrahedron", "triangle")
@@ -43,21 +49,30 @@ def quadrature_degree(cell: str, degree: int, kinematics: Kinematics = SOLID) ->
 
 
 def centroid(cell: str) -> Array:
-    """Centroid (d,) of the reference cell."""
+    """Coordinates (d,) of the centroid of the reference cell of a type, for example
+    'tetrahedron'.
+    """
     return np.asarray(basix.geometry(getattr(basix.CellType, cell))).mean(axis=0)
 
 
 @lru_cache
 def lagrange_element(cell: str, degree: int, variant: basix.LagrangeVariant) -> Any:
-    """The basix element of continuous Lagrange functions."""
+    """basix element of continuous Lagrange functions on a cell type; degree: polynomial degree;
+    variant: position of the nodes on edges and faces.
+    """
     return basix.create_element(
         basix.ElementFamily.P, getattr(basix.CellType, cell), degree, variant
     )
 
 
 def tabulate(cell: str, degree: int, points: Array, *, geometry: bool = False) -> Array:
-    """Values and reference derivatives (1 + c, n, dofs) of the Lagrange basis at reference points
-    (n, c). geometry: the basis of the coordinate map, whose nodes are equispaced."""
+    """Values (first) and reference derivatives of the Lagrange basis, (1 + c, n, dofs), at
+    reference points.
+
+    cell: type of the cell. degree: polynomial degree. points: reference points (n, c).
+    geometry: whether the basis is that of the coordinate map, whose nodes are equispaced; otherwise
+        that of the displacement, with nodes at Gauss-Lobatto-Legendre points (warped).
+    """
     equispaced = basix.LagrangeVariant.equispaced
     variant = equispaced if geometry else basix.LagrangeVariant.gll_warped
     element = lagrange_element(cell, degree, variant)
@@ -67,8 +82,9 @@ def tabulate(cell: str, degree: int, points: Array, *, geometry: bool = False) -
 
 
 def inverse(matrices: Array) -> tuple[Array, Array]:
-    """Inverses (n, c, c) and determinants (n,) of matrices with two or three rows, by cofactors:
-    LAPACK is called matrix by matrix and takes sixteen times as long."""
+    """Inverses (n, c, c) and determinants (n,) of n matrices with two or three rows, by cofactors.
+    LAPACK is called matrix by matrix and takes sixteen times as long.
+    """
     a = np.ascontiguousarray(matrices.transpose(1, 2, 0))
     if len(a) == 2:
         adjugate = np.array([[a[1, 1], -a[0, 1]], [-a[1, 0], a[0, 0]]])
@@ -83,15 +99,16 @@ def inverse(matrices: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class CellSet:
-    """m cells, with all that is needed to evaluate fields in them; c is the number of coordinates.
+    """m cells of a mesh with c coordinates, with all that is needed to evaluate fields in them.
+    Each cell has k geometry nodes and d block dofs.
 
-    cell: type of the cells, see `compat.cell_type`.
-    geometry_degree: degree of the coordinate map.
-    degree: degree of the displacement.
-    nodes: geometry nodes (m, k, c), mm.
+    cell: 'tetrahedron', 'hexahedron', 'triangle' or 'quadrilateral'.
+    geometry_degree: polynomial degree of the coordinate map.
+    degree: polynomial degree of the displacement.
+    nodes: position of the geometry nodes (m, k, c), mm.
     dofs: global block dofs (m, d).
-    lame: lambda and mu (m, 2), MPa.
-    kinematics: what the coordinates stand for.
+    lame: Lame's constants lambda and mu (m, 2), MPa.
+    kinematics: meaning of the coordinates: a solid, plane strain, or a section that is revolved.
     """
 
     cell: str
@@ -104,29 +121,35 @@ class CellSet:
 
     @classmethod
     def of(cls, bulk: Bulk, cells: Index) -> CellSet:
-        """Local cells of this rank, by number."""
+        """Set of the local cells of this rank with the given numbers (m,)."""
         return cls(**cell_data(bulk, cells))
 
     def __len__(self) -> int:
+        """Number m of cells."""
         return len(self.nodes)
 
     def _map(self, index: Index, points: Array) -> tuple[Array, Array]:
-        """Position x (n, c) and its derivatives (n, c, c) at reference points of the cells, mm."""
+        """Position x (n, c) and its derivatives dx_i/dX_j (n, c, c) at reference points X (n, c) of
+        the cells with these numbers (n,), mm.
+        """
         phi = tabulate(self.cell, self.geometry_degree, points, geometry=True)
         nodes = self.nodes[index]
         x = np.einsum("nk,nkd->nd", phi[0], nodes)
         return x, np.einsum("jnk,nkd->ndj", phi[1:], nodes)
 
     def basis(self, index: Index, points: Array) -> tuple[Array, Array]:
-        """Basis (n, d) and its gradient (n, d, c), 1/mm, at reference points (n, c) of the cells
-        with these numbers (n,)."""
+        """Values (n, d) of the basis functions of the displacement and their gradients (n, d, c),
+        1/mm, at reference points (n, c) of the cells with these numbers (n,).
+        """
         phi = tabulate(self.cell, self.degree, points)
         _, jacobian = self._map(index, points)
         return phi[0], np.einsum("jnd,njc->ndc", phi[1:], inverse(jacobian)[0])
 
     def divergence(self, index: Index, points: Array) -> Array:
-        """tr eps of the basis (n, d, c), 1/mm, at reference points of the cells; its mean over the
-        cell with mean dilatation."""
+        """Trace of the strain of each basis function and component (n, d, c), 1/mm, at reference
+        points (n, c) of the cells with these numbers (n,). With mean dilatation it is its mean
+        over the cell.
+        """
         if self.kinematics.averaged:
             return self._mean_divergence[index]
         if self.kinematics.mean_dilatation:
@@ -136,10 +159,12 @@ class CellSet:
         return self.kinematics.divergence(value, gradient, x[:, None])
 
     def strains(self, index: Index, points: Array) -> Array:
-        """Coefficients of the strain (n, m, d, c), 1/mm, at reference points of the cells.
+        """Strain components per displacement of the cells' dofs (n, m, d, c), 1/mm, at reference
+        points (n, c) of the cells with these numbers (n,).
 
-        The m components are in Mandel's notation: 11, 22, 33, sqrt(2) times 23, 13, 12; in a
-        section 11, 22, out of it, sqrt(2) times 12.
+        The m components are in Mandel's notation. In a solid they are 11, 22, 33 and sqrt(2) times
+        23, 13, 12. In a section they are 11, 22, the component normal to the section, and sqrt(2)
+        times 12.
         """
         value, gradient = self.basis(index, points)
         dim = self.kinematics.dim
@@ -156,8 +181,9 @@ class CellSet:
         return out
 
     def quadrature_points(self, degree: int) -> tuple[tuple[Index, Array], Array, Array]:
-        """Quadrature points of all cells, cell by cell: (cell (n,), reference point (n, c)),
-        position (n, c), mm, and weight (n,), mm3."""
+        """Quadrature points of all cells, cell by cell: (cell number (n,), reference point (n, c)),
+        position (n, c) in mm, and weight (n,) in mm3; degree: degree of the quadrature.
+        """
         points, weights = basix.make_quadrature(getattr(basix.CellType, self.cell), degree)
         index = np.repeat(np.arange(len(self)), len(weights))
         reference = np.tile(points, (len(self), 1))
@@ -167,7 +193,9 @@ class CellSet:
 
     @cached_property
     def _mean_divergence(self) -> Array:
-        """Mean of tr eps over each cell (m, d, c), 1/mm."""
+        """Mean over each cell of the trace of the strain of each basis function and component (m,
+        d, c), 1/mm.
+        """
         order = quadrature_degree(self.cell, self.degree, self.kinematics)
         _, traces, volumes = self.cell_strains(order)
         return np.asarray(
@@ -182,8 +210,10 @@ class CellSet:
         return np.asarray(np.einsum("dk,fkc->fdc", phi, self.nodes))
 
     def cell_strains(self, degree: int) -> tuple[Array, Array, Array]:
-        """Gradients and divergence of the basis, each (points, m, d, c), 1/mm, and weights
-        (points, m), mm3, at the quadrature points of all cells."""
+        """Gradients and divergence of the basis functions, each (points, m, d, c) in 1/mm, and
+        weights (points, m) in mm3, at the quadrature points of all m cells; degree: degree of
+        the quadrature.
+        """
         every = np.arange(len(self))
         rule = basix.make_quadrature(getattr(basix.CellType, self.cell), degree)
         gradients, traces, volumes = [], [], []
@@ -199,7 +229,9 @@ class CellSet:
 
 
 def cell_data(bulk: Bulk, cells: Index) -> dict[str, Any]:
-    """The fields of a CellSet of local cells, by name."""
+    """Fields of a `CellSet`, by name, for the local cells of this rank with the given numbers
+    (m,).
+    """
     mesh = bulk.space.mesh
     block_dofs = compat.cell_dofs(bulk.space)[cells]
     to_global = bulk.space.dofmap.index_map.local_to_global

@@ -21,12 +21,12 @@ LOCK = "railhead.lock"
 
 @contextmanager
 def alone(comm: MPI.Comm, folder: Path) -> Iterator[None]:
-    """Context in which no other process of this program compiles into a cache folder; others wait.
-    Locks that killed processes left there are removed.
+    """Context in which no other process of this program compiles into a cache folder; other
+    processes wait. C files that killed processes left unfinished there are removed.
 
-    Of several ranks the first one compiles; its OSError is raised on all of them. A folder that
-    cannot be written to is left as it is. dolfinx 0.5 and setuptools log each form at INFO: not
-    inside.
+    comm: ranks that compile together; only rank 0 takes the lock. folder: cache folder.
+    An error on rank 0 is raised on all ranks. A folder that cannot be written to is left as it is.
+    dolfinx 0.5 and setuptools log each form at INFO; such messages are suppressed in the context.
     """
     disabled = logging.root.manager.disable
     with ExitStack() as held:
@@ -51,7 +51,9 @@ def alone(comm: MPI.Comm, folder: Path) -> Iterator[None]:
 
 
 def _remove_unfinished(folder: Path) -> None:
-    """Remove the C files whose compilation did not end."""
+    """Remove the C files of ffcx in a folder whose compilation did not end: those without a file
+    NAME.c.cached beside them.
+    """
     for source in folder.glob("libffcx_*.c"):
         if not source.with_suffix(".c.cached").exists():
             source.unlink(missing_ok=True)
@@ -59,6 +61,9 @@ def _remove_unfinished(folder: Path) -> None:
 
 @contextmanager
 def _locked(folder: Path) -> Iterator[None]:
+    """Context that holds the lock file of a folder, which is made if it is missing; waits until no
+    other process holds it.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     with open(folder / LOCK, "w") as file:
         fcntl.flock(file, fcntl.LOCK_EX)

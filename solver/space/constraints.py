@@ -20,13 +20,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Supports:
-    """Supports of a space: masks over its n owned block dofs, and directions.
+    """Supports of a displacement space, as masks over its n owned block dofs, and directions in the
+    c coordinates of the mesh.
 
-    fixed: nodes with u = u0 (n,).
-    planes: (mask, normal) of symmetry planes, with u . normal = 0.
-    hub: nodes with u = u0 + approach * direction (n,); None: the moving body has none.
-    direction: of the approach (c,).
-    hub_free: whether the approach is an unknown; otherwise it is prescribed.
+    fixed: (n,) nodes that move by the prescribed displacement u0 alone.
+    planes: (mask (n,), unit normal (c,)) of each symmetry plane; there u . normal = 0.
+    hub: (n,) nodes that move by u0 + approach * direction; None: the moving body has no cells.
+    direction: unit vector of the approach (c,).
+    hub_free: True: the approach is an unknown; False: it is prescribed.
     """
 
     fixed: NDArray[np.bool_]
@@ -43,14 +44,17 @@ class Supports:
 
 @dataclass(frozen=True)
 class Reduction:
-    """The map P from free unknowns to displacements. Each of n nodes keeps its c places.
+    """Linear map P from the free unknowns to displacements. Each of n nodes keeps its c places in
+    both.
 
     matrix: P (c n x c n), distributed.
     free: (c n,) whether a local place holds an unknown of its node.
     aligned: whether every unknown moves its node along an axis of the mesh.
-    approach: local place of the approach, at a place without an unknown; -1: on another rank.
-    column: that place among all ranks' (-1: the approach is prescribed).
-    rigid_approach: whether the approach is an unknown but moves no node (a rigid counterface).
+    approach: local place that holds the approach, which is a place of no node's unknown; -1: on
+        another rank, or the approach is prescribed.
+    column: number of that place among the places of all ranks; -1: the approach is prescribed.
+    rigid_approach: whether the approach is an unknown but moves no node, because the body that it
+        moves is rigid.
     """
 
     matrix: PETSc.Mat
@@ -62,12 +66,14 @@ class Reduction:
 
     @property
     def unknowns(self) -> int:
-        """Number of free unknowns of all ranks."""
+        """Number of free unknowns of all ranks, the approach included (collective)."""
         local = int(self.free.sum()) + (self.approach >= 0)
         return int(self.matrix.comm.tompi4py().allreduce(local))
 
     def norms(self) -> PETSc.Vec:
-        """Diagonal of P^T P: squared norms of the columns of P."""
+        """Squared norms of the columns of P, which are the diagonal of P^T P, as a distributed
+        vector.
+        """
         indptr, indices, values = self.matrix.getValuesCSR()
         squared = self.matrix.duplicate()
         squared.setValuesCSR(indptr, indices, values**2)
@@ -79,8 +85,11 @@ class Reduction:
 
 
 def reduce(supports: Supports, comm: MPI.Intracomm) -> Reduction:
-    """Build P (collective). Raises ValueError where the approach is an unknown and no place is left
-    for it."""
+    """Map from the free unknowns to displacements for given supports (collective).
+
+    comm: communicator of the mesh. Raises ValueError where the approach is an unknown and every
+        place holds an unknown of a node.
+    """
     dim = len(supports.direction)
     count = len(supports.fixed)
     hub = supports.hub if supports.hub is not None else np.zeros(count, dtype=bool)
@@ -118,8 +127,11 @@ def reduce(supports: Supports, comm: MPI.Intracomm) -> Reduction:
 
 
 def _directions_normal_to(normals: Array) -> Array:
-    """Orthonormal directions normal to all normals (k, c), as columns (c, c) filled up with zeros.
-    Directions along axes are in the columns of these axes."""
+    """Orthonormal directions that are normal to all given vectors, as columns of a matrix (c, c)
+    whose other columns are zero.
+
+    normals: vectors (k, c). Directions along coordinate axes are in the columns of these axes.
+    """
     _, size, rows = np.linalg.svd(normals)
     rank = int(np.sum(size > 1e-12))
     rest = rows[rank:]
@@ -130,7 +142,14 @@ def _directions_normal_to(normals: Array) -> Array:
 
 
 def _place(empty: NDArray[np.intp], start: int, comm: MPI.Intracomm) -> tuple[int, int]:
-    """The last place without an unknown: on this rank (-1: on another), and among all."""
+    """Place of the approach: the last one without an unknown, on the last rank that has one
+    (collective). Returns its local number, -1 on other ranks, and its number among all ranks'
+    places.
+
+    empty: local numbers of places without an unknown, ascending.
+    start: number of the first local place among those of all ranks. Raises ValueError where no rank
+        has an empty place.
+    """
     last = comm.allgather(int(empty[-1]) if len(empty) else -1)
     owner = max((rank for rank, place in enumerate(last) if place >= 0), default=-1)
     if owner < 0:
@@ -140,7 +159,11 @@ def _place(empty: NDArray[np.intp], start: int, comm: MPI.Intracomm) -> tuple[in
 
 
 def petsc_matrix(table: sp.csr_matrix, local_columns: int, comm: MPI.Intracomm) -> PETSc.Mat:
-    """Distributed matrix from each rank's rows, with global column numbers."""
+    """Distributed PETSc matrix (collective).
+
+    table: rows of this rank, with global column numbers.
+    local_columns: number of columns that this rank owns.
+    """
     table.sort_indices()
     return PETSc.Mat().createAIJ(
         ((table.shape[0], PETSc.DETERMINE), (local_columns, table.shape[1])),

@@ -21,14 +21,14 @@ Array = NDArray[np.float64]
 class Kinematics:
     """Meaning of the d coordinates of a mesh, and the strains that follow from it.
 
-    axes: unit vectors of the coordinates in space (d, 3).
-    offset: of the section from the origin of space (3,), mm.
+    axes: rows (d, 3): unit vectors of the coordinates in space.
+    offset: position in space of the section's origin (3,), mm.
     thickness: of a section in plane strain, mm; 1 for a solid.
     revolved: whether the section is revolved about its second axis.
-    mean_dilatation: whether tr eps is replaced in every cell by its mean over the volume, so that
-        nearly incompressible cells do not lock (B-bar; Nagtegaal, Parks and Rice 1974, Hughes
-        1980). The divergence of quadratic functions is linear, so that its mean is its value at the
-        centroid. Not so in a meridian section, see `averaged`.
+    mean_dilatation: whether the trace of the strain is replaced in every cell by its mean over the
+        volume, so that nearly incompressible cells do not lock (B-bar; Nagtegaal, Parks and Rice
+        1974, Hughes 1980). The divergence of quadratic functions is linear, so that its mean is its
+        value at the centroid. In a meridian section it is integrated, see `averaged`.
     """
 
     axes: Array = field(default_factory=lambda: np.eye(3))
@@ -54,20 +54,27 @@ class Kinematics:
         return self.dim == 2 and not self.revolved
 
     def lift(self, points: Array) -> Array:
-        """Points in space (n, 3) of points in the coordinates of the mesh (n, d), mm."""
+        """Points in space (n, 3), mm, from points in the d coordinates of the mesh (n, d), mm."""
         return points if self.dim == 3 else points @ self.axes + np.array(self.offset)
 
     def flatten(self, vectors: Array) -> Array:
-        """Components (..., d) along the coordinates of the mesh, of vectors in space (..., 3)."""
+        """Components (..., d) along the d coordinates of the mesh, from vectors in space (..., 3);
+        the part normal to a section is dropped.
+        """
         return vectors if self.dim == 3 else vectors @ self.axes.T
 
     def in_space(self, vectors: Array) -> Array:
-        """Vectors in space (..., 3) of components along the coordinates of the mesh (..., d)."""
+        """Vectors in space (..., 3), from components along the d coordinates of the mesh (...,
+        d).
+        """
         return vectors if self.dim == 3 else vectors @ self.axes
 
     def tensors(self, mandel: Array) -> Array:
-        """Symmetric tensors in space (..., 3, 3) of their components in Mandel's notation (..., m);
-        the order of these is that of `CellSet.strains`."""
+        """Symmetric tensors in space (..., 3, 3), from m components in Mandel's notation (..., m).
+
+        In a solid these are 11, 22, 33 and sqrt(2) times 23, 13, 12. In a section they are 11, 22,
+        the component normal to the section, and sqrt(2) times 12.
+        """
         own = np.zeros((*mandel.shape[:-1], 3, 3))
         own[..., [0, 1, 2], [0, 1, 2]] = mandel[..., :3]
         shears = [(1, 2), (0, 2), (0, 1)] if self.dim == 3 else [(0, 1)]
@@ -77,24 +84,31 @@ class Kinematics:
         return np.asarray(axes.T @ own @ axes)
 
     def measure(self, points: Array) -> Array:
-        """Factor (n,) from volume or area in the mesh at points (n, d) to that of the body: the
-        thickness or 2 pi r, mm; 1 for a solid."""
+        """Factor (n,) from volume or area in the mesh, at points (n, d) in mm, to that of the body:
+        the thickness in mm, or 2 pi r in mm for a revolved section, or 1 for a solid.
+        """
         if self.revolved:
             return np.asarray(2 * np.pi * points[..., 0])
         return np.full(points.shape[:-1], self.thickness)
 
     def divergence(self, value: Array, gradient: Array, points: Array) -> Array:
-        """tr eps (..., k, d) of k basis functions, 1/mm, from their values (..., k) and gradients
-        (..., k, d), 1/mm, at points (..., d), mm."""
+        """Trace of the strain (..., k, d) of k basis functions times each unit vector, 1/mm, from
+        their values (..., k) and gradients (..., k, d) in 1/mm, at points (..., d) in mm.
+        """
         out = gradient.copy()
         if self.revolved:
             out[..., 0] += value / points[..., 0]
         return out
 
     def energy(self, u: Any, v: Any, lam: Any, mu: Any, mesh: Any, degree: int) -> Any:
-        """Integral of lambda tr eps(u) tr eps(v) + 2 mu eps(u) : eps(v) as a UFL form, times 2 pi r
-        where revolved; the thickness of a section is left to the caller. degree: of the rule.
-        Where the dilatation is `averaged` the first term is left out."""
+        """UFL form: integral of lambda tr eps(u) tr eps(v) + 2 mu eps(u) : eps(v), with the weight
+        2 pi r where the section is revolved.
+
+        u, v: trial and test function. lam, mu: Lame's constants, MPa. mesh: dolfinx mesh. degree:
+            degree of the quadrature.
+        The thickness of a section is not included. Where the mean dilatation has to be integrated
+        over each cell (`averaged`), the first term is left out.
+        """
         dx = ufl.dx(metadata={"quadrature_degree": degree})
         middle = ufl.dx(metadata={"quadrature_degree": 0}) if self.mean_dilatation else dx
         product = ufl.inner(_eps(u), _eps(v))
@@ -107,11 +121,16 @@ class Kinematics:
 
     @staticmethod
     def dilatation(w: Any, r: Any) -> Any:
-        """tr eps = div w + w_r/r of a displacement in a meridian section, as a UFL expression."""
+        """UFL expression of the trace of the strain, div w + w_r/r, of a displacement w in a
+        meridian section with the radius r.
+        """
         return ufl.div(w) + w[0] / r
 
     def rigid_motions(self, points: Array) -> list[Array]:
-        """Displacements (..., d) at points (..., d) of the rigid motions, which carry no stress."""
+        """Displacements (..., d) of each rigid motion, which carry no stress, at points (..., d):
+        unit translations, then unit rotations about the origin; for a revolved section the axial
+        translation alone.
+        """
         shift = [np.broadcast_to(e, points.shape) for e in np.eye(self.dim)]
         if self.revolved:
             return shift[1:]
@@ -124,4 +143,5 @@ SOLID = Kinematics()
 
 
 def _eps(w: Any) -> Any:
+    """UFL expression of the small strain, the symmetric gradient of w."""
     return ufl.sym(ufl.grad(w))

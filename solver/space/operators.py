@@ -14,10 +14,10 @@ from railhead.solver.space.constraints import petsc_matrix
 def assemble_rows(
     blocks: list[tuple[Index, Array]], count: int, local: int, total: int, comm: MPI.Intracomm
 ) -> PETSc.Mat:
-    """Distributed matrix of `count` rows on this rank.
+    """Distributed matrix from dofs to values, with `count` rows on this rank (collective).
 
-    blocks: (global dofs, coefficients), arrays (count, ...) each, that are added.
-    local, total: number of dofs of this rank and of all.
+    blocks: pairs (global dofs (count, ...), coefficients (count, ...)) that are added.
+    local: number of dofs that this rank owns. total: number of dofs of all ranks.
     """
     places = [np.repeat(np.arange(count), d[0].size if count else 0) for d, _ in blocks]
     table = sp.csr_matrix(
@@ -33,8 +33,13 @@ def assemble_rows(
 def assemble_strains(
     cells: CellSet, index: Index, reference: Array, local: int, comm: MPI.Intracomm
 ) -> tuple[PETSc.Mat, int]:
-    """Matrix of the strains at n reference points of cells, and m: each point has m rows, in
-    Mandel's notation. local: number of dofs of this rank."""
+    """Matrix from displacements to the strains at n reference points, 1/mm, and the number m of
+    strain components (collective).
+
+    cells: set of cells. index: cell of each point (n,). reference: reference coordinates (n, c).
+    local: number of dofs that this rank owns.
+    Each point has m rows, in Mandel's notation and in the order of `CellSet.strains`.
+    """
     values = cells.strains(index, reference)
     count, size = values.shape[:2]
     dim = cells.kinematics.dim
@@ -50,19 +55,25 @@ def assemble_strains(
 
 
 def vector(matrix: PETSc.Mat, values: Array) -> PETSc.Vec:
-    """Distributed vector of the rows of a matrix, from the values of this rank."""
+    """Distributed vector with the layout of a matrix's rows; values: values of this rank, of any
+    shape with as many entries as local rows.
+    """
     out = matrix.createVecLeft()
     out.array[:] = values.ravel()
     return out
 
 
 def add_transposed(matrix: PETSc.Mat, values: Array, out: PETSc.Vec) -> None:
-    """out += matrix^T values; values: of this rank's rows."""
+    """Add matrix^T values to the vector `out`; values: one for each of this rank's rows, of any
+    shape.
+    """
     matrix.multTransposeAdd(vector(matrix, values), out, out)
 
 
 def select_rows(matrix: PETSc.Mat, local: Index) -> PETSc.Mat:
-    """Distributed matrix of some rows, by their local numbers (k,) on each rank."""
+    """Distributed matrix of some rows of a matrix; local: local numbers (k,) of these rows on this
+    rank (collective).
+    """
     first, comm = matrix.getOwnershipRange()[0], matrix.comm
     own, end = matrix.getOwnershipRangeColumn()
     rows = PETSc.IS().createGeneral((local + first).astype(PETSc.IntType), comm=comm)

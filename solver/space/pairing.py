@@ -14,11 +14,11 @@ OUTSIDE = 0.05  # how far a point may lie outside its facet, in reference units
 
 
 def pair(points: Array, normals: Array, master: FacetSet) -> tuple[Index, Array]:
-    """Follow each normal from its point to the master surface: X(xi) = x + t n.
+    """Follow a normal from each point to a surface: X(xi) = x + t n, with t of either sign.
 
-    points, normals: x and n (n, c).
-    Returns the facet of the master (n,), -1 where there is none, and the coordinates xi in it
-    (n, c - 1). Solves by Newton's method on the nearest facets.
+    points: x (n, c), mm. normals: n (n, c). master: facets of the surface.
+    Returns the facet that is met (n,), -1 where there is none, and the coordinates xi in the
+    reference facet (n, c - 1). Newton's method is used on the nearest facets.
     """
     facet = np.full(len(points), -1, dtype=np.int64)
     inner = points.shape[1] - 1
@@ -48,7 +48,9 @@ def pair(points: Array, normals: Array, master: FacetSet) -> tuple[Index, Array]
 
 
 def _outside(xi: Array, master: FacetSet) -> Array:
-    """How far facet coordinates lie outside the reference facet (0 inside)."""
+    """Distance (n,) of facet coordinates xi (n, c - 1) from the reference facet, in its units: 0
+    inside, infinite for coordinates that are not finite.
+    """
     high = xi.sum(axis=1) if master.cell == "tetrahedron" else xi.max(axis=1)
     result: NDArray[np.float64] = np.maximum(np.maximum(-xi.min(axis=1), high - 1.0), 0.0)
     result[~np.isfinite(result)] = np.inf
@@ -56,7 +58,11 @@ def _outside(xi: Array, master: FacetSet) -> Array:
 
 
 def _project_on_corners(points: Array, normals: Array, master: FacetSet, facet: Index) -> Array:
-    """xi (n, c - 1) on facets through their corners alone; exact in one step for flat triangles."""
+    """Coordinates xi (n, c - 1) at which the normals from points meet facets that are drawn
+    straight between their corners. One step is exact for flat triangles.
+
+    points, normals: (n, c). facet: facet of `master` for each point (n,).
+    """
     corners = master.vertices[facet]
     flat = master.cell != "hexahedron"
     inner = points.shape[1] - 1
@@ -75,7 +81,9 @@ def _project_on_corners(points: Array, normals: Array, master: FacetSet, facet: 
 
 
 def _project(points: Array, normals: Array, master: FacetSet, facet: Index, xi: Array) -> Array:
-    """xi (n, c - 1) on the curved facets, from a guess."""
+    """Coordinates xi (n, c - 1) at which the normals (n, c) from points (n, c) meet curved facets
+    (n,) of `master`, by two steps of Newton's method from the guess xi.
+    """
     for _ in range(2):
         x, tangent = master.tangents(facet, xi)
         xi = xi + _step(points, normals, x, tangent)
@@ -83,8 +91,12 @@ def _project(points: Array, normals: Array, master: FacetSet, facet: Index, xi: 
 
 
 def _step(points: Array, normals: Array, x: Array, tangent: Array) -> Array:
-    """Newton's step for xi of x(xi) - point - t normal = 0, with t eliminated by Cramer's rule.
-    x, tangent: position and its derivatives by xi."""
+    """Newton's step (n, c - 1) for xi in the equation x(xi) - point - t normal = 0; t is eliminated
+    by Cramer's rule.
+
+    points, normals: (n, c). x: position on the facet (n, c). tangent: its derivatives by xi (n, c,
+        c - 1), mm. The step is zero where the normal lies in the facet.
+    """
     rhs = points - x
     if tangent.shape[2] == 1:
         det = np.cross(tangent[..., 0], normals)

@@ -11,9 +11,11 @@ from railhead.solver.space.kinematics import SOLID, Kinematics
 
 
 def reduced_prolongation(full: PETSc.Mat, fine: Reduction, coarse: Reduction) -> PETSc.Mat:
-    """Prolongation Q = (P_f^T P_f)^-1 P_f^T I P_c of free unknowns, so that P_f Q = I P_c.
+    """Prolongation Q = (P_f^T P_f)^-1 P_f^T I P_c between free unknowns, so that P_f Q = I P_c.
 
-    full: interpolation I between all dofs. fine, coarse: reductions P_f and P_c.
+    full: interpolation I from all coarse dofs to all fine dofs. fine, coarse: reductions with the
+        maps P_f and P_c from free unknowns to dofs. The approach of a rigid body is carried over
+        unchanged.
     """
     q = fine.matrix.transposeMatMult(full.matMult(coarse.matrix))
     scale = fine.norms()
@@ -31,7 +33,9 @@ def reduced_prolongation(full: PETSc.Mat, fine: Reduction, coarse: Reduction) ->
 
 
 def _with_entry(matrix: PETSc.Mat, row: int, column: int) -> PETSc.Mat:
-    """The matrix with a 1 added at (row, column), on the rank with row >= 0 (collective)."""
+    """The matrix, changed in place, with a 1 added at the global (row, column) of the rank that
+    gives a row of at least 0; other ranks give -1 (collective).
+    """
     extra = PETSc.Mat().createAIJ(matrix.getSizes(), nnz=1, comm=matrix.comm)
     if row >= 0:
         extra.setValue(row, column, 1.0)
@@ -43,9 +47,10 @@ def _with_entry(matrix: PETSc.Mat, row: int, column: int) -> PETSc.Mat:
 def rigid_modes(
     points: Array, reduction: Reduction, kinematics: Kinematics = SOLID
 ) -> list[PETSc.Vec]:
-    """Orthonormal rigid motions in the free unknowns, for algebraic multigrid.
+    """Orthonormal rigid motions in the free unknowns, as the near-nullspace of algebraic multigrid.
 
-    points: of the owned block dofs (n, c), mm.
+    points: position of the owned block dofs (n, c), mm. reduction: map from free unknowns to dofs.
+        Motions that the supports exclude are left out.
     """
     scale = reduction.norms()
     scale.array[:] = np.where(scale.array > 0, scale.array, 1.0)
