@@ -26,12 +26,13 @@ def answers(
         yield stress in shear k, MPa, or None. poisson: Poisson's ratio. rolling: whether the wheel
         rolls. line: whether the contact is a line.
 
-    Always: the largest von Mises stress, its depth, and whether it is at the 'surface' or 'below'.
+    Always: the largest von Mises stress, its depth, and whether it is at the 'surface' or 'below',
+        that is deeper than AT_SURFACE of the smaller half length.
     Rolling: T-gamma over the area with its wear regime; traction_coefficient, tangential over
         normal force; first_yield_p0_over_k, at which this patch begins to yield;
         shakedown_limit_p0_over_k. The limit is the smaller of two: that of a line that rolls with
         this share of the friction coefficient, and that of a surface that slips everywhere at the
-        largest traction over p0 (of a line: largest traction k).
+        largest traction over p0; for a line, that at which the largest traction is k.
     With k: p0_over_k, surface_fatigue_index of the largest traction, and the state 'elastic',
         'shakes down', 'ratchets', or 'open' where a patch that is no line is above this limit only.
     """

@@ -27,8 +27,8 @@ def wear_number(found: FrictionSolution, centres: Array) -> float:
     """Largest British Rail wear number of all patches, N: tangential force times mean creepage.
 
     found: solution of rolling contact. centres (k, 3): of the patches, mm; each contact point
-        belongs to the nearest one. The mean creepage of a patch is its rigid slip weighted by
-        pressure, so that spin about its centre cancels.
+        belongs to the nearest one. The mean creepage of a patch is its rigid slip, weighted by
+        pressure, so that spin about the centre of the patch cancels.
     """
     away = np.linalg.norm(found.points[:, None] - centres, axis=2)
     owner, numbers = np.argmin(away, axis=1), [0.0]
@@ -51,17 +51,19 @@ def quantities(
     cycle: bool,
     patches: Array | None = None,
 ) -> dict[str, Any]:
-    """Entries of "friction" in summary.json.
+    """Entries of "friction" in summary.json, by name with the unit at the end of the name.
 
     found: the solution. rolling: whether the wheel rolls. like: whether both bodies have equal
         elastic constants. speed: m/s, or None. cycle: whether loads form a cycle. patches (k, 3):
-        centres of the patches, mm.
-    Always: forces (N) and moment (N mm) of the wheel on the rail, the limit mu N, the rigid motion
-        of the wheel, the share of the area that sticks, and the largest traction (MPa).
+        centres of the patches, mm, or None.
+    Always: forces along and across and the moment of the wheel on the rail, the limit mu N, the
+        rigid motion of the wheel, the share of the area that sticks, the largest traction, and
+        numbers of iterations.
     Rolling: T-gamma, the energy dissipated per rolled length, N. It is the integral of traction
         times rigid slip. Of unlike bodies, which creep without a force, it is that of traction
         times slip.
-    With a speed: the power, W. With centres, of like bodies: the wear number, N.
+    Rolling with a speed: the power, W. Rolling of like bodies with centres: the wear number, N.
+        Rolling of like bodies with a solution without creepage: the resolution of each quantity.
     Of a cycle: the energy that slip dissipates in it, N mm.
     """
     touches = found.pressure > 0
@@ -95,11 +97,12 @@ def quantities(
 def _resolution(
     out: Mapping[str, Any], still: FrictionSolution, motion: tuple[float, float, float]
 ) -> dict[str, Any]:
-    """Which quantities are too small for the resolution of bodies and mesh.
+    """Errors of the quantities of friction, and names of those that are too small for the bodies
+    and the mesh.
 
     out: entries of "friction". still: solution without creepage, in which like half-spaces have no
         traction and stick everywhere; its values are the errors. motion: creepage along and across,
-        and spin.
+        and spin (1/mm).
     "resolution": those errors by quantity, in its unit; that of the stick share includes the
     largest share of one contact point.
     "below_resolution": names of forces, moment and T-gamma whose error exceeds RESOLVED (relative),
@@ -127,12 +130,13 @@ def _resolution(
 
 
 def unread_peak(found: FrictionSolution | None, elements: float) -> float:
-    """Relative error of the largest stresses of a patch in space that slips somewhere; else 0.
+    """Relative error of the largest stresses of a patch in space that slips somewhere; 0 where
+    there is no slip.
 
     found: solution with friction, or None. elements: number of elements on the smaller semi-axis.
-    At the border of stick and at the trailing edge the stress has a cusp. Smoothing cuts off a part
-    that falls as h^(1/3): at a coefficient of 0.5 10 % (rolling) and 17 % (a shift) with four
-    elements, 8 and 15 % with six.
+        At the border of stick and at the trailing edge the stress has a cusp. Smoothing cuts off a
+        part that falls as h^(1/3), with the element size h: at a coefficient of 0.5 10 % (rolling)
+        and 17 % (a shift) with four elements, 8 and 15 % with six.
     """
     touches = None if found is None else found.pressure > 0
     if touches is None or found is None or found.sticks[touches].all():

@@ -21,10 +21,11 @@ def motion(
 ) -> tuple[float, float]:
     """Rotation about x (rad) and displacement along y (mm) of a body around its most loaded patch.
 
-    The rigid motion u_y = c - angle (z - z0), u_z = d + angle (y - y0) is fitted to the nodes in a
-    ring around the patches. The displacements of half-spaces under the patches' forces are
-    subtracted first. load: normal force on all patches, N. Returns zeros where no node lies in the
-    ring.
+    The rigid motion u_y = c - angle (z - z0), u_z = d + angle (y - y0) is fitted to the
+    displacements u of the nodes in a ring around the patches, where (y0, z0) is the centre of the
+    most loaded patch. The displacements of half-spaces under point loads at the patches are
+    subtracted first. body: tag of the body. patches: most loaded first. load: normal force on all
+    patches, N. Returns zeros where no node lies in the ring.
     """
     nodes = np.unique(fields.cells[fields.body == body])
     points, moved = fields.points[nodes], fields.displacement[nodes].copy()
@@ -49,6 +50,7 @@ def motion(
 
 
 def _constants(fields: Fields, body: int) -> tuple[float, float]:
+    """Young's modulus (MPa) and Poisson's ratio of the body with this tag."""
     lam, mu = fields.lame[np.argmax(fields.body == body)]
     return float(mu * (3 * lam + 2 * mu) / (lam + mu)), float(lam / (2 * (lam + mu)))
 
@@ -56,8 +58,12 @@ def _constants(fields: Fields, body: int) -> tuple[float, float]:
 def _half_space(
     points: Array, patch: OnePatch, body: int, load: float, young: float, poisson: float
 ) -> Array:
-    """Displacement (n, 3) at points (n, 3) of a half-space with a point load at the centre of a
-    patch, mm.
+    """Displacement (n, 3) in space, mm, at points (n, 3) of a half-space with a normal point load
+    at the centre of a patch.
+
+    body: tag; the rail's half-space lies below the tangent plane, the wheel's above. load: N.
+        young: Young's modulus, MPa. poisson: Poisson's ratio. Points outside the half-space are
+        moved to its surface.
     """
     frame = Frame(patch.centre, patch.angle)
     mirror = np.array([1.0, 1.0, 1.0 if body == RAIL else -1.0])

@@ -15,13 +15,13 @@ GRID_LINES = 400  # in each direction: zeros of a parabola are exact to 4e-6 of 
 
 @dataclass(frozen=True, kw_only=True)
 class PatchShape:
-    """Extents and peak of one patch, read from a smooth p^2.
+    """Extents and peak of one patch, measured on a smooth p^2.
 
-    outlines: closed curves (k, 2) of (x, s), mm; holes are curves of their own.
-    area: enclosed by the outlines without the holes, mm2.
+    outlines: closed curves (k, 2) of (x, s), mm; a hole is a curve of its own. Empty for a section.
+    area: enclosed by the outlines, without the holes, mm2.
     a, b: half lengths along x and along s, mm.
     peak: largest pressure, MPa.
-    top: (x, s) of the largest pressure, mm.
+    top: (x, s) of the largest pressure, mm; zeros for a section.
     """
 
     outlines: list[Array]
@@ -33,9 +33,10 @@ class PatchShape:
 
 
 def outline_shape(square: SquaredPressure) -> PatchShape:
-    """Trace the zero contour of p^2 on a grid over its box, and measure what it encloses.
+    """Extents and peak of a patch from the zero contour of p^2, traced on a grid of GRID_LINES by
+    GRID_LINES points over the box.
 
-    The border of the box counts as outside, since the contact surface ends there.
+    The border of the box counts as outside of the patch, since the contact surface may end there.
     """
     x, s = (np.linspace(low, high, GRID_LINES, dtype=np.float64) for low, high in square.box)
     values = square.grid(x, s)
@@ -58,6 +59,8 @@ def outline_shape(square: SquaredPressure) -> PatchShape:
 
 
 def _enclosed(line: Array) -> float:
-    """Signed area enclosed by a closed curve (k, 2): holes turn the other way and are negative."""
+    """Signed area, mm2, enclosed by a closed curve (k, 2), mm: positive for a curve that turns from
+    x to s. The curves of holes turn the other way than outer curves and have the other sign.
+    """
     x, s = line.T
     return float(0.5 * np.sum(x[:-1] * s[1:] - x[1:] * s[:-1]))

@@ -41,13 +41,14 @@ ROUGHNESS_VARIATION = 100.0  # factor and divisor of the roughness: their change
 
 @dataclass(frozen=True, kw_only=True)
 class PressureMoments:
-    """Moments of the computed contact pressure in the contact frame.
+    """Moments of the computed contact pressure p in the contact frame.
 
-    force: of the whole patch, N.
-    centre: (x, s) of the centroid of the pressure, mm.
-    a, b: semi-axes from second moments, mm.
+    force: normal force on the whole patch, images in symmetry planes included, N.
+    centre: (x, s) of the centre of pressure, mm.
+    a, b: semi-axes along x and s from second moments, mm; in a section both are its half width.
     shape_error: largest relative deviation of the normalised third and fourth moments from those of
-        a semi-ellipsoid, <x^4>/<x^2>^2 = 15/7 and <x^2 s^2>/(<x^2> <s^2>) = 5/7.
+        a semi-ellipsoid, <x^3> = 0, <x^4>/<x^2>^2 = 15/7 and <x^2 s^2>/(<x^2> <s^2>) = 5/7, where
+        <f> = int p f / int p. In a section the values are those of Hertz's pressure there.
     fourth: the relative deviations of <x^4> and of <s^4>.
     """
 
@@ -69,10 +70,11 @@ class PatchReading:
     """What is read of the contact surfaces of one solution.
 
     patch: extents, outlines and pressures.
-    surfaces: fields on the contact surface of the slave, and of the master or None if it is rigid.
+    surfaces: fields on the contact surface of the slave, and on that of the master, or None if the
+        master is rigid.
     moments: of the pressure of the most loaded patch.
-    recovered_pressure (q,): MPa at the contact points, from the smooth p^2.
-    along, across: the same pressure along x and along s.
+    recovered_pressure (q,): smooth pressure, from p^2, at the q contact points, MPa.
+    along, across: smooth pressure along x and along s.
     """
 
     patch: Patch
@@ -84,9 +86,12 @@ class PatchReading:
 
 
 def moments(fields: Fields, frame: Frame) -> PressureMoments:
-    """Moments of the contact pressure of bodies in space.
+    """Moments of the contact pressure p of bodies in space, x and s measured from the centre of
+    pressure.
 
-    a = sqrt(5 int p x^2 / int p), and likewise b along s: exact for Hertz's semi-ellipsoid.
+    The semi-axis along x is a = sqrt(5 int p x^2 / int p), and likewise b along s: exact for
+    Hertz's semi-ellipsoid. Where all points with pressure lie on a line the shape error is
+    infinite.
     """
     contact = fields.contact
     weight = contact.weights * contact.pressure
@@ -126,9 +131,9 @@ def moments(fields: Fields, frame: Frame) -> PressureMoments:
 
 
 def mirrored(local: Array, values: Array, fields: Fields) -> tuple[Array, Array]:
-    """Join points (n, 2 or 3) in the contact frame with their images across the symmetry planes.
-
-    values (n, ...): even quantities at the points; they are repeated at the images.
+    """Points (n, 2 or 3) in the contact frame, mm, and values (n, ...) at them, joined with their
+    mirror images across the symmetry planes of the fields. The values are repeated at the
+    images.
     """
     for normal in fields.mirrors:
         axis = int(np.argmax(np.abs(normal)))
@@ -139,10 +144,12 @@ def mirrored(local: Array, values: Array, fields: Fields) -> tuple[Array, Array]
 
 
 def largest_pressure(fields: Fields, frame: Frame, found: PressureMoments) -> float:
-    """Largest pressure, MPa: the top of a quadratic polynomial fitted to p^2 around the centre.
+    """Largest pressure, MPa: the maximum of a quadratic polynomial fitted to p^2 around the centre
+    of pressure.
 
-    Hertz's p^2 is such a polynomial. Where fewer than 24 points lie there: the largest computed
-    pressure.
+    found: moments that give the centre and the semi-axes. Points nearer to the centre than
+        PEAK_RADIUS of the semi-axes are used. Hertz's p^2 is such a polynomial. Where fewer than 24
+        points lie there, the largest computed pressure is returned.
     """
     contact = fields.contact
     values = np.column_stack([contact.pressure, contact.weights])
@@ -227,9 +234,12 @@ def read(
 
 @dataclass(frozen=True)
 class _Reading:
-    """p^2 and extents of one patch in its own frame.
+    """Smooth p^2 and extents of one patch in its own frame.
 
-    scatter: relative uncertainties of a, b, area and max_pressure, by name.
+    frame: tangent plane of the patch.
+    square: smooth p^2.
+    shape: extents and peak of that p^2.
+    scatter: relative uncertainties of a, b, area and max_pressure, by these names.
     """
 
     frame: Frame
@@ -239,10 +249,11 @@ class _Reading:
 
 
 def _reading(part: SeparatePatch, frame: Frame, facets: Array, *, parabolic: bool) -> _Reading:
-    """Read one patch; facets: area of each contact facet, mm2.
+    """Smooth p^2 and extents of one patch, in the frame given.
 
-    Up to a shape error of ELLIPTIC p^2 is that of Hertz's ellipsoid. From HERTZIAN on it is rebuilt
-    from the moments of the pressure. Between the two it is their weighted mean.
+    Up to a shape error of ELLIPTIC p^2 is that of Hertz's ellipsoid. From HERTZIAN on it is
+    reconstructed from the moments of the pressure. Between the two it is their weighted mean.
+    facets: area of each contact facet, mm2. parabolic: whether Hertz's theory is exact.
     """
     fields, found = part.fields, moments(part.fields, frame)
     given = samples(fields, frame, facets)
@@ -263,11 +274,12 @@ def _reading(part: SeparatePatch, frame: Frame, facets: Array, *, parabolic: boo
 def reconstruct_general_shape(
     given: Samples, measure: Callable[[SquaredPressure], PatchShape] = outline_shape
 ) -> tuple[SquaredPressure, dict[str, float]]:
-    """Rebuild p^2 of a patch of any shape, and estimate how uncertain its extents are.
+    """Smooth p^2 of a patch of any shape, and the uncertainty of its extents.
 
-    measure: reads the extents of a p^2. Returns p^2 and, by name, the largest relative differences
-        of a, b, area and max_pressure when the roughness is ROUGHNESS_VARIATION times larger or
-        smaller. They are infinite where one of the three minimisations did not converge.
+    measure: function that measures the extents of a p^2. The second entry holds, by name, the
+        largest relative differences of a, b, area and max_pressure when the roughness is
+        ROUGHNESS_VARIATION times larger or smaller. They are infinite where one of the three
+        minimisations did not converge.
     """
     stiff = reconstruct(given, ROUGHNESS_VARIATION * ROUGHNESS)
     square = reconstruct(given, start=stiff)
@@ -286,11 +298,12 @@ def general_shape_share(shape_error: float) -> float:
 
 
 def relative_differences(shape: PatchShape, others: list[PatchShape]) -> dict[str, float]:
-    """Largest relative differences of a, b, area and max_pressure between one reading of a patch
-    and others.
+    """Largest relative differences between one shape of a patch and others, by the names a, b, area
+    and max_pressure.
     """
 
     def largest(value: float, varied: list[float]) -> float:
+        """Largest relative difference of the varied values from a value."""
         return max(abs(other / value - 1) for other in varied)
 
     return {
@@ -309,15 +322,17 @@ def nearly_elliptic(
     fourth: float = FOURTH_MOMENT_FACTOR,
     mesh: float = ELEMENT_SIZE_FACTOR,
 ) -> tuple[Array, Array]:
-    """Half lengths (2,) of a nearly elliptic patch, mm, and their relative errors (2,).
+    """Half lengths (2,) along x and s of a nearly elliptic patch, mm, and their relative errors
+    (2,).
 
-    found: moments of its pressure. element: element size, mm.
+    found: moments of the pressure. element: element size, mm.
     parabolic: half lengths are those from second moments, exact for Hertz; errors are the
         differences from those by fourth moments.
     Otherwise half lengths are to first order those of p^2 = (1 - u - v)(1 + alpha u + beta v), with
-    u = x^2/a^2 and v = s^2/b^2: those by second moments times 1 + `fourth` times the deviation of
-    the fourth moments. `mesh` times (element / smaller half length)^2 corrects the fourth moments
-    for the element size. Errors are those of this correction and of higher orders.
+    u = x^2/a^2, v = s^2/b^2 and small coefficients alpha, beta: those by second moments times 1 +
+    `fourth` times the deviation of the fourth moments. `mesh` times (element / smaller half
+    length)^2 corrects the fourth moments for the element size. Errors are those of this correction
+    and of higher orders.
     """
     half, off = np.array([found.a, found.b]), np.array(found.fourth)
     if parabolic:
@@ -328,9 +343,10 @@ def nearly_elliptic(
 
 
 def samples(fields: Fields, frame: Frame, facets: Array) -> Samples:
-    """Contact points with pressure and their mirror images, projected to the tangent plane.
+    """Contact points with pressure and their mirror images, projected to the tangent plane of the
+    frame.
 
-    facets: area of each contact facet, mm2.
+    facets (f,): area of each contact facet, mm2; the element size at a point is sqrt(2 area).
     """
     contact = fields.contact
     touches = contact.pressure > 0
@@ -364,13 +380,21 @@ def _pressure(readings: list[_Reading], points: Array) -> Array:
 
 
 def _in_frame(line: Array, own: Frame, frame: Frame) -> Array:
-    """Coordinates (k, 2) in `frame` of a curve (k, 2) that lies in the tangent plane of `own`."""
+    """Coordinates (k, 2) x, s in `frame`, mm, of a curve (k, 2) given as x, s in the tangent plane
+    of `own`.
+    """
     flat = np.column_stack([line, np.zeros(len(line))])
     return frame.local(np.array(own.origin) + flat @ own.axes)[:, :2]
 
 
 def _through(first: _Reading, patch: Patch, frame: Frame, *, hertzian: bool) -> Array:
-    """(x, s) of the centre of an ellipse, else of the largest pressure of the most loaded patch."""
+    """(x, s) in the frame, mm, of the point through which the pressure along x and along s is
+    taken.
+
+    It is the centre of pressure where that is an ellipse's (hertzian) or lies within CENTRED half
+    lengths of the largest pressure. Otherwise it is the place of the largest pressure. first: the
+    most loaded patch.
+    """
     centre = np.array(patch.centre)
     if hertzian:
         return centre
@@ -382,7 +406,11 @@ def _through(first: _Reading, patch: Patch, frame: Frame, *, hertzian: bool) -> 
 def _line(
     readings: list[_Reading], frame: Frame, patch: Patch, through: Array, axis: int
 ) -> AxisPressure:
-    """Recovered pressure along x (axis 0) or s (axis 1) through a point, over the whole patch."""
+    """Smooth pressure at AXIS_POINTS points on a line along x (axis 0) or s (axis 1), AXIS_REACH
+    times as long as the main outline.
+
+    through (2,): x, s of a point on the line, mm.
+    """
     low, high = patch.main[:, axis].min(), patch.main[:, axis].max()
     local = np.tile([*through, 0.0], (AXIS_POINTS, 1))
     reach = AXIS_REACH * (high - low) / 2

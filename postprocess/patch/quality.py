@@ -23,10 +23,11 @@ def noise(fields: Fields, recovered: Array) -> float:
 
 
 def elements_across(fields: Fields, frame: Frame, patch: Patch) -> tuple[float, float]:
-    """Number of elements over the length and over the width of the most loaded patch.
+    """Number of elements over the length (along x) and over the width (along s) of the most loaded
+    patch.
 
-    Each is the extent of the patch over the mean extent of the facets with pressure; 1 along a line
-    contact.
+    Each is the extent of the patch over the mean extent of the facets with pressure. It is 1 in the
+    direction of a line contact.
     """
     contact = fields.contact
     used = np.unique(contact.facet[contact.pressure > 0])
@@ -48,8 +49,9 @@ def edge_distance(fields: Fields, patch: Patch, edges: Array) -> float:
     """Smallest distance of a point with pressure from an edge, over the smaller half length of the
     patch.
 
-    Edges are the border of the contact surface and the sharp edges of both bodies. edges (n, 3):
-    points on the latter, mm. Cuts at symmetry planes are no edges. Infinite where there is no edge.
+    Edges are the border of the contact surface and the sharp edges of both bodies. Cuts at symmetry
+    planes are no edges. edges (n, 3): points on the sharp edges, mm. Infinite where there is no
+    edge. In plane strain the half length is that in the section.
     """
     contact = fields.contact
     kinematics = fields.kinematics

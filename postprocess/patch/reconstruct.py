@@ -52,9 +52,9 @@ Box = tuple[tuple[float, float], tuple[float, float]]
 
 @dataclass(frozen=True, kw_only=True)
 class Samples:
-    """Contact points with pressure of a whole patch, mirror images included.
+    """Contact points with pressure of a whole patch, mirror images included, in its tangent plane.
 
-    x, s (k,): coordinates, mm.
+    x, s (k,): coordinates, mm; of a section x is 0 and s the coordinate along the section.
     force (k,): pressure times the area of each point, projected to the plane, N.
     pressure (k,): MPa.
     size (k,): size of the element of each point, mm.
@@ -62,8 +62,8 @@ class Samples:
     limits: extents of the contact surface along x and along s, mm.
     line: whether the points are those of a section, whose pressure depends on s only.
     circle: whether that section is a meridian of a body of revolution.
-    thickness: length of a plane section, mm.
-    yields: whether a body yields.
+    thickness: length of a plane section across its plane, mm.
+    yields: whether the solution has plastic strains.
     """
 
     x: Array
@@ -84,7 +84,8 @@ class Samples:
         return YIELD_DEGREE if self.yields else DEGREE
 
     def measure(self, s: Array) -> Array:
-        """Contact area per unit of (x, s) at s (n,), 1; of a section per unit of s, mm: its
+        """Weight at s (n,) by which an integral over (x, s) becomes one over the contact area: 1
+        for bodies in space. Of a section it is the length of the contact at s, mm: the
         thickness, or half a circle pi |s|.
         """
         return np.pi * np.abs(s) if self.circle else np.full_like(s, self.thickness)
@@ -95,8 +96,8 @@ class SquaredPressure:
     """Smooth p^2 = F(x, s) of a patch in a box, MPa^2; negative outside of the patch.
 
     box: extents along x and along s, mm.
-    knots: of the cubic splines in s, mm.
-    coefficients (k, n): of k powers of x and n splines.
+    knots (n + 4,): of the n cubic splines in s, mm.
+    coefficients (k, n): of each of k powers of (x - middle)/half, times each spline, MPa^2.
     powers (k,): exponents of (x - middle)/half.
     settled: whether the minimisation that gave the coefficients converged.
     """
@@ -118,6 +119,7 @@ class SquaredPressure:
         return (self.box[0][1] - self.box[0][0]) / 2
 
     def _along(self, x: Array) -> Array:
+        """Powers (k, n) of (x - middle)/half at x (n,), mm."""
         return np.asarray(((x - self.middle) / self.half) ** self.powers[:, None])
 
     def grid(self, x: Array, s: Array) -> Array:
@@ -134,7 +136,7 @@ class SquaredPressure:
 
 
 def zero_squared_pressure(samples: Samples) -> SquaredPressure:
-    """F = 0, in a box around the samples and with knots at distances of their elements."""
+    """F = 0, with a box around the samples and knots one element size apart."""
     knots = _knots(samples)
     most, step = 0 if samples.line else samples.degree, 2 if samples.even else 1
     powers = np.arange(0, most + 1, step, dtype=np.float64)
@@ -144,11 +146,11 @@ def zero_squared_pressure(samples: Samples) -> SquaredPressure:
 def reconstruct(
     samples: Samples, roughness: float = ROUGHNESS, start: SquaredPressure | None = None
 ) -> SquaredPressure:
-    """F that minimises the functional in this module's docstring, by Levenberg and Marquardt's
-    method.
+    """Smooth p^2 = F that minimises the functional in this module's docstring, by Newton's method
+    with the damping of Levenberg and Marquardt.
 
-    roughness: the factor r. start: a previous result for the same samples; otherwise the iteration
-        starts from Hertz's ellipsoid.
+    roughness: the factor r of the third derivatives. start: a result for the same samples from
+        which the iteration starts; otherwise it starts from Hertz's ellipsoid.
     """
     like = zero_squared_pressure(samples)
     knots, powers, middle, half = like.knots, like.powers, like.middle, like.half
@@ -174,9 +176,11 @@ def reconstruct(
     penalty = roughness * _penalty(knots, powers, s, rows / rows.sum(), samples)
 
     def field(c: Array) -> Array:
+        """F on the integration grid, over the largest pressure squared, of coefficients c (kn,)."""
         return np.asarray((across @ c.reshape(-1, n).T) @ along)
 
     def value(c: Array) -> float:
+        """Value of the dimensionless functional for coefficients c (kn,)."""
         volume = cell @ (np.maximum(field(c), 0.0) ** 1.5).sum(axis=1)
         return float(2 / 3 * volume - moments @ c + 0.5 * c @ penalty @ c)
 
@@ -211,11 +215,14 @@ def reconstruct(
 
 
 def _splines(knots: Array, s: Array) -> sp.csr_matrix:
+    """Values (m, n), sparse, of the n cubic B-splines with these knots at s (m,)."""
     return BSpline.design_matrix(s, knots, 3).tocsr()
 
 
 def _box(samples: Samples) -> Box:
-    """Extents of the points with pressure and a margin, cut at the ends of the surface, mm."""
+    """Extents along x and along s of the samples with a margin of BOX_MARGIN elements, cut at the
+    ends of the contact surface, mm.
+    """
     margin = BOX_MARGIN * float(samples.size.mean())
     ends = [
         (max(float(t.min()) - margin, low), min(float(t.max()) + margin, high))
@@ -225,7 +232,9 @@ def _box(samples: Samples) -> Box:
 
 
 def _knots(samples: Samples) -> Array:
-    """Knots of the splines, one element size apart, with three more beyond either end, mm."""
+    """Knots of the cubic splines in s, mm, ascending: one element size apart, at least four
+    intervals, with three more knots beyond either end.
+    """
     low, high = _box(samples)[1]
     bins = max(int(2 * (high - low) / samples.size.mean()), 4)
     edges = np.linspace(low, high, bins + 1)
@@ -242,9 +251,16 @@ def _knots(samples: Samples) -> Array:
 
 
 def _penalty(knots: Array, powers: Array, s: Array, weight: Array, samples: Samples) -> Array:
-    """(kn, kn) of the mean of r |D3 F|^2, s in intervals of the spline, x in half widths, in the
-    second derivative along in NECK elements; where bodies yield in elements throughout: pressure
-    has a plateau then, whose edges are as sharp along as across."""
+    """Matrix (kn, kn) of the mean of r |D3 F|^2, without the constant factor of r, for coefficients
+    of k powers and n splines.
+
+    Derivatives along s are per interval of the splines, those along x per half width of the box. In
+    the second derivative along x the unit is NECK elements. Where bodies yield, the unit along x is
+    one element throughout: the pressure then has a plateau, whose edges are as sharp along x as
+    along s.
+
+    s (m,): points of integration, mm. weight (m,): their weights, which add up to 1.
+    """
     inner = knots[3:-3]
     width = np.interp(s, (inner[1:] + inner[:-1]) / 2, np.diff(inner))
     margin = BOX_MARGIN * float(samples.size.mean())
@@ -271,7 +287,7 @@ def _penalty(knots: Array, powers: Array, s: Array, weight: Array, samples: Samp
 def ellipsoid(
     like: SquaredPressure, centre: tuple[float, float], semi: tuple[float, float], peak: float
 ) -> SquaredPressure:
-    """Hertz's p^2 = p0^2 (1 - (x - xc)^2/a^2 - (s - sc)^2/b^2), exactly, in splines.
+    """Hertz's p^2 = p0^2 (1 - (x - xc)^2/a^2 - (s - sc)^2/b^2), represented exactly by the splines.
 
     like: gives the box, the knots and the powers. centre: (xc, sc), mm. semi: (a, b), mm. peak: p0,
         MPa. Of a section the term in x is left out.
@@ -290,14 +306,16 @@ def ellipsoid(
 
 
 def blend(one: SquaredPressure, other: SquaredPressure, share: float) -> SquaredPressure:
-    """share times the first plus (1 - share) times the second p^2, which have the same splines."""
+    """Weighted mean of two p^2 with the same box, knots and powers: share times `one` plus (1 -
+    share) times `other`.
+    """
     mixed = share * one.coefficients + (1 - share) * other.coefficients
     return replace(one, coefficients=mixed)
 
 
 def _start(samples: Samples, like: SquaredPressure) -> Array:
-    """Coefficients of Hertz's ellipsoid with the force and second moments of the samples, divided
-    by the largest pressure squared.
+    """Coefficients (kn,) of Hertz's ellipsoid with the force and second moments of the samples,
+    divided by the largest computed pressure squared.
     """
     share = samples.force / samples.force.sum()
     least = (0.5 * float(samples.size.mean())) ** 2

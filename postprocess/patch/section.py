@@ -33,15 +33,18 @@ LINE_POINTS = 2000  # at which p^2 is evaluated to find its zeros and its maximu
 
 
 def coordinate(fields: Fields) -> int:
-    """Axis of the contact line of a section: 0 if it runs along x, 1 if along s."""
+    """Axis of the contact frame in the plane of a section, along which the pressure varies: 0 for
+    x, 1 for s. The coordinate along this axis is called t.
+    """
     return int(np.argmax(np.abs(fields.kinematics.axes[0])))
 
 
 def moments(fields: Fields, frame: Frame) -> PressureMoments:
-    """Moments of the contact pressure of a section; both semi-axes are its half width.
+    """Moments of the contact pressure p of a section; both semi-axes are its half width.
 
-    Half width 2 sqrt(int p t^2 / int p) of a strip, sqrt(5/2 int p r^2 / int p) of a circle: exact
-    for Hertz's pressure.
+    The half width is 2 sqrt(int p t^2 / int p) in plane strain and sqrt(5/2 int p r^2 / int p) for
+    a body of revolution, with t from the centre of pressure and r from the axis. Both are exact for
+    Hertz's pressure.
     """
     contact, revolved = fields.contact, fields.kinematics.revolved
     axis = coordinate(fields)
@@ -70,10 +73,12 @@ def moments(fields: Fields, frame: Frame) -> PressureMoments:
 
 
 def largest_pressure(t: Array, pressure: Array, weights: Array, w: float, *, even: bool) -> float:
-    """Largest pressure, MPa: the top of a parabola fitted to p^2 near t = 0.
+    """Largest pressure, MPa: the maximum of a parabola fitted to p^2 near t = 0.
 
-    t (n,): distance from the centre, mm. w: half width, mm. even: whether p is symmetric in t.
-        Hertz's p^2 is a parabola. Where the fit has no maximum: its largest value at the points.
+    t (n,): coordinate from the centre of pressure, mm. pressure (n,): MPa. weights (n,): areas of
+        the points, mm2. w: half width, mm. even: whether p is symmetric in t. Hertz's p^2 is a
+        parabola. Where fewer than six points lie there, the largest computed pressure is returned;
+        where the parabola has no maximum, its largest value at the points.
     """
     near = (np.abs(t) < PEAK_RADIUS * w) & (pressure > 0)
     if near.sum() < 6:
@@ -90,10 +95,10 @@ def largest_pressure(t: Array, pressure: Array, weights: Array, w: float, *, eve
 
 
 def read(fields: Fields, frame: Frame, *, parabolic: bool = False) -> PatchReading:
-    """The contact of a section, of which some points carry pressure.
+    """Patch, surfaces and pressures of a section, of which some contact points carry pressure.
 
     parabolic: whether Hertz's theory is exact, that is for elastic half-spaces whose gap is
-    quadratic; the second moment then gives the half width.
+        quadratic; the second moment then gives the half width.
     """
     contact, axis = fields.contact, coordinate(fields)
     revolved, length = fields.kinematics.revolved, fields.kinematics.thickness
@@ -140,7 +145,9 @@ def read(fields: Fields, frame: Frame, *, parabolic: bool = False) -> PatchReadi
 
 
 def samples(fields: Fields, frame: Frame) -> Samples:
-    """Contact points with pressure and their mirror images, on the contact line of a section."""
+    """Contact points of a section with pressure and their mirror images, projected to the tangent.
+    Their s is the coordinate in the section, along x or s, and their x is zero.
+    """
     contact, axis = fields.contact, coordinate(fields)
     revolved, thickness = fields.kinematics.revolved, fields.kinematics.thickness
     touches = contact.pressure > 0
@@ -170,11 +177,14 @@ def samples(fields: Fields, frame: Frame) -> Samples:
 
 
 def _pressure(square: SquaredPressure, t: Array) -> Array:
+    """Smooth pressure (n,), MPa, of a section at coordinates t (n,), mm."""
     return np.asarray(np.sqrt(np.maximum(square(np.zeros_like(t), t), 0.0)))
 
 
 def _shape(square: SquaredPressure, fields: Fields) -> PatchShape:
-    """Half widths, area and largest pressure of a section; the length is the thickness."""
+    """Half lengths along x and s, area and largest pressure of a section's smooth p^2. In plane
+    strain the length is the thickness; of a body of revolution the patch is a circle.
+    """
     spans, axis = _spans(square), coordinate(fields)
     length = fields.kinematics.thickness
     half = (spans[-1][1] - spans[0][0]) / 2
@@ -191,10 +201,12 @@ def _shape(square: SquaredPressure, fields: Fields) -> PatchShape:
 def _ellipse(
     found: PressureMoments, peak: float, element: float, fields: Fields, *, parabolic: bool
 ) -> tuple[float, dict[str, float]]:
-    """Half width from moments, mm, and relative errors of a, b, area and max_pressure.
+    """Half width from moments, mm, and relative errors of a, b, area and max_pressure, by these
+    names.
 
-    peak: fitted largest pressure, MPa; its error is the difference from that of the parabola of p^2
-        that has the force. element: element size, mm.
+    peak: fitted largest pressure, MPa; its error is the difference from that of Hertz's pressure
+        with the same force and half width. element: element size, mm. parabolic: whether Hertz's
+        theory is exact.
     """
     revolved, length = fields.kinematics.revolved, fields.kinematics.thickness
     (half, _), (error, _) = nearly_elliptic(
@@ -216,7 +228,9 @@ def _ellipse(
 def _axis_pressures(
     surface: Surface, patch: Patch, fields: Fields
 ) -> tuple[AxisPressure, AxisPressure]:
-    """Pressure along x and s; constant along a line contact, equal on all radii of a circle."""
+    """Pressure along x and along s, of a section: in plane strain it is constant along the contact;
+    of a body of revolution both are equal.
+    """
     axis = coordinate(fields)
     half, middle = (patch.a, patch.b)[axis], patch.centre[axis]
     local, p = mirrored(surface.local, surface.pressure, fields)
@@ -232,7 +246,7 @@ def _axis_pressures(
 
 
 def _spans(square: SquaredPressure) -> list[tuple[float, float]]:
-    """Intervals of t in which p^2 is positive, in ascending order."""
+    """Intervals of the coordinate t, mm, in which the p^2 of a section is positive, ascending."""
     t = np.linspace(*square.box[1], LINE_POINTS, dtype=np.float64)
     values = square(np.zeros_like(t), t)
     values[[0, -1]] = np.minimum(values[[0, -1]], -1e-9 * values.max())
@@ -243,9 +257,11 @@ def _spans(square: SquaredPressure) -> list[tuple[float, float]]:
 
 
 def _outlines(spans: list[tuple[float, float]], axis: int, length: float | None) -> list[Array]:
-    """Closed outlines (k, 2) of (x, s), mm, of intervals of t along axis 0 or 1.
+    """Closed outlines (k, 2) of (x, s), mm, of intervals of the coordinate t along x (axis 0) or s
+    (axis 1).
 
-    length: of the contact along the other axis, mm; None for circles about the origin.
+    length: of the contact along the other axis, mm; None for circles about the origin, whose radii
+        are the ends of the intervals.
     """
     if length is None:
         angle = np.linspace(0, 2 * np.pi, 181)

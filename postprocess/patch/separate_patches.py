@@ -21,12 +21,13 @@ SMALLEST = 0.002  # share of the force: less is a few points that open and close
 
 @dataclass(frozen=True, kw_only=True)
 class SeparatePatch:
-    """One connected contact patch, with the mirror images that belong to it.
+    """One connected contact patch, with its images in the symmetry planes that it touches.
 
-    fields: the solution, with only the contact points of this patch.
+    fields: the solution, with only the contact points of this patch and only the symmetry planes
+        that it touches.
     frame: tangent plane of the patch, with its origin at the centre of pressure.
-    a, b: largest distances of its points from that centre along x and s, mm.
-    force: normal force, N.
+    a, b: largest distances of its contact points from that centre along x and s, mm.
+    force: normal force on the patch, images included, N.
     share: that force over the force on all patches.
     """
 
@@ -60,7 +61,10 @@ def separate_patches(fields: Fields) -> list[SeparatePatch]:
 
 
 def _components(facet_nodes: NDArray[np.int64], used: NDArray[np.int64]) -> NDArray[np.int64]:
-    """(f,) number of the connected set each facet is in, -1 for those that are not used."""
+    """(f,) number of the connected set of facets that each facet belongs to, -1 for facets not in
+    `used`. Facets that share a node are connected. facet_nodes (f, k): nodes of each facet.
+    used: rows of the facets with pressure.
+    """
     nodes = facet_nodes[used]
     rows = np.repeat(np.arange(len(used)), nodes.shape[1])
     shape = (len(used), facet_nodes.max() + 1)
@@ -71,6 +75,9 @@ def _components(facet_nodes: NDArray[np.int64], used: NDArray[np.int64]) -> NDAr
 
 
 def _part(fields: Fields, members: NDArray[np.bool_], force: Array) -> SeparatePatch:
+    """The patch with those contact points that `members` (q,) marks. force (q,): normal force at
+    all contact points, N.
+    """
     contact, own = fields.contact, force[members]
     names = ("points", "weights", "pressure", "indicator", "gap", "normals", "facet", "xi")
     contact = replace(contact, **{name: getattr(contact, name)[members] for name in names})
@@ -98,6 +105,8 @@ def _part(fields: Fields, members: NDArray[np.bool_], force: Array) -> SeparateP
 
 
 def _reaches(points: Array, plane: tuple[float, float, float]) -> bool:
-    """Whether contact points (n, 3) come close to the plane through the origin with this normal."""
+    """Whether a symmetry plane through the origin, given by its normal, touches the patch: the
+    nearest of its points (n, 3) is nearer to the plane than 0.2 times the farthest.
+    """
     distance = np.abs(points @ np.array(plane))
     return bool(distance.min() < 0.2 * distance.max())

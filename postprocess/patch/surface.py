@@ -53,27 +53,38 @@ Surfaces = tuple[Surface, Surface | None]
 
 
 def _pieces(fields: Fields, facets: NDArray[np.int64]) -> NDArray[np.int64]:
-    """(t, 3) flat triangles through all nodes of facets (f, k); of a section, lines (t, 2)."""
+    """(t, 3) flat triangles through all nodes of facets (f, k), as the same node numbers; of a
+    section, lines (t, 2).
+    """
     return np.concatenate([facets[:, each] for each in _TRIANGLES[fields.cell, fields.degree]])
 
 
 @dataclass(frozen=True)
 class SurfaceRecovery:
-    """Consistent (L2) projection of values at quadrature points to the nodes of the contact facets.
+    """Consistent (L2) projection of values at quadrature points to the nodes of the slave's contact
+    facets.
 
-    Facets with quadrature points that do not face the other body are left out.
+    Facets of which some quadrature points do not face the other body are left out.
+
+    fields: the solution, with its contact points and facets.
     """
 
     fields: Fields
 
     @cached_property
     def _members(self) -> NDArray[np.bool_]:
+        """(q,) whether each contact point lies on a facet all of whose quadrature points face the
+        other body.
+        """
         contact = self.fields.contact
         count = np.bincount(contact.facet, minlength=len(contact.facet_nodes))
         return np.asarray(count[contact.facet] == count.max())
 
     @cached_property
     def _numbering(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Nodes (n,) of the facets that are used, as numbers in `Fields.points`, and for each facet
+        (f, k) the rows of its nodes among them, -1 for facets that are left out.
+        """
         contact = self.fields.contact
         used = np.unique(contact.facet[self._members])
         nodes, local = np.unique(contact.facet_nodes[used], return_inverse=True)
@@ -88,13 +99,18 @@ class SurfaceRecovery:
 
     @cached_property
     def triangles(self) -> NDArray[np.int64]:
-        """(t, 3) flat triangles through all nodes of the facets; of a section, lines (t, 2)."""
+        """(t, 3) flat triangles through all nodes of the facets, as rows of `nodes`; of a section,
+        lines (t, 2).
+        """
         table = self._numbering[1]
         table = table[table[:, 0] >= 0]
         return _pieces(self.fields, table)
 
     @cached_property
     def _basis(self) -> sp.csr_matrix:
+        """Values (q, n), sparse, of the shape functions of the nodes at the contact points that are
+        used.
+        """
         fields, contact = self.fields, self.fields.contact
         element = basix.create_element(
             basix.ElementFamily.P,
@@ -110,12 +126,13 @@ class SurfaceRecovery:
 
     @cached_property
     def _solver(self) -> tuple[sp.csr_matrix, object]:
+        """Weighted shape functions (n, q), sparse, and LU factors of the mass matrix M (n, n)."""
         weighted = self._basis.T @ sp.diags(self.fields.contact.weights[self._members])
         return weighted.tocsr(), splu((weighted @ self._basis).tocsc())
 
     def project(self, values: Array) -> Array:
-        """Project values (q,) at all contact points to the nodes (n,): solve M x = int phi values
-        dA.
+        """Nodal values x (n,) of values (q,) at all contact points, from M x = int phi values dA,
+        with the shape functions phi and their mass matrix M = int phi phi^T dA.
         """
         weighted, factor = self._solver
         solve = factor.solve  # type: ignore[attr-defined]
@@ -125,11 +142,14 @@ class SurfaceRecovery:
 def recover_surfaces(fields: Fields, frame: Frame, pressure: Callable[[Array], Array]) -> Surfaces:
     """Points, pressure, gap and displacement on the contact surfaces of slave and master.
 
-    pressure: smooth pressure (n,) in MPa at points (n, 3) mm; it loads both surfaces. The second
-        entry is None where the master is rigid.
+    pressure: function that gives the smooth pressure (n,), MPa, at points (n, 3) in space, mm; it
+        holds for both surfaces. The second entry is None where the master is rigid.
     """
 
     def surface(nodes: NDArray[np.int64], pieces: NDArray[np.int64], gap: Array) -> Surface:
+        """Fields on one surface. nodes (n,): numbers in `Fields.points`. pieces (t, 3): its
+        triangles, as rows of the nodes. gap (n,): mm.
+        """
         points = fields.points[nodes]
         local, moved = frame.local(points)[:, :2], fields.displacement[nodes]
         return Surface(

@@ -26,11 +26,13 @@ DEPTH_REACH = 3.0  # largest depth over the smaller semi-axis
 class BodyStresses:
     """Stresses inside all meshed bodies.
 
-    axes: by body, the stresses along the normal below the centre of the (most loaded) patch.
-    other_axes: the same below the other patches, in the rail, or the wheel if the rail is rigid.
-    largest: by body, the largest stresses anywhere.
+    axes: by body name, the stresses along the normal below the centre of the most loaded patch.
+    other_axes: stresses below the centres of the other patches, in the rail, or in the wheel if the
+        rail is rigid.
+    largest: by body name, the largest stresses anywhere.
     edges (n, 3): points on the sharp edges of all bodies, mm.
-    misfit: relative difference of smoothed and element stresses around the largest ones.
+    misfit: largest relative difference of mean smooth and mean element stress around the places of
+        the largest stresses.
     """
 
     axes: dict[str, DepthAxis]
@@ -48,11 +50,12 @@ def read(
     others: list[SeparatePatch],
     rubbing: FrictionSolution | None,
 ) -> BodyStresses:
-    """Recover the stresses in the bodies, below the patches and where they are largest.
+    """Smooth stresses in the bodies, below the patches and where they are largest.
 
     centre: (x, s) of the most loaded patch in the frame, mm. size: its smaller semi-axis, mm.
-    others: the other patches. rubbing: solution with friction, or None; the stresses at the border
-    of its stick zone come from `stick_border`, since smoothing would cut off their cusp.
+        others: the other patches. rubbing: solution with friction, or None. With friction, stresses
+        at the border of the stick zone replace lower peaks; a smooth field would cut off the cusp
+        there.
     """
     bodies = {}
     for tag, name in BODY_NAMES.items():
@@ -96,7 +99,11 @@ def _below(
     name: str,
     reach: float,
 ) -> DepthAxis:
-    """Stress on the axis below a point of the tangent plane, as deep as the body goes."""
+    """Stresses on the axis below a point of the tangent plane, as deep as the body goes, at most to
+    `reach`, mm.
+
+    centre: (x, s) of the point in the frame, mm. name: of the body, 'rail' or 'wheel'.
+    """
     start, into = frame.place(*centre), frame.axes[2] * (-1.0 if name == "rail" else 1.0)
     depth = np.linspace(
         0.0, solid.extent(np.array(start), into, reach), DEPTH_POINTS, dtype=np.float64
@@ -109,7 +116,9 @@ def _below(
 
 
 def _largest(search: Search, axis: DepthAxis) -> Largest:
-    """Largest shear and von Mises stress of one body; on its axis if all of it is near edges."""
+    """Largest shear and von Mises stress of one body. If all of the body is near sharp edges, they
+    are the largest ones on its depth axis.
+    """
     spare = axis.largest
     tau = search.highest(max_shear, _place(spare.tau)) or spare.tau
     mises = search.highest(von_mises, _place(spare.von_mises)) or spare.von_mises
@@ -118,12 +127,14 @@ def _largest(search: Search, axis: DepthAxis) -> Largest:
 
 
 def _or_border(largest: Largest, places: Array, stress: Array) -> Largest:
-    """Replace each peak by the largest stress at the border of stick where that is higher.
+    """Largest stresses with each peak replaced by the largest stress at the border of stick where
+    that is higher; the depth is then zero.
 
-    places (n, 3): mm, stress (n, 6): MPa, at the border.
+    places (n, 3): points at the border, mm. stress (n, 6): there, MPa.
     """
 
     def higher(peak: Peak, values: Array) -> Peak:
+        """The peak, or the largest of values (n,) in MPa at the border where it is higher."""
         if values.max(initial=0.0) <= peak.value:
             return peak
         x, y, z = (float(each) for each in places[np.argmax(values)])

@@ -15,10 +15,11 @@ NAMES = {"tau": "tau_max", "von_mises": "von_mises_max"}
 def quantities(
     bodies: Mapping[str, Largest], axis: dict[str, Any], centre: Array
 ) -> dict[str, Any]:
-    """ "stress" of summary.json: for each stress the larger value of both bodies.
+    """Entries of "stress" in summary.json: for each kind of stress the larger value of both bodies,
+    with its depth, body and place.
 
-    bodies: largest stresses by body. axis: the entry for the axis below the patch. centre (3,):
-        normal stresses at the centre of the patch, MPa.
+    bodies: largest stresses by body name. axis: the entry for the axis below the patch. centre
+        (3,): normal stresses xx, ss, nn at the centre of the patch, MPa.
     """
     values: dict[str, Any] = {}
     for attribute, name in NAMES.items():
@@ -33,11 +34,14 @@ def quantities(
 
 
 def below(axis: DepthAxis) -> dict[str, Any]:
-    """Largest stresses on the axis below a patch, as an entry of summary.json."""
+    """Entry of summary.json with the largest shear and von Mises stress on the axis below a patch:
+    body, values in MPa, depths in mm.
+    """
     return _below(axis.body, axis.largest)
 
 
 def _below(body: str, largest: Largest) -> dict[str, Any]:
+    """Entry of summary.json for largest stresses: body, values in MPa, and depths in mm."""
     values: dict[str, Any] = {"body": body}
     for attribute, name in NAMES.items():
         peak: Peak = getattr(largest, attribute)
@@ -46,7 +50,9 @@ def _below(body: str, largest: Largest) -> dict[str, Any]:
 
 
 def at_edges(bodies: Mapping[str, Largest]) -> list[dict[str, Any]]:
-    """Stresses at sharp edges that exceed those elsewhere: quantity, body, value, place."""
+    """Entries of summary.json for stresses near sharp edges that exceed those elsewhere: quantity,
+    body, value (MPa), place (mm).
+    """
     return [
         {"quantity": f"{name}_MPa", "body": body, "value_MPa": peak.value, "place_mm": peak.place}
         for body, each in bodies.items()
@@ -56,11 +62,11 @@ def at_edges(bodies: Mapping[str, Largest]) -> list[dict[str, Any]]:
 
 
 def exact(contact: Hertz, poisson: Mapping[str, float], frame: Frame) -> dict[str, Any]:
-    """ "stress" of summary.json for an exact Hertz contact.
+    """Entries of "stress" in summary.json for an exact Hertz contact.
 
-    poisson: by body; the axis of the first body is shown. Largest stresses lie on the axis: for no
-        axis ratio from 1 to 1/30, nor a strip, and no nu from 0 to 0.4999, does a fine grid beside
-        the axis have more.
+    poisson: Poisson's ratio by body name; the axis of the first body is shown. frame: contact
+        frame. Largest stresses lie on the axis: for no axis ratio from 1 to 1/30, nor a strip, and
+        no Poisson's ratio from 0 to 0.4999, does a fine grid beside the axis have more.
     """
     bodies = {body: _exact(contact, body, nu, frame) for body, nu in poisson.items()}
     shown, nu = next(iter(poisson.items()))
@@ -69,6 +75,9 @@ def exact(contact: Hertz, poisson: Mapping[str, float], frame: Frame) -> dict[st
 
 
 def _exact(contact: Hertz, body: str, poisson: float, frame: Frame) -> Largest:
+    """Largest shear and von Mises stress of an exact Hertz contact, on the axis in the body with
+    this name and Poisson's ratio.
+    """
     found = contacts.axis_extrema(contact, poisson)
     tau, mises = (
         Peak(value, depth, frame.below(0.0, 0.0, body, depth))

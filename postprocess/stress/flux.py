@@ -18,12 +18,14 @@ SYMMETRIC = (0, 3, 4), (3, 1, 5), (4, 5, 2)  # places of a tensor in (xx, yy, zz
 
 
 def contact_force(fields: Fields, body: int) -> Array:
-    """Force (3,) of the wheel on the rail, N, of the whole model, from the stresses of one body.
+    """Force (3,) of the wheel on the rail, N, of the whole model, from the stresses sigma of the
+    body with this tag.
 
-    phi is 1 in an ellipsoid around all touching points and falls smoothly to 0 at one twice as
-    large. In equilibrium int sigma grad(phi) over the body is the force on its contact surface:
-    the other surfaces within the larger ellipsoid carry no traction. The equations are tested with
-    shape functions only, so the difference from the force is an error of the stresses.
+    The function phi is 1 in an ellipsoid around all touching points and falls smoothly to 0 at an
+    ellipsoid twice as large. In equilibrium int sigma grad(phi) over the body is the force on its
+    contact surface: the other surfaces within the larger ellipsoid carry no traction. The finite-
+    element equations hold for shape functions only, so the difference from the force is an error of
+    the stresses.
     """
     contact, cells = fields.contact, np.flatnonzero(fields.body == body)
     touching = contact.points[contact.pressure > 0]
@@ -57,14 +59,19 @@ def contact_force(fields: Fields, body: int) -> Array:
 
 
 def pressure_force(fields: Fields) -> Array:
-    """Force (3,) of the pressure on the rail, N, of the whole model."""
+    """Force (3,) of the pressure on the rail, N, of the whole model: the integral of pressure times
+    the normal over the contact.
+    """
     contact = fields.contact
     total = (contact.weights * contact.pressure) @ contact.normals
     return _whole(fields, -total if fields.slave == RAIL else total)
 
 
 def _whole(fields: Fields, force: Array) -> Array:
-    """Force (3,) on the whole model from the force on the part that symmetry left, N."""
+    """Force (3,) on the whole model, N, from the force on the part that was cut at symmetry planes.
+    Components along the normals of the planes are zero; the others are doubled, but not for a
+    meridian section, which already stands for a whole turn.
+    """
     for normal in fields.mirrors:
         double = force if fields.kinematics.revolved else 2 * force
         force = np.where(np.abs(normal) > 0.5, 0.0, double)

@@ -60,15 +60,18 @@ def reference_gauss_points(fields: Fields) -> Array:
 
 
 def _relief(fields: Fields, cells: NDArray[np.int64], strain: Array) -> Array:
-    """Stress 2 mu eps_p (m, 6), MPa, of plastic strains (m, 3, 3), which have no trace."""
+    """Stress 2 mu eps_p (m, 6), MPa, of plastic strains eps_p (m, 3, 3), which have no trace;
+    components xx, yy, zz, xy, xz, yz.
+    """
     return np.asarray(2 * fields.lame[cells, 1, None] * strain[:, ROW, COLUMN])
 
 
 def stress_of_total_strain(
     fields: Fields, cells: NDArray[np.int64], reference: Array
 ) -> tuple[Array, Array, Array]:
-    """Position (m, 3), elastic stress (m, 6) of the total strain, plastic strain ignored, and |det
-    J| (m,).
+    """Position (m, 3) mm, stress (m, 6) MPa and |det J| (m,) at one reference point of m cells. The
+    stress is the elastic one of the total strain, with plastic strain ignored; components xx,
+    yy, zz, xy, xz, yz in global axes.
     """
     x, strain, size = _strain(fields, cells, reference)
     dilatation = strain
@@ -98,7 +101,9 @@ def _mean_strain(fields: Fields, cells: NDArray[np.int64]) -> Array:
 def _strain(
     fields: Fields, cells: NDArray[np.int64], reference: Array
 ) -> tuple[Array, Array, Array]:
-    """Position (m, 3), strain (m, 3, 3) in global axes and |det J| at one reference point."""
+    """Position (m, 3) mm, strain (m, 3, 3) in global axes and |det J| (m,) at one reference point
+    of m cells. In a meridian section the strain includes the hoop strain.
+    """
     phi = tabulate(fields.cell, fields.degree, reference[None])[:, 0]
     kinematics = fields.kinematics
     at, u = fields.points[fields.cells[cells]], fields.displacement[fields.cells[cells]]
@@ -116,7 +121,9 @@ def _strain(
 
 
 def _hoop(u: Array, r: Array, slope: Array) -> Array:
-    """Hoop strain u_r/r (m,), and its limit du_r/dr on the axis."""
+    """Hoop strain u/r (m,) from radial displacements u (m,) at radii r (m,), mm; on the axis its
+    limit du/dr, which `slope` (m,) gives.
+    """
     on_axis = r <= 1e-12 * np.abs(r).max(initial=0.0)
     return np.where(on_axis, slope, u / np.where(on_axis, 1.0, r))
 

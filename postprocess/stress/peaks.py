@@ -36,16 +36,21 @@ STENCIL = 0.05  # of that radius: between the values that the parabola goes thro
 
 
 class Search:
-    """Looks for the largest of an invariant of the stress in one body.
+    """Search for the largest value of an invariant of the stress in one body, away from sharp
+    edges.
 
-    Nodal averages show the hills; these are climbed on the recovered stress, from point to point of
-    a lattice in the cells, so that no point lies outside the body, and to the top of a parabola.
+    Nodal averages show the hills of the invariant. From these the search climbs on the recovered
+    stress: first from point to point of a lattice in the cells, so that no point lies outside the
+    body, then to the top of a fitted parabola.
     """
 
     def __init__(
         self, fields: Fields, solid: Solid, recovery: Recovery, edges: Array, size: float
     ) -> None:
-        """edges (n, 3): points on the sharp edges of all bodies; size: smaller semi-axis, mm."""
+        """fields: the solution. solid: cells of the body. recovery: smooth stresses of the body.
+        edges (n, 3): points on the sharp edges of all bodies, mm. size: smaller semi-axis of the
+        patch, mm.
+        """
         self._fields, self._solid, self._recovery = fields, solid, recovery
         self._edges, self._size = cKDTree(edges) if len(edges) else None, size
         self._planes = [int(np.argmax(np.abs(normal))) for normal in fields.mirrors]
@@ -64,13 +69,16 @@ class Search:
 
     @cached_property
     def _lattice(self) -> Array:
+        """Values (p, k) of the k shape functions at the p points of a regular lattice in a cell."""
         fields = self._fields
         kind, even = getattr(basix.CellType, fields.cell), basix.LatticeType.equispaced
         points = np.asarray(basix.create_lattice(kind, LATTICE, even, True))
         return tabulate(fields.cell, fields.degree, points)[0]
 
     def _is_sound(self, points: Array, sizes: Array) -> Array:
-        """(n,) whether points in cells of these sizes are far enough from every sharp edge."""
+        """(n,) whether points (n, 3) in cells of sizes (n,), mm, are far enough from every sharp
+        edge.
+        """
         if self._edges is None:
             return np.ones(len(points), dtype=bool)
         least = np.maximum(2 * EDGE_ELEMENTS * sizes, EDGE_OF_PATCH * self._size)
@@ -81,8 +89,12 @@ class Search:
         return float(self._solid.sizes[self._solid.near(place, 0.0)].max(initial=0.0))
 
     def highest(self, invariant: Invariant, also: Array) -> Peak | None:
-        """The largest recovered value; None for a body that is nothing but edges. also (n, 3):
-        further places that may be on the highest hill."""
+        """Largest recovered value of an invariant in the body; None if all of the body is near
+        sharp edges.
+
+        also (n, 3): further places, mm, from which the search may start, such as the peak on the
+            depth axis.
+        """
         sizes = np.array([self._element(place) for place in also])
         hills = self._hills(invariant(self._average))
         hills = np.concatenate([hills, also[self._is_sound(also, sizes)]])
@@ -104,7 +116,9 @@ class Search:
         return self._peak(float(values[top]), self._nodes[top])
 
     def _hills(self, average: Array) -> Array:
-        """Up to HILLS nodes (n, 3) with the largest averages, at a distance from each other."""
+        """Up to HILLS nodes (n, 3), mm, with the largest nodal averages (k,) of an invariant, at a
+        distance from each other and from sharp edges.
+        """
         candidates = np.flatnonzero(self._sound)
         if not len(candidates):
             return self._nodes[:0]
@@ -119,7 +133,9 @@ class Search:
         return self._nodes[found]
 
     def _climb(self, place: Array, invariant: Invariant) -> tuple[float, Array]:
-        """Value and place of the local maximum that is reached from a point (3,)."""
+        """Value (MPa) and place (3,) of the local maximum of an invariant that the search reaches
+        from a point (3,), mm.
+        """
         around = self._recovery.around(place)
         value = float(invariant(around(place[None]))[0])
         for move in (self._best_point, self._top):
@@ -133,7 +149,9 @@ class Search:
         return value, place
 
     def _best_point(self, place: Array, around: Polynomial, invariant: Invariant) -> Array:
-        """The lattice point of nearby cells with the largest value; `place` if there is none."""
+        """The lattice point (3,) of nearby cells with the largest value of the invariant of a
+        fitted polynomial; the starting place if no lattice point is near.
+        """
         reach = FIT_REACH * around.radius
         cells = self._solid.near(place, reach)
         points = (self._lattice @ self._fields.points[self._solid.nodes[cells]]).reshape(-1, 3)
@@ -146,7 +164,10 @@ class Search:
         return np.asarray(points[np.argmax(invariant(around(points)))])
 
     def _top(self, place: Array, around: Polynomial, invariant: Invariant) -> Array:
-        """The top of the parabola through the fit around a place; the place if it lies outside."""
+        """The top (3,) of a parabola through values of the invariant of a fitted polynomial around
+        a place (3,), mm. The place itself is returned if the top lies outside the body or near a
+        sharp edge.
+        """
         step, axes = STENCIL * around.radius, self._fields.kinematics.axes
         steps = np.array(list(product((-1.0, 0.0, 1.0), repeat=len(axes))))
         pairs = [(i, j) for i in range(len(axes)) for j in range(i + 1)]
@@ -169,8 +190,8 @@ class Search:
         return moved if sound and self._solid.holds(moved) else place
 
     def _peak(self, value: float, place: Array) -> Peak:
-        """Peak of a value at a place (3,), with its depth below the tangent plane at the nearest
-        contact point.
+        """Peak of a value (MPa) at a place (3,), mm, with the depth of the place below the tangent
+        plane at the nearest contact point.
         """
         contact = self._fields.contact
         nearest = int(np.argmin(((contact.points - place) ** 2).sum(axis=1)))

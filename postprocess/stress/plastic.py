@@ -28,13 +28,12 @@ TRACE = 1e-9  # plastic strain below which a point has not yielded: rounding
 class PlasticZone:
     """Where the bodies have yielded.
 
-    Attributes
-    ----------
-    strain : largest equivalent plastic strain.
-    body : name of the body that has it.
-    place : its Gauss point, mm.
-    volume : volume that has yielded, of the whole model, mm3.
-    depth, top : of the deepest and the shallowest point that has yielded, mm.
+    strain: largest equivalent plastic strain.
+    body: name of the body that has it, 'rail' or 'wheel'.
+    place: Gauss point of that strain in space, mm.
+    volume: volume that has yielded, of the whole model, mm3.
+    depth, top: depth below the tangent plane of the deepest and of the shallowest point that has
+        yielded, mm.
     """
 
     strain: float
@@ -49,14 +48,12 @@ class PlasticZone:
 class ResidualState:
     """What a load that made bodies yield leaves behind.
 
-    Attributes
-    ----------
-    zone : where the bodies have yielded.
-    load_over_first_yield : load over the load of first yield.
-    load_steps : number of steps in which the load was applied.
-    unloaded : fields without the load; None where they were not computed.
-    largest_von_mises : of the unloaded fields, MPa; None without them.
-    indentation : how far each body's surface stays pushed in, by name, mm.
+    zone: where the bodies have yielded.
+    load_over_first_yield: load over the load of first yield.
+    load_steps: number of steps in which the load was applied.
+    unloaded: fields without the load; None where they were not computed.
+    largest_von_mises: largest von Mises stress of the unloaded fields, MPa; None without them.
+    indentation: depth by which each body's surface stays pushed in, by body name, mm.
     """
 
     zone: PlasticZone
@@ -67,8 +64,11 @@ class ResidualState:
     indentation: Mapping[str, float]
 
     def summary(self, elastic_pressure: float, shear_yield: float) -> dict[str, Any]:
-        """ "plastic" of summary.json. elastic_pressure: largest without yield, MPa; shear_yield: of
-        the body that yields first, MPa."""
+        """Entries of "plastic" in summary.json.
+
+        elastic_pressure: largest pressure of the same load without yield, MPa. shear_yield: yield
+            stress in shear of the body that yields first, MPa.
+        """
         zone = self.zone
         return {
             "load_over_first_yield": self.load_over_first_yield,
@@ -88,10 +88,10 @@ class ResidualState:
 def residual_state(
     yielding: PlasticSolution, fields: Fields, unloaded: Fields | None, frame: Frame
 ) -> ResidualState:
-    """Collect what a load that made bodies yield leaves behind.
+    """Collect the yielded zone, the residual stress and the indentation that a load leaves behind.
 
-    fields: under the load. unloaded: after it, or None. frame: of the contact; depths are along its
-        normal.
+    yielding: solution with plastic strains. fields: under the load. unloaded: fields after the
+        load, or None. frame: of the contact; depths are along its normal.
     """
     return ResidualState(
         zone=plastic_zone(fields, frame),
@@ -104,7 +104,9 @@ def residual_state(
 
 
 def plastic_zone(fields: Fields, frame: Frame) -> PlasticZone:
-    """Size, depth and largest strain of the zone with equivalent plastic strain above TRACE."""
+    """Place, volume, depths and largest strain of the zone in which the equivalent plastic strain
+    exceeds TRACE. frame: of the contact; depths are along its normal.
+    """
     assert fields.plastic_strain is not None
     points, weights = _samples(fields)
     strain = fields.plastic_strain.equivalent
@@ -124,7 +126,7 @@ def plastic_zone(fields: Fields, frame: Frame) -> PlasticZone:
 
 
 def largest_von_mises(fields: Fields) -> float:
-    """Largest von Mises stress at the Gauss points, MPa.
+    """Largest von Mises stress at the Gauss points of all cells, MPa.
 
     The yield condition holds at these points; a smooth field through them may exceed it.
     """

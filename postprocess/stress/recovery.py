@@ -23,13 +23,16 @@ RIDGE = 1e-13  # of the trace: lets too few samples have a solution, and changes
 class Recovery:
     """The stresses of one body, in global axes, as a polynomial of degree 3 around any point.
 
-    Each is fitted to the stresses at the Gauss points of the cells around, the mirror images across
-    symmetry planes included (moving least squares, Lancaster and Salkauskas 1981; Gauss points as
-    in Zienkiewicz and Zhu 1992). points (m, g, 3) mm, stress (m, g, 6) MPa: those samples, by cell.
+    Each polynomial is fitted to the stresses at the Gauss points of the cells around, the mirror
+    images across symmetry planes included (moving least squares, Lancaster and Salkauskas 1981;
+    Gauss points as in Zienkiewicz and Zhu 1992).
+
+    points (m, g, 3): the g Gauss points of each of the m cells, mm.
+    stress (m, g, 6): the stresses there, components xx, yy, zz, xy, xz, yz, MPa.
     """
 
     def __init__(self, fields: Fields, cells: NDArray[np.int64]) -> None:
-        """cells (m,): all those of the body."""
+        """fields: the solution. cells (m,): numbers of all cells of the body."""
         self.points, self.stress = stress_at_gauss_points(fields, cells)
         self._axes = fields.kinematics.axes  # a section has no more coordinates than these
         points: Array = self.points.reshape(-1, 3)
@@ -41,12 +44,14 @@ class Recovery:
         self._count = min(FLAT_NEIGHBOURS.get(fields.cell, NEIGHBOURS), len(points))
 
     def at(self, points: Array) -> Array:
-        """Stress (n, 6) at points (n, 3) of the body, MPa."""
+        """Stress (n, 6), components xx, yy, zz, xy, xz, yz, at points (n, 3) of the body, MPa."""
         blocks = range(0, len(points), BLOCK)
         return np.concatenate([self._fit(points[i : i + BLOCK])[0][:, 0] for i in blocks])
 
     def misfit(self, point: Array) -> float:
-        """Relative difference of mean element stress and mean smooth stress near a point (3,)."""
+        """Relative difference of the mean stress at the Gauss points nearest to a point (3,) and
+        the mean of the fitted polynomial at the same Gauss points.
+        """
         fitted = self.around(point)
         nearest = self._tree.query(point @ self._axes.T, k=max(self._count // MEAN, 1))[1]
         own = self._values[np.atleast_1d(nearest)].mean(axis=0)
@@ -54,13 +59,13 @@ class Recovery:
         return float(np.linalg.norm(smooth - own) / np.linalg.norm(own))
 
     def around(self, point: Array) -> Polynomial:
-        """The polynomial fitted around a point (3,)."""
+        """The polynomial fitted to the stresses around a point (3,), mm."""
         coefficients, radius = self._fit(point[None])
         return Polynomial(point @ self._axes.T, float(radius[0]), coefficients[0], self._axes)
 
     def _fit(self, points: Array) -> tuple[Array, Array]:
-        """Coefficients (n, k, 6) of the fits around points (n, 3), in offsets over the radii (n,),
-        mm.
+        """Coefficients (n, k, 6) of the fits around points (n, 3), for k monomials of the offsets
+        over the radii, and these radii (n,), mm: distances of the farthest sample of each fit.
         """
         centres = points @ self._axes.T
         distance, index = self._tree.query(centres, k=self._count)
@@ -76,24 +81,33 @@ class Recovery:
 
 
 class Polynomial:
-    """Stresses as a cubic polynomial around a centre (d,); radius: of its fitted samples, mm."""
+    """Stresses around a point as a cubic polynomial.
+
+    radius: distance of the farthest fitted sample from the centre, mm.
+    """
 
     def __init__(self, centre: Array, radius: float, coefficients: Array, axes: Array) -> None:
+        """centre (d,): in the axes of the mesh, mm. radius: by which offsets are divided, mm.
+        coefficients (k, 6): of k monomials, MPa. axes (d, 3): unit vectors of the coordinates of
+        the mesh.
+        """
         self.radius = radius
         self._centre, self._coefficients, self._axes = centre, coefficients, axes
 
     def __call__(self, points: Array) -> Array:
-        """Stress (n, 6) at points (n, 3), MPa."""
+        """Stress (n, 6), components xx, yy, zz, xy, xz, yz, at points (n, 3) in space, MPa."""
         return self.at_samples(points @ self._axes.T)
 
     def at_samples(self, points: Array) -> Array:
-        """Stress (n, 6), MPa, at points (n, d) in the axes of the section or of space."""
+        """Stress (n, 6), components xx, yy, zz, xy, xz, yz, MPa, at points (n, d) in the
+        coordinates of the mesh, mm.
+        """
         offset = np.asarray((points - self._centre) / self.radius)
         return np.asarray(monomials(offset[None])[0].T @ self._coefficients)
 
 
 def monomials(x: Array) -> Array:
-    """(n, k, d) -> (n, m, k): all products of at most three coordinates, 1 first."""
+    """All products (n, m, k) of at most three coordinates of points (n, k, d); the first is 1."""
     factors = [np.ones(x.shape[:2]), *np.moveaxis(x, -1, 0)]
     chosen = list(combinations_with_replacement(range(len(factors)), DEGREE))
     out = np.empty((len(x), len(chosen), x.shape[1]))
@@ -103,9 +117,10 @@ def monomials(x: Array) -> Array:
 
 
 def mirrored(points: Array, stress: Array, axis: int) -> tuple[Array, Array]:
-    """Join points (n, 3) and stresses (n, 6) with their images across x = 0 (axis 0) or y = 0 (1).
+    """Join points (n, 3) and stresses (n, 6) with their images across x = 0 (axis 0) or y = 0 (axis
+    1).
 
-    Shear stresses with one index along the axis change sign.
+    Shear stresses with one index along the axis change sign. Components are xx, yy, zz, xy, xz, yz.
     """
     image = points.copy()
     image[:, axis] *= -1

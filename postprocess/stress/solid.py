@@ -31,15 +31,15 @@ _SIMPLICES = {
 class Solid:
     """The modelled part of one body, of cells with straight edges.
 
-    cells (m,): numbers of its cells in the fields.
-    nodes (m, n): nodes of the cells, corners first.
+    cells (m,): numbers of the body's cells in the fields.
+    nodes (m, n): nodes of the cells, corners first, as numbers in the fields.
     corners (m, k): corner nodes of the cells.
     middles (m, 3): mean of the corners, mm.
-    sizes (m,): distance of the farthest corner from the middle, mm.
+    sizes (m,): distance of the farthest corner from that mean, mm.
     """
 
     def __init__(self, fields: Fields, cells: NDArray[np.int64]) -> None:
-        """cells (m,): all those of the body."""
+        """fields: the solution. cells (m,): numbers of all cells of the body."""
         self.cells, self.nodes = cells, fields.cells[cells]
         self.corners = self.nodes[:, : CORNERS[fields.cell]]
         at = fields.points[self.corners]
@@ -49,7 +49,9 @@ class Solid:
         self._simplices = np.array(_SIMPLICES[fields.cell])
 
     def near(self, point: Array, reach: float) -> NDArray[np.int64]:
-        """Cells, as numbers below m, that may come within reach (mm) of a point (3,)."""
+        """Rows of the cells, below m, of which some point may lie within `reach` (mm) of a point
+        (3,).
+        """
         square = ((self.middles - point) ** 2).sum(axis=1)
         return np.flatnonzero(square < (self.sizes + reach) ** 2)
 
@@ -59,9 +61,10 @@ class Solid:
         return bool(np.any(found.min(axis=2) > -ROUNDING))
 
     def extent(self, start: Array, direction: Array, reach: float) -> float:
-        """Where a line from start (3,) along a unit vector leaves the body, mm; at most `reach`.
+        """Distance, mm, from start (3,) along a unit vector to where the line leaves the body; at
+        most `reach`.
 
-        It may enter the body beyond its start, as one from a tangent plane does.
+        The line may enter the body beyond its start, as one from a tangent plane does.
         """
         offset = self.middles - start
         along = np.clip(offset @ direction, 0.0, reach)
@@ -83,7 +86,9 @@ class Solid:
         return reach * min(end, 1.0) if end > 0 else reach
 
     def _barycentric(self, cells: NDArray[np.int64], points: Array) -> Array:
-        """(s, n, d + 1) coordinates of points (n, 3) in the simplices of some cells."""
+        """Barycentric coordinates (s, n, d + 1) of points (n, 3) in each of the s simplices of the
+        cells, which are given as rows below m.
+        """
         nodes = self.corners[cells][:, self._simplices].reshape(-1, self._simplices.shape[1])
         corners = self._fields.points[nodes] @ self._axes.T
         sides, _ = inverse(corners[:, 1:] - corners[:, :1])
@@ -91,9 +96,10 @@ class Solid:
         return np.concatenate([1 - inner.sum(axis=2, keepdims=True), inner], axis=2)
 
     def sharp_edges(self) -> Array:
-        """(n, 3) points on the edges at which the outer facets turn by more than 75 degrees: free
-        edges, borders of held faces and notches; in a section its corners. Cuts at symmetry planes
-        are no facets."""
+        """Points (n, 3), mm, on the edges at which the outer facets turn by more than 75 degrees:
+        free edges, borders of held faces and notches; in a section its corners. Cuts at symmetry
+        planes are no facets.
+        """
         facets, inner = self._boundary()
         at = self._fields.points[facets]
         if len(self._axes) == 2:
@@ -119,7 +125,9 @@ class Solid:
         return np.concatenate(ends[:, 0] + shares * (ends[:, -1] - ends[:, 0])).reshape(-1, 3)
 
     def _boundary(self) -> tuple[Index, Array]:
-        """Corner nodes (f, k) of the facets of one cell alone, and the middle (f, 3) of it."""
+        """Corner nodes (f, k) of the outer facets, which belong to one cell alone, and the middle
+        (f, 3) of that cell, mm. Facets on symmetry planes are left out.
+        """
         fields = self._fields
         pattern = _facets(fields.cell)
         facets = self.corners[:, pattern].reshape(-1, pattern.shape[1])
@@ -142,7 +150,7 @@ class Solid:
 
 
 def _facets(cell: str) -> Index:
-    """(f, k) corners of the facets of a cell."""
+    """(f, k) corner numbers of the facets of a cell of this type, in basix's order."""
     import basix
 
     return np.asarray(basix.topology(getattr(basix.CellType, cell))[-2])

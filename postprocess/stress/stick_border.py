@@ -26,8 +26,12 @@ INNER = 0.6  # of the way from the middle of a facet to its nodes: where it stic
 def stresses(
     fields: Fields, solid: Solid, recovery: Recovery, rubbing: FrictionSolution
 ) -> tuple[Array, Array]:
-    """Places (n, 3) mm on the surface of one body and stresses (n, 6) MPa in global axes there;
-    none where all sticks or slips, or where the body has yielded."""
+    """Places (n, 3) on the surface of one body at the border of stick and slip, mm, and stresses
+    (n, 6) there, MPa, components xx, yy, zz, xy, xz, yz.
+
+    rubbing: solution with friction. Both arrays are empty where all points stick or all slip, or
+        where a body has yielded.
+    """
     slips = (rubbing.pressure > 0) & ~rubbing.sticks
     places, nodes, cells = _facets(fields, solid)
     if fields.plastic_strain is not None or not (slips.any() and len(cells)):
@@ -46,8 +50,10 @@ def stresses(
 
 
 def _facets(fields: Fields, solid: Solid) -> tuple[Array, Array, NDArray[np.int64]]:
-    """Points (f, k, 3) on the facets of the contact surface of a body, their nodes (f, k, 3), and
-    the cells (f,) they belong to, as numbers in the solid."""
+    """Points (f, k, 3) on the facets of the contact surface of a body, from the middle INNER of the
+    way to each node; the nodes (f, k, 3), mm; and the cells (f,) that the facets belong to, as
+    rows in the solid. Empty where the contact surface is that of a rigid body.
+    """
     own = fields.body[solid.cells[0]] == fields.slave
     surface = fields.contact if own else fields.master_surface
     if surface is None:
@@ -67,12 +73,17 @@ def _assembled(
     rubbing: FrictionSolution,
     slipping: Array,
 ) -> Array:
-    """Stress (n, 6) with the strain in the surface of cells, carried on to the points that slip
-    beside them, and the traction of these:
+    """Stress (n, 6), MPa, at slipping points beside cells that stick, from the stress s_e of the
+    cell, and the pressure p and the traction t on the rail at the point:
 
         s = P s_e P + nu/(1 - nu) (-p - n.s_e.n) P - p n n + t n + n t,   P = 1 - n n
 
-    The pressure is the mean of the contact points as near as the cell is large."""
+    n is the outward normal of the rail, nu Poisson's ratio. The second term changes the stress in
+    the surface, P s_e P, to the pressure p at the same strain in the surface. The pressure is the
+    mean over the contact points as near as the cell is large.
+
+    cells (n,): rows in the solid. slipping (n,): rows of the contact points in `rubbing`.
+    """
     contact, at = fields.contact, rubbing.points[slipping]
     normal = contact.normals[cKDTree(contact.points).query(at)[1]]
     normal = normal if fields.slave == RAIL else -normal
