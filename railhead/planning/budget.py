@@ -11,17 +11,22 @@ MEMORY_SHARE = 0.8  # of the free memory that a run may take
 
 
 class NoMemoryError(SceneError):
-    """A mesh does not fit into the memory that is free now."""
+    """The mesh of a scene that is solved once does not fit into the memory that is free now."""
 
 
 def fits(plan: Plan, free: int) -> bool:
-    """Whether the mesh of a plan may take what it needs of the free memory (bytes)."""
+    """Whether the memory that a plan needs (bytes) is at most MEMORY_SHARE of the free memory
+    (bytes).
+    """
     return plan.memory <= MEMORY_SHARE * free
 
 
 def check_memory(plan: Plan, free: int) -> None:
-    """Refuse the only mesh of a scene that does not fit into the free memory (bytes):
-    NoMemoryError. Where there are several, the first is coarse, and a finer one is left out."""
+    """Refuse a scene that is solved on one mesh where this mesh does not fit into the free memory
+    (bytes): NoMemoryError.
+    Where there are several meshes, the first is coarse, and a finer one that does not fit is left
+    out.
+    """
     if plan.scene.one_mesh and not fits(plan, free):
         raise NoMemoryError(
             "mesh.patch_size",
@@ -31,8 +36,11 @@ def check_memory(plan: Plan, free: int) -> None:
 
 
 def affordable(plan: Plan, wanted: float) -> float:
-    """The finest resolution (elements per semi-axis) that the budget of the scene is predicted to
-    allow, coarse mesh included; at most `wanted` where the scene has an accuracy."""
+    """Finest resolution (elements per semi-axis) at which the predicted seconds of a coarse and a
+    fine mesh are within the budget of the scene.
+    The result is at most `wanted` where the scene has an accuracy, else the finest that the error
+    laws cover.
+    """
     budget = BUDGET_SHARE * float(plan.scene.budget or 0.0)
     best = n = error_envelopes.RANGE[0] * error_envelopes.STEP
     limit = wanted

@@ -23,11 +23,10 @@ DEFAULT_ACCURACY = 0.01  # of a scene without a prescribed one
 @dataclass(frozen=True)
 class Effect:
     """Decision on a physical effect or a simplification.
-
-    called_for: the scene needs it.
-    on: it is simulated.
+    called_for: the scene needs the effect.
+    on: the effect is simulated.
     why: the indicator and its limit, as a sentence.
-    refused: by state ("on", "off"), the reason why a person cannot choose that state.
+    refused: by state ('on', 'off'), the reason why a person cannot choose that state.
     error: relative error that the state adds to every quantity, 0 where it is not known.
     override: a person chose the state.
     """
@@ -40,7 +39,9 @@ class Effect:
     override: bool = False
 
     def forced(self, name: str, state: str) -> Effect:
-        """The effect in the state that a person chose; SceneError where it cannot be had."""
+        """The effect in the state 'on' or 'off' that a person chose; unchanged for 'auto'. Raises
+        SceneError for the effect's name where the state is refused.
+        """
         if state == "auto":
             return self
         if state in self.refused:
@@ -56,18 +57,18 @@ class Effect:
         )
 
     def summary(self) -> dict[str, Any]:
-        """As in summary.json."""
+        """called_for, on, override and why, by name, as in summary.json."""
         keys = ("called_for", "on", "override", "why")
         return {key: getattr(self, key) for key in keys}
 
 
 @dataclass(frozen=True)
 class Context:
-    """What effects are decided by.
-
+    """Data from which effects are decided.
+    scene: the scene.
     dimension: solid, or a section in two dimensions.
     contact: first contact of the undeformed bodies.
-    hertz: exact Hertz contact with the curvatures there.
+    hertz: exact Hertz contact with the curvatures at first contact.
     decided: the effects that come earlier in `effects.EFFECTS`, by name.
     """
 
@@ -79,14 +80,16 @@ class Context:
 
     @cached_property
     def boundary_elements(self) -> Solution:
-        """Of the undeformed pair under the load or approach of the scene; ValueError where they
-        find no closed patch."""
+        """Boundary-element solution of the undeformed pair under the load or approach of the scene.
+        Raises ValueError where there is no closed patch.
+        """
         return boundary_elements.solve(self.contact, self.hertz, self.scene.load)
 
     @cached_property
     def hertzian(self) -> bool:
-        """Whether exact Hertz tells the patch: between half-spaces and in sections by definition,
-        else where the exact gap over the patch is his."""
+        """Whether exact Hertz gives the patch: always between half-spaces and in sections, else
+        where the exact gap over the patch is Hertz's parabola.
+        """
         contact, hertz = self.contact, self.hertz
         if contact.plane or contact.half_space or isinstance(hertz, LineContact):
             return True
@@ -94,8 +97,9 @@ class Context:
 
     @cached_property
     def elastic(self) -> Solution | str:
-        """Boundary elements where the patch is not Hertz's; else text, empty where it is his, or
-        the reason why boundary elements find no closed patch."""
+        """Boundary-element solution where the patch is not Hertz's; else text: empty where the
+        patch is Hertz's, or the reason why boundary elements find no closed patch.
+        """
         if self.hertzian:
             return ""
         try:
@@ -104,23 +108,26 @@ class Context:
             return str(error)
 
     def von_mises(self, poisson: float) -> float:
-        """Largest elastic von Mises stress (MPa) below the contact: from the pressure of the
-        boundary elements, or exact Hertz's without them."""
+        """Largest elastic von Mises stress (MPa) below the contact, for a Poisson's ratio.
+        The stress follows from the pressure of the boundary elements, or from exact Hertz where
+        these are not used.
+        """
         if isinstance(self.elastic, str):
             return contacts.axis_extrema(self.hertz, poisson).von_mises_max
         return max(grid_stress.largest_von_mises(each, poisson) for each in self.elastic.patches)
 
     @property
     def accuracy(self) -> float:
-        """Relative error that effects may add before they are called for."""
+        """Relative error that effects may add before they are called for: the accuracy of the
+        scene, or DEFAULT_ACCURACY.
+        """
         accuracy = self.scene.accuracy
         return DEFAULT_ACCURACY if accuracy is None else accuracy
 
 
 @dataclass(frozen=True)
 class PostSolveVerdict:
-    """The indicator of an effect, evaluated on the solution.
-
+    """Indicator of an effect or an assumption, evaluated on the solution.
     needed: the effect matters but was not simulated.
     why: the indicator and its limit, as a sentence.
     notable: shown beside the result although no effect that the scene calls for was left out.

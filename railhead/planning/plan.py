@@ -36,10 +36,11 @@ SECTION_CELLS = 8.5  # for each mm of a whole section beyond those of its head (
 
 
 class Price(NamedTuple):
-    """Predicted cost of a mesh and a coarser one before it.
-
-    patch_size, unknowns, memory: of the finer one; mm, number, bytes at the peak.
-    seconds: of the whole process.
+    """Predicted cost of two meshes, the finer one being the reported one.
+    patch_size: element size of the finer mesh, mm.
+    unknowns: number of unknowns of the finer mesh.
+    seconds: of the whole process with both meshes.
+    memory: bytes at the peak of the finer mesh.
     """
 
     patch_size: float
@@ -51,14 +52,13 @@ class Price(NamedTuple):
 @dataclass(frozen=True, kw_only=True)
 class Plan:
     """Decisions for one scene.
-
-    context: what they were decided by.
-    effects: decisions on effects by name, see `effects.EFFECTS`.
-    order: of the displacement, 1 or 2.
+    context: scene, contact and effects from which the plan was decided.
+    effects: decisions on effects by name, in the order of `effects.EFFECTS`.
+    order: polynomial order of the displacement, 1 or 2.
     patch_size: element size in the most loaded patch, mm.
     reach: half length of the bodies along the rail, mm.
     forecast: patches that are expected.
-    load_steps: of bodies that yield, from first yield to the load.
+    load_steps: number of load steps from first yield to the load.
     """
 
     context: Context
@@ -86,7 +86,7 @@ class Plan:
 
     @property
     def setting(self) -> Setting:
-        """What the errors of this plan depend on besides the element size."""
+        """Properties of the plan that its errors depend on, besides the element size."""
         scene, zone = self.scene, self.zone
         moduli = [closed_forms.plane_strain_modulus(scene, tag) for tag in BODY_NAMES]
         contact = self.contact
@@ -108,7 +108,9 @@ class Plan:
 
     @property
     def family(self) -> Family | None:
-        """Whose error laws hold for this plan: none were measured with yield or friction."""
+        """Family whose error laws hold for this plan; None with yield or friction, for which no
+        laws were measured, and where no family fits.
+        """
         return error_envelopes.family(self.setting) if self.is_elastic_frictionless else None
 
     @property
@@ -123,15 +125,19 @@ class Plan:
 
     @property
     def zone(self) -> tuple[float, float]:
-        """Half lengths of the most loaded patch along and across, mm; of a line its half width."""
+        """Half lengths (along the rail, across it) of the most loaded patch, mm; of a line contact
+        both are its half width.
+        """
         return self.forecast.zones[0].a, self.forecast.zones[0].b
 
     def at_resolution(self, n: float) -> Plan:
-        """The same plan with n elements per smaller semi-axis."""
+        """The plan with n elements per smaller semi-axis of the most loaded patch."""
         return replace(self, patch_size=self.forecast.minor / n)
 
     def flipped(self, name: str) -> Plan:
-        """The same plan with one effect in its other state."""
+        """The plan with the named effect in its other state; unchanged in a section where that
+        state is refused. Axisymmetry that is called for makes a new plan.
+        """
         effect = self.effects[name]
         if self.section and ("off" if effect.on else "on") in effect.refused:
             return self
@@ -140,33 +146,41 @@ class Plan:
         return replace(self, effects={**self.effects, name: replace(effect, on=not effect.on)})
 
     def turned_on(self, name: str, why: str) -> Plan:
-        """The same plan with an effect that the solution calls for."""
+        """The plan with the named effect called for and on; why: the reason as a sentence."""
         effect = replace(self.effects[name], called_for=True, on=True, why=why)
         return replace(self, effects={**self.effects, name: effect})
 
     def price(self, name: str) -> tuple[int, float]:
-        """Unknowns and seconds that an effect's state is predicted to cost; negative: it saves."""
+        """Unknowns and seconds that the present state of the named effect is predicted to cost more
+        than its other state; negative if it saves.
+        """
         other = self.flipped(name)
         return self.unknowns - other.unknowns, self.seconds - other.seconds
 
     @property
     def omission_error(self) -> float:
-        """Relative error that effects left out by the plan add to every quantity."""
+        """Sum of the relative errors that effects left out by the plan add to every quantity."""
         return sum(effect.error for effect in self.effects.values())
 
     @cached_property
     def uncertainty(self) -> Uncertainty | None:
-        """What measured profiles leave uncertain; None without any."""
+        """Relative error that measured profiles may hide; None where no profile is measured, for
+        half-spaces, and in sections.
+        """
         return uncertainty.of_profiles(self.context)
 
     @property
     def profile_error(self) -> float:
-        """Relative error that measured profiles may hide; no mesh makes it smaller."""
+        """Relative error that measured profiles may hide, 0 without measured profiles; no mesh
+        makes it smaller.
+        """
         return self.uncertainty.relative if self.uncertainty else 0.0
 
     @property
     def profiles(self) -> dict[str, dict[str, Any]]:
-        """How profiles from files were read and smoothed, by body, as in summary.json."""
+        """How profiles from files were read and smoothed, by body ('rail', 'wheel'), as in
+        summary.json; empty for half-spaces.
+        """
         if self.contact.half_space:
             return {}
         places = {"rail": self.contact.touch.y, "wheel": self.contact.touch.wheel_y}
@@ -179,42 +193,45 @@ class Plan:
 
     @property
     def deformable(self) -> tuple[int, ...]:
-        """Tags of the bodies that are meshed."""
+        """Tags of the bodies that are meshed, RAIL and WHEEL."""
         return tuple(tag for tag in BODY_NAMES if self.effects[f"deformable_{BODY_NAMES[tag]}"].on)
 
     @property
     def reported_body(self) -> Rail | Wheel:
-        """The body whose stresses are reported: the rail, unless it is rigid."""
+        """Body of the scene whose stresses are reported: the rail, unless it is rigid."""
         return self.scene.rail if RAIL in self.deformable else self.scene.wheel
 
     @property
     def poisson_ratios(self) -> dict[str, float]:
-        """Poisson's ratio by name of the bodies that are meshed."""
+        """Poisson's ratio of the bodies that are meshed, by 'rail' and 'wheel'."""
         return {BODY_NAMES[tag]: self._part(tag).poisson_ratio for tag in self.deformable}
 
     def _part(self, body: int) -> Rail | Wheel:
+        """Rail or wheel section of the scene for a tag."""
         return self.scene.rail if body == RAIL else self.scene.wheel
 
     @cached_property
     def surfaces(self) -> Contact:
-        """The contact whose profiles make the gap: of one radius where `true_profile` is off."""
+        """Contact whose profiles make the gap: the exact one, or one radius each where the effect
+        `true_profile` is off.
+        """
         if self.effects["true_profile"].on:
             return self.contact
         return one_radius(self.contact)
 
     @property
     def half_x(self) -> bool:
-        """Only x >= 0 is modelled."""
+        """Whether only x >= 0 is modelled."""
         return self.effects["symmetry_x"].on
 
     @property
     def half_y(self) -> bool:
-        """Only y >= 0 is modelled."""
+        """Whether only y >= 0 is modelled."""
         return self.effects["symmetry_y"].on
 
     @property
     def planes(self) -> tuple[tuple[int, tuple[float, float, float]], ...]:
-        """Facet tag and normal of the symmetry planes in use."""
+        """Facet tag and unit normal (x, y, z) of each symmetry plane in use, x first."""
         planes = []
         if self.half_x or self.contact.revolved:
             planes.append((SYMMETRY_X, (1.0, 0.0, 0.0)))
@@ -224,8 +241,9 @@ class Plan:
 
     @property
     def slave(self) -> int:
-        """The body that carries the contact quadrature and the stress of Nitsche's method: the
-        softer one, or the one that stays elastic where the other yields."""
+        """Tag of the body that carries the contact quadrature and the stress of Nitsche's method.
+        This is the body that stays elastic where the other one yields, else the softer one.
+        """
         yields = {RAIL: self.scene.rail.yields, WHEEL: self.scene.wheel.yields}
         elastic = [tag for tag in self.deformable if not yields[tag]]
         if self.effects["plasticity"].on and len(elastic) == 1 and len(self.deformable) == 2:
@@ -236,14 +254,18 @@ class Plan:
 
     @property
     def options(self) -> Options:
-        """Options of the mesher."""
+        """Options of the mesher: cell, geometric order, symmetry at x = 0, plane and elements per
+        full turn.
+        """
         curved = self.order > 1 and not self.contact.half_space
         cell = self.scene.mesh.cell
         per_turn = SECTION_PER_TURN if self.with_foot else ELEMENTS_PER_TURN
         return Options(cell, 2 if curved else 1, self.half_x, self.contact.plane, per_turn)
 
     def parts(self) -> list[Body]:
-        """Sections and sweeps of the deformable bodies. Raises SceneError where they make none."""
+        """Sections and sweeps of the deformable bodies. Raises SceneError where a dimension of the
+        scene makes no valid body.
+        """
         contact = self.contact
         half = contact.is_half_outline(half_x=self.half_x, half_y=self.half_y)
         whole = self.effects["rail_section"].on
@@ -253,13 +275,13 @@ class Plan:
 
     @property
     def with_foot(self) -> bool:
-        """The rail is meshed with web and foot."""
+        """Whether the rail is meshed with web and foot."""
         section = self.effects["rail_section"]
         return section.on and not section.refused and RAIL in self.deformable
 
     @cached_property
     def sizing(self) -> Sizing:
-        """What element sizes depend on."""
+        """Inputs of the element sizes of this plan."""
         return Sizing(
             contact=self.contact,
             surfaces=self.surfaces,
@@ -276,7 +298,7 @@ class Plan:
 
     @cached_property
     def unknowns(self) -> int:
-        """Number of unknowns, predicted from the density of elements."""
+        """Predicted number of unknowns, from the density of elements and the symmetry planes."""
         cell = self.scene.mesh.cell
         share = 0.5 ** (self.half_x + self.half_y)
         if self.section:
@@ -298,7 +320,9 @@ class Plan:
 
     @property
     def solving(self) -> float:
-        """Predicted seconds of one mesh, the start of the process not included."""
+        """Predicted seconds for one mesh, with load steps and friction, without the start of the
+        process.
+        """
         more = prediction.LOAD_STEP * self.load_steps if self.effects["plasticity"].on else 0.0
         if self.effects["friction"].on and not self.section:
             more += prediction.FRICTION * self.unknowns / prediction.FRICTION_AT
@@ -306,7 +330,7 @@ class Plan:
 
     @property
     def cost(self) -> prediction.Cost:
-        """Seconds and bytes an unknown of this kind of model, without yield and friction."""
+        """Seconds and bytes per unknown of this kind of model, without yield and friction."""
         return prediction.cost(
             self.scene.mesh.cell,
             self.order,
@@ -325,14 +349,19 @@ class Plan:
         return prediction.BASE_BYTES + each * self.unknowns
 
     def price_at(self, n: float) -> Price:
-        """Predicted cost of two meshes, the finer one with n elements per smaller semi-axis."""
+        """Predicted cost of two meshes, the finer one with n elements per smaller semi-axis, the
+        coarser one with n / STEP.
+        """
         fine, coarse = self.at_resolution(n), self.at_resolution(n / error_envelopes.STEP)
         seconds = prediction.START + fine.solving + coarse.solving
         return Price(fine.patch_size, fine.unknowns, seconds, fine.memory)
 
     def prices(self) -> list[dict[str, Any]] | None:
-        """What accuracies cost: patch size, unknowns, seconds and memory, None where one is out of
-        reach; None where no family is calibrated."""
+        """Predicted cost of several accuracies, coarsest first; None where no family of error laws
+        fits the plan.
+        Keys of a row: accuracy, patch_size_mm, unknowns, seconds, memory_MB; all but accuracy are
+            None where the accuracy is out of reach.
+        """
         wanted, family = self.scene.accuracy, self.family
         if family is None:
             return None
@@ -348,8 +377,10 @@ class Plan:
         return rows
 
     def to_dict(self) -> dict[str, Any]:
-        """The output of `railhead plan --json`: the scene, "plan" of summary.json, and what it
-        rests on; lengths mm, angles rad, MPa."""
+        """Output of `railhead plan --json`: case, scene, plan, contact, hertz, patches, mesh,
+        solver and prices.
+        Lengths are in mm, angles in rad, pressures in MPa.
+        """
         scene, touch, ellipse = self.scene, self.contact.touch, self.estimate
         along, across = (
             1 / curvature if curvature else math.inf
@@ -381,7 +412,7 @@ class Plan:
         }
 
     def summary(self) -> dict[str, Any]:
-        """ "plan" of summary.json."""
+        """The entry 'plan' of summary.json: effects, predicted cost, sizes and forecast."""
         return {
             "effects": {name: self._effect(name) for name in self.effects},
             "unknowns": self.unknowns,
@@ -401,14 +432,20 @@ class Plan:
         }
 
     def _effect(self, name: str) -> dict[str, Any]:
+        """Decision on the named effect, with the unknowns and seconds that its state is predicted
+        to cost.
+        """
         unknowns, seconds = self.price(name)
         cost = {"unknowns": unknowns, "seconds": seconds}
         return {**self.effects[name].summary(), "predicted_cost": cost}
 
 
 def make(scene: Scene) -> Plan:
-    """The plan of a scene. Raises SceneError for a pair that cannot be solved as a point or line
-    contact, an accuracy that no mesh is expected to meet, and bodies that cannot be built."""
+    """The plan of a scene.
+    Raises SceneError for a pair that cannot be solved as a point or line contact, an accuracy that
+    no mesh is expected to meet, effects that a person cannot choose, and bodies that cannot be
+    built.
+    """
     plan = _decided(scene)
     if scene.accuracy is not None and scene.budget is None and plan.family is not None:
         least = plan.family.least + plan.omission_error
@@ -425,7 +462,10 @@ def make(scene: Scene) -> Plan:
 
 
 def _decided(scene: Scene) -> Plan:
-    """The plan of a scene, whether or not its bodies can be built."""
+    """The plan of a scene, whether or not its bodies can be built. Raises SceneError for a pair
+    without a valid contact, a patch that is too large or too small, and effects that a person
+    cannot choose.
+    """
     kind = dimension.choose(scene)
     contact = geometry.locate(scene) if kind.kind == "solid" else plane_section.locate(scene, kind)
     predicted = closed_forms.hertz_if_valid(scene, contact)

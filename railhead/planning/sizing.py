@@ -30,7 +30,9 @@ MIN_BODY_REACH = 80.0  # mm
 
 
 def reach(contact: Contact, hertz: Hertz, forecast: Forecast) -> float:
-    """Half length of the bodies along the rail, mm."""
+    """Half length of the bodies along the rail, mm: a multiple of the largest half length of the
+    forecast patches and Hertz's patch, and at least MIN_BODY_REACH for real bodies.
+    """
     sizes = [size for zone in forecast.zones for size in (zone.a, zone.b)]
     major = max(*sizes, *contacts.half_lengths(hertz))
     if contact.half_space:
@@ -40,11 +42,10 @@ def reach(contact: Contact, hertz: Hertz, forecast: Forecast) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Sizing:
-    """What element sizes depend on.
-
+    """Inputs of the element sizes of a plan.
     contact: first contact of the undeformed bodies.
-    surfaces: the contact whose profiles make the gap, of one radius each where that is enough.
-    forecast: patches that are refined around.
+    surfaces: contact whose profiles make the gap, of one radius each where that is enough.
+    forecast: patches around which the mesh is refined.
     cell: 'tetrahedron' or 'hexahedron', in a section triangles or quadrilaterals.
     order: of the displacement, 1 or 2.
     patch_size: element size in the most loaded patch, mm.
@@ -61,7 +62,7 @@ class Sizing:
 
     @property
     def resolution(self) -> float:
-        """Elements per smaller semi-axis of the forecast patch."""
+        """Elements per smaller semi-axis of the most loaded patch."""
         return self.forecast.minor / self.patch_size
 
     @property
@@ -71,23 +72,28 @@ class Sizing:
 
     @property
     def default_resolution(self) -> float:
-        """Elements per smaller semi-axis where no accuracy is prescribed."""
+        """Elements per smaller semi-axis where no accuracy is prescribed: more in a section."""
         return self.solid_resolution * (SECTION_REFINEMENT if self.contact.plane else 1.0)
 
     @property
     def growth(self) -> float:
-        """Increase of the element size per distance from the patch."""
+        """Increase of the element size per distance from the patch, dimensionless; smaller for
+        finer patches.
+        """
         return min(GROWTH, GROWTH * FULL_GROWTH * self.solid_resolution / self.resolution)
 
     @property
     def coarsest(self) -> float:
-        """The largest element size, mm."""
+        """Largest element size, mm: a share of the half length of the bodies and of the width of
+        the profiles.
+        """
         widths = [np.ptp(profile.domain) for profile, _ in self.contact.profiles.values()]
         return min([COARSEST * self.reach, *(COARSEST_ACROSS * width for width in widths)])
 
     def grading(self) -> Grading:
-        """Sizes around the patches of the forecast; smaller patches get smaller elements. Elements
-        are stretched along the rail as far as it saves cells."""
+        """Element sizes around the patches of the forecast; smaller patches get smaller elements.
+        Elements of a solid are stretched along the rail as far as this saves cells.
+        """
         if self.contact.plane:
             return self._stretched(1.0)
         most = max(suited_stretch(zone.a, zone.b) for zone in self.forecast.zones)
@@ -98,9 +104,12 @@ class Sizing:
         return min(tried, key=lambda g: g.predicted_cells(self.reach, hexahedra=hexahedra))
 
     def _stretched(self, stretch: float) -> Grading:
-        """Patches that want less than this stretch get smaller elements instead."""
+        """Element sizes with that stretch along the rail; patches that suit a smaller stretch get
+        smaller elements instead. Ridges of the pressure are refined in tetrahedra.
+        """
 
         def around(zone: Zone) -> Grading:
+            """Element sizes around one zone."""
             share = min(zone.a, zone.b) / self.forecast.minor
             size = self.patch_size * min(1.0, max(share, FINEST_SHARE))
             size *= min(1.0, suited_stretch(zone.a, zone.b) / stretch)

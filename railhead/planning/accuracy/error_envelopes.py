@@ -32,25 +32,27 @@ LAWS = Path(__file__).with_name("data") / "laws.json"
 
 
 def drop_beside_maximum(beside: float) -> float:
-    """By how much, relative, a quantity is lower beside its maximum: a parabola.
-
-    beside: distance from the maximum over its flatness.
+    """Relative drop of a quantity beside its maximum, after a parabola.
+    beside: distance from the maximum over the half range in which the quantity stays within FLAT of
+        the maximum.
     """
     return FLAT * beside**2
 
 
 @dataclass(frozen=True)
 class Setting:
-    """What errors depend on besides the resolution.
-
+    """Properties of a planned model, besides the resolution, on which its errors depend.
     shape: 'half-spaces', 'bodies' (solids that end), 'plane strain' or 'meridian'.
     turned: the width of a line contact runs across the rail.
-    cell, order, method, gamma_factor: as the keys of a scene.
+    cell: 'tetrahedron' or 'hexahedron', as mesh.cell of the scene.
+    order: of the displacement, 1 or 2.
+    method: as solver.method of the scene.
     theta: of Nitsche's method; None where the contact law chooses it.
+    gamma_factor: as solver.gamma_factor of the scene.
     poisson, least_poisson: largest and least Poisson's ratio of the deformable bodies.
-    ellipse: the patch is an ellipse.
-    axis_ratio: longer over shorter semi-axis.
-    stiffness: E/(1 - nu^2) of the softer body over that of the other.
+    ellipse: the forecast patch is Hertz's ellipse.
+    axis_ratio: longer over shorter semi-axis of the most loaded patch.
+    stiffness: smaller over larger E/(1 - nu^2) of the two bodies; 0 where one is rigid.
     """
 
     shape: str
@@ -69,24 +71,30 @@ class Setting:
 
 @dataclass(frozen=True)
 class ErrorEnvelope:
-    """Bound of a relative error over the resolution: value * (6/n)^order at n elements per
-    semi-axis."""
+    """Bound of a relative error: value * (6/n)^order at n elements per semi-axis.
+    value: bound at n = 6.
+    order: power with which the bound falls.
+    """
 
     value: float
     order: float
 
     def __call__(self, n: float) -> float:
+        """Bound of the relative error at n elements per semi-axis."""
         return float(self.value * (6.0 / n) ** self.order)
 
 
 @dataclass(frozen=True)
 class Family:
     """Scenes whose errors were measured together.
-
-    where: by field of `Setting` the allowed words, or the range of a number; resolution: range of
-    n; laws: mesh error by quantity, over its scale (see `scales`); reading: how large that part
-    was in the middle, for prices only; overlap: relative error by quantity for an overlap of the
-    whole approach.
+    name: name of the family.
+    where: by field of `Setting`, the allowed words, or the range of a number (two ends).
+    resolution: smallest and largest calibrated n, elements per smaller semi-axis.
+    laws: envelope of the mesh error by quantity, over the quantity's scale
+        (`estimates.error_scales`).
+    reading: median relative difference of two ways of reading each quantity from the same solution,
+        by quantity; for prices only.
+    overlap: relative error by quantity for an overlap of the bodies as large as the approach.
     """
 
     name: str
@@ -97,7 +105,7 @@ class Family:
     overlap: Mapping[str, float]
 
     def holds(self, setting: Setting) -> bool:
-        """Whether the setting lies within what was calibrated."""
+        """Whether every field of the setting lies within what was calibrated."""
         for name, value in asdict(setting).items():
             allowed = self.where[name]
             if isinstance(value, float):
@@ -109,7 +117,9 @@ class Family:
 
     @property
     def across(self) -> Family:
-        """Of line contacts whose width runs across the rail: laws are kept as of those along it."""
+        """The family for line contacts whose width runs across the rail: half lengths along and
+        across change places, as the laws are stored for contacts along the rail.
+        """
         return replace(
             self,
             laws=_turned(self.laws),
@@ -118,24 +128,27 @@ class Family:
         )
 
     def mesh(self, name: str, n: float) -> float:
-        """The envelope of a quantity at n; beyond what was calibrated it falls at most as the first
-        power."""
+        """Envelope of the mesh error of the named quantity over its scale, at n elements per semi-
+        axis; beyond the calibrated range the envelope falls at most as the first power of n.
+        """
         law, top = self.laws[name], self.resolution[1]
         if n <= top:
             return law(n)
         return law(top) * (top / n) ** min(law.order, 1.0)
 
     def covers(self, n: float, solved: Sequence[float] = ()) -> bool:
-        """Whether a resolution lies within what was calibrated, or is finer by a factor STEP at
-        most than that, or than a mesh it covers that was solved and can deny it."""
+        """Whether n elements per semi-axis lie within the calibrated range, or are finer by at most
+        a factor STEP. Solved meshes (their n) extend the range in the same way.
+        """
         low, high = self.resolution
         for m in sorted(solved):
             high = max(high, m) if m <= STEP * high else high
         return low <= n * (1 + 1e-9) and n <= STEP * high
 
     def expected(self, n: float) -> float:
-        """Largest relative error of all quantities at n elements per semi-axis, of a place by
-        what is lost there."""
+        """Largest relative error of all quantities at n elements per semi-axis. For a place of a
+        maximum the drop of the quantity there counts instead of the distance.
+        """
         return max(
             drop_beside_maximum(self.mesh(name, n))
             if name in PLACES
@@ -144,7 +157,9 @@ class Family:
         )
 
     def read_no_better(self, n: float, found: Mapping[str, float]) -> Family:
-        """Where the readings' parts that were found at n are above the middle, theirs."""
+        """The family with the reading error of each quantity raised to the value found at n
+        elements per semi-axis, where found is larger than the median error.
+        """
         reading = {
             name: replace(law, value=law.value * max(1.0, found.get(name, 0.0) / max(law(n), TINY)))
             for name, law in self.reading.items()
@@ -153,8 +168,9 @@ class Family:
 
     @property
     def least(self) -> float:
-        """The smallest accuracy, relative, that any mesh is expected to meet: what falls more
-        slowly than the first power is taken as constant beyond the meshes that the laws cover."""
+        """Smallest relative accuracy that any mesh is expected to meet. Errors that fall more
+        slowly than the first power of n count as constant beyond the calibrated range.
+        """
         n = STEP * self.resolution[1]
         slow = [
             (self.mesh(name, n) if self.laws[name].order < 1 else 0.0)
@@ -165,12 +181,15 @@ class Family:
         return max(slow) / AIM
 
     def reaches(self, accuracy: float) -> bool:
-        """Whether a resolution that the laws cover is expected to meet the accuracy."""
+        """Whether the finest resolution that the laws cover is expected to meet the relative
+        accuracy, with AIM of it for the mesh.
+        """
         return self.expected(STEP * self.resolution[1]) <= AIM * accuracy
 
     def finest(self, accuracy: float) -> float:
-        """Elements per semi-axis at which all quantities meet the accuracy, as far as the laws
-        go."""
+        """Elements per semi-axis at which all quantities are expected to meet the relative
+        accuracy, within the range that the laws cover.
+        """
         low, high = self.resolution[0], STEP * self.resolution[1]
         target = AIM * accuracy
         if not self.reaches(accuracy):
@@ -181,12 +200,13 @@ class Family:
 
 
 def _turned(values: Mapping[str, T]) -> dict[str, T]:
+    """The mapping with the names of the half lengths along and across exchanged."""
     return {TURNED.get(name, name): value for name, value in values.items()}
 
 
 @cache
 def families() -> tuple[Family, ...]:
-    """All calibrated families."""
+    """All calibrated families, from the file LAWS."""
     return tuple(
         Family(
             name,
@@ -201,6 +221,8 @@ def families() -> tuple[Family, ...]:
 
 
 def family(setting: Setting) -> Family | None:
-    """The family that a setting lies in."""
+    """The family that the setting lies in, turned for a width across the rail; None where no family
+    was calibrated for the setting.
+    """
     found = next((each for each in families() if each.holds(setting)), None)
     return found.across if found and setting.turned else found

@@ -24,9 +24,8 @@ SAFETY = 2.0  # chosen on six seeds of each pair of the study
 @dataclass(frozen=True)
 class Uncertainty:
     """Relative error of sizes and values of the answer that measured profiles may hide.
-
-    relative: infinite where boundary elements find no patch.
-    reason: why it is infinite, else empty.
+    relative: relative error, infinite where boundary elements find no patch.
+    reason: why the error is infinite, else empty.
     """
 
     relative: float
@@ -34,8 +33,9 @@ class Uncertainty:
 
 
 def of_profiles(context: Context) -> Uncertainty | None:
-    """What the measured profiles of a scene leave uncertain; None where none is measured, and in
-    sections, whose contacts no half-space has."""
+    """Relative error that the measured profiles of a scene may hide; None where no profile is
+    measured, for half-spaces, and in sections, whose contacts no half-space has.
+    """
     scene, contact = context.scene, context.contact
     if contact.half_space or contact.plane or not solid.measured_bodies(scene):
         return None
@@ -46,8 +46,11 @@ def of_profiles(context: Context) -> Uncertainty | None:
 
 
 def around(scene: Scene, solution: Solution) -> Uncertainty:
-    """How pressure and area of a solution change with other lengths of smoothing. Raises SceneError
-    or ValueError where one of them leaves no contact."""
+    """SAFETY times the largest relative change of pressure or area when the smoothing length of the
+    measured profiles is doubled or halved.
+    solution: boundary elements with the usual smoothing.
+    Raises SceneError or ValueError where one length leaves no contact.
+    """
     changes = []
     for stretch in STRETCHES:
         contact = solid.locate(scene, solid.pair(scene, stretch))

@@ -16,21 +16,23 @@ LEAST_UNKNOWNS = 10_000  # of a mesh that tells: smaller ones take a time of the
 
 
 def cache_file() -> Path:
-    """Where the ratios of finished runs are kept."""
+    """Path of the file that holds the ratios of finished runs, in the cache folder of the user."""
     root = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
     return Path(root) / "railhead" / "speed.json"
 
 
 def correction() -> float:
-    """What predicted seconds are multiplied with: the median of `record` over the latest runs of
-    this machine, 1 before there are LEAST_RUNS of them."""
+    """Factor on predicted seconds for this machine: median of taken over predicted seconds of the
+    latest runs; 1 before there are LEAST_RUNS of them.
+    """
     ratios = _ratios()
     return statistics.median(ratios) if len(ratios) >= LEAST_RUNS else 1.0
 
 
 def record(taken: float, predicted: float) -> None:
-    """Keep the seconds that a mesh took over those predicted without correction, where there is a
-    place for it."""
+    """Store the ratio of the seconds that a mesh took to the predicted ones without correction,
+    with the latest RUNS ratios. A file that cannot be written is ignored.
+    """
     try:
         file = cache_file()
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -41,6 +43,9 @@ def record(taken: float, predicted: float) -> None:
 
 
 def _ratios() -> list[float]:
+    """Ratios of taken to predicted seconds of this machine's runs in the file, latest last; empty
+    without a readable file, and without values outside 0.01 to 1000.
+    """
     try:
         kept = json.loads(cache_file().read_text(encoding="utf-8"))
         ratios = [float(each) for each in kept[platform.node()]]
@@ -50,5 +55,5 @@ def _ratios() -> list[float]:
 
 
 def free_memory() -> int:
-    """Bytes that can still be taken."""
+    """Memory that is available on this machine now, bytes."""
     return int(psutil.virtual_memory().available)

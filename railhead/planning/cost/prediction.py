@@ -25,10 +25,11 @@ FRICTION_BYTES = 26_000  # an unknown, beside those of an elastic run: 13 000 to
 
 @dataclass(frozen=True)
 class Cost:
-    """What an unknown of one kind of model takes, mesh to findings, elastic and frictionless.
-
-    seconds: each, times (unknowns / SMALL) ** growth above that number, on two cores of 2026.
-    bytes: each, at the peak.
+    """Cost of one unknown of one kind of model, from mesh to results, elastic and frictionless.
+    seconds: seconds per unknown on two cores of 2026, times (unknowns / SMALL) ** growth above
+        SMALL unknowns.
+    growth: that power.
+    bytes: bytes per unknown at the peak.
     """
 
     seconds: float
@@ -36,7 +37,9 @@ class Cost:
     bytes: int
 
     def time(self, unknowns: int) -> float:
-        """Seconds of one mesh, imports not included, without the correction for this machine."""
+        """Seconds for one mesh with that number of unknowns, without imports and without the
+        correction for this machine.
+        """
         return self.seconds * unknowns * max(1.0, unknowns / SMALL) ** self.growth
 
 
@@ -54,19 +57,26 @@ OTHER_CELLS = {
 
 
 def cost(cell: str, order: int, *, section: bool, half_space: bool) -> Cost:
-    """Of a kind of model; cell, order: as `mesh.cell` and `mesh.order` of a scene."""
+    """Cost per unknown of a model: section or solid, half-spaces or real bodies, cell and order as
+    mesh.cell and mesh.order of a scene.
+    """
     if section:
         return SECTION
     return OTHER_CELLS.get((cell, order), HALF_SPACES if half_space else PROFILES)
 
 
 def unknowns_per_cell(kind: str, cell: str, order: int) -> float:
-    """Of a predicted cell in a 'solid' or 'section': measured by `studies.accuracy.cells`."""
+    """Unknowns per predicted cell of a mesh; kind is 'solid' or 'section', cell and order are as
+    mesh.cell and mesh.order. Values were measured by `studies.accuracy.cells`.
+    """
     return float(_cell_table()[kind][cell][str(order)])
 
 
 @cache
 def _cell_table() -> dict[str, Any]:
+    """Unknowns per cell from the file data/cells.json: by 'solid' or 'section', then cell, then
+    order as text.
+    """
     file = Path(__file__).parent / "data" / "cells.json"
     table: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
     return table

@@ -26,7 +26,6 @@ from railhead.theory.elastic.contacts import Hertz
 @dataclass(frozen=True, kw_only=True)
 class EffectRules:
     """How an effect is decided, and evaluated on the solution.
-
     decide: from the scene and the effects before it in `EFFECTS`.
     check: the same indicator on the solution; None where it does not apply.
     numerical_only: the exact answer is the same with and without the effect.
@@ -66,8 +65,9 @@ ASSUMPTIONS = {
 def decide(
     scene: Scene, dimension: Dimension, contact: Contact, hertz: Hertz
 ) -> tuple[Context, dict[str, Effect]]:
-    """The context of a scene and all its effects by name. Raises SceneError for a state that a
-    person chose and cannot have."""
+    """The context of a scene and all its effects by name, decided in the order of `EFFECTS`. Raises
+    SceneError for a state that a person chose and cannot have, and where no body deforms.
+    """
     found: dict[str, Effect] = {}
     context = Context(scene, dimension, contact, hertz, found)
     for name, effect in EFFECTS.items():
@@ -82,7 +82,9 @@ def decide(
 
 
 def overruled(effects: Mapping[str, Effect]) -> list[str]:
-    """Names of the effects by which a person chose another problem than the scene calls for."""
+    """Names of the effects by which a person chose another problem than the scene calls for;
+    numerical effects do not count.
+    """
     return [
         name
         for name, each in effects.items()
@@ -93,8 +95,10 @@ def overruled(effects: Mapping[str, Effect]) -> list[str]:
 def left_out(
     effects: Mapping[str, Effect], after: Mapping[str, PostSolveVerdict]
 ) -> dict[str, str]:
-    """Why effects are called for that are not simulated, by name, except those that a person has
-    overruled and those without which the exact answer is the same."""
+    """Reason by name for each effect that is needed but not simulated.
+    effects: decisions by name; after: verdicts on the solution, which count where present.
+    Effects that a person overruled, and those that do not change the exact answer, are left out.
+    """
     out = {}
     for name, each in effects.items():
         weighed = after.get(name, PostSolveVerdict(each.called_for, each.why))
@@ -106,7 +110,9 @@ def left_out(
 def check(
     context: Context, effects: Mapping[str, Effect], findings: Findings
 ) -> dict[str, PostSolveVerdict]:
-    """The indicators on the solution, by effect or assumption."""
+    """Verdicts by name of all effects and assumptions, evaluated on the findings of a solution;
+    those that do not apply are missing.
+    """
     after = {name: each.check(context, effects[name], findings) for name, each in EFFECTS.items()}
     after |= {name: weigh(context, findings) for name, weigh in ASSUMPTIONS.items()}
     return {name: each for name, each in after.items() if each is not None}

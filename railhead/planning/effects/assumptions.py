@@ -18,8 +18,10 @@ EDGE = 1.1  # times the semi-axis across that must lie within both profiles
 
 
 def small_patch(context: Context, found: Findings) -> PostSolveVerdict:
-    """Hertz's parabolas and half-spaces need semi-axes far below the radii (Johnson, Contact
-    Mechanics, 4.1)."""
+    """Verdict on the patch size: Hertz's parabolas and half-spaces need semi-axes far below the
+    relative radii (Johnson, Contact Mechanics, 4.1).
+    The larger of a times curvature_x and b times curvature_y is held against SMALL.
+    """
     touch, patch = context.contact.touch, found.patch
     a, b = patch.a * touch.curvature_x, patch.b * touch.curvature_y
     side, ratio = ("a", a) if a > b else ("b", b)
@@ -29,7 +31,9 @@ def small_patch(context: Context, found: Findings) -> PostSolveVerdict:
 
 
 def inside_the_bodies(context: Context, found: Findings) -> PostSolveVerdict | None:
-    """A patch at the edge of a tread or of a head has a stress peak there that no profile shows."""
+    """Verdict on the distance from the patch to the nearest edge of a tread or head, where a stress
+    peak arises that no profile shows; None without profiles across the rail.
+    """
     scene, contact = context.scene, context.contact
     if not contact.cross_profiles:
         return None
@@ -45,8 +49,10 @@ def inside_the_bodies(context: Context, found: Findings) -> PostSolveVerdict | N
 
 
 def thick_bodies(context: Context, found: Findings) -> PostSolveVerdict | None:
-    """A body held just below the patch is stiffer than a half-space (see theory.finite_bodies); of
-    a standard rail the effect rail_section tells."""
+    """Verdict on the stiffening of a body that is held just below the patch (see
+    theory.elastic.finite_bodies). A standard rail is left to the effect rail_section. None
+    without profiles across the rail.
+    """
     scene, contact = context.scene, context.contact
     if not contact.cross_profiles:
         return None

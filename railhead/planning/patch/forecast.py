@@ -31,10 +31,10 @@ MINOR = 0.02  # of the load: smaller patches are not refined for
 @dataclass(frozen=True)
 class Zone:
     """An expected contact patch.
-
     centre: (x, y, z), mm.
-    a, b: half lengths along the rail and along the tangent across it, mm.
-    angle: of that tangent to the horizontal, rad.
+    a: half length along the rail, mm.
+    b: half length along the tangent across the rail, mm.
+    angle: angle of that tangent to the horizontal, rad.
     """
 
     centre: tuple[float, float, float]
@@ -46,10 +46,9 @@ class Zone:
 @dataclass(frozen=True)
 class Nearest:
     """Predicate of points: the nearest point of a known solution touches, and is near.
-
-    tree: of the known points (n, 3), mm.
-    touches: (n,) whether they do.
-    reach: largest distance, mm.
+    tree: KD tree of the known points (n, 3), mm.
+    touches: (n,) whether each known point touches.
+    reach: largest distance to a known point, mm.
     """
 
     tree: cKDTree
@@ -57,17 +56,17 @@ class Nearest:
     reach: float
 
     def __call__(self, points: Array) -> NDArray[np.bool_]:
+        """Whether each of the points (n, 3) in mm touches: (n,) booleans."""
         distance, index = self.tree.query(points)
         return np.asarray(self.touches[index] & (distance < self.reach))
 
 
 @dataclass(frozen=True)
 class InEllipse:
-    """Predicate of points: they lie in Hertz's ellipse.
-
+    """Predicate of points: they lie in Hertz's ellipse, near the tangent plane.
     frame: axes at the contact point.
     a, b: semi-axes, mm.
-    turn: angle of the first one to the rail in the tangent plane, rad.
+    turn: angle of the semi-axis a to the rail in the tangent plane, rad.
     """
 
     frame: Frame
@@ -76,6 +75,9 @@ class InEllipse:
     turn: float
 
     def __call__(self, points: Array) -> NDArray[np.bool_]:
+        """Whether each of the points (n, 3) in mm lies in the ellipse and closer to its plane than
+        the larger semi-axis: (n,) booleans.
+        """
         x, s, height = self.frame.local(points).T
         c, t = math.cos(self.turn), math.sin(self.turn)
         inside = ((c * x + t * s) / self.a) ** 2 + ((c * s - t * x) / self.b) ** 2 < 1.0
@@ -84,14 +86,13 @@ class InEllipse:
 
 @dataclass(frozen=True)
 class Forecast:
-    """What is expected of the contact before it is solved.
-
+    """Expectation of the contact before it is solved.
     zones: patches, most loaded first.
-    moments: centre (x, s) and semi-axes of an ellipse with the moments of the whole pressure, in
-        the frame of the first contact, mm.
-    touching: points (n, 3) mm -> (n,) whether they are expected to touch.
+    moments: centre (x, s) and two semi-axes of an ellipse with the moments of the whole pressure,
+        along and across the rail, in the frame of the first contact, mm.
+    touching: function of points (n, 3) in mm that gives (n,) whether they are expected to touch.
     hertzian: exact Hertz is the forecast.
-    reason: why it is, where the gap is not a parabola; else empty.
+    reason: why exact Hertz stands in where the gap is not a parabola; else empty.
     """
 
     zones: tuple[Zone, ...]
@@ -107,7 +108,9 @@ class Forecast:
 
 
 def forecast(context: Context) -> Forecast:
-    """The expected patches: exact Hertz where the gap is a parabola, else boundary elements."""
+    """Expected patches: exact Hertz where the gap is a parabola or boundary elements find no patch,
+    else boundary elements. Patches below MINOR of the load are left out.
+    """
     contact, ellipse = context.contact, context.hertz
     if context.hertzian:
         return _hertz(contact, ellipse)
@@ -135,7 +138,9 @@ def forecast(context: Context) -> Forecast:
 
 
 def _hertz(contact: Contact, ellipse: Hertz) -> Forecast:
-    """Of a line contact the zone is as wide as long: its section does not know the length."""
+    """Forecast of one patch from exact Hertz. The half lengths are the semi-axes, in mm; for a line
+    contact both are its half width.
+    """
     touch, frame = contact.touch, contact.frame
     touching = InEllipse(frame, ellipse.a, ellipse.b, touch.orientation)
     a, b = contacts.half_lengths(ellipse)
@@ -144,7 +149,9 @@ def _hertz(contact: Contact, ellipse: Hertz) -> Forecast:
 
 
 def _zone(patch: PatchSolution, surface: Developed) -> Zone:
-    """Where a patch lies and how far it reaches, by whole cells."""
+    """Zone of a boundary-element patch from the whole cells that carry pressure, with the centre on
+    the rail's surface and half lengths in mm.
+    """
     ends = [
         (axis[index.min()], axis[index.max()], axis[1] - axis[0])
         for axis, index in zip((patch.x, patch.s), np.nonzero(patch.pressure), strict=True)
@@ -156,6 +163,11 @@ def _zone(patch: PatchSolution, surface: Developed) -> Zone:
 
 
 def _moments(local: Array, force: Array) -> tuple[float, float, float, float]:
+    """Centre (x, s) and semi-axes (along, across) in mm of the ellipse with the moments of a
+    pressure.
+    local: points (n, 3) in the frame of the first contact, mm.
+    force: (n,) weights, N; semi-axes are the square root of five times the variance.
+    """
     x, s = (float(np.average(local[:, axis], weights=force)) for axis in (0, 1))
     a, b = (
         math.sqrt(5 * float(np.average((local[:, axis] - middle) ** 2, weights=force)))

@@ -16,7 +16,9 @@ BESIDE = 1e-6  # mm
 
 
 def ridges(contact: Contact, zone: Zone) -> list[Zone]:
-    """Lines along the rail in a patch, as zones without width (b = 0)."""
+    """Lines along the rail in a patch at which the relative curvature across jumps by more than
+    JUMP, as zones without width (b = 0).
+    """
     found = []
     for _, profile, shift in contact.cross_profiles:
         for joint in profile.joints:
@@ -30,7 +32,9 @@ def ridges(contact: Contact, zone: Zone) -> list[Zone]:
 
 
 def _jump(contact: Contact, y: float) -> float:
-    """Difference of the relative curvature across on both sides of y, over the larger one."""
+    """Jump of the relative curvature across at y (mm), over the larger of the curvatures on both
+    sides.
+    """
     (rail, _), (wheel, shift) = contact.profiles["rail"], contact.profiles["wheel"]
     left, right = (
         float(rail.curvature(beside) - wheel.curvature(beside - shift))

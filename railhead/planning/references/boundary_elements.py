@@ -32,11 +32,11 @@ CELLS = 64  # each way in a patch
 
 @dataclass(frozen=True)
 class Developed:
-    """The rail's surface developed into a plane (x, s).
-
+    """The rail's surface developed into a plane (x, s): x along the rail, s along the profile from
+    the first contact.
     contact: bodies and first contact.
-    s: (n,) length along the rail's profile from the first contact, ascending, mm.
-    y: (n,) place across the track that belongs to it, mm.
+    s: (n,) arc lengths, ascending, mm.
+    y: (n,) y on the rail at each s, mm.
     """
 
     contact: Contact
@@ -44,22 +44,28 @@ class Developed:
     y: Array
 
     def angle(self, s: Array) -> Array:
-        """Of the normals at s (n,) to the vertical, rad."""
+        """Angle (n,) of the rail's surface to the horizontal at s (n,) in mm, in rad; positive
+        where z rises with y.
+        """
         return np.asarray(np.arctan(self.contact.profiles["rail"][0].slope(self._across(s))))
 
     def points(self, x: Array, s: Array) -> Array:
-        """(n, 3) on the surface, mm; NaN beyond the profile."""
+        """Points (n, 3) in mm on the rail's surface at x, s (n,) in mm; NaN beyond the profile."""
         y = self._across(s, math.nan)
         return np.column_stack([x, y, self.contact.profiles["rail"][0].height(y)])
 
     def gap(self, x: Array, s: Array) -> Array:
-        """Undeformed gap (n,) along the rail's normals, mm; infinite where they miss the wheel."""
+        """Undeformed gap (n,) along the rail's normals at x, s (n,), in mm; infinite where a normal
+        misses the wheel.
+        """
         angle = self.angle(s)
         normals = np.column_stack([np.zeros_like(angle), -np.sin(angle), np.cos(angle)])
         return along(self.contact.surfaces()[1], self.points(x, s), normals)
 
     def locus(self) -> tuple[Array, Array, Array]:
-        """x, s and height over the rail (n,) of the wheel's points that come down first."""
+        """x, s and height over the rail (n,), in mm, of the wheel's contact locus, where its points
+        are over the rail.
+        """
         pair, pose = self.contact.pair, self.contact.pose
         assert pair is not None and pose is not None
         points = pair.outline(pose, np.linspace(*pair.wheel.domain, SAMPLES)).points
@@ -69,11 +75,16 @@ class Developed:
         return x, np.interp(y, self.y, self.s), z - pair.rail.height(y)
 
     def _across(self, s: Array, beyond: float | None = None) -> Array:
+        """y (mm) on the rail at arc lengths s (n,) in mm; `beyond` outside the profile, or its end
+        where that is None.
+        """
         return np.interp(s, self.s, self.y, beyond, beyond)
 
 
 def develop(contact: Contact) -> Developed:
-    """The rail's profile by its length. Raises ValueError for half-spaces, which have none."""
+    """Developed surface of the rail of a contact. Raises ValueError for half-spaces, which have no
+    profile.
+    """
     rail = contact.surfaces()[0].profile
     y = np.unique([*np.linspace(*rail.domain, SAMPLES), *rail.joints, contact.touch.y])
     s = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(y), np.diff(rail.height(y))))])
@@ -81,8 +92,11 @@ def develop(contact: Contact) -> Developed:
 
 
 def solve(contact: Contact, ellipse: Hertz, load: float | None, cells: int = CELLS) -> Solution:
-    """All patches of a contact under a vertical load (N), or at the ellipse's approach.
-
+    """Boundary-element solution with all patches of a contact under a vertical load (N), or at the
+    ellipse's approach.
+    ellipse: exact Hertz for the first contact.
+    load: vertical load, N; None for the approach.
+    cells: cells each way in a patch.
     Where the solution leaves a point of the wheel's contact locus inside the rail, a patch was
     missed and is added. Raises ValueError where there is no closed patch within the profiles.
     """
@@ -110,8 +124,10 @@ def solve(contact: Contact, ellipse: Hertz, load: float | None, cells: int = CEL
 
 
 def _inside(surface: Developed, found: Solution, x: Array, s: Array, height: Array) -> Array:
-    """How deep (n,) the wheel's locus lies in the rail outside of the windows, mm, where that
-    matters, else zero."""
+    """Depth (n,) in mm of the wheel's contact locus in the rail outside of the windows of a
+    solution; zero where this is at most TOUCHING of the approach.
+    x, s, height: (n,) of the locus in the developed plane, mm.
+    """
     beside = height < found.approach
     for window in found.windows:
         reach = [
@@ -128,13 +144,15 @@ def _inside(surface: Developed, found: Solution, x: Array, s: Array, height: Arr
 
 
 def _window(x: Array, s: Array) -> Window:
-    """Around places x, s (n,) or (m,)."""
+    """Rectangle around places x (n,) and s (m,) in mm: centre (x, s) and half sizes (x, s)."""
     (x0, x1), (s0, s1) = ((float(each.min()), float(each.max())) for each in (x, s))
     return ((x0 + x1) / 2, (s0 + s1) / 2), ((x1 - x0) / 2, (s1 - s0) / 2)
 
 
 def _boxes(contact: Contact, x: Array, s: Array, depth: Array) -> list[Window]:
-    """Where the locus x, s (n,) lies by depth (n,) mm in the rail: centres and half sizes."""
+    """Rectangles around the runs of the contact locus x, s (n,) in mm that lie by depth (n,) mm in
+    the rail: centre (x, s) and half sizes (x, s).
+    """
     found: list[Window] = []
     curvature = max(contact.touch.curvature_x, 0.1 / contact.scene.wheel.rolling_radius)
     for (run,) in find_objects(label(depth > 0)[0]):
@@ -147,7 +165,9 @@ def _boxes(contact: Contact, x: Array, s: Array, depth: Array) -> list[Window]:
 
 
 def _around(contact: Contact, surface: Developed, rigid: float) -> list[Window]:
-    """Where paraboloids at the contact points would lie in the rail after a closure (mm)."""
+    """Rectangles around the contact points at which paraboloids would lie in the rail after a
+    closure `rigid` (mm): centre (x, s) and half sizes (x, s), mm.
+    """
     found: list[Window] = []
     for touch in contact.touches(rigid):
         depth = 2 * (rigid - touch.gap) * math.cos(touch.angle)

@@ -22,13 +22,13 @@ ROUNDING = 1e3  # gap of the patch over the rounding of coordinates, at least
 
 
 def plane_strain_modulus(scene: Scene, body: int) -> float:
-    """E / (1 - nu^2), MPa."""
+    """E / (1 - nu^2) of the rail (body RAIL) or wheel, MPa."""
     part = scene.rail if body == RAIL else scene.wheel
     return part.young_modulus / (1 - part.poisson_ratio**2)
 
 
 def contact_modulus(scene: Scene) -> float:
-    """E*, MPa."""
+    """Contact modulus E* of the pair, MPa: 1/E* is the sum of (1 - nu^2)/E of both bodies."""
     rail, wheel = scene.rail, scene.wheel
     return hertz.contact_modulus(
         rail.young_modulus, rail.poisson_ratio, wheel.young_modulus, wheel.poisson_ratio
@@ -36,7 +36,9 @@ def contact_modulus(scene: Scene) -> float:
 
 
 def tangential_pair(scene: Scene) -> Pair:
-    """Both materials as tractions see them."""
+    """Shear modulus, Poisson's ratio and mismatch of both materials combined, as tractions see
+    them.
+    """
     rail, wheel = scene.rail, scene.wheel
     return tangential.pair(
         wheel.young_modulus, wheel.poisson_ratio, rail.young_modulus, rail.poisson_ratio
@@ -44,13 +46,17 @@ def tangential_pair(scene: Scene) -> Pair:
 
 
 def hertz_contact(scene: Scene, contact: Contact, load: float | None = None) -> Hertz:
-    """Exact Hertz for the pair under a load (N), by default that or the approach of the scene."""
+    """Exact Hertz, line or ellipse, for the pair under a vertical load (N), by default that or the
+    approach of the scene.
+    """
     load = load if load is not None else scene.load
     return contact.line_contact(load) or ellipse(scene, contact, load)
 
 
 def ellipse(scene: Scene, contact: Contact, load: float | None = None) -> Ellipse:
-    """A point contact; the normal force of a vertical load is load / cos(angle)."""
+    """Hertz's point contact under a vertical load (N), by default that or the approach of the
+    scene; the normal force is load / cos(contact angle), the normal approach is approach * cos.
+    """
     touch, modulus = contact.touch, contact_modulus(scene)
     load = load if load is not None else scene.load
     cosine = math.cos(touch.angle)
@@ -62,8 +68,10 @@ def ellipse(scene: Scene, contact: Contact, load: float | None = None) -> Ellips
 
 
 def hertz_if_valid(scene: Scene, contact: Contact) -> Hertz:
-    """The estimate; SceneError for a load or approach whose patch is larger than the wheel, or too
-    small for continuum mechanics or for the coordinates of the bodies."""
+    """Exact Hertz for the scene's load or approach.
+    Raises SceneError where the patch is larger than the wheel, or too small for continuum mechanics
+    or for the coordinates of the bodies.
+    """
     key, value = ("load", scene.load) if scene.load is not None else ("approach", scene.approach)
     try:
         with np.errstate(all="ignore"):
@@ -85,8 +93,9 @@ def hertz_if_valid(scene: Scene, contact: Contact) -> Hertz:
 
 
 def gap_is_quadratic(contact: Contact, ellipse: Ellipse) -> bool:
-    """Whether the exact gap over the ellipse and a little beyond is Hertz's, and nothing else is
-    within reach of the approach."""
+    """Whether the exact gap over the ellipse deviates from Hertz's parabola by less than PARABOLIC
+    of the approach, and no other contact point is within reach of the approach.
+    """
     touch = contact.touch
     if len(contact.touches(ellipse.approach / math.cos(touch.angle))) > 1:
         return False
@@ -99,8 +108,10 @@ def gap_is_quadratic(contact: Contact, ellipse: Ellipse) -> bool:
 
 
 def _smallest(scene: Scene, contact: Contact, found: Hertz) -> float:
-    """Smallest half length (mm) that means something: CONTINUUM, and for real bodies that whose
-    gap, minor^2 times the curvature, is ROUNDING times the rounding of the largest radius."""
+    """Smallest half length of a patch that is meaningful, mm: CONTINUUM, and for real bodies also
+    the one whose gap is ROUNDING times the rounding of the largest radius.
+    The gap is the smaller half length squared times the curvature.
+    """
     if contact.half_space:
         return CONTINUUM
     rail, wheel = scene.rail, scene.wheel

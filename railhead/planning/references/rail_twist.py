@@ -26,24 +26,26 @@ CENTRE: float = MEASURED["centre_mm"]  # below the crown, that the head turns ab
 
 
 def lever(contact: Contact, centre: float = CENTRE) -> float:
-    """Distance of the contact normal from the centre of twist (mm below the crown), mm; positive on
-    the field side."""
+    """Distance of the contact normal from the centre of twist, mm, positive on the field side.
+    centre: depth of the centre of twist below the crown, mm.
+    """
     touch, inclination = contact.touch, contact.scene.rail.inclination
     return touch.y + (touch.z + centre) * touch.slope - centre * inclination
 
 
 def twist(contact: Contact, ellipse: Hertz) -> float:
-    """Rotation of the head towards the middle of the track, rad."""
+    """Rotation of the rail head, rad, positive towards the middle of the track, under the Hertz
+    load of the contact.
+    """
     moment = -ellipse.load * math.cos(contact.touch.angle) * lever(contact)
     rail = contact.scene.rail
     return COMPLIANCE[rail.profile] * moment / rail.young_modulus
 
 
 def twisted(contact: Contact, angle: float, aside: float) -> Contact:
-    """The wheel lowered onto the rail whose head was turned by an angle (rad) about its crown and
-    moved by -aside (mm) along y.
-
-    Raises PlacementError where it misses it.
+    """Contact with the wheel lowered onto the rail whose head is turned by `angle` (rad) about its
+    crown and moved by -aside (mm) along y.
+    Raises PlacementError for half-spaces, and where the wheel misses the rail.
     """
     if contact.pair is None or contact.pose is None:
         raise PlacementError("half-spaces do not twist")
@@ -60,10 +62,10 @@ def twisted(contact: Contact, angle: float, aside: float) -> Contact:
 
 
 def change(contact: Contact, before: Solution, angle: float, aside: float) -> float:
-    """Relative change of the largest pressure or of the area where the rail is `twisted`, the
-    larger one, by boundary elements under the same load as `before`.
-
-    Raises ValueError where the wheel misses the twisted rail or they find no closed patch.
+    """Larger relative change of the largest pressure and of the area where the rail is turned by
+    `angle` (rad) and moved by -aside (mm), by boundary elements.
+    before: solution without twist, under the same load.
+    Raises ValueError where the wheel misses the twisted rail or there is no closed patch.
     """
     other = twisted(contact, angle, aside)
     load = contact.scene.load or before.load

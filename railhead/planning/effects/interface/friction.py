@@ -20,9 +20,12 @@ NO_MISMATCH = 1e-9  # |beta| that is rounding
 
 
 def decide(context: Context) -> Effect:
-    """Called for by a tangential force, by creepage or spin, or by friction between bodies whose
-    surfaces slip when they are pressed together: Dundurs' beta != 0 (Johnson, Contact Mechanics,
-    5.1 and 5.4)."""
+    """Friction is called for by a tangential force, by creepage or spin, or between bodies whose
+    surfaces slip when pressed together: Dundurs' beta != 0 (Johnson, Contact Mechanics, 5.1 and
+    5.4).
+    Raises SceneError for a force that would slide, a motion that a section does not have, and
+    linear cells.
+    """
     scene = context.scene
     coefficient = scene.friction.coefficient
     limit = coefficient * context.hertz.load
@@ -71,17 +74,17 @@ def decide(context: Context) -> Effect:
 
 
 def grows(scene: Scene) -> bool:
-    """Whether friction takes part while the patch grows."""
+    """Whether friction acts while the patch grows: unlike materials without rolling."""
     return unlike(scene) and not scene.rolling.prescribed
 
 
 def unlike(scene: Scene) -> bool:
-    """Whether bodies slip when they are pressed together: Dundurs' beta != 0."""
+    """Whether bodies slip when they are pressed together: |Dundurs' beta| above NO_MISMATCH."""
     return abs(dundurs_beta(scene)) > NO_MISMATCH
 
 
 def dundurs_beta(scene: Scene) -> float:
-    """Dundurs' beta."""
+    """Dundurs' beta of the rail's and the wheel's materials, dimensionless."""
     rail, wheel = scene.rail, scene.wheel
     return hertz.dundurs_beta(
         rail.young_modulus, rail.poisson_ratio, wheel.young_modulus, wheel.poisson_ratio
@@ -89,7 +92,7 @@ def dundurs_beta(scene: Scene) -> float:
 
 
 def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
-    """Whether it was left out."""
+    """Verdict whether friction was called for and left out; None where it was not called for."""
     if not effect.called_for:
         return None
     return PostSolveVerdict(
@@ -98,14 +101,18 @@ def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict
 
 
 def wheelset_creepage(context: Context) -> WheelsetCreepage | None:
-    """How the wheel creeps where it is the wheelset that says so. Raises SceneError."""
+    """Creepage that follows from the wheelset, if rolling.from_wheelset asks for it, else None.
+    Raises SceneError for half-spaces and sections.
+    """
     if not context.scene.rolling.from_wheelset:
         return None
     return wheelset_kinematics.wheelset_creepage(context.contact)
 
 
 def creepage(context: Context) -> Creepage:
-    """What is given, or the wheelset's; 0 where it is not."""
+    """Creepage of the scene: from the wheelset, or the given creepages and spin, zero where not
+    given. Raises SceneError for half-spaces and sections with rolling.from_wheelset.
+    """
     rolling, wheelset = context.scene.rolling, wheelset_creepage(context)
     if wheelset:
         return wheelset.creepage
@@ -113,7 +120,10 @@ def creepage(context: Context) -> Creepage:
 
 
 def _expected(context: Context, limit: float) -> str:
-    """Kalker's linear theory, of an ellipse."""
+    """Text with the tangential force of Kalker's linear theory for an ellipse over `limit` (N, mu
+    times the normal force); empty for a line contact, given forces, and axis ratios outside 0.05
+    to 20.
+    """
     scene, ellipse = context.scene, context.hertz
     if not isinstance(ellipse, Ellipse) or scene.rolling.force_along or scene.rolling.force_across:
         return ""
@@ -129,7 +139,9 @@ def _expected(context: Context, limit: float) -> str:
 
 
 def _fits_the_section(context: Context) -> None:
-    """SceneError for a tangential motion that a section does not have."""
+    """Raises SceneError for a tangential motion that a plane section does not have: rolling or a
+    motion along in a section across, or a motion across in a section along.
+    """
     scene, plane = context.scene, context.contact.plane
     along, across = scene.asymmetric_friction
     table = "rolling" if scene.rolling.prescribed else "friction"

@@ -17,7 +17,9 @@ UNKNOWN = "flash temperature not known for this material: the constants are thos
 
 
 def decide(context: Context) -> Effect:
-    """Called for where the flash temperature is HOT or more if the whole patch slips."""
+    """Heat is never simulated; it is called for where the flash temperature for slip of the whole
+    patch is HOT (K) or more.
+    """
     scene, hertz = context.scene, context.hertz
     speed, rolling = scene.rolling.speed, scene.rolling
     refused = {"on": "no temperature is simulated"}
@@ -45,7 +47,9 @@ def decide(context: Context) -> Effect:
 
 
 def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
-    """The same with the energy that is dissipated."""
+    """Verdict on the flash temperature (K) from the energy that the solution dissipates, against
+    HOT; None without rolling speed or dissipation.
+    """
     speed = context.scene.rolling.speed
     if speed is None or math.isnan(found.dissipated):
         return None

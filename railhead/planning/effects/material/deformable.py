@@ -11,18 +11,20 @@ SHARE = 0.1  # of the prescribed accuracy: compliance that may be left out
 
 
 def rail(context: Context) -> Effect:
-    """Whether the rail deforms."""
+    """Whether the rail deforms, with the share of compliance that decides this."""
     return _decide(context, context.scene.rail)
 
 
 def wheel(context: Context) -> Effect:
-    """Whether the wheel deforms."""
+    """Whether the wheel deforms, with the share of compliance that decides this."""
     return _decide(context, context.scene.wheel)
 
 
 def _decide(context: Context, part: Rail | Wheel) -> Effect:
-    """By its share of 1/E* = sum (1 - nu^2)/E: without a share s the approach and the pressure are
-    off by 2/3 s and the semi-axes by s/3 (Johnson, Contact Mechanics, 4.22 to 4.24)."""
+    """Whether a body deforms, by its share s of the compliance 1/E* = sum of (1 - nu^2)/E.
+    Without that share, approach and pressure are off by 2/3 s and the semi-axes by s/3 (Johnson,
+    Contact Mechanics, 4.22 to 4.24).
+    """
     if math.isinf(part.young_modulus):
         why = "E is infinite: only its surface takes part"
         return Effect(False, False, why, {"on": "E is infinite"})

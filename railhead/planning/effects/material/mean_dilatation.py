@@ -12,8 +12,9 @@ LARGEST_REVOLVED = 0.49
 
 
 def decide(context: Context) -> Effect:
-    """Called for above nu = 0.45 (0.49 in a meridian section) of a body that deforms; linear and
-    hexahedral cells cannot have it."""
+    """Constant volume change in each cell is called for where a deformable body has nu above 0.45
+    (0.49 in a meridian section); linear and hexahedral cells cannot have it.
+    """
     scene = context.scene
     ratios = {
         name: part.poisson_ratio

@@ -24,7 +24,10 @@ USUAL = "R260"  # rail steel that a scene without one is held against
 
 
 def decide(context: Context) -> Effect:
-    """Called for where the largest elastic von Mises stress passes a yield stress."""
+    """Yield is called for where the largest elastic von Mises stress passes a yield stress.
+    The result is refused with friction while rolling or between unlike bodies. Raises SceneError
+    for linear cells.
+    """
     scene = context.scene
     stresses = {
         name: context.von_mises(part.poisson_ratio) for name, part in _yielding(context).items()
@@ -55,8 +58,11 @@ def decide(context: Context) -> Effect:
 
 
 def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
-    """Whether the largest stress of the solution, by its estimate of partial slip, passes the
-    yield stress of a body that was taken as elastic."""
+    """Verdict whether the largest stress of the solution, raised by its estimated unread peak,
+    passes the yield stress of a body that was taken as elastic.
+    Without any yield stress nothing is needed, and the verdict is notable where the usual rail
+    steel would yield.
+    """
     stresses = {
         name: found.largest[name].von_mises.value * (1 + found.unread_peak)
         for name in _yielding(context)
@@ -73,7 +79,9 @@ def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict
 
 
 def hardening(part: BodySection) -> Hardening:
-    """How a body that yields does."""
+    """Hardening curve of a body that yields, from its yield stress and hardening modulus, or from
+    its curve, MPa.
+    """
     from railhead.solver.material.hardening import Hardening
 
     share = part.kinematic_fraction or 0.0
@@ -84,7 +92,9 @@ def hardening(part: BodySection) -> Hardening:
 
 
 def shear_yield(context: Context) -> float | None:
-    """Yield stress in shear of the weaker body that deforms, MPa; None where none is known."""
+    """Yield stress in shear, yield / sqrt(3), of the weaker body that deforms, MPa; None where no
+    body has a yield stress.
+    """
     limits = [
         hardening(part).initial_yield_stress / math.sqrt(3) for part in _yielding(context).values()
     ]
@@ -92,7 +102,7 @@ def shear_yield(context: Context) -> float | None:
 
 
 def _yielding(context: Context) -> dict[str, BodySection]:
-    """The bodies that deform and have a yield stress."""
+    """Bodies that deform and have a yield stress, by 'rail' and 'wheel'."""
     scene = context.scene
     return {
         name: part
@@ -102,16 +112,21 @@ def _yielding(context: Context) -> dict[str, BodySection]:
 
 
 def _over(context: Context, stresses: dict[str, float]) -> float:
-    """Load over that of first yield: Hertz's stresses grow as its cube root, of a line contact as
-    its square root."""
+    """Load over the load of first yield.
+    stresses: largest von Mises stress by body, MPa. Hertz's stresses grow as the cube root of the
+        load, in a line contact as the square root.
+    """
     parts = {"rail": context.scene.rail, "wheel": context.scene.wheel}
     worst = max(stresses[name] / hardening(parts[name]).initial_yield_stress for name in stresses)
     return float(worst ** (2 if context.contact.line else 3))
 
 
 def _expected(context: Context, over: float) -> str:
-    """What the plan can say of yield: of a patch that is an ellipse Jackson and Green's sphere of
-    the weaker body tells how it grows, against Hertz's radius (load^(1/3))."""
+    """Text on the yield to expect: `over`, the load over that of first yield, and for an ellipse
+    how much wider than Hertz's the patch is.
+    The width is that of Jackson and Green's sphere of the weaker body over Hertz's radius
+    (load^(1/3)).
+    """
     text = f", {over:.3g} times the load of first yield"
     if not context.contact.line:
         parts = _yielding(context).values()
@@ -123,7 +138,9 @@ def _expected(context: Context, over: float) -> str:
 
 
 def _slipping(context: Context) -> str:
-    """The largest von Mises stress under pressure and tractions if the whole patch slips."""
+    """Text with the largest von Mises stress (MPa) under pressure and tractions where the whole
+    patch slips.
+    """
     friction = context.scene.friction.coefficient
     most = max(
         hardest(context.hertz, friction, part.poisson_ratio).von_mises
@@ -134,12 +151,14 @@ def _slipping(context: Context) -> str:
 
 
 def steps(context: Context) -> int:
-    """Load steps from first yield to the load."""
+    """Number of load steps from first yield to the load: more for a line contact."""
     return LINE_STEPS if context.contact.line else STEPS
 
 
 def _no_yield_stress(context: Context) -> str:
-    """Why a scene without a yield stress stays elastic, and whether a usual rail would yield."""
+    """Text why a scene without a yield stress stays elastic, and whether a usual rail steel would
+    yield.
+    """
     stresses = {
         name: context.von_mises(part.poisson_ratio)
         for name, part in (("rail", context.scene.rail), ("wheel", context.scene.wheel))
@@ -149,8 +168,9 @@ def _no_yield_stress(context: Context) -> str:
 
 
 def _steel_yields(context: Context, stresses: Mapping[str, float]) -> tuple[str, bool]:
-    """Of a scene without a yield stress, from the largest von Mises stresses (MPa) of the bodies
-    that deform: what a usual rail steel would do, and whether it would yield."""
+    """Text what the usual rail steel would do, and whether it would yield. stresses: largest von
+    Mises stress (MPa) by body that deforms; False for no steel.
+    """
     parts = {"rail": context.scene.rail, "wheel": context.scene.wheel}
     steel = {
         name: stress
@@ -168,6 +188,9 @@ def _steel_yields(context: Context, stresses: Mapping[str, float]) -> tuple[str,
 
 
 def _compare(scene: Scene, stresses: dict[str, float]) -> tuple[bool, str]:
+    """Whether the von Mises stress (MPa, by body) of the worst body passes its initial yield
+    stress, and a sentence that says so.
+    """
     parts = {"rail": scene.rail, "wheel": scene.wheel}
     limits = {name: hardening(parts[name]).initial_yield_stress for name in stresses}
     worst = max(stresses, key=lambda name: stresses[name] / limits[name])

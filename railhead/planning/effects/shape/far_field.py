@@ -6,7 +6,9 @@ from railhead.planning.context import Context, Effect
 
 
 def decide(context: Context) -> Effect:
-    """Called for by rail.extent = half-space."""
+    """Half-spaces continued beyond their blocks are simulated where rail.extent is half-space; real
+    bodies end where they end and cannot have this effect.
+    """
     if context.contact.half_space:
         return Effect(True, True, "rail.extent = half-space: what lies beyond the blocks deforms")
     why = "the bodies end where they really end"

@@ -17,8 +17,10 @@ CHANGE = (
 
 
 def decide(context: Context) -> Effect:
-    """Called for by rail.extent = section, where the cut changes the stress, or where
-    the twist of the rail brings another part of the profiles into contact."""
+    """Whole rail on its foot, for rail.extent = section, where the cut of the head changes the
+    stress, or where the twist of the rail brings another part of the profiles into contact.
+    Raises SceneError for extent section without a standard rail.
+    """
     rail, hertz = context.scene.rail, context.hertz
     extent, name = rail.extent, rail.profile
     if context.contact.half_space:
@@ -38,7 +40,9 @@ def decide(context: Context) -> Effect:
 
 
 def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
-    """The same with the patch that was found."""
+    """Verdict whether the cut or the twist matters, with the patch of the solution; None where no
+    whole section can be had.
+    """
     if "on" in effect.refused:
         return None
     felt, why = _felt(context, found.patch.a, found.patch.b)
@@ -49,9 +53,13 @@ def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict
 
 
 def _felt(context: Context, a: float, b: float) -> tuple[bool, str]:
-    """Boussinesq's 3F/(2 pi H^2) below a point load over p0 = 3F/(2 pi a b), Flamant's 2F'/(pi H)
-    below a line load over p0 = 2F'/(pi b) (Johnson, Contact Mechanics, 3.19, 4.26, 2.19 and 4.43),
-    H the depth of the cut."""
+    """Whether the stress at the cut of a rail head, over p0, exceeds what the accuracy allows, and
+    a sentence that says so.
+    a, b: semi-axes of the patch, mm.
+    The stress is Boussinesq's 3F/(2 pi H^2) below a point load over p0 = 3F/(2 pi a b), or
+    Flamant's 2F'/(pi H) below a line load over p0 = 2F'/(pi b), with H the depth of the cut
+    (Johnson, Contact Mechanics, 3.19, 4.26, 2.19 and 4.43).
+    """
     depth, limit = head_depth(context.scene.rail.profile), context.accuracy / CHANGE
     ratio, name = (b / depth, "b/H") if context.contact.line else (a * b / depth**2, "ab/H^2")
     side = "above" if ratio > limit else "below"
@@ -60,8 +68,9 @@ def _felt(context: Context, a: float, b: float) -> tuple[bool, str]:
 
 
 def _twists(context: Context) -> tuple[bool, str]:
-    """Whether pressure or area change by more than the accuracy as the load twists the rail, or
-    may do so."""
+    """Whether pressure or area change by more than the accuracy as the load twists the rail, or may
+    do so, and a sentence that says so.
+    """
     contact = context.contact
     if contact.plane:
         return False, "nothing twists in a section"

@@ -7,14 +7,15 @@ from railhead.planning.context import Context, Effect
 
 
 def plane_strain(context: Context) -> Effect:
-    """Called for where the contact is a line (`dimension.choose`)."""
+    """Plane strain is called for, and simulated, where the contact is a line."""
     kind = context.dimension
     refused = {} if kind.line else {"on": kind.plane_strain}
     return Effect(kind.line, kind.line, kind.plane_strain, refused)
 
 
 def axisymmetry(context: Context) -> Effect:
-    """Called for where both bodies, and what loads them, are of revolution about the contact's
-    normal (`dimension.circular`)."""
+    """A meridian section is called for where both bodies, and their loads, are of revolution about
+    the contact normal; it is on where such a section was located.
+    """
     called, why = dimension.circular(context.scene)
     return Effect(called, context.contact.revolved, why)

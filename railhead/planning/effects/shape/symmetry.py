@@ -6,7 +6,9 @@ from railhead.planning.context import Context, Effect
 
 
 def along(context: Context) -> Effect:
-    """x = 0 mirrors the bodies and a vertical load."""
+    """Only x >= 0 is modelled where x = 0 is a plane of symmetry of the bodies and of the load;
+    friction along the rail prevents this.
+    """
     why = context.contact.why_asymmetric_in_x()
     if why is None and context.scene.asymmetric_friction[0]:
         why = "friction along the rail"
@@ -17,7 +19,9 @@ def along(context: Context) -> Effect:
 
 
 def across(context: Context) -> Effect:
-    """y = 0 mirrors them where both profiles do and the wheel stands in the middle."""
+    """Only y >= 0 is modelled where both profiles are symmetric, the wheel stands in the middle,
+    and no friction acts across the rail.
+    """
     why = context.contact.why_asymmetric_in_y()
     if why is None and context.scene.asymmetric_friction[1]:
         why = "friction across the rail"

@@ -16,7 +16,9 @@ MARGIN = 1.1  # times the patch that must lie within one arc
 
 
 def decide(context: Context) -> Effect:
-    """Called for where the predicted patch comes near a joint of two arcs, or there is no arc."""
+    """Real profiles are called for where the predicted patch, times MARGIN, comes near a joint of
+    two arcs of a profile, or the profile is no arc there; otherwise one radius each is enough.
+    """
     contact = context.contact
     if not contact.cross_profiles:
         why = "the section runs along the rail"
@@ -29,7 +31,9 @@ def decide(context: Context) -> Effect:
 
 
 def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
-    """The same with the extent of the patch that was found."""
+    """Verdict whether the patch of the solution leaves one arc of either body though its profile
+    was one radius; None where the effect cannot be on.
+    """
     if "on" in effect.refused:
         return None
     centre, reach = found.patch.centre[1], found.patch.b
@@ -44,7 +48,9 @@ def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict
 
 
 def one_radius(contact: Contact) -> Contact:
-    """The same first contact between profiles of one radius: those of curvature there."""
+    """The contact with each profile replaced by its circle of curvature at the contact; half-spaces
+    and sections along the rail are unchanged.
+    """
     if contact.pair is None or not contact.cross_profiles:
         return contact
     y = contact.touch.y
@@ -53,7 +59,9 @@ def one_radius(contact: Contact) -> Contact:
 
 
 def _leaves(contact: Contact, low: float, high: float) -> tuple[bool, str]:
-    """Whether low <= y <= high (mm) is more than one arc of either body, and the reason."""
+    """Whether the range low <= y <= high (mm) on the rail spans more than one arc of either body,
+    or a piece that is no arc, and a sentence that says so.
+    """
     nearest, owner = math.inf, ""
     for body, profile, shift in contact.cross_profiles:
         piece = next(p for p in profile.pieces if p.end >= contact.touch.y - shift)
