@@ -24,7 +24,8 @@ Quantities = dict[str, Any]
 
 
 def from_findings(found: Findings, load: float, approach: float) -> Quantities:
-    """Quantities of the finite-element result.
+    """Quantities of the finite-element result, nested and named as under "result" in summary.json:
+    load, approach, contact point, extents, pressures and stresses.
 
     load: on the wheel, N. approach: of the hub, along the load, mm.
     """
@@ -63,10 +64,11 @@ def _one(patch: OnePatch, axis: DepthAxis) -> Quantities:
 def from_hertz(
     ellipse: Ellipse, poisson: Mapping[str, float], angle: float, origin: Place
 ) -> Quantities:
-    """Quantities of Hertz's exact solution.
+    """Quantities of Hertz's exact solution, nested and named as under "result" in summary.json.
 
-    poisson: by body; the axis of the first body is shown. angle: contact angle, rad; the load is
-        vertical and the approach along it. origin: contact point, mm.
+    poisson: Poisson's ratio by body name; the axis of the first body is shown. angle: contact
+        angle, rad; the load in the result is the vertical part of the normal force, and the
+        approach is vertical. origin: contact point, mm.
     """
     cosine = math.cos(angle)
     return {
@@ -86,11 +88,12 @@ def from_line(
     origin: Place,
     approach: float | None,
 ) -> Quantities:
-    """Quantities of the exact line contact.
+    """Quantities of the exact line contact, nested and named as under "result" in summary.json.
 
     poisson: Poisson's ratio by body name; the axis of the first body is shown. angle: contact
-        angle, rad. origin: contact point, mm. approach: of the supports of the bodies along the
-        load, mm, or None where it is not known.
+        angle, rad; the load in the result is the vertical part of the normal force. origin: contact
+        point, mm. approach: of the supports of the bodies along the load, mm, or None where it is
+        not known.
     """
     return {
         "load_N": contact.load * math.cos(angle),
@@ -107,13 +110,14 @@ def from_half_space(
     surface: Callable[[Array, Array], Array],
     plane: float,
 ) -> Quantities:
-    """Quantities of boundary elements: the exact gap of the profiles on elastic half-spaces.
+    """Quantities of boundary elements for the exact gap of the profiles on elastic half-spaces,
+    nested and named as under "result" in summary.json.
 
     surface: maps x, s (n,) to points (n, 3), mm. plane: contact angle of first contact, rad; a
         single patch is measured on its tangent plane.
     Of several patches the areas are those on their own tangent planes; a and b, half the extents,
-    are those of the most loaded one. grid_error: relative change from a grid of 64 cells an axis;
-    that of a and b is EXTENTS.
+    are those of the most loaded one. grid_error: relative change from the coarser grids of the
+    search; that of a and b is EXTENTS.
     """
     area = _areas(solution, plane)
     patches = solution.patches
@@ -142,7 +146,9 @@ def from_half_space(
 
 
 def _areas(solution: Solution, plane: float) -> float:
-    """Area, mm2: of a single patch on the plane at angle `plane`, else of each on its own plane."""
+    """Area of the patches, mm2: of a single patch on the plane at the contact angle `plane` (rad),
+    of several each on its own tangent plane.
+    """
     patches = solution.patches
     return patches[0].area_on(plane) if len(patches) == 1 else solution.area
 
@@ -150,7 +156,8 @@ def _areas(solution: Solution, plane: float) -> float:
 def _half_space_patch(
     patch: PatchSolution, surface: Callable[[Array, Array], Array], force: float
 ) -> Quantities:
-    """Quantities of one separate patch of boundary elements.
+    """Quantities of one separate patch of boundary elements: centre, contact angle, half extents,
+    area, largest pressure, share of the load.
 
     surface: maps x, s (n,) to points (n, 3), mm. force: normal force on all patches, N.
     """
@@ -170,7 +177,8 @@ def _half_space_patch(
 def difference(result: Any, exact: Any) -> Any:
     """Relative difference (result - exact) / exact of each number, nested like `result`.
 
-    It is None for words and coordinates, and where a number is missing or the exact one is zero.
+    A difference is None for words and coordinates, and where a number is missing or the exact one
+    is zero. Keys that `exact` lacks are left out. ValueError: lists of different lengths.
     """
     if isinstance(result, dict):
         return {

@@ -38,24 +38,26 @@ class Frame:
 
     @property
     def axes(self) -> Array:
-        """(3, 3) rows: unit vectors of x, s and the rail's outward normal."""
+        """(3, 3) rows: unit vectors in space of x, of s and of the rail's outward normal."""
         c, s = np.cos(self.angle), np.sin(self.angle)
         return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
 
     def place(self, x: float, s: float, height: float = 0.0) -> Place:
-        """Point in space (mm) from x, s and the height over the tangent plane (mm)."""
+        """Point (x, y, z) in space, mm, from x, s and the height over the tangent plane, mm,
+        positive along the rail's outward normal.
+        """
         px, py, pz = np.array(self.origin) + np.array([x, s, height]) @ self.axes
         return float(px), float(py), float(pz)
 
     def below(self, x: float, s: float, body: str, depth: float) -> Place:
-        """Point in space (mm) at a depth (mm) below the tangent plane, inside the 'rail' or the
-        'wheel'.
+        """Point (x, y, z) in space, mm, at a depth (mm) below the tangent plane at x, s (mm),
+        inside the body 'rail' or 'wheel'.
         """
         return self.place(x, s, -depth if body == "rail" else depth)
 
     def local(self, points: Array) -> Array:
-        """Coordinates (n, 3) x, s and height over the tangent plane, mm, of points in space (n, 3),
-        mm.
+        """Coordinates (n, 3) in the contact frame, mm: x, s and height over the tangent plane, of
+        points (n, 3) in space, mm.
         """
         return np.asarray((points - np.array(self.origin)) @ self.axes.T)
 
@@ -242,7 +244,7 @@ class DepthAxis:
 
     @property
     def largest(self) -> Largest:
-        """Largest shear and von Mises stress on this axis."""
+        """Largest shear and von Mises stress on this axis, each with its depth and place."""
         return Largest(self._peak(max_shear(self.stress)), self._peak(von_mises(self.stress)))
 
     def _peak(self, values: Array) -> Peak:

@@ -34,9 +34,9 @@ def findings(
     body out of a solution.
 
     fields: the solution. frame: contact frame; where there are several patches, that of the most
-        loaded one replaces it. rubbing: solution with friction, or None. parabolic: whether Hertz's
-        theory is exact, that is for elastic half-spaces whose gap is quadratic; second moments of
-        the pressure then give the semi-axes.
+        loaded one is used instead. rubbing: solution with friction, or None. parabolic: whether
+        Hertz's theory is exact, that is for elastic half-spaces whose gap is quadratic; second
+        moments of the pressure then give the semi-axes.
     """
     flat = fields.kinematics.dim == 2
     separate = [] if flat else separate_patches(fields)

@@ -61,7 +61,7 @@ class PressureMoments:
 
     @property
     def hertzian(self) -> bool:
-        """Whether shape_error is small enough for the semi-axes to be those of an ellipse."""
+        """Whether the shape error is below HERTZIAN, so that second moments give the semi-axes."""
         return self.shape_error < HERTZIAN
 
 
@@ -175,11 +175,12 @@ def largest_pressure(fields: Fields, frame: Frame, found: PressureMoments) -> fl
 def read(
     fields: Fields, separate: list[SeparatePatch], frame: Frame, *, parabolic: bool = False
 ) -> PatchReading:
-    """The contact of bodies in space, of which some points carry pressure.
+    """Patch, surfaces and pressures of bodies in space, of which some contact points carry
+    pressure.
 
-    separate: the patches, most loaded first. frame: contact frame of the results, that of the
-    first patch if there are several. parabolic: whether Hertz's theory is exact, that is for
-    elastic half-spaces whose gap is quadratic; second moments then give the semi-axes.
+    separate: the patches, most loaded first. frame: contact frame of the results, that of the first
+        patch if there are several. parabolic: whether Hertz's theory is exact, that is for elastic
+        half-spaces whose gap is quadratic; second moments then give the semi-axes.
     """
     contact = fields.contact
     several = len(separate) > 1
@@ -303,7 +304,7 @@ def relative_differences(shape: PatchShape, others: list[PatchShape]) -> dict[st
     """
 
     def largest(value: float, varied: list[float]) -> float:
-        """Largest relative difference of the varied values from a value."""
+        """Largest of |other / value - 1| over the numbers in `varied`."""
         return max(abs(other / value - 1) for other in varied)
 
     return {

@@ -13,9 +13,10 @@ ON_PLANE = 1e-9  # of the surface's extent: nodes that lie on a symmetry plane
 
 
 def noise(fields: Fields, recovered: Array) -> float:
-    """Relative L2 difference of computed and smooth pressure, ||p - p_smooth|| / ||p||.
+    """Relative L2 difference of computed pressure p and smooth pressure p_s, ||p - p_s|| / ||p||,
+    with the norms integrated over the contact points.
 
-    recovered (q,): smooth pressure at the contact points, MPa.
+    recovered (q,): smooth pressure at the q contact points, MPa.
     """
     contact = fields.contact
     square = contact.weights @ (contact.pressure - recovered) ** 2

@@ -80,7 +80,7 @@ class Samples:
 
     @property
     def degree(self) -> int:
-        """Degree in x of the polynomial for p^2."""
+        """Highest power of x in the polynomial for p^2; higher where bodies yield."""
         return YIELD_DEGREE if self.yields else DEGREE
 
     def measure(self, s: Array) -> Array:
@@ -110,12 +110,12 @@ class SquaredPressure:
 
     @property
     def middle(self) -> float:
-        """Centre of the box along x, mm."""
+        """Coordinate x of the centre of the box, mm."""
         return sum(self.box[0]) / 2
 
     @property
     def half(self) -> float:
-        """Half the width of the box along x, mm."""
+        """Half the width of the box along x, by which x is scaled in the powers, mm."""
         return (self.box[0][1] - self.box[0][0]) / 2
 
     def _along(self, x: Array) -> Array:
@@ -123,11 +123,13 @@ class SquaredPressure:
         return np.asarray(((x - self.middle) / self.half) ** self.powers[:, None])
 
     def grid(self, x: Array, s: Array) -> Array:
-        """F (m, n) on the grid of x (n,) and s (m,), which must lie in the box, MPa^2."""
+        """Smooth p^2 (m, n), MPa^2, on the grid of x (n,) and s (m,), mm, which must lie in the
+        box.
+        """
         return np.asarray(_splines(self.knots, s) @ self.coefficients.T @ self._along(x))
 
     def __call__(self, x: Array, s: Array) -> Array:
-        """F (n,) at points x (n,), s (n,), MPa^2; -inf outside of the box."""
+        """Smooth p^2 (n,), MPa^2, at points x (n,), s (n,), mm; minus infinity outside the box."""
         (x0, x1), (s0, s1) = self.box
         inside = (x >= x0) & (x <= x1) & (s >= s0) & (s <= s1)
         across = _splines(self.knots, np.clip(s, s0, s1)) @ self.coefficients.T
@@ -136,7 +138,9 @@ class SquaredPressure:
 
 
 def zero_squared_pressure(samples: Samples) -> SquaredPressure:
-    """F = 0, with a box around the samples and knots one element size apart."""
+    """A smooth p^2 that is zero everywhere, with a box around the samples and with spline knots one
+    element size apart.
+    """
     knots = _knots(samples)
     most, step = 0 if samples.line else samples.degree, 2 if samples.even else 1
     powers = np.arange(0, most + 1, step, dtype=np.float64)
@@ -176,11 +180,13 @@ def reconstruct(
     penalty = roughness * _penalty(knots, powers, s, rows / rows.sum(), samples)
 
     def field(c: Array) -> Array:
-        """F on the integration grid, over the largest pressure squared, of coefficients c (kn,)."""
+        """Smooth p^2 (m, n) over the largest computed pressure squared, on the integration points
+        of the box, from coefficients c (kn,) of k powers and n splines.
+        """
         return np.asarray((across @ c.reshape(-1, n).T) @ along)
 
     def value(c: Array) -> float:
-        """Value of the dimensionless functional for coefficients c (kn,)."""
+        """Value of the functional to be minimised, made dimensionless, for coefficients c (kn,)."""
         volume = cell @ (np.maximum(field(c), 0.0) ** 1.5).sum(axis=1)
         return float(2 / 3 * volume - moments @ c + 0.5 * c @ penalty @ c)
 

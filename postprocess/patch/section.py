@@ -73,12 +73,13 @@ def moments(fields: Fields, frame: Frame) -> PressureMoments:
 
 
 def largest_pressure(t: Array, pressure: Array, weights: Array, w: float, *, even: bool) -> float:
-    """Largest pressure, MPa: the maximum of a parabola fitted to p^2 near t = 0.
+    """Largest pressure, MPa, of a section: the maximum of a parabola fitted to p^2 near t = 0.
 
-    t (n,): coordinate from the centre of pressure, mm. pressure (n,): MPa. weights (n,): areas of
-        the points, mm2. w: half width, mm. even: whether p is symmetric in t. Hertz's p^2 is a
-        parabola. Where fewer than six points lie there, the largest computed pressure is returned;
-        where the parabola has no maximum, its largest value at the points.
+    t (n,): coordinate of the contact points from the centre of pressure, mm. pressure (n,): MPa.
+        weights (n,): areas of the points, mm2. w: half width, mm. even: whether p is symmetric in
+        t. Points with |t| below PEAK_RADIUS half widths are used. Hertz's p^2 is a parabola. Of
+        fewer than six points the largest computed pressure is returned; where the parabola has no
+        maximum, its largest value at the points.
     """
     near = (np.abs(t) < PEAK_RADIUS * w) & (pressure > 0)
     if near.sum() < 6:
@@ -130,6 +131,7 @@ def read(fields: Fields, frame: Frame, *, parabolic: bool = False) -> PatchReadi
     )
 
     def pressure(points: Array) -> Array:
+        """Smooth pressure (n,), MPa, at points (n, 3) in space, mm."""
         return _pressure(square, frame.local(points)[:, axis])
 
     surfaces = recover_surfaces(fields, frame, pressure)

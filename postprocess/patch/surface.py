@@ -94,7 +94,7 @@ class SurfaceRecovery:
 
     @property
     def nodes(self) -> NDArray[np.int64]:
-        """(n,) nodes of the surface, as numbers in `Fields.points`."""
+        """Nodes (n,) of the contact facets in use, as numbers in `Fields.points`, ascending."""
         return self._numbering[0]
 
     @cached_property

@@ -223,7 +223,9 @@ def _kind(ellipse: Hertz) -> str:
 
 
 def _centred(findings: Findings) -> bool:
-    """Whether the depth axis starts at the first contact, below which Hertz's patch lies."""
+    """Whether the depth axis starts at the first contact, below which Hertz's patch lies: the
+    centre of the patch is less than CENTRED half lengths away.
+    """
     (x, s), patch = findings.patch.centre, findings.patch
     return max(abs(x) / patch.a, abs(s) / patch.b) < CENTRED
 
@@ -302,7 +304,9 @@ def mark_largest(axes: Axes, findings: Findings, across: int) -> None:
 
 
 def _name_curves(axes: Axes, axis: DepthAxis) -> None:
-    """Write sigma_1, sigma_2, sigma_3 beside the curves, each at a depth of its own."""
+    """Write sigma_1, sigma_2, sigma_3 beside the curves of the principal stresses on a depth axis,
+    each at another depth.
+    """
     values = principal(axis.stress)
     for number, (share, shift) in enumerate(((0.3, 16), (0.2, -16), (0.35, -16))):
         row = int(share * (len(axis.depth) - 1))

@@ -17,10 +17,11 @@ ROW, COLUMN = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])
 def stress_at_reference_point(
     fields: Fields, cells: NDArray[np.int64], reference: Array
 ) -> tuple[Array, Array, Array]:
-    """Position (m, 3) mm, stress (m, 6) MPa and |det J| (m,) at one reference point of m cells.
+    """Position (m, 3) mm, stress (m, 6) MPa and |det J| (m,) at one reference point of m cells,
+    where J is the Jacobian of the map from the reference cell.
 
     Stress components xx, yy, zz, xy, xz, yz in global axes. Plastic strains are interpolated
-    linearly between the Gauss points of each cell.
+    linearly between the Gauss points of each cell. reference (d,): reference coordinates.
     """
     x, stress, size = stress_of_total_strain(fields, cells, reference)
     if fields.plastic_strain is not None:
@@ -33,8 +34,8 @@ def stress_at_reference_point(
 
 
 def stress_at_gauss_points(fields: Fields, cells: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Positions (m, g, 3) mm and stresses (m, g, 6) MPa in global axes at all Gauss points of m
-    cells.
+    """Positions (m, g, 3), mm, and stresses (m, g, 6), MPa, at all g Gauss points of m cells;
+    components xx, yy, zz, xy, xz, yz in global axes.
     """
     found = [
         stress_of_total_strain(fields, cells, point)[:2] for point in reference_gauss_points(fields)
@@ -48,10 +49,10 @@ def stress_at_gauss_points(fields: Fields, cells: NDArray[np.int64]) -> tuple[Ar
 
 
 def reference_gauss_points(fields: Fields) -> Array:
-    """Reference coordinates (g, d) of the points at which stresses are sampled.
+    """Reference coordinates (g, d) of the points in a cell at which stresses are sampled.
 
-    They are the superconvergent points of elastic cells, or the quadrature points that carry
-    plastic strains.
+    In elastic solutions they are the superconvergent points of the cells, in solutions with yield
+    the quadrature points that carry plastic strains.
     """
     rule = 1 if fields.degree == 1 and fields.cell in ("tetrahedron", "triangle") else 2
     if fields.plastic_strain is not None:
@@ -86,7 +87,7 @@ def stress_of_total_strain(
 
 
 def _mean_strain(fields: Fields, cells: NDArray[np.int64]) -> Array:
-    """Strain (m, 3, 3) in global axes, averaged over the volume of each cell."""
+    """Strain (m, 3, 3) in global axes of m cells, averaged over the volume of each cell."""
     order = quadrature_degree(fields.cell, fields.degree, fields.kinematics)
     rule = basix.make_quadrature(getattr(basix.CellType, fields.cell), order)
     total, volume = np.zeros((len(cells), 3, 3)), np.zeros((len(cells), 1, 1))
@@ -129,10 +130,10 @@ def _hoop(u: Array, r: Array, slope: Array) -> Array:
 
 
 def nodal_stress(fields: Fields) -> Array:
-    """Stress (n, 6) xx, yy, zz, xy, xz, yz at all nodes in global axes, MPa.
+    """Stress (n, 6), components xx, yy, zz, xy, xz, yz in global axes, at all nodes, MPa.
 
-    It is the average of the cells around each node, weighted by volume. Bodies share no node, so
-    their stresses do not mix.
+    Each is the average of the stresses of the cells around the node, weighted by |det J| there.
+    Bodies share no node, so their stresses do not mix.
     """
     kind = getattr(basix.CellType, fields.cell)
     element = basix.create_element(

@@ -85,15 +85,17 @@ class Search:
         return self._edges.query(points, distance_upper_bound=least.max(initial=0.0))[0] > least
 
     def _element(self, place: Array) -> float:
-        """Size of the largest cell around a place (3,), mm."""
+        """Largest size of the cells that may hold a place (3,), mm: distance of a cell's farthest
+        corner from its middle; 0 if there is none.
+        """
         return float(self._solid.sizes[self._solid.near(place, 0.0)].max(initial=0.0))
 
     def highest(self, invariant: Invariant, also: Array) -> Peak | None:
-        """Largest recovered value of an invariant in the body; None if all of the body is near
-        sharp edges.
+        """Largest recovered value of an invariant in the body, as a peak; None if all of the body
+        is near sharp edges.
 
-        also (n, 3): further places, mm, from which the search may start, such as the peak on the
-            depth axis.
+        invariant: function that gives values (n,) of stresses (n, 6), MPa. also (n, 3): further
+            places, mm, from which the search may start, such as the peak on the depth axis.
         """
         sizes = np.array([self._element(place) for place in also])
         hills = self._hills(invariant(self._average))
@@ -108,7 +110,9 @@ class Search:
         return replace(best, rivals=tuple(rivals))
 
     def at_edges(self, invariant: Invariant, value: float) -> Peak | None:
-        """Largest nodal average near sharp edges, if it exceeds `value`, MPa; otherwise None."""
+        """Largest nodal average of an invariant near sharp edges, as a peak, if it exceeds `value`,
+        MPa; otherwise None.
+        """
         values = np.where(self._sound, -np.inf, invariant(self._average))
         top = int(np.argmax(values))
         if values[top] <= value:

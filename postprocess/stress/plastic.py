@@ -135,7 +135,7 @@ def largest_von_mises(fields: Fields) -> float:
 
 
 def _samples(fields: Fields) -> tuple[Array, Array]:
-    """Places (m, g, 3) mm and volumes (m, g) mm3 of all Gauss points."""
+    """Positions (m, g, 3), mm, and volumes (m, g), mm3, of the g Gauss points of all m cells."""
     every = np.arange(len(fields.cells))
     degree = quadrature_degree(fields.cell, fields.degree, fields.kinematics)
     _, shares = basix.make_quadrature(getattr(basix.CellType, fields.cell), degree)

@@ -56,7 +56,7 @@ class Solid:
         return np.flatnonzero(square < (self.sizes + reach) ** 2)
 
     def holds(self, point: Array) -> bool:
-        """Whether a point (3,) lies in a cell of the body."""
+        """Whether a point (3,) in space, mm, lies in a cell of the body or on its border."""
         found = self._barycentric(self.near(point, ROUNDING * self.sizes.max()), point[None])
         return bool(np.any(found.min(axis=2) > -ROUNDING))
 

@@ -41,15 +41,17 @@ _CELLS = {
 
 
 def volume_grid(fields: Fields, stress: Array) -> meshio.Mesh:
-    """Cells of the modelled part, undeformed, with all that was computed at their nodes.
+    """Cells of the modelled part, undeformed, with displacements and stresses at their nodes.
 
-    stress: (n, 6) MPa at the nodes, global axes, order xx, yy, zz, xy, xz, yz. Point data:
-    displacement (n, 3) mm; stress (n, 9) MPa, the full tensor row by row, which ParaView labels
-    XX, XY, ... ZZ; principal_stresses (n, 3), descending, and principal_direction_1, _2, _3 (n, 3),
-    unit vectors, in the same order; von_mises and max_shear (n,). Cell data:
-    body, 1 the rail, 2 the wheel; where something yields equivalent_plastic_strain (m,) and the
-    tensor plastic_strain (m, 9), averages of each cell. ValueError: the stress has another shape or
-    is not finite, or the cells are of a kind or degree VTK has no counterpart for here.
+    stress (n, 6): at the nodes, components xx, yy, zz, xy, xz, yz in global axes, MPa.
+    Point data: displacement (n, 3) mm; stress (n, 9) MPa, the full tensor row by row, which
+        ParaView labels XX, XY, ... ZZ; principal_stresses (n, 3), descending, and
+        principal_direction_1, _2, _3 (n, 3), unit vectors, in the same order; von_mises and
+        max_shear (n,), MPa.
+    Cell data: body, 1 the rail, 2 the wheel; where something yields equivalent_plastic_strain (m,)
+        and the tensor plastic_strain (m, 9), row by row, averages of each cell.
+    ValueError: the stress has another shape or is not finite, or VTK has no counterpart here for
+        the type or degree of the cells.
     """
     if stress.shape != (len(fields.points), 6):
         raise ValueError(f"stress must be ({len(fields.points)}, 6), got {stress.shape}")
@@ -91,7 +93,8 @@ def _plastic(fields: Fields) -> dict[str, list[Array]]:
 def series(files: Mapping[float, str], path: Path) -> None:
     """Write a .pvd file with which ParaView steps through .vtu files.
 
-    files: path by time; paths are relative to the file's folder. OSError: it cannot be written.
+    files: path of each .vtu file by its time; paths are relative to the folder of the .pvd file.
+        OSError: the .pvd file cannot be written.
     """
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
     collection = ElementTree.SubElement(root, "Collection")
