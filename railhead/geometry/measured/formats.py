@@ -25,7 +25,11 @@ SIMPACK_UNITS = {1000: "mm", 1: "m", 39: "inch"}  # by the whole part of units.l
 
 
 def read(path: Path, unit_is_given: bool = False) -> Table:
-    """The points of a file. unit_is_given: as in `tables.read`. Raises FormatError, OSError."""
+    """Points of a profile file; the extension selects the format.
+    unit_is_given: the user gives the unit, so a header with an unknown unit is not refused.
+    Raises FormatError for a file that is no profile, with fewer than 12 points or of the wrong
+    body, and OSError.
+    """
     lines, extension = _text(path).splitlines(), path.suffix.lower()
     body = BODY_BY_EXTENSION.get(extension, "")
     if not body:
@@ -44,6 +48,9 @@ def read(path: Path, unit_is_given: bool = False) -> Table:
 
 
 def _text(path: Path) -> str:
+    """Text of a file in UTF-16 with a mark, UTF-8 or Latin-1. Raises FormatError for binary
+    content.
+    """
     data = path.read_bytes()
     marked = data[:2] in (b"\xff\xfe", b"\xfe\xff")
     for coding in ("utf-16",) if marked else ("utf-8-sig", "latin-1"):
@@ -57,7 +64,9 @@ def _text(path: Path) -> str:
 
 
 def _miniprof(name: str, lines: Sequence[str]) -> Table:
-    """Lines that begin with a quotation mark are commented out; XYPoints may count them too."""
+    """Table of a MiniProf file. Lines that begin with a quotation mark are commented out; the
+    header's XYPoints may count them too. Raises FormatError.
+    """
     empty = next((i for i, line in enumerate(lines) if not line.strip()), len(lines))
     header = dict(line.split("=", 1) for line in lines[:empty] if "=" in line)
     if not header:
@@ -78,7 +87,9 @@ def _miniprof(name: str, lines: Sequence[str]) -> Table:
 
 
 def _simpack(name: str, lines: Sequence[str]) -> Table:
-    """Shifts, rotation, bounds and mirrors of the header are applied in order, as Simpack does."""
+    """Table of a Simpack file. Shifts, rotation, bounds and mirrors of the header are applied in
+    order, as Simpack does. Raises FormatError.
+    """
     bare = [line.split("!")[0].strip() for line in lines]
     begin = bare.index("point.begin") if "point.begin" in bare else -1
     if begin < 0:
@@ -93,6 +104,7 @@ def _simpack(name: str, lines: Sequence[str]) -> Table:
             keys.setdefault(key.strip(), (at, value.strip()))
 
     def number(key: str, default: float = 0.0) -> float:
+        """Number of a header key, or the default. Raises FormatError where the value is none."""
         line, text = keys.get(key, (0, str(default)))
         if not NUMBER.fullmatch(text):
             raise FormatError(name, line, f"{key} = {text[:SHOWN]!r}; give a number")
@@ -127,7 +139,11 @@ def _simpack(name: str, lines: Sequence[str]) -> Table:
 
 @dataclass(frozen=True)
 class _Rows:
-    """Rows of numbers (n, m), their line numbers (n,), and how many rows are commented out."""
+    """Rows of numbers from lines of a file.
+    values: (n, m) numbers.
+    lines: (n,) line number of each row.
+    commented_out: number of rows that a comment sign disables.
+    """
 
     values: Array
     lines: tuple[int, ...]
@@ -135,13 +151,16 @@ class _Rows:
 
     @property
     def remarks(self) -> tuple[str, ...]:
+        """Remark with the number of rows commented out; empty without any."""
         lines = "line" if self.commented_out == 1 else "lines"
         return (f"{self.commented_out} {lines} commented out",) if self.commented_out else ()
 
 
 def _rows(name: str, lines: Sequence[str], start: int, end: int, comment: str) -> _Rows:
-    """Rows between two line indices; comment: characters of which one begins a comment.
-    Raises FormatError for a line that is no row, and where there is none."""
+    """Rows of numbers in the lines with indices from start up to, not including, end.
+    comment: characters of which one begins a comment line.
+    Raises FormatError for a line that is no row, and where there is none.
+    """
     rows, where, out = [], [], 0
     for i in range(start, end):
         line = lines[i].strip()

@@ -14,26 +14,33 @@ PASS = 20  # points between two turns of a gauge that goes there and back, at le
 
 
 class PointError(ValueError):
-    """Points are no profile. The message says why; place (2,): where, in the axes of the points."""
+    """Points are no profile. The message says why.
+    place: (2,) point at which this shows, in the axes of the points, mm.
+    """
 
     def __init__(self, text: str, place: Array) -> None:
+        """Error with a message and the point (2,) that it refers to."""
         super().__init__(text)
         self.place = place
 
 
 def chord_lengths(points: Array) -> Array:
-    """Lengths (n,) along the straight lines through points (n, 2), from the first one on."""
+    """Lengths (n,) along the straight lines through points (n, 2), from the first point on, in mm
+    for points in mm.
+    """
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
 
 
 def closes(points: Array) -> bool:
-    """Whether points (n, 2) in their order along a curve, mm, come back to where they begin."""
+    """Whether the last of points (n, 2), in their order along a curve, mm, is within LARGEST_GAP of
+    the first.
+    """
     return bool(np.linalg.norm(points[-1] - points[0]) < LARGEST_GAP)
 
 
 def in_order(points: Array) -> Array:
-    """Points (n, 2), mm, in the order of the file, or sorted by y where that way is shorter.
-
+    """Points (n, 2), mm, in the order of the file, or sorted by y where the way through them is
+    then shorter.
     They run from left to right; those of a closed outline do so on its upper side. Raises
     PointError where the points run over the same place twice.
     """
@@ -49,8 +56,10 @@ def in_order(points: Array) -> Array:
 
 
 def _refuse_second_pass(points: Array, order: NDArray[np.intp]) -> None:
-    """A gauge that goes there and back turns few times, but most neighbours across belong to two
-    passes. Raises PointError."""
+    """Raises PointError where points (n, 2) run over the same place twice.
+    order: (n,) indices that sort them by y. A gauge that goes there and back turns few times, but
+        most neighbours across belong to two passes.
+    """
     y = points[:, 0]
     low, high = np.quantile(y, (0.25, 0.75))
     outer = np.flatnonzero((y < low) | (y > high))
@@ -62,8 +71,9 @@ def _refuse_second_pass(points: Array, order: NDArray[np.intp]) -> None:
 
 
 def head(points: Array) -> Array:
-    """Points (m, 2) of a rail's head without web and foot, of points (n, 2), mm, crown upwards; in
-    their order along the curve where the outline is deeper than the head, or closes."""
+    """Points (m, 2) of a rail's head without web and foot, of points (n, 2), mm, crown upwards.
+    They are in their order along the curve where the outline is deeper than the head, or closes.
+    """
     way, lowest = in_order(points), points[:, 1].max() - HEAD_DEPTH
     if closes(way):
         way = np.roll(way, -int(np.argmin(way[:, 1])), axis=0)
@@ -75,15 +85,15 @@ def head(points: Array) -> Array:
 
 
 def resampled(points: Array, step: float) -> Array:
-    """Points (m, 2) that far apart on the straight lines through points (n, 2), mm."""
+    """Points (m, 2) that are `step` mm apart on the straight lines through points (n, 2), mm."""
     s = chord_lengths(points)
     places = np.arange(step / 2, s[-1], step)
     return np.column_stack([np.interp(places, s, column) for column in points.T])
 
 
 def merged(points: Array) -> Array:
-    """Points (n, 2) with neighbours at the same y averaged, where y is rounded so that it repeats.
-
+    """Points (m, 2), mm, with neighbours at the same y averaged, where y is rounded so that it
+    repeats; else the points (n, 2) unchanged.
     Only the middle half of the width tells, where no face is vertical. Raises PointError where such
     points are farther apart in height than COARSE.
     """

@@ -37,12 +37,10 @@ NEAR_TOP, NEAR_ZERO, NEAR_SIDE = 2.0, 5.0, 8.0  # mm: the file's origin is that 
 @dataclass(frozen=True, kw_only=True)
 class Orientation:
     """What the user says of a file; 'auto' leaves it to the shape.
-
-    Attributes:
-        unit: 'mm', 'm' or 'inch'.
-        mirror: left and right exchanged, 'on' or 'off'.
-        flip: up and down exchanged, 'on' or 'off'.
-        origin: 'file' keeps the origin of the file.
+    unit: unit of the file, as 'mm', 'm' or 'inch'.
+    mirror: left and right exchanged, 'on' or 'off'.
+    flip: up and down exchanged, 'on' or 'off'.
+    origin: 'file' keeps the origin of the file.
     """
 
     unit: str = "auto"
@@ -52,10 +50,11 @@ class Orientation:
 
 
 def oriented(points: Array, body: str, given: Orientation) -> tuple[Array, list[str]]:
-    """Points (n, 2) of a 'rail' or 'wheel', mm, in the axes of the project, and what was done.
-
-    Raises PointError, of a place in the axes of `points`, where they fit no standard, where nothing
-    tells what `given` leaves open, and for half a head.
+    """Points (n, 2) of a 'rail' or 'wheel', mm, brought to the axes of the project, and remarks on
+    what was done.
+    given: what the user says.
+    Raises PointError, with a place in the axes of `points`, where they fit no standard, where
+    nothing tells what `given` leaves open, and for half a head.
     """
     signs = _signs(points, body, given)
     done = ["turned upside down"] * (signs[1] < 0)
@@ -91,16 +90,18 @@ def oriented(points: Array, body: str, given: Orientation) -> tuple[Array, list[
 
 
 def _even(points: Array, body: str, step: float) -> Array:
-    """Points (m, 2), `step` mm apart, of the head of a rail, or of a wheel, upright (n, 2); of an
-    outline that closes, those of its upper side."""
+    """Points (m, 2), `step` mm apart, of the head of a rail, or of a wheel, from upright points (n,
+    2); of an outline that closes, those of its upper side.
+    """
     part = ordering.in_order(ordering.head(points) if body == "rail" else points)
     even = ordering.resampled(part, step)
     return even[np.gradient(even[:, 0]) > 0] if ordering.closes(part) else even
 
 
 def _signs(points: Array, body: str, given: Orientation) -> Array:
-    """Signs (2,) of y and z with which a standard fits best. Raises PointError where it fits about
-    as well with others."""
+    """Signs (2,) of y and z with which a standard fits best, those that `given` fixes being kept.
+    Raises PointError where a standard fits about as well with others.
+    """
     signs = {"auto": (1.0, -1.0), "off": (1.0,), "on": (-1.0,)}
     mirrors = signs[given.mirror]
     if body == "rail" and given.mirror == "auto":  # standard heads are symmetric
@@ -121,8 +122,10 @@ def _signs(points: Array, body: str, given: Orientation) -> Array:
 
 
 def _refuse_half_head(even: Array, signs: Array) -> None:
-    """Raises PointError, in the axes of the file, where a head, points (n, 2), upright by `signs`
-    (2,), has one side: the rail that is solved would end there."""
+    """Raises PointError where the head has one side only: the rail that is solved would end there.
+    even: (n, 2) points, mm, upright; signs: (2,) signs that turn them back into the axes of the
+        file, in which the error's place is.
+    """
     y, z = even.T
     top = int(np.argmax(z))
     left, right = (float(np.ptp(z[side])) for side in (y <= y[top], y >= y[top]))
@@ -133,11 +136,11 @@ def _refuse_half_head(even: Array, signs: Array) -> None:
 
 
 def gauge_side(all_laid: Sequence[LaidStandard]) -> tuple[bool, str]:
-    """Whether the gauge side of a rail lies at y > 0, and why; all_laid: every standard rail, laid
-    on it.
-
-    It is the side that has lost more, else that to which the head leans; but only where the other
-    side is a standard's. Otherwise, and where wear and lean contradict each other, nothing tells.
+    """Whether the gauge side of a rail lies at y > 0, and why.
+    all_laid: every standard rail, laid on the profile.
+    The gauge side is the one that has lost more, else that to which the head leans; but only where
+    the other side is a standard's. Otherwise, and where wear and lean contradict each other, the
+    answer is False with the reason.
     """
     laid = min(all_laid, key=_less_worn_side)
     if _less_worn_side(laid) > UNWORN or np.nanmin(laid.loss) < -STANDS_OUT:
@@ -156,20 +159,23 @@ def gauge_side(all_laid: Sequence[LaidStandard]) -> tuple[bool, str]:
 
 
 def _less_worn_side(laid: LaidStandard) -> float:
-    """Root mean square distance of the less worn side to the standard, mm."""
+    """Root mean square distance in mm of the less worn side to the standard; infinite without
+    points on it.
+    """
     squares = (laid.loss[side] ** 2 for side in laid.sides if side.any())
     return min((float(np.sqrt(square.mean())) for square in squares), default=np.inf)
 
 
 def _move(points: Array, body: str, origin: Array, listed: Array) -> Array:
-    """Displacement (2,) that brings the crown centre or the tape circle of the standard, `origin`,
-    to (0, 0); zero along each axis in which points (n, 2) already have it there.
-
+    """Displacement (2,) in mm that brings the crown centre or the tape circle of the standard to
+    (0, 0); zero along each axis in which the points already have it there.
+    points: (n, 2), mm; origin: (2,) of the standard.
     Raises PointError, in the axes of the points `listed`, for a wheel that begins in its flange.
     """
     y, z = points.T
 
     def height(at: float) -> float:
+        """z of the point nearest to y = at, mm."""
         return float(z[np.argmin(np.abs(y - at))])
 
     move = np.zeros(2)
@@ -189,9 +195,11 @@ def _move(points: Array, body: str, origin: Array, listed: Array) -> Array:
 
 
 def in_mm(table: Table, body: str, given: str) -> tuple[Array, str]:
-    """Points (n, 2) of a 'rail' or 'wheel' in mm, and of which unit they were and why; given: as
-    `Orientation.unit`. Raises PointError, of the outermost point in the axes of the table, where no
-    unit, or not the one that is given or stated, fits the width."""
+    """Points (n, 2) of a 'rail' or 'wheel' in mm, and a remark on their unit and its source.
+    given: the unit, or 'auto' for the file's unit or a guess by the width.
+    Raises PointError, at the outermost point in the axes of the table, where no unit, or not the
+    given or stated one, fits the width.
+    """
     unit = given if given != "auto" else table.unit or _unit_by_width(table.points, body)
     points = MM_OF_UNIT[unit] * table.points
     width, (least, most) = float(np.ptp(points[:, 0])), WIDTHS
@@ -205,6 +213,9 @@ def in_mm(table: Table, body: str, given: str) -> tuple[Array, str]:
 
 
 def _unit_by_width(points: Array, body: str) -> str:
+    """Unit of GUESSED_UNITS in which the width of points (n, 2) of a 'rail' or 'wheel' is usual.
+    Raises PointError where none fits, or heights look like another unit.
+    """
     width, (least, most) = float(np.ptp(points[:, 0])), USUAL_WIDTHS[body]
     y, z = points[np.argsort(points[:, 0], kind="stable")].T
     bulge = float(np.abs(z - np.interp(y, y[[0, -1]], z[[0, -1]])).max())
@@ -225,4 +236,5 @@ def _unit_by_width(points: Array, body: str) -> str:
 
 
 def _outermost(points: Array) -> Array:
+    """The point (2,) of points (n, 2) that is farthest in y from their median."""
     return np.asarray(points[np.argmax(np.abs(points[:, 0] - np.median(points[:, 0])))])

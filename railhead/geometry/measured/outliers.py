@@ -19,9 +19,8 @@ WAVE, STRIDE, BENT = 4.0, 0.1, 10.0  # mm, mm and deg: sound profiles bend to an
 
 
 def offsets(points: Array) -> Array:
-    """How far (n,) points (n, 2) in the order of the curve are off the cubic through their two
-    neighbours on either side, mm.
-
+    """Distance (n,) in mm of points (n, 2) in the order of the curve from the cubic through their
+    two neighbours on either side.
     Zero where another of these five points is farther off, as an outlier spoils the cubics of its
     neighbours, and for the outermost two at each end.
     """
@@ -37,7 +36,8 @@ def offsets(points: Array) -> Array:
 
 def check_digits(points: Array) -> None:
     """Raises PointError where the heights of points (n, 2), mm, are rounded to more than ROUNDED:
-    their stairs are no noise that could be smoothed away."""
+    stairs are no noise that could be smoothed away.
+    """
     z = np.sort(points[:, 1])
     steps = np.diff(z)
     steps = steps[steps > SAME * max(float(np.ptp(z)), SAME)]
@@ -52,7 +52,8 @@ def check_digits(points: Array) -> None:
 
 def check_wild(points: Array) -> None:
     """Raises PointError where one of points (n, 2), mm, in the order of the curve, five at least,
-    stands so far off its neighbours that the curve would turn back on itself."""
+    is so far off its neighbours that the curve would turn back on itself.
+    """
     off, beside = offsets(points), np.zeros(len(points))
     beside[1:-1] = np.linalg.norm(points[2:] - points[:-2], axis=1) / 2
     for end in (slice(0, 5), slice(-1, -6, -1)):
@@ -65,8 +66,9 @@ def check_wild(points: Array) -> None:
 
 
 def _offsets_at_end(points: Array) -> Array:
-    """How far (2,) the first two of five points (5, 2) are off the line that the others lead to
-    them, mm: aside by more than 60 deg (less may be an edge), or the second beyond the first."""
+    """Distance (2,) in mm of the first two of five points (5, 2) from the line that the others lead
+    to them: aside by more than 60 deg (less may be an edge), or the second beyond the first.
+    """
     way = (points[2] - points[4]) / np.linalg.norm(points[2] - points[4])
     reach = np.linalg.norm(points[:2] - points[2], axis=1)
     off = np.linalg.norm(points[:2] - points[2] - reach[:, None] * way, axis=1)
@@ -75,8 +77,10 @@ def _offsets_at_end(points: Array) -> Array:
 
 
 def spikes(smoothed: Smoothed, inside: NDArray[np.bool_]) -> tuple[int, float, Array] | None:
-    """Number of the points in `inside` (n,) that stand off where their neighbours are, the largest
-    offset (mm), and its place (2,); None without one."""
+    """Number of the points in `inside` (n,) that are off the cubic of their neighbours by more than
+    noise and edges explain, the largest such distance (mm), and its place (2,); None without
+    one.
+    """
     off = offsets(smoothed.points) * inside
     spacing = smoothed.length / (len(smoothed.points) - 1)
     least = max(SPIKE * smoothed.noise, LEAST_SPIKE, EDGE_CURVATURE * spacing**2)
@@ -85,8 +89,9 @@ def spikes(smoothed: Smoothed, inside: NDArray[np.bool_]) -> tuple[int, float, A
 
 
 def wave(smoothed: Smoothed, start: float, end: float) -> tuple[float, Array] | None:
-    """The largest angle (deg) by which the curve bends one way and back within WAVE between two y,
-    and its place (2,); None where no angle is larger than BENT."""
+    """Largest angle (deg) by which the curve bends one way and back within WAVE, between y = start
+    and y = end (mm), and its place (2,); None where no angle is larger than BENT.
+    """
     s = np.arange(0.0, smoothed.length, STRIDE)
     dy, dz = smoothed.curve(s, 1).T
     angle, curve = np.degrees(np.unwrap(np.arctan2(dz, dy))), smoothed.curve(s)

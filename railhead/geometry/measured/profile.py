@@ -32,13 +32,11 @@ EDGE = 0.02  # share of the width at either end that reports leave out
 @dataclass(frozen=True, kw_only=True)
 class Measured:
     """A profile from a file.
-
-    Attributes:
-        path: the file.
-        body: 'rail' or 'wheel'.
-        remarks: how it was read and turned, and warnings.
-        smoothed: the curve through its points.
-        profile: its longest part that faces upwards.
+    path: the file.
+    body: 'rail' or 'wheel'.
+    remarks: how the file was read and turned, and warnings.
+    smoothed: the curve through its points.
+    profile: the longest part of the curve that faces upwards.
     """
 
     path: Path
@@ -49,43 +47,51 @@ class Measured:
 
     @property
     def points(self) -> Array:
-        """(n, 2) in the axes of profiles, mm."""
+        """Points (n, 2) of (y, z), mm, in the axes of profiles, along the smoothed curve."""
         return self.smoothed.points
 
     @property
     def facing(self) -> NDArray[np.bool_]:
-        """Which points (n,) the profile holds, without the outermost at each end."""
+        """Mask (n,) of the points that the profile holds, without the outermost 2 % of the width at
+        each end.
+        """
         start, end = inner(self.profile)
         y = self.points[:, 0]
         return np.asarray((y > start) & (y < end))
 
     def resampled(self, step: float) -> Array:
-        """Points (n, 2) of the smoothed curve that far apart, mm."""
+        """Points (m, 2) of the smoothed curve that are `step` mm apart, mm."""
         return np.asarray(self.smoothed.curve(np.arange(step / 2, self.smoothed.length, step)))
 
     @property
     def sharpest(self) -> tuple[float, float]:
-        """Largest curvature either way before and after smoothing, 1/mm."""
+        """Largest modulus of curvature of the facing points before and after smoothing, 1/mm."""
         within, smoothed = self.facing[1:-1], self.smoothed
         before = np.abs(smoothed.rough_curvature()[within])
         after = np.abs(smoothed.curvature(smoothed.s[1:-1][within]))
         return float(before.max()), float(after.max())
 
     def wavelength(self, y: float) -> float:
-        """Of the smoothing at a place across, mm."""
+        """Smoothing wavelength, mm, at the place of the curve whose y is nearest to the given one
+        (mm).
+        """
         across = self.smoothed.curve(self.smoothed.places)[:, 0]
         return float(self.smoothed.wavelength[np.argmin(np.abs(across - y))])
 
     @property
     def wavelengths(self) -> tuple[float, float]:
-        """The shortest and the longest of the profile, mm."""
+        """Shortest and longest smoothing wavelength of the profile, mm, without the outermost 2 %
+        at each end.
+        """
         start, end = inner(self.profile)
         across = self.smoothed.curve(self.smoothed.places)[:, 0]
         within = self.smoothed.wavelength[(across > start) & (across < end)]
         return float(within.min()), float(within.max())
 
     def summary(self) -> dict[str, Any]:
-        """As in summary.json."""
+        """Findings on the file as in summary.json: name, remarks, number of points, noise,
+        wavelengths and curvatures (mm, 1/mm).
+        """
         before, after = self.sharpest
         return {
             "file": str(self.path),
@@ -99,7 +105,7 @@ class Measured:
 
 
 def inner(profile: Profile) -> tuple[float, float]:
-    """Its domain without the outermost 2 % at each end, mm."""
+    """First and last y of a profile without the outermost 2 % of the width at each end, mm."""
     start, end = profile.domain
     margin = EDGE * (end - start)
     return start + margin, end - margin
@@ -108,12 +114,13 @@ def inner(profile: Profile) -> tuple[float, float]:
 def from_points(
     name: str, points: Array, wavelength: float | None = None, stretch: float = 1.0
 ) -> tuple[Smoothed, Profile]:
-    """The curve through points (n, 2) in the axes of profiles, mm, in any order along it or by y,
-    and its longest part that faces upwards.
-
-    wavelength, stretch: as in `smoothing.smooth`. Raises ValueError for too few points, points that
-    are not finite, and a curve that faces nowhere upwards; PointError for a gap between them and
-    where they run over the same place twice.
+    """The smooth curve through points (n, 2) in the axes of profiles, mm, in any order along it or
+    by y, and the longest part that faces upwards, as a profile of that name.
+    wavelength: of waves that keep half of their height, mm, or None to choose by the noise.
+    stretch: factor on the wavelengths.
+    Raises ValueError for too few points, points that are not finite, and a curve that faces nowhere
+    upwards. Raises PointError for a gap between points and where they run over the same place
+    twice.
     """
     points = np.asarray(points, dtype=float)
     if not np.isfinite(points).all():
@@ -143,10 +150,12 @@ def read(
     slope: float = 0.0,
     stretch: float = 1.0,
 ) -> Measured:
-    """The profile of a 'rail' or 'wheel' in a file.
-
-    given: what the user says of its axes; wavelength, stretch: as in `smoothing.smooth`; slope:
-    that it is rolled by about the origin. Raises FormatError, ValueError, OSError.
+    """The profile of a 'rail' or 'wheel' in a file, read once and kept.
+    given: what the user says of the axes of the file.
+    wavelength: of waves that keep half of their height, mm, or None to choose by the noise.
+    slope: slope by which the profile is turned about the origin.
+    stretch: factor on the wavelengths.
+    Raises FormatError, ValueError, OSError.
     """
     changed = path.stat().st_mtime_ns
     return _read(path, changed, body, given, wavelength, slope, stretch)
@@ -162,6 +171,9 @@ def _read(
     slope: float,
     stretch: float,
 ) -> Measured:
+    """The profile of a file that was last changed at `changed` (ns), for the same arguments as
+    `read`; cached. Raises FormatError and ValueError.
+    """
     table, points, kept, remarks = _in_axes(path, changed, body, given)
     cosine = math.cos(math.atan(slope))
     roll = cosine * np.array([[1.0, slope], [-slope, 1.0]])
@@ -185,8 +197,11 @@ def _read(
 def _in_axes(
     path: Path, _: int, body: str, given: Orientation
 ) -> tuple[Table, Array, Array, tuple[str, ...]]:
-    """Table of a file, its points (n, 2) in the axes of profiles, those of them that are smoothed
-    (m, 2), and what was done: the same for all smoothing."""
+    """Table of a file, its points (n, 2) in the axes of profiles, the points (m, 2) that are
+    smoothed, and remarks; the result holds for all smoothing and is cached.
+    The number `_` is the time of the last change, so that a changed file is read again. Raises
+    FormatError.
+    """
     table = formats.read(path, unit_is_given=given.unit != "auto")
     if table.body and table.body != body:
         raise FormatError(path.name, 1, f"is a {table.body}'s; give one of a {body}")
@@ -210,17 +225,23 @@ def _in_axes(
 
 
 def _refused(path: Path, table: Table, points: Array, error: PointError) -> FormatError:
-    """points (n, 2): the table's, in the axes of the error's place."""
+    """The error at a point as an error of the line of the file. points: (n, 2) of the table, in the
+    axes of the error's place.
+    """
     return FormatError(path.name, _line(table, points, error.place), str(error))
 
 
 def _line(table: Table, points: Array, place: Array) -> int:
-    """Line of the point nearest to a place; points: the table's, in the axes of the place."""
+    """Line number of the point nearest to a place (2,). points: (n, 2) of the table, in the axes of
+    the place.
+    """
     return table.lines[int(np.argmin(np.abs(points - place).max(axis=1)))]
 
 
 def _outliers(smoothed: Smoothed, profile: Profile) -> list[tuple[str, Array]]:
-    """What stands off and is kept, in words, and where (2,)."""
+    """Texts on spikes and waves that are kept in the smoothed curve, each with its place (2,) in
+    mm.
+    """
     found, (start, end) = [], inner(profile)
     y = smoothed.points[:, 0]
     if spikes := outliers.spikes(smoothed, np.asarray((y > start) & (y < end))):
@@ -234,7 +255,7 @@ def _outliers(smoothed: Smoothed, profile: Profile) -> list[tuple[str, Array]]:
 
 
 def _runs(faces: NDArray[np.bool_]) -> NDArray[np.intp]:
-    """First and behind the last (k, 2) of the runs of True."""
+    """First index and index behind the last one (k, 2) of each run of True in faces (n,)."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], faces, [False]]).astype(int)))
     return edges.reshape(-1, 2)
 
@@ -242,9 +263,11 @@ def _runs(faces: NDArray[np.bool_]) -> NDArray[np.intp]:
 def _refuse_folds(
     curve: Array, step: float, runs: NDArray[np.intp], longest: int, points: Array
 ) -> None:
-    """Points of a curve (n, 2) that far apart, mm: what faces upwards beside the longest run is not
-    cut off by a fold, as points (m, 2) that stand off make one. Raises PointError of the one where
-    they turn most."""
+    """Raises PointError where a fold cut off a part that faces upwards near the longest run, as
+    points that stand off make one; at the point where points (m, 2) turn most.
+    curve: (n, 2) points, mm, that are `step` mm apart; runs: (k, 2) first and behind the last of
+        the parts that face upwards; longest: index of the longest one.
+    """
     start, end = runs[longest]
     for first, behind in runs:
         gap = (behind, start) if behind <= start else (end, first)
@@ -255,15 +278,19 @@ def _refuse_folds(
 
 @dataclass(frozen=True)
 class Smoothness:
-    """curvatures: 5, 50 and 95 % of the profile lie below them, 1/mm, positive is convex; waves:
-    changes between convex and concave; both without the outermost 2 % at each end."""
+    """Curvature of a measured profile without the outermost 2 % at each end.
+    curvatures: 5, 50 and 95 % quantiles, 1/mm, positive is convex.
+    waves: number of changes between convex and concave.
+    """
 
     curvatures: tuple[float, float, float]
     waves: int
 
 
 def smoothness(profile: Profile) -> Smoothness:
-    """What a contact will see of a measured profile: a wavy curvature scatters the pressure."""
+    """Quantiles of the curvature of a measured profile and its number of waves: a wavy curvature
+    scatters the pressure.
+    """
     curvature = profile.curvature(np.linspace(*inner(profile), 2001))
     low, middle, high = (float(value) for value in np.quantile(curvature, (0.05, 0.5, 0.95)))
     return Smoothness((low, middle, high), int(np.sum(np.diff(np.sign(curvature)) != 0)))

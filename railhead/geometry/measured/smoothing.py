@@ -46,9 +46,15 @@ FINE = 20  # samples a point, where a curve is measured or bent open
 
 @dataclass(frozen=True)
 class Smoothed:
-    """curve: s (mm) -> (y, z); points (n, 2) and their s (n,); residual (n,): how far they are off
-    the curve along its left normals; noise: standard deviation across the curve, mm; wavelength
-    (k,) at places (k,) of s: waves of that length keep half of their height, mm."""
+    """Smooth curve through the points of a measured profile.
+    curve: spline of the arc length s (mm) with values (y, z), mm.
+    points: (n, 2) of (y, z), mm, in their order along the curve.
+    s: (n,) arc length of each point, mm.
+    residual: (n,) distance of each point from the curve along its left normal, mm.
+    noise: standard deviation of the points across the curve, mm.
+    places: (k,) arc lengths at which wavelength is given, mm.
+    wavelength: (k,) length of waves that keep half of their height, mm.
+    """
 
     curve: BSpline
     points: Array
@@ -60,25 +66,29 @@ class Smoothed:
 
     @property
     def length(self) -> float:
-        """Of the curve, mm."""
+        """Arc length of the curve from the first to the last point, mm."""
         return float(self.s[-1])
 
     def curvature(self, s: Array) -> Array:
-        """At lengths s (n,), 1/mm, positive where the curve bends to its right."""
+        """Curvature at arc lengths s (n,) in mm, in 1/mm, positive where the curve bends to its
+        right.
+        """
         return _curvature(self.curve, s)
 
     def rough_curvature(self) -> Array:
-        """(n - 2,), of the circles through each three points that follow each other, 1/mm."""
+        """Curvature (n - 2,) of the circles through each three points that follow each other, 1/mm,
+        positive where they bend to the right.
+        """
         one, two = np.diff(self.points, axis=0)[:-1], np.diff(self.points, axis=0)[1:]
         sides = [np.linalg.norm(side, axis=1) for side in (one, two, one + two)]
         return np.asarray(-2 * _cross(one, two) / np.prod(sides, axis=0))
 
 
 def noise(points: Array) -> Array:
-    """Standard deviation (n,) across the curve of points (n, 2) in the order of the curve, mm.
-
-    The running median of the divided differences of fifth order, in which no arc is left: a gauge
-    that errs in height errs less across a steep face.
+    """Standard deviation (n,) in mm of the noise across the curve, at points (n, 2) in their order
+    along the curve, mm.
+    The noise is the running median of the divided differences of fifth order, in which no arc is
+    left. A gauge that errs in height errs less across a steep face.
     """
     count = DIFFERENCE + 1
     s = chord_lengths(points)
@@ -97,23 +107,26 @@ def noise(points: Array) -> Array:
 
 
 def turns(points: Array) -> Array:
-    """Angles (n - 2,) by which the way through points (n, 2) turns at the inner ones, rad."""
+    """Angles (n - 2,) in rad by which the way through points (n, 2) turns at the inner ones, never
+    negative.
+    """
     one, two = np.diff(points, axis=0)[:-1], np.diff(points, axis=0)[1:]
     return np.asarray(np.arctan2(np.abs(_cross(one, two)), np.einsum("nd,nd->n", one, two)))
 
 
 def folded(points: Array) -> PointError:
-    """That no curve runs through points (n, 2), of the one where they turn most."""
+    """Error that no curve runs through points (n, 2), at the point where they turn most."""
     text = "bends back on itself; delete the points that stand off here"
     return PointError(text, points[1 + int(np.argmax(turns(points)))])
 
 
 def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0) -> Smoothed:
-    """The curve through points (n, 2) in their order along it, mm.
-
+    """Smooth curve through points (n, 2) in mm that are in their order along it.
     wavelength: of waves that keep half of their height, mm, everywhere; None: chosen by the noise,
-    from place to place. stretch: a factor to it. Raises ValueError for fewer than 12 points, and
-    PointError for a gap of more than 5 mm between them, and where they bend the curve back.
+        from place to place.
+    stretch: factor on the wavelengths.
+    Raises ValueError for fewer than 12 points. Raises PointError for a gap of more than 5 mm
+    between points, and where they bend the curve back.
     """
     points = _averaged(points)
     if len(points) < LEAST_POINTS:
@@ -148,8 +161,13 @@ def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0)
 
 @dataclass(frozen=True)
 class _Fit:
-    """Cubic B-splines on even knots, `step` apart: their values (n, m) at points that are `spacing`
-    apart (mm), and their third differences (rows, m)."""
+    """Least-squares fit of cubic B-splines with penalised third differences of the coefficients.
+    knots: knots of the splines, even except at the ends, mm of arc length.
+    basis: values (n, m) of the m splines at the n points.
+    differences: sparse matrix (rows, m) of third differences.
+    step: distance of the knots, mm.
+    spacing: mean distance of the points, mm.
+    """
 
     knots: Array
     basis: Array
@@ -159,7 +177,7 @@ class _Fit:
 
     @classmethod
     def of(cls, s: Array) -> _Fit:
-        """For points at lengths s (n,)."""
+        """Fit for points at arc lengths s (n,) in mm, ascending from 0."""
         pieces = min(PIECES, len(s))
         step = s[-1] / pieces
         knots = step * np.arange(-ORDER, pieces + ORDER + 1)
@@ -170,32 +188,36 @@ class _Fit:
 
     @property
     def rows(self) -> int:
-        """Of the differences."""
+        """Number of third differences of the coefficients."""
         return int(self.differences.shape[0])
 
     @property
     def places(self) -> Array:
-        """Of the differences (rows,), mm."""
+        """Arc lengths (rows,) in mm at which the third differences of the coefficients lie."""
         return np.asarray(self.step * (np.arange(self.rows) + 0.5))
 
     @property
     def _unit(self) -> float:
-        """Of the weights of squared differences, mm^6: these are step^5 times the integral of a
-        squared third derivative, and n points weigh 1/spacing a millimetre."""
+        """Unit of the weights of squared differences, mm^6.
+        Squared differences are step^5 times the integral of a squared third derivative, and n
+        points weigh 1/spacing a millimetre.
+        """
         return self.spacing * self.step ** (2 * ORDER - 1)
 
     def penalty(self, wavelength: Array) -> Array:
-        """Weights (k,) of squared differences over those of points that halve waves of these
-        lengths (k,), mm: omega^6 is their squared third derivative."""
+        """Weights (k,) of squared third differences, relative to the points, that halve the height
+        of waves of these lengths (k,), mm. Waves of wavenumber omega have a squared third
+        derivative omega^6.
+        """
         return np.asarray((wavelength / (2 * math.pi)) ** (2 * ORDER) / self._unit)
 
     def curve(self, data: Array, penalty: Array) -> BSpline:
-        """Through data (n, ...)."""
+        """Spline through data (n, ...) at the points, with weights penalty (rows,)."""
         return BSpline(self.knots, cho_solve(self._factor(penalty), self.basis.T @ data), ORDER)
 
     def most_probable(self, heights: Array, sigma: Array) -> Array:
-        """Wavelengths (rows,) that heights (n,) with noise sigma (rows,) leave most probable, mm.
-
+        """Wavelengths (rows,) in mm of the most probable smoothing.
+        heights: (n,) heights of the points, mm; sigma: (rows,) noise, mm.
         MacKay's fixed point: the variance of the differences is their sum of squares over the
         number of them that the points determine, both as means over the neighbourhood.
         """
@@ -219,6 +241,9 @@ class _Fit:
         return np.asarray(BENDING * lengths)
 
     def _factor(self, penalty: Array) -> tuple[Array, bool]:
+        """Cholesky factor of the normal matrix (m, m) with weights penalty (rows,) of the squared
+        differences.
+        """
         d = self.differences
         roughness = (d.T @ diags(penalty) @ d).toarray()
         factor: tuple[Array, bool] = cho_factor(self._squares + roughness, check_finite=False)
@@ -226,12 +251,15 @@ class _Fit:
 
     @cached_property
     def _squares(self) -> Array:
+        """Normal matrix (m, m) of the points alone, basis^T basis."""
         return np.asarray(self.basis.T @ self.basis)
 
 
 def _averaged(points: Array) -> Array:
-    """Groups of points that are nearer than CLOSE, as one each; of those at one place the first.
-    Where points are farther apart than most, they stay."""
+    """Points (m, 2) in their order, mm: of points at one place the first, and groups of points
+    nearer than CLOSE as their mean.
+    A group longer than 2 CLOSE stays as it is; an incomplete last group is left out.
+    """
     apart = np.linalg.norm(np.diff(points, axis=0), axis=1)
     points, apart = points[np.concatenate([[True], apart > 0])], apart[apart > 0]
     near = float(np.median(apart)) if len(apart) else CLOSE
@@ -247,28 +275,35 @@ def _averaged(points: Array) -> Array:
 
 
 def _cross(one: Array, other: Array) -> Array:
+    """Cross products (n,) one_y other_z - one_z other_y of vectors (n, 2)."""
     return np.asarray(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
 
 
 def _frame(curve: BSpline, s: Array) -> tuple[Array, Array]:
-    """Unit tangents and left normals (n, 2)."""
+    """Unit tangents (n, 2) and left normals (n, 2) of a curve at arc lengths s (n,) in mm."""
     tangent = curve(s, 1)
     tangent = tangent / np.linalg.norm(tangent, axis=1)[:, None]
     return tangent, np.column_stack([-tangent[:, 1], tangent[:, 0]])
 
 
 def _off(curve: BSpline, s: Array, points: Array) -> Array:
+    """Distance (n,) in mm of points (n, 2) from the curve at s (n,), along its left normals."""
     return np.asarray(np.einsum("nd,nd->n", points - curve(s), _frame(curve, s)[1]))
 
 
 def _curvature(curve: BSpline, s: Array) -> Array:
+    """Curvature (n,) in 1/mm of a curve at arc lengths s (n,) in mm, positive where it bends to the
+    right.
+    """
     first, second = curve(s, 1), curve(s, 2)
     return np.asarray(-_cross(first, second) / np.linalg.norm(first, axis=1) ** 3)
 
 
 def _lengths(curve: BSpline, s: Array, points: Array) -> Array:
-    """Arc lengths (n,) of the curve's points that are nearest to the measured ones. Raises
-    PointError where the curve has run away from them."""
+    """Arc lengths (n,) in mm of the curve's points that are nearest to the measured points (n, 2).
+    s: (n,) first guess of these lengths, mm. Raises PointError where the curve is far longer than
+        the way through the points.
+    """
     tangent, _ = _frame(curve, s)
     speed = np.linalg.norm(curve(s, 1), axis=1)
     nearest = s + np.einsum("nd,nd->n", points - curve(s), tangent) / speed
@@ -282,14 +317,18 @@ def _lengths(curve: BSpline, s: Array, points: Array) -> Array:
 
 
 def _developed(curve: BSpline, s: Array) -> CubicSpline:
-    """Height of the curve over a straight line when it is bent open: its second derivative is the
-    curvature, so that nothing depends on how the profile lies, and every circle is a parabola."""
+    """Height (mm) over arc length of the curve bent open, as a spline.
+    Its second derivative is the curvature, so that nothing depends on how the profile lies, and
+    every circle is a parabola.
+    """
     places = np.linspace(0, s[-1], FINE * len(s))
     return CubicSpline(places, -_curvature(curve, places)).antiderivative(2)
 
 
 def _bent(curve: BSpline, s: Array, points: Array, fit: _Fit, penalty: Array) -> BSpline:
-    """The curve moved along its normals so that, bent open, it is the smooth one."""
+    """Curve moved along its normals so that, bent open, it is the fit with weights penalty (rows,)
+    to the points (n, 2) at arc lengths s (n,).
+    """
     straight = _developed(curve, s)
     smooth = fit.curve(straight(s) + _off(curve, s, points), penalty)
     places = np.linspace(0, s[-1], 2 * fit.rows)

@@ -35,17 +35,15 @@ COMPARED = 20.0  # mm across that are laid on each other at least, for a standar
 @dataclass(frozen=True, kw_only=True)
 class LaidStandard:
     """A standard profile laid on a measured one; lengths in mm, in the axes of the measured one.
-
-    Attributes:
-        name: 54E1, 60E1 or S1002.
-        outline: points (m, 2) of the standard.
-        origin: where the origin of the standard lies (2,).
-        y: places (n,) of the measured profile.
-        loss: what is lost there (n,), normal to the standard; negative where something stands out,
-            NaN beyond the ends of the standard and below the head.
-        misfit: mean of the weighted squares of the fit; infinite where too little is compared.
-        distance: mean distance of all points to the outline.
-        slope: angle (rad) by which the head leans, positive to y > 0; 0 for wheels.
+    name: 54E1, 60E1 or S1002.
+    outline: (m, 2) points of the standard.
+    origin: (2,) where the origin of the standard lies.
+    y: (n,) y of the measured points.
+    loss: (n,) depth of the measured points below the standard, normal to it; negative outside, NaN
+        beyond its ends and below the head.
+    misfit: mean of the weighted squares of the fit; infinite where too little is compared.
+    distance: mean distance of all points to the outline.
+    slope: angle (rad) by which the head leans, positive to y > 0; 0 for wheels.
     """
 
     name: str
@@ -59,27 +57,29 @@ class LaidStandard:
 
     @property
     def worst(self) -> int:
-        """Index of the largest loss."""
+        """Index of the measured point with the largest loss."""
         return int(np.argmax(self._lost))
 
     @property
     def largest_loss(self) -> float:
-        """The largest loss, mm."""
+        """Largest loss, normal to the standard, mm."""
         return float(self._lost[self.worst])
 
     @property
     def lost_area(self) -> float:
-        """Area of the section that is lost, mm2."""
+        """Area of the section that is lost, mm2: STEP times the sum of the positive losses."""
         return STEP * float(self._lost.sum())
 
     @property
     def _lost(self) -> Array:
+        """Loss (n,) in mm, with zero for negative values and NaN."""
         return np.nan_to_num(np.maximum(self.loss, 0.0))
 
     @property
     def fits(self) -> bool:
-        """Whether the measured profile is one of this kind: within FARTHEST of the standard, laid
-        on it by LAID of its width, and leaning by less than LARGEST_SLOPE."""
+        """Whether the measured profile is of this kind: within FARTHEST of the standard, laid on it
+        by LAID of its width, and leaning by less than LARGEST_SLOPE.
+        """
         known = np.isfinite(self.loss)
         laid = float(np.ptp(self.y[known])) if known.any() else 0.0
         upright = abs(self.slope) < LARGEST_SLOPE and laid >= LAID * float(np.ptp(self.y))
@@ -87,32 +87,45 @@ class LaidStandard:
 
     @property
     def sides(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Which places (n,) have a loss and lie left, and right, of the standard's middle."""
+        """Masks (n,) of the points that have a loss and lie left, and right, of the standard's
+        middle.
+        """
         known, middle = np.isfinite(self.loss), self.outline[len(self.outline) // 2, 0]
         return known & (self.y < middle), known & (self.y >= middle)
 
 
 def nearest(points: Array, body: str) -> LaidStandard:
-    """The standard that fits points (n, 2), mm, best: of a 'rail' or 'wheel', STEP apart from left
-    to right."""
+    """The standard with the least misfit for points (n, 2), mm, STEP apart from left to right, of a
+    'rail' or 'wheel'.
+    """
     return min(all_laid(points, body), key=lambda each: each.misfit)
 
 
 def all_laid(points: Array, body: str) -> list[LaidStandard]:
-    """Every standard of a 'rail' or 'wheel' laid on points (n, 2) as for `nearest`."""
+    """Every standard of a 'rail' or 'wheel' laid on points (n, 2), mm, STEP apart from left to
+    right.
+    """
     return [_laid(name, points, body == "rail") for name in STANDARDS[body]]
 
 
 def roughly_laid(points: Array, body: str) -> LaidStandard:
-    """A standard laid on points (n, 2), mm, of any spacing, in few iterations: enough to compare
-    orientations by `distance`."""
+    """One standard of a 'rail' or 'wheel' laid on points (n, 2), mm, of any spacing, in few
+    iterations: enough to compare orientations by `distance`.
+    """
     return _laid(STANDARDS[body][-1], points, body == "rail", ROUGH)
 
 
 def _laid(name: str, points: Array, turns: bool, iterations: int = ITERATIONS) -> LaidStandard:
+    """The standard `name` laid on points (n, 2), mm, by a least-squares fit.
+    turns: the standard may be turned, as a rail is, else only displaced; iterations: at most; with
+        fewer than ITERATIONS only a rough fit.
+    """
     outline, normal, tree = _outline(name)
 
     def loss(move: Array, beyond: float = 0.0) -> Array:
+        """Depth (n,) in mm of the points, displaced by move, below the standard; `beyond` outside
+        of its ends or below the head.
+        """
         moved = _moved(points, move)
         _, index = tree.query(moved)
         depth = -np.einsum("nd,nd->n", moved - outline[index], normal[index])
@@ -120,11 +133,13 @@ def _laid(name: str, points: Array, turns: bool, iterations: int = ITERATIONS) -
         return np.where(inside, depth, beyond)
 
     def asymmetric(move: Array) -> Array:
+        """Residuals (n,) in which losses count less and parts outside count more."""
         depth = loss(move) / SOFT
         soft = np.sqrt(2 * (np.hypot(1, depth) - 1))
         return np.where(depth > 0, soft, OUTSIDE * depth)
 
     def distance(move: Array) -> float:
+        """Mean distance in mm of the displaced points to the outline."""
         return float(tree.query(_moved(points, move))[0].mean())
 
     up = outline[:, 1].max() - points[:, 1].max()
@@ -156,24 +171,28 @@ def _laid(name: str, points: Array, turns: bool, iterations: int = ITERATIONS) -
 
 
 def _moved(points: Array, move: Array) -> Array:
-    """Points turned by move[2] (rad), if there is one, then displaced by move[:2] (mm)."""
+    """Points (n, 2) turned by move[2] (rad), if there is one, then displaced by move[:2] (mm)."""
     return np.asarray(points @ _turn(move) + move[:2])
 
 
 def _turn(move: Array) -> Array:
+    """Rotation (2, 2) by move[2] (rad), for points as rows; the identity for two numbers."""
     angle = move[2] if len(move) > 2 else 0.0
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, s], [-s, c]])
 
 
 def _middle(points: Array) -> float:
+    """y midway between the leftmost and the rightmost of points (n, 2)."""
     return float((points[:, 0].min() + points[:, 0].max()) / 2)
 
 
 @lru_cache
 def _outline(name: str) -> tuple[Array, Array, cKDTree]:
-    """Points (m, 2) of a standard profile from left to right, OUTLINE_STEP apart, mm; its outward
-    unit normals (m, 2); and the tree of the points."""
+    """Points (m, 2) of a standard profile from left to right, about OUTLINE_STEP apart, mm, their
+    outward unit normals (m, 2), and a KD tree of the points.
+    Rails are heads without the line of the cut.
+    """
     if name in profiles.STANDARD_RAILS:
         curves = outlines.rail_section(name, "head", half=False)
         half = len(curves) // 2

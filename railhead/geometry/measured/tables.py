@@ -51,20 +51,19 @@ class FormatError(ValueError):
     """A file is not a profile. The message names the file, the line and what is allowed there."""
 
     def __init__(self, name: str, line: int, text: str) -> None:
+        """Message of the file name, the line number and the text."""
         super().__init__(f"{name}, line {line}: {text}")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Table:
     """Points of a file, before they are turned into the axes of the project.
-
-    Attributes:
-        points: y, then z up or down (n, 2), in the order and the unit of the file.
-        unit: unit that the file states; '' where it states none.
-        body: 'rail', 'wheel', or '' where the file does not say.
-        format: name of the format.
-        remarks: what was left out or computed while reading.
-        lines: line numbers of the points (n,).
+    points: (n, 2) of y, and z up or down, in the order and the unit of the file.
+    unit: unit that the file states; '' where it states none.
+    body: 'rail', 'wheel', or '' where the file does not say.
+    format: name of the format.
+    remarks: what was left out or computed while reading.
+    lines: (n,) line number of each point.
     """
 
     points: Array
@@ -76,7 +75,10 @@ class Table:
 
 
 def numbers(line: str, separator: str, decimal: str) -> list[float] | None:
-    """The numbers with which a line begins; None if there are fewer than two finite ones."""
+    """Numbers with which a line begins, up to the first cell that is no number; None if there are
+    fewer than two, or one is not finite.
+    separator: regular expression between cells; decimal: '.' or ','.
+    """
     found: list[float] = []
     for cell in re.split(separator, line.strip()):
         text = cell.strip(" \"'")
@@ -89,10 +91,10 @@ def numbers(line: str, separator: str, decimal: str) -> list[float] | None:
 
 
 def read(name: str, lines: Sequence[str], unit_is_given: bool) -> Table:
-    """The points in the lines of the table of that file name.
-
-    unit_is_given: the user gives the unit, so none that the header states is refused.
-    Raises FormatError.
+    """Table from the lines of a text file of two or more columns.
+    name: file name, for messages.
+    unit_is_given: the user gives the unit, so a header with an unknown unit is not refused.
+    Raises FormatError for lines that are no points, and columns or units that are unclear.
     """
     full = [(at, line) for at, line in enumerate(lines, 1) if line.strip()]
     data = [(at, line) for at, line in full if not COMMENT.match(line.lstrip())]
@@ -137,15 +139,22 @@ def read(name: str, lines: Sequence[str], unit_is_given: bool) -> Table:
 
 
 def _might_be_decimal(lines: Sequence[str]) -> bool:
-    """Whether a line has four numbers, or a third one with many digits as decimals have."""
+    """Whether a line of comma-separated numbers has four of them, or a third one with three or more
+    digits, as decimals have.
+    """
     return any(re.match(r"([^,]*,){3}|.*,.*,\d{3,}\s*$", line) for line in lines)
 
 
 def _columns(
     name: str, header: Sequence[tuple[int, str]], separator: str, count: int, first: int
 ) -> tuple[int, tuple[int, int], list[str]]:
-    """The line number of the header that names y and z (0 without one), these two columns, and the
-    names with which they are headed, units included. Raises FormatError."""
+    """Line number of the header that names y and z (0 without one), indices of these two columns,
+    and the names over them, units included.
+    header: (line number, text) before the points; count: columns of the points; first: line of the
+        first point.
+    Raises FormatError where the header names several columns, or none is named and there are more
+    than two.
+    """
     for index, (at, line) in reversed([*enumerate(header)]):
         cells = _cells(line, separator)
         words = [re.split(r"[\W_]", cell)[0] for cell in cells]
@@ -183,6 +192,6 @@ def _cells(line: str, separator: str) -> list[str]:
 
 
 def _unit(head: str) -> str:
-    """The unit in a column's name, by its name in `UNIT_NAMES` or `OTHER_UNITS`; '' for none."""
+    """Unit in a column's name, by its name in `UNIT_NAMES` or `OTHER_UNITS`; '' for none."""
     found = [UNIT_OF_NAME.get(word, word) for word in UNIT.findall(head)]
     return next((word for word in found if word in UNIT_NAMES or word in OTHER_UNITS), "")
