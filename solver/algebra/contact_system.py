@@ -38,16 +38,16 @@ SECTION_DIRECT_BELOW = 200_000  # unknowns of a plane section, whose factors sta
 
 @dataclass(frozen=True, kw_only=True)
 class LoadCase:
-    """What is applied to a contact system, and where its iterations start.
+    """Load of a contact system, and where the iterations start.
 
-    load: N, of the whole model.
-    approach: mm, where it is prescribed.
-    active: (n,) local contact points that touch at the start.
-    max_steps: limit of Newton's steps of each nonlinear solve.
-    progress: called with the number and the relative residual of each step.
-    force: further forces on all owned dofs, N.
-    support_displacement: prescribed at the supported faces beside far field and approach, on all
-        owned dofs, mm.
+    load: N, of the whole model, under load control.
+    approach: mm, under approach control.
+    active: (n,) contact points of this rank that touch at the start.
+    max_steps: largest number of Newton's steps in each nonlinear solve.
+    progress: called with the number and the relative residual of each of Newton's steps.
+    force: further forces on all owned dofs, N; None: zero.
+    support_displacement: displacement prescribed at the supported faces beside far field and
+        approach, on all owned dofs, mm; None: zero.
     """
 
     load: float = 0.0
@@ -59,7 +59,9 @@ class LoadCase:
     support_displacement: PETSc.Vec | None = None
 
     def scaled(self, share: float) -> LoadCase:
-        """The same load case with everything that is applied multiplied by a share."""
+        """The same load case with load, approach, force and support displacement multiplied by a
+        share.
+        """
         force, displacement = self.force, self.support_displacement
         return replace(
             self,
@@ -71,16 +73,22 @@ class LoadCase:
 
 
 class ContactSystem:
-    """Discrete system of two elastic bodies in frictionless contact, assembled on a mesh.
+    """Discrete system of two elastic bodies in frictionless contact, assembled on a mesh. n is the
+    number of contact points of this rank.
 
     comm: communicator of the mesh.
+    setup: input of the model.
+    cell_tags, facet_tags: MeshTags of the cells and facets.
+    materials: cell tag of each deformable body -> its material.
     bulk: displacement space and elastic constants of the cells.
-    interface: contact points, gap and normal stress as matrices.
-    reduction: supports, as the map from free unknowns to displacements.
+    owned: number of block dofs that this rank owns.
+    interface: contact points, with gap and normal stress as matrices.
+    reduction: supports, as the map from free unknowns to dofs.
     reactions: rows of the stiffness matrix at the supported nodes.
     law: contact law, with the parameters that suit the slave's material.
     gap_per_approach: (n,) change of the gap per unit approach of a rigid counterface.
-    problem: the contact problem in the free unknowns.
+    problem: contact problem in the free unknowns.
+    Raises ValueError for a tag that no cell or facet carries.
     """
 
     def __init__(self, mesh: Any, cell_tags: Any, facet_tags: Any, setup: Setup) -> None:
@@ -126,21 +134,26 @@ class ContactSystem:
         compat.collect(self.comm)
 
     def _must_exist(self, what: str, tags: Any, tag: int) -> None:
+        """Raise ValueError where no rank has an entity with this tag; what: word for the entity in
+        the message; tags: MeshTags (collective).
+        """
         if not self.comm.allreduce(len(tags.find(tag))):
             raise ValueError(f"no {what} carries the tag {tag}")
 
     def release(self) -> None:
-        """Free all matrices. The system cannot be used afterwards (collective)."""
+        """Free all matrices; afterwards the system cannot be used (collective)."""
         self.__dict__ = {"comm": self.comm}
         compat.collect(self.comm)
 
     @property
     def unknowns(self) -> int:
-        """Number of free unknowns of all ranks."""
+        """Number of free unknowns of all ranks (collective)."""
         return self.reduction.unknowns
 
     def nodes_on_facets(self, space: Any, tag: int) -> NDArray[np.bool_]:
-        """Mask over the owned block dofs of a space: those on the facets with a tag."""
+        """Mask over the owned block dofs of a space: True on the facets with this tag
+        (collective).
+        """
         dim = space.mesh.topology.dim
         space.mesh.topology.create_connectivity(dim - 1, dim)
         dofs = fem.locate_dofs_topological(space, dim - 1, self.facet_tags.find(tag))
@@ -163,8 +176,9 @@ class ContactSystem:
         return constraints.Supports(fixed, planes, hub, setup.push, setup.load_control)
 
     def prescribed(self, case: LoadCase) -> PETSc.Vec:
-        """u0 on all dofs, mm: far field of the load, further displacement of the supports and,
-        under approach control, the rigid motion of the hub."""
+        """Prescribed displacement u0 on all dofs, mm: far field of the load, support displacement
+        of the load case and, under approach control, the rigid motion of the hub.
+        """
         values: Array = np.zeros((self.owned, self.setup.kinematics.dim))
         if self.setup.far_field is not None and case.load:
             values = self.support_field(partial(self.setup.far_field, case.load))
@@ -177,8 +191,11 @@ class ContactSystem:
         return out
 
     def support_field(self, field: Callable[[int, Array], Array]) -> Array:
-        """A displacement field at the supported faces, (n, c) mm at the owned block dofs, zero
-        elsewhere. field: (body tag, points in space (k, 3) mm) -> (k, 3) mm."""
+        """Values (n, c) of a displacement field at the n owned block dofs, mm: on the supported
+        faces the field, elsewhere zero.
+
+        field: (body tag, points in space (k, 3) mm) -> displacement in space (k, 3) mm.
+        """
         supports, kinematics = self.supports(self.bulk.space), self.setup.kinematics
         points = kinematics.lift(compat.dof_points(self.bulk.space))
         values = np.zeros((self.owned, kinematics.dim))
@@ -188,14 +205,18 @@ class ContactSystem:
         return values
 
     def press(self, case: LoadCase) -> Solution:
-        """Solution of a load case with elastic bodies and without friction (collective)."""
+        """Solution of a load case with elastic bodies and without friction (collective). Where no
+        point is active at the start, the twelve points with the smallest initial gap are.
+        """
         prescribed = self.apply(self.problem, case)
         if not self.comm.allreduce(int(case.active.sum())):
             case = replace(case, active=self._nearest())
         return self.solution(self.problem, self._newton(case), prescribed, case)
 
     def apply(self, problem: ContactProblem, case: LoadCase) -> PETSc.Vec:
-        """Put a load case into a problem; returns the prescribed displacement u0 on all dofs."""
+        """Set the forces, gap and stress of a load case in a contact problem; returns the
+        prescribed displacement u0 on all dofs, mm.
+        """
         setup, prescribed = self.setup, self.prescribed(case)
         problem.set_load(
             self.interface,
@@ -215,7 +236,14 @@ class ContactSystem:
         prescribed: PETSc.Vec,
         case: LoadCase,
     ) -> Solution:
-        """The solution that free unknowns y stand for: u = P y + u0, pressure, and forces."""
+        """Solution, with forces and penetration, that belongs to a result of Newton's method
+        (collective).
+
+        problem: the problem that was solved.
+        result: its free unknowns y and pressure; the displacement is P y + u0.
+        prescribed: displacement u0 on all dofs, mm.
+        case: load case.
+        """
         displacement, approach = prescribed.copy(), case.approach
         self.reduction.matrix.multAdd(result.y, prescribed, displacement)
         if self.setup.load_control:
@@ -233,8 +261,11 @@ class ContactSystem:
         )
 
     def _newton(self, case: LoadCase) -> newton.NewtonResult:
-        """Solve with softer contact laws first, up to the law of the setup. A stage whose linear
-        solves stall is solved again with a factorisation."""
+        """Result of Newton's method for a load case that the problem already holds (collective).
+
+        Softer contact laws are solved first, up to the law of the setup. A stage whose linear
+        solves fail is solved again with a factorisation. The history holds the steps of all stages.
+        """
         history: list[newton.NewtonStep] = []
         active = case.active
         result: newton.NewtonResult | None = None
@@ -264,14 +295,22 @@ class ContactSystem:
         return replace(result, history=history)
 
     def _carried(self, pressure: Array) -> float:
+        """Resultant of the pressure (n,), MPa, on the moving body against the direction of the
+        approach, N of the whole model (collective).
+        """
         along = self.interface.normals @ self.setup.push
         sign = 1.0 if self.setup.slave == self.setup.moving.tag else -1.0
         local = sign * float(np.sum(self.interface.weights * pressure * along))
         return float(self.setup.parts * self.comm.allreduce(local))
 
     def _reaction(self, displacement: PETSc.Vec, pressure: Array, outer: PETSc.Vec | None) -> float:
-        """Force at the support, N: R(u) of the unreduced problem, summed over its nodes. outer:
-        further forces on all dofs, N."""
+        """Force at the support against the direction of the approach, N of the whole model: the
+        residual of the equations without supports, summed over the supported nodes (collective).
+
+        displacement: u on all dofs, mm. pressure: (n,), MPa. outer: further forces on all dofs, N;
+            None: zero.
+        The support is that of the fixed body or, where that body is rigid, the hub.
+        """
         law, problem, jumps = self.law, self.problem, self.interface
         supports = self.supports(self.bulk.space)
         mask, sign = (supports.fixed, -1.0) if not self.setup.fixed.rigid else (supports.hub, 1.0)
@@ -290,29 +329,40 @@ class ContactSystem:
         return float(self.setup.parts * self.comm.allreduce(local))
 
     def gaps(self, displacement: PETSc.Vec, approach: float) -> Array:
-        """Gap g(u) = g0 + N u (n,) at the local contact points, mm, negative where they overlap."""
+        """Gap g0 + N u (n,) at the contact points of this rank, mm, negative where the surfaces
+        overlap.
+
+        displacement: u on all dofs, mm. approach: mm; it counts where the moving body is rigid.
+        """
         gap = self.interface.initial_gap + (self.interface.gap * displacement).array
         return np.asarray(
             gap + (self.gap_per_approach * approach if self.setup.moving.rigid else 0.0)
         )
 
     def _penetration(self, displacement: PETSc.Vec, approach: float) -> float:
+        """Largest overlap of the surfaces on all ranks, mm, at least zero; displacement: on all
+        dofs, mm; approach: mm (collective).
+        """
         overlap = float(np.max(-self.gaps(displacement, approach), initial=0.0))
         return float(self.comm.allreduce(overlap, op=MPI.MAX))
 
     def _nearest(self) -> NDArray[np.bool_]:
-        """Mask of the twelve contact points of all ranks with the smallest initial gap."""
+        """Mask (n,) of this rank's points among the twelve contact points of all ranks with the
+        smallest initial gap (collective).
+        """
         gaps = self.interface.initial_gap
         lowest = np.sort(np.concatenate(self.comm.allgather(np.sort(gaps)[:12])))[:12]
         return np.asarray(gaps <= lowest[-1])
 
     @cached_property
     def preconditioner(self) -> Preconditioner:
-        """Preconditioner of the problem, kept from one load case to the next."""
+        """Preconditioner of the elastic problem, kept from one load case to the next."""
         return self.new_preconditioner(self.problem)
 
     def new_preconditioner(self, problem: ContactProblem) -> Preconditioner:
-        """Factorisation, p-multigrid or algebraic multigrid, by the setup and the unknowns."""
+        """Preconditioner of a problem: a factorisation, p-multigrid or algebraic multigrid, chosen
+        by `setup.linear`, the degree of the cells and the number of unknowns.
+        """
         choice = self.setup.linear
         if choice == "auto":
             limit = linear.DIRECT_BELOW
@@ -331,7 +381,9 @@ class ContactSystem:
 
     @cached_property
     def hierarchy(self) -> Hierarchy:
-        """Coarse level of p-multigrid: linear cells on the same mesh."""
+        """Coarse level of p-multigrid: linear cells on the same mesh, with the quadrature of the
+        quadratic cells.
+        """
         mesh, kinematics = self.bulk.space.mesh, self.setup.kinematics
         rule = quadrature_degree(compat.cell_type(mesh), self.setup.degree, kinematics)
         coarse, stiffness = assemble(mesh, self.cell_tags, self.materials, 1, kinematics, rule)

@@ -27,9 +27,9 @@ EPSILON = np.finfo(float).eps  # of the right-hand side: a residual below it is 
 
 
 class StalledError(RuntimeError):
-    """Raised where a linear solve fails.
+    """Raised where a linear solve fails; the text says why.
 
-    iterations: Krylov iterations until then. The text says why.
+    iterations: number of Krylov iterations until then.
     """
 
     def __init__(self, iterations: int, text: str) -> None:
@@ -38,16 +38,18 @@ class StalledError(RuntimeError):
 
 
 class Preconditioner(ABC):
-    """Approximates the tangent of a problem at one active set.
+    """Approximation of the inverse of the tangent of a problem at one active set. n is the number
+    of contact points of this rank.
 
+    problem: the contact problem.
     pc: the PETSc preconditioner; None before it is set up.
-    operator: the matrix that it was made for.
-    active: the active set (n,) that it was made for; None: the next use sets it up anew.
-    flexible: whether it holds a Krylov method, so that it changes between iterations.
+    operator: matrix that it was made for.
+    active: active set (n,) that it was made for; None: it is set up anew at the next use.
+    flexible: whether it contains a Krylov method, so that it changes between iterations.
     outdated_share: change of the active area since the set-up, over the active area, beyond which
         it is set up again.
-    iterations_per_decade: Krylov iterations per decade of the residual right after the set-up, at
-        least one.
+    iterations_per_decade: Krylov iterations per factor of ten in the residual, right after the set-
+        up, at least one.
     """
 
     pc: PETSc.PC | None = None
@@ -61,8 +63,9 @@ class Preconditioner(ABC):
         self.active: Mask | None = None
 
     def update_if_outdated(self, active: Mask) -> bool:
-        """Set up for these active points (n,), unless the last set-up was for almost the same.
-        Returns whether it was set up (collective)."""
+        """Set up for these active points (n,), unless the last set-up was for almost the same area;
+        returns whether it was set up (collective).
+        """
         if self.active is not None:
             area = self.problem.weight * self.problem.tau
             local = np.array([area[active != self.active].sum(), area[active].sum()])
@@ -73,7 +76,9 @@ class Preconditioner(ABC):
         return True
 
     def rebuild(self, active: Mask) -> None:
-        """Set up for exactly these active points (n,); the last set-up is freed (collective)."""
+        """Set up for exactly these active points (n,); matrices of the last set-up are freed
+        (collective).
+        """
         self.pc = self.operator = None
         compat.collect(self.problem.stiffness.comm.tompi4py())
         self.set_up(active)
@@ -81,13 +86,16 @@ class Preconditioner(ABC):
 
     @abstractmethod
     def set_up(self, active: Mask) -> None:
-        """Make `pc` and `operator` for the tangent at these active points (n,)."""
+        """Make `pc` and `operator` for the tangent at these active points (n,) (collective)."""
 
 
 class Direct(Preconditioner):
-    """Factorisation by MUMPS: Cholesky, or LU where the law is not symmetric."""
+    """Preconditioner that factorises the tangent by MUMPS: Cholesky, or LU where the contact law is
+    not symmetric. Its fields are those of `Preconditioner`.
+    """
 
     def set_up(self, active: Mask) -> None:
+        """Assemble and factorise the tangent at these active points (n,) (collective)."""
         self.operator = self.problem.assembled_tangent(active)
         self.pc = PETSc.PC().create(self.operator.comm)
         self.pc.setOperators(self.operator)
@@ -96,13 +104,20 @@ class Direct(Preconditioner):
 
 
 class Algebraic(Preconditioner):
-    """Smoothed aggregation multigrid (GAMG) with the rigid motions as near-nullspace."""
+    """Preconditioner by smoothed aggregation multigrid (PETSc's GAMG). The other fields are those
+    of `Preconditioner`.
+
+    rigid_modes: orthonormal rigid motions in the free unknowns, which are the near-nullspace.
+    """
 
     def __init__(self, problem: ContactProblem, rigid_modes: list[PETSc.Vec]) -> None:
         super().__init__(problem)
         self.rigid_modes = rigid_modes
 
     def set_up(self, active: Mask) -> None:
+        """Assemble the tangent at these active points (n,) and build the multigrid levels
+        (collective).
+        """
         self.operator = self.problem.assembled_tangent(active)
         near_nullspace(self.operator, self.rigid_modes)
         self.pc = PETSc.PC().create(self.operator.comm)
@@ -112,19 +127,25 @@ class Algebraic(Preconditioner):
 
 
 def factorise(pc: PETSc.PC, symmetric: bool) -> None:
-    """Make a preconditioner a factorisation by MUMPS."""
+    """Set a PETSc preconditioner to a factorisation by MUMPS: Cholesky where `symmetric`, otherwise
+    LU.
+    """
     pc.setType("cholesky" if symmetric else "lu")
     pc.setFactorSolverType("mumps")
 
 
 def near_nullspace(matrix: PETSc.Mat, rigid_modes: list[PETSc.Vec]) -> None:
-    """Attach the rigid motions to a matrix, for algebraic multigrid."""
+    """Attach rigid motions to a matrix as its near-nullspace, for algebraic multigrid; rigid_modes:
+    orthonormal vectors.
+    """
     matrix.setNearNullSpace(PETSc.NullSpace().create(vectors=rigid_modes, comm=matrix.comm))
 
 
 def krylov(problem: ContactProblem, preconditioner: Preconditioner) -> PETSc.KSP:
-    """Conjugate gradients, or GMRES where the tangent is not symmetric; the flexible variant where
-    the preconditioner holds a Krylov method."""
+    """Krylov method for a problem: conjugate gradients, or GMRES with the preconditioner on the
+    right where the tangent is not symmetric; the flexible variant where the preconditioner
+    contains a Krylov method.
+    """
     symmetric = problem.symmetric
     ksp = PETSc.KSP().create(problem.stiffness.comm)
     ksp.setType(("f" if preconditioner.flexible else "") + ("cg" if symmetric else "gmres"))
@@ -135,17 +156,20 @@ def krylov(problem: ContactProblem, preconditioner: Preconditioner) -> PETSc.KSP
 
 
 class ForcingTermTest:
-    """Convergence test of conjugate gradients, which have the solution x in every iteration.
+    """Convergence test of conjugate gradients, which have the solution x in every iteration. All
+    residuals are norms, N.
 
-    least: residual (N) at which the solve ends in any case.
-    most: residual above which it goes on.
-    enough: x -> residual that suffices at x; in between, the solve ends at it.
+    least: residual at or below which the solve ends in any case.
+    most: residual above which the solve goes on.
+    enough: x -> residual that suffices at x; between `least` and `most` the solve ends at or below
+        it.
     """
 
     def __init__(self, least: float, most: float, enough: Callable[[PETSc.Vec], float]) -> None:
         self.least, self.most, self.enough = least, most, enough
 
     def __call__(self, ksp: PETSc.KSP, iteration: int, residual: float) -> int:
+        """PETSc's convergence reason, as an integer, for this iteration and residual norm (N)."""
         reason = PETSc.KSP.ConvergedReason
         if not np.isfinite(residual):
             return int(reason.DIVERGED_NANORINF)
@@ -157,7 +181,9 @@ class ForcingTermTest:
 
 
 def switch_to_gmres(ksp: PETSc.KSP) -> None:
-    """Turn conjugate gradients into flexible GMRES, which needs no definite preconditioner."""
+    """Change a Krylov method from conjugate gradients to flexible GMRES, which needs no definite
+    preconditioner, with PETSc's own convergence test.
+    """
     ksp.setType("fgmres")
     ksp.setConvergenceTest(None)
     ksp.setPCSide(PETSc.PC.Side.RIGHT)
@@ -172,12 +198,18 @@ def solve(
     rtol: float,
     enough: Callable[[PETSc.Vec], float] | None = None,
 ) -> int:
-    """Solve with the tangent at these active points (n,); returns the number of Krylov iterations.
+    """Solve a linear system with the tangent at these active points (n,); returns the number of
+    Krylov iterations (collective).
 
-    rhs, out: right-hand side and solution in the free unknowns.
-    rtol: tolerance of the residual, relative to the right-hand side.
-    enough: x -> residual (N) below which conjugate gradients need not go at x.
-    Raises StalledError where even a preconditioner for exactly these points does not converge.
+    problem: contact problem whose tangent is used.
+    preconditioner: set up again where it is outdated or where the solve does not converge.
+    rhs: right-hand side in the free unknowns, N.
+    out: vector for the solution.
+    rtol: tolerance of the residual, relative to the norm of the right-hand side.
+    enough: x -> residual (N) that suffices at x, for conjugate gradients; None: `rtol` alone
+        decides.
+    Raises StalledError where the tangent is not positive definite, or where even a preconditioner
+    for exactly these points does not converge.
     """
     fresh = preconditioner.update_if_outdated(active)
     operator = problem.tangent(active)

@@ -35,12 +35,12 @@ DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
 
 @dataclass(frozen=True)
 class Hierarchy:
-    """The level of linear (P1) cells below the problem.
+    """Level of linear (P1) cells below a contact problem on quadratic cells.
 
-    prolongation: Q, from the P1 unknowns to those of the problem.
-    stiffness: K of the P1 cells in their unknowns. It uses the quadrature of the quadratic cells,
-        so that it equals the Galerkin product Q^T K Q without forming it.
-    rigid_modes: near-nullspace of that matrix.
+    prolongation: matrix Q from the P1 unknowns to those of the problem.
+    stiffness: stiffness K of the P1 cells in their unknowns. It uses the quadrature of the
+        quadratic cells, so that it equals the Galerkin product Q^T K Q without forming it.
+    rigid_modes: orthonormal rigid motions in the P1 unknowns, the near-nullspace of that matrix.
     """
 
     prolongation: PETSc.Mat
@@ -49,7 +49,12 @@ class Hierarchy:
 
 
 class PMultigrid(Preconditioner):
-    """Two levels; the coarse one is factorised, or solved by algebraic multigrid where it is large.
+    """Preconditioner with two levels, quadratic and linear cells. The linear level is factorised,
+    or solved by algebraic multigrid where it is large. The other fields are those of
+    `Preconditioner`.
+
+    hierarchy: the level of linear cells.
+    coarse: tangent on that level.
 
     It is set up again for small changes of the active set. `s1002_60e1` takes 54 iterations where a
     tenth of the active area may have changed, 41 with a thirtieth, and 32 with a hundredth and a
@@ -67,6 +72,9 @@ class PMultigrid(Preconditioner):
         self.flexible = self.coarse.matrix.getSize()[0] >= COARSE_DIRECT_BELOW
 
     def set_up(self, active: Mask) -> None:
+        """Compute the coarse tangent at these active points (n,), and build smoother and coarse
+        solver (collective).
+        """
         symmetric = self.problem.law.symmetric
         self.operator = self.problem.tangent(active)
         self.coarse.fill(active)
@@ -102,10 +110,16 @@ class PMultigrid(Preconditioner):
 
 
 class CoarseTangent:
-    """The tangent on the P1 unknowns, in one sparsity pattern for all active sets.
+    """Tangent on the P1 unknowns, in one sparsity pattern for all active sets. Letters are those at
+    the head of this module.
 
-    matrix: its values are those of the last call of `fill`.
-    bulk: K - theta S^T w S. normal_operator: B Q. test_operator: Bt Q.
+    problem: contact problem.
+    matrix: the tangent; its values are those of the last use of `fill`.
+    bulk: K - theta S^T w S, which is the same for all active sets.
+    normal_operator: B Q.
+    test_operator: Bt Q; the same object as B Q for a symmetric law.
+    scaled: w A B Q of the last active set A.
+    contact: (Bt Q)^T w A (B Q) of the last active set A.
     """
 
     def __init__(self, problem: ContactProblem, hierarchy: Hierarchy) -> None:
@@ -129,7 +143,7 @@ class CoarseTangent:
         self.matrix.setBlockSize(hierarchy.stiffness.blocks.getBlockSize())
 
     def fill(self, active: Mask) -> None:
-        """Set the values of the matrix for these active points (n,)."""
+        """Compute the values of the matrix for these active points (n,) (collective)."""
         problem = self.problem
         self.normal_operator.copy(self.scaled, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
         self.scaled.diagonalScale(L=problem.at_points(problem.weight * active))

@@ -34,12 +34,13 @@ CONVERGED = "residual below tolerance"
 
 @dataclass(frozen=True, kw_only=True)
 class ForcingTerm:
-    """Relative tolerance eta of the linear solves of Newton's method.
+    """Relative tolerance eta of the linear solves in Newton's method.
 
-    final_fraction: of what remains to Newton's tolerance, that any solve may leave.
-    The others hold only where the tangent changes within an active set:
+    final_fraction: share of Newton's tolerance that the residual of any linear solve may reach.
     initial: eta of the linear problem that gives the first state.
-    far: eta where the relative residual is above `far_residual`; below, it is that residual.
+    far: eta where the relative residual is above `far_residual`.
+    far_residual: relative residual below which eta is that residual.
+    The last three apply only where the tangent changes within an active set.
     """
 
     final_fraction: float = 0.3
@@ -48,13 +49,17 @@ class ForcingTerm:
     far_residual: float = 3e-3
 
     def of_start(self, problem: ContactProblem, rtol: float) -> float:
-        """eta of the linear problem that gives the first state. rtol: Newton's tolerance."""
+        """eta of the linear problem that gives the first state; rtol: tolerance of Newton's
+        method.
+        """
         if problem.tangent_depends_on_state:
             return self.initial
         return self.final_fraction * rtol
 
     def of_step(self, problem: ContactProblem, rtol: float, residual: float) -> float:
-        """eta of a step from a state with this relative residual."""
+        """eta of a step from a state with this relative residual; rtol: tolerance of Newton's
+        method.
+        """
         eta = self.final_fraction * rtol / residual
         if problem.tangent_depends_on_state:
             eta = max(eta, self.far if residual > self.far_residual else residual)
@@ -66,14 +71,16 @@ FORCING_TERM = ForcingTerm()
 
 @dataclass(frozen=True, kw_only=True)
 class NewtonStep:
-    """State after one linear solve.
+    """State of Newton's method after one linear solve.
 
-    residual: norm of R(y) over the contact force; None where there is no finite one.
+    residual: norm of the residual R(y) over the contact force; None where it is not finite or not
+        known.
     active: number of active contact points of all ranks.
-    linear_iterations: Krylov iterations of the solve.
-    length: step length t.
+    linear_iterations: number of Krylov iterations of the solve.
+    length: step length t, by which the solution of the solve was multiplied.
     factor: `gamma_factor` of the contact law.
-    problem: why there is no residual: nothing touches, or the linear solve failed.
+    problem: why there is no residual: nothing touches, a value is not finite, or the linear solve
+        failed; otherwise empty.
     """
 
     residual: float | None
@@ -88,8 +95,8 @@ class NewtonStep:
 class NewtonResult:
     """Outcome of Newton's method, converged or not.
 
-    y: free unknowns of the last state; zero where no state was found.
-    pressure: (n,) at the local contact points, MPa; zero where no state was found.
+    y: free unknowns of the last state; zero where there is no state.
+    pressure: pressure at the contact points of this rank (n,), MPa; zero where there is no state.
     reason: why the iterations ended.
     history: all steps.
     stalled: whether a linear solve failed.
@@ -103,19 +110,22 @@ class NewtonResult:
 
     @property
     def converged(self) -> bool:
-        """Whether the residual is below the tolerance."""
+        """Whether the iterations ended because the residual is below the tolerance."""
         return self.reason == CONVERGED
 
     @property
     def residual(self) -> float | None:
-        """Relative residual of the last state that has one."""
+        """Norm of the residual over the contact force in the last step that has one; None where no
+        step has.
+        """
         states = [step.residual for step in self.history if step.residual is not None]
         return states[-1] if states else None
 
 
 def line_search(problem: ContactProblem, y: PETSc.Vec, step: PETSc.Vec) -> float:
-    """Step length t in (0, 1] that nearly minimises the convex energy along a step; 1 where the
-    energy there hardly rises again."""
+    """Step length t in (0, 1] that nearly minimises the convex energy at y + t step. It is 1 where
+    the energy still falls there or rises only slightly.
+    """
     slope = problem.slope(y, step)
     first = slope(0.0)
     if slope(1.0) <= OVERSHOOT * abs(first) or first >= 0:
@@ -133,17 +143,20 @@ def solve(
     max_steps: int = 30,
     progress: Callable[[int, float], None] = lambda step, residual: None,
 ) -> NewtonResult:
-    """Solve R(y) = 0.
+    """Solve R(y) = 0 for the free unknowns y by semismooth Newton's method (collective).
 
-    active: (n,) local contact points; without a start, the first state is the solution of the
-        linear problem in which exactly these touch.
+    problem: contact problem with its residual and tangent.
+    preconditioner: preconditioner of the tangent.
+    active: (n,) contact points of this rank; without a start, the first state is the solution of
+        the linear problem in which exactly these touch.
     start: free unknowns to start from.
     rtol: tolerance of the residual over the contact force.
-    max_steps: limit of the states that are looked at.
+    max_steps: largest number of states.
     progress: called with the number and the relative residual of each state.
 
-    A linear solve stops early where the change of the active set by its solution leaves more in R
-    than the linear residual; where the tangent changes within a set, see `ForcingTerm`.
+    A linear solve ends early where its solution changes the active set so much that this leaves
+    more in R than the linear residual. Where the tangent changes within a set, see `ForcingTerm`. A
+    result that did not converge is returned too.
     """
     comm = problem.stiffness.comm.tompi4py()
     result = NewtonResult(problem.force.duplicate(), np.zeros(len(active)), "too many Newton steps")
@@ -234,13 +247,18 @@ def solve(
 
 
 def _clear(result: NewtonResult) -> None:
-    """Set the state to zero."""
+    """Set the free unknowns and the pressure of a result to zero."""
     result.y.set(0.0)
     result.pressure = np.zeros_like(result.pressure)
 
 
 class _SeenActiveSets:
-    """Counts how often each active set of all ranks comes back."""
+    """Counter of how often each active set of all ranks comes back.
+
+    comm: communicator of the ranks.
+    last: hash of the last active set.
+    times: hash of each active set -> number of times that it came back.
+    """
 
     def __init__(self, comm: MPI.Intracomm) -> None:
         self.comm = comm
@@ -248,8 +266,9 @@ class _SeenActiveSets:
         self.times: dict[bytes, int] = {}
 
     def count(self, active: Mask) -> int:
-        """How often this set came back after another one; the same set twice in turn counts once
-        (collective)."""
+        """Number of times that this active set (n,) came back after another one; the same set twice
+        in succession counts once (collective).
+        """
         local = blake2b(np.packbits(active).tobytes(), digest_size=8).digest()
         key = b"".join(self.comm.allgather(local))
         if key != self.last:

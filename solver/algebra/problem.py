@@ -32,20 +32,21 @@ Mask = NDArray[np.bool_]
 
 @dataclass
 class ContactProblem:
-    """One load case at the n local contact points, in the free unknowns.
+    """One load case of a contact, at n contact points of this rank, in the free unknowns. Letters
+    are those at the head of this module.
 
     `dataclasses.replace` with another law shares the matrices.
 
     law: contact law.
-    stiffness: K, of the free unknowns.
-    gap: N, normal jump of the free unknowns.
-    stress: S, normal stress of the slave, of the free unknowns.
-    area: W (n,), mm2.
-    bound: (n,) what the law's parameter tau is a multiple of, MPa/mm.
-    gap_per_approach: change of the gap per approach of a rigid counterface (n,).
+    stiffness: K, N/mm.
+    gap: N, change of the gap per free unknown (n rows).
+    stress: S, normal stress of the slave per free unknown (n rows), MPa/mm.
+    area: area W of each point (n,), mm2.
+    bound: (n,) value that the law's parameter tau is a multiple of, MPa/mm.
+    gap_per_approach: change of the gap per unit approach of a rigid counterface (n,).
     force: f, N.
-    start_gap: g0 + N u0 (n,), mm.
-    start_stress: s0 = S u0 (n,), MPa.
+    start_gap: gap at zero free unknowns, g0 + N u0 (n,), mm.
+    start_stress: normal stress at zero free unknowns, s0 = S u0 (n,), MPa.
     """
 
     law: ContactLaw
@@ -69,11 +70,15 @@ class ContactProblem:
         rigid_approach: float,
         force: PETSc.Vec | None = None,
     ) -> None:
-        """Set f, g0 and s0 of a load case.
+        """Set force, start gap and start stress of a load case.
 
+        interface: contact points with the matrices N and S on all dofs.
+        reduction: map from free unknowns to dofs.
+        held: rows of the stiffness at the supported nodes.
         prescribed: displacement u0 on all dofs, mm.
-        load: on the approach, N. rigid_approach: of a rigid counterface, mm.
-        force: further forces on all dofs, N.
+        load: force on the approach, N of the meshed part.
+        rigid_approach: prescribed approach of a rigid counterface, mm.
+        force: further forces on all dofs, N; None: zero.
         """
         given = held.forces(prescribed)
         given.scale(-1.0)
@@ -88,41 +93,47 @@ class ContactProblem:
 
     @cached_property
     def tau(self) -> Array:
-        """Parameter of the contact law (n,), MPa/mm."""
+        """Parameter tau of the contact law at each point (n,), MPa/mm."""
         return self.law.scale * self.bound
 
     @cached_property
     def weight(self) -> Array:
-        """w = W/tau (n,), mm3/N."""
+        """Area of each point over the law's parameter, w = W/tau (n,), mm3/N."""
         return self.area / self.tau
 
     @property
     def tangent_depends_on_state(self) -> bool:
-        """Whether the tangent changes while the active set stays."""
+        """Whether the tangent changes while the active set stays: False for elastic bodies."""
         return False
 
     @property
     def symmetric(self) -> bool:
-        """Whether the tangent is symmetric."""
+        """Whether the tangent is symmetric, as the contact law says."""
         return self.law.symmetric
 
     @property
     def offset(self) -> Array:
-        """c = s0 + tau (g0 + N u0) (n,), MPa."""
+        """Negative indicator at zero free unknowns, c = s0 + tau (g0 + N u0) (n,), MPa; without s0
+        for a penalty.
+        """
         return self.tau * self.start_gap + self.law.sigma * self.start_stress
 
     @cached_property
     def normal_operator(self) -> PETSc.Mat:
-        """B = S + tau N, which gives the pressure."""
+        """Matrix B = S + tau N from the free unknowns to the negative indicator at the contact
+        points, MPa/mm; tau N for a penalty.
+        """
         return self._combined(float(self.law.sigma))
 
     @cached_property
     def test_operator(self) -> PETSc.Mat:
-        """Bt = theta S + tau N, which tests the pressure; the same object as B where the method is
-        symmetric."""
+        """Matrix Bt = theta S + tau N, whose transpose gives the forces of the pressure, MPa/mm.
+        Where the law is symmetric it is the same object as `normal_operator`.
+        """
         return self.normal_operator if self.law.symmetric else self._combined(self.consistency)
 
     def _combined(self, factor: float) -> PETSc.Mat:
+        """Matrix factor S + tau N with one row for each contact point, MPa/mm."""
         matrix = self.gap.copy()
         matrix.diagonalScale(L=self.at_points(self.tau))
         if factor:
@@ -130,24 +141,30 @@ class ContactProblem:
         return matrix
 
     def at_points(self, values: Array) -> PETSc.Vec:
-        """A distributed vector of values (n,) at the local contact points."""
+        """Distributed vector of values (n,) at the contact points of all ranks."""
         return vector(self.gap, values)
 
     @property
     def consistency(self) -> float:
-        """Factor of the consistency term S^T w S: theta for Nitsche's method, 0 for a penalty."""
+        """Factor of the term S^T w S in the tangent: theta for Nitsche's method, 0 for a
+        penalty.
+        """
         return float((self.law.theta or 0) * self.law.sigma)
 
     def indicator(self, y: PETSc.Vec) -> Array:
-        """-(B y + c) (n,) at the local contact points, MPa: positive where the bodies touch."""
+        """Pressure before its negative part is set to zero, -(B y + c) (n,), MPa, at the free
+        unknowns y; positive where the surfaces touch.
+        """
         return np.asarray(-((self.normal_operator * y).array + self.offset))
 
     def pressure(self, y: PETSc.Vec) -> Array:
-        """p(y) (n,) at the local contact points, MPa."""
+        """Contact pressure p(y) (n,), MPa: the positive part of the indicator at the free unknowns
+        y.
+        """
         return np.maximum(self.indicator(y), 0.0)
 
     def residual(self, y: PETSc.Vec, pressure: Array) -> PETSc.Vec:
-        """R(y), N, for the pressure p(y) (n,)."""
+        """Residual R(y) of equilibrium in the free unknowns, N; pressure: p(y) (n,), MPa."""
         r = self.stiffness * y
         r.axpy(-1.0, self.force)
         add_transposed(self.test_operator, -self.weight * pressure, r)
@@ -157,8 +174,10 @@ class ContactProblem:
         return r
 
     def slope(self, y: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
-        """t -> R(y + t step) . step, N mm: the slope of the energy of a symmetric method, which is
-        convex and piecewise quadratic, so that its slope grows with t."""
+        """Function t -> R(y + t step) . step, N mm, with the residual R. It is the slope of the
+        energy of a symmetric method, which is convex and piecewise quadratic, so that the slope
+        grows with t.
+        """
         k_step = self.stiffness * step
         start, rate = k_step.dot(y) - self.force.dot(step), k_step.dot(step)
         b, db = -self.indicator(y), (self.normal_operator * step).array
@@ -171,6 +190,7 @@ class ContactProblem:
         comm = step.comm.tompi4py()
 
         def value(t: float) -> float:
+            """Slope of the energy at a step length t, N mm (collective)."""
             pressure = np.maximum(-(b + t * db), 0.0)
             local = b0 + t * b1 - float(np.sum(self.weight * db * pressure))
             return float(start + t * rate + comm.allreduce(local))
@@ -178,17 +198,21 @@ class ContactProblem:
         return value
 
     def contact_force(self, pressure: Array) -> float:
-        """Norm of the contact forces Bt^T w p, N."""
+        """Norm of the contact forces Bt^T w p in the free unknowns, N; pressure: p (n,), MPa."""
         force = self.gap.createVecRight()
         force.set(0.0)
         add_transposed(self.test_operator, self.weight * pressure, force)
         return float(force.norm())
 
     def active_set_residual(self, active: Mask, indicator: Array) -> Callable[[PETSc.Vec], float]:
-        """x -> |Bt^T w (p(y + x) - A q(y + x))|, N: the part of R(y + x) that a step x
-        makes by changing the active set. indicator: q = -(B y + c) (n,) at y, MPa."""
+        """Function x -> norm, N, of the part of the residual R(y + x) that a step x makes by
+        changing the active set A: |Bt^T w (max(q, 0) - A q)| with the indicator q at y + x.
+
+        active: A (n,). indicator: -(B y + c) (n,) at y, MPa.
+        """
 
         def left(x: PETSc.Vec) -> float:
+            """Norm of that part of the residual for a step x of the free unknowns, N."""
             q = indicator - (self.normal_operator * x).array
             out = self.stiffness.vector()
             add_transposed(self.test_operator, self.weight * (np.maximum(q, 0.0) - active * q), out)
@@ -197,24 +221,28 @@ class ContactProblem:
         return left
 
     def tangent(self, active: Mask) -> PETSc.Mat:
-        """The tangent at an active set as an operator (nothing is assembled)."""
+        """Tangent at an active set (n,), as a PETSc operator known by its products and its
+        diagonal; no matrix is assembled.
+        """
         return self.shell(Tangent(self, active))
 
     def shell(self, context: Tangent) -> PETSc.Mat:
-        """A PETSc matrix that is known by its products alone."""
+        """PETSc matrix that is known by its products alone; context: object that computes them."""
         stiffness = self.stiffness
         matrix = PETSc.Mat().createPython(stiffness.sizes, context, comm=stiffness.comm)
         matrix.setUp()
         return matrix
 
     def diagonal(self, active: Mask, out: PETSc.Vec) -> None:
-        """Write the diagonal of the tangent into a vector, N/mm."""
+        """Write the diagonal of the tangent at an active set (n,) into the vector `out`, N/mm."""
         self._bulk_diagonal.copy(out)
         add_transposed(self._squares, self.weight * active, out)
 
     @cached_property
     def _bulk_diagonal(self) -> PETSc.Vec:
-        """Diagonal of K - theta S^T w S."""
+        """Diagonal of K - theta S^T w S, the part of the tangent that all active sets share,
+        N/mm.
+        """
         diagonal = self.stiffness.diagonal()
         if self.consistency:
             squares = _products(self.stress, self.stress)
@@ -223,11 +251,13 @@ class ContactProblem:
 
     @cached_property
     def _squares(self) -> PETSc.Mat:
-        """Entrywise product of Bt and B."""
+        """Entrywise product of the matrices Bt and B, MPa2/mm2."""
         return _products(self.test_operator, self.normal_operator)
 
     def assembled_tangent(self, active: Mask) -> PETSc.Mat:
-        """The tangent at an active set as a matrix, for a preconditioner."""
+        """Tangent at an active set (n,) as an assembled matrix, N/mm, for a factorisation or
+        multigrid.
+        """
         different = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
         right = self.normal_operator.copy()
         right.diagonalScale(L=self.at_points(self.weight * active))
@@ -241,7 +271,9 @@ class ContactProblem:
         return contact
 
     def predictor(self, active: Mask) -> PETSc.Vec:
-        """Right-hand side of the linear problem in which exactly the active points touch, N."""
+        """Right-hand side, N, of the linear problem in which exactly the active points (n,) touch
+        and the others do not.
+        """
         rhs = self.force.copy()
         add_transposed(self.test_operator, -self.weight * active * self.offset, rhs)
         if self.consistency:
@@ -251,9 +283,11 @@ class ContactProblem:
 
 
 class Tangent:
-    """PETSc shell context of y -> K y - theta S^T w S y + Bt^T w A B y.
+    """PETSc shell context of the tangent y -> K y - theta S^T w S y + Bt^T w A B y.
 
-    It refers to the problem weakly: PETSc leaks what is freed while it frees a shell.
+    problem: the contact problem, by a weak reference, because PETSc leaks what is freed while it
+        frees a shell.
+    active: active set A (n,).
     """
 
     def __init__(self, problem: ContactProblem, active: Mask) -> None:
@@ -261,6 +295,7 @@ class Tangent:
         self.active = active
 
     def mult(self, _: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
+        """Product of the tangent with x, written into y; called by PETSc."""
         problem = self.problem
         problem.stiffness.mult(x, y)
         values = problem.weight * self.active * (problem.normal_operator * x).array
@@ -270,11 +305,14 @@ class Tangent:
             add_transposed(problem.stress, values, y)
 
     def getDiagonal(self, _: PETSc.Mat, out: PETSc.Vec) -> None:  # noqa: N802 (PETSc's name)
+        """Diagonal of the tangent, written into `out`, N/mm; called by PETSc."""
         self.problem.diagonal(self.active, out)
 
 
 def _products(left: PETSc.Mat, right: PETSc.Mat) -> PETSc.Mat:
-    """Entrywise product of two matrices of one layout."""
+    """Distributed matrix of the entrywise products of two matrices with the same rows and columns
+    on each rank.
+    """
     tables = []
     for matrix in (left, right):
         indptr, indices, values = matrix.getValuesCSR()
@@ -293,9 +331,13 @@ def reduce_problem(
     law: ContactLaw,
     gap_per_approach: Array,
 ) -> ContactProblem:
-    """The problem in the free unknowns, without a load yet. K on all dofs is used up.
+    """Contact problem in the free unknowns, with zero load and start stress.
 
-    gap_per_approach: (n,) change of the gap per approach of a rigid counterface.
+    stiffness: K on all dofs, N/mm; its storage is reused, so that it must not be used afterwards.
+    interface: contact points with the matrices of gap and normal stress on all dofs.
+    reduction: map from free unknowns to dofs.
+    law: contact law.
+    gap_per_approach: (n,) change of the gap per unit approach of a rigid counterface.
     """
     p = reduction.matrix
     gap = interface.gap.matMult(p)

@@ -19,10 +19,10 @@ from railhead.solver.space.operators import select_rows
 
 @dataclass(frozen=True)
 class SupportReactions:
-    """Rows of the unreduced stiffness at the nodes of fixed faces and hub.
+    """Rows of the stiffness matrix on all dofs that belong to the nodes of fixed faces and hub.
 
     rows: local numbers (k,) of the dofs that the rows belong to.
-    matrix: the rows, N/mm.
+    matrix: the rows, distributed, N/mm.
     """
 
     rows: NDArray[np.int64]
@@ -30,17 +30,23 @@ class SupportReactions:
 
     @classmethod
     def of(cls, stiffness: PETSc.Mat, nodes: NDArray[np.bool_], size: int = 3) -> SupportReactions:
-        """From a symmetric matrix, for the marked nodes (n,) with `size` dofs each."""
+        """Rows of a symmetric stiffness matrix for the marked nodes (n,) of this rank, with `size`
+        dofs each (collective).
+        """
         local = np.flatnonzero(np.repeat(nodes, size))
         return cls(local, select_rows(stiffness, local))
 
     def forces(self, prescribed: PETSc.Vec) -> PETSc.Vec:
-        """K u0 on all dofs, N, for a displacement u0 (mm) that is zero off the supported nodes."""
+        """Forces K u0 on all dofs, N, of a displacement u0 (mm) on all dofs that is zero off the
+        supported nodes.
+        """
         held, out = self.matrix.createVecLeft(), prescribed.duplicate()
         held.array[:] = prescribed.array[self.rows]
         self.matrix.multTranspose(held, out)
         return out
 
     def at(self, displacement: PETSc.Vec) -> NDArray[np.float64]:
-        """(K u) at the supported dofs (k,), N."""
+        """Forces (K u) at the k supported dofs of this rank, N, of a displacement u on all dofs,
+        mm.
+        """
         return np.array((self.matrix * displacement).array)

@@ -18,13 +18,19 @@ DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
 
 @dataclass(frozen=True)
 class Stiffness:
-    """P^T K P x = blocks x + e (border . x) + border (e . x); e: unit vector of the approach.
+    """Stiffness P^T K P of the free unknowns, stored as blocks and a border:
 
-    blocks: stiffness of the nodes' unknowns, N/mm; places without one have a typical diagonal.
-    border: force on all unknowns per unit approach, and half of that on the approach itself, N/mm;
+        P^T K P x = blocks x + e (border . x) + border (e . x)
+
+    P is the map from free unknowns to dofs, K the stiffness on all dofs, e the unit vector of the
+    approach.
+
+    blocks: stiffness of the nodes' unknowns, N/mm; places without an unknown have a typical
+        diagonal.
+    border: force on all unknowns per unit approach, but half of it on the approach itself, N/mm;
         None where the approach is prescribed.
-    approach: local place of the approach; -1: on another rank.
-    spring: stiffness on the approach that is in the border beside K, N/mm.
+    approach: local place of the approach; -1: on another rank, or the approach is prescribed.
+    spring: stiffness on the approach that the border contains beside K, N/mm.
     """
 
     blocks: PETSc.Mat
@@ -34,7 +40,9 @@ class Stiffness:
 
     @classmethod
     def reduced(cls, full: PETSc.Mat, reduction: Reduction) -> Stiffness:
-        """P^T K P from K on all dofs, which is used up."""
+        """Stiffness P^T K P from K on all dofs; full: K, whose storage is reused, so that it must
+        not be used afterwards (collective).
+        """
         p, border = reduction.matrix, None
         if reduction.column >= 0:
             moved, pushed, border = p.createVecLeft(), p.createVecLeft(), p.createVecRight()
@@ -60,23 +68,23 @@ class Stiffness:
 
     @property
     def comm(self) -> PETSc.Comm:
-        """Communicator of the matrix."""
+        """PETSc communicator of the matrix."""
         return self.blocks.comm
 
     @property
     def sizes(self) -> tuple[tuple[int, int], tuple[int, int]]:
-        """(local, global) number of rows, and the same of columns."""
+        """((local, global) number of rows, (local, global) number of columns)."""
         sizes: tuple[tuple[int, int], tuple[int, int]] = self.blocks.getSizes()
         return sizes
 
     def vector(self) -> PETSc.Vec:
-        """A zero vector of the unknowns."""
+        """Zero vector of the free unknowns, distributed as the matrix is."""
         out = self.blocks.createVecRight()
         out.set(0.0)
         return out
 
     def mult(self, x: PETSc.Vec, out: PETSc.Vec) -> None:
-        """out = P^T K P x."""
+        """Write the product P^T K P x into the vector `out` (collective)."""
         self.blocks.mult(x, out)
         if self.border is None:
             return
@@ -88,12 +96,13 @@ class Stiffness:
             out.array[self.approach] += force
 
     def __mul__(self, x: PETSc.Vec) -> PETSc.Vec:
+        """Product P^T K P x as a new vector (collective)."""
         out = x.duplicate()
         self.mult(x, out)
         return out
 
     def diagonal(self) -> PETSc.Vec:
-        """Diagonal of P^T K P, N/mm."""
+        """Diagonal of P^T K P as a new vector, N/mm."""
         out = self.blocks.getDiagonal()
         if self.border is not None and self.approach >= 0:
             out.array[self.approach] += 2 * self.border.array[self.approach]
@@ -101,11 +110,13 @@ class Stiffness:
 
     @property
     def typical(self) -> float:
-        """Mean of the diagonal of the blocks, N/mm."""
+        """Mean of the diagonal of the blocks, N/mm, over the number of local rows (collective)."""
         return float(self.blocks.getDiagonal().sum() / self.sizes[0][1])
 
     def pinned(self, spring: float) -> Stiffness:
-        """The same with a spring (N/mm) on the approach; unchanged where that is prescribed."""
+        """The same stiffness with a spring (N/mm) on the approach; unchanged where the approach is
+        prescribed.
+        """
         if self.border is None or not spring:
             return self
         border = self.border.copy()
@@ -114,7 +125,7 @@ class Stiffness:
         return replace(self, border=border, spring=spring)
 
     def assembled(self) -> PETSc.Mat:
-        """P^T K P as one matrix, for a factorisation."""
+        """P^T K P as one assembled matrix, for a factorisation or multigrid (collective)."""
         out = self.blocks.convert("aij", PETSc.Mat())
         out.setBlockSize(self.blocks.getBlockSize())
         if self.border is None:
@@ -133,7 +144,9 @@ class Stiffness:
 
 
 def _unit_vector(like: PETSc.Vec, place: int) -> PETSc.Vec:
-    """Zeros, and 1 at a local place; -1: the place is on another rank."""
+    """Vector with the layout of `like`, zero but for 1 at a local place; place -1: the place is on
+    another rank.
+    """
     out = like.duplicate()
     out.set(0.0)
     if place >= 0:
@@ -142,8 +155,11 @@ def _unit_vector(like: PETSc.Vec, place: int) -> PETSc.Vec:
 
 
 def _rotated(full: PETSc.Mat, p: PETSc.Mat, free: PETSc.Vec) -> PETSc.Mat:
-    """K in the directions that P gives the nodes; places without an unknown keep their axes.
-    free: 1 at places that hold an unknown, 0 elsewhere."""
+    """Stiffness K on all dofs, turned into the directions that P gives the unknowns of each node;
+    places without an unknown keep the axes of the mesh.
+
+    full: K. p: P. free: 1 at places that hold an unknown of a node, 0 elsewhere.
+    """
     nodes, size, rest = p.copy(), full.getBlockSize(), free.duplicate()
     nodes.diagonalScale(R=free)
     rest.array[:] = 1.0 - free.array

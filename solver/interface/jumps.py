@@ -69,8 +69,8 @@ class Interface:
         """Value (n,) that the parameter of a contact law is a multiple of, MPa/mm.
 
         For Nitsche's method it is the smallest stable parameter, in layered cells the trace bound
-        times `LAYER_FACTOR`. A penalty is stable at any parameter, and a larger one makes its
-        pressure oscillate more, so that its value is the trace bound alone.
+        times `LAYER_FACTOR`. For a penalty it is the trace bound: a penalty is stable at any
+        parameter, and a larger one makes its pressure oscillate more.
         """
         return LAYER_FACTOR * self.trace_bound if self.layered and law.sigma else self.trace_bound
 
