@@ -1,4 +1,4 @@
-"""What is read out of a solution: plain data that tables, files and pictures share.
+"""Records of the results of one solution, which tables, files and pictures share.
 
 The contact frame: x along the rail, s along the common tangent across it, depth into the body,
 origin at the first contact of the undeformed bodies. Stress components are in this frame, in the

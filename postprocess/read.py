@@ -1,4 +1,4 @@
-"""All findings of a solution in one call."""
+"""All results of a solution in one call: patch, surface fields and stresses."""
 
 from __future__ import annotations
 

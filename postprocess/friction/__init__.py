@@ -1,1 +1,1 @@
-"""What tractions on the contact do: forces, slip, wear and shakedown."""
+"""Results of tractions on the contact: forces, slip, wear and shakedown."""

@@ -1,4 +1,4 @@
-"""What tractions do to the steel: hardest place, wear regime, the point in the shakedown map."""
+"""Effects of traction on the steel: largest stress, wear regime, point in the shakedown map."""
 
 from __future__ import annotations
 
@@ -26,14 +26,15 @@ def answers(
         yield stress in shear k, MPa, or None. poisson: Poisson's ratio. rolling: whether the wheel
         rolls. line: whether the contact is a line.
 
-    Always: the largest von Mises stress, its depth, and whether it is at the 'surface' or 'below',
-        that is deeper than AT_SURFACE of the smaller half length.
-    Rolling: T-gamma over the area with its wear regime; traction_coefficient, tangential over
-        normal force; first_yield_p0_over_k, at which this patch begins to yield;
-        shakedown_limit_p0_over_k. The limit is the smaller of two: that of a line that rolls with
-        this share of the friction coefficient, and that of a surface that slips everywhere at the
-        largest traction over p0; for a line, that at which the largest traction is k.
-    With k: p0_over_k, surface_fatigue_index of the largest traction, and the state 'elastic',
+    Always: the largest von Mises stress, its depth, and whether its place is at the 'surface' or
+        'below', that is deeper than AT_SURFACE of the smaller half length.
+    Rolling: T-gamma, the energy dissipated per rolled length, over the area, with its wear regime;
+        traction_coefficient, tangential over normal force; first_yield_p0_over_k, the largest
+        pressure p0 over k at which this patch begins to yield; shakedown_limit_p0_over_k. The limit
+        is the smaller of two: that of a line that rolls with this share of the friction
+        coefficient, and that of a surface that slips everywhere at the largest traction over p0;
+        for a line, that at which the largest traction is k.
+    With k: p0_over_k; surface_fatigue_index, (largest traction - k) / p0; and the state 'elastic',
         'shakes down', 'ratchets', or 'open' where a patch that is no line is above this limit only.
     """
     forces, patch, stress = result["friction"], result["patch"], result["stress"]

@@ -1,4 +1,4 @@
-"""What friction does: forces, creepages or shifts, where the patch sticks, what is dissipated."""
+"""Results of friction: forces, creepages or shifts, zone of stick, dissipated energy."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ CUSP = 0.15  # relative, on six elements a semi-axis: see `unread_peak`
 
 
 def wear_number(found: FrictionSolution, centres: Array) -> float:
-    """Largest British Rail wear number of all patches, N: tangential force times mean creepage.
+    """Largest British Rail wear number of all patches, N: the scalar product of tangential force
+    and mean creepage.
 
     found: solution of rolling contact. centres (k, 3): of the patches, mm; each contact point
         belongs to the nearest one. The mean creepage of a patch is its rigid slip, weighted by

@@ -1,4 +1,4 @@
-"""How finite bodies turn and move aside where they touch, which half-spaces do not."""
+"""Rotation and lateral displacement of finite bodies around the contact; half-spaces have none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Numbers that tell how far a solution, and what is reported of it, can be trusted."""
+"""Measures of quality: noise of the pressure, elements over the patch, distance from edges."""
 
 from __future__ import annotations
 

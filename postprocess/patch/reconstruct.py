@@ -97,7 +97,8 @@ class SquaredPressure:
 
     box: extents along x and along s, mm.
     knots (n + 4,): of the n cubic splines in s, mm.
-    coefficients (k, n): of each of k powers of (x - middle)/half, times each spline, MPa^2.
+    coefficients (k, n): factors of each of k powers of (x - middle)/half times each of n splines,
+        MPa^2; middle and half are the centre and half the width of the box along x.
     powers (k,): exponents of (x - middle)/half.
     settled: whether the minimisation that gave the coefficients converged.
     """
@@ -119,7 +120,9 @@ class SquaredPressure:
         return (self.box[0][1] - self.box[0][0]) / 2
 
     def _along(self, x: Array) -> Array:
-        """Powers (k, n) of (x - middle)/half at x (n,), mm."""
+        """Powers (k, n) of (x - middle)/half at x (n,), mm, where middle and half are the centre
+        and half the width of the box along x.
+        """
         return np.asarray(((x - self.middle) / self.half) ** self.powers[:, None])
 
     def grid(self, x: Array, s: Array) -> Array:
@@ -150,11 +153,12 @@ def zero_squared_pressure(samples: Samples) -> SquaredPressure:
 def reconstruct(
     samples: Samples, roughness: float = ROUGHNESS, start: SquaredPressure | None = None
 ) -> SquaredPressure:
-    """Smooth p^2 = F that minimises the functional in this module's docstring, by Newton's method
-    with the damping of Levenberg and Marquardt.
+    """Smooth p^2 = F that minimises int 2/3 F+^(3/2) dA - int p_h F dA + 1/2 int r |D3 F|^2, by
+    Newton's method with the damping of Levenberg and Marquardt.
 
-    roughness: the factor r of the third derivatives. start: a result for the same samples from
-        which the iteration starts; otherwise it starts from Hertz's ellipsoid.
+    F+ is the positive part of F, p_h the computed pressure, D3 F the third derivatives of F.
+    roughness: the factor r. start: a result for the same samples from which the iteration starts;
+    otherwise the start is Hertz's ellipsoid.
     """
     like = zero_squared_pressure(samples)
     knots, powers, middle, half = like.knots, like.powers, like.middle, like.half
@@ -258,12 +262,12 @@ def _knots(samples: Samples) -> Array:
 
 def _penalty(knots: Array, powers: Array, s: Array, weight: Array, samples: Samples) -> Array:
     """Matrix (kn, kn) of the mean of r |D3 F|^2, without the constant factor of r, for coefficients
-    of k powers and n splines.
+    of k powers and n splines. D3 F are the third derivatives of F(x, s).
 
     Derivatives along s are per interval of the splines, those along x per half width of the box. In
-    the second derivative along x the unit is NECK elements. Where bodies yield, the unit along x is
-    one element throughout: the pressure then has a plateau, whose edges are as sharp along x as
-    along s.
+    the term with two derivatives along x and one along s, the unit along x is NECK elements. Where
+    bodies yield, the unit along x is one element throughout: the pressure then has a plateau, whose
+    edges are as sharp along x as along s.
 
     s (m,): points of integration, mm. weight (m,): their weights, which add up to 1.
     """

@@ -1,4 +1,4 @@
-"""The picture of what yield does: where, what it leaves, and what it changes on the surface."""
+"""Picture of yield: plastic strain, residual stress, pressure and height of the surface."""
 
 from __future__ import annotations
 

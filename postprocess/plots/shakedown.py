@@ -1,4 +1,4 @@
-"""The picture of the shakedown map with the patch in it."""
+"""Picture of the shakedown map with the point of one patch."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pictures of a sweep: quantities over what changes, and the patches beside each other.
+"""Pictures of a sweep: quantities over the varied columns, and the patches side by side.
 
 Rows are those of the sweep's table; `columns` names the one or two that change, whose values may be
 words.

@@ -1,4 +1,4 @@
-"""The picture of what friction does: where the patch sticks, and the tractions."""
+"""Picture of friction: zones of stick and slip, and tractions."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ class BodyStresses:
     axes: by body name, the stresses along the normal below the centre of the most loaded patch.
     other_axes: stresses below the centres of the other patches, in the rail, or in the wheel if the
         rail is rigid.
-    largest: by body name, the largest stresses anywhere.
+    largest: by body name, the largest stresses anywhere but near sharp edges.
     edges (n, 3): points on the sharp edges of all bodies, mm.
     misfit: largest relative difference of mean smooth and mean element stress around the places of
         the largest stresses.

@@ -1,4 +1,4 @@
-"""The largest of a stress in a body, wherever it is but at a sharp edge.
+"""Largest value of a stress invariant in a body, away from sharp edges.
 
 At the edges of the bodies and of what holds them the exact stress has no bound or no meaning, and
 what a mesh says there depends on the mesh.

@@ -1,4 +1,4 @@
-"""What a load that made bodies yield has left: plastic strain, its zone, the residual state."""
+"""State after a load with yield: plastic strain, its zone, residual stress, indentation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a body is: whether it holds a point, how far a line runs inside it, its sharp edges."""
+"""Geometry of a meshed body: points inside it, length of a line inside it, its sharp edges."""
 
 from __future__ import annotations
 

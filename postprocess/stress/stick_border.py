@@ -1,4 +1,4 @@
-"""Stresses at the border between what sticks and what slips of a contact with friction.
+"""Stresses at the border between the zones of stick and slip of a contact with friction.
 
 The tangential strain has a cusp there: smooth in what sticks, with an infinite slope in what slips
 (of a line see `theory.friction.carter`: xx = -p - 2 mu p0 (1 - c/w) at the border). A polynomial
@@ -50,9 +50,10 @@ def stresses(
 
 
 def _facets(fields: Fields, solid: Solid) -> tuple[Array, Array, NDArray[np.int64]]:
-    """Points (f, k, 3) on the facets of the contact surface of a body, from the middle INNER of the
-    way to each node; the nodes (f, k, 3), mm; and the cells (f,) that the facets belong to, as
-    rows in the solid. Empty where the contact surface is that of a rigid body.
+    """Points, nodes and cells of the f facets of the contact surface of a body, each facet with k
+    nodes. Points (f, k, 3), mm: at the share INNER of the way from the facet's middle to each
+    node. Nodes (f, k, 3), mm. Cells (f,): rows in the solid. All are empty where the body has no
+    meshed contact surface.
     """
     own = fields.body[solid.cells[0]] == fields.slave
     surface = fields.contact if own else fields.master_surface

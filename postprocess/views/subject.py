@@ -1,4 +1,4 @@
-"""What a picture is of, in words: case, load, bodies and directions."""
+"""Words for pictures: names of the case, the load, the bodies and the directions."""
 
 from __future__ import annotations
 

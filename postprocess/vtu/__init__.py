@@ -1,1 +1,1 @@
-"""VTU files for ParaView, of half models or mirrored to whole ones."""
+"""VTU files for ParaView, of the modelled part or with its mirror images."""
