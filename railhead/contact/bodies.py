@@ -58,7 +58,7 @@ def depth(scene: Scene, body: int) -> float:
 def rail_reach(contact: Contact, reach: float, *, whole_section: bool) -> float:
     """Half length of the rail, mm: half of `rail.length` where given, else reach.
     reach: half length of bodies that do not twist, mm. A whole section without symmetry at y = 0
-        can twist and gets at least TWIST_REACH.
+        can twist and gets at least 500 mm (TWIST_REACH).
     """
     if contact.scene.rail.length is not None:
         return contact.scene.rail.length / 2

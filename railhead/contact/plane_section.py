@@ -128,8 +128,8 @@ class LongitudinalSection(SectionContact):
 
     @property
     def _usual_rim_depth(self) -> float:
-        """Depth of the wheel's rim where the scene gives none: RIM_DEPTH, but at most half the
-        rolling radius, mm.
+        """Depth of the wheel's rim where the scene gives none: 60 mm (RIM_DEPTH), but at most half
+        the rolling radius, mm.
         """
         return min(RIM_DEPTH, 0.5 * self.scene.wheel.rolling_radius)
 
@@ -330,7 +330,7 @@ def locate(scene: Scene, dimension: Dimension) -> SectionContact:
 
 
 def _of_any_radius(scene: Scene) -> Scene:
-    """The scene with a wheel of the rolling radius ANY_RADIUS, in mm, for a section across the rail
+    """The scene with a wheel of the rolling radius 10 m (ANY_RADIUS), for a section across the rail
     that does not depend on the radius.
     """
     wheel = scene.wheel.model_copy(update={"rolling_radius": ANY_RADIUS})

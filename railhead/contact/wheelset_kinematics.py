@@ -63,7 +63,9 @@ class WheelsetCreepage:
         )
 
     def summary(self) -> dict[str, Any]:
-        """Fields and creepages as in summary.json: keys with units (mm, rad, 1/mm)."""
+        """Entries of summary.json: axle, its radius and the rolling radius in mm, yaw, roll and
+        contact angle in rad, both creepages, and the spin in 1/mm.
+        """
         return {
             "axle": self.axle,
             "axle_radius_mm": self.turning,

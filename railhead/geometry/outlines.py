@@ -145,8 +145,8 @@ def profile_curves(profile: Profile, start: float, end: float, *, outwards: int)
 
 
 def _even(piece: Piece, first: float, last: float) -> Array:
-    """y (n,) of points that are about SPACING apart in arc length along a piece between y = first
-    and y = last (mm), both included; at least six points.
+    """y (n,) of points that are about 1 mm (SPACING) apart in arc length along a piece between y =
+    first and y = last (mm), both included; at least six points.
     """
     y = np.linspace(first, last, SAMPLES, dtype=np.float64)
     s = np.cumsum(np.hypot(np.diff(y, prepend=y[0]), np.diff(piece.derivative(y, 0), prepend=0.0)))

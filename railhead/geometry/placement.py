@@ -143,6 +143,7 @@ class Pair:
         """
 
         def excess(at: float) -> float:
+            """Slope of the wheel minus that of the rail at profile coordinate `at` (mm)."""
             outline = self.outline(pose, at)
             return float(outline.slope - self.rail.slope(outline.points[1]))
 
@@ -154,8 +155,8 @@ class Pair:
         return self._touch(pose, at, at_edge)
 
     def _touch(self, pose: Pose, tread: float, at_edge: bool) -> ContactPoint:
-        """Contact point of the wheel's circle at profile coordinate tread (mm), with curvatures of
-        both bodies and the gap; at_edge is passed on.
+        """Contact point on the wheel's circle at profile coordinate tread (mm), with the curvatures
+        of both bodies and the gap there. at_edge: the point is the end of a profile.
         """
         outline = self.outline(pose, tread)
         x, y, z = (float(value) for value in outline.points)

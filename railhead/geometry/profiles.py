@@ -244,7 +244,7 @@ def rolled(profile: Profile, slope: float) -> Profile:
 
 def osculating(profile: Profile, y: float) -> Profile:
     """The circle of curvature of a profile at y (mm), as a profile; a straight line where the
-    modulus of the curvature is below STRAIGHT.
+    modulus of the curvature is below 1e-9/mm (STRAIGHT).
     Both profiles have the same height, slope and curvature at y.
     """
     start, end = profile.domain

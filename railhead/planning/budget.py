@@ -15,7 +15,7 @@ class NoMemoryError(SceneError):
 
 
 def fits(plan: Plan, free: int) -> bool:
-    """Whether the memory that a plan needs (bytes) is at most MEMORY_SHARE of the free memory
+    """Whether the memory that a plan needs (bytes) is at most 0.8 (MEMORY_SHARE) of the free memory
     (bytes).
     """
     return plan.memory <= MEMORY_SHARE * free

@@ -119,7 +119,7 @@ class Context:
     @property
     def accuracy(self) -> float:
         """Relative error that effects may add before they are called for: the accuracy of the
-        scene, or DEFAULT_ACCURACY.
+        scene, or 0.01 (DEFAULT_ACCURACY).
         """
         accuracy = self.scene.accuracy
         return DEFAULT_ACCURACY if accuracy is None else accuracy

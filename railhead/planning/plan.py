@@ -178,8 +178,9 @@ class Plan:
 
     @property
     def profiles(self) -> dict[str, dict[str, Any]]:
-        """How profiles from files were read and smoothed, by body ('rail', 'wheel'), as in
-        summary.json; empty for half-spaces.
+        """By body ('rail', 'wheel') whose profile comes from a file: remarks on reading, noise,
+        smoothing wavelengths and curvatures, as in summary.json, and the wavelength at the
+        contact, mm; empty for half-spaces.
         """
         if self.contact.half_space:
             return {}
@@ -350,7 +351,7 @@ class Plan:
 
     def price_at(self, n: float) -> Price:
         """Predicted cost of two meshes, the finer one with n elements per smaller semi-axis, the
-        coarser one with n / STEP.
+        coarser one with n / 1.6 (STEP).
         """
         fine, coarse = self.at_resolution(n), self.at_resolution(n / error_envelopes.STEP)
         seconds = prediction.START + fine.solving + coarse.solving
@@ -412,7 +413,10 @@ class Plan:
         }
 
     def summary(self) -> dict[str, Any]:
-        """The entry 'plan' of summary.json: effects, predicted cost, sizes and forecast."""
+        """The entry 'plan' of summary.json: effects with their cost, unknowns, seconds, overruled
+        effects ('chosen'), patch size, slave body, contact angle, wheelset creepage where the
+        wheelset prescribes it, forecast and measured profiles.
+        """
         return {
             "effects": {name: self._effect(name) for name in self.effects},
             "unknowns": self.unknowns,

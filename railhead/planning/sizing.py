@@ -31,7 +31,7 @@ MIN_BODY_REACH = 80.0  # mm
 
 def reach(contact: Contact, hertz: Hertz, forecast: Forecast) -> float:
     """Half length of the bodies along the rail, mm: a multiple of the largest half length of the
-    forecast patches and Hertz's patch, and at least MIN_BODY_REACH for real bodies.
+    forecast patches and Hertz's patch, and at least 80 mm (MIN_BODY_REACH) for real bodies.
     """
     sizes = [size for zone in forecast.zones for size in (zone.a, zone.b)]
     major = max(*sizes, *contacts.half_lengths(hertz))

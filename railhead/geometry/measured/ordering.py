@@ -32,8 +32,8 @@ def chord_lengths(points: Array) -> Array:
 
 
 def closes(points: Array) -> bool:
-    """Whether the last of points (n, 2), in their order along a curve, mm, is within LARGEST_GAP of
-    the first.
+    """Whether the last of points (n, 2), in their order along a curve, mm, is within 5 mm
+    (LARGEST_GAP) of the first.
     """
     return bool(np.linalg.norm(points[-1] - points[0]) < LARGEST_GAP)
 
@@ -95,7 +95,7 @@ def merged(points: Array) -> Array:
     """Points (m, 2), mm, with neighbours at the same y averaged, where y is rounded so that it
     repeats; else the points (n, 2) unchanged.
     Only the middle half of the width tells, where no face is vertical. Raises PointError where such
-    points are farther apart in height than COARSE.
+    points are farther apart in height than 0.1 mm (COARSE).
     """
     y = points[:, 0]
     middle = y[np.abs(y - (y.min() + y.max()) / 2) < np.ptp(y) / 4]

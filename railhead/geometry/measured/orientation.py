@@ -213,7 +213,7 @@ def in_mm(table: Table, body: str, given: str) -> tuple[Array, str]:
 
 
 def _unit_by_width(points: Array, body: str) -> str:
-    """Unit of GUESSED_UNITS in which the width of points (n, 2) of a 'rail' or 'wheel' is usual.
+    """Unit, mm, inch or m, in which the width of points (n, 2) of a 'rail' or 'wheel' is usual.
     Raises PointError where none fits, or heights look like another unit.
     """
     width, (least, most) = float(np.ptp(points[:, 0])), USUAL_WIDTHS[body]

@@ -35,8 +35,8 @@ def offsets(points: Array) -> Array:
 
 
 def check_digits(points: Array) -> None:
-    """Raises PointError where the heights of points (n, 2), mm, are rounded to more than ROUNDED:
-    stairs are no noise that could be smoothed away.
+    """Raises PointError where the heights of points (n, 2), mm, are rounded to more than 0.01 mm
+    (ROUNDED): stairs are no noise that could be smoothed away.
     """
     z = np.sort(points[:, 1])
     steps = np.diff(z)
@@ -89,8 +89,8 @@ def spikes(smoothed: Smoothed, inside: NDArray[np.bool_]) -> tuple[int, float, A
 
 
 def wave(smoothed: Smoothed, start: float, end: float) -> tuple[float, Array] | None:
-    """Largest angle (deg) by which the curve bends one way and back within WAVE, between y = start
-    and y = end (mm), and its place (2,); None where no angle is larger than BENT.
+    """Largest angle (deg) by which the curve bends one way and back within 4 mm (WAVE), between y =
+    start and y = end (mm), and its place (2,); None where no angle is larger than 10 deg (BENT).
     """
     s = np.arange(0.0, smoothed.length, STRIDE)
     dy, dz = smoothed.curve(s, 1).T

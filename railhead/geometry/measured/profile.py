@@ -89,8 +89,9 @@ class Measured:
         return float(within.min()), float(within.max())
 
     def summary(self) -> dict[str, Any]:
-        """Findings on the file as in summary.json: name, remarks, number of points, noise,
-        wavelengths and curvatures (mm, 1/mm).
+        """Entries of summary.json: file, remarks ('read'), number of points, noise in mm, shortest
+        and longest smoothing wavelength in mm, and largest curvature before and after smoothing
+        in 1/mm.
         """
         before, after = self.sharpest
         return {

@@ -257,8 +257,8 @@ class _Fit:
 
 def _averaged(points: Array) -> Array:
     """Points (m, 2) in their order, mm: of points at one place the first, and groups of points
-    nearer than CLOSE as their mean.
-    A group longer than 2 CLOSE stays as it is; an incomplete last group is left out.
+    nearer than 0.1 mm (CLOSE) as their mean.
+    A group longer than 0.2 mm stays as it is; an incomplete last group is left out.
     """
     apart = np.linalg.norm(np.diff(points, axis=0), axis=1)
     points, apart = points[np.concatenate([[True], apart > 0])], apart[apart > 0]

@@ -67,7 +67,9 @@ class LaidStandard:
 
     @property
     def lost_area(self) -> float:
-        """Area of the section that is lost, mm2: STEP times the sum of the positive losses."""
+        """Area of the section that is lost, mm2: 0.25 mm (STEP) times the sum of the positive
+        losses.
+        """
         return STEP * float(self._lost.sum())
 
     @property
@@ -77,8 +79,8 @@ class LaidStandard:
 
     @property
     def fits(self) -> bool:
-        """Whether the measured profile is of this kind: within FARTHEST of the standard, laid on it
-        by LAID of its width, and leaning by less than LARGEST_SLOPE.
+        """Whether the measured profile is of this kind: within 6 mm (FARTHEST) of the standard,
+        laid on it by 0.8 (LAID) of its width, and leaning by less than 0.2 rad (LARGEST_SLOPE).
         """
         known = np.isfinite(self.loss)
         laid = float(np.ptp(self.y[known])) if known.any() else 0.0
@@ -95,15 +97,15 @@ class LaidStandard:
 
 
 def nearest(points: Array, body: str) -> LaidStandard:
-    """The standard with the least misfit for points (n, 2), mm, STEP apart from left to right, of a
-    'rail' or 'wheel'.
+    """The standard with the least misfit for points (n, 2), mm, 0.25 mm (STEP) apart from left to
+    right, of a 'rail' or 'wheel'.
     """
     return min(all_laid(points, body), key=lambda each: each.misfit)
 
 
 def all_laid(points: Array, body: str) -> list[LaidStandard]:
-    """Every standard of a 'rail' or 'wheel' laid on points (n, 2), mm, STEP apart from left to
-    right.
+    """Every standard of a 'rail' or 'wheel' laid on points (n, 2), mm, 0.25 mm (STEP) apart from
+    left to right.
     """
     return [_laid(name, points, body == "rail") for name in STANDARDS[body]]
 
@@ -118,7 +120,7 @@ def roughly_laid(points: Array, body: str) -> LaidStandard:
 def _laid(name: str, points: Array, turns: bool, iterations: int = ITERATIONS) -> LaidStandard:
     """The standard `name` laid on points (n, 2), mm, by a least-squares fit.
     turns: the standard may be turned, as a rail is, else only displaced; iterations: at most; with
-        fewer than ITERATIONS only a rough fit.
+        fewer than 100 (ITERATIONS) only a rough fit.
     """
     outline, normal, tree = _outline(name)
 
@@ -189,8 +191,8 @@ def _middle(points: Array) -> float:
 
 @lru_cache
 def _outline(name: str) -> tuple[Array, Array, cKDTree]:
-    """Points (m, 2) of a standard profile from left to right, about OUTLINE_STEP apart, mm, their
-    outward unit normals (m, 2), and a KD tree of the points.
+    """Points (m, 2) of a standard profile from left to right, about 0.02 mm (OUTLINE_STEP) apart,
+    mm, their outward unit normals (m, 2), and a KD tree of the points.
     Rails are heads without the line of the cut.
     """
     if name in profiles.STANDARD_RAILS:

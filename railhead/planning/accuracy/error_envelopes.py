@@ -33,8 +33,8 @@ LAWS = Path(__file__).with_name("data") / "laws.json"
 
 def drop_beside_maximum(beside: float) -> float:
     """Relative drop of a quantity beside its maximum, after a parabola.
-    beside: distance from the maximum over the half range in which the quantity stays within FLAT of
-        the maximum.
+    beside: distance from the maximum over the half range in which the quantity stays within 1 %
+        (FLAT) of the maximum.
     """
     return FLAT * beside**2
 
@@ -138,7 +138,9 @@ class Family:
 
     def covers(self, n: float, solved: Sequence[float] = ()) -> bool:
         """Whether n elements per semi-axis lie within the calibrated range, or are finer by at most
-        a factor STEP. Solved meshes (their n) extend the range in the same way.
+        a factor 1.6 (STEP).
+        solved: n of meshes that were solved; each that is finer than the range by at most that
+            factor extends the range.
         """
         low, high = self.resolution
         for m in sorted(solved):
@@ -182,7 +184,7 @@ class Family:
 
     def reaches(self, accuracy: float) -> bool:
         """Whether the finest resolution that the laws cover is expected to meet the relative
-        accuracy, with AIM of it for the mesh.
+        accuracy, of which the mesh may take 0.9 (AIM).
         """
         return self.expected(STEP * self.resolution[1]) <= AIM * accuracy
 

@@ -46,8 +46,8 @@ def of_profiles(context: Context) -> Uncertainty | None:
 
 
 def around(scene: Scene, solution: Solution) -> Uncertainty:
-    """SAFETY times the largest relative change of pressure or area when the smoothing length of the
-    measured profiles is doubled or halved.
+    """Twice (SAFETY) the largest relative change of pressure or area when the smoothing length of
+    the measured profiles is doubled or halved.
     solution: boundary elements with the usual smoothing.
     Raises SceneError or ValueError where one length leaves no contact.
     """

@@ -23,7 +23,7 @@ def cache_file() -> Path:
 
 def correction() -> float:
     """Factor on predicted seconds for this machine: median of taken over predicted seconds of the
-    latest runs; 1 before there are LEAST_RUNS of them.
+    latest runs; 1 before there are three of them (LEAST_RUNS).
     """
     ratios = _ratios()
     return statistics.median(ratios) if len(ratios) >= LEAST_RUNS else 1.0
@@ -31,7 +31,7 @@ def correction() -> float:
 
 def record(taken: float, predicted: float) -> None:
     """Store the ratio of the seconds that a mesh took to the predicted ones without correction,
-    with the latest RUNS ratios. A file that cannot be written is ignored.
+    with the nine latest ratios (RUNS). A file that cannot be written is ignored.
     """
     try:
         file = cache_file()

@@ -26,8 +26,8 @@ FRICTION_BYTES = 26_000  # an unknown, beside those of an elastic run: 13 000 to
 @dataclass(frozen=True)
 class Cost:
     """Cost of one unknown of one kind of model, from mesh to results, elastic and frictionless.
-    seconds: seconds per unknown on two cores of 2026, times (unknowns / SMALL) ** growth above
-        SMALL unknowns.
+    seconds: seconds per unknown on two cores of 2026, times (unknowns / SMALL) ** growth above 30
+        000 unknowns (SMALL).
     growth: that power.
     bytes: bytes per unknown at the peak.
     """

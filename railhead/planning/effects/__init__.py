@@ -26,8 +26,10 @@ from railhead.theory.elastic.contacts import Hertz
 @dataclass(frozen=True, kw_only=True)
 class EffectRules:
     """How an effect is decided, and evaluated on the solution.
-    decide: from the scene and the effects before it in `EFFECTS`.
-    check: the same indicator on the solution; None where it does not apply.
+    decide: function of the context (scene, contact and the effects before it in `EFFECTS`) that
+        gives the decision.
+    check: function of context, decision and findings that evaluates the indicator of the effect on
+        the solution; gives None where it does not apply.
     numerical_only: the exact answer is the same with and without the effect.
     beyond_half_spaces: half-space references beside the result lack the effect too.
     """

@@ -20,7 +20,7 @@ EDGE = 1.1  # times the semi-axis across that must lie within both profiles
 def small_patch(context: Context, found: Findings) -> PostSolveVerdict:
     """Verdict on the patch size: Hertz's parabolas and half-spaces need semi-axes far below the
     relative radii (Johnson, Contact Mechanics, 4.1).
-    The larger of a times curvature_x and b times curvature_y is held against SMALL.
+    The larger of a times curvature_x and b times curvature_y is held against 0.1 (SMALL).
     """
     touch, patch = context.contact.touch, found.patch
     a, b = patch.a * touch.curvature_x, patch.b * touch.curvature_y

@@ -109,7 +109,7 @@ class Forecast:
 
 def forecast(context: Context) -> Forecast:
     """Expected patches: exact Hertz where the gap is a parabola or boundary elements find no patch,
-    else boundary elements. Patches below MINOR of the load are left out.
+    else boundary elements. Patches below 2 % (MINOR) of the load are left out.
     """
     contact, ellipse = context.contact, context.hertz
     if context.hertzian:

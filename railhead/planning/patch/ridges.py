@@ -16,8 +16,8 @@ BESIDE = 1e-6  # mm
 
 
 def ridges(contact: Contact, zone: Zone) -> list[Zone]:
-    """Lines along the rail in a patch at which the relative curvature across jumps by more than
-    JUMP, as zones without width (b = 0).
+    """Lines along the rail in a patch at which the relative curvature across jumps by more than 20
+    % (JUMP), as zones without width (b = 0).
     """
     found = []
     for _, profile, shift in contact.cross_profiles:

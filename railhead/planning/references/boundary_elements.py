@@ -125,7 +125,7 @@ def solve(contact: Contact, ellipse: Hertz, load: float | None, cells: int = CEL
 
 def _inside(surface: Developed, found: Solution, x: Array, s: Array, height: Array) -> Array:
     """Depth (n,) in mm of the wheel's contact locus in the rail outside of the windows of a
-    solution; zero where this is at most TOUCHING of the approach.
+    solution; zero where this is at most 0.1 % (TOUCHING) of the approach.
     x, s, height: (n,) of the locus in the developed plane, mm.
     """
     beside = height < found.approach

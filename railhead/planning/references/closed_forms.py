@@ -93,8 +93,8 @@ def hertz_if_valid(scene: Scene, contact: Contact) -> Hertz:
 
 
 def gap_is_quadratic(contact: Contact, ellipse: Ellipse) -> bool:
-    """Whether the exact gap over the ellipse deviates from Hertz's parabola by less than PARABOLIC
-    of the approach, and no other contact point is within reach of the approach.
+    """Whether the exact gap over the ellipse deviates from Hertz's parabola by less than 2 %
+    (PARABOLIC) of the approach, and no other contact point is within reach of the approach.
     """
     touch = contact.touch
     if len(contact.touches(ellipse.approach / math.cos(touch.angle))) > 1:
@@ -108,8 +108,8 @@ def gap_is_quadratic(contact: Contact, ellipse: Ellipse) -> bool:
 
 
 def _smallest(scene: Scene, contact: Contact, found: Hertz) -> float:
-    """Smallest half length of a patch that is meaningful, mm: CONTINUUM, and for real bodies also
-    the one whose gap is ROUNDING times the rounding of the largest radius.
+    """Smallest half length of a patch that is meaningful, mm: 1e-6 mm (CONTINUUM), and for real
+    bodies also the one whose gap is 1000 times (ROUNDING) the rounding of the largest radius.
     The gap is the smaller half length squared times the curvature.
     """
     if contact.half_space:

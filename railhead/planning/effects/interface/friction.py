@@ -79,7 +79,7 @@ def grows(scene: Scene) -> bool:
 
 
 def unlike(scene: Scene) -> bool:
-    """Whether bodies slip when they are pressed together: |Dundurs' beta| above NO_MISMATCH."""
+    """Whether bodies slip when pressed together: |Dundurs' beta| above 1e-9 (NO_MISMATCH)."""
     return abs(dundurs_beta(scene)) > NO_MISMATCH
 
 

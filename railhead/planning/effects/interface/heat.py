@@ -18,7 +18,7 @@ UNKNOWN = "flash temperature not known for this material: the constants are thos
 
 def decide(context: Context) -> Effect:
     """Heat is never simulated; it is called for where the flash temperature for slip of the whole
-    patch is HOT (K) or more.
+    patch is 100 K (HOT) or more.
     """
     scene, hertz = context.scene, context.hertz
     speed, rolling = scene.rolling.speed, scene.rolling
@@ -48,7 +48,7 @@ def decide(context: Context) -> Effect:
 
 def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
     """Verdict on the flash temperature (K) from the energy that the solution dissipates, against
-    HOT; None without rolling speed or dissipation.
+    100 K (HOT); None without rolling speed or dissipation.
     """
     speed = context.scene.rolling.speed
     if speed is None or math.isnan(found.dissipated):

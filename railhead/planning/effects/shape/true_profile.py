@@ -16,8 +16,9 @@ MARGIN = 1.1  # times the patch that must lie within one arc
 
 
 def decide(context: Context) -> Effect:
-    """Real profiles are called for where the predicted patch, times MARGIN, comes near a joint of
-    two arcs of a profile, or the profile is no arc there; otherwise one radius each is enough.
+    """Real profiles are called for where the predicted patch, times 1.1 (MARGIN), comes near a
+    joint of two arcs of a profile, or the profile is no arc there; otherwise one radius each is
+    enough.
     """
     contact = context.contact
     if not contact.cross_profiles:
