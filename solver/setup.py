@@ -130,6 +130,9 @@ class Setup:
     friction: FrictionSettings | None = None
 
     def __post_init__(self) -> None:
+        """Check slave and linear solver; raises ValueError for a slave that is no deformable body,
+        and for an unknown `linear`.
+        """
         bodies = {body.tag: body for body in (self.fixed, self.moving)}
         if self.slave not in bodies or bodies[self.slave].rigid:
             raise ValueError(f"slave {self.slave} is no body that deforms; there are {[*bodies]}")

@@ -329,10 +329,10 @@ class ContactSystem:
         return float(self.setup.parts * self.comm.allreduce(local))
 
     def gaps(self, displacement: PETSc.Vec, approach: float) -> Array:
-        """Gap g0 + N u (n,) at the contact points of this rank, mm, negative where the surfaces
-        overlap.
+        """Gap between the deformed surfaces (n,) at the contact points of this rank, mm, negative
+        where they overlap.
 
-        displacement: u on all dofs, mm. approach: mm; it counts where the moving body is rigid.
+        displacement: on all dofs, mm. approach: mm; it counts where the moving body is rigid.
         """
         gap = self.interface.initial_gap + (self.interface.gap * displacement).array
         return np.asarray(

@@ -38,8 +38,9 @@ class Hierarchy:
     """Level of linear (P1) cells below a contact problem on quadratic cells.
 
     prolongation: matrix Q from the P1 unknowns to those of the problem.
-    stiffness: stiffness K of the P1 cells in their unknowns. It uses the quadrature of the
-        quadratic cells, so that it equals the Galerkin product Q^T K Q without forming it.
+    stiffness: stiffness of the P1 cells in their unknowns. It uses the quadrature of the quadratic
+        cells, so that it equals the Galerkin product Q^T K Q with their stiffness K, without
+        forming it.
     rigid_modes: orthonormal rigid motions in the P1 unknowns, the near-nullspace of that matrix.
     """
 
@@ -55,6 +56,7 @@ class PMultigrid(Preconditioner):
 
     hierarchy: the level of linear cells.
     coarse: tangent on that level.
+    flexible: whether that level is solved by a Krylov method with algebraic multigrid.
 
     It is set up again for small changes of the active set. `s1002_60e1` takes 54 iterations where a
     tenth of the active area may have changed, 41 with a thirtieth, and 32 with a hundredth and a
@@ -110,12 +112,15 @@ class PMultigrid(Preconditioner):
 
 
 class CoarseTangent:
-    """Tangent on the P1 unknowns, in one sparsity pattern for all active sets. Letters are those at
-    the head of this module.
+    """Tangent on the unknowns of the linear (P1) cells, in one sparsity pattern for all active
+    sets.
+
+    K is the stiffness, S the normal stress and tau N the gap times the law's parameter; B = S + tau
+    N, Bt = theta S + tau N; w is area over parameter, Q the prolongation.
 
     problem: contact problem.
     matrix: the tangent; its values are those of the last use of `fill`.
-    bulk: K - theta S^T w S, which is the same for all active sets.
+    bulk: K - theta S^T w S on the P1 unknowns, which is the same for all active sets.
     normal_operator: B Q.
     test_operator: Bt Q; the same object as B Q for a symmetric law.
     scaled: w A B Q of the last active set A.

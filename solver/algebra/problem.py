@@ -32,19 +32,19 @@ Mask = NDArray[np.bool_]
 
 @dataclass
 class ContactProblem:
-    """One load case of a contact, at n contact points of this rank, in the free unknowns. Letters
-    are those at the head of this module.
+    """One load case of a contact, at n contact points of this rank, in the free unknowns y; the
+    displacement is u = P y + u0.
 
     `dataclasses.replace` with another law shares the matrices.
 
     law: contact law.
-    stiffness: K, N/mm.
+    stiffness: stiffness K of the free unknowns, N/mm.
     gap: N, change of the gap per free unknown (n rows).
     stress: S, normal stress of the slave per free unknown (n rows), MPa/mm.
-    area: area W of each point (n,), mm2.
+    area: area W of each point in the meshed part (n,), mm2.
     bound: (n,) value that the law's parameter tau is a multiple of, MPa/mm.
     gap_per_approach: change of the gap per unit approach of a rigid counterface (n,).
-    force: f, N.
+    force: force f in the free unknowns, N.
     start_gap: gap at zero free unknowns, g0 + N u0 (n,), mm.
     start_stress: normal stress at zero free unknowns, s0 = S u0 (n,), MPa.
     """
@@ -113,27 +113,31 @@ class ContactProblem:
 
     @property
     def offset(self) -> Array:
-        """Negative indicator at zero free unknowns, c = s0 + tau (g0 + N u0) (n,), MPa; without s0
-        for a penalty.
+        """Negative indicator at zero free unknowns (n,), MPa: tau times the start gap and, for
+        Nitsche's method, plus the start stress.
         """
         return self.tau * self.start_gap + self.law.sigma * self.start_stress
 
     @cached_property
     def normal_operator(self) -> PETSc.Mat:
-        """Matrix B = S + tau N from the free unknowns to the negative indicator at the contact
-        points, MPa/mm; tau N for a penalty.
+        """Matrix from the free unknowns to the change of the negative indicator at the contact
+        points, MPa/mm: B = S + tau N for Nitsche's method, tau N for a penalty; S: normal
+        stress, N: gap.
         """
         return self._combined(float(self.law.sigma))
 
     @cached_property
     def test_operator(self) -> PETSc.Mat:
-        """Matrix Bt = theta S + tau N, whose transpose gives the forces of the pressure, MPa/mm.
-        Where the law is symmetric it is the same object as `normal_operator`.
+        """Matrix Bt = theta S + tau N, MPa/mm, whose transpose gives the forces of the pressure; S:
+        normal stress, N: gap. Where the law is symmetric it is the same object as
+        `normal_operator`.
         """
         return self.normal_operator if self.law.symmetric else self._combined(self.consistency)
 
     def _combined(self, factor: float) -> PETSc.Mat:
-        """Matrix factor S + tau N with one row for each contact point, MPa/mm."""
+        """Matrix factor S + tau N with one row for each contact point, MPa/mm; S: normal stress, N:
+        gap per free unknown.
+        """
         matrix = self.gap.copy()
         matrix.diagonalScale(L=self.at_points(self.tau))
         if factor:
@@ -146,14 +150,14 @@ class ContactProblem:
 
     @property
     def consistency(self) -> float:
-        """Factor of the term S^T w S in the tangent: theta for Nitsche's method, 0 for a
-        penalty.
+        """Factor of the stress term S^T w S in the tangent: theta for Nitsche's method, 0 for a
+        penalty; S: normal stress per free unknown, w: area over the law's parameter.
         """
         return float((self.law.theta or 0) * self.law.sigma)
 
     def indicator(self, y: PETSc.Vec) -> Array:
-        """Pressure before its negative part is set to zero, -(B y + c) (n,), MPa, at the free
-        unknowns y; positive where the surfaces touch.
+        """Pressure before its negative part is set to zero (n,), MPa, at the free unknowns y:
+        -(sigma s + tau g) with stress s and gap g, positive where the surfaces touch.
         """
         return np.asarray(-((self.normal_operator * y).array + self.offset))
 
@@ -198,7 +202,9 @@ class ContactProblem:
         return value
 
     def contact_force(self, pressure: Array) -> float:
-        """Norm of the contact forces Bt^T w p in the free unknowns, N; pressure: p (n,), MPa."""
+        """Norm of the forces of the contact pressure in the free unknowns, N; pressure: (n,),
+        MPa.
+        """
         force = self.gap.createVecRight()
         force.set(0.0)
         add_transposed(self.test_operator, self.weight * pressure, force)
@@ -212,7 +218,9 @@ class ContactProblem:
         """
 
         def left(x: PETSc.Vec) -> float:
-            """Norm of that part of the residual for a step x of the free unknowns, N."""
+            """Norm of the part of the residual that a step x of the free unknowns makes by changing
+            the active set, N.
+            """
             q = indicator - (self.normal_operator * x).array
             out = self.stiffness.vector()
             add_transposed(self.test_operator, self.weight * (np.maximum(q, 0.0) - active * q), out)
@@ -240,8 +248,8 @@ class ContactProblem:
 
     @cached_property
     def _bulk_diagonal(self) -> PETSc.Vec:
-        """Diagonal of K - theta S^T w S, the part of the tangent that all active sets share,
-        N/mm.
+        """Diagonal of the part of the tangent that all active sets share, N/mm: stiffness less the
+        stress term of Nitsche's method.
         """
         diagonal = self.stiffness.diagonal()
         if self.consistency:
@@ -251,7 +259,9 @@ class ContactProblem:
 
     @cached_property
     def _squares(self) -> PETSc.Mat:
-        """Entrywise product of the matrices Bt and B, MPa2/mm2."""
+        """Entrywise product of `test_operator` and `normal_operator`, MPa2/mm2; its weighted column
+        sums are the diagonal of the contact term.
+        """
         return _products(self.test_operator, self.normal_operator)
 
     def assembled_tangent(self, active: Mask) -> PETSc.Mat:
@@ -283,7 +293,8 @@ class ContactProblem:
 
 
 class Tangent:
-    """PETSc shell context of the tangent y -> K y - theta S^T w S y + Bt^T w A B y.
+    """PETSc shell context of the tangent y -> K y - theta S^T w S y + Bt^T w A B y. The letters are
+    those of `ContactProblem`, with B and Bt its `normal_operator` and `test_operator`.
 
     problem: the contact problem, by a weak reference, because PETSc leaks what is freed while it
         frees a shell.

@@ -40,8 +40,9 @@ class Stiffness:
 
     @classmethod
     def reduced(cls, full: PETSc.Mat, reduction: Reduction) -> Stiffness:
-        """Stiffness P^T K P from K on all dofs; full: K, whose storage is reused, so that it must
-        not be used afterwards (collective).
+        """Stiffness P^T K P of the free unknowns, with the map P of the reduction; full: stiffness
+        K on all dofs, N/mm, whose storage is reused, so that it must not be used afterwards
+        (collective).
         """
         p, border = reduction.matrix, None
         if reduction.column >= 0:
@@ -68,12 +69,14 @@ class Stiffness:
 
     @property
     def comm(self) -> PETSc.Comm:
-        """PETSc communicator of the matrix."""
+        """PETSc communicator of the ranks that hold the stiffness."""
         return self.blocks.comm
 
     @property
     def sizes(self) -> tuple[tuple[int, int], tuple[int, int]]:
-        """((local, global) number of rows, (local, global) number of columns)."""
+        """((local, global) number of rows, (local, global) number of columns) of the stiffness of
+        the free unknowns.
+        """
         sizes: tuple[tuple[int, int], tuple[int, int]] = self.blocks.getSizes()
         return sizes
 
@@ -84,7 +87,9 @@ class Stiffness:
         return out
 
     def mult(self, x: PETSc.Vec, out: PETSc.Vec) -> None:
-        """Write the product P^T K P x into the vector `out` (collective)."""
+        """Write the product of the stiffness of the free unknowns with x into the vector `out`
+        (collective).
+        """
         self.blocks.mult(x, out)
         if self.border is None:
             return
@@ -96,13 +101,15 @@ class Stiffness:
             out.array[self.approach] += force
 
     def __mul__(self, x: PETSc.Vec) -> PETSc.Vec:
-        """Product P^T K P x as a new vector (collective)."""
+        """Product of the stiffness of the free unknowns with x, as a new vector (collective)."""
         out = x.duplicate()
         self.mult(x, out)
         return out
 
     def diagonal(self) -> PETSc.Vec:
-        """Diagonal of P^T K P as a new vector, N/mm."""
+        """Diagonal of the stiffness of the free unknowns as a new vector, N/mm; the approach is
+        included.
+        """
         out = self.blocks.getDiagonal()
         if self.border is not None and self.approach >= 0:
             out.array[self.approach] += 2 * self.border.array[self.approach]
@@ -110,7 +117,7 @@ class Stiffness:
 
     @property
     def typical(self) -> float:
-        """Mean of the diagonal of the blocks, N/mm, over the number of local rows (collective)."""
+        """Mean of the diagonal of the blocks over all rows of all ranks, N/mm (collective)."""
         return float(self.blocks.getDiagonal().sum() / self.sizes[0][1])
 
     def pinned(self, spring: float) -> Stiffness:
@@ -125,7 +132,9 @@ class Stiffness:
         return replace(self, border=border, spring=spring)
 
     def assembled(self) -> PETSc.Mat:
-        """P^T K P as one assembled matrix, for a factorisation or multigrid (collective)."""
+        """Stiffness of the free unknowns as one assembled matrix, N/mm, for a factorisation or
+        multigrid (collective).
+        """
         out = self.blocks.convert("aij", PETSc.Mat())
         out.setBlockSize(self.blocks.getBlockSize())
         if self.border is None:
@@ -155,10 +164,11 @@ def _unit_vector(like: PETSc.Vec, place: int) -> PETSc.Vec:
 
 
 def _rotated(full: PETSc.Mat, p: PETSc.Mat, free: PETSc.Vec) -> PETSc.Mat:
-    """Stiffness K on all dofs, turned into the directions that P gives the unknowns of each node;
-    places without an unknown keep the axes of the mesh.
+    """Stiffness on all dofs, turned into the directions of the unknowns of each node, N/mm; places
+    without an unknown keep the axes of the mesh (collective).
 
-    full: K. p: P. free: 1 at places that hold an unknown of a node, 0 elsewhere.
+    full: stiffness on all dofs, N/mm. p: map from free unknowns to dofs. free: 1 at places that
+        hold an unknown of a node, 0 elsewhere.
     """
     nodes, size, rest = p.copy(), full.getBlockSize(), free.duplicate()
     nodes.diagonalScale(R=free)

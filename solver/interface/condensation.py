@@ -225,13 +225,13 @@ class StaticCondensation:
     def _compliances(
         self, pressure: PETSc.Mat, weights: Array, shape: sp.csr_matrix
     ) -> tuple[Array, Array, Array]:
-        """Compliances of trial traction (n k, m), relative displacement (n k, m) and pressure (n,
-        m) of bodies whose supports stay (collective).
+        """Derivatives of trial traction (n k, m), relative displacement (n k, m) and pressure (n,
+        m) by m nodal tractions, for bodies whose supports stay (collective).
 
         pressure: matrix from the free unknowns to the pressure at this rank's points.
         weights: areas of this rank's points (p,), mm2.
         shape: shape functions of all points (n k, m).
-        One linear system with the tangent stiffness is solved for each of the m nodal tractions.
+        One linear system with the tangent stiffness is solved for each nodal traction.
         """
         reduce = self.system.reduction.matrix
         outputs = [self.trial.matMult(reduce), self.change.matMult(reduce), pressure]
@@ -428,8 +428,8 @@ class StaticCondensation:
         return sp.kron(table, sp.eye(self.size), format="csr")
 
     def _nodal_forces(self, jump: PETSc.Mat, block: Array) -> PETSc.Mat:
-        """Product J^T X as a distributed dense matrix; jump: J; block: this rank's rows of X, the
-        weighted tractions at the points, N.
+        """Product of the transposed jump matrix with this rank's rows `block` of weighted tractions
+        at the points, N, as a distributed dense matrix with one column for each nodal traction.
         """
         columns = block.shape[1]
         sizes = ((block.shape[0], None), (None, columns))

@@ -33,6 +33,9 @@ class ContactLaw:
     gamma_factor: float = 1.0
 
     def __post_init__(self) -> None:
+        """Check method, theta and gamma_factor; raises ValueError for a value that is not
+        allowed.
+        """
         if self.method not in METHODS:
             raise ValueError(f"method {self.method!r} is unknown; give one of {METHODS}")
         if self.theta not in (None, 1, 0, -1):

@@ -33,7 +33,7 @@ class MasterSurface:
 
 
 def outer_nodes(facets: FacetSet) -> NDArray[np.int64]:
-    """Global block dofs (m, k) on each of m facets, corners first, basix order."""
+    """Global block dofs (m, k) that lie on each of m facets, corners first, basix order."""
     closure = facet_closure(facets.cell, facets.degree)
     return np.take_along_axis(facets.dofs, closure[facets.local_facet], axis=1)
 

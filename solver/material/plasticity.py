@@ -83,7 +83,7 @@ class YieldPoints:
         return state, TangentReduction.joined(reductions) if reductions else None
 
     def strain_rows(self, reduction: TangentReduction | None) -> PETSc.Mat:
-        """Rows of the strain matrix E of the k points that yield: k m rows on this rank
+        """Rows of the strain matrix that belong to the k points that yield: k m rows on this rank
         (collective); reduction: reduction of the tangent at these points, None: no point yields.
         """
         points = np.zeros(0, dtype=np.int64) if reduction is None else reduction.points
@@ -92,8 +92,8 @@ class YieldPoints:
         return select_rows(self.strain_matrix, rows)
 
     def add_forces(self, stress: Array, out: PETSc.Vec) -> None:
-        """Add the nodal forces E^T w stress of stresses (n, m), MPa, to a vector of the free
-        unknowns, N; w: quadrature weights.
+        """Add the nodal forces of stresses (n, m), MPa, times the quadrature weights, to a vector
+        `out` of the free unknowns, N.
         """
         add_transposed(self.strain_matrix, self.weights[:, None] * stress, out)
 
@@ -135,9 +135,9 @@ class PlasticProblem(ContactProblem):
         return self.law.symmetric and not total
 
     def indicator(self, y: PETSc.Vec) -> Array:
-        """Indicator -(B y + c - t) (n,) at the contact points, MPa, where t is the normal stress
-        that plastic strain takes. The plastic state at y is kept for `residual`, `tangent` and
-        `state`.
+        """Pressure before its negative part is set to zero (n,), MPa, at the free unknowns y, from
+        the elastic indicator and the normal stress that plastic strain takes. The plastic state
+        at y is kept for `residual`, `tangent` and `state`.
         """
         self._bulk, self._surface = self.bulk.return_mapping(y), self.surface.return_mapping(y)
         self._yielding_operators = None
@@ -152,8 +152,9 @@ class PlasticProblem(ContactProblem):
         return np.asarray(2 * self.surface.mu * strain)
 
     def residual(self, y: PETSc.Vec, pressure: Array) -> PETSc.Vec:
-        """Residual R(y) in the free unknowns, N. pressure: p(y) (n,), MPa; its computation must be
-        the last use of `indicator`, which keeps the plastic state.
+        """Residual R(y) of equilibrium in the free unknowns, N. pressure: contact pressure at y
+        (n,), MPa; its computation must be the last use of `indicator`, which keeps the plastic
+        state.
         """
         r = super().residual(y, pressure)
         plastic = self._bulk[0].plastic
@@ -222,7 +223,9 @@ class PlasticProblem(ContactProblem):
         return self._yielding_operators
 
     def apply_tangent_loss(self, x: PETSc.Vec, out: PETSc.Vec) -> Array:
-        """Subtract the forces that yield takes from the tangent: out -= E^T w (C - C_ep) E x.
+        """Subtract from `out`, N, the forces by which yield reduces the product of the tangent with
+        x: E^T w (C - C_ep) E x, with the strain matrix E, the weights w and the elastic and
+        consistent tangents C and C_ep.
 
         x: step of the free unknowns. Returns n . (C - C_ep) E x . n (n,) at the contact points,
             MPa: the part by which yield reduces the change of their normal stress.
@@ -245,8 +248,11 @@ class _PlasticTangent(Tangent):
     """PETSc shell context of the tangent y -> K y - E^T w (C - C_ep) E y - theta S^T w S_ep y +
     Bt^T w A B_ep y.
 
-    C_ep is the consistent tangent. S_ep and B_ep are S and B less the normal stress that yield
-    takes.
+    The letters are those of `ContactProblem` and of the head of this module. C_ep is the consistent
+    tangent. S_ep and B_ep are S and B less the normal stress that yield takes.
+
+    problem: the contact problem, by a weak reference.
+    active: active set A (n,).
     """
 
     def mult(self, mat: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:

@@ -40,7 +40,7 @@ class ElasticResponse:
         self.system = system
 
     def press(self, case: LoadCase) -> Solution:
-        """Frictionless solution of the load case (collective)."""
+        """Frictionless elastic solution of a load case (collective)."""
         return self.system.press(case)
 
     def start_friction_step(self) -> None:
@@ -76,6 +76,7 @@ class PlasticResponse(ElasticResponse):
     problem: contact problem with plastic strain.
     path: number of load steps, cycles, unloading.
     stepping: load steps so far; None as long as everything stays elastic.
+    _start: plastic state at the start of the friction load step.
     """
 
     stepping: LoadStepping | None = None

@@ -71,8 +71,8 @@ class Reduction:
         return int(self.matrix.comm.tompi4py().allreduce(local))
 
     def norms(self) -> PETSc.Vec:
-        """Squared norms of the columns of P, which are the diagonal of P^T P, as a distributed
-        vector.
+        """Squared norms of the columns of the map P from free unknowns to dofs, as a distributed
+        vector: the diagonal of P^T P.
         """
         indptr, indices, values = self.matrix.getValuesCSR()
         squared = self.matrix.duplicate()
