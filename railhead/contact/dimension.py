@@ -181,8 +181,9 @@ def _common_width(scene: Scene) -> tuple[float, float]:
 
 
 def _half_width(scene: Scene, along: float, length: float) -> float:
-    """Half width of the strip of a line contact along the rail, in the direction of the rail, mm;
-    along: relative curvature, 1/mm; length: of the line, mm.
+    """Half width, in the direction of the rail, of the strip of a line contact in a section along
+    the rail, mm.
+    along: relative curvature along the rail, 1/mm; length: of the contact line across the rail, mm.
     """
     rail, wheel = scene.rail, scene.wheel
     return line.contact(

@@ -59,7 +59,8 @@ class SectionContact(Contact, ABC):
         )
 
     def line_contact(self, load: float | None) -> LineContact | None:
-        """Closed form of the line contact between bodies of that length.
+        """Closed form of the line contact over the length of the section's contact line, with the
+        curvatures at first contact.
         load: vertical load, N; None takes the approach of the scene instead. Both are resolved
             along the contact normal.
         """

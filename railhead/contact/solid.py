@@ -210,9 +210,9 @@ class Contact:
         return self.pair.touches(self.pose, clearance)
 
     def half_space_gap(self, touch: ContactPoint) -> Callable[[Array, Array], Array]:
-        """Function of x and s (n,), mm, in the tangent plane of a contact point, along the rail and
-        across it. The function gives the gap (n,) in mm between both surfaces along the normal
-        of that plane, infinite where the rail is missed.
+        """Function of x (along the rail) and s (across it), both (n,) in mm, in the tangent plane
+        of a contact point. The function gives the gap (n,) in mm between both surfaces along the
+        normal of that plane, infinite where the normal misses the rail or the wheel.
         """
         c, t = math.cos(touch.angle), math.sin(touch.angle)
         rail, wheel = self.surfaces()

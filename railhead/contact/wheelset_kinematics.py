@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True, kw_only=True)
 class WheelsetCreepage:
     """Creepage of the wheel of a scene in the pose of its wheelset.
-    axle: 'free' or 'nominal'.
+    axle: 'free', turning by the mean of both rolling radii, or 'nominal', by the nominal radius.
     turning: radius R by which the axle turns, mm: the axle moves by R in one radian.
     radius: radius of the wheel's circle at the contact, mm.
     yaw: yaw of the wheelset, rad.
@@ -137,9 +137,10 @@ class RigidSlip:
     rail: RailSurface | None
 
     def __call__(self, points: Array) -> Array:
-        """Slip (4, n, 3) of each mode per rolled length at points (n, 3) near the contact, mm, in
-        the tangent planes at the nearest places of the rail.
-        NaN beyond the profile of the rail.
+        """Slip (4, n, 3) of each mode per rolled length at points (n, 3) near the contact, in the
+        tangent planes at the nearest places of the rail.
+        Points are in mm. The slip of unit spin (1/mm) is in mm, that of the other modes is
+        dimensionless. NaN beyond the profile of the rail.
         """
         normals = self.frame.axes[2]
         if self.rail is not None:
