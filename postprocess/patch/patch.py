@@ -277,10 +277,10 @@ def reconstruct_general_shape(
 ) -> tuple[SquaredPressure, dict[str, float]]:
     """Smooth p^2 of a patch of any shape, and the uncertainty of its extents.
 
-    measure: function that measures the extents of a p^2. The second entry holds, by name, the
-        largest relative differences of a, b, area and max_pressure when the roughness is
-        ROUGHNESS_VARIATION times larger or smaller. They are infinite where one of the three
-        minimisations did not converge.
+    given: contact points with pressure. measure: function that measures the extents of a p^2. The
+        second entry holds, by name, the largest relative differences of a, b, area and max_pressure
+        when the roughness is ROUGHNESS_VARIATION times larger or smaller. They are infinite where
+        one of the three minimisations did not converge.
     """
     stiff = reconstruct(given, ROUGHNESS_VARIATION * ROUGHNESS)
     square = reconstruct(given, start=stiff)
@@ -291,9 +291,11 @@ def reconstruct_general_shape(
 
 
 def general_shape_share(shape_error: float) -> float:
-    """Weight (0 to 1) of the reading for any shape against that of an ellipse.
+    """Weight (0 to 1) of the p^2 that is reconstructed for any shape; the rest is the weight of an
+    ellipsoid.
 
-    It is 0 up to a shape error of ELLIPTIC, 1 from HERTZIAN on, and linear between them.
+    The weight is 0 up to a shape error of ELLIPTIC, 1 from HERTZIAN on, and linear between them.
+    shape_error: relative deviation of the moments from those of an ellipsoid.
     """
     return float(np.clip((shape_error - ELLIPTIC) / (HERTZIAN - ELLIPTIC), 0.0, 1.0))
 
@@ -375,7 +377,9 @@ def samples(fields: Fields, frame: Frame, facets: Array) -> Samples:
 
 
 def _pressure(readings: list[_Reading], points: Array) -> Array:
-    """Smooth pressure (n,) at points (n, 3), MPa: the largest of those of all patches."""
+    """Smooth pressure (n,), MPa, at points (n, 3) in space, mm: the largest of those that the p^2
+    of all patches (`readings`) give there.
+    """
     square = [each.square(*each.frame.local(points)[:, :2].T) for each in readings]
     return np.asarray(np.sqrt(np.maximum(np.max(square, axis=0), 0.0)))
 
@@ -410,7 +414,8 @@ def _line(
     """Smooth pressure at AXIS_POINTS points on a line along x (axis 0) or s (axis 1), AXIS_REACH
     times as long as the main outline.
 
-    through (2,): x, s of a point on the line, mm.
+    readings: of all patches; the largest of their pressures counts. through (2,): x, s of a point
+        on the line, mm.
     """
     low, high = patch.main[:, axis].min(), patch.main[:, axis].max()
     local = np.tile([*through, 0.0], (AXIS_POINTS, 1))

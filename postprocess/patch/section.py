@@ -230,8 +230,9 @@ def _ellipse(
 def _axis_pressures(
     surface: Surface, patch: Patch, fields: Fields
 ) -> tuple[AxisPressure, AxisPressure]:
-    """Pressure along x and along s of a section. In plane strain it is constant in the direction of
-    the thickness; of a body of revolution both are equal.
+    """Pressure along x and along s of a section, from the nodal pressures of the slave's surface.
+    In plane strain it is constant in the direction of the thickness; of a body of revolution
+    both are equal.
     """
     axis = coordinate(fields)
     half, middle = (patch.a, patch.b)[axis], patch.centre[axis]

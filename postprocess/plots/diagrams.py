@@ -270,8 +270,9 @@ def _stresses(
     """Draw principal stresses (first panel) and largest shear stress (second panel) of one result
     over the depth.
 
-    at (k,): depths, mm. stress (k, 6): MPa. style: 'o' for points, '-' for a line. name: label in
-        the legend. peak: depth (mm) and value (MPa) of the largest shear stress, marked by a cross.
+    panels: the two axes. at (k,): depths, mm. stress (k, 6): MPa. style: 'o' for points, '-' for a
+        line. colour: of both. name: label in the legend. peak: depth (mm) and value (MPa) of the
+        largest shear stress, marked by a cross.
     """
     look: dict[str, Any] = {"color": colour, "zorder": 2}
     if style == "o":

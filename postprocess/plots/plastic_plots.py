@@ -114,7 +114,8 @@ def _left(axes: Axes, residual: Fields, pressed: Fields, found: Findings, half: 
     """Draw the displacement along the rail's normal (um) of the contact surfaces after the load,
     along x and along s (mm). A body that was not displaced has no line.
 
-    half: half length of the patch, mm, which sets the range that is shown.
+    residual: fields after the load. pressed: fields under the load, which give the nodes of the
+        contact surfaces. half: half length of the patch, mm, which sets the range that is shown.
     """
     frame, subject = found.frame, found.subject
     surfaces = {pressed.slave: np.unique(pressed.contact.facet_nodes)}

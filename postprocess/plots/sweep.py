@@ -1,7 +1,7 @@
 """Pictures of a sweep: quantities over the varied columns, and the patches side by side.
 
-Rows are those of the sweep's table; `columns` names the one or two that change, whose values may be
-words.
+Rows are those of the sweep's table; `columns` names the one or two columns that are varied, whose
+values may be words.
 """
 
 from __future__ import annotations
@@ -144,7 +144,7 @@ def _along(lines: Sequence[Array]) -> float:
 
 
 def _by_values(columns: Sequence[str], rows: Rows) -> list[str]:
-    """Names of columns in the order of how many different values each has, most first."""
+    """Names of columns by how many different values each has in the rows, most first."""
     return sorted(columns, key=lambda name: -len(_values(name, rows)))
 
 
@@ -154,7 +154,7 @@ def _values(column: str, rows: Rows) -> list[Any]:
 
 
 def _numbers(column: str, rows: Rows) -> bool:
-    """Whether all values of a column are finite numbers, truth values excluded."""
+    """Whether all values of a column in the rows are finite numbers, truth values excluded."""
     return all(isinstance(row[column], float | int) and not isinstance(row[column], bool)
                and math.isfinite(row[column]) for row in rows)  # fmt: skip
 

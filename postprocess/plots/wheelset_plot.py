@@ -78,8 +78,8 @@ def positions(
     """Write a PNG file of the right wheel, lifted above the right rail. Lines join each contact on
     the rail with the same contact on the wheel, coloured by the lateral shift.
 
-    swept: lateral shift to the right, mm, and placed wheelset. path: of the file. title: above the
-        picture.
+    pair: profiles of rail and wheel. swept: lateral shift to the right, mm, and placed wheelset.
+        path: of the file. title: above the picture.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.colors import LinearSegmentedColormap
@@ -113,8 +113,8 @@ def positions(
 
 
 def _offset(swept: Sequence[tuple[float, Placed]]) -> float:
-    """Lateral coordinate y of the right wheel's origin, mm, when the wheelset is not shifted, from
-    the position whose shift is nearest to zero.
+    """Lateral coordinate y of the right wheel's origin, mm, when the wheelset is not shifted.
+    swept: lateral shift, mm, and placed wheelset; the one nearest to zero is used.
     """
     shift, placed = min(swept, key=lambda each: abs(each[0]))
     return float(placed.right.pose.origin[1]) - shift
@@ -153,8 +153,9 @@ def _side(placed: Placed, name: str) -> Side:
 
 
 def _jump(swept: Sequence[tuple[float, Placed]], name: str) -> np.ndarray:
-    """(n - 1,) whether the first contact on the wheel moves by more than JUMP mm between
-    neighbouring shifts. name: 'right' or 'left'.
+    """(n - 1,) whether the first contact on the wheel moves by more than JUMP mm between neighbours
+    of the n shifts. swept: lateral shift, mm, and placed wheelset. name: side, 'right' or
+    'left'.
     """
     first: list[ContactPoint] = [_side(placed, name).touches[0] for _, placed in swept]
     return np.abs(np.diff([touch.wheel_y for touch in first])) > JUMP

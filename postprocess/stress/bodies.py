@@ -102,7 +102,8 @@ def _below(
     """Stresses on the axis below a point of the tangent plane, as deep as the body goes, at most to
     `reach`, mm.
 
-    centre: (x, s) of the point in the frame, mm. name: of the body, 'rail' or 'wheel'.
+    solid: cells of the body. recovery: smooth stresses of the body. centre: (x, s) of the point in
+        the frame, mm. name: of the body, 'rail' or 'wheel'.
     """
     start, into = frame.place(*centre), frame.axes[2] * (-1.0 if name == "rail" else 1.0)
     depth = np.linspace(
@@ -116,8 +117,8 @@ def _below(
 
 
 def _largest(search: Search, axis: DepthAxis) -> Largest:
-    """Largest shear and von Mises stress of one body. If all of the body is near sharp edges, they
-    are the largest ones on its depth axis.
+    """Largest shear and von Mises stress of one body, by a search in its cells. If all of the body
+    is near sharp edges, they are the largest ones on its depth axis.
     """
     spare = axis.largest
     tau = search.highest(max_shear, _place(spare.tau)) or spare.tau

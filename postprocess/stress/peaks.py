@@ -1,7 +1,7 @@
 """Largest value of a stress invariant in a body, away from sharp edges.
 
-At the edges of the bodies and of what holds them the exact stress has no bound or no meaning, and
-what a mesh says there depends on the mesh.
+At the edges of the bodies and of their supports the exact stress is unbounded or has no meaning, so
+the computed value depends on the mesh.
 """
 
 from __future__ import annotations
@@ -120,8 +120,9 @@ class Search:
         return self._peak(float(values[top]), self._nodes[top])
 
     def _hills(self, average: Array) -> Array:
-        """Up to HILLS nodes (n, 3), mm, with the largest nodal averages (k,) of an invariant, at a
-        distance from each other and from sharp edges.
+        """Up to HILLS nodes (n, 3), mm, with the largest averages, at a distance from each other
+        and from sharp edges. average (k,): of an invariant, at all k corner nodes of the body,
+        MPa.
         """
         candidates = np.flatnonzero(self._sound)
         if not len(candidates):
@@ -153,8 +154,9 @@ class Search:
         return value, place
 
     def _best_point(self, place: Array, around: Polynomial, invariant: Invariant) -> Array:
-        """The lattice point (3,) of nearby cells with the largest value of the invariant of a
-        fitted polynomial; the starting place if no lattice point is near.
+        """The lattice point (3,) of cells near a place (3,), mm, with the largest value of an
+        invariant; the place itself if no lattice point is near. around: stresses as a polynomial
+        around the place.
         """
         reach = FIT_REACH * around.radius
         cells = self._solid.near(place, reach)
@@ -168,9 +170,9 @@ class Search:
         return np.asarray(points[np.argmax(invariant(around(points)))])
 
     def _top(self, place: Array, around: Polynomial, invariant: Invariant) -> Array:
-        """The top (3,) of a parabola through values of the invariant of a fitted polynomial around
-        a place (3,), mm. The place itself is returned if the top lies outside the body or near a
-        sharp edge.
+        """The top (3,) of a parabola through values of an invariant around a place (3,), mm. The
+        place itself is returned if the top lies outside the body or near a sharp edge. around:
+        stresses as a polynomial around the place.
         """
         step, axes = STENCIL * around.radius, self._fields.kinematics.axes
         steps = np.array(list(product((-1.0, 0.0, 1.0), repeat=len(axes))))
