@@ -107,7 +107,7 @@ class Solution:
         set.
     approach: displacement of the hub along the direction of the setup, mm.
     load: resultant of the contact tractions on the moving body, against that direction, N.
-    reaction: the same force from the balance at the support, N.
+    reaction: load that the balance of forces at the support gives, N; equals `load` at equilibrium.
     penetration: largest overlap of the deformed surfaces, mm, at least zero.
     newton: result of Newton's method in the last load step, or in the step that failed.
     plastic_strain: plastic strain in all cells of this rank; None where no body yields.

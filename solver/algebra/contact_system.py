@@ -163,7 +163,9 @@ class ContactSystem:
         return mask
 
     def supports(self, space: Any) -> constraints.Supports:
-        """Fixed faces, symmetry planes and hub as masks over the owned block dofs of a space."""
+        """Fixed faces, symmetry planes and hub as masks over the owned block dofs of a space, with
+        the direction of the approach (collective).
+        """
         setup = self.setup
         none = np.zeros(space.dofmap.index_map.size_local, dtype=bool)
         fixed = none if setup.fixed.rigid else self.nodes_on_facets(space, setup.fixed.support)
@@ -240,8 +242,9 @@ class ContactSystem:
         (collective).
 
         problem: the problem that was solved.
-        result: its free unknowns y and pressure; the displacement is P y + u0.
-        prescribed: displacement u0 on all dofs, mm.
+        result: its free unknowns y and pressure; the displacement is P y plus the prescribed one,
+            with the map P of the reduction.
+        prescribed: prescribed displacement on all dofs, mm.
         case: load case.
         """
         displacement, approach = prescribed.copy(), case.approach
@@ -307,8 +310,9 @@ class ContactSystem:
         """Force at the support against the direction of the approach, N of the whole model: the
         residual of the equations without supports, summed over the supported nodes (collective).
 
-        displacement: u on all dofs, mm. pressure: (n,), MPa. outer: further forces on all dofs, N;
-            None: zero.
+        displacement: on all dofs, mm.
+        pressure: (n,), MPa.
+        outer: further forces on all dofs, N; None: zero.
         The support is that of the fixed body or, where that body is rigid, the hub.
         """
         law, problem, jumps = self.law, self.problem, self.interface

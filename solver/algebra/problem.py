@@ -168,7 +168,9 @@ class ContactProblem:
         return np.maximum(self.indicator(y), 0.0)
 
     def residual(self, y: PETSc.Vec, pressure: Array) -> PETSc.Vec:
-        """Residual R(y) of equilibrium in the free unknowns, N; pressure: p(y) (n,), MPa."""
+        """Residual R(y) of equilibrium in the free unknowns y, N: internal forces less applied and
+        contact forces; pressure: contact pressure at y (n,), MPa.
+        """
         r = self.stiffness * y
         r.axpy(-1.0, self.force)
         add_transposed(self.test_operator, -self.weight * pressure, r)
@@ -211,10 +213,11 @@ class ContactProblem:
         return float(force.norm())
 
     def active_set_residual(self, active: Mask, indicator: Array) -> Callable[[PETSc.Vec], float]:
-        """Function x -> norm, N, of the part of the residual R(y + x) that a step x makes by
-        changing the active set A: |Bt^T w (max(q, 0) - A q)| with the indicator q at y + x.
+        """Function x -> norm, N, of the part of the residual at y + x that a step x makes by
+        changing the active set. It is the norm of the forces of the tractions max(q, 0) - A q,
+        with the indicator q at y + x and the mask A.
 
-        active: A (n,). indicator: -(B y + c) (n,) at y, MPa.
+        active: A (n,). indicator: q (n,) at y, MPa.
         """
 
         def left(x: PETSc.Vec) -> float:
@@ -342,9 +345,10 @@ def reduce_problem(
     law: ContactLaw,
     gap_per_approach: Array,
 ) -> ContactProblem:
-    """Contact problem in the free unknowns, with zero load and start stress.
+    """Contact problem in the free unknowns, with zero load and start stress (collective).
 
-    stiffness: K on all dofs, N/mm; its storage is reused, so that it must not be used afterwards.
+    stiffness: stiffness on all dofs, N/mm; its storage is reused, so that it must not be used
+        afterwards.
     interface: contact points with the matrices of gap and normal stress on all dofs.
     reduction: map from free unknowns to dofs.
     law: contact law.

@@ -37,8 +37,8 @@ class SupportReactions:
         return cls(local, select_rows(stiffness, local))
 
     def forces(self, prescribed: PETSc.Vec) -> PETSc.Vec:
-        """Forces K u0 on all dofs, N, of a displacement u0 (mm) on all dofs that is zero off the
-        supported nodes.
+        """Forces on all dofs, N, that hold a displacement (mm, on all dofs) which is zero off the
+        supported nodes: the stiffness times that displacement.
         """
         held, out = self.matrix.createVecLeft(), prescribed.duplicate()
         held.array[:] = prescribed.array[self.rows]
@@ -46,7 +46,7 @@ class SupportReactions:
         return out
 
     def at(self, displacement: PETSc.Vec) -> NDArray[np.float64]:
-        """Forces (K u) at the k supported dofs of this rank, N, of a displacement u on all dofs,
-        mm.
+        """Elastic forces at the k supported dofs of this rank, N: the stiffness times a
+        displacement on all dofs, mm.
         """
         return np.array((self.matrix * displacement).array)

@@ -115,14 +115,13 @@ class StaticCondensation:
     """Factorisation of the tangent stiffness of a pressed contact, and its condensation to the
     contact points.
 
-    J, G and S_t are the jump, the relative displacement and the shear stress, see the head of this
-    module.
+    p contact points of this rank lie on facets that touch; each has k tangents t.
 
     system: contact system.
     response: response of the bodies; gives the shear stress that plastic strain takes.
     settings: friction settings.
     comm: communicator of the mesh.
-    own: numbers of this rank's contact points on facets that touch.
+    own: numbers (p,) of these points among this rank's contact points.
     slave, master: contact facets of all ranks; master None: a rigid body.
     sign: sign of the slave's stress in the trial traction: -1 where the slave is the wheel, else 1.
     normals: (p, c) outward normals of the slave at these points.
@@ -131,10 +130,11 @@ class StaticCondensation:
     rows: slice of this rank's rows among those of all ranks.
     step: distance d of the upstream differences, mm; 1 for a shift.
     tangent: tangent stiffness A of the free unknowns, N/mm.
-    pc: its factorisation.
-    jump: matrix J on all dofs.
-    change: matrix G on all dofs.
-    trial: matrix of the trial traction, +-S_t + tau G, MPa/mm.
+    pc: factorisation of A.
+    jump: matrix J on all dofs of the tangential jump t . (u_wheel - u_rail).
+    change: matrix G on all dofs: J or, when rolling, -d times its upstream derivative along x.
+    trial: matrix on all dofs of the trial traction, MPa/mm: sign times the slave's shear stress,
+        plus tau G with the parameter tau of the contact law; tau G alone for a penalty.
     noise: part (p, k) of the trial traction of the frictionless solution that is error of the mesh,
         MPa.
     Raises ValueError when rolling and a surface ends upstream of the patch.
@@ -304,8 +304,8 @@ class StaticCondensation:
 
     @cached_property
     def _far_field_response(self) -> list[tuple[PETSc.Vec, PETSc.Vec]]:
-        """For each far field of 1 N, the response of both bodies to it with a pressed contact,
-        mm/N: displacement on all dofs, and the part of the free unknowns.
+        """For each far field of 1 N, the displacement of both bodies that it causes while the
+        active set stays, mm/N: on all dofs, and the part of the free unknowns alone.
         """
         reduction, responses = self.system.reduction, []
         for field in self.far_field:
@@ -327,11 +327,11 @@ class StaticCondensation:
         return out
 
     def forces(self, nodal: Array, contact: ContactCompliance) -> PETSc.Vec:
-        """Forces -J^T W F c on the bodies from tangential tractions, on all dofs, N; J is the jump,
-        W the areas, F the shape functions.
+        """Forces on the bodies from tangential tractions, on all dofs, N: the transposed jump times
+        weighted tractions, negative.
 
-        nodal: tractions c (m,) of the wheel on the rail at the nodes, MPa. contact: compliance that
-            holds F.
+        nodal: tractions (m,) of the wheel on the rail at the nodes, MPa.
+        contact: compliance that holds the shape functions.
         """
         weights = np.repeat(self.system.interface.weights[self.own], self.size)
         force = self.jump.createVecRight()

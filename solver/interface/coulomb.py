@@ -71,10 +71,10 @@ class CoulombContact:
     """A condensed contact with a coefficient of friction. n points have k tangents; m is the number
     of nodal tractions.
 
-    contact: compliance of the contact points.
+    contact: compliance of the contact points; it holds the shape functions F and the areas W.
     coefficient: coefficient of friction mu.
-    projection: F^T W (m, n k) with the shape functions F and the areas W; mass^-1 projection is the
-        L2 projection on the nodes, F^+.
+    projection: F^T W (m, n k), mm2; mass^-1 projection is the L2 projection of tractions at the
+        points on the nodes.
     mass: F^T W F (m, m), mm2.
     Raises ValueError for a coefficient that is not positive and finite.
     """

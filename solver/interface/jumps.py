@@ -82,7 +82,8 @@ def build(
     local_dofs: int,
     comm: MPI.Intracomm,
 ) -> Interface:
-    """Pair the surfaces and assemble the matrices of gap and normal stress (collective).
+    """Contact points of the slave, paired with the master, and the matrices of gap and normal
+    stress (collective).
 
     slave: contact facets of the slave on this rank.
     master: contact facets of the master on this rank; None: a rigid counterface.

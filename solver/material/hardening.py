@@ -111,7 +111,7 @@ class TangentReduction:
 
     @classmethod
     def joined(cls, reductions: Sequence[TangentReduction]) -> TangentReduction:
-        """One reduction for the points of several, in their order."""
+        """One tangent reduction that holds the points of several reductions, in their order."""
         parts = {each.name: [getattr(one, each.name) for one in reductions] for each in fields(cls)}
         return cls(**{name: np.concatenate(values) for name, values in parts.items()})
 
@@ -125,7 +125,9 @@ class TangentReduction:
 
 
 def deviator(tensors: Array) -> Array:
-    """Deviatoric part of tensors (n, m) in Mandel's notation."""
+    """Deviatoric part (n, m) of tensors (n, m) in Mandel's notation, whose first three components
+    are the normal ones.
+    """
     out = tensors.copy()
     out[:, :3] -= tensors[:, :3].mean(axis=1, keepdims=True)
     return out
