@@ -12,8 +12,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Pose:
-    """Where a wheel stands: world point = origin + rotation @ wheel point; y of the wheel is its
-    axle.
+    """Position and rotation of a wheel: world point = origin + rotation @ wheel point; the wheel's
+    own y axis is its axle.
     rotation: (3, 3) matrix whose columns are the wheel's axes in the world.
     origin: (3,) position of the wheel's origin, which lies on the axle, mm.
     """

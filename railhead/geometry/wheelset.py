@@ -57,7 +57,8 @@ def top(rail: Profile) -> tuple[float, float]:
 
 
 def gauge_face(rail: Profile) -> float:
-    """y at which the profile, on its side y below the top, is 14 mm below its highest point, mm.
+    """y (mm) where the rail's profile, between its first y and its highest point, is 14 mm below
+    that point.
     Raises PlacementError where the profile ends above this depth.
     """
     start = rail.domain[0]

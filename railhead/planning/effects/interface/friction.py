@@ -101,7 +101,7 @@ def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict
 
 
 def wheelset_creepage(context: Context) -> WheelsetCreepage | None:
-    """Creepage that follows from the wheelset, if rolling.from_wheelset asks for it, else None.
+    """Creepage that follows from the wheelset where rolling.from_wheelset is true, else None.
     Raises SceneError for half-spaces and sections.
     """
     if not context.scene.rolling.from_wheelset:

@@ -17,8 +17,8 @@ UNKNOWN = "flash temperature not known for this material: the constants are thos
 
 
 def decide(context: Context) -> Effect:
-    """Heat is never simulated; it is called for where the flash temperature for slip of the whole
-    patch is 100 K (HOT) or more.
+    """Decision on heat, which is never simulated: called for where the flash temperature, if the
+    whole patch slips, is 100 K (HOT) or more.
     """
     scene, hertz = context.scene, context.hertz
     speed, rolling = scene.rolling.speed, scene.rolling

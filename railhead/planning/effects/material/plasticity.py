@@ -156,8 +156,8 @@ def steps(context: Context) -> int:
 
 
 def _no_yield_stress(context: Context) -> str:
-    """Text why a scene without a yield stress stays elastic, and whether a usual rail steel would
-    yield.
+    """Sentence on why a scene without a yield stress stays elastic, and whether the usual rail
+    steel would yield.
     """
     stresses = {
         name: context.von_mises(part.poisson_ratio)
@@ -168,8 +168,10 @@ def _no_yield_stress(context: Context) -> str:
 
 
 def _steel_yields(context: Context, stresses: Mapping[str, float]) -> tuple[str, bool]:
-    """Text what the usual rail steel would do, and whether it would yield. stresses: largest von
-    Mises stress (MPa) by body that deforms; False for no steel.
+    """Sentence on whether the usual rail steel (R260) would yield in a scene without a yield
+    stress, and whether it would.
+    stresses: largest von Mises stress (MPa) by body that deforms ('rail', 'wheel'); bodies without
+        the modulus of a steel do not count.
     """
     parts = {"rail": context.scene.rail, "wheel": context.scene.wheel}
     steel = {

@@ -6,8 +6,8 @@ from railhead.planning.context import Context, Effect
 
 
 def decide(context: Context) -> Effect:
-    """Half-spaces continued beyond their blocks are simulated where rail.extent is half-space; real
-    bodies end where they end and cannot have this effect.
+    """Half-spaces that continue beyond their meshed blocks are simulated where rail.extent is half-
+    space; for real bodies the effect is refused.
     """
     if context.contact.half_space:
         return Effect(True, True, "rail.extent = half-space: what lies beyond the blocks deforms")
