@@ -92,8 +92,11 @@ class Kinematics:
         return np.full(points.shape[:-1], self.thickness)
 
     def divergence(self, value: Array, gradient: Array, points: Array) -> Array:
-        """Trace of the strain (..., k, d) of k basis functions times each unit vector, 1/mm, from
-        their values (..., k) and gradients (..., k, d) in 1/mm, at points (..., d) in mm.
+        """Trace of the strain (..., k, d), 1/mm, of k basis functions times each unit vector.
+
+        value: values of the basis functions (..., k).
+        gradient: their gradients (..., k, d), 1/mm.
+        points: coordinates in the mesh (..., d), mm.
         """
         out = gradient.copy()
         if self.revolved:

@@ -81,8 +81,11 @@ def _project_on_corners(points: Array, normals: Array, master: FacetSet, facet: 
 
 
 def _project(points: Array, normals: Array, master: FacetSet, facet: Index, xi: Array) -> Array:
-    """Coordinates xi (n, c - 1) at which the normals (n, c) from points (n, c) meet curved facets
-    (n,) of `master`, by two steps of Newton's method from the guess xi.
+    """Coordinates xi (n, c - 1) at which normals from points meet curved facets, by two steps of
+    Newton's method.
+
+    points, normals: (n, c). facet: facet of `master` for each point (n,). xi: first guess (n, c -
+        1).
     """
     for _ in range(2):
         x, tangent = master.tangents(facet, xi)
