@@ -12,7 +12,9 @@ if TYPE_CHECKING:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command, see `railhead.cli.commands.main`. Signals end it from the first import."""
+    """Run the command `railhead` with arguments, None: those of the process. Signals terminate the
+    process from the first import on.
+    """
     process.end_at_once()
     from railhead.cli import commands
 
@@ -20,7 +22,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def run_case(scene: Scene) -> None:
-    """What `python cases/<case>.py [options]` does: `railhead run` on that scene."""
+    """Run `railhead run` on a shipped scene, with the options of the process: `python
+    cases/<case>.py`.
+    """
     from railhead.cli import commands
 
     commands.main(["run", scene.name, *process.take_arguments()])

@@ -36,12 +36,12 @@ SERIAL = ("list", "plan", "locate", "profile")  # every MPI process does all, th
 
 @dataclass(frozen=True, kw_only=True)
 class RunFiles:
-    """What `railhead run` writes, and where.
+    """Options of the files that `railhead run` writes.
 
     out: the result folder; None for results/<case>.
     no_pictures: whether PNG files and report.html are left out.
     no_report: whether report.html is left out.
-    whole: whether .vtu files have the parts that symmetry left out.
+    whole: whether .vtu files contain the mirrored parts that symmetry left out.
     units: units of the table and the report, as text; None for mm, N and MPa.
     """
 
@@ -54,11 +54,11 @@ class RunFiles:
 
 @dataclass(frozen=True, kw_only=True)
 class ReportOptions:
-    """How a command without a finite-element solution reports.
+    """Options of the output of a command that solves no finite elements.
 
-    out: the folder; None for the usual one.
+    out: the folder; None for results/<name>_<command>.
     no_pictures: whether no folder is written at all.
-    as_json: whether the summary is printed as JSON, instead of a table.
+    as_json: whether the summary is printed as JSON instead of a table.
     """
 
     out: Path | None
@@ -67,16 +67,16 @@ class ReportOptions:
 
 
 class Answer(Protocol):
-    """The answer of a command that solves no finite elements."""
+    """Result of a command that solves no finite elements."""
 
     def summary(self) -> dict[str, Any]:
         """All values, as plain data."""
 
     def write(self, folder: Path) -> None:
-        """Write summary.json, tables and pictures."""
+        """Write summary.json, tables and pictures into a folder."""
 
     def show(self, console: Console) -> None:
-        """Print the answer as people read it."""
+        """Print the result as text on a console."""
 
 
 def _scene(
@@ -85,7 +85,9 @@ def _scene(
     switched_on: Sequence[str],
     switched_off: Sequence[str],
 ) -> Scene:
-    """The scene of a case, with keys set and effects switched by the options of a command."""
+    """The scene of a case with keys set by assignments "key=value" and effects switched on or off
+    by name. Raises SceneError.
+    """
     for name in set(switched_on) & set(switched_off):
         raise SceneError(f"effects.{name}", "given with --with and --without; give one of them")
     switches = [f"effects.{name}=on" for name in switched_on]
@@ -96,13 +98,17 @@ def _scene(
 def _grouped(
     name: str, make: Callable[..., object], *options: Callable[[Any], Any]
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """A decorator of commands: adds options whose values it passes on as one argument `name`,
-    make(**values)."""
+    """Decorator of commands that adds options and passes their values as one argument `name`, which
+    is make(**values).
+    """
     keys = list(inspect.signature(make).parameters)
 
     def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        """The command with the additional options."""
+
         @functools.wraps(command)
         def call(*arguments: Any, **values: Any) -> Any:
+            """The command with the values of the options replaced by one argument."""
             made = make(**{key: values.pop(key) for key in keys})
             return command(*arguments, **{name: made}, **values)
 
@@ -342,7 +348,7 @@ def profile(
 
 
 def _report(answer: Callable[[], Answer], name: str, options: ReportOptions) -> None:
-    """Compute an answer, write its folder [results/<name>] and print it."""
+    """Compute a result, write its folder (results/<name> by default) and print it as text or JSON."""
     from railhead.results import result_folder
     from railhead.results.report import terminal
 
@@ -382,14 +388,17 @@ def study(name: str | None, out: Path | None, quick: bool, install: bool) -> Non
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command; exits with 0 (solved), 1 (a check failed, or the files could not be
-    written) or 2 (wrong input)."""
+    """Run the command with arguments, None: those of the process. Exits with status 0 (solved), 1
+    (a check failed, or files could not be written) or 2 (wrong input).
+    """
     process.prepare()
     sys.exit(_status(arguments))
 
 
 def _status(arguments: Sequence[str] | None) -> int:
-    """Run the command; returns its exit status. What is wrong is printed in one line."""
+    """Run the command and return its exit status 0, 1 or 2. Errors of input and of files are
+    printed in one line.
+    """
     words = process.take_arguments() if arguments is None else list(arguments)
     try:
         code = railhead.main(words, prog_name="railhead", standalone_mode=False, obj=words)
@@ -413,18 +422,20 @@ def _status(arguments: Sequence[str] | None) -> int:
 
 
 def _say(text: str) -> None:
-    """Print a line to standard error, on the first process of MPI alone."""
+    """Print a line to standard error, on the first MPI process only."""
     mpi = sys.modules.get("mpi4py.MPI")
     if (mpi.COMM_WORLD.rank if mpi else process.rank()) == 0:
         click.echo(f"railhead: {text}", err=True)
 
 
 def _refuse(text: str) -> int:
+    """Print an error of the input in one line; returns exit status 2."""
     _say(" ".join(text.split()))
     return WRONG_INPUT
 
 
 def _not_written(error: OSError) -> int:
+    """Print an error of writing files in one line; returns exit status 1."""
     from railhead.planning.cost import machine
 
     where, cache = str(error.filename or ""), machine.cache_file().parents[1]

@@ -27,15 +27,15 @@ ROW_STEP = 0.25  # mm between the rows of profile.csv
 class ExaminedProfile:
     """A measured profile and its wear.
 
-    measured: the smoothed profile and how its file was read.
-    worn: the standard profile laid on it, and what it has lost against that.
+    measured: the smoothed profile, and how its file was read.
+    worn: the standard profile aligned with the measured one, and the material lost against that.
     """
 
     measured: Measured
     worn: LaidStandard
 
     def summary(self) -> dict[str, Any]:
-        """The content of summary.json: lengths in mm, curvatures in 1/mm."""
+        """Content of summary.json: lengths in mm, areas in mm2, curvatures in 1/mm."""
         found, worn = self.measured, self.worn
         low, middle, high = smoothness(found.profile).curvatures
         return {
@@ -52,7 +52,7 @@ class ExaminedProfile:
         }
 
     def write(self, folder: Path) -> None:
-        """Write summary.json, profile.csv (the smoothed profile) and profile.png."""
+        """Write summary.json, profile.csv (the smoothed profile) and profile.png into a folder."""
         from railhead.postprocess.plots import profile_plot
 
         profile = self.measured.profile
@@ -75,7 +75,7 @@ class ExaminedProfile:
             (work / result_folder.SUMMARY).write_text(text, encoding="utf-8")
 
     def show(self, console: Console) -> None:
-        """Print how the file was read and smoothed, the curvature and the wear."""
+        """Print reading and smoothing of the file, radii of curvature and wear."""
         summary, worn = self.summary(), self.worn
         radii = (
             "inf" if value == 0 else f"{1 / value:.4g}"
@@ -92,12 +92,12 @@ class ExaminedProfile:
 
 
 def examine(path: Path, body: str | None, assignments: Sequence[str]) -> ExaminedProfile:
-    """Read, smooth and compare the profile of a file. Raises SceneError for one that cannot be
-    read.
+    """Read and smooth the profile of a file and compare it with a standard profile.
 
-    body: 'rail' or 'wheel'; None takes that of the extension or of the first assignment, else the
-    first of both whose standard profiles it fits. assignments: keys of that body, as in a scene
-    (`rail.profile_unit=inch`).
+    body: "rail" or "wheel"; None takes the body of the extension or of the first assignment, else
+        the first of both whose standard profiles fit.
+    assignments: keys of that body as in a scene, e.g. "rail.profile_unit=inch".
+    Raises SceneError for a profile that cannot be read.
     """
     names = (assignment.partition(".")[0] for assignment in assignments)
     of_key = next((name for name in names if name in ("rail", "wheel")), None)
@@ -115,6 +115,7 @@ def examine(path: Path, body: str | None, assignments: Sequence[str]) -> Examine
 
 
 def _examine(path: Path, body: str, assignments: Sequence[str]) -> ExaminedProfile:
+    """The examined profile of a file as that of `body`, "rail" or "wheel". Raises SceneError."""
     scene = Scene.from_mapping({"load": 1.0, body: {"profile": str(path)}}).replace(assignments)
     found = solid.from_file(scene, body)
     return ExaminedProfile(found, standards.nearest(found.resampled(standards.STEP), body))

@@ -28,8 +28,10 @@ QUIET_LAUNCHER = {
 
 
 def number_of_processes(plan: Plan) -> int:
-    """The number of processes that the finest mesh of a plan is worth, at most the physical cores
-    that this process may use; 1 without mpirun, or without disk space for its files."""
+    """Number of MPI processes for the finest mesh of a plan: one for each 100 000 unknowns, at most
+    the physical cores that this process may use. 1 without mpirun, or without disk space for its
+    files.
+    """
     cores = min(psutil.cpu_count(logical=False) or 1, len(os.sched_getaffinity(0)))
     if cores == 1 or shutil.which("mpirun") is None or not _has_space():
         return 1
@@ -37,12 +39,14 @@ def number_of_processes(plan: Plan) -> int:
 
 
 def _has_space() -> bool:
+    """Whether the temporary folder has space for the files of Open MPI."""
     return shutil.disk_usage(tempfile.gettempdir()).free >= TEMPORARY_BYTES
 
 
 def under_mpirun(ranks: int, environment: Mapping[str, str]) -> tuple[list[str], dict[str, str]]:
-    """How to start a command in `ranks` processes: the words before it (none for one process) and
-    its environment, in which root may do that, too."""
+    """Words before a command that start it in `ranks` processes (none for one process), and the
+    environment for it, in which root may use mpirun.
+    """
     if ranks == 1:
         return [], dict(environment)
     allowed = dict(environment) | QUIET_LAUNCHER
@@ -54,10 +58,11 @@ def under_mpirun(ranks: int, environment: Mapping[str, str]) -> tuple[list[str],
 def restart(ranks: int, arguments: Sequence[str]) -> NoReturn:
     """Replace this process by mpirun, which runs the same command in `ranks` processes.
 
-    As it is no child, a signal ends both or neither, and the exit status is that of the ranks.
+    No child process is made: a signal ends both or neither, and the exit status is that of the
+    ranks.
 
     Raises SceneError for more ranks than processors, without mpirun, and without free disk space
-    for its files.
+    for the files of mpirun.
     """
     processors = psutil.cpu_count() or 1
     if ranks > processors:

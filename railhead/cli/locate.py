@@ -45,7 +45,7 @@ CONTACT_ROWS = (
 
 @dataclass(frozen=True)
 class Location:
-    """A wheelset on its track.
+    """A wheelset placed on its track.
 
     scene: profiles, gauge, shift and yaw.
     pair: profiles of rail and wheel.
@@ -75,8 +75,9 @@ class Location:
         }
 
     def placed_at(self, shifts: Sequence[float]) -> list[tuple[float, Placed]]:
-        """The same wheelset at other lateral shifts (mm); those where a wheel misses its rail are
-        left out."""
+        """Pairs (shift, position) of the same wheelset at other lateral shifts (mm). Shifts at
+        which a wheel misses its rail are left out.
+        """
         scene, positions = self.scene, []
         track = Track(scene.wheelset.back_to_back, scene.rail.gauge)
         for shift in shifts:
@@ -88,8 +89,9 @@ class Location:
         return positions
 
     def write(self, folder: Path) -> None:
-        """Write summary.json and pictures: both wheels on their rails, their contacts and the
-        rolling radius difference over lateral shifts."""
+        """Write summary.json and pictures into a folder: both wheels on their rails, and contacts
+        and rolling radius difference over lateral shifts.
+        """
         from railhead.postprocess.plots import wheelset_plot
 
         scene = self.scene
@@ -142,7 +144,8 @@ class Location:
 
 def locate(scene: Scene) -> Location:
     """Place the wheelset of a scene so that both wheels touch their rails. Raises SceneError for
-    half-spaces and where a wheel misses its rail."""
+    half-spaces and where a wheel misses its rail.
+    """
     if scene.rail.extent == "half-space":
         raise SceneError(
             "rail.extent", "half-space has no profiles to locate; give head or section"
@@ -151,11 +154,14 @@ def locate(scene: Scene) -> Location:
 
 
 def _radius(curvature: float) -> str:
+    """Radius of a curvature (1/mm) as text in mm; "inf" for zero."""
     return "inf" if curvature == 0 else f"{1 / curvature:.4g}"
 
 
 def _contact(touch: ContactPoint, crest: float) -> dict[str, float | bool]:
-    """The values of one contact; crest: y of the rail's highest point, mm."""
+    """Values of one contact by key of summary.json: mm, rad and 1/mm. crest: y of the rail's
+    highest point, mm.
+    """
     return {
         "rail_y_mm": touch.y,
         "top_y_mm": touch.y - crest,

@@ -19,22 +19,24 @@ ROOT = Path(__file__).resolve().parents[2]  # of the checkout
 
 
 class Study(Protocol):
-    """The names that a study module has.
+    """Interface of a study module.
 
-    STUDY: one line that says what it shows.
+    STUDY: one line that says what the study shows.
     """
 
     STUDY: str
 
     def main(self, out: Path, *, quick: bool) -> None:
-        """Compute, and write <name>.csv, pictures and page.md into the existing folder `out`.
+        """Run the study and write <name>.csv, pictures and page.md into the existing folder `out`.
 
-        quick: whether only a small part of the study is done."""
+        quick: whether only a small part of the study is done.
+        """
 
 
 def modules() -> dict[str, str]:
-    """The module of each study by its name. Raises SceneError where the package does not lie in a
-    checkout."""
+    """Module name of each study by the name of the study. Raises SceneError where the package does
+    not lie in a checkout of the repository.
+    """
     folders = [str(ROOT), str(ROOT / "tests")]  # set-ups that studies and tests share
     if not (ROOT / "studies" / "__init__.py").is_file():
         raise SceneError("study", "studies need a checkout of the repository; install it editable")
@@ -48,12 +50,12 @@ def names() -> list[str]:
 
 
 def load(name: str) -> Study:
-    """Import the study of a name."""
+    """Import the module of the study `name`."""
     return cast(Study, import_module(modules()[name]))
 
 
 def canonical(name: str) -> str:
-    """The name of a study from a name with - or _. Raises SceneError if there is none."""
+    """Name of a study from a text with - or _ between words. Raises SceneError for an unknown name."""
     known, wanted = names(), name.replace("-", "_")
     if wanted in known:
         return wanted
@@ -63,12 +65,14 @@ def canonical(name: str) -> str:
 
 
 def run(name: str, folder: Path | None, *, quick: bool, install: bool = False) -> tuple[Path, str]:
-    """Run a study; returns its folder [results/<study>] and the text of its page.
+    """Run a study; returns its folder and the text of its page.
 
-    quick: only a small part of it. install: whether the programs that it needs are installed first.
-
-    Raises SceneError for an unknown name, a folder that holds something else, several ranks, or
-    `install` where a study needs nothing.
+    name: name of the study, with - or _.
+    folder: target folder; None for results/<study>.
+    quick: whether only a small part of the study is done.
+    install: whether other programs that the study needs are installed first.
+    Raises SceneError for an unknown name, a folder that holds other files, several MPI ranks, or
+    `install` where a study needs no programs.
     """
     name = canonical(name)
     folder = folder if folder is not None else Path("results") / name

@@ -55,15 +55,14 @@ SOLVER = (
 
 @dataclass(frozen=True, kw_only=True)
 class Check:
-    """A value that must not be above a limit; a value that is not a number fails.
+    """A value that must not exceed a limit; a value that is not a number fails.
 
-    Attributes
-    ----------
-    name : its key in "checks" of summary.json.
-    value, limit : the number and what it may be at most.
-    source : where the limit comes from.
-    advice : what to change where it fails.
-    at_least : whether the value must not be below the limit instead.
+    name: key in "checks" of summary.json.
+    value: the number.
+    limit: largest allowed value; with at_least the smallest.
+    source: reason of the limit.
+    advice: what to change where the check fails.
+    at_least: whether the limit is a lower bound.
     """
 
     name: str
@@ -75,7 +74,7 @@ class Check:
 
     @property
     def passed(self) -> bool:
-        """Whether the limit is kept."""
+        """Whether the value is within the limit."""
         return self.value >= self.limit if self.at_least else self.value <= self.limit
 
 
@@ -88,9 +87,10 @@ def run(
 ) -> list[Check]:
     """All checks of a solved mesh but those of friction (rank 0).
 
-    second: quantities nested as "result" that another method computed, with "allowance" and
-    "grid_error" as from `half_space_reference.half_space`, or the "reason" why there are none;
-    reached: whether the wanted accuracy was met, None without one.
+    estimates: error estimates by key.
+    second: quantities of another method, nested as "result" of summary.json, with "allowance" and
+        "grid_error", or {"reason": ...} where there are none.
+    reached: whether the wanted accuracy was met; None without one.
     """
     checks = [each for check in SOLUTION for each in check(solved)]
     if solved.result is not None and solved.findings is not None:
@@ -108,8 +108,10 @@ def friction(
     estimates: Mapping[str, Estimate],
     second: Mapping[str, Mapping[str, Any]] | None,
 ) -> list[Check]:
-    """The checks of a solution with friction; second: half-spaces by method, as in
-    "half_space_friction" of summary.json."""
+    """Checks of a solution with friction; empty without friction.
+
+    second: quantities of half-spaces by method, as "half_space_friction" of summary.json.
+    """
     if solved.solution.friction is None or solved.result is None:
         return []
     other = (second or {}).get("boundary elements") or (second or {}).get("Carter") or {}
@@ -121,7 +123,7 @@ def friction(
 
 
 def effects_left_out(solved: MeshSolution) -> Iterator[Check]:
-    """Effects that are called for, not simulated and not overruled."""
+    """Check of the number of effects that are called for, not simulated and not overruled: none."""
     missing = effects.left_out(solved.plan.effects, solved.after)
     why = "; ".join(f"{name}: {reason}" for name, reason in missing.items())
     overrule = " ".join(f"--without {name}" for name in missing)
@@ -135,7 +137,7 @@ def effects_left_out(solved: MeshSolution) -> Iterator[Check]:
 
 
 def converged(solved: MeshSolution) -> Iterator[Check]:
-    """Newton's method converged, and something touches."""
+    """Check that Newton's method converged and the bodies touch."""
     newton = solved.solution.newton
     yield Check(
         name="converged",
@@ -147,7 +149,7 @@ def converged(solved: MeshSolution) -> Iterator[Check]:
 
 
 def force_balance(solved: MeshSolution) -> Iterator[Check]:
-    """The contact force, the reaction and the given load are the same."""
+    """Check that contact force, reaction and given load are equal, relative."""
     solution, load = solved.solution, solved.plan.scene.load
     target = load if load is not None else solution.reaction
     yield Check(
@@ -160,7 +162,7 @@ def force_balance(solved: MeshSolution) -> Iterator[Check]:
 
 
 def approach_reached(solved: MeshSolution) -> Iterator[Check]:
-    """The approach is the given one."""
+    """Check of the relative deviation from the given approach."""
     yield Check(
         name="approach_reached",
         value=solved.approach_error,
@@ -171,7 +173,7 @@ def approach_reached(solved: MeshSolution) -> Iterator[Check]:
 
 
 def patch_settled(solved: MeshSolution) -> Iterator[Check]:
-    """The mesh is fine where the patch is."""
+    """Check that the mesh is fine where the patch is."""
     yield Check(
         name="patch_settled",
         value=0.0 if solved.mesh_fits_patch else 1.0,
@@ -182,7 +184,7 @@ def patch_settled(solved: MeshSolution) -> Iterator[Check]:
 
 
 def unloaded(solved: MeshSolution) -> Iterator[Check]:
-    """Where bodies yield, Newton's method converged without the load too."""
+    """Check that Newton's method also converged after unloading, where bodies yield."""
     plastic = solved.solution.plasticity
     if plastic is None or plastic.residual_state is None:
         return
@@ -207,7 +209,7 @@ SOLUTION = (
 
 
 def elements_across(solved: MeshSolution) -> Iterator[Check]:
-    """Elements across the patch, in the direction that has fewer."""
+    """Check of the number of elements across the patch, in the direction that has fewer."""
     coarsest = RANGE[0] * (LINEAR_REFINEMENT if solved.plan.order == 1 else 1.0)
     yield Check(
         name="elements_across",
@@ -221,7 +223,7 @@ def elements_across(solved: MeshSolution) -> Iterator[Check]:
 
 
 def pressure_noise(solved: MeshSolution) -> Iterator[Check]:
-    """Pressure at the elements against a smooth one fitted to it."""
+    """Check of the noise of the pressure: deviation from a smooth fit, relative."""
     nodes = _touching_nodes(solved)
     fitted = _tolerance(solved) * math.sqrt(nodes)
     noisy = (
@@ -239,7 +241,7 @@ def pressure_noise(solved: MeshSolution) -> Iterator[Check]:
 
 
 def penetration(solved: MeshSolution) -> Iterator[Check]:
-    """How far the bodies overlap, over the approach."""
+    """Check of the overlap of the bodies over the approach."""
     yield Check(
         name="penetration",
         value=solved.solution.penetration / abs(solved.solution.approach),
@@ -253,7 +255,7 @@ MESH = (elements_across, pressure_noise, penetration)
 
 
 def flux(solved: MeshSolution) -> Iterator[Check]:
-    """The stresses of each body carry the load."""
+    """Check for each body that its stresses around the patch carry the load, relative."""
     from railhead.postprocess.stress.flux import contact_force
 
     assert solved.fields is not None
@@ -268,7 +270,7 @@ def flux(solved: MeshSolution) -> Iterator[Check]:
 
 
 def stress_misfit(solved: MeshSolution) -> Iterator[Check]:
-    """The smooth stresses that are reported against those of the elements."""
+    """Check of the smoothed stresses against those of the elements, relative."""
     yield Check(
         name="stress_misfit",
         value=_findings(solved).misfit,
@@ -279,7 +281,7 @@ def stress_misfit(solved: MeshSolution) -> Iterator[Check]:
 
 
 def shear_over_pressure(solved: MeshSolution) -> Iterator[Check]:
-    """The largest shear stress over the largest pressure, without yield, which cuts both."""
+    """Check of the largest shear stress over the largest pressure, without yield."""
     elastic = _elastic_result(solved)
     yield from _between(
         "shear_over_pressure",
@@ -290,7 +292,7 @@ def shear_over_pressure(solved: MeshSolution) -> Iterator[Check]:
 
 
 def mises_over_shear(solved: MeshSolution) -> Iterator[Check]:
-    """The largest von Mises stress over the largest shear stress."""
+    """Check of the largest von Mises stress over the largest shear stress, without yield."""
     stress = _elastic_result(solved)["stress"]
     yield from _between(
         "mises_over_shear",
@@ -301,7 +303,7 @@ def mises_over_shear(solved: MeshSolution) -> Iterator[Check]:
 
 
 def load_over_first_yield(solved: MeshSolution) -> Iterator[Check]:
-    """The load over that of first yield, where bodies yield."""
+    """Check of the load over the load of first yield, where bodies yield."""
     if solved.residual_state is None:
         return
     yield Check(
@@ -314,7 +316,7 @@ def load_over_first_yield(solved: MeshSolution) -> Iterator[Check]:
 
 
 def small_strain(solved: MeshSolution) -> Iterator[Check]:
-    """Strains are small enough for linear theory."""
+    """Check of the largest pressure over the contact modulus: small strains."""
     yield Check(
         name="small_strain",
         value=_result(solved)["pressure"]["max_MPa"] / solved.plan.estimate.contact_modulus,
@@ -325,8 +327,9 @@ def small_strain(solved: MeshSolution) -> Iterator[Check]:
 
 
 def pressure_of_steel(solved: MeshSolution) -> Iterator[Check]:
-    """The pressure of bodies with at most the modulus of steel is one that some steel bears: that
-    no other of them bears more is a choice."""
+    """Check of the largest pressure (MPa) against that which hardened bearing steel bears, for
+    bodies of which the softer one has at most the modulus of steel.
+    """
     plan = solved.plan
     bodies = {"rail": plan.scene.rail, "wheel": plan.scene.wheel}
     moduli = [bodies[BODY_NAMES[body]].young_modulus for body in plan.deformable]
@@ -342,7 +345,7 @@ def pressure_of_steel(solved: MeshSolution) -> Iterator[Check]:
 
 
 def edge_distance(solved: MeshSolution) -> Iterator[Check]:
-    """How far the patch is from the edge of a body, over its smaller half length."""
+    """Check of the distance of the patch from the edge of a body, over the smaller half length."""
     yield Check(
         name="edge_distance",
         value=_findings(solved).edge_distance,
@@ -366,8 +369,9 @@ PHYSICS = (
 
 
 def pressure_over_mean(solved: MeshSolution, estimates: Mapping[str, Estimate]) -> Iterator[Check]:
-    """Largest pressure, area and load against each other, where the pressure is a semi-ellipsoid
-    (3/2 of the mean) or a semi-ellipse (4/pi)."""
+    """Check of largest pressure, area and load against each other, where the pressure is a semi-
+    ellipsoid (3/2 of the mean) or a semi-ellipse (4/pi).
+    """
     found, result = _findings(solved), _result(solved)
     if not found.hertzian:
         return
@@ -390,7 +394,9 @@ def pressure_over_mean(solved: MeshSolution, estimates: Mapping[str, Estimate]) 
 def second_method(
     solved: MeshSolution, estimates: Mapping[str, Estimate], second: Mapping[str, Any]
 ) -> Iterator[Check]:
-    """Finite elements against another method, within both errors and what that leaves out."""
+    """Checks of the compared quantities against another method, within the errors of both and the
+    allowance. second: as in `run`.
+    """
     if _unknown(second):
         return  # `not_made` has the reason
     own, other = resolved_values(solved), numeric_values(second)
@@ -415,7 +421,7 @@ def second_method(
 def accuracy(
     solved: MeshSolution, estimates: Mapping[str, Estimate], reached: bool
 ) -> Iterator[Check]:
-    """The largest estimate against the wanted accuracy."""
+    """Check of the largest error estimate against the wanted accuracy."""
     error, wanted = largest_error(estimates, solved), float(solved.plan.scene.accuracy or 0.0)
     yield Check(
         name="accuracy",
@@ -427,7 +433,9 @@ def accuracy(
 
 
 def tangential_flux(solved: MeshSolution) -> Iterator[Check]:
-    """The tangential forces, given or found, against those that the stresses of each body carry."""
+    """Check for each body that its stresses around the patch carry the tangential forces, over mu
+    N.
+    """
     from railhead.postprocess.stress.flux import contact_force, pressure_force
 
     plan, found, fields = solved.plan, solved.solution.friction, solved.fields
@@ -450,7 +458,9 @@ def tangential_flux(solved: MeshSolution) -> Iterator[Check]:
 def second_method_forces(
     solved: MeshSolution, estimates: Mapping[str, Estimate], other: Mapping[str, Any]
 ) -> Iterator[Check]:
-    """Tangential forces of what rolls against half-spaces; other: of one method."""
+    """Check of the tangential forces in rolling against half-spaces, over mu N. other: quantities
+    of one method, by the keys of "friction" in summary.json.
+    """
     found = solved.solution.friction
     assert found is not None and solved.result is not None
     keys = [key for key in ("force_along_N", "force_across_N") if key in other]
@@ -476,7 +486,9 @@ def second_method_forces(
 
 
 def second_method_shift(solved: MeshSolution, other: Mapping[str, Any]) -> Iterator[Check]:
-    """The shift of half-spaces under tangential forces against another method's."""
+    """Check of the shift of half-spaces under tangential forces against another method, relative.
+    other: quantities of that method, by the keys of "friction" in summary.json.
+    """
     found = solved.solution.friction
     assert found is not None
     if "shift_along_mm" not in other:
@@ -501,8 +513,12 @@ def not_made(
     second: Mapping[str, Any],
     second_friction: Mapping[str, Mapping[str, Any]] | None,
 ) -> dict[str, str]:
-    """Why a comparison with a second method is missing, by the name of the check that was not made
-    of it; second and second_friction as in `run` and `friction`."""
+    """Reasons by name for the comparisons with a second method that were not made.
+
+    made: the checks that were made.
+    second: quantities of the second method, or {"reason": ...}.
+    second_friction: quantities with friction by method; None without friction.
+    """
     elastic = solved.elastic_reference or solved
     if elastic.result is None:
         return {}
@@ -527,8 +543,9 @@ def not_made(
 
 
 def summary(checks: list[Check], missing: Mapping[str, str]) -> dict[str, Any]:
-    """ "checks" of summary.json: value by name, limits with their sources, what failed, and why
-    others were not made (missing)."""
+    """Entry "checks" of summary.json: value by name, "limits" with sources, "advice", "not_made"
+    (missing), "failed" and "passed".
+    """
     failed = [each.name for each in checks if not each.passed]
     return {
         **{each.name: each.value for each in checks if each.name != "converged"},
@@ -541,7 +558,9 @@ def summary(checks: list[Check], missing: Mapping[str, str]) -> dict[str, Any]:
 
 
 def _between(name: str, value: float, bounds: tuple[float, float], source: str) -> Iterator[Check]:
-    """A check of each bound; the name of that of the lower one ends in "_least"."""
+    """Two checks of a value, for the upper and the lower bound; the name of the second one ends in
+    "_least".
+    """
     low, high = bounds
     yield Check(name=name, value=value, limit=high, source=source, advice=FINER)
     yield Check(
@@ -550,23 +569,23 @@ def _between(name: str, value: float, bounds: tuple[float, float], source: str) 
 
 
 def _tolerance(solved: MeshSolution) -> float:
-    """The wanted accuracy, relative, and without a coarser one the default."""
+    """Relative tolerance: the default, or the wanted accuracy where that is coarser."""
     return max(DEFAULT_TOLERANCE, solved.plan.scene.accuracy or 0.0)
 
 
 def _stress_tolerance(solved: MeshSolution) -> float:
-    """The same of stresses, which are constant in linear cells."""
+    """Relative tolerance of stresses, larger for linear cells, in which stresses are constant."""
     return _tolerance(solved) * (LINEAR_REFINEMENT if solved.plan.order == 1 else 1.0)
 
 
 def _fewest_elements(solved: MeshSolution) -> float:
-    """Elements across the patch; in a section, which has one direction, in that."""
+    """Elements across the patch in the direction with fewer; in a section in its only direction."""
     across = _findings(solved).elements_across
     return max(across) if solved.plan.section else min(across)
 
 
 def _touching_nodes(solved: MeshSolution) -> int:
-    """Nodes of facets with pressure, of the whole model: as many independent values it has."""
+    """Number of nodes of facets with pressure, mirrored parts included."""
     assert solved.fields is not None
     contact = solved.fields.contact
     touching = contact.facet_nodes[np.unique(contact.facet[contact.pressure > 0])]
@@ -574,30 +593,32 @@ def _touching_nodes(solved: MeshSolution) -> int:
 
 
 def _findings(solved: MeshSolution) -> Findings:
+    """Findings of a solution in which the bodies touch."""
     assert solved.findings is not None
     return solved.findings
 
 
 def _result(solved: MeshSolution) -> dict[str, Any]:
+    """Entry "result" of summary.json of a solution in which the bodies touch."""
     assert solved.result is not None
     return solved.result
 
 
 def _elastic_result(solved: MeshSolution) -> dict[str, Any]:
-    """The result without yield and friction."""
+    """Entry "result" of the solution without yield and friction."""
     return (solved.elastic_reference or solved).result or _result(solved)
 
 
 def _unknown(second: Mapping[str, Any]) -> str:
-    """Why a second method cannot be compared; empty where it can."""
+    """Reason why a second method cannot be compared; empty where it can."""
     return str(second.get("reason") or second["allowance"].get("reason") or "")
 
 
 def _allowed(estimates: Mapping[str, Estimate], key: str) -> float:
-    """What a number may be off by, relative."""
+    """Relative error allowed for a quantity: a multiple of its estimate, or the default."""
     return ESTIMATE_FACTOR * estimates[key].total if key in estimates else DEFAULT_TOLERANCE
 
 
 def _off(value: float, target: float) -> float:
-    """Relative deviation; infinite where there is nothing to compare with."""
+    """Relative deviation of a value from a target; infinite for a target of 0."""
     return abs(value / target - 1) if target else math.inf

@@ -18,12 +18,17 @@ from railhead.scene.scene import Scene
 def run(
     scene: Scene, progress: Progress | None = None, comm: MPI.Intracomm = MPI.COMM_WORLD
 ) -> Result:
-    """Solve a scene. Raises SceneError for a scene that makes no contact problem, MeshError."""
+    """Plan and solve a scene; collective. Raises SceneError for a scene that makes no contact
+    problem, MeshError where gmsh fails.
+    """
     return solve(planning.make(scene), progress or Progress(quiet=True), comm)
 
 
 def solve(plan: Plan, progress: Progress, comm: MPI.Intracomm = MPI.COMM_WORLD) -> Result:
-    """Solve what is planned. Raises SceneError for a mesh that does not fit, MeshError."""
+    """Solve a plan; collective. Where bodies yield that were planned as elastic, solve again with
+    yield. Raises SceneError for a mesh that does not fit into the memory, MeshError where gmsh
+    fails.
+    """
     levels, ending = refine(plan, progress, comm)
     if why := unplanned_yield(levels[-1], comm):
         levels, ending = refine(plan.turned_on("plasticity", why), progress, comm)
@@ -33,13 +38,15 @@ def solve(plan: Plan, progress: Progress, comm: MPI.Intracomm = MPI.COMM_WORLD) 
 
 
 def result(levels: list[MeshSolution], ending: Ending, comm: MPI.Intracomm) -> Result:
-    """Of the last of some meshes, alike on all ranks."""
+    """Result of the last of some meshes, the same on all ranks. ending: why there are no more
+    meshes.
+    """
     solved = levels[-1]
     return Result(solved, comm.bcast(None if solved.fields is None else summarise(levels, ending)))
 
 
 def _record_speed(levels: list[MeshSolution]) -> None:
-    """Let later predictions of seconds follow what elastic meshes took on this machine."""
+    """Record the measured seconds of elastic meshes, so that later predictions suit this machine."""
     for level in levels:
         if level.plan.is_elastic_frictionless and level.unknowns >= machine.LEAST_UNKNOWNS:
             predicted = level.plan.cost.time(level.unknowns)

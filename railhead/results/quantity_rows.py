@@ -19,20 +19,23 @@ RELATIVE = ("estimate", "FE - Hertz")
 
 
 def reference_name(summary: Mapping[str, Any]) -> str:
-    """Key of the solution without yield or friction: "elastic", "frictionless", or empty where the
-    result itself has neither."""
+    """Key in summary.json of the solution without yield or friction: "elastic", "frictionless", or
+    empty where the result has neither effect.
+    """
     return next((each for each in ("elastic", "frictionless") if each in summary), "")
 
 
 def contact(summary: Mapping[str, Any]) -> list[Row]:
-    """Finite elements, estimates, half-spaces and exact Hertz side by side; no rows where nothing
-    touches."""
+    """Rows of finite elements, error estimates, half-spaces and exact Hertz side by side; empty
+    where nothing touches.
+    """
     if summary["result"] is None:
         return []
     return [_compared(summary, each) for each in quantities.rows("contact")]
 
 
 def _compared(summary: Mapping[str, Any], quantity: Quantity) -> Row:
+    """Row of one quantity: cells of finite elements, estimate, half-spaces and Hertz by column."""
     depth = quantity.key.endswith("depth_mm")
     least = NO_DEPTH * summary["result"]["patch"]["a_mm"] if depth else 0.0
     fe, exact, half = (
@@ -53,7 +56,9 @@ def _compared(summary: Mapping[str, Any], quantity: Quantity) -> Row:
 
 
 def friction(summary: Mapping[str, Any]) -> list[Row]:
-    """Forces of the wheel on the rail, its motion and stick, beside other methods."""
+    """Rows of forces of the wheel on the rail, motion and stick share, with columns of other
+    methods.
+    """
     found = (summary["result"] or {}).get("friction") or {}
     others = (summary.get("half_space_friction") or {}).items()
     bound = summary["accuracy"]["bound"] | _unresolved(found)
@@ -73,7 +78,7 @@ def friction(summary: Mapping[str, Any]) -> list[Row]:
 
 
 def steel(summary: Mapping[str, Any]) -> list[Row]:
-    """What pressure and tractions do to the steel."""
+    """Rows of the effects of pressure and tractions on the steel."""
     found = (summary["result"] or {}).get("friction") or {}
     unresolved = _unresolved(found)
     return [
@@ -89,12 +94,16 @@ def steel(summary: Mapping[str, Any]) -> list[Row]:
 
 
 def _unresolved(friction: Mapping[str, Any]) -> dict[str, Cell]:
-    """The words in the place of an estimate, by the key of a quantity below its resolution."""
+    """The words "below resolution" by key of the quantities that are smaller than the resolution of
+    the mesh.
+    """
     return dict.fromkeys(friction.get("below_resolution", ()), "below resolution")
 
 
 def everything(summary: Mapping[str, Any]) -> Iterator[Row]:
-    """All rows, each with a name of its own, and "value" for "FE"."""
+    """Rows of all tables, each with a unique name in "quantity", and the column "value" in the
+    place of "FE".
+    """
     load: list[Row] = [
         {"quantity": each.label, "unit": each.unit, "FE": _cell(each.value(summary["result"]))}
         for each in quantities.rows("load")
@@ -110,13 +119,14 @@ def everything(summary: Mapping[str, Any]) -> Iterator[Row]:
 
 
 def _cell(value: Any, least: float = 0.0) -> Cell:
-    """A number or word; 0 for a positive number below the least that is none of rounding."""
+    """A number or a word of a table; a positive number below `least` (rounding) becomes 0."""
     if value is None or isinstance(value, str):
         return value
     return float(value) if not 0 < value < least else 0.0
 
 
 def _relative(value: Cell, exact: Cell) -> float | None:
+    """Relative deviation of two numbers; None for words, missing numbers and an exact value of 0."""
     if isinstance(value, str) or isinstance(exact, str) or value is None or not exact:
         return None
     return (value - exact) / exact

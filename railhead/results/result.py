@@ -27,18 +27,22 @@ BOUND_NAMES = {each.key: each.bound for each in quantities.QUANTITIES}
 
 @dataclass(frozen=True, repr=False)
 class Result:
-    """A solved scene, as `solve` returns it. Numbers are the same on all MPI processes; fields and
-    findings are on rank 0 only.
+    """A solved scene. Numbers are the same on all MPI processes; fields and findings are on rank 0
+    only.
 
-    `patch`, `pressure`, `stress`, `friction`, `plastic`, `load` and `approach` are those of finite
-    elements (`railhead.run.quantities` describes each number), `hertz` holds the same of exact
-    Hertz, `estimate` bounds of their relative errors.
+    mesh_solution: solution on the finest mesh.
+    summary: content of summary.json.
+
+    The properties `patch`, `pressure`, `stress`, `friction`, `plastic`, `load` and `approach` hold
+    numbers of finite elements, `hertz` the same of exact Hertz, `estimate` bounds of relative
+    errors. `railhead.run.quantities` describes each number.
     """
 
     mesh_solution: MeshSolution
     summary: dict[str, Any]
 
     def __repr__(self) -> str:
+        """Scene, load, largest pressure, area and verdict in one line."""
         if self.summary["result"] is None:
             return f"<Result {self.summary['case']}: nothing touches>"
         verdict = "passed" if self.passed else f"failed {', '.join(self.failed)}"
@@ -48,10 +52,13 @@ class Result:
         )
 
     def _repr_html_(self) -> str:
+        """The table of `railhead run` as HTML, for notebooks."""
         return terminal.html(self.show)
 
     def show(self, console: Console, units: Units | None = None) -> None:
-        """Print the table of `railhead run`."""
+        """Print the table of `railhead run` on a console. units: units of the numbers; None: mm, N,
+        MPa.
+        """
         from railhead.results.report import tables
 
         tables.show_result(self.summary, console, units or tables.DEFAULT)
@@ -67,7 +74,7 @@ class Result:
 
     @property
     def failed(self) -> list[str]:
-        """The names of the checks that do not hold, the worst first."""
+        """Names of the checks that failed, in the order of the checks."""
         return list(self.summary["checks"]["failed"])
 
     @property
@@ -87,7 +94,7 @@ class Result:
 
     @property
     def plastic(self) -> quantities.Plastic | None:
-        """What yields and what stays without the load; None where nothing yields."""
+        """Yield under the load and the state after unloading; None where nothing yields."""
         return self._answer.plastic
 
     @property
@@ -97,7 +104,7 @@ class Result:
 
     @property
     def load(self) -> float:
-        """Load, N, down."""
+        """Normal force, N."""
         return float(self._answer.load)
 
     @property
@@ -107,7 +114,7 @@ class Result:
 
     @property
     def hertz(self) -> quantities.Answer:
-        """Exact Hertz under the same load."""
+        """Quantities of exact Hertz under the same load."""
         return quantities.read(quantities.Answer, self.summary["hertz"])
 
     @property
@@ -119,7 +126,7 @@ class Result:
 
     @property
     def _answer(self) -> quantities.Answer:
-        """The numbers of finite elements. ValueError: nothing touches."""
+        """Quantities of finite elements. ValueError: nothing touches."""
         if self.summary["result"] is None:
             raise ValueError("there is no result: nothing touches")
         return quantities.read(quantities.Answer, self.summary["result"])
@@ -131,7 +138,7 @@ class Result:
 
     @property
     def displacement(self) -> Any:
-        """A dolfinx Function on `mesh`, mm."""
+        """Displacement as a dolfinx Function on `mesh`, mm."""
         from railhead.solver import compat
 
         return compat.function(self.mesh_solution.space, self.mesh_solution.solution.displacement)
@@ -145,10 +152,14 @@ class Result:
         whole: bool = False,
         units: Units | None = None,
     ) -> None:
-        """Write what `railhead run` writes, report.html (with `report` and `pictures`) in the given
-        units; whole: .vtu files of the whole model, with the images of what symmetry left out.
-        Under MPI to be called on all ranks. Raises SceneError for a folder with other files,
-        OSError where it cannot be written."""
+        """Write the files of `railhead run` into a folder. Under MPI to be called on all ranks.
+
+        pictures: whether PNG files are written.
+        report: whether report.html is written; needs pictures.
+        whole: whether .vtu files contain the mirror images of what symmetry left out.
+        units: units of report.html; None: mm, N, MPa.
+        Raises SceneError for a folder with other files, OSError where it cannot be written.
+        """
         from railhead.results import result_folder
 
         problem: Exception | None = None
@@ -179,34 +190,39 @@ class Result:
 
     @property
     def ellipse(self) -> Hertz:
-        """Exact Hertz under the same load."""
+        """Exact Hertz under the same load, an ellipse or a line contact."""
         return self.mesh_solution.ellipse
 
     @property
     def fields(self) -> Fields | None:
-        """The solution as arrays (rank 0)."""
+        """The solution as arrays; None off rank 0."""
         return self.mesh_solution.fields
 
     @property
     def findings(self) -> Findings | None:
-        """What was read out of it (rank 0)."""
+        """Patch, pressure and stresses read from the solution; None off rank 0 and where nothing
+        touches.
+        """
         return self.mesh_solution.findings
 
 
 @dataclass(frozen=True)
 class Plots:
-    """The diagrams of a result; each gives the axes of a new figure."""
+    """Diagrams of a result; each method returns the axes of a new figure.
+
+    result: the solved scene.
+    """
 
     result: Result
 
     def pressure(self) -> list[Axes]:
-        """Along and across the rail, against exact Hertz."""
+        """Pressure along and across the rail, with exact Hertz."""
         from railhead.postprocess.plots import diagrams
 
         return diagrams.pressure(self._findings, self._hertz).axes
 
     def depth(self) -> list[Axes]:
-        """Principal stresses and largest shear below the contact."""
+        """Principal stresses and largest shear stress below the contact."""
         from railhead.postprocess.plots import diagrams
 
         poisson = self.result.plan.reported_body.poisson_ratio
@@ -214,6 +230,7 @@ class Plots:
 
     @property
     def _findings(self) -> Findings:
+        """Findings of the result. ValueError: nothing touches, or this is not rank 0."""
         if self.result.findings is None:
             raise ValueError("there is nothing to draw: nothing touches, or this is not rank 0")
         return self.result.findings
@@ -221,4 +238,5 @@ class Plots:
     @property
     def _hertz(self) -> Hertz | None:
         # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
+        """Exact Hertz; None for several patches, of which Hertz describes only the first contact."""
         return self.result.ellipse if len(self._findings.patch.each) < 2 else None

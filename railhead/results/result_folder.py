@@ -34,7 +34,7 @@ MANIFEST = ".railhead"  # names of the files in a result folder that are replace
 
 
 def foreign(folder: Path) -> list[str]:
-    """Names in a folder that no result put there."""
+    """Sorted names of the files in a folder that no result wrote."""
     names, own = set(os.listdir(folder)), {MANIFEST}
     if MANIFEST in names:
         text = (folder / MANIFEST).read_text(encoding="utf-8", errors="replace")
@@ -43,10 +43,11 @@ def foreign(folder: Path) -> list[str]:
 
 
 def check_folder(folder: Path, keeps: Collection[str] = ()) -> None:
-    """Raise SceneError if results cannot go to `folder`, before anything is computed.
+    """Raise SceneError if results cannot be written to `folder`; called before anything is
+    computed.
 
-    A result takes the place of an earlier one as a whole, so the folder must be new, empty, or
-    hold nothing else (but what it `keeps`); a link to one is followed.
+    A result replaces an earlier one as a whole. The folder must be new, empty, or hold only files
+    of a result and those named in `keeps`. A link to a folder is followed.
     """
     try:
         problem = _obstacle(folder, keeps)
@@ -59,7 +60,9 @@ def check_folder(folder: Path, keeps: Collection[str] = ()) -> None:
 
 
 def _obstacle(folder: Path, keeps: Collection[str]) -> str:
-    """Why results cannot go to a folder; empty if they can."""
+    """Reason why results cannot be written to a folder; empty if they can. keeps: names of files
+    that are allowed there.
+    """
     name = repr(str(folder))
     with suppress(FileNotFoundError, NotADirectoryError):
         (folder.parent / (_prefix(folder) + 16 * "x")).lstat()  # raises if the name is too long
@@ -86,12 +89,12 @@ def _obstacle(folder: Path, keeps: Collection[str]) -> str:
 
 @contextmanager
 def replacing(folder: Path) -> Iterator[Path]:
-    """A temporary folder that takes the place of `folder` when the block ends without an error.
+    """A temporary folder that replaces `folder` when the block ends without an error.
 
-    Two renames do it: the earlier result gets the name `.NAME.earlier`, then the new one its name.
-    Whenever the process is killed, one of both is there, whole; `settle` does the rest. Files that
-    others put into `folder` are kept. Of two results written at once, the later one stays.
-    OSError: the files cannot be written.
+    The earlier result is renamed to `.NAME.earlier`, then the new one to its name. Whenever the
+    process is killed, one of both is complete; `settle` finishes the exchange. Files that others
+    put into `folder` are kept. Of two results written at once, the later one remains. OSError: the
+    files cannot be written.
     """
     folder = folder.resolve()
     folder.parent.mkdir(parents=True, exist_ok=True)
@@ -114,8 +117,9 @@ def replacing(folder: Path) -> Iterator[Path]:
 
 
 def settle(folder: Path) -> None:
-    """Finish what a process that was killed in `replacing` began, and remove its temporary folders.
-    OSError: it cannot."""
+    """Finish the exchange of folders after a process that was killed in `replacing`, and remove its
+    temporary folders. OSError: a folder cannot be changed.
+    """
     with _locked(folder.parent):
         _settle(folder)
         for work in folder.parent.glob(glob.escape(_prefix(folder)) + "*"):
@@ -125,6 +129,9 @@ def settle(folder: Path) -> None:
 
 
 def _settle(folder: Path) -> None:
+    """Finish the exchange of folders: restore the earlier result, or move foreign files from it to
+    the new one and remove it. The parent folder must be locked.
+    """
     earlier = _earlier(folder)
     if not earlier.is_dir():
         return
@@ -139,21 +146,27 @@ def _settle(folder: Path) -> None:
 
 
 def _earlier(folder: Path) -> Path:
+    """Path of the earlier result during an exchange of folders."""
     return folder.parent / f".{folder.name}.earlier"
 
 
 def _prefix(folder: Path) -> str:
-    """Of the temporary folders that processes of this machine make; their number follows."""
+    """Beginning of the names of temporary folders that processes of this machine make for a result
+    folder.
+    """
     return f".{folder.name}.{os.uname().nodename}."
 
 
 def _temporary(folder: Path) -> Path:
+    """Path of a new temporary folder beside a result folder, named after this process."""
     return Path(tempfile.mkdtemp(prefix=f"{_prefix(folder)}{os.getpid()}.", dir=folder.parent))
 
 
 @contextmanager
 def _locked(parent: Path) -> Iterator[None]:
-    """Let no other process exchange folders in this one; the system ends that with the process."""
+    """Lock a folder against exchanges by other processes for the block. The system releases the
+    lock when the process ends.
+    """
     handle = os.open(parent, os.O_RDONLY)
     try:
         with suppress(OSError):  # a disk that knows no locks
@@ -164,8 +177,10 @@ def _locked(parent: Path) -> Iterator[None]:
 
 
 def write_grids(result: Result, folder: Path, *, whole: bool = False) -> Array | None:
-    """Write the files for ParaView and return the stresses at the nodes (n, 6), MPa; None, and
-    no files, where nothing touches."""
+    """Write the files for ParaView into a folder; returns the stresses at the nodes (n, 6), columns
+    xx, yy, zz, xy, xz, yz, MPa. None, and no files, where nothing touches. whole: with the
+    mirror images of what symmetry left out.
+    """
     from railhead.postprocess.stress import gauss_points
     from railhead.postprocess.vtu import files
 
@@ -181,8 +196,12 @@ def write_grids(result: Result, folder: Path, *, whole: bool = False) -> Array |
 def write(
     result: Result, folder: Path, *, pictures: bool, page: Page | None = None, whole: bool = False
 ) -> list[str]:
-    """Write all files of a result, and what `page` adds; returns their names. whole: the files for
-    ParaView have the images of what symmetry left out."""
+    """Write all files of a result into its folder; returns their names.
+
+    pictures: whether PNG files are written.
+    page: writes further files, called with folder, findings and grids; None: none.
+    whole: whether the files for ParaView contain the mirror images of what symmetry left out.
+    """
     from railhead.postprocess.plots import gallery, plastic_plots, shakedown, traction_plots
     from railhead.results.subject import subject
 
@@ -229,16 +248,17 @@ def write(
 
 
 def as_json(result: Result) -> str:
-    """summary.json of a solved scene."""
+    """summary.json of a solved scene as text."""
     return to_json(result.summary)
 
 
 def to_json(summary: dict[str, Any]) -> str:
-    """JSON; infinite numbers (rigid bodies, flat profiles) are written as the word."""
+    """JSON text of plain data; infinite numbers are written as "inf" and "-inf"."""
     return json.dumps(_plain(summary), indent=2, allow_nan=False) + "\n"
 
 
 def _plain(value: object) -> object:
+    """Plain data with tuples as lists and infinite numbers as words."""
     if isinstance(value, dict):
         return {key: _plain(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):

@@ -13,7 +13,9 @@ from railhead.scene.sections import Rail, Wheel, Wheelset
 
 
 def subject(plan: Plan, load: float) -> Subject:
-    """Title, names and directions; load N, as found."""
+    """Title of a scene, names of its bodies, and labels of its directions for pictures. load: in N,
+    of the solution.
+    """
     scene, contact = plan.scene, plan.contact
     bar = math.isinf(scene.wheel.rolling_radius)
     roller = contact.plane == "xz" and not bar and scene.rail.profile == "arc"
@@ -48,25 +50,31 @@ def subject(plan: Plan, load: float) -> Subject:
 
 
 def _stands(wheelset: Wheelset) -> str:
+    """Lateral shift and yaw of a wheelset as text, in mm and mrad; empty where both are zero."""
     shift, yaw = wheelset.shift, 1e3 * wheelset.yaw
     end = f", shifted\N{NO-BREAK SPACE}{brief(shift)}\N{NO-BREAK SPACE}mm" if shift else ""
     return end + (f", yaw\N{NO-BREAK SPACE}{brief(yaw)}\N{NO-BREAK SPACE}mrad" if yaw else "")
 
 
 def shared_y(plans: Iterable[Plan]) -> str:
-    """What y is called in a picture of all of them: where it runs, if all say the same."""
+    """Label of the y axis in a picture of several scenes: that of all of them if equal, else "y,
+    mm".
+    """
     words = {subject(plan, 0.0).y for plan in plans}
     return words.pop() if len(words) == 1 else "y, mm"
 
 
 def _said(text: str, body: Rail | Wheel) -> str:
+    """Name of a body, with "rigid" for a rigid one."""
     if not math.isinf(body.young_modulus):
         return text
     return f"a rigid {text[2:]}" if text.startswith("a ") else f"rigid {text}"
 
 
 def _rail(rail: Rail, bar: bool, half_space: bool) -> tuple[str, str]:
-    """In short, and with its size."""
+    """Short name of the lower body, and name with its size. bar: whether the wheel is a straight
+    bar; half_space: whether the bodies are half-spaces.
+    """
     if rail.profile != "arc":
         tilt = f", inclined 1:{1 / rail.inclination:.3g}" if rail.inclination else ""
         return "rail", f"rail {Path(rail.profile).name}{tilt}"
@@ -78,6 +86,9 @@ def _rail(rail: Rail, bar: bool, half_space: bool) -> tuple[str, str]:
 
 
 def _wheel(wheel: Wheel, bar: bool, roller: bool) -> tuple[str, str]:
+    """Short name of the upper body, and name with its size. bar: whether the wheel is a straight
+    bar; roller: whether it is a roller on an arc in a section along the rail.
+    """
     rolling, tread = wheel.rolling_radius, wheel.transverse_radius
     if wheel.profile == "arc" and tread == rolling:
         return "sphere", f"sphere R {rolling:g} mm"

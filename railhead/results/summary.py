@@ -21,7 +21,9 @@ NO_SECTION = {"reason": "boundary elements know no section of bodies that end"}
 
 
 def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
-    """summary.json of the last of a scene's meshes, with estimates from all of them (rank 0)."""
+    """summary.json of the last of a scene's meshes, with error estimates from all of them (rank 0).
+    ending: why the sequence of meshes ended.
+    """
     solved = levels[-1]
     plan, solution, found = solved.plan, solved.solution, solved.findings
     scene = plan.scene
@@ -93,12 +95,14 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
 
 
 def _reference_name(solved: MeshSolution) -> str:
-    """Key of the solution without yield and friction: "elastic" where bodies yield."""
+    """Key of the solution without yield and friction: "elastic" where bodies yield, else
+    "frictionless".
+    """
     return "elastic" if solved.residual_state is not None else "frictionless"
 
 
 def _more(solved: MeshSolution) -> dict[str, Any]:
-    """What yield leaves and what tractions do to the steel."""
+    """Entries "plastic" and "friction" (with its effects on the steel) of "result" in summary.json."""
     out: dict[str, Any] = {} if solved.residual_state is None else {"plastic": _plastic(solved)}
     if solved.result is not None and (found := solved.result.get("friction")):
         plan = solved.plan
@@ -117,6 +121,7 @@ def _more(solved: MeshSolution) -> dict[str, Any]:
 
 
 def _plastic(solved: MeshSolution) -> dict[str, Any]:
+    """Entry "plastic" of "result" in summary.json: yield and the state after unloading."""
     scene, left, elastic = solved.plan.scene, solved.residual_state, solved.elastic_reference
     assert left is not None and elastic is not None and elastic.result is not None
     part = scene.rail if left.zone.body == "rail" else scene.wheel
@@ -125,7 +130,7 @@ def _plastic(solved: MeshSolution) -> dict[str, Any]:
 
 
 def exact_quantities(solved: MeshSolution) -> dict[str, Any]:
-    """Exact Hertz under the load that was found, nested as "result"."""
+    """Quantities of exact Hertz under the load of the solution, nested as "result" of summary.json."""
     plan, ellipse, contact = solved.plan, solved.ellipse, solved.plan.contact
     given = plan.poisson_ratios, contact.touch.angle, contact.origin
     if isinstance(ellipse, Ellipse):
@@ -135,6 +140,7 @@ def exact_quantities(solved: MeshSolution) -> dict[str, Any]:
 
 
 def _trace(solved: MeshSolution) -> dict[str, Any]:
+    """Resolution, element size (mm), unknowns, seconds and result of one mesh."""
     return {
         "elements_per_semi_axis": solved.resolution,
         "patch_size_mm": solved.grading.size,
@@ -145,5 +151,6 @@ def _trace(solved: MeshSolution) -> dict[str, Any]:
 
 
 def _seconds(levels: list[MeshSolution]) -> dict[str, float]:
+    """Seconds of all meshes together by stage, and "total"."""
     stages = {key: sum(solved.seconds[key] for solved in levels) for key in levels[-1].seconds}
     return {**stages, "total": sum(stages.values())}

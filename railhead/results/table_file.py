@@ -11,8 +11,9 @@ ENCODING = "utf-8-sig"
 
 
 def encoded(rows: Iterable[Mapping[str, object]]) -> bytes:
-    """The content of a file: a line a row, columns in the order in which rows first have them; None
-    is an empty cell."""
+    """Bytes of a .csv file: a line for each row, columns in the order of their first appearance;
+    None is an empty cell.
+    """
     rows = list(rows)
     columns = dict.fromkeys(name for row in rows for name in row)
     file = io.StringIO(newline="")

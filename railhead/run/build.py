@@ -18,18 +18,22 @@ if TYPE_CHECKING:
 def generate(
     plan: Plan, grading: Grading, comm: MPI.Intracomm, save: Path | None = None
 ) -> mesh.ContactMesh:
-    """Mesh the bodies of a plan. Raises MeshError."""
+    """Mesh the bodies of a plan with element sizes `grading`; collective. save: path for the mesh
+    file, None: none. Raises MeshError where gmsh fails.
+    """
     return mesh.generate(plan.parts(), grading, plan.options, comm, save, _load_solver)
 
 
 def _load_solver() -> None:
-    """Importing it takes about as long as gmsh takes for a small mesh."""
+    """Import the modules of solver and reading while gmsh meshes in another process; the import
+    takes about as long as a small mesh.
+    """
     from railhead.postprocess import read  # noqa: F401
     from railhead.solver import fields  # noqa: F401
 
 
 def model(plan: Plan, made: mesh.ContactMesh) -> ContactModel:
-    """Assemble the contact model of a plan on its mesh."""
+    """The assembled contact model of a plan on its mesh."""
     from railhead.run.model_setup import setup
     from railhead.solver.contact import ContactModel
 

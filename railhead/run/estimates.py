@@ -42,9 +42,17 @@ NARROWEST_PEAK = 0.02  # of an element: a narrower top of the shear stress is th
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
-    """Relative error of one quantity, in parts that add up (see above).
+    """Relative error of one quantity, in parts that add up.
 
-    `flatness` is set where the quantity is the place of a maximum, see `error_scales`.
+    mesh: discretisation error.
+    reading: difference of two ways of reading the same solution.
+    contact_law: effect of the overlap of the bodies in the penalty method.
+    left_out: effect of what the plan leaves out.
+    geometry: distance of contact points from the exact surface, over the smaller semi-axis.
+    load_steps: error of the load steps where bodies yield.
+    profile: effect of the noise of measured profiles.
+    flatness: width of the maximum over its depth where the quantity is the place of a maximum; None
+        for other quantities.
     """
 
     mesh: float
@@ -58,36 +66,37 @@ class Estimate:
 
     @property
     def parts(self) -> dict[str, float]:
-        """The parts by name; load steps and profile only where they add something."""
+        """All parts by name; "load_steps" and "profile" only where they are not zero."""
         values = {name: value for name, value in vars(self).items() if name != "flatness"}
         optional = ("load_steps", "profile")
         return {name: value for name, value in values.items() if value or name not in optional}
 
     @property
     def total(self) -> float:
-        """The sum of all parts."""
+        """Sum of all parts."""
         return sum(self.parts.values())
 
     @property
     def value_error(self) -> float:
-        """The error that is held against an accuracy: the total; of a place, the relative loss of
-        the maximum there. What two readings of a place differ by is left out of that, as another
-        maximum is no higher than the error of the largest value."""
+        """Error that is compared with a wanted accuracy: the total; for the place of a maximum, the
+        relative loss of the quantity at the misplaced maximum, without the reading error.
+        """
         if self.flatness is None:
             return self.total
         return drop_beside_maximum((self.total - self.reading) / self.flatness)
 
 
 def largest_error(estimated: Mapping[str, Estimate], solved: MeshSolution) -> float:
-    """The largest error that is held against an accuracy; infinite where nothing touches or a
-    quantity that the mesh resolves has no estimate."""
+    """Largest error of all quantities that is compared with a wanted accuracy; infinite where
+    nothing touches or a quantity that the mesh resolves has no estimate.
+    """
     if solved.result is None or set(estimated) != set(resolved_values(solved)):
         return math.inf
     return max((each.value_error for each in estimated.values()), default=math.inf)
 
 
 def resolved_values(solved: MeshSolution) -> dict[str, float]:
-    """The estimated quantities that the mesh resolves, by key.
+    """Values of the estimated quantities that the mesh resolves, by key of summary.json.
 
     Left out are the depth of a largest shear stress within one element of the surface or on a peak
     narrower than NARROWEST_PEAK elements, and the length of a line contact, which is given.
@@ -104,8 +113,9 @@ def resolved_values(solved: MeshSolution) -> dict[str, float]:
 
 
 def friction_values(solved: MeshSolution) -> dict[str, float]:
-    """What is not prescribed in either direction of friction, by key: the creepage or shift where
-    the force is, else the force of rolling, over mu N."""
+    """Values of friction that are not prescribed, by key of summary.json: in each direction the
+    creepage or shift where the force is prescribed, else the force of rolling over mu N.
+    """
     friction, scene = solved.solution.friction, solved.plan.scene
     if friction is None:
         return {}
@@ -120,8 +130,9 @@ def friction_values(solved: MeshSolution) -> dict[str, float]:
 
 
 def error_scales(found: Findings, result: Mapping[str, Any]) -> dict[str, float]:
-    """What the error of a quantity is proportional to, by key, where that differs from scene to
-    scene: of the depth of the largest shear stress, the flatness of its maximum over the depth."""
+    """Factors of the discretisation error by key, where they differ from scene to scene: for the
+    depth of the largest shear stress, the width of its maximum over the depth.
+    """
     body, depth = (result["stress"][f"tau_max_{key}"] for key in ("body", "depth_mm"))
     axis = found.depth[body]
     return {
@@ -130,9 +141,10 @@ def error_scales(found: Findings, result: Mapping[str, Any]) -> dict[str, float]
 
 
 def reading_errors(found: Findings, tolerance: float = RIVAL) -> dict[str, float]:
-    """What two ways of reading the same solution differ by, relative, by key. Of the depth of the
-    largest shear stress: how far away other maxima are that are lower by less than `tolerance`,
-    relative."""
+    """Relative difference of two ways of reading the same solution, by key. For the depth of the
+    largest shear stress: the distance over that depth to other maxima that are lower by less
+    than `tolerance` (relative).
+    """
     peaks = {body: each.tau for body, each in found.largest.items()}
     top = max(peaks.values(), key=lambda peak: peak.value)
     high = {body: each for body, each in peaks.items() if each.value > (1 - tolerance) * top.value}
@@ -155,14 +167,16 @@ FRICTION_SHARES = {each.key for each in QUANTITIES if each.over_friction_limit}
 def mesh_errors(
     meshes: Sequence[tuple[float, Numbers, Numbers]], envelopes: Family | None, scale: Numbers
 ) -> tuple[dict[str, float], str]:
-    """The mesh part of the finest mesh's errors by key, and in words where it comes from.
+    """Mesh part of the errors of the finest mesh by key, and their source in words.
 
-    meshes: n (elements per semi-axis), values and reading errors of each mesh, the finest last;
-    envelopes: calibrated ones that hold for the scene, None without; scale: see `error_scales`.
+    meshes: n (elements per semi-axis), values and reading errors of each mesh, the finest last.
+    envelopes: calibrated error envelopes that hold for the scene, None without.
+    scale: factors of the error by key.
+
     Two meshes confirm an envelope where they differ by no more than both estimates allow; a
-    confirmed one may be used on a mesh that is finer by STEP than both. Where they do not, or no
-    envelope covers the run, the part is SCATTER_FACTOR times the larger change between the last
-    three meshes, the earlier change counted as one step older; with fewer meshes there is none.
+    confirmed envelope may be used on a mesh finer by STEP than both. Where meshes do not confirm,
+    or no envelope covers the run, the part is SCATTER_FACTOR times the larger change between the
+    last three meshes, the earlier change divided by STEP. With fewer meshes there is no part.
     """
     (n, fine, own), *before = reversed(meshes)
     parts: dict[str, float] = {}
@@ -199,8 +213,10 @@ def mesh_errors(
 
 
 def _steps(n: float, before: Sequence[tuple[float, Numbers, Numbers]]) -> list[Numbers]:
-    """Values of earlier meshes, each a whole STEP (or nearly) coarser than the one after it: of
-    two nearly equal meshes the difference is noise."""
+    """Values of the earlier meshes that are each coarser than the next one by at least 0.95 STEP,
+    the finest first. n: elements per semi-axis of the finest mesh; before: n, values and reading
+    errors of the others, the finest first.
+    """
     apart = []
     for m, values, _ in before:
         if n >= 0.95 * STEP * m:
@@ -210,23 +226,28 @@ def _steps(n: float, before: Sequence[tuple[float, Numbers, Numbers]]) -> list[N
 
 
 def _change(one: Numbers, other: Numbers, name: str) -> float:
-    """Relative change of a quantity from `other` to `one`; of forces by friction, which are shares
-    of mu N, the difference."""
+    """Relative change of the quantity `name` from `other` to `one`; for forces of friction, which
+    are shares of mu N, the difference.
+    """
     if name in FRICTION_SHARES:
         return abs(one[name] - other[name])
     return abs(one[name] / other[name] - 1) if other[name] else math.inf
 
 
 def next_resolution(n: float, error: float, accuracy: float) -> float:
-    """Elements per semi-axis of the mesh after one whose error missed the accuracy: by first-order
-    convergence, at most STEP n."""
+    """Elements per semi-axis of the mesh after one with n whose error missed the accuracy: by
+    first-order convergence, from 1.25 n to STEP n.
+    """
     return n * min(max(1.1 * error / accuracy, 1.25), STEP)
 
 
 def estimate(meshes: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
-    """Estimates of the last of a scene's meshes by key, and in words where their mesh parts come
-    from (rank 0). A quantity without a mesh part, or whose readings differ without bound, has none;
-    neither has a run that did not converge."""
+    """Error estimates of the last of a scene's meshes by key, and the source of their mesh parts in
+    words (rank 0).
+
+    A quantity has no estimate without a mesh part or where its readings differ without bound. A run
+    without convergence has no estimates.
+    """
     solved = meshes[-1]
     if solved.result is None or solved.findings is None or not solved.solution.newton.converged:
         return {}, "no solution"

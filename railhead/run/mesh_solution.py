@@ -46,24 +46,25 @@ APPROACH_TOLERANCE = 1e-9  # relative, of that approach
 
 @dataclass(frozen=True, kw_only=True)
 class MeshSolution:
-    """A scene solved on one mesh, and what was read from it.
+    """A scene solved on one mesh, and the quantities read from the solution.
 
-    Attributes
-    ----------
-    plan, grading, mesh : what was solved, sizes of the elements, the mesh.
-    space : function space of the displacement (dolfinx).
-    unknowns : number of unknowns.
-    ranks : number of MPI processes.
-    solution : displacement, pressure, forces, and how Newton's method went.
-    ellipse : exact Hertz under the load of the solution.
-    fields : the solution as arrays; None off rank 0.
-    findings : patch, pressure and stresses; None off rank 0 and where nothing touches.
-    result : "result" of summary.json; None where `findings` is.
-    mesh_fits_patch : whether the patch lies where the mesh is fine.
-    seconds : time by stage.
-    elastic_reference : the same scene without yield or friction; None where it has neither.
-    residual_state : what a load that made bodies yield leaves (rank 0); None without yield.
-    load_step_errors : relative error by quantity of the usual number of load steps, where measured.
+    plan: the plan that was solved.
+    grading: sizes of the elements.
+    mesh: the mesh with its tags.
+    space: function space of the displacement (dolfinx).
+    unknowns: number of unknowns.
+    ranks: number of MPI processes.
+    solution: displacement, pressure, forces, and history of Newton's method.
+    ellipse: exact Hertz under the load of the solution, an ellipse or a line contact.
+    fields: the solution as arrays; None off rank 0.
+    findings: patch, pressure and stresses; None off rank 0 and where nothing touches.
+    result: "result" of summary.json; None where `findings` is.
+    mesh_fits_patch: whether the patch lies where the mesh is fine.
+    seconds: time by stage "mesh", "assemble", "solve" and "postprocess".
+    elastic_reference: the same scene without yield and friction; None where it has neither.
+    residual_state: stresses and shapes that remain after yield (rank 0); None without yield.
+    load_step_errors: relative error by quantity of the planned number of load steps, where
+        measured.
     """
 
     plan: Plan
@@ -91,7 +92,9 @@ class MeshSolution:
 
     @property
     def after(self) -> dict[str, PostSolveVerdict]:
-        """What the solution says about each effect of the plan, by name (rank 0)."""
+        """Verdict of the solution on each effect of the plan (needed or not, and why) by name;
+        empty off rank 0.
+        """
         if self.findings is None:
             return {}
         plan = self.plan
@@ -104,14 +107,17 @@ class MeshSolution:
 
     @property
     def setting(self) -> Setting:
-        """What the discretisation error depends on, with the shape of the solved patch (rank 0)."""
+        """Conditions that the discretisation error depends on, with the shape of the solved patch
+        (rank 0).
+        """
         plan, found = self.plan, self.findings
         return plan.setting if found is None else replace(plan.setting, ellipse=found.hertzian)
 
     @property
     def family(self) -> Family | None:
-        """The calibrated error envelopes that hold for this solution (rank 0); None where there are
-        none, as with yield or friction."""
+        """Calibrated error envelopes that hold for this solution (rank 0); None where there are
+        none, as with yield or friction.
+        """
         return error_envelopes.family(self.setting) if self.plan.is_elastic_frictionless else None
 
     @property
@@ -138,8 +144,10 @@ def mesh_and_solve(
     plan: Plan, grading: Grading | None, progress: Progress, comm: MPI.Intracomm
 ) -> MeshSolution:
     """Mesh the bodies of a plan and solve; collective. Where the patch is not the expected one,
-    both are done again around it, at most MAX_MESHES times. grading: element sizes, None: the
-    plan's. MeshError: gmsh cannot mesh the bodies."""
+    mesh and solve again around it, with at most MAX_MESHES meshes.
+
+    grading: element sizes; None: the plan's. Raises MeshError where gmsh cannot mesh the bodies.
+    """
     grading = grading or plan.grading()
     clock = _Clock()
     frame = plan.contact.frame
@@ -169,6 +177,7 @@ def mesh_and_solve(
     progress.stage("reading the result")
 
     def read(fields: Fields | None, solution: Solution) -> MeshSolution:
+        """The mesh solution of one solution and its fields."""
         return _read(
             plan, grading, mesh, (space, unknowns), solution, fields, better is None, clock
         )
@@ -215,7 +224,9 @@ def _read(
     mesh_fits_patch: bool,
     clock: _Clock,
 ) -> MeshSolution:
-    """Read patch, stresses and friction; size: space of the displacement, and unknowns."""
+    """Read patch, stresses and friction from a solution. size: function space of the displacement,
+    and number of unknowns. fields: None off rank 0.
+    """
     findings = result = None
     if fields is not None and np.any(fields.contact.pressure > 0):
         frame = plan.contact.frame
@@ -256,14 +267,18 @@ def _read(
 
 
 def _elastic_reference(solution: Solution) -> Solution:
-    """The solution without yield and friction that one with them started from, or itself."""
+    """The solution without yield and friction from which a solution with them started; the solution
+    itself where it has neither.
+    """
     return solution if solution.reference is None else _elastic_reference(solution.reference)
 
 
 def _residual_state(
     model: ContactModel, solution: Solution, fields: Fields | None, frame: Frame
 ) -> ResidualState | None:
-    """What the load leaves where a body yields (on rank 0; collective)."""
+    """State that remains after the load where a body yields; None without yield and off rank 0.
+    Collective.
+    """
     if solution.plasticity is None:
         return None
     from railhead.postprocess.stress import plastic
@@ -279,13 +294,17 @@ def _residual_state(
 def solve(
     plan: Plan, model: ContactModel, frame: Frame, progress: Callable[[int, float], None]
 ) -> Solution:
-    """Solve for the scene's load or approach, starting from the points of the forecast patch.
+    """Solve for the scene's load or approach, starting from the contact points of the forecast
+    patch; collective.
 
-    Between half-spaces the far field is that of a load. An approach is met there by secants in the
-    logarithms of load and approach, from load ~ approach^1.5 (Hertz)."""
+    progress: called with number and relative residual of each Newton step. Between half-spaces the
+        far field is that of a load. A given approach is then met by secants in the logarithms of
+        load and approach, from load ~ approach^1.5 (Hertz).
+    """
     scene = plan.scene
 
     def at(load: float, approach: float = 0.0) -> Solution:
+        """The solution under a load (N) or, without load control, an approach (mm)."""
         return model.solve(
             load=load,
             approach=approach,
@@ -320,8 +339,9 @@ def solve(
 def _remesh_for_found_patch(
     plan: Plan, grading: Grading, fields: Fields, frame: Frame
 ) -> tuple[Plan, Grading] | None:
-    """Plan and element sizes around the solved patch; None where it is the expected one within
-    REMESH_RATIO, or nothing touches."""
+    """Plan and element sizes around the solved patch (rank 0); None where half lengths and centre
+    are the expected ones within REMESH_RATIO, or nothing touches.
+    """
     if not np.any(fields.contact.pressure > 0):
         return None
     from railhead.postprocess import read
@@ -340,7 +360,9 @@ def _remesh_for_found_patch(
 
 
 def forecast_from_solution(fields: Fields, found: PressureMoments, frame: Frame) -> Forecast:
-    """The patch of a solution as a forecast for the next mesh; moments: those of its pressure."""
+    """The patch of a solution as a forecast for the next mesh. found: moments of its pressure
+    (centre, half lengths).
+    """
     contact = fields.contact
     points, touches = contact.points, contact.pressure > 0
     if fields.kinematics.dim == 2:
@@ -359,13 +381,18 @@ def forecast_from_solution(fields: Fields, found: PressureMoments, frame: Frame)
 
 
 class _Clock:
-    """Seconds of each stage."""
+    """Stopwatch of the stages of a run.
+
+    seconds: time by stage "mesh", "assemble", "solve" and "postprocess".
+    """
 
     def __init__(self) -> None:
+        """Start now, with zero seconds for each stage."""
         self._last = time.perf_counter()
         self.seconds = dict.fromkeys(("mesh", "assemble", "solve", "postprocess"), 0.0)
 
     def lap(self, stage: str) -> None:
+        """Add the time since the last call to the seconds of a stage."""
         now = time.perf_counter()
         self.seconds[stage] += now - self._last
         self._last = now

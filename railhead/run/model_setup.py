@@ -59,8 +59,9 @@ def setup(plan: Plan) -> Setup:
 
 
 def materials(plan: Plan) -> dict[int, Material]:
-    """Elastic constants of RAIL and WHEEL as simulated: a body that is not meshed is rigid; where
-    yield is simulated, hardening of the bodies that have a yield stress."""
+    """Elastic constants by body tag (RAIL, WHEEL) as simulated; a body that is not meshed is rigid.
+    Where yield is simulated, hardening is set for bodies that have a yield stress.
+    """
     made = {}
     for tag, name in BODY_NAMES.items():
         part = getattr(plan.scene, name)
@@ -72,6 +73,7 @@ def materials(plan: Plan) -> dict[int, Material]:
 
 
 def _side(plan: Plan, tag: int) -> ContactBody:
+    """Tags of contact and support surfaces and material of one body (tag RAIL or WHEEL)."""
     return ContactBody(
         tag=tag,
         contact=CONTACT + tag,
@@ -81,6 +83,7 @@ def _side(plan: Plan, tag: int) -> ContactBody:
 
 
 def _load_path(plan: Plan) -> LoadPath:
+    """Load steps, cycles, unloading and the region of yield of a plan."""
     return LoadPath(
         steps=plan.load_steps,
         cycles=plan.scene.cycles,
@@ -90,7 +93,7 @@ def _load_path(plan: Plan) -> LoadPath:
 
 
 def _friction(plan: Plan) -> FrictionSettings:
-    """The coefficient and the wheel's motion."""
+    """Coefficient, axes and prescribed motion or forces of friction of a plan."""
     scene, contact = plan.scene, plan.contact
     frame, rolling = contact.frame, scene.rolling
     given = rolling if rolling.prescribed else scene.friction
@@ -119,8 +122,12 @@ def _friction(plan: Plan) -> FrictionSettings:
 
 
 def friction_steps(scene: Scene, *, line: bool, yields: bool) -> tuple[tuple[float, float], ...]:
-    """Shares of the load and of the tangential forces: the patch of unlike bodies grows in equal
-    steps, with friction; then the force, in equal steps where bodies yield."""
+    """Steps of (share of the load, share of the tangential forces). The patch of bodies of
+    different materials grows in equal steps of its length; then the force is applied, in equal
+    steps where bodies yield.
+
+    line: whether the contact is a line; yields: whether bodies yield.
+    """
     if not friction.grows(scene):
         grown = []
     else:
@@ -140,13 +147,16 @@ def friction_steps(scene: Scene, *, line: bool, yields: bool) -> tuple[tuple[flo
 
 @dataclass(frozen=True)
 class NearPatches:
-    """The ellipsoids in which yield is followed: around each patch YIELD_REACH times its half
-    lengths, and deep YIELD_REACH times the smaller one."""
+    """Region in which yield is followed: ellipsoids around the patches, with half axes of
+    YIELD_REACH times the patch's half lengths and, in depth, YIELD_REACH times the smaller one.
+
+    zones: centres, half lengths and tilts of the patches.
+    """
 
     zones: tuple[Zone, ...]
 
     def __call__(self, points: Array) -> NDArray[np.bool_]:
-        """Points in space (n, 3) mm -> mask (n,) of those inside."""
+        """Mask (n,) of the points (n, 3), mm, that lie in the region."""
         near = np.zeros(len(points), dtype=bool)
         for zone in self.zones:
             x, y, z = (points - np.array(zone.centre)).T
@@ -160,15 +170,21 @@ class NearPatches:
 
 @dataclass(frozen=True)
 class HertzFarField:
-    """Displacement of both half-spaces under the Hertz pressure of a load; materials: by body
-    tag."""
+    """Displacement of both half-spaces under the Hertz pressure of a load.
+
+    scene: the scene, for its materials and radii.
+    contact: the contact geometry.
+    materials: elastic constants by body tag (RAIL, WHEEL).
+    """
 
     scene: Scene
     contact: Contact
     materials: dict[int, Material]
 
     def __call__(self, load: float, body: int, points: Array) -> Array:
-        """(load N, RAIL or WHEEL, points (n, 3) mm) -> (n, 3) mm."""
+        """Displacement (n, 3), mm, of a body (RAIL or WHEEL) at points (n, 3), mm, under a load in
+        N.
+        """
         hertz = closed_forms.hertz_contact(self.scene, self.contact, load)
         part, (lower, mirror) = self.materials[body], _mirrored(body, points)
         return contacts.displacement(hertz, lower, part.young_modulus, part.poisson_ratio) * mirror
@@ -177,12 +193,17 @@ class HertzFarField:
 @dataclass(frozen=True)
 class CerrutiFarField:
     """Displacement of both half-spaces under a tangential point force of 1 N of the wheel on the
-    rail, in the place of the tractions; materials: by body tag."""
+    rail, which stands for the tractions.
+
+    materials: elastic constants by body tag (RAIL, WHEEL).
+    """
 
     materials: dict[int, Material]
 
     def __call__(self, way: int, body: int, points: Array) -> Array:
-        """(0 along or 1 across, RAIL or WHEEL, points (n, 3) mm) -> (n, 3) mm."""
+        """Displacement (n, 3), mm, of a body (RAIL or WHEEL) at points (n, 3), mm, for the force
+        along (way 0) or across (way 1).
+        """
         part, (lower, mirror) = self.materials[body], _mirrored(body, points)
         force = mirror[2]  # the rail's on the wheel is the opposite one
         moved = halfspace.cerruti_displacement(
@@ -192,8 +213,9 @@ class CerrutiFarField:
 
 
 def _mirrored(body: int, points: Array) -> tuple[Array, Array]:
-    """Points (n, 3) of a body as those of the half-space z <= 0, mm, and the signs (3,) that turn
-    a displacement there back: the wheel is the mirror image."""
+    """Points (n, 3), mm, of a body as those of the half-space z <= 0, and the signs (3,) that
+    transform a displacement back. The wheel is mirrored at z = 0.
+    """
     mirror = np.array([1.0, 1.0, 1.0 if body == RAIL else -1.0])
     lower = points * mirror
     lower[:, 2] = lower[:, 2].clip(max=0.0)

@@ -22,8 +22,9 @@ def end_at_once() -> None:
 
 
 def prepare() -> None:
-    """Set up a process that runs a command and nothing else, before numpy and MPI are loaded: one
-    BLAS thread, writable streams, freed memory kept for the next arrays."""
+    """Set up a process that only runs a command, before numpy and MPI are loaded: one BLAS thread,
+    streams that can be written to, and freed memory kept for the next arrays.
+    """
     for name in ("stdout", "stderr"):  # closed by who started it: libraries write to them
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
@@ -51,21 +52,21 @@ def under_mpi() -> bool:
 
 
 def rank() -> int:
-    """The MPI rank of this process, from the environment: MPI itself need not be loaded. 0 without
-    mpirun."""
+    """MPI rank of this process from the environment, without loading MPI; 0 without mpirun."""
     return next((int(os.environ[name]) for name in RANK_VARIABLES if name in os.environ), 0)
 
 
 def take_arguments() -> list[str]:
-    """Return the arguments of the command and remove them from sys.argv: PETSc and dolfinx would
-    read them, too, and fail at what is no UTF-8."""
+    """Arguments of the command, removed from sys.argv, because PETSc and dolfinx would read them,
+    too, and fail at text that is not UTF-8.
+    """
     words = sys.argv[1:]
     del sys.argv[1:]
     return words
 
 
 def release_memory() -> None:
-    """Return freed memory to the system, so that other processes can have it."""
+    """Return freed memory to the operating system."""
     libc = ctypes.CDLL(None)
     if hasattr(libc, "malloc_trim"):
         libc.malloc_trim(0)

@@ -10,13 +10,16 @@ from rich.console import Console
 
 
 class Progress:
-    """Shows stage, Newton steps and number of finished jobs; use it as a context manager.
+    """Display of stage, Newton steps and number of finished jobs on standard error; a context
+    manager.
 
-    quiet: whether nothing is printed. since: start of its clock (time.perf_counter), now by
-    default.
+    On a terminal one line is updated; elsewhere each message is a line.
     """
 
     def __init__(self, *, quiet: bool, since: float | None = None) -> None:
+        """quiet: whether nothing is printed; since: start of the clock (time.perf_counter), None:
+        now.
+        """
         self._console = Console(stderr=True, quiet=quiet, highlight=False)
         self._live = self._console.is_terminal and not quiet
         self._status = self._console.status("")
@@ -25,15 +28,18 @@ class Progress:
         self._start = time.perf_counter() if since is None else since
 
     def __enter__(self) -> Self:
+        """Start the line on a terminal."""
         if self._live:
             self._status.start()
             self._console.show_cursor()  # nothing shows it again where a signal ends the process
         return self
 
     def __exit__(self, *_: object) -> None:
+        """Remove the line on a terminal."""
         self._status.stop()
 
     def _say(self, text: str) -> None:
+        """Show a text with the elapsed seconds."""
         elapsed = time.perf_counter() - self._start
         if self._live:
             self._status.update(f"{text}  ({elapsed:.1f} s)")
@@ -50,8 +56,9 @@ class Progress:
         self._say(f"{self._stage}: Newton step {step}, residual {residual:.1e}")
 
     def jobs(self, done: int, total: int) -> None:
-        """Show how many jobs are finished, if more than at the last call, and the time that the
-        others will take at the pace since the first call."""
+        """Show the number of finished jobs, if larger than at the last call, and the remaining time
+        at the pace since the first call.
+        """
         if self._counts and done <= self._counts[-1][0]:
             return
         self._counts.append((done, time.perf_counter()))

@@ -19,24 +19,23 @@ METADATA = "quantity"
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
-    """How one number or word of an answer is named, shown and judged.
+    """Name, unit, tables and error estimate of one number or word of a result.
 
-    Attributes
-    ----------
-    key : last key of its place in summary.json, which ends in the unit.
-    unit : products of mm, N and MPa; empty for ratios and words.
-    label : name of its row in tables, indented where it belongs to the row above; empty: no row.
-    table : "contact", "load", "friction" or "steel": the table that has the row.
-    column : name of its column in sweep.csv, without the unit; empty: no column.
-    bound : name of its error bound in `Result.estimate`.
-    estimated : whether its error is estimated, from the error envelope of its key, which the study
-        of calibration makes, or without one from the scatter of three meshes.
-    over_friction_limit : whether its errors are relative to mu N and not to the value.
-    scatter : name in `Patch.scatter` of what two readings of it differ by; empty: none.
-    ridge_stress : whether it is a stress below the largest pressure, as uncertain as that.
-    compared : whether an estimated quantity is held against a second method.
-    record : record that holds the values below this key; None for a single value.
-    path : keys from "result" of summary.json down to it.
+    key: last key of its place in summary.json, which ends in the unit.
+    unit: product of powers of mm, N and MPa; empty for ratios and words.
+    label: name of its row in tables, indented where the row belongs to the one above; empty: no
+        row.
+    table: "contact", "load", "friction" or "steel": the table that has the row.
+    column: name of its column in sweep.csv, without the unit; empty: no column.
+    bound: name of its error bound in `Result.estimate`.
+    estimated: whether its error is estimated, from the calibrated error envelope of its key, or
+        without one from the scatter of three meshes.
+    over_friction_limit: whether its errors are relative to mu N and not to the value.
+    scatter: name in `Patch.scatter` of the difference between two readings; empty: none.
+    ridge_stress: whether it is a stress below the largest pressure, with the uncertainty of that.
+    compared: whether an estimated quantity is compared with a second method.
+    record: class of the values below this key; None for a single value.
+    path: keys from "result" of summary.json down to the value.
     """
 
     key: str
@@ -55,11 +54,13 @@ class Quantity:
 
     @property
     def header(self) -> str:
-        """Header of its column in sweep.csv."""
+        """Header of the column in sweep.csv: name and unit."""
         return f"{self.column} [{self.unit}]" if self.unit else self.column
 
     def value(self, result: Mapping[str, Any] | None) -> Any:
-        """Its value in a dictionary nested as "result" of summary.json; None: there is none."""
+        """Value in a dictionary nested as "result" of summary.json; None where the value is
+        missing.
+        """
         inner: Any = result
         for key in self.path:
             inner = None if inner is None else inner.get(key)
@@ -67,24 +68,35 @@ class Quantity:
 
 
 def quantity(key: str, unit: str = "", label: str = "", **more: Any) -> Any:
-    """A field of a record that is a quantity; more: see `Quantity`."""
+    """A dataclass field with a `Quantity` as metadata and the default None. more: other attributes
+    of `Quantity`.
+    """
     described = Quantity(key=key, unit=unit, label=label, **more)
     return dataclasses.field(default=None, metadata={METADATA: described})
 
 
 def friction(key: str, unit: str = "", label: str = "", **more: Any) -> Any:
-    """A field of the table of friction."""
+    """A dataclass field with a `Quantity` of the table "friction". more: other attributes of
+    `Quantity`.
+    """
     return quantity(key, unit, label, table="friction", **more)
 
 
 def steel(key: str, unit: str = "", label: str = "", **more: Any) -> Any:
-    """A field of the table of what pressure and tractions do to the steel."""
+    """A dataclass field with a `Quantity` of the table "steel". more: other attributes of
+    `Quantity`.
+    """
     return quantity(key, unit, label, table="steel", **more)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Patch:
-    """The contact patch: half lengths along and across the rail, mm, and area, mm2."""
+    """The contact patch.
+
+    a: half length along the rail, mm.
+    b: half length across the rail, mm.
+    area: mm2.
+    """
 
     a: float = quantity(
         "a_mm",
@@ -111,7 +123,11 @@ class Patch:
 
 @dataclass(frozen=True, kw_only=True)
 class Pressure:
-    """The contact pressure, MPa."""
+    """The contact pressure.
+
+    max: largest pressure, MPa.
+    mean: load over area, MPa.
+    """
 
     max: float = quantity(
         "max_MPa",
@@ -128,7 +144,14 @@ class Pressure:
 
 @dataclass(frozen=True, kw_only=True)
 class AxisStress:
-    """Largest stresses (MPa) on the axis below the patch, their depths (mm) and the body."""
+    """Largest stresses on the normal below the centre of the patch.
+
+    body: "rail" or "wheel".
+    tau_max: largest shear stress, MPa.
+    tau_max_depth: its depth, mm.
+    von_mises_max: largest von Mises stress, MPa.
+    von_mises_max_depth: its depth, mm.
+    """
 
     body: str = quantity("body")
     tau_max: float = quantity("tau_max_MPa")
@@ -139,10 +162,19 @@ class AxisStress:
 
 @dataclass(frozen=True, kw_only=True)
 class Stress:
-    """Largest shear and von Mises stresses of both bodies (MPa), and where they are (mm).
+    """Largest stresses of both bodies.
 
-    `surface_centre` holds the normal stresses at the centre of the patch; `at_edges` what is larger
-    at sharp edges, where it depends on the mesh.
+    tau_max: largest shear stress, MPa.
+    tau_max_depth: its depth below the surface, mm.
+    tau_max_body: "rail" or "wheel", where it lies.
+    tau_max_place: its place x, y, z, mm.
+    von_mises_max: largest von Mises stress, MPa.
+    von_mises_max_depth: its depth below the surface, mm.
+    von_mises_max_body: "rail" or "wheel", where it lies.
+    von_mises_max_place: its place x, y, z, mm.
+    axis: largest stresses on the normal below the centre of the patch.
+    surface_centre: normal stresses at the centre of the patch, MPa.
+    at_edges: larger stresses at sharp edges and held faces, where they depend on the mesh.
     """
 
     tau_max: float = quantity(
@@ -178,7 +210,16 @@ class Stress:
 
 @dataclass(frozen=True, kw_only=True)
 class FrictionResolution:
-    """What a mesh shows of like bodies that roll without creepage, where half-spaces have none."""
+    """Friction that a mesh shows for bodies of one material that roll without creepage, where half-
+    spaces have none: the resolution of the mesh.
+
+    force_along: force of the wheel on the rail along, N.
+    force_across: force of the wheel on the rail across, N.
+    moment_Nmm: moment about the normal, N mm.
+    traction_max: largest traction, MPa.
+    t_gamma: energy per rolled length, N.
+    stick_share: share of the patch that sticks, 0 to 1.
+    """
 
     force_along: float = quantity("force_along_N")
     force_across: float = quantity("force_across_N")
@@ -190,8 +231,44 @@ class FrictionResolution:
 
 @dataclass(frozen=True, kw_only=True)
 class Friction:
-    """Forces of the wheel on the rail, its motion over it, stick, and what follows for the steel;
-    None where a number does not belong to the motion (rolling, or a shift)."""
+    """Friction of the wheel on the rail, and its effect on the steel. None where a quantity does
+    not belong to the motion (rolling, or a shift).
+
+    force_along: force of the wheel on the rail along, N.
+    force_across: force of the wheel on the rail across, N.
+    moment_Nmm: moment about the normal, N mm.
+    limit: friction coefficient times normal force, N.
+    creepage_along: velocity of the wheel's surface relative to the rail's over the rolling speed,
+        along.
+    creepage_across: the same ratio across the rail.
+    spin_per_mm: spin about the normal, 1/mm.
+    axle: radius by which the axle turns, "free" or "nominal".
+    shift_along: displacement of the wheel along, mm.
+    shift_across: displacement of the wheel across, mm.
+    turn_rad: rotation of the wheel about the normal, rad.
+    stick_share: share of the patch that sticks, 0 to 1.
+    traction_max: largest traction, MPa.
+    t_gamma: energy per rolled length, N.
+    power_W: friction power, W.
+    energy_per_cycle_Nmm: energy dissipated in a cycle of the forces, N mm.
+    newton_steps: number of Newton steps.
+    passes: number of passes of the solver.
+    resolution: friction that the mesh shows without creepage.
+    below_resolution: keys of the quantities that are smaller than the resolution.
+    wear_number: T-gamma without spin of the worst patch, N.
+    t_gamma_over_area: energy per rolled length over area, N/mm2.
+    wear_regime: "mild", "severe" or "catastrophic".
+    von_mises_max: largest von Mises stress with friction, MPa.
+    von_mises_max_depth: its depth, mm.
+    von_mises_max_at: where it lies, in words.
+    traction_coefficient: tangential over normal force.
+    first_yield_p0_over_k: largest pressure over yield stress in shear at first yield.
+    shakedown_limit_p0_over_k: the same ratio up to which a line contact shakes down.
+    shear_yield: yield stress in shear k, MPa.
+    p0_over_k: largest pressure over k.
+    surface_fatigue_index: FI_surf, above 0 where the surface ratchets.
+    shakedown: effect of repeated passes, in words.
+    """
 
     force_along: float = friction(
         "force_along_N",
@@ -266,7 +343,21 @@ class Friction:
 
 @dataclass(frozen=True, kw_only=True)
 class Plastic:
-    """What yields under the load, and what stays without it (mm, mm3, MPa)."""
+    """Yield under the load, and the state after unloading.
+
+    load_over_first_yield: load over the load of first yield.
+    load_steps: number of load steps.
+    strain_max: largest plastic strain.
+    body: "rail" or "wheel", where it lies.
+    place: its place x, y, z, mm.
+    volume_mm3: volume that yields, mm3.
+    depth: lower end of the region that yields, mm deep.
+    top: upper end of the region that yields, mm deep.
+    residual_depth_rail: depth of the imprint in the rail after unloading, mm.
+    residual_depth_wheel: depth of the imprint in the wheel after unloading, mm.
+    residual_von_mises_max: largest von Mises stress after unloading, MPa.
+    elastic_p0_over_k: largest pressure without yield over yield stress in shear.
+    """
 
     load_over_first_yield: float = quantity("load_over_first_yield")
     load_steps: int = quantity("load_steps")
@@ -284,7 +375,17 @@ class Plastic:
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """The numbers of one method for a scene, as under "result" or "hertz" of summary.json."""
+    """The quantities of one method for a scene, as under "result" or "hertz" of summary.json.
+
+    patch: half lengths and area.
+    pressure: largest and mean pressure.
+    approach: approach of the bodies, mm.
+    load: normal force, N.
+    contact_point: centre of the patch x, y, z, mm.
+    stress: largest stresses.
+    friction: None without friction.
+    plastic: None without yield.
+    """
 
     patch: Patch = quantity("patch", record=Patch)
     pressure: Pressure = quantity("pressure", record=Pressure)
@@ -299,7 +400,7 @@ class Answer:
 
 
 def read(record: type[T], values: Mapping[str, Any]) -> T:
-    """A record from its part of summary.json; a quantity that is not there is None."""
+    """A record of class `record` from its part of summary.json; missing quantities are None."""
     found = {}
     for each in dataclasses.fields(record):  # type: ignore[arg-type]
         described: Quantity = each.metadata[METADATA]
@@ -310,7 +411,9 @@ def read(record: type[T], values: Mapping[str, Any]) -> T:
 
 
 def _described(record: type, above: tuple[str, ...] = ()) -> Iterator[Quantity]:
-    """All single values of a record and of the records in it, with their places."""
+    """The `Quantity` of each single value of a record class and of its inner records, with full
+    path.
+    """
     for each in dataclasses.fields(record):
         known: Quantity = each.metadata[METADATA]
         path = (*above, known.key)
@@ -329,11 +432,13 @@ SCATTER = {each.key: each.scatter for each in QUANTITIES if each.scatter}
 
 
 def rows(table: str) -> list[Quantity]:
-    """Quantities that have a row in a table."""
+    """Quantities that have a row in a table: "contact", "load", "friction" or "steel"."""
     return [each for each in QUANTITIES if each.table == table and each.label]
 
 
 def numeric_values(result: Mapping[str, Any] | None) -> dict[str, float]:
-    """The estimated quantities of a dictionary nested as "result" of summary.json, by key."""
+    """Values of the estimated quantities in a dictionary nested as "result" of summary.json, by
+    key.
+    """
     values = {name: each.value(result) for name, each in ESTIMATED.items()}
     return {name: float(value) for name, value in values.items() if value is not None}

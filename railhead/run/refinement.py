@@ -27,8 +27,12 @@ MOST_STEPS = 16  # times the usual number
 
 @dataclass(frozen=True)
 class Ending:
-    """Why a sequence of meshes ended, and what the next one would have cost (unknowns, seconds)
-    where it was not solved."""
+    """Reason why a sequence of meshes ended.
+
+    reason: in words.
+    would_cost: unknowns and seconds of the next mesh that was not solved; None where there was
+        none.
+    """
 
     reason: str
     would_cost: tuple[int, float] | None = None
@@ -37,8 +41,9 @@ class Ending:
 def refine(
     plan: Plan, progress: Progress, comm: MPI.Intracomm
 ) -> tuple[list[MeshSolution], Ending]:
-    """The solved meshes of a plan, coarsest first, and why there are no more of them. Raises
-    SceneError for a mesh that does not fit into the memory, MeshError."""
+    """Solved meshes of a plan, coarsest first, and the reason why the sequence ended; collective.
+    Raises SceneError for a mesh that does not fit into the memory, MeshError where gmsh fails.
+    """
     budget.check_memory(plan, comm.bcast(machine.free_memory()))
     if plan.scene.one_mesh:
         return [mesh_and_solve(plan, plan.grading(), progress, comm)], Ending(ONE_MESH)
@@ -46,8 +51,10 @@ def refine(
 
 
 def unplanned_yield(solved: MeshSolution, comm: MPI.Intracomm) -> str:
-    """Why bodies yield that the plan took for elastic; empty where they do not, where a person
-    wants them elastic, or where friction keeps them so."""
+    """Reason why bodies yield that were planned as elastic. Empty where bodies do not yield, where
+    yield is already simulated or switched off, and where friction excludes it. Same on all
+    ranks.
+    """
     effect, after = solved.plan.effects["plasticity"], solved.after.get("plasticity")
     kept = effect.on or effect.override or "on" in effect.refused
     if after is None or not after.needed or kept:
@@ -56,8 +63,9 @@ def unplanned_yield(solved: MeshSolution, comm: MPI.Intracomm) -> str:
 
 
 def show_progress(*, quiet: bool, since: float | None = None) -> Progress:
-    """The progress display of a run, on the first rank of MPI alone; since: start of its clock
-    (time.perf_counter), now by default."""
+    """Progress display of a run, on the first MPI rank only. quiet: whether nothing is printed;
+    since: start of the clock (time.perf_counter), None: now.
+    """
     return Progress(quiet=quiet or MPI.COMM_WORLD.rank > 0, since=since)
 
 
@@ -66,8 +74,8 @@ def _refine(
 ) -> tuple[list[MeshSolution], Ending]:
     """Solve on a coarse and a fine mesh, and on finer ones until the estimates meet the accuracy.
 
-    Outside the calibrated families a third mesh, coarser still, comes first. Where the laws do not
-    reach the coarse mesh, it could confirm nothing and is left out.
+    Outside the calibrated families a third mesh, coarser still, is solved first. Where the error
+    envelopes do not cover the coarse mesh, that mesh confirms nothing and is left out.
     """
     scene, known = plan.scene, plan.family
     wanted = plan.sizing.resolution
@@ -110,8 +118,9 @@ def _refine(
 
 
 def _stepped(solved: MeshSolution, progress: Progress, comm: MPI.Intracomm) -> MeshSolution:
-    """A coarse level that knows what its load steps cost, and plans as many for finer ones as the
-    accuracy wants: twice as many nearly halve their error."""
+    """The coarse solution with the measured error of its load steps, and a plan with as many load
+    steps as the accuracy needs. A second solution with twice the steps gives that error.
+    """
     plan = solved.plan
     twice = replace(plan, load_steps=2 * plan.load_steps)
     other = mesh_and_solve(twice, solved.grading, progress, comm)
@@ -131,24 +140,26 @@ def _stepped(solved: MeshSolution, progress: Progress, comm: MPI.Intracomm) -> M
 
 
 def _spent(budget: float, seconds: float) -> str:
-    """What became of a budget: an estimate takes two meshes, however little it is."""
+    """Reason of the end of a run with a budget (s): spent, or exceeded by the two smallest meshes."""
     if seconds <= budget:
         return "budget spent"
     return f"the least that gives an estimate took {seconds:.1f} s, over the budget"
 
 
 def _asked(plan: Plan) -> float:
-    """What of the asked accuracy the plan leaves to the mesh."""
+    """Wanted accuracy minus the error of effects that the plan leaves out."""
     return (plan.scene.accuracy or 0.0) - plan.omission_error
 
 
 def _worst(levels: list[MeshSolution]) -> float:
-    """What counts of the estimates of the last mesh."""
+    """Largest error estimate of the last mesh that is compared with the accuracy."""
     return estimates.largest_error(estimates.estimate(levels)[0], levels[-1])
 
 
 def _next(levels: list[MeshSolution], worst: float, wanted: float) -> tuple[float, bool]:
-    """Elements per semi-axis of the next mesh, and whether an estimate can be had there."""
+    """Elements per semi-axis of the next mesh, and whether error estimates exist there. worst:
+    largest error of the last mesh; wanted: planned elements per semi-axis.
+    """
     solved = levels[-1]
     n, asked = solved.resolution, solved.plan.scene.accuracy
     known = solved.family
@@ -165,7 +176,9 @@ def _next(levels: list[MeshSolution], worst: float, wanted: float) -> tuple[floa
 
 
 def _obstacle(plan: Plan, spent: float) -> str:
-    """Why the mesh of a plan is not solved; empty if it is."""
+    """Reason why the mesh of a plan is not solved (memory, or budget after `spent` seconds); empty
+    if there is none.
+    """
     if not budget.fits(plan, machine.free_memory()):
         return f"memory: the next mesh needs about {plan.memory / 1e9:.1f} GB"
     limit = plan.scene.budget

@@ -35,8 +35,9 @@ class ParameterGrid:
 
     @classmethod
     def combine(cls, scene: Scene, lists: Mapping[str, Sequence[object]]) -> ParameterGrid:
-        """The grid of all combinations of lists of values by key. Raises SceneError for a wrong key
-        or value and for more than MAX_COMBINATIONS."""
+        """Grid of all combinations of lists of values by dotted key. Raises SceneError for a wrong
+        key or value and for more than MAX_COMBINATIONS.
+        """
         total = prod(map(len, lists.values()))
         if total > MAX_COMBINATIONS:
             text = f"makes {total} combinations; give at most {MAX_COMBINATIONS}"
@@ -48,7 +49,7 @@ class ParameterGrid:
         return cls(base=scene, keys=list(lists), scenes=scenes)
 
     def values(self, number: int) -> dict[str, object]:
-        """Values of the changing keys in scene `number`, in base units."""
+        """Values of the changing keys in scene `number` by dotted key, in base units."""
         return {key: self.scenes[number].value(key) for key in self.keys}
 
     def label(self, number: int) -> str:
@@ -68,15 +69,16 @@ class ParameterGrid:
 
 
 def column(key: str) -> str:
-    """Header of a table's column with the values of a key, with its unit: "load [N]"."""
+    """Header of a table column with the values of a dotted key: key and base unit, "load [N]"."""
     return f"{key} [{unit(key)}]" if unit(key) else key
 
 
 def parse_values(texts: Sequence[str]) -> dict[str, list[object]]:
-    """Lists of values by key from texts "key=value,value,...".
+    """Lists of values by dotted key from texts "key=value,value,...".
 
-    A value is written as in key=value, or as a range with one unit at its end, "0:10:0.5mm".
-    Raises SceneError for anything else, a key given twice, and a number without its unit.
+    Each value is a scalar with or without unit, or a range first:last:step with one unit at its
+    end, "0:10:0.5mm". Raises SceneError for any other text, a key given twice, and a number without
+    a unit beside numbers with units.
     """
     lists: dict[str, list[object]] = {}
     for text in texts:
@@ -94,7 +96,9 @@ def parse_values(texts: Sequence[str]) -> dict[str, list[object]]:
 
 
 def _expand(key: str, item: str) -> Iterator[str]:
-    """The values of a range, or the one value that is no range."""
+    """The values of the range "first:last:step" with a unit at its end, as texts; any other text
+    unchanged. Raises SceneError for an empty or wrong range and for too many values.
+    """
     if not item:
         raise SceneError(key, "a value between two commas is missing; give one")
     if item.count(":") < 2:
@@ -119,7 +123,9 @@ def _expand(key: str, item: str) -> Iterator[str]:
 
 
 def _check_units(key: str, items: Sequence[str]) -> None:
-    """Refuse 25,50kN, which is 25 N beside 50 kN."""
+    """Raise SceneError where some numbers of a list have a unit and others, not zero, have none,
+    e.g. "25,50kN", which would be 25 N and 50 kN.
+    """
     numbers = [item for item in items if _NUMBER.match(item)]
     bare = [item for item in numbers if _NUMBER.fullmatch(item)]
     without_unit = next((item for item in bare if Decimal(item)), None)

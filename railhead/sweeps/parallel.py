@@ -32,11 +32,11 @@ LOST_RECORD = "its record is gone: something else has written into the folder"
 
 @dataclass(frozen=True, kw_only=True)
 class ParallelSweep:
-    """What the command `railhead sweep` solves and where it writes.
+    """Input of the command `railhead sweep`.
 
     grid: the scenes.
-    folder: of records, table and pictures.
-    vtu: whether each scene leaves files for ParaView.
+    folder: folder of records, table and pictures.
+    vtu: whether files for ParaView are written for each scene.
     """
 
     grid: ParameterGrid
@@ -45,8 +45,10 @@ class ParallelSweep:
 
     @property
     def request(self) -> dict[str, Any]:
-        """All that decides what the records hold, with checksums of the files that scenes name.
-        Raises OSError where one cannot be read."""
+        """Everything that determines the records: "railhead" (version), "scene", "over" (values by
+        key), "files" (SHA-256 by path of the files that scenes name) and "vtu". Raises OSError
+        where a file cannot be read.
+        """
         scenes, keys = self.grid.scenes, self.grid.keys
         over = {key: list(dict.fromkeys(each.value(key) for each in scenes)) for key in keys}
         files = {path for scene in scenes for path in scene.files}
@@ -70,8 +72,9 @@ class ParallelSweep:
         return [float(number) for number in range(count)]
 
     def matches(self, number: int, record: Mapping[str, Any]) -> bool:
-        """Whether a record is one of scene `number`. LookupError, TypeError or ValueError: it is
-        no record at all."""
+        """Whether a record belongs to scene `number`. Raises LookupError, TypeError or ValueError
+        for data that is no record.
+        """
         sweep_table.check(record)
         values = json.loads(result_folder.to_json(self.grid.values(number)))
         return bool(record["over"] == values)
@@ -124,7 +127,11 @@ def _solve_all(
     progress: Progress,
     groups: Sequence[Sequence[int]],
 ) -> dict[int, str]:
-    """Solve the scenes that have no record; returns by number why some still have none."""
+    """Solve the scenes of all groups that have no record; returns reasons by number for scenes that
+    still have none.
+
+    workers: number of processes. submit: starts a job.
+    """
     finished, total = store.done(sweep.folder), len(sweep.grid.scenes)
     progress.jobs(len(finished), total)
     missing = [[number for number in group if number not in finished] for group in groups]
@@ -148,8 +155,10 @@ def _solve_all(
 
 
 def share(numbers: Sequence[int], groups: int, workers: int) -> list[Sequence[int]]:
-    """The numbers of one of several groups in as many parts as there are processes for it. Each
-    process makes the mesh of the whole group again: it would wait for that in any case."""
+    """The numbers of one of `groups` groups, distributed over as many processes as there are for
+    each group. Each process makes the mesh of the whole group again, as it would otherwise wait
+    for that mesh.
+    """
     parts = min(len(numbers), max(1, workers // max(1, groups)))
     return [numbers[first::parts] for first in range(parts)]
 
@@ -161,8 +170,12 @@ def _solve(
     wanted: Sequence[int],
     vtu: bool,
 ) -> dict[int, str]:
-    """In a process of its own: solve the wanted scenes of a group and write the record of each,
-    after its .vtu files. Returns by number why some have none: not enough free memory now."""
+    """Solve the scenes `wanted` of a group in this process, and write for each its .vtu files (with
+    `vtu`) and then its record.
+
+    keys: dotted keys whose values change. Returns reasons by number for scenes without a record:
+        not enough free memory now.
+    """
     faults: dict[int, str] = {}
     solved = runner.solve_group(group, wanted, Progress(quiet=True), MPI.COMM_SELF)
     for number, result in solved:
@@ -181,9 +194,9 @@ def _solve(
 def _write(
     sweep: ParallelSweep, faults: Mapping[int, str], y_label: str, *, pictures: bool
 ) -> dict[int, str]:
-    """Write table and pictures beside the records; returns the status of each scene.
+    """Write table and pictures beside the records; returns the status of each scene by number.
 
-    faults: why scenes without a record have none. y_label: of y in the pictures.
+    faults: reasons by number for scenes without a record. y_label: label of y in the pictures.
     """
     from railhead.postprocess.plots import sweep as plots
 
@@ -209,7 +222,7 @@ def _write(
 
 
 def _write_time_series(sweep: ParallelSweep, status: Mapping[int, str], work: Path) -> None:
-    """The scenes that passed as time steps for ParaView."""
+    """Write .pvd files for ParaView with the scenes that passed as time steps. work: target folder."""
     from railhead.postprocess.vtu import export
 
     for name in store.SERIES:

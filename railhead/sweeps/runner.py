@@ -36,8 +36,9 @@ MAX_LOAD_RATIO = 8.0  # largest over smallest load of a group: where elements in
 
 
 def plan_all(grid: ParameterGrid, progress: Progress) -> list[Plan]:
-    """The plans of all scenes. Raises SceneError, with the values of the scene, for the first that
-    makes no contact problem."""
+    """Plans of all scenes of a grid. Raises SceneError, with the values of the scene, for the first
+    scene that makes no contact problem.
+    """
     plans = []
     for number, scene in enumerate(grid.scenes):
         if number % 10 == 0:
@@ -50,7 +51,9 @@ def plan_all(grid: ParameterGrid, progress: Progress) -> list[Plan]:
 
 
 def group_by_mesh(plans: Sequence[Plan]) -> list[list[int]]:
-    """Numbers of the plans that share a mesh, each group by rising load; the others alone."""
+    """Groups of numbers of plans that share a mesh, each by rising load. A plan that shares no mesh
+    is a group of its own.
+    """
     alike: dict[str, list[int]] = {}
     for number, plan in enumerate(plans):
         alike.setdefault(_mesh_key(number, plan), []).append(number)
@@ -67,8 +70,10 @@ def group_by_mesh(plans: Sequence[Plan]) -> list[list[int]]:
 
 
 def _mesh_key(number: int, plan: Plan) -> str:
-    """A text that is equal for plans that may share a mesh: elastic and frictionless under given
-    loads, without an asked accuracy, with the same effects and the same stretch of elements."""
+    """Text that is equal for plans that may share a mesh: elastic and frictionless under given
+    loads, on one mesh, with the same scene but the load, the same effects and the same stretch
+    of elements.
+    """
     scene = plan.scene
     if scene.load is None or scene.accuracy or scene.budget or not plan.is_elastic_frictionless:
         return str(number)
@@ -82,10 +87,11 @@ def solve_group(
     progress: Progress,
     comm: MPI.Intracomm = MPI.COMM_WORLD,
 ) -> Iterator[tuple[int, Result | MeshError | SceneError]]:
-    """Solve the wanted scenes of a group; yields number and result, or the error that refuses it.
+    """Solve the scenes `wanted` of a group; yields number and result, or the error that refused the
+    scene.
 
-    group: scenes by number, by rising load, for all of which the mesh is made. A scene that the
-    mesh does not suit (it yields, or its patch is not the forecast one) gets a mesh of its own.
+    group: scenes by number, by rising load; the mesh is made for all of them. A scene for which the
+        mesh is not suitable (yield, or a patch in another place) gets a mesh of its own.
     """
     plans = {number: planning.make(scene) for number, scene in group.items()}
     shared = _assemble(list(plans.values()), progress, comm) if len(plans) > 1 else None
@@ -104,8 +110,9 @@ def solve_group(
 def _assemble(
     plans: Sequence[Plan], progress: Progress, comm: MPI.Intracomm
 ) -> tuple[ContactMesh, ContactModel] | None:
-    """Mesh and model for all plans, with bodies as large as the largest load wants them; None where
-    gmsh cannot mesh them, or where they do not fit into the memory."""
+    """Mesh and model for all plans of a group, with bodies of the size for the largest load; None
+    where gmsh cannot mesh them or where they do not fit into the memory.
+    """
     largest = plans[-1]
     if not budget.fits(largest, comm.bcast(machine.free_memory())):
         return None
@@ -125,7 +132,7 @@ def _assemble(
 def _solve_on_shared(
     mesh: ContactMesh, model: ContactModel, plan: Plan, progress: Progress, comm: MPI.Intracomm
 ) -> Result | None:
-    """The result of one load; None where the shared mesh does not suit it."""
+    """Result of one load on the shared mesh; None where that mesh is not suitable."""
     solved = solve_on_mesh(mesh, model, plan, progress, comm)
     if solved is None or refinement.unplanned_yield(solved, comm):
         return None

@@ -22,9 +22,10 @@ SERIES = ("solution", "contact")  # of .vtu files
 
 
 def begin(folder: Path, request: Mapping[str, Any], *, resume: bool) -> None:
-    """Make the folder of a new sweep, in the place of an earlier result, or take up the one that is
-    there. Raises SceneError where that holds another sweep, is in use or has a broken file, OSError
-    where nothing can be written."""
+    """Make the folder of a new sweep in the place of an earlier result, or with `resume` continue
+    the sweep in the folder. request: all that determines the records. Raises SceneError for
+    another sweep, a folder in use or a broken file, OSError where nothing can be written.
+    """
     if resume and folder.is_dir() and os.listdir(folder):
         _check_request(folder, json.loads(result_folder.to_json(dict(request))))
         _make_folders(folder, request)
@@ -38,13 +39,16 @@ def begin(folder: Path, request: Mapping[str, Any], *, resume: bool) -> None:
 
 
 def _make_folders(folder: Path, request: Mapping[str, Any]) -> None:
+    """Make the folders of records and, where requested, of .vtu files."""
     for name in (RECORDS, VTU) if request.get("vtu") else (RECORDS,):
         (folder / name).mkdir(exist_ok=True)
 
 
 @contextmanager
 def claimed(folder: Path) -> Iterator[None]:
-    """Keep other sweeps out of a sweep's folder. Raises SceneError where one is at work there."""
+    """Lock the folder of a sweep against other sweeps for the block. Raises SceneError where
+    another sweep works there.
+    """
     with open(folder / REQUEST) as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -57,7 +61,7 @@ def claimed(folder: Path) -> Iterator[None]:
 
 
 def _check_request(folder: Path, request: dict[str, Any]) -> None:
-    """Raise SceneError where the folder's sweep is not the requested one."""
+    """Raise SceneError where the sweep in the folder differs from the requested one."""
     name = repr(str(folder))
     if not (folder / REQUEST).is_file():
         raise SceneError("--resume", f"{name} holds no sweep; leave it out")
@@ -76,7 +80,7 @@ def _check_request(folder: Path, request: dict[str, Any]) -> None:
 
 
 def _flat(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
-    """The values of nested tables by dotted key."""
+    """Values of nested tables by dotted key. above: prefix of the keys."""
     values: dict[str, Any] = {}
     for key, value in table.items():
         values |= (
@@ -92,7 +96,7 @@ def done(folder: Path) -> set[int]:
 
 
 def write(folder: Path, number: int, record: Mapping[str, Any]) -> None:
-    """Write the record of a scene; it appears whole or not at all. Raises OSError."""
+    """Write the record of scene `number`; the file appears whole or not at all. Raises OSError."""
     path = _record(folder, number)
     part = path.with_name(f".{path.name}.{os.getpid()}")
     part.write_text(result_folder.to_json(dict(record)), encoding="utf-8")
@@ -100,15 +104,15 @@ def write(folder: Path, number: int, record: Mapping[str, Any]) -> None:
 
 
 def read(folder: Path, number: int) -> dict[str, Any]:
-    """The record of a scene. Raises SceneError where its file is broken."""
+    """Record of scene `number`. Raises SceneError where its file is broken."""
     return _load(_record(folder, number))
 
 
 def check(folder: Path, matches: Callable[[int, dict[str, Any]], bool]) -> None:
-    """Raise SceneError for the first record that cannot be read, or is not one of its scene.
+    """Raise SceneError for the first record that cannot be read or does not belong to its scene.
 
-    matches: of number and record; raises LookupError, TypeError, ValueError or AttributeError for
-    what is no record.
+    matches: function of number and record; returns whether they belong together, raises
+        LookupError, TypeError, ValueError or AttributeError for data that is no record.
     """
     for number in done(folder):
         try:
@@ -120,8 +124,9 @@ def check(folder: Path, matches: Callable[[int, dict[str, Any]], bool]) -> None:
 
 
 def drop_without_vtu(folder: Path) -> None:
-    """Remove the records of solved scenes whose .vtu files are gone, so that they are solved
-    again."""
+    """Remove the records of solved scenes whose .vtu files are missing, so that these scenes are
+    solved again.
+    """
     for number in done(folder):
         files = [vtu_folder(folder, number) / f"{name}.vtu" for name in SERIES]
         if not read(folder, number).get("fault") and not all(map(Path.is_file, files)):
@@ -129,13 +134,14 @@ def drop_without_vtu(folder: Path) -> None:
 
 
 def vtu_folder(folder: Path, number: int) -> Path:
-    """The folder of a scene's .vtu files."""
+    """Folder of the .vtu files of scene `number`."""
     return folder / VTU / f"{number:05d}"
 
 
 def copy(folder: Path, target: Path) -> None:
-    """Put request, records and .vtu files into a folder that is to take the place of this one: the
-    same files under another name, copies where the disk has no links."""
+    """Put request, records and .vtu files of a sweep into the folder `target` that will replace the
+    sweep's folder: as hard links, or as copies where the disk has none.
+    """
     shutil.copy2(folder / REQUEST, target / REQUEST)
     unfinished = shutil.ignore_patterns(".*")
     for name in (RECORDS, VTU):
@@ -144,6 +150,7 @@ def copy(folder: Path, target: Path) -> None:
 
 
 def _link(source: str, target: str) -> None:
+    """Make a hard link, or a copy where the disk has no links."""
     try:
         os.link(source, target)
     except OSError:
@@ -151,10 +158,12 @@ def _link(source: str, target: str) -> None:
 
 
 def _record(folder: Path, number: int) -> Path:
+    """Path of the record of scene `number`."""
     return folder / RECORDS / f"{number:05d}.json"
 
 
 def _load(path: Path) -> dict[str, Any]:
+    """The table of a JSON file. Raises SceneError for anything else."""
     try:
         table = json.loads(path.read_text(encoding="utf-8"))
     except ValueError:
@@ -165,4 +174,5 @@ def _load(path: Path) -> dict[str, Any]:
 
 
 def _broken(path: Path) -> SceneError:
+    """The error that reports a broken file of a sweep."""
     return SceneError("--resume", f"{str(path)!r} is broken; delete it and resume again")

@@ -18,22 +18,27 @@ if TYPE_CHECKING:
 
 
 class Sweep(list[Result]):
-    """Results of all combinations, the last key changing fastest.
+    """List of the results of all combinations, the last key changing fastest.
 
     keys: dotted keys whose values change.
     """
 
     def __init__(self, results: Iterable[Result], keys: Sequence[str]) -> None:
+        """results: in the order of combinations; keys: dotted keys whose values change."""
         super().__init__(results)
         self.keys = list(keys)
 
     def rows(self) -> list[dict[str, Any]]:
-        """A table with a row for each result: the changed values by key, `passed`, `unknowns`, the
-        quantities that carry an estimate by their names in summary.json (None where nothing
-        touches), and `bound_<name>`, their relative error bounds (None where there is none)."""
+        """A table with a row for each result, cells by column name.
+
+        Columns: the changed values by key; `passed`; `unknowns`; the quantities with an error
+            estimate by their names in summary.json (None where nothing touches); `bound_<name>`,
+            their relative error bounds (None where there is none).
+        """
         return [self._row(result) for result in self]
 
     def _row(self, result: Result) -> dict[str, Any]:
+        """The row of one result, cells by column name."""
         summary = result.as_dict()
         changed = {key: result.plan.scene.value(key) for key in self.keys}
         verdict = {"passed": result.passed, "unknowns": summary["cost"]["dofs"]}
@@ -43,7 +48,7 @@ class Sweep(list[Result]):
         return changed | verdict | values | bounds
 
     def to_csv(self, path: str | Path) -> None:
-        """Write the rows as comma-separated values, in UTF-8 with its mark."""
+        """Write the rows as comma-separated values, in UTF-8 with a byte order mark."""
         Path(path).write_bytes(table_file.encoded(self.rows()))
 
     def to_dataframe(self) -> Any:
@@ -61,9 +66,14 @@ def sweep(
     quiet: bool = False,
     **values: Sequence[object],
 ) -> Sweep:
-    """Solve a scene for every combination of values, by key: ``load=["25 kN", "50 kN"]``, those
-    with a dot as a mapping: ``{"wheelset.shift": [0, 2]}``. Every scene is planned before the first
-    is solved; those that differ in their load alone share a mesh. Raises SceneError, MeshError."""
+    """Solve a scene for every combination of values.
+
+    over: lists of values by key, for keys with a dot: ``{"wheelset.shift": [0, 2]}``.
+    quiet: whether no progress is shown on standard error.
+    values: lists of values by key: ``load=["25 kN", "50 kN"]``.
+    All scenes are planned before the first is solved; those that differ in their load alone share a
+    mesh. Raises SceneError for a wrong scene, MeshError where gmsh fails.
+    """
     grid = ParameterGrid.combine(scene, _lists(over, values))
     results: dict[int, Result] = {}
     with refinement.show_progress(quiet=quiet) as progress:
@@ -80,8 +90,9 @@ def sweep(
 def _lists(
     over: Mapping[str, Sequence[object]] | None, values: Mapping[str, Sequence[object]]
 ) -> dict[str, Sequence[object]]:
-    """Both ways to give lists of values in one mapping. Raises SceneError for what is no mapping of
-    keys to lists, and for a key in both."""
+    """Lists of values by key from a mapping and from keyword arguments. Raises SceneError for
+    anything that is no mapping of keys to lists, and for a key in both.
+    """
     if not isinstance(over or {}, Mapping):
         raise SceneError("over", f"{over!r} is not a mapping of keys to lists of values; give one")
     for key in (over or {}).keys() & values.keys():

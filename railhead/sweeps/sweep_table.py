@@ -19,11 +19,11 @@ CHECKS, PASSED = "checks", "passed"
 
 
 def record(result: Result | Exception) -> dict[str, Any]:
-    """The record of a scene, as plain data.
+    """Record of a solved scene, or of the error that refused the scene, as plain data.
 
-    fault: why there is no result, in one line; empty where there is one.
-    summary: summary.json.
-    outlines: of the patches seen from above, points x, y in mm.
+    fault: reason why there is no result, in one line; empty where there is one.
+    summary: content of summary.json.
+    outlines: outlines of the patches seen from above, lists of points x, y in mm.
     """
     if isinstance(result, Exception):
         return {"fault": " ".join(str(result).split())}
@@ -36,10 +36,10 @@ def record(result: Result | Exception) -> dict[str, Any]:
 
 
 def row(values: Mapping[str, object], record: Mapping[str, Any]) -> dict[str, Any]:
-    """A row of sweep.csv: cells by column.
+    """A row of sweep.csv: cells by column header.
 
-    values: of the changing keys. Where Newton's method did not converge, or there is no result, the
-    row ends after the column `checks`.
+    values: values of the changing keys by dotted key. Where Newton's method did not converge, or
+        there is no result, the row ends after the column `checks`.
     """
     cells: dict[str, Any] = {column(key): value for key, value in values.items()}
     cells[CHECKS] = status(record)
@@ -66,7 +66,9 @@ def row(values: Mapping[str, object], record: Mapping[str, Any]) -> dict[str, An
 
 
 def check(record: Mapping[str, Any]) -> None:
-    """Raise LookupError, TypeError or ValueError for what is no record of `record`."""
+    """Raise LookupError, TypeError or ValueError for data that is no record of a scene (fault,
+    summary, outlines).
+    """
     numbers = {each.header for each in COLUMNS if each.unit} | set(OTHERS)
     for name, value in row({}, record).items():
         if name in numbers and not isinstance(value, int | float | None):
@@ -76,7 +78,9 @@ def check(record: Mapping[str, Any]) -> None:
 
 
 def status(record: Mapping[str, Any]) -> str:
-    """PASSED, or which checks failed, or why there is no result."""
+    """State of a record in words: "passed", the names of the failed checks, or the reason why there
+    is no result.
+    """
     if record["fault"]:
         return f"NOT SOLVED: {record['fault']}"
     checks = record["summary"]["checks"]

@@ -27,11 +27,11 @@ JOBS_PER_PROCESS = 8  # then a new one: libraries keep memory that ends with the
 
 @dataclass(frozen=True)
 class Attempt(Generic[T]):
-    """The outcome of a job.
+    """Outcome of a job.
 
-    value: what the job returned; None where it raised, crashed or took longer than its limit.
+    value: return value of the job; None where it raised, crashed or took longer than its limit.
     seconds: duration of the job; 0 where its process crashed.
-    fault: why there is no value, in one line, else empty.
+    fault: reason why there is no value, in one line; else empty.
     """
 
     value: T | None
@@ -47,10 +47,11 @@ def attempts(
     jobs: Sequence[tuple[Any, ...]],
     limits: Sequence[float | None] | None = None,
 ) -> Iterator[Attempt[T]]:
-    """Call work(*job) for each job in a process of its own; yields the outcomes in their order.
+    """Call work(*job) for each job in a process of its own; yields the outcomes in the order of
+    jobs.
 
     limits: longest duration of each job in s; None for no limit. `work`, its arguments and its
-    value are pickled.
+        return value are pickled.
     """
     limits = limits or [None] * len(jobs)
     with _processes() as pool:
@@ -84,7 +85,9 @@ def workers(ranks: int) -> int:
 
 
 def outcome(future: Future[Attempt[T]], limit: float | None = None) -> Attempt[T]:
-    """Wait for a job of `submitting` and return its outcome; limit: the one it was given, in s."""
+    """Wait for a submitted job and return its outcome. limit: longest duration of the job in s, or
+    None.
+    """
     try:
         return future.result()
     except LimitExceededError:
@@ -95,6 +98,7 @@ def outcome(future: Future[Attempt[T]], limit: float | None = None) -> Attempt[T
 
 @contextmanager
 def _processes() -> Iterator[ProcessPool]:
+    """Pool of processes, one for each core; stopped at the end of the block."""
     context = multiprocessing.get_context("spawn")
     with ProcessPool(
         os.cpu_count() or 1, max_tasks=JOBS_PER_PROCESS, initializer=_single, context=context
@@ -106,8 +110,9 @@ def _processes() -> Iterator[ProcessPool]:
 
 
 def _single() -> None:
-    """Set up a new process, before numpy and MPI are loaded: one thread, no rank of MPI, ended with
-    its parent."""
+    """Set up a new process before numpy and MPI are loaded: one thread, no MPI rank, terminated
+    with its parent.
+    """
     die_with_parent()
     for name in [name for name in os.environ if name.startswith(("OMPI_", "PMIX_"))]:
         del os.environ[name]
@@ -116,6 +121,7 @@ def _single() -> None:
 
 
 def _attempt(work: Callable[..., T], *job: Any) -> Attempt[T]:
+    """Outcome of work(*job) in this process; an exception becomes its text."""
     start = time.perf_counter()
     try:
         return Attempt(work(*job), time.perf_counter() - start)

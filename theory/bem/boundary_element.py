@@ -33,9 +33,10 @@ class Solution:
     """Normal contact of half-spaces in several windows (rectangular domains of cells) that do not
     overlap.
 
-    windows: the solved patches, a window each.
-    coarse: the same contact on the coarser grids of the search; None where these were the last
-        ones.
+    windows: the solved pressure of each window.
+    contact_modulus: E*, MPa; 1/E* is the sum of (1 - nu^2)/E of both bodies.
+    coarse: the same contact on the coarser grids of the search; None where those grids were the
+        last ones.
     """
 
     windows: tuple[PatchSolution, ...]
@@ -54,12 +55,12 @@ class Solution:
 
     @property
     def force(self) -> float:
-        """Integral of the pressure, N."""
+        """Integral of the pressure over all windows, N."""
         return sum(window.force for window in self.windows)
 
     @property
     def max_pressure(self) -> float:
-        """Largest pressure of all patches, MPa; see `PatchSolution.max_pressure`."""
+        """Largest pressure of all windows, MPa, from parabolas through the highest cells."""
         return max(window.max_pressure for window in self.windows)
 
     @property
@@ -69,12 +70,14 @@ class Solution:
 
     @property
     def patches(self) -> list[PatchSolution]:
-        """Connected patches, most loaded first."""
+        """Connected patches of all windows, the one with the largest force first."""
         found = [patch for window in self.windows for patch in window.separate()]
         return sorted(found, key=lambda patch: -patch.force)
 
     def displacement(self, x: Array, s: Array, angle: Array) -> Array:
-        """Normal displacement (n,) of places x, s (n,) outside of the windows, mm."""
+        """Normal displacement (n,), mm, of places x, s (n,), mm, outside of the windows. angle:
+        tilt (n,) of the normals there, rad.
+        """
         total, places = np.zeros((2, x.size)), np.column_stack([x, s])
         for window in self.windows:
             nodes = Nodes(window)
@@ -150,7 +153,12 @@ def _search(
     split: bool,
     given: dict[str, float | None],
 ) -> Solution:
-    """Solve on domains until every patch suits its own."""
+    """Solve on domains that are adapted until each suits its patch, first coarse, then with `cells`
+    cells along each axis.
+
+    split: whether separate patches get domains of their own. given: {"load": N or None, "approach":
+        mm or None}. Other arguments and errors: `solve_developed`.
+    """
     load, approach = given["load"], given["approach"]
     if (load is None) == (approach is None):
         raise ValueError("give exactly one of load and approach")
@@ -196,7 +204,9 @@ def _search(
 
 
 def _sample(gap: Gap, grid: Grid) -> Array:
-    """The gap (nx, ns) at the cell centres."""
+    """Undeformed gap (nx, ns), mm, at the cell centres; infinite above FAR. Raises ValueError for a
+    wrong shape, NaN and values out of range.
+    """
     x, s = grid.x, grid.s
     values = np.asarray(gap(np.repeat(x, s.size), np.tile(s, x.size)), dtype=float)
     if values.shape != (x.size * s.size,):
@@ -218,14 +228,19 @@ def equilibrium(
     tolerance: float,
     guess: Solution | None,
 ) -> list[PatchSolution]:
-    """Constrained conjugate gradients (Polonsky and Keer, Wear 231, 1999) on fixed grids, with a
-    gap (nx, ns) on each and `load` or `approach` as in `solve_developed`.
+    """Pressure on fixed grids by constrained conjugate gradients (Polonsky and Keer, Wear 231,
+    1999).
 
-    With the cells' areas w and c = cos(angle), p minimises sum w p (u(p)/2 + gap) over p >= 0
-    under sum w c p = load. Its gradient, in the inner product weighted by w, in which u(p) is
-    self-adjoint, is the residual u + gap - approach c: the approach is the multiplier, chosen to
-    make the residual in the patch orthogonal to c; so are made the directions. In a plane (c = 1)
-    on one grid this is their method.
+    undeformed: gap (nx, ns) on each grid, mm. load, approach: N and mm, one of them None.
+        tolerance: of the gap in the patch, over the largest displacement. guess: earlier solution
+        from which the iterations start, or None.
+
+    With the cells' areas w and c = cos(angle), p minimises sum w p (u(p)/2 + gap) over p >= 0 under
+    sum w c p = load. Its gradient, in the inner product weighted by w, in which u(p) is self-
+    adjoint, is the residual u + gap - approach c. The approach is the multiplier that makes the
+    residual in the patch orthogonal to c; search directions are made orthogonal to c, too. In a
+    plane (c = 1) on one grid this is the method of the paper. Raises ValueError without
+    convergence.
     """
     influence = Influence(grids, contact_modulus)
     weight = np.concatenate(
@@ -277,7 +292,9 @@ def equilibrium(
 
 
 def _interpolated(guess: Solution, grid: Grid) -> Array:
-    """Pressure (nx, ns) of an earlier solution at the cells of a grid."""
+    """Pressure (nx, ns), MPa, of an earlier solution, interpolated to the cells of a grid; 0
+    outside.
+    """
     places = tuple(np.meshgrid(grid.x, grid.s, indexing="ij"))
     return np.asarray(sum(
         RegularGridInterpolator((old.x, old.s), old.pressure, "linear", False, 0.0)(places)

@@ -22,11 +22,12 @@ MOST = 8  # domains that one is split into
 def suited(
     patches: Sequence[PatchSolution], domains: Sequence[Array], *, fine: bool, split: bool
 ) -> list[Array]:
-    """Rectangular domains for the next solution, one a patch.
+    """Rectangular domains (2, 2) for the next solution: centres and half sizes, mm, one a patch.
 
-    A domain stays where it suits its patch, grows where the patch meets its border, and shrinks or
-    is split where the patch does not fill it. Where nothing touches there is none. Fine domains
-    only grow.
+    A domain that suits its patch remains, one whose patch meets the border grows, and one that the
+    patch does not fill shrinks. With `split`, separate patches in a domain get domains of their
+    own. A domain without contact is dropped. With `fine`, domains only grow. Overlapping domains
+    are merged.
     """
     better = []
     for patch, domain in zip(patches, domains, strict=True):
@@ -43,12 +44,16 @@ def suited(
 
 
 def merged(domains: Sequence[Array]) -> list[Array]:
-    """Domains that do not overlap and cover the same area as the given ones."""
+    """Domains (2, 2) that do not overlap: overlapping ones are replaced by the smallest rectangle
+    around them.
+    """
     return [_around(np.array(group)) for group in _groups(domains, 1.0)]
 
 
 def towards(gap: Array, domain: Array, grid: Grid) -> Array:
-    """The domain around the least gap (nx, ns): wider if that is on the border, else narrower."""
+    """Domain (2, 2) around the cell of the smallest gap (nx, ns): twice as wide in the directions
+    in which that cell lies on the border, else an eighth as wide.
+    """
     i, j = np.unravel_index(int(np.argmin(gap)), gap.shape)
     border = np.isin((i, j), (0, gap.shape[0] - 1))
     factor = np.where(border, 2, 1) if border.any() else 1 / 8
@@ -56,7 +61,9 @@ def towards(gap: Array, domain: Array, grid: Grid) -> Array:
 
 
 def _apart(touching: NDArray[np.bool_], domain: Array) -> list[Array]:
-    """Domains around the separate patches in one, those that are near to each other together."""
+    """Domains (2, 2) around the separate patches in a domain. touching: cells with pressure (nx,
+    ns). Patches closer than APART times their size share a domain; at most MOST domains result.
+    """
     boxes = []
     size = 2 * domain[1] / touching.shape
     for slices in find_objects(label(touching, structure=np.ones((3, 3)))[0]):
@@ -70,7 +77,9 @@ def _apart(touching: NDArray[np.bool_], domain: Array) -> list[Array]:
 
 
 def _groups(boxes: Sequence[Array], factor: float) -> list[list[Array]]:
-    """Boxes that overlap when they, or what surrounds those already together, grow by a factor."""
+    """Groups of boxes (2, 2): two boxes are in one group where they overlap after their half sizes
+    are multiplied by `factor`; a group counts as the smallest box around it.
+    """
     groups: list[list[Array]] = []
     for box in boxes:
         group = [box]
@@ -82,12 +91,15 @@ def _groups(boxes: Sequence[Array], factor: float) -> list[list[Array]]:
 
 
 def _near(group: list[Array], other: list[Array], factor: float) -> bool:
+    """Whether the boxes around two groups overlap after their half sizes are multiplied by
+    `factor`.
+    """
     one, two = _around(np.array(group)), _around(np.array(other))
     return bool(np.all(np.abs(one[0] - two[0]) < factor * (one[1] + two[1])))
 
 
 def _around(boxes: Array) -> Array:
-    """Smallest box (2, 2) around boxes (n, 2, 2)."""
+    """Smallest box (2, 2), centre and half sizes, around boxes (n, 2, 2)."""
     if len(boxes) == 1:
         return np.asarray(boxes[0])
     low, high = (boxes[:, 0] - boxes[:, 1]).min(axis=0), (boxes[:, 0] + boxes[:, 1]).max(axis=0)
@@ -95,7 +107,9 @@ def _around(boxes: Array) -> Array:
 
 
 def _window(used: NDArray[np.bool_], domain: Array, fine: bool) -> tuple[float, float]:
-    """Middle and half width of a domain that suits the patch, along an axis of cells (n,)."""
+    """Middle and half width (mm) of the next domain along one axis. used: cells with pressure (n,);
+    domain: present middle and half width; fine: the domain may only grow.
+    """
     (middle, half), n, (first, last) = domain, used.size, np.flatnonzero(used)[[0, -1]]
     if first == 0 or last == n - 1:
         return middle + half * (int(last == n - 1) - int(first == 0)), 2 * half

@@ -18,12 +18,19 @@ SURFACE = 1e-3  # ... and so many cells below the surface
 
 
 class GridPotential:
-    """Derivatives of psi and psi1 (see `potential`) at n points below a grid, depth > 0.
+    """Derivatives of the potentials psi = int p/rho dA and psi1 = int p ln(rho + z) dA of a
+    pressure p in grid cells, at n points below the surface; rho is the distance and z > 0 the
+    depth.
 
-    x, s and depth are arrays (n,) in mm. Properties hold arrays (n,) in MPa.
+    strength: mixed pressure difference at each corner of cells, (m,), MPa.
+    X, Y: distances of the points from the corners along x and s, (n, m), mm.
+    z: depths, (n, 1), mm.
+    R: distances of the points from the corners, (n, m), mm.
+    Properties are arrays (n,) in MPa.
     """
 
     def __init__(self, patch: PatchSolution, x: Array, s: Array, depth: Array) -> None:
+        """patch: pressure on a grid; x, s, depth: coordinates (n,) of the points, mm, depth > 0."""
         jumps = np.diff(np.diff(np.pad(patch.pressure, 1), axis=0), axis=1)
         i, j = np.nonzero(jumps)
         self.strength = jumps[i, j]
@@ -34,12 +41,12 @@ class GridPotential:
 
     @property
     def psi_z(self) -> Array:
-        """Derivative psi_z of the potential, (n,), MPa."""
+        """Derivative of psi by the depth, (n,), MPa."""
         return self._sum(-np.arctan(self.X * self.Y / (self.z * self.R)))
 
     @property
     def depth_times_hessian(self) -> tuple[Array, Array, Array, Array, Array, Array]:
-        """Depth times psi_xx, psi_yy, psi_zz, psi_xy, psi_xz, psi_yz, each (n,), MPa."""
+        """Depth times psi_xx, psi_yy, psi_zz, psi_xy, psi_xz, psi_yz, each (n,), MPa; y is s."""
         along, across = self.X**2 + self.z**2, self.Y**2 + self.z**2
         over_y = _share(self.R, self.Y, along) / self.R  # 1 / (R (R + Y))
         over_x = _share(self.R, self.X, across) / self.R
@@ -50,25 +57,29 @@ class GridPotential:
 
     @property
     def log_hessian(self) -> tuple[Array, Array, Array]:
-        """Derivatives psi1_xx, psi1_yy, psi1_xy of the logarithmic potential, each (n,), MPa."""
+        """Second derivatives psi1_xx, psi1_yy, psi1_xy, each (n,), MPa; y is s."""
         X, Y, z, R = self.X, self.Y, self.z, self.R
         xx = np.arctan2(Y * (R - z) * X, X * X * R + z * Y * Y)
         yy = np.arctan2(X * (R - z) * Y, Y * Y * R + z * X * X)
         return self._sum(xx), self._sum(yy), self._sum(np.log(R + z))
 
     def _sum(self, corners: Array) -> Array:
+        """Sum over the corners of their values (n, m) times their pressure differences, (n,)."""
         return np.asarray(corners @ self.strength)
 
 
 def stress(patch: PatchSolution, poisson: float, points: Array) -> Array:
-    """Stress (n, 6), as `subsurface.stress`, at points (n, 3), z < 0, below a grid's pressure."""
+    """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, tension positive, at points (n, 3), z <
+    0, mm, below the pressure of a grid on a half-space.
+    """
     x, s, z = points.T
     return subsurface.love(GridPotential(patch, x, s, -z), poisson)
 
 
 def largest_von_mises(patch: PatchSolution, poisson: float) -> float:
-    """Largest von Mises stress below the pressure of a patch, MPa, searched below a grid of PLACES
-    x PLACES places and below the cell of the largest pressure.
+    """Largest von Mises stress (MPa) below the pressure of a patch. Searched below PLACES x PLACES
+    places and below the cell of the largest pressure, at DEPTHS depths down to the smaller half
+    length, and near the surface.
     """
     top = np.unravel_index(int(np.argmax(patch.pressure)), patch.pressure.shape)
     lines = [
@@ -92,5 +103,5 @@ def _edges(centres: Array) -> Array:
 
 
 def _share(R: Array, side: Array, rest: Array) -> Array:
-    """1 / (R + side), where R^2 - side^2 = rest: without cancellation for a negative side."""
+    """1 / (R + side) with rest = R^2 - side^2, without cancellation where side is negative."""
     return np.where(side > 0, 1 / (R + np.abs(side)), (R + np.abs(side)) / rest)

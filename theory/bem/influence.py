@@ -21,10 +21,14 @@ NODES = 16  # an axis, to which a grid gathers its pressure for other grids
 
 
 class Influence:
-    """From pressure (n,) in the cells of all grids, in MPa, to normal displacement (n,) in mm."""
+    """Linear map from the pressure (n,) in the cells of all grids, MPa, to the normal displacement
+    (n,) of the surfaces there, mm, both bodies together. n counts the cells of all grids.
+
+    own: displacement of a cell by a unit pressure in that cell, largest of all grids, mm/MPa.
+    """
 
     def __init__(self, grids: Sequence[Grid], contact_modulus: float) -> None:
-        """contact_modulus: E*, MPa. The rectangles of the grids must not overlap."""
+        """grids: rectangular grids that must not overlap; contact_modulus: E*, MPa."""
         self._shapes = [(grid.x.size, grid.s.size) for grid in grids]
         self._cuts = np.cumsum([nx * ns for nx, ns in self._shapes])[:-1]
         own, self._within = zip(*(_love(grid, contact_modulus) for grid in grids), strict=True)
@@ -36,11 +40,12 @@ class Influence:
         }
 
     def split(self, values: Array) -> list[Array]:
-        """(n,) -> one array (nx, ns) a grid."""
+        """Values (n,) of all cells as one array (nx, ns) for each grid."""
         pieces = zip(np.split(values, self._cuts), self._shapes, strict=True)
         return [piece.reshape(shape) for piece, shape in pieces]
 
     def __call__(self, pressure: Array) -> Array:
+        """Normal displacement (n,), mm, of a pressure (n,), MPa."""
         pieces = self.split(pressure)
         moved = [within(piece) for within, piece in zip(self._within, pieces, strict=True)]
         forces = [nodes.gather(piece) for nodes, piece in zip(self._nodes, pieces, strict=False)]
@@ -52,52 +57,66 @@ class Influence:
 
 
 class Nodes:
-    """A coarse grid over the cells of one, between which values are linear: what others see."""
+    """Coarse nodes over the cells of a grid, with bilinear interpolation between nodes. Distant
+    grids exchange forces and displacements through nodes.
+
+    places: coordinates (x, s) of the nodes, (m, 2), mm.
+    """
 
     def __init__(self, grid: Grid) -> None:
+        """grid: the grid of cells; at most NODES nodes are placed along each axis."""
         axes, self._weights = zip(*(_hats(axis) for axis in (grid.x, grid.s)), strict=True)
         self.places = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
         self._grid = grid
 
     def gather(self, pressure: Array) -> Array:
-        """Pressure (nx, ns) -> forces (2, nodes) along and across the load, N."""
+        """Forces (2, m) at the nodes, along and across the load, N, of a pressure (nx, ns), MPa."""
         along, across = self._weights
         forces = along.T @ (self._grid.cell * self._grid.normals * pressure) @ across
         return np.asarray(forces.reshape(2, -1))
 
     def spread(self, displacement: Array) -> Array:
-        """Displacement (2, nodes) along and across the load -> normal displacement (nx, ns)."""
+        """Normal displacement (nx, ns) of the cells, mm, from displacements (2, m) of the nodes
+        along and across the load, mm.
+        """
         along, across = self._weights
         nodal = displacement.reshape(2, along.shape[1], across.shape[1])
         return np.asarray((self._grid.normals * (along @ nodal @ across.T)).sum(axis=0))
 
 
 def point_force(places: Array, sources: Array, contact_modulus: float) -> Array:
-    """Displacement 1/(pi E* r) of places (n, 2) by unit forces at sources (m, 2), (n, m), mm/N
-    (Boussinesq; Johnson, Contact Mechanics, 3.22a)."""
+    """Normal displacement 1/(pi E* r) of places (n, 2) by unit forces at sources (m, 2), mm: a
+    matrix (n, m), mm/N (Boussinesq; Johnson, Contact Mechanics, 3.22a).
+    """
     distance = np.hypot(*(places[:, None] - sources[None]).transpose(2, 0, 1))
     return np.asarray(1 / (math.pi * contact_modulus * distance))
 
 
 def logarithms(X: Array, S: Array) -> tuple[Array, Array]:
-    """X arsinh(S/|X|) and S arsinh(X/|S|), 0 at X = 0, of the corners X, S != 0 of a rectangle as
-    seen from a place: differences over the corners are the integrals of s^2/r^3 and of x^2/r^3,
-    and the sum of both is that of 1/r."""
+    """X arsinh(S/|X|) and S arsinh(X/|S|), 0 at X = 0.
+
+    X, S != 0: coordinates of a rectangle's corners relative to a place. Differences of the two
+    functions over the four corners are the integrals of s^2/r^3 and of x^2/r^3 over the rectangle;
+    those of their sum are the integral of 1/r.
+    """
     across = X * np.arcsinh(S / np.maximum(np.abs(X), 1e-100))
     return across, S * np.arcsinh(X / np.abs(S))
 
 
 def _hats(axis: Array) -> tuple[Array, Array]:
-    """Nodes (m,) over an axis of cells (n,), and their hat functions at the cells (n, m)."""
+    """Nodes (m,) spread evenly over an axis of cells (n,), and the values of their piecewise linear
+    hat functions at the cells, (n, m).
+    """
     nodes = np.linspace(axis[0], axis[-1], min(NODES, axis.size))
     return nodes, np.maximum(0, 1 - np.abs(axis[:, None] - nodes) / (nodes[1] - nodes[0]))
 
 
 def _love(grid: Grid, contact_modulus: float) -> tuple[float, Callable[[Array], Array]]:
-    """A cell's own influence in mm/MPa, and the map from pressure (nx, ns) to displacement in mm.
+    """Displacement of a cell by its own unit pressure, mm/MPa, and the map from pressure (nx, ns)
+    to normal displacement in mm.
 
-    A cell displaces by the sum over its corners of +-(x arsinh(s/|x|) + s arsinh(x/|s|)), over
-    pi E* (Love; Johnson, Contact Mechanics, 3.25); a zero-padded FFT sums over all cells.
+    A cell displaces by the sum over its corners of +-(x arsinh(s/|x|) + s arsinh(x/|s|)), over pi
+    E* (Love; Johnson, Contact Mechanics, 3.25); a zero-padded FFT sums over all cells.
     """
     x, s, normals = grid.x, grid.s, grid.normals
     normals = normals[normals.any(axis=(1, 2))]
@@ -109,6 +128,7 @@ def _love(grid: Grid, contact_modulus: float) -> tuple[float, Callable[[Array], 
     spectrum = rfft2(np.fft.ifftshift(influence)).real  # it is even in x and in s
 
     def displacement(pressure: Array) -> Array:
+        """Normal displacement (nx, ns), mm, of a pressure (nx, ns), MPa."""
         u: Array = irfft2(spectrum * rfft2(normals * pressure, padded), padded)
         return np.asarray((normals * u[:, : x.size, : s.size]).sum(axis=0))
 

@@ -16,10 +16,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Grid:
-    """Rectangular grid of cells on a developed surface.
+    """Rectangular grid of cells on a developed (unrolled) surface.
 
-    x (nx,), s (ns,): cell centres, evenly spaced, mm.
-    angle (ns,): tilt of the surface's normal, rad.
+    x: cell centres along the rail, (nx,), evenly spaced, mm.
+    s: cell centres across the rail on the developed surface, (ns,), evenly spaced, mm.
+    angle: tilt of the surface's normal from the load at s, (ns,), rad.
     """
 
     x: Array
@@ -28,20 +29,23 @@ class Grid:
 
     @property
     def cell(self) -> float:
-        """Area of a cell, mm^2."""
+        """Area of a cell, mm2."""
         return float((self.x[1] - self.x[0]) * (self.s[1] - self.s[0]))
 
     @property
     def normals(self) -> Array:
-        """(2, 1, ns) components of the normals along the load and across it."""
+        """Components (2, 1, ns) of the surface normals along the load and across the load."""
         return np.array([np.cos(self.angle), np.sin(self.angle)])[:, None]
 
 
 @dataclass(frozen=True)
 class PatchSolution(Grid):
-    """Pressure (nx, ns), deformed gap (nx, ns) and approach on a grid.
+    """Solution of a normal contact on the cells of a grid.
 
-    The gap is infinite where the bodies do not face each other, and zero in the patch.
+    pressure: contact pressure (nx, ns), MPa, zero outside of the patch.
+    gap: gap of the deformed bodies (nx, ns), mm, zero in the patch, infinite where the bodies do
+        not face each other.
+    approach: approach of the bodies along the load, mm.
     """
 
     pressure: Array
@@ -50,7 +54,7 @@ class PatchSolution(Grid):
 
     @property
     def force(self) -> float:
-        """Integral of the pressure, N."""
+        """Integral of the pressure over the area, N."""
         return self.cell * float(self.pressure.sum())
 
     @property
@@ -60,19 +64,22 @@ class PatchSolution(Grid):
 
     @property
     def plane(self) -> float:
-        """Angle of the patch's own tangent plane, from the mean normal of the pressure, rad."""
+        """Tilt (rad) of the tangent plane of the patch: direction of the mean normal, weighted by
+        the pressure.
+        """
         along, across = (self.normals * self.pressure).sum(axis=(1, 2))
         return math.atan2(across, along)
 
     @property
     def area(self) -> float:
-        """Area in mm^2 of the patch's projection onto its own tangent plane, the mean from its
-        chords along x and along s (see `_edges`)."""
+        """Area (mm2) of the patch's projection onto its own tangent plane: mean of the sums of its
+        chords along x and along s. The ends of chords are extrapolated within the last cells.
+        """
         return self.area_on(self.plane)
 
     def area_on(self, plane: float) -> float:
-        """Area (mm2) of the patch's projection onto a plane tilted by `plane` (rad), by the same
-        chords as `area`.
+        """Area (mm2) of the patch's projection onto a plane tilted by `plane` (rad): mean of the
+        sums of its chords along x and along s.
         """
         share = np.broadcast_to(np.cos(self.angle - plane), self.pressure.shape)
         pairs = (self.pressure, share), (self.pressure.T, share.T)
@@ -81,7 +88,9 @@ class PatchSolution(Grid):
 
     @property
     def half_extents(self) -> tuple[float, float]:
-        """Half the patch's length along x and across, along s, in mm (edges as for the area)."""
+        """Half lengths (mm) of the patch along x and along s between its outermost ends, which are
+        extrapolated within the last cells.
+        """
         ends = [_edges(p) for p in (self.pressure, self.pressure.T)]
         along, across = ((upper.max() - lower.min()) / 2 for upper, lower in ends)
         return float(along * (self.x[1] - self.x[0])), float(across * (self.s[1] - self.s[0]))
@@ -96,9 +105,9 @@ class PatchSolution(Grid):
 
     @property
     def max_pressure(self) -> float:
-        """Peak in MPa of parabolas along x and s through p^2 at the highest cell and beside it.
-
-        A line of cells on which a neighbour of the highest one is open adds nothing to that cell.
+        """Largest pressure, MPa: the peak of parabolas in x and in s through p^2 of the highest
+        cell and its two neighbours. A direction in which one neighbour has no pressure is left
+        out.
         """
         i, j = np.unravel_index(int(np.argmax(self.pressure)), self.pressure.shape)
         squares = np.pad(self.pressure**2, 1)[i : i + 3, j : j + 3]
@@ -110,7 +119,7 @@ class PatchSolution(Grid):
 
     @property
     def mean_pressure(self) -> float:
-        """Force over area in MPa."""
+        """Integral of the pressure over the area of the patch, MPa."""
         return self.force / self.area
 
     @property
@@ -121,14 +130,16 @@ class PatchSolution(Grid):
 
     @property
     def semi_axes(self) -> tuple[float, float]:
-        """(a, b) in mm: a = sqrt(5 int p (x - x_c)^2 dA / force), b alike in s; exact for Hertz."""
+        """Semi-axes (a, b) of the ellipse with Hertz pressure and the second moments of this
+        pressure, mm: a = sqrt(5 int p (x - x_c)^2 dA / force), x_c the centre; b with s for x.
+        """
         along, across = self.pressure.sum(axis=1), self.pressure.sum(axis=0)
         xx = np.average((self.x - self.centroid[0]) ** 2, weights=along)
         ss = np.average((self.s - self.centroid[1]) ** 2, weights=across)
         return math.sqrt(5 * xx), math.sqrt(5 * ss)
 
     def separate(self) -> "list[PatchSolution]":
-        """Connected patches, cells that share a corner being connected."""
+        """Connected patches, a solution each. Cells that share a corner are connected."""
         parts, count = label(self.pressure > 0, structure=np.ones((3, 3)))
         return [
             replace(self, pressure=np.where(parts == number, self.pressure, 0.0))
@@ -137,10 +148,12 @@ class PatchSolution(Grid):
 
 
 def _edges(pressure: Array) -> tuple[Array, Array]:
-    """Upper and lower ends, in cells, of each contact cell's part of the chord along axis 0.
+    """Upper and lower ends (two arrays, one value a cell with pressure), in cells along axis 0, of
+    the part of the chord around each cell.
 
-    A patch ends where p^2, linear in the distance from a smooth edge, is extrapolated to zero from
-    the last two cells, within a cell of the last centre; where p does not fall, at its cell's end.
+    At the end of a patch, p^2 of the last two cells is extrapolated linearly to zero, within one
+    cell of the last centre. Where p does not fall towards the end, the part ends at the border of
+    the last cell. Elsewhere a part ends half a cell from its centre.
     """
     i, j = np.nonzero(pressure)
     squares = np.pad(pressure**2, ((1, 1), (0, 0)))

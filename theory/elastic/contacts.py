@@ -16,7 +16,7 @@ Hertz = Ellipse | LineContact
 
 def half_lengths(contact: Hertz) -> tuple[float, float]:
     """Half lengths (mm) along and across the rail of the patch that a mesh must resolve: the semi-
-    axes of an ellipse; of a line contact its half width, both times.
+    axes of an ellipse; for a line contact its half width twice.
     """
     if isinstance(contact, LineContact):
         return contact.half_width, contact.half_width
@@ -31,7 +31,9 @@ def curvature(contact: Hertz) -> float:
 
 
 def axis_stress(contact: Hertz, poisson: float, depth: ArrayLike) -> Array:
-    """Normal stresses (n, 3) along x, across and down, MPa, at depths (n,) mm below the centre."""
+    """Normal stresses (n, 3) along x, y and z, MPa, tension positive, at depths (n,), mm, below the
+    centre.
+    """
     room = line if isinstance(contact, LineContact) else subsurface
     return room.axis_stress(contact, poisson, depth)
 

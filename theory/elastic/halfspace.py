@@ -14,10 +14,11 @@ Array = NDArray[np.float64]
 
 
 def boussinesq_displacement(points: ArrayLike, load: float, young: float, poisson: float) -> Array:
-    """Displacement under a point force of `load` N at the origin, young in MPa.
+    """Displacement (n, 3), mm, components x, y, z (z up), at points (n, 3), z <= 0, under a point
+    force of `load` N at the origin that acts in -z. young: MPa.
 
-    With depth z, rho the distance and G the shear modulus (Johnson, Contact Mechanics, 3.18):
-    u_x = F/(4 pi G) (x z/rho^3 - (1 - 2 nu) x/(rho (rho + z))), u_y alike, and downwards
+    With depth z, rho the distance and G the shear modulus (Johnson, Contact Mechanics, 3.18): u_x =
+    F/(4 pi G) (x z/rho^3 - (1 - 2 nu) x/(rho (rho + z))), u_y the same with y for x, and downwards
     F/(4 pi G) (z^2/rho^3 + 2 (1 - nu)/rho). ValueError: a point above the surface, at the origin,
     or another shape.
     """
@@ -32,12 +33,15 @@ def boussinesq_displacement(points: ArrayLike, load: float, young: float, poisso
 def cerruti_displacement(
     points: ArrayLike, load: float, young: float, poisson: float, *, across: bool = False
 ) -> Array:
-    """Displacement under a point force of `load` N at the origin, along x, or across, along y.
+    """Displacement (n, 3), mm, components x, y, z (z up), at points (n, 3), z <= 0, under a
+    tangential point force of `load` N at the origin along x, or with `across` along y. young:
+    MPa.
 
-    With depth z and rho the distance (Johnson, Contact Mechanics, 3.74 and following):
-    u_x = Q/(4 pi G) (1/rho + x^2/rho^3 + (1 - 2 nu) (1/(rho + z) - x^2/(rho (rho + z)^2))),
-    u_y = Q/(4 pi G) x y (1/rho^3 - (1 - 2 nu)/(rho (rho + z)^2)), and downwards
-    Q/(4 pi G) x (z/rho^3 + (1 - 2 nu)/(rho (rho + z))). ValueError: as `boussinesq_displacement`.
+    With depth z, rho the distance and G the shear modulus (Johnson, Contact Mechanics, 3.74 and
+    following): u_x = Q/(4 pi G) (1/rho + x^2/rho^3 + (1 - 2 nu) (1/(rho + z) - x^2/(rho (rho +
+    z)^2))), u_y = Q/(4 pi G) x y (1/rho^3 - (1 - 2 nu)/(rho (rho + z)^2)), and downwards Q/(4 pi G)
+    x (z/rho^3 + (1 - 2 nu)/(rho (rho + z))). ValueError: a point above the surface, at the origin,
+    or another shape.
     """
     xyz, rho = _from_origin(points)
     x, y = xyz[:, 1 if across else 0], xyz[:, 0 if across else 1]
@@ -52,7 +56,9 @@ def cerruti_displacement(
 
 
 def _from_origin(points: ArrayLike) -> tuple[Array, Array]:
-    """Points (n, 3) below a point force at the origin and their distances (n,) from it."""
+    """Points (n, 3) as an array and their distances (n,) from the origin, mm. ValueError: a point
+    above the surface, at the origin, or another shape.
+    """
     xyz = np.asarray(points, dtype=float)
     if xyz.ndim != 2 or xyz.shape[1] != 3:
         raise ValueError(f"points must have the shape (n, 3), got {xyz.shape}")
@@ -63,12 +69,12 @@ def _from_origin(points: ArrayLike) -> tuple[Array, Array]:
 
 
 def hertz_displacement(contact: Ellipse, points: ArrayLike, young: float, poisson: float) -> Array:
-    """Displacement under the Hertz pressure of `contact`, anywhere at z <= 0, young in MPa.
+    """Displacement (n, 3), mm, components x, y, z (z up), at points (n, 3), z <= 0, under the Hertz
+    pressure of an ellipse. young: MPa.
 
-    Love's formulas with the closed potentials (Johnson, Contact Mechanics, 3.2), with depth z:
-    u_x = -(z psi_x + (1 - 2 nu) psi1_x)/(4 pi G), u_y alike, and downwards
-    (2 (1 - nu) psi - z psi_z)/(4 pi G). Exact up to rounding near and on the patch as well as far
-    from it, so it serves as the boundary condition of a truncated block. ValueError: a point above
+    Love's formulas with the closed potentials (Johnson, Contact Mechanics, 3.2), with depth z and
+    shear modulus G: u_x = -(z psi_x + (1 - 2 nu) psi1_x)/(4 pi G), u_y the same with y for x, and
+    downwards (2 (1 - nu) psi - z psi_z)/(4 pi G). Exact up to rounding. ValueError: a point above
     the surface, or another shape.
     """
     potential = contact_potential(contact, points)

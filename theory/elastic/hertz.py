@@ -18,8 +18,17 @@ from scipy.special import elliprd, elliprf
 
 @dataclass(frozen=True)
 class Ellipse:
-    """Point contact: semi-axes a (along x) and b (along y) in mm, peak pressure p0 in MPa, approach
-    of distant points in mm, load in N, contact modulus in MPa, relative curvatures in 1/mm."""
+    """Hertz point contact of two elastic bodies.
+
+    a: semi-axis along x, along the rail, mm.
+    b: semi-axis along y, across the rail, mm.
+    p0: largest pressure, MPa.
+    approach: approach of distant points of the bodies, mm.
+    load: normal force, N.
+    contact_modulus: E*, MPa; 1/E* is the sum of (1 - nu^2)/E of both bodies.
+    curvature_x: relative curvature along x, 1/mm.
+    curvature_y: relative curvature along y, 1/mm.
+    """
 
     a: float
     b: float
@@ -48,8 +57,14 @@ class Ellipse:
 
 @dataclass(frozen=True)
 class Strip:
-    """Line contact along x: half width b in mm, peak pressure p0 in MPa, load per length in N/mm,
-    contact modulus in MPa, relative curvature across the line in 1/mm."""
+    """Hertz line contact of two elastic bodies.
+
+    b: half width, mm.
+    p0: largest pressure, MPa.
+    load_per_length: load per length of the line, N/mm.
+    contact_modulus: E*, MPa; 1/E* is the sum of (1 - nu^2)/E of both bodies.
+    curvature: relative curvature across the line, 1/mm.
+    """
 
     b: float
     p0: float
@@ -68,8 +83,12 @@ class Strip:
 
 
 class RelativeCurvature(NamedTuple):
-    """Relative principal curvatures in 1/mm, the smaller along x, and the angle in radians from the
-    first principal direction of body 1 to that x axis, in (-pi/2, pi/2]."""
+    """Relative principal curvatures of two bodies.
+
+    curvature_x: the smaller one, along x, 1/mm.
+    curvature_y: the larger one, along y, 1/mm.
+    angle: from the first principal direction of body 1 to the x axis, rad, in (-pi/2, pi/2].
+    """
 
     curvature_x: float
     curvature_y: float
@@ -93,10 +112,12 @@ def contact_modulus(young_1: float, poisson_1: float, young_2: float, poisson_2:
 
 
 def dundurs_beta(young_1: float, poisson_1: float, young_2: float, poisson_2: float) -> float:
-    """Dundurs' beta, from c = (1 - 2 nu)/G and d = (1 - nu)/G of both bodies: (c_1 - c_2)/2 over
-    d_1 + d_2 (Johnson, Contact Mechanics, 5.3); 0: their surfaces move alike under equal pressure.
+    """Dundurs' beta (c_1 - c_2)/2 over (d_1 + d_2), with c = (1 - 2 nu)/G and d = (1 - nu)/G of
+    each body (Johnson, Contact Mechanics, 5.3).
 
-    Moduli in MPa, math.inf is rigid. Errors of `contact_modulus`.
+    0 means that both surfaces move alike under equal pressure. Moduli in MPa; math.inf is rigid.
+    ValueError: a modulus that is not positive, a Poisson ratio outside (-1, 0.5], or two rigid
+    bodies.
     """
     modulus = contact_modulus(young_1, poisson_1, young_2, poisson_2)
     c_1, c_2 = (
@@ -127,7 +148,12 @@ def point_contact(
 def point_contact_from_approach(
     curvature_x: float, curvature_y: float, contact_modulus: float, approach: float
 ) -> Ellipse:
-    """Hertz ellipse for a given approach in mm; equations and errors of `point_contact`."""
+    """Hertz ellipse for the gap curvature_x x^2/2 + curvature_y y^2/2 (curvatures in 1/mm) at a
+    given approach in mm.
+
+    The load follows from the equations of `point_contact`. ValueError: an argument that is not
+    positive and finite.
+    """
     _require_positive(approach=approach, contact_modulus=contact_modulus)
     k = _axis_ratio(curvature_x, curvature_y)
     flatness = elliprd(0, k * k, 1)
@@ -180,11 +206,14 @@ def general_orientation(
 
 
 def _axis_ratio(curvature_x: float, curvature_y: float) -> float:
-    """k = b/a from curvature_x / curvature_y = R_D(0, k^2, 1) / R_D(0, 1, k^2), to rounding."""
+    """Axis ratio k = b/a of Hertz's ellipse: root of curvature_x / curvature_y = R_D(0, k^2, 1) /
+    R_D(0, 1, k^2).
+    """
     _require_positive(curvature_x=curvature_x, curvature_y=curvature_y)
     target = math.log(curvature_x / curvature_y)
 
     def residual(log_k: float) -> float:
+        """Logarithm of the ratio of both R_D minus that of the curvatures, at log k."""
         k2 = math.exp(2 * log_k)
         return math.log(elliprd(0, k2, 1) / elliprd(0, 1, k2)) - target
 
@@ -193,6 +222,7 @@ def _axis_ratio(curvature_x: float, curvature_y: float) -> float:
 
 
 def _require_positive(**values: float) -> None:
+    """Raise ValueError for a value that is not positive and finite; names are for the message."""
     for name, value in values.items():
         if not (value > 0 and math.isfinite(value)):
             raise ValueError(f"{name} must be positive and finite, got {value}")

@@ -18,8 +18,8 @@ HERTZIAN = 1.9  # approach up to which Jackson and Green keep Hertz
 class Indentation:
     """A sphere pressed into a flat beyond first yield.
 
-    approach, radius: approach of the bodies and radius of the patch, over their values at first
-        yield.
+    approach: approach of the bodies, over that at first yield.
+    radius: radius of the patch, over that at first yield.
     pressure: mean pressure over the yield stress.
     """
 
@@ -29,24 +29,28 @@ class Indentation:
 
 
 def yield_pressure(nu: float) -> float:
-    """Largest pressure of a sphere at first yield over the yield stress, fitted: 1.295 e^(0.736 nu)
-    (Jackson and Green 2005, eq. 3)."""
+    """Largest pressure of a sphere at first yield over the yield stress: 1.295 e^(0.736 nu), a fit
+    (Jackson and Green 2005, eq. 3). nu: Poisson's ratio.
+    """
     return 1.295 * math.exp(0.736 * nu)
 
 
 def jackson_green(load: float, nu: float, strain: float) -> Indentation:
-    """Approach, radius and mean pressure of an elastic-plastic sphere without hardening under a
-    load given over that of first yield.
+    """Approach, radius and mean pressure of an elastic-plastic sphere without hardening.
 
-    strain: yield stress over E/(1 - nu^2). Jackson and Green, J. Tribology 127 (2005) 343, eqs. 9,
-        10, 13 to 16.
+    load: over the load of first yield.
+    nu: Poisson's ratio.
+    strain: yield stress over E/(1 - nu^2).
+    Jackson and Green, J. Tribology 127 (2005) 343, eqs. 9, 10, 13 to 16.
     """
     c, b = yield_pressure(nu), 0.14 * math.exp(23 * strain)
 
     def area(w: float) -> float:
+        """Area of the patch over that at first yield, at an approach over that of first yield."""
         return w if w <= HERTZIAN else w * (w / HERTZIAN) ** b
 
     def force(w: float) -> float:
+        """Load over that of first yield, at an approach over that of first yield."""
         if w <= HERTZIAN:
             return w**1.5
         a_over_r = math.pi * c * strain / 2 * math.sqrt(area(w))
@@ -59,14 +63,17 @@ def jackson_green(load: float, nu: float, strain: float) -> Indentation:
 
 
 def kogut_etsion(load: float, nu: float) -> Indentation:
-    """Approach, radius and mean pressure of an elastic-plastic sphere under a load given over that
-    of first yield.
+    """Approach, radius and mean pressure of an elastic-plastic sphere.
+
+    load: over the load of first yield; nu: Poisson's ratio.
 
     Kogut and Etsion, J. Appl. Mech. 69 (2002) 657, table 1; their yield pressure is K H with K =
-    0.454 + 0.41 nu and H = 2.8 Y. Valid up to 110 times the approach of first yield.
+    0.454 + 0.41 nu and H = 2.8 times the yield stress. Valid up to 110 times the approach of first
+    yield.
     """
 
     def force(w: float) -> float:
+        """Load over that of first yield, at an approach over that of first yield."""
         if w <= 1:
             return w**1.5
         return 1.03 * w**1.425 if w <= 6 else 1.40 * w**1.263
@@ -77,8 +84,9 @@ def kogut_etsion(load: float, nu: float) -> Indentation:
 
 
 def residual_depth(approach: float) -> float:
-    """What is left of an approach after it, over that of first yield: Etsion, Kligerman and Kadin,
-    Int. J. Solids Struct. 42 (2005) 3716."""
+    """Depth of the imprint after unloading from an approach; both over the approach of first yield
+    (Etsion, Kligerman and Kadin, Int. J. Solids Struct. 42 (2005) 3716).
+    """
     if approach <= 1:
         return 0.0
     return approach * (1 - approach**-0.28) * (1 - approach**-0.69)

@@ -23,10 +23,15 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class LineContact:
-    """Hertz's strip over a contact length, with the attributes of `theory.elastic.hertz.Ellipse`.
+    """Hertz line contact over a finite length, with the attributes of
+    `theory.elastic.hertz.Ellipse`.
 
-    across: whether the strip's width runs across the rail (s) instead of along it (x). approach:
-    of the points one `datum` (mm) below and above the contact; a half-plane has no other.
+    strip: half width, pressure and load per length.
+    length: length of the contact line, mm.
+    across: whether the width of the strip runs across the rail (y) instead of along the rail (x).
+    datum: depth of the points between which the approach is measured, mm, in each body.
+    approach: approach of those points, mm. Points at infinity have no finite approach in plane
+        strain.
     """
 
     strip: Strip
@@ -72,7 +77,7 @@ class LineContact:
 
     @property
     def area(self) -> float:
-        """Area of the patch, half width times two times contact length, mm2."""
+        """Area of the patch, 2 half widths times the contact length, mm2."""
         return 2 * self.half_width * self.length
 
     def pressure(self, x: ArrayLike, y: ArrayLike) -> Array:
@@ -97,12 +102,18 @@ def contact(
     """Line contact under a load (N) or, where that is None, an approach (mm) of the datum points,
     which lie one relative radius 1/curvature from the contact.
 
-    moduli, poisson: E (MPa) and nu of both bodies. ValueError: see `theory.elastic.hertz`.
+    curvature: relative curvature across the line, 1/mm.
+    moduli: Young's moduli of both bodies, MPa.
+    poisson: Poisson's ratios of both bodies.
+    length: length of the line, mm.
+    across: whether the width of the strip runs across the rail.
+    ValueError: a value that is not positive and finite, or two rigid bodies.
     """
     datum = 1 / curvature
     modulus = contact_modulus(moduli[0], poisson[0], moduli[1], poisson[1])
 
     def under(load: float) -> LineContact:
+        """The line contact under a load in N."""
         strip = line_contact(curvature, modulus, load / length)
         centre = np.zeros(1)
         sunk = sum(
@@ -121,10 +132,12 @@ def contact(
 
 
 def stress(strip: Strip, poisson: float, t: ArrayLike, depth: ArrayLike) -> Array:
-    """(n, 4) stresses across (tt), normal (nn), shear (tn, n upwards) and out of plane, MPa.
+    """Stresses (n, 4), MPa, tension positive, in the half-plane under a strip: across the line
+    (tt), normal to the surface (nn), shear (tn, n upwards) and out of plane.
 
-    tt = -(2/pi)(... ) from the potential: nn = (psi_d - d psi_dd)/pi, tt = (psi_d + d psi_dd)/pi,
-    tn = d psi_td/pi with psi_t - i psi_d = -F(zeta) (Johnson, 2.23, as Love's potentials).
+    t: distances across the line, mm; depth: depths, mm. With psi the logarithmic potential of the
+        pressure: nn = (psi_d - d psi_dd)/pi, tt = (psi_d + d psi_dd)/pi, tn = d psi_td/pi, psi_t -
+        i psi_d = -F(zeta), F as in the module's text (Johnson, 2.23).
     """
     t, depth = np.broadcast_arrays(np.asarray(t, float), np.asarray(depth, float))
     zeta, root = _coordinates(strip, t, depth)
@@ -139,11 +152,12 @@ def stress(strip: Strip, poisson: float, t: ArrayLike, depth: ArrayLike) -> Arra
 def displacement(
     strip: Strip, t: ArrayLike, depth: ArrayLike, young: float, poisson: float, datum: float
 ) -> Array:
-    """(n, 2) displacement (outwards along t, into the body) in mm, zero at t = 0, depth = datum.
+    """Displacement (n, 2), mm, outwards along t and into the body, of the half-plane under a strip;
+    zero at t = 0, depth = datum.
 
-    Love's potentials for a line load: u_t = -(d psi_t + (1 - 2 nu) psi1_t)/(2 pi G) and inwards
-    (2 (1 - nu) psi - d psi_d)/(2 pi G), psi = -Re int p ln(zeta - t) dt, psi1_t its conjugate.
-    An infinite modulus gives no displacement.
+    t, depth, datum: mm; young: MPa. Love's potentials for a line load: u_t = -(d psi_t + (1 - 2 nu)
+        psi1_t)/(2 pi G) and inwards (2 (1 - nu) psi - d psi_d)/(2 pi G), psi = -Re int p ln(zeta -
+        t) dt, psi1_t its conjugate. An infinite modulus gives no displacement.
     """
     points = np.concatenate([np.ravel(t), [0.0]]), np.concatenate([np.ravel(depth), [datum]])
     zeta, root = _coordinates(strip, *points)
@@ -159,8 +173,8 @@ def displacement(
 
 
 def hertz_displacement(contact: LineContact, points: Array, young: float, poisson: float) -> Array:
-    """Displacement (n, 3) of a half-plane under a line contact, mm, at points (n, 3) in space with
-    z <= 0: the function `displacement` in axes of the rail.
+    """Displacement (n, 3), mm, components x along the rail, y across, z up, of a half-plane under a
+    line contact, at points (n, 3), z <= 0, mm. young: MPa.
     """
     side = 1 if contact.across else 0
     flat = displacement(
@@ -172,22 +186,31 @@ def hertz_displacement(contact: LineContact, points: Array, young: float, poisso
 
 
 def _coordinates(strip: Strip, t: Array, depth: Array) -> tuple[NDArray, NDArray]:
-    """zeta and the branch of sqrt(zeta^2 - w^2) that behaves like zeta far away."""
+    """zeta = t + i depth and the root sqrt(zeta^2 - b^2) that tends to zeta far away; b is the half
+    width of the strip. Arrays of complex numbers.
+    """
     zeta = t + 1j * (np.maximum(depth, 0.0) + 0.0)
     return zeta, np.sqrt(zeta - strip.b) * np.sqrt(zeta + strip.b)
 
 
 def axis_stress(line: LineContact, poisson: float, depth: ArrayLike) -> Array:
-    """s_x, s_y, s_z (n, 3) below the middle of the strip, x along the rail and y across it."""
+    """Normal stresses along x (along the rail), y (across) and z, (n, 3), MPa, at depths (n,), mm,
+    below the middle of the strip.
+    """
     found = line_axis_stress(line.strip, poisson, depth)
     return found if line.across else found[:, [1, 0, 2]]
 
 
 def axis_extrema(line: LineContact, poisson: float) -> AxisExtrema:
-    """Largest shear (0.300 p0 at 0.786 w for nu = 0.3) and von Mises stress on the axis."""
+    """Largest shear and largest von Mises stress below the middle of the strip, MPa, with their
+    depths, mm. For nu = 0.3 the shear stress is 0.300 p0 at 0.786 half widths.
+    """
 
     def highest(invariant: object) -> tuple[float, float]:
+        """Largest value (MPa) of a stress invariant on the axis, and its depth (mm)."""
+
         def value(depth: float) -> float:
+            """The invariant (MPa) at a depth (mm)."""
             normal = axis_stress(line, poisson, depth)
             return float(invariant(np.hstack([normal, np.zeros_like(normal)]))[0])  # type: ignore
 
@@ -206,10 +229,12 @@ def axis_extrema(line: LineContact, poisson: float) -> AxisExtrema:
 
 
 def cylinder_approach(strip: Strip, radius: float, young: float, poisson: float) -> float:
-    """Approach of a cylinder's axis to the contact, mm, when the other side carries the same load:
-    F' (1 - nu^2)/(pi E) (2 ln(4 R/w) - 1), F' in N/mm, 0 for a rigid one (Johnson, 5.58).
+    """Approach (mm) of the axis of an elastic cylinder to the contact: F' (1 - nu^2)/(pi E) (2 ln(4
+    R/b) - 1), with F' the load per length in N/mm and b the half width (Johnson, 5.58). The
+    opposite side of the cylinder carries the same load.
 
-    Roark's Formulas have 2/3 + 2 ln(2 R/w) in the bracket, 0.28 more.
+    radius: R in mm; young: E in MPa, infinite for a rigid cylinder, which gives 0. Roark's Formulas
+        have 2/3 + 2 ln(2 R/b) in the bracket, 0.28 more.
     """
     scale = strip.load_per_length * (1 - poisson**2) / (math.pi * young)
     return scale * (2 * math.log(4 * radius / strip.b) - 1)

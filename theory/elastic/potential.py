@@ -22,12 +22,20 @@ Array = NDArray[np.float64]
 
 
 class EllipsoidPotential:
-    """Derivatives of psi and psi1 at n points, from pressure p0 (MPa) on semi-axes a, b (mm).
+    """Derivatives of the potentials psi = int p/rho dA and psi1 = int p ln(rho + z) dA at n points,
+    of the pressure p = p0 sqrt(1 - x^2/a^2 - y^2/b^2); rho is the distance.
 
-    x, y and depth are arrays (n,) in mm, depth >= 0. Properties hold arrays (n,).
+    x, y, depth: coordinates of the points, (n,), mm.
+    c: a^2 - b^2, mm2.
+    strength: pi p0 a b, N.
+    lam: parameter lambda of the confocal ellipsoid through each point, (n,), mm2.
+    A, B: a^2 + lambda and b^2 + lambda, (n,), mm2.
+    root_AB: sqrt(A B), (n,), mm2.
+    s: depth/sqrt(lambda); p/p0 inside the patch, (n,).
     """
 
     def __init__(self, a: float, b: float, p0: float, x: Array, y: Array, depth: Array) -> None:
+        """a, b: semi-axes, mm; p0: largest pressure, MPa; x, y, depth: points (n,), mm."""
         self.x, self.y, self.depth = x, y, depth
         self.c = a * a - b * b
         self.strength = np.pi * p0 * a * b
@@ -41,14 +49,14 @@ class EllipsoidPotential:
 
     @cached_property
     def psi(self) -> Array:
-        """The potential psi itself, in N/mm."""
+        """The potential psi, (n,), N/mm."""
         I_a, I_b, z_I_z = self._confocal_integrals
         moments = self.x**2 * I_a + self.y**2 * I_b + self.depth * z_I_z
         return np.asarray(self.strength * (elliprf(self.A, self.B, self.lam) - moments / 2))
 
     @cached_property
     def gradient(self) -> tuple[Array, Array, Array]:
-        """psi_x, psi_y, psi_z in MPa."""
+        """Derivatives psi_x, psi_y, psi_z, each (n,), MPa; z is the depth."""
         I_a, I_b, z_I_z = self._confocal_integrals
         return (
             -self.strength * self.x * I_a,
@@ -58,12 +66,14 @@ class EllipsoidPotential:
 
     @property
     def psi_z(self) -> Array:
-        """psi_z in MPa."""
+        """Derivative of psi by the depth, (n,), MPa."""
         return self.gradient[2]
 
     @property
     def depth_times_hessian(self) -> tuple[Array, Array, Array, Array, Array, Array]:
-        """z times psi_xx, psi_yy, psi_zz, psi_xy, psi_xz, psi_yz in MPa (bounded at the edge)."""
+        """Depth times psi_xx, psi_yy, psi_zz, psi_xy, psi_xz, psi_yz, each (n,), MPa. Bounded at
+        the edge of the patch.
+        """
         I_a, I_b, _ = self._confocal_integrals
         u, v = self.x / self.A, self.y / self.B
         steepness = self.lam * (u * u + v * v) + self.s**2
@@ -76,7 +86,7 @@ class EllipsoidPotential:
 
     @cached_property
     def log_gradient(self) -> tuple[Array, Array]:
-        """psi1_x, psi1_y in N/mm."""
+        """Derivatives psi1_x, psi1_y, each (n,), N/mm."""
         I_a, I_b, _ = self._confocal_integrals
         M_a, M_b, N, J_xx, J_yy = self._elementary_integrals
         K_x, K_y = (M_a - self.y**2 * N - J_xx) / 2, (M_b - self.x**2 * N - J_yy) / 2
@@ -87,7 +97,7 @@ class EllipsoidPotential:
 
     @cached_property
     def log_hessian(self) -> tuple[Array, Array, Array]:
-        """psi1_xx, psi1_yy, psi1_xy in MPa."""
+        """Second derivatives psi1_xx, psi1_yy, psi1_xy, each (n,), MPa."""
         I_a, I_b, _ = self._confocal_integrals
         _, _, N, J_xx, J_yy = self._elementary_integrals
         return (
@@ -98,8 +108,10 @@ class EllipsoidPotential:
 
     @cached_property
     def _confocal_integrals(self) -> tuple[Array, Array, Array]:
-        """I_a, I_b, z I_z: integrals over w > lambda of 1/((a^2 + w) D), 1/((b^2 + w) D), z/(w D),
-        where D = sqrt((a^2 + w)(b^2 + w) w); their sum is 2/D(lambda), which yields the third."""
+        """I_a, I_b and z I_z, each (n,): integrals over w > lambda of 1/((a^2 + w) D), 1/((b^2 + w)
+        D) and z/(w D), D = sqrt((a^2 + w)(b^2 + w) w). The sum I_a + I_b + I_z is 2/D(lambda),
+        which yields I_z.
+        """
         I_a = 2 / 3 * elliprd(self.B, self.lam, self.A)
         I_b = 2 / 3 * elliprd(self.A, self.lam, self.B)
         return I_a, I_b, self.s * (2 / self.root_AB - np.sqrt(self.lam) * (I_a + I_b))

@@ -18,27 +18,36 @@ Array = NDArray[np.float64]
 
 
 class Potential(Protocol):
-    """Derivatives of the potentials psi and psi1 of a pressure (see `potential`), arrays (n,)."""
+    """Derivatives of the potentials psi = int p/rho dA and psi1 = int p ln(rho + z) dA of a
+    pressure p on the surface, at n points; rho is the distance and z the depth. Arrays (n,) in
+    MPa.
+    """
 
     @property
     def psi_z(self) -> Array:
-        """psi_z, MPa."""
+        """Derivative of psi by the depth, (n,), MPa."""
         ...
 
     @property
     def depth_times_hessian(self) -> tuple[Array, Array, Array, Array, Array, Array]:
-        """z times psi_xx, psi_yy, psi_zz, psi_xy, psi_xz, psi_yz, MPa."""
+        """Depth times psi_xx, psi_yy, psi_zz, psi_xy, psi_xz, psi_yz, each (n,), MPa."""
         ...
 
     @property
     def log_hessian(self) -> tuple[Array, Array, Array]:
-        """psi1_xx, psi1_yy, psi1_xy, MPa."""
+        """Second derivatives psi1_xx, psi1_yy, psi1_xy, each (n,), MPa."""
         ...
 
 
 @dataclass(frozen=True)
 class AxisExtrema:
-    """Largest shear and von Mises stress on the axis in MPa, and their depths in mm."""
+    """Largest stresses on the normal below the centre of a patch.
+
+    tau_max: largest shear stress, MPa.
+    tau_max_depth: its depth, mm.
+    von_mises_max: largest von Mises stress, MPa.
+    von_mises_max_depth: its depth, mm.
+    """
 
     tau_max: float
     tau_max_depth: float
@@ -47,7 +56,8 @@ class AxisExtrema:
 
 
 def stress(contact: Ellipse, poisson: float, points: ArrayLike) -> Array:
-    """Stress (n, 6) at points (n, 3) with z <= 0, below, beside or on the patch.
+    """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, of a half-space under Hertz pressure at
+    points (n, 3), z <= 0, mm, below, beside or on the patch.
 
     The potentials are closed forms; the relative error is that of rounding. ValueError: a point
     above the surface, or another shape.
@@ -56,10 +66,10 @@ def stress(contact: Ellipse, poisson: float, points: ArrayLike) -> Array:
 
 
 def love(potential: Potential, poisson: float) -> Array:
-    """Stress (n, 6) from the potentials of a pressure.
+    """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, from the potentials of a pressure.
 
-    Love's formulas (Johnson, Contact Mechanics, 3.2), in depth z and up to the factor 2 pi:
-    s_x = 2 nu psi_z - z psi_xx - (1 - 2 nu) psi1_xx, s_y alike, s_z = psi_z - z psi_zz,
+    Love's formulas (Johnson, Contact Mechanics, 3.2), in depth z and up to the factor 2 pi: s_x = 2
+    nu psi_z - z psi_xx - (1 - 2 nu) psi1_xx, s_y the same with y for x, s_z = psi_z - z psi_zz,
     s_xy = -z psi_xy - (1 - 2 nu) psi1_xy, s_xz = -z psi_xz, s_yz = -z psi_yz.
     """
     z_xx, z_yy, z_zz, z_xy, z_xz, z_yz = potential.depth_times_hessian
@@ -77,27 +87,30 @@ def love(potential: Potential, poisson: float) -> Array:
 
 
 def axis_stress(contact: Ellipse, poisson: float, depth: ArrayLike) -> Array:
-    """s_x, s_y, s_z as (n, 3) on the z axis at depths (n,) >= 0; these are principal stresses.
+    """Normal stresses s_x, s_y, s_z (n, 3), MPa, on the z axis below the centre of the patch at
+    depths (n,) >= 0, mm. They are principal stresses.
 
-    `stress` on the axis, where it reduces to Thomas and Hoersch (Univ. Illinois Bull. 212, 1930).
+    On the axis the stress reduces to Thomas and Hoersch (Univ. Illinois Bull. 212, 1930).
     ValueError: a negative depth.
     """
     return stress(contact, poisson, _on_axis(depth))[:, :3]
 
 
 def surface_centre_stress(contact: Ellipse, poisson: float) -> Array:
-    """s_x, s_y, s_z as (3,) at the centre of the patch (Johnson, Contact Mechanics, 4.32):
-    s_x = -p0 (2 nu + (1 - 2 nu) b/(a + b)), s_y with a for b, s_z = -p0."""
+    """Normal stresses s_x, s_y, s_z (3,), MPa, at the centre of the patch (Johnson, Contact
+    Mechanics, 4.32): s_x = -p0 (2 nu + (1 - 2 nu) b/(a + b)), s_y with a for b, s_z = -p0.
+    """
     a, b, free = contact.a, contact.b, 1 - 2 * poisson
     s_x, s_y = (2 * poisson + free * side / (a + b) for side in (b, a))
     return -contact.p0 * np.array([s_x, s_y, 1.0])
 
 
 def axis_extrema(contact: Ellipse, poisson: float) -> AxisExtrema:
-    """Maxima over depth of max shear and von Mises stress on the z axis.
+    """Largest shear and largest von Mises stress on the z axis below the patch, MPa, with their
+    depths, mm.
 
-    Slender patches have one maximum below and another near or at the surface, which wins when
-    Poisson's ratio is small: the axis is sampled first, then the best sample is refined by bounded
+    Slender patches have one maximum below and another near or at the surface, which is larger when
+    Poisson's ratio is small. The axis is sampled first, then the best sample is refined by bounded
     optimisation, to about 1e-8 of the depth. A maximum at the surface itself is met to 1e-6.
     """
     fractions = np.concatenate(([0.0], np.geomspace(1e-6, 2, 200)))
@@ -105,7 +118,10 @@ def axis_extrema(contact: Ellipse, poisson: float) -> AxisExtrema:
     samples = stress(contact, poisson, _on_axis(depths))
 
     def highest(invariant: Callable[[Array], Array]) -> tuple[float, float]:
+        """Largest value (MPa) of a stress invariant on the axis, and its depth (mm)."""
+
         def negative(depth: float) -> float:
+            """Minus the invariant (MPa) at a depth (mm)."""
             return -float(invariant(stress(contact, poisson, _on_axis(depth)))[0])
 
         i = int(np.argmax(invariant(samples)))
@@ -119,11 +135,12 @@ def axis_extrema(contact: Ellipse, poisson: float) -> AxisExtrema:
 
 
 def line_axis_stress(strip: Strip, poisson: float, depth: ArrayLike) -> Array:
-    """s_x, s_y, s_z as (n, 3) below the middle of a strip along x, in plane strain.
+    """Normal stresses s_x, s_y, s_z (n, 3), MPa, at depths (n,), mm, below the middle of a strip
+    along x, in plane strain.
 
-    With R = sqrt(b^2 + z^2): s_y = -p0 b^3/(R (R + z)^2), s_z = -p0 b/R, s_x = nu (s_y + s_z)
-    (Johnson, Contact Mechanics, 4.46, multiplied out against cancellation). ValueError: a negative
-    depth.
+    With b the half width, z the depth and R = sqrt(b^2 + z^2): s_y = -p0 b^3/(R (R + z)^2), s_z =
+    -p0 b/R, s_x = nu (s_y + s_z) (Johnson, Contact Mechanics, 4.46, multiplied out against
+    cancellation). ValueError: a negative depth.
     """
     z = -_on_axis(depth)[:, 2]
     R = np.hypot(strip.b, z)
@@ -133,35 +150,43 @@ def line_axis_stress(strip: Strip, poisson: float, depth: ArrayLike) -> Array:
 
 
 def principal(s: Array) -> Array:
-    """Principal stresses (n, 3), descending, of stresses (n, 6)."""
+    """Principal stresses (n, 3), largest first, of stresses (n, 6) with columns xx, yy, zz, xy, xz,
+    yz.
+    """
     xx, yy, zz, xy, xz, yz = np.moveaxis(np.asarray(s, dtype=float), -1, 0)
     tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     return np.asarray(np.linalg.eigvalsh(np.moveaxis(tensor, -1, 0))[:, ::-1])
 
 
 def directions(s: Array) -> Array:
-    """Unit vectors (n, 3, 3): the k-th row is that of the k-th principal stress of (n, 6)."""
+    """Principal directions (n, 3, 3) of stresses (n, 6), columns xx, yy, zz, xy, xz, yz: row k is
+    the unit vector of the k-th principal stress, largest first.
+    """
     xx, yy, zz, xy, xz, yz = np.moveaxis(np.asarray(s, dtype=float), -1, 0)
     tensor = np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), -1, 0)
     return np.asarray(np.linalg.eigh(tensor)[1].transpose(0, 2, 1)[:, ::-1])
 
 
 def max_shear(s: Array) -> Array:
-    """Largest shear stress (n,), half the difference of the outer principal stresses (n, 6)."""
+    """Largest shear stress (n,), half the difference of the largest and the smallest principal
+    stress, of stresses (n, 6) with columns xx, yy, zz, xy, xz, yz.
+    """
     ordered = principal(s)
     return np.asarray((ordered[:, 0] - ordered[:, 2]) / 2)
 
 
 def von_mises(s: Array) -> Array:
-    """Von Mises stress (n,) of stresses (n, 6), sqrt(3 J_2)."""
+    """Von Mises stress (n,) of stresses (n, 6) with columns xx, yy, zz, xy, xz, yz."""
     xx, yy, zz, xy, xz, yz = np.moveaxis(np.asarray(s, dtype=float), -1, 0)
     normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
     return np.asarray(np.sqrt(normal / 2 + 3 * (xy**2 + xz**2 + yz**2)))
 
 
 def contact_potential(contact: Ellipse, points: ArrayLike) -> EllipsoidPotential:
-    """Potentials of the contact pressure at points (n, 3) in mm with z <= 0; the rounding of a
-    surface point (1e-9 of the patch) is forgiven. ValueError: a point above, or another shape."""
+    """Potentials of the Hertz pressure of an ellipse at points (n, 3), z <= 0, mm. A z above 0 by
+    up to 1e-9 of the smaller semi-axis counts as 0. ValueError: a point above the surface, or
+    another shape.
+    """
     xyz = np.asarray(points, dtype=float)
     if xyz.ndim != 2 or xyz.shape[1] != 3:
         raise ValueError(f"points must have the shape (n, 3), got {xyz.shape}")
@@ -172,7 +197,7 @@ def contact_potential(contact: Ellipse, points: ArrayLike) -> EllipsoidPotential
 
 
 def _on_axis(depth: ArrayLike) -> Array:
-    """Points (n, 3) on the z axis at the given depths."""
+    """Points (n, 3) on the z axis at depths (n,) >= 0, mm. ValueError: a negative depth."""
     depths = np.atleast_1d(np.asarray(depth, dtype=float))
     if np.any(depths < 0):
         raise ValueError(f"depth must not be negative, got {depths.min()} mm")

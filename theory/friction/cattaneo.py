@@ -19,12 +19,13 @@ from railhead.theory.elastic.hertz import Ellipse, Strip
 def initial_compliance(
     a: float, b: float, shear_modulus: float, poisson: float
 ) -> tuple[float, float]:
-    """Tangential approach over force, mm/N, along a and along b, of bodies that stick everywhere.
+    """Tangential approach over force, mm/N, for a force along a and for one along b, of bodies that
+    stick on the whole ellipse.
 
-    Both bodies have G (MPa) and nu. The traction Q/(2 pi a b)/sqrt(1 - x^2/a^2 - y^2/b^2) shifts
-    the ellipse as a whole by Q/(pi G a b) ((1 - nu) I + nu I_x), where I and I_x integrate 1 and
-    cos^2 over sqrt(cos^2/a^2 + sin^2/b^2) from 0 to pi/2, here in Carlson's forms (Mindlin 1949);
-    (2 - nu)/(4 G a) on a circle.
+    a, b: semi-axes, mm; shear_modulus, poisson: G (MPa) and nu of both bodies. The traction Q/(2 pi
+        a b)/sqrt(1 - x^2/a^2 - y^2/b^2) shifts the ellipse as a whole by Q/(pi G a b) ((1 - nu) I +
+        nu I_x), where I and I_x integrate 1 and cos^2 over sqrt(cos^2/a^2 + sin^2/b^2) from 0 to
+        pi/2, here in Carlson's forms (Mindlin 1949); (2 - nu)/(4 G a) on a circle.
     """
     p, q = 1 / a**2, 1 / b**2
     whole = elliprf(0, p, q)
@@ -36,27 +37,32 @@ def initial_compliance(
 
 @dataclass(frozen=True)
 class CattaneoMindlin:
-    """A Hertz ellipse under a tangential force that does not roll: an inner ellipse sticks, the
-    rest slips.
+    """A Hertz ellipse under a tangential force without rolling: an inner ellipse sticks, the rest
+    slips.
 
-    limit: largest tangential force mu N, N.
-    compliance: of `initial_compliance` in the direction of the force, mm/N.
+    limit: largest tangential force, friction coefficient times load, N.
+    compliance: tangential approach over force where the whole patch sticks, mm/N.
     """
 
     limit: float
     compliance: float
 
     def stick_ratio(self, force: float) -> float:
-        """Axes of the ellipse that sticks over those of the patch: (1 - Q/mu N)^(1/3)."""
+        """Axes of the ellipse that sticks over those of the patch, (1 - Q/mu N)^(1/3), under a
+        force Q (N). ValueError: a force outside 0..mu N.
+        """
         return math.cbrt(self._rest(force))
 
     def approach(self, force: float) -> float:
-        """Tangential approach, mm, under a force that grew from 0 (Johnson, 7.42)."""
+        """Tangential approach, mm, under a force (N) that increased from 0 (Johnson, 7.42).
+        ValueError: a force outside 0..mu N.
+        """
         return self._scale * (1 - self._rest(force) ** (2 / 3))
 
     def unloading_approach(self, force: float, largest: float) -> float:
-        """Tangential approach (mm) when the force falls from `largest` to `force` >= -largest
-        (Johnson, Contact Mechanics, 7.53). At force 0 it is what remains.
+        """Tangential approach (mm) when the force falls from `largest` to `force` >= -largest, N
+        (Johnson, Contact Mechanics, 7.53). At force 0 this is the remaining shift. ValueError: a
+        force outside -largest..largest.
         """
         if not abs(force) <= largest:
             raise ValueError(f"a force between +-{largest} N is reached on the way back: {force}")
@@ -64,7 +70,7 @@ class CattaneoMindlin:
         return self._scale * (2 * back - self._rest(largest) ** (2 / 3) - 1)
 
     def energy_per_cycle(self, largest: float) -> float:
-        """Energy dissipated in one cycle of the force between +-largest, N mm (Johnson, Contact
+        """Energy dissipated in one cycle of the force between +-largest (N), N mm (Johnson, Contact
         Mechanics, 7.57).
         """
         rest, share = self._rest(largest), largest / self.limit
@@ -77,7 +83,7 @@ class CattaneoMindlin:
         return 1.5 * self.compliance * self.limit
 
     def _rest(self, force: float) -> float:
-        """1 - Q/mu N. ValueError: the force is negative or above the limit."""
+        """1 - Q/mu N for a force Q (N). ValueError: a force outside 0..mu N."""
         if not 0 <= force <= self.limit:
             raise ValueError(f"force must be within 0..mu N = {self.limit} N, got {force}")
         return 1 - force / self.limit
@@ -86,18 +92,22 @@ class CattaneoMindlin:
 def ellipse(
     contact: Ellipse, friction: float, shear_modulus: float, poisson: float, *, across: bool
 ) -> CattaneoMindlin:
-    """Cattaneo and Mindlin's contact of bodies of the same material (G in MPa, nu) under Hertz's
-    pressure; the force is along x, or with `across` along y.
+    """Cattaneo and Mindlin's contact of bodies of the same material under Hertz's pressure.
+
+    friction: coefficient; shear_modulus, poisson: G (MPa) and nu of both bodies; across: whether
+        the force acts along y instead of x.
     """
     compliance = initial_compliance(contact.a, contact.b, shear_modulus, poisson)
     return CattaneoMindlin(friction * contact.load, compliance[across])
 
 
 def strip_stick_ratio(share: float, largest: float | None = None) -> float:
-    """Half width that sticks over the strip's: sqrt(1 - Q/mu P) at share = Q/mu P.
+    """Half width that sticks over the half width of a strip: sqrt(1 - share), share = Q/mu P (Q
+    tangential force, P load).
 
-    On the way back from a larger share `largest`: sqrt(1 - (largest - share)/2), beyond which the
-    slip is reversed. ValueError: the share is outside of 0..1, or of -largest..largest.
+    largest: earlier larger share from which the force returned; the result is then sqrt(1 -
+        (largest - share)/2), and the slip outside is reversed. ValueError: the share is outside
+        0..1, or -largest..largest.
     """
     lower, upper = (0.0, 1.0) if largest is None else (-largest, min(largest, 1.0))
     if not lower <= share <= upper:
@@ -108,7 +118,9 @@ def strip_stick_ratio(share: float, largest: float | None = None) -> float:
 def strip_traction(
     strip: Strip, friction: float, share: float, y: ArrayLike
 ) -> NDArray[np.float64]:
-    """mu (p(y) - p0 c/w sqrt(1 - y^2/c^2)) in MPa across a strip of half width w, y in mm."""
+    """Traction mu (p(y) - p0 c/b sqrt(1 - y^2/c^2)), MPa, at y (mm) across a strip of half width b
+    whose part |y| < c sticks. share: tangential force over mu times load, 0 to 1.
+    """
     ratio = strip_stick_ratio(share)
     stuck = np.sqrt(np.maximum(ratio**2 - (np.asarray(y) / strip.b) ** 2, 0))
     return np.asarray(friction * (strip.pressure(y) - strip.p0 * stuck))

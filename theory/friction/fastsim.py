@@ -21,9 +21,10 @@ STRIPS = 80  # across the patch, and steps along each of them
 class FastsimForces(NamedTuple):
     """Result of FASTSIM.
 
-    along, across: forces of the wheel on the rail, N.
+    along: force of the wheel on the rail along the rolling direction, N.
+    across: force of the wheel on the rail across, N.
     moment: about the normal, N mm.
-    stick_share: share of the patch's area that sticks.
+    stick_share: share of the patch's area that sticks, 0 to 1.
     """
 
     along: float
@@ -43,11 +44,18 @@ def fastsim(
 ) -> FastsimForces:
     """Forces of a rolling ellipse at a creepage by Kalker's simplified theory.
 
-    a along and b across in mm; limit: mu N in N; G in MPa. Each strip is followed from its leading
-    edge. A step adds the rigid slip over L to the traction, which is scaled back to its bound where
-    it exceeds it. L_1 = 8 a/(3 G C11), L_2 = 8 a/(3 G C22), L_3 = pi a sqrt(a/b)/(4 G C23). As in
-    the paper the steps are of first order: 80 strips are within 1 % of mu N of many. Where the
-    flexibilities differ, full slip is not quite along the rigid slip.
+    a, b: semi-axes along and across, mm.
+    limit: friction coefficient times load, N.
+    shear_modulus: G of the pair, MPa.
+    linear: Kalker's linear coefficients of the ellipse.
+    creepage: creepages and spin (1/mm).
+    strips: number of strips across, and of steps along each.
+
+    Each strip is followed from its leading edge. A step adds the rigid slip over the flexibility L
+    to the traction, which is scaled back to its bound where it exceeds that. L_1 = 8 a/(3 G C11),
+    L_2 = 8 a/(3 G C22), L_3 = pi a sqrt(a/b)/(4 G C23). As in the paper the steps are of first
+    order: the result of 80 strips is within 1 % of mu N of that of many. Where the flexibilities
+    differ, full slip is not quite along the rigid slip.
     """
     L1, L2 = (8 * a / (3 * shear_modulus * c) for c in (linear.c11, linear.c22))
     L3 = math.pi * a * math.sqrt(a / b) / (4 * shear_modulus * linear.c23)

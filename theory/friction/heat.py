@@ -17,11 +17,16 @@ MIDDLE = 3 * math.pi / 8  # of an ellipse: mean flux on its longest line over th
 def flash_temperature(
     dissipated: float, area: float, half_length: float, speed: float, *, line: bool
 ) -> float:
-    """Largest rise of the surface temperature, K: 1.13 (q/2) sqrt(2 a/v)/sqrt(k rho c).
+    """Largest rise of the surface temperature, K: 1.13 (q/2) sqrt(2 a/v)/sqrt(k rho c), q the mean
+    heat flux on the longest line of the patch along the rail, k rho c the thermal constants of
+    steel.
 
-    dissipated: energy per rolled length, N; area of the patch, mm2; half_length: along the rail,
-    mm; speed, m/s. q is the mean heat flux on the longest line of the patch along the rail, with
-    heat distributed as the pressure is; each body takes half.
+    dissipated: energy per rolled length, N.
+    area: of the patch, mm2.
+    half_length: a, half length of the patch along the rail, mm.
+    speed: v, m/s.
+    line: whether the contact is a line contact; else an ellipse.
+    The heat is distributed as the pressure; half of it flows into each body.
     """
     flux = dissipated * speed / (1e-6 * area) * (1.0 if line else MIDDLE)
     effusivity = math.sqrt(CONDUCTIVITY * DENSITY * SPECIFIC_HEAT)

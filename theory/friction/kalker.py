@@ -26,7 +26,13 @@ DEGREE = 10  # of the polynomials
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Kalker's linear creepage coefficients, dimensionless; C32 = -C23."""
+    """Kalker's linear creepage coefficients of an ellipse, dimensionless; C32 = -C23.
+
+    c11: force along by creepage along.
+    c22: force across by creepage across.
+    c23: force across by spin.
+    c33: moment by spin.
+    """
 
     c11: float
     c22: float
@@ -36,8 +42,8 @@ class Coefficients:
     def forces(
         self, a: float, b: float, shear_modulus: float, creepage: Creepage
     ) -> tuple[float, float, float]:
-        """Forces F_x, F_y (N) of the wheel on the rail and moment M_z (N mm) at a creepage; semi-
-        axes in mm, G in MPa.
+        """Forces F_x, F_y (N) of the wheel on the rail and moment M_z (N mm) at a creepage. a, b:
+        semi-axes along and across, mm; shear_modulus: G of the pair, MPa.
         """
         c = math.sqrt(a * b)
         along, across, spin = creepage.along, creepage.across, c * creepage.spin
@@ -50,15 +56,16 @@ class Coefficients:
 
 
 def coefficients(axis_ratio: float, poisson: float) -> Coefficients:
-    """Kalker's linear creepage coefficients of an ellipse with a/b = axis_ratio, by polynomials
-    (Kalker 1967).
+    """Kalker's linear creepage coefficients of an ellipse with a/b = axis_ratio (a along the
+    rolling direction), by polynomials (Kalker 1967).
 
-    Where all sticks, the tractions displace the surface by u = -(xi_x, xi_y) x + phi (x y, -x^2/2)
-    + f(y), for any f, and vanish at the leading edge. Tractions that are polynomials over sqrt(1 -
-    x^2/a^2 - y^2/b^2) displace by polynomials of the same degree (Galin). Those that displace by
-    each part of u are solved for first. Then f is chosen for the least traction coefficients along
-    the leading edge. Within 0.2 % of the limit of high degrees for a/b from 0.2 to 5, 0.4 % from
-    0.1 to 10. ValueError: an argument out of range.
+    Where the whole patch sticks, the tractions displace the surface by u = -(xi_x, xi_y) x + phi (x
+    y, -x^2/2) + f(y), with creepages xi_x, xi_y, spin phi and any function f, and vanish at the
+    leading edge. Tractions that are polynomials over sqrt(1 - x^2/a^2 - y^2/b^2) displace by
+    polynomials of the same degree (Galin). The tractions of each part of u are computed first; then
+    f is chosen for the smallest traction coefficients along the leading edge, in the least-squares
+    sense. Within 0.2 % of the limit of high degrees for a/b from 0.2 to 5, 0.4 % from 0.1 to 10.
+    ValueError: an argument out of range.
     """
     if not (0.05 <= axis_ratio <= 20 and 0 <= poisson <= 0.5):
         raise ValueError(
@@ -81,9 +88,15 @@ def coefficients(axis_ratio: float, poisson: float) -> Coefficients:
 
 
 class _Basis:
-    """Products of Legendre polynomials up to a total degree, over sqrt(1 - x^2/a^2 - y^2/b^2)."""
+    """Products of Legendre polynomials in x/a and y/b up to a total degree DEGREE, over the root
+    sqrt(1 - x^2/a^2 - y^2/b^2), as tractions on an ellipse.
+
+    a, b: semi-axes along and across.
+    places: collocation points x (n,), y (n,) in the ellipse.
+    """
 
     def __init__(self, a: float, b: float) -> None:
+        """a, b: semi-axes of the ellipse along and across."""
         self.a, self.b = a, b
         degrees = np.arange(DEGREE + 1)
         self._used = np.add.outer(degrees, degrees).ravel() <= DEGREE
@@ -92,13 +105,15 @@ class _Basis:
         self.places = a * x.ravel(), b * (y * np.sqrt(1 - x * x)).ravel()
 
     def __call__(self, x: Array, y: Array) -> Array:
-        """The polynomials (..., m) at places (...)."""
+        """Values (..., m) of the m polynomials (without the root) at places x, y (...)."""
         products = legvander2d(x / self.a, y / self.b, (DEGREE, DEGREE))
         return np.asarray(products[..., self._used])
 
     def displacements(self, poisson: float) -> Array:
-        """(2 n, 2 m) at the places, where G = 1, by Cerruti's integral in polar coordinates: over
-        chords through each place, and over their angles."""
+        """Matrix (2 n, 2 m): tangential displacements along, then across, at the n places by the m
+        tractions along, then across, for G = 1. Cerruti's integral in polar coordinates, over
+        chords through each place and over their angles.
+        """
         a, b, (x, y) = self.a, self.b, self.places
         count = 2 * DEGREE + int(20 * max(a / b, b / a))
         ticks = np.cos(math.pi * (np.arange(DEGREE // 2 + 1) + 0.5) / (DEGREE // 2 + 1))
@@ -116,7 +131,7 @@ class _Basis:
 
     @property
     def forces(self) -> Array:
-        """(3, 2 m) F_x, F_y, M_z of the tractions."""
+        """Matrix (3, 2 m): F_x, F_y and M_z of the m tractions along, then across."""
         nodes, weights = leggauss(DEGREE + 4)
         height, count = (nodes[:, None] + 1) / 2, 2 * DEGREE + 4
         angle, radius = 2 * math.pi / count * np.arange(count), np.sqrt(1 - height**2)

@@ -28,8 +28,8 @@ DEPTHS, PLACES = 81, 161  # where the shear stress of a strip is looked for
 
 
 def _strip(share: float) -> line.LineContact:
-    """Line contact whose half width is a share of that of a reference strip; the curvature is the
-    same.
+    """Line contact whose half width is `share` times that of the reference strip, with the same
+    curvature.
     """
     load = 1e-3 * share**2
     return line.contact(1e-3, (1.0, 1.0), (0.0, 0.0), length=1.0, across=False, load=load)
@@ -39,8 +39,12 @@ STRIP = _strip(1.0)  # the limits are the same for all
 
 
 def shakedown_limit(friction: float, poisson: float, used: float | None = None) -> float:
-    """Largest p0/k of a line that shakes down, to 1e-3. used: tangential over normal force in
-    steady rolling with Carter's tractions; without it all of the patch slips."""
+    """Largest p0/k (largest pressure over yield stress in shear) at which a line contact shakes
+    down, to 1e-3.
+
+    friction: coefficient; poisson: Poisson's ratio; used: tangential over normal force in steady
+        rolling with Carter's tractions; None: the whole patch slips.
+    """
     share = 1.0 if used is None or not friction else min(used / friction, 1.0)
     stick = math.sqrt(1 - share)
     x, depth = np.meshgrid(np.linspace(-1.2, 1.2, PLACES), np.linspace(0.0, 1.0, DEPTHS))
@@ -59,10 +63,13 @@ def surface_limit(friction: float, poisson: float, stick: float = 0.0) -> float:
 
 
 def _stress(friction: float, stick: float, poisson: float, x: Array, depth: Array) -> Array:
-    """Stress (n, 6) at x and depth over the half width; stick: half width that sticks, from the
-    leading edge on, over the whole one (Carter; see `theory.friction.carter`)."""
+    """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, under the reference strip with Carter's
+    tractions. x, depth: (n,), over the half width; stick: half width that sticks, from the
+    leading edge on, over the half width.
+    """
 
     def at(x: Array) -> Array:
+        """Points (n, 3), mm, at x over the half width and the depths of the outer function."""
         return STRIP.half_width * np.column_stack((x, np.zeros_like(x), -depth))
 
     total = sliding.stress(STRIP, friction, poisson, at(x))
@@ -74,19 +81,25 @@ def _stress(friction: float, stick: float, poisson: float, x: Array, depth: Arra
 
 
 def _balanced(stress: Array) -> float:
-    """The least k for which one rho_xx and one rho_yy keep all stresses (n, 6) of plane strain
-    within von Mises' limit, MPa: k^2 = d^2/4 + (e - d/2)^2/3 + xz^2, d = xx - zz, e = yy - zz."""
+    """Smallest yield stress in shear k (MPa) for which one residual stress rho_xx and one rho_yy
+    keep all stresses (n, 6), columns xx, yy, zz, xy, xz, yz, within von Mises' limit.
+
+    k^2 = d^2/4 + (e - d/2)^2/3 + xz^2, d = xx - zz, e = yy - zz, residual stresses included.
+    """
     xx, yy, zz, _, xz, _ = stress.T / STRIP.p0
 
     def parts(v: Array) -> tuple[Array, Array]:
+        """d/2 and e - d/2, each (n,), with the residual stresses v[0] and v[1], over p0."""
         half = (xx - zz + v[0]) / 2
         return half, yy - zz + v[1] - half
 
     def room(v: Array) -> Array:
+        """k^2 - J_2 (n,) with residual stresses v[0], v[1] and k^2 = v[2], over p0^2."""
         half, other = parts(v)
         return np.asarray(v[2] - half**2 - other**2 / 3 - xz**2)
 
     def slope(v: Array) -> Array:
+        """Derivatives (n, 3) of `room` by the three components of v."""
         half, other = parts(v)
         return np.column_stack((other / 3 - half, -2 * other / 3, np.ones_like(xz)))
 
@@ -98,7 +111,9 @@ def _balanced(stress: Array) -> float:
 
 
 def elastic_limit(friction: float, poisson: float) -> float:
-    """Largest p0/k of a line contact in full slip that does not yield anywhere, by von Mises."""
+    """Largest p0/k of a line contact in full slip that does not yield anywhere, by von Mises.
+    friction: coefficient; poisson: Poisson's ratio.
+    """
     hardest = max(
         find(STRIP, friction, poisson).von_mises
         for find in (sliding.peak_below_surface, sliding.peak_at_surface)
@@ -107,7 +122,10 @@ def elastic_limit(friction: float, poisson: float) -> float:
 
 
 def surface_fatigue_index(traction: float, pressure: float, shear_yield: float) -> float:
-    """FI_surf = (traction - k)/p0 with the largest traction, above 0 where the surface ratchets.
-    Where all of an ellipse slips it is friction - 2 pi a b k/(3 N) (Ekberg, Kabo and Andersson,
-    Fatigue Fract. Eng. Mater. Struct. 25, 2002)."""
+    """Surface fatigue index FI_surf = (traction - k)/p0, above 0 where the surface ratchets.
+
+    traction: largest traction, pressure: largest pressure p0, shear_yield: yield stress in shear k,
+        all MPa. Where all of an ellipse slips, the index is friction - 2 pi a b k/(3 N) (Ekberg,
+        Kabo and Andersson, Fatigue Fract. Eng. Mater. Struct. 25, 2002).
+    """
     return (traction - shear_yield) / pressure

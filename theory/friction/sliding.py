@@ -31,7 +31,7 @@ class PeakStress:
 
     von_mises: MPa.
     x: place along the rolling direction, mm.
-    depth: mm.
+    depth: below the surface, mm.
     """
 
     von_mises: float
@@ -40,21 +40,22 @@ class PeakStress:
 
 
 def stress(contact: Hertz, friction: float, poisson: float, points: ArrayLike) -> Array:
-    """Stress (n, 6), in columns xx, yy, zz, xy, xz, yz, at points (n, 3) with z <= 0.
+    """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, at points (n, 3), z <= 0, mm, under
+    Hertz's pressure p and a traction friction * p along +x.
 
-    The pressure is a sum of plane waves, and a wave under p and q needs plane strain and shear out
-    of its plane only (`_plane_wave`). Of the waves of one direction e, those of all lengths add up
-    in closed form: of an ellipse, whose sections across e hold C (1 - s^2/m^2) with m^2 = a^2 e_x^2
-    + b^2 e_y^2, C = pi a b p0/(2 m), s = x e_x + y e_y, with w = (s + i depth)/m and
-    L = ln((w + 1)/(w - 1)) to
+    The pressure is a sum of plane waves, and a wave of pressure and traction needs only plane
+    strain and shear out of its plane. Of the waves of one direction e, those of all lengths add up
+    in closed form. For an ellipse, whose sections across e hold C (1 - s^2/m^2) with m^2 = a^2
+    e_x^2 + b^2 e_y^2, C = pi a b p0/(2 m), s = x e_x + y e_y, with w = (s + i depth)/m and L =
+    ln((w + 1)/(w - 1)), the sums are
 
         I_0 = -(2 C/m) (w L - 2)      I_1 = (2 i C depth/m^2) (L - 2 w/(w^2 - 1))
 
     for waves exp(-k depth) and k depth exp(-k depth). Directions e ~ (b cos t, a sin t) are even in
     t. The midpoint rule is exact to rounding on the patch and deeper than a tenth of it, 1e-3 p0 at
-    its edge and 5e-3 p0 on the surface beside it. Of a strip there is one direction, and
-    I_0 = i F/pi in the terms of `theory.elastic.line`. ValueError: a point above the surface, or
-    another shape.
+    its edge and 5e-3 p0 on the surface beside it. Of a strip there is one direction, and I_0 = i
+    F/pi in the terms of `theory.elastic.line`. ValueError: a point above the surface, or another
+    shape.
     """
     xyz = np.asarray(points, dtype=float)
     if xyz.ndim != 2 or xyz.shape[1] != 3 or np.any(xyz[:, 2] > 0):
@@ -74,23 +75,25 @@ def stress(contact: Hertz, friction: float, poisson: float, points: ArrayLike) -
 
 
 def peak_below_surface(contact: Hertz, friction: float, poisson: float) -> PeakStress:
-    """The largest von Mises stress from a tenth of the smaller half width down, in the plane along
-    x through the middle of the patch, to 1e-4 of it."""
+    """Largest von Mises stress, to 1e-4, in the plane along x through the middle of the patch,
+    between depths of 0.1 and 1.5 times the smaller half length.
+    """
     depth = min(half_lengths(contact))
     return _highest(contact, friction, poisson, (0.1 * depth, 1.5 * depth))
 
 
 def peak_at_surface(contact: Hertz, friction: float, poisson: float) -> PeakStress:
-    """The largest von Mises stress on the surface, in the same plane; with friction it is found at
-    the trailing edge, x = -a. To 1e-3 of it."""
+    """Largest von Mises stress on the surface, to 1e-3, on the line along x through the middle of
+    the patch. With friction it lies at the trailing edge, x = -a.
+    """
     return _highest(contact, friction, poisson, (0.0, 0.0))
 
 
 def _highest(
     contact: Hertz, friction: float, poisson: float, depths: tuple[float, float]
 ) -> PeakStress:
-    """Largest von Mises stress between two depths, on grids that shrink around the highest point of
-    the last one.
+    """Largest von Mises stress in the plane y = 0 between two depths (mm), on grids that shrink
+    around the highest point of the grid before.
     """
     a, _ = half_lengths(contact)
     low, high = np.array([-1.2 * a, depths[0]]), np.array([1.2 * a, depths[1]])
@@ -107,6 +110,9 @@ def _highest(
 
 
 def _strip_waves(contact: LineContact, s: Array, depth: Array) -> tuple[Waves, Waves]:
+    """I_0 and I_1, (n,) complex, MPa: sums of the waves exp(-k depth) and k depth exp(-k depth) of
+    a strip at distances s and depths (n,), mm.
+    """
     w = contact.half_width
     zeta = s + 1j * np.maximum(depth, SURFACE * w)
     root = np.sqrt(zeta - w) * np.sqrt(zeta + w)
@@ -117,6 +123,9 @@ def _strip_waves(contact: LineContact, s: Array, depth: Array) -> tuple[Waves, W
 def _ellipse_waves(
     contact: Ellipse, e: tuple[float, float], s: Array, depth: Array
 ) -> tuple[Waves, Waves]:
+    """I_0 and I_1, (n,) complex: sums of the waves exp(-k depth) and k depth exp(-k depth) of an
+    ellipse in the direction e (unit vector) at s = x e_x + y e_y and depths (n,), mm.
+    """
     m = math.hypot(contact.a * e[0], contact.b * e[1])
     C = math.pi * contact.a * contact.b * contact.p0 / (2 * m)
     w = s / m + 1j * np.maximum(depth / m, SURFACE)
@@ -127,11 +136,13 @@ def _ellipse_waves(
 def _plane_wave(
     i_0: Waves, i_1: Waves, e: tuple[float, float], friction: float, poisson: float
 ) -> Array:
-    """Stress (n, 6) of waves exp(i k s - k depth) of a pressure 1 and a traction mu along x.
+    """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, of waves exp(i k s - k d) of a pressure p and
+    a traction friction * p along x.
 
-    In the plane of s and depth: under p, s_ss = -(1 - k d) p, s_dd = -(1 + k d) p, s_sd = i k d p;
-    under q along s, s_ss = i (2 - k d) q, s_dd = i k d q, s_sd = -(1 - k d) q; under q across,
-    s_td = -q and s_st = i q.
+    i_0, i_1: sums of exp(-k d) and of k d exp(-k d), (n,) complex; e: unit vector of s; d: depth;
+        t: across s. In the plane of s and d: under p, s_ss = -(1 - k d) p, s_dd = -(1 + k d) p,
+        s_sd = i k d p; under q along s, s_ss = i (2 - k d) q, s_dd = i k d q, s_sd = -(1 - k d) q;
+        under q across, s_td = -q and s_st = i q.
     """
     along, across = friction * e[0], -friction * e[1]
     ss = (i_1 - i_0 + 1j * along * (2 * i_0 - i_1)).real

@@ -9,7 +9,7 @@ REGIMES = ("mild", "severe", "catastrophic")
 
 
 def regime(value: float, limits: tuple[float, float]) -> str:
-    """Name of the wear regime that a value of T-gamma, or of T-gamma over the area, lies in;
-    limits: between the three regimes, ascending.
+    """Wear regime ("mild", "severe" or "catastrophic") of a value of T-gamma, or of T-gamma over
+    area. limits: the two values between the regimes, ascending, in the unit of `value`.
     """
     return REGIMES[sum(value >= limit for limit in limits)]

@@ -18,10 +18,13 @@ KRYLOV = 200  # iterations a step; 20 to 60 are usual
 
 
 class Tractions:
-    """The cells (nx, ny) of a patch, outside of which the bound g is 0, and what solves for q."""
+    """Solver of Coulomb's law in the cells (nx, ny) of a patch: |q| <= g everywhere and q = g s/|s|
+    where the slip s = w - C q is not zero. q: tractions, MPa; g: bound, MPa, 0 outside of the
+    patch; w: slip without tractions; C: influence.
+    """
 
     def __init__(self, influence: TractionInfluence, bound: Array) -> None:
-        """bound: g (nx, ny), MPa. ValueError: it is not above 0 anywhere."""
+        """influence: C; bound: g (nx, ny), MPa. ValueError: g is not above 0 anywhere."""
         if not bound.max() > 0:
             raise ValueError("no cell of the patch carries a pressure")
         self._influence, self._bound = influence, bound
@@ -30,12 +33,13 @@ class Tractions:
         self._line = self._step * influence.line[:, cells[:, None] - cells]  # (2, nx, nx)
 
     def solve(self, slip: Array, tolerance: float, guess: Array | None = None) -> Array:
-        """q (2, nx, ny) for w (2, nx, ny), by a semismooth Newton method on q = P(z),
-        z = q + r (w - C q), where P projects onto discs of radius g (Alart and Curnier 1991).
+        """Tractions q (2, nx, ny), MPa, for the slip w (2, nx, ny) of surfaces without tractions.
 
-        It starts from a guess or from the tractions that stick everywhere, and ends when the norm
-        of q - P(z) is below tolerance times that of P(z). A cell whose slip turns round within a
-        step sticks in the next one; otherwise the method may cycle. ValueError: it does not end.
+        A semismooth Newton method on q = P(z), z = q + r (w - C q), where P projects onto discs of
+        radius g and r is a stiffness (Alart and Curnier 1991). The iteration starts from `guess` or
+        from the tractions that stick everywhere, and ends when the norm of q - P(z) is below
+        `tolerance` times that of P(z). A cell whose slip reverses within a step sticks in the next
+        one; otherwise the method may cycle. ValueError: no convergence.
         """
         still = np.zeros_like(slip)
         inside = np.where(self._bound > 0, 1.0, 0.0)
@@ -54,21 +58,25 @@ class Tractions:
         raise ValueError(f"no tractions to {tolerance} in {STEPS} steps of Newton's method")
 
     def changes(self, traction: Array, slip: Array, modes: Array) -> Array:
-        """Changes (m, 2, nx, ny) of the tractions that solve for a slip by changes of it, alike."""
+        """Derivatives (m, 2, nx, ny) of the tractions by changes `modes` (m, 2, nx, ny) of the
+        slip. traction, slip: the solved tractions and the slip without tractions, (2, nx, ny).
+        """
         z = traction + self._step * (slip - self._influence(traction))
         ratio = self._ratio(z)
         D = _derivative(z, ratio)
         return np.array([self._newton(z, ratio, _times(D, self._step * mode)) for mode in modes])
 
     def _ratio(self, z: Array) -> Array:
-        """What the projection scales z by (nx, ny): 1 where it sticks."""
+        """Factor (nx, ny) by which the projection scales z (2, nx, ny); 1 where a cell sticks."""
         size = np.maximum(np.linalg.norm(z, axis=0), 1e-300)
         return np.asarray(np.minimum(self._bound / size, 1.0))
 
     def _newton(self, z: Array, ratio: Array, right: Array) -> Array:
-        """dq (2, nx, ny) of (I - D + r D C) dq = right, D being the derivative of P at z.
+        """Newton step dq (2, nx, ny): solution of (I - D + r D C) dq = right, D being the
+        derivative of the projection at z, by GMRES.
 
-        The preconditioner takes of C what the cells of a line along x do to each other.
+        ratio: scaling factor (nx, ny) of the projection; right: (2, nx, ny). The preconditioner
+            contains the part of C by which cells of a line along x influence each other.
         """
         D, shape = _derivative(z, ratio), right.shape
         one = np.eye(shape[1])
@@ -76,10 +84,12 @@ class Tractions:
         inverses = np.linalg.inv(one - own * one + own * self._line[:, None])
 
         def tangent(flat: Array) -> Array:
+            """The matrix (I - D + r D C) times a flat vector."""
             dq = flat.reshape(shape)
             return np.asarray((dq + _times(D, self._step * self._influence(dq) - dq)).ravel())
 
         def nearly_inverse(flat: Array) -> Array:
+            """The preconditioner times a flat vector."""
             columns = flat.reshape(shape).transpose(0, 2, 1)[..., None]
             return np.asarray((inverses @ columns)[..., 0].transpose(0, 2, 1).ravel())
 
@@ -92,11 +102,13 @@ class Tractions:
 
 
 def _derivative(z: Array, ratio: Array) -> Array:
-    """D (2, 2, nx, ny) of the projection: 1 where it sticks, else ratio (1 - z z/|z|^2)."""
+    """Derivative D (2, 2, nx, ny) of the projection of z (2, nx, ny) onto discs: the unit matrix
+    where a cell sticks (ratio 1), else ratio (1 - z z/|z|^2).
+    """
     slipping = np.where(ratio < 1, ratio / np.maximum((z * z).sum(axis=0), 1e-300), 0)
     return ratio * np.eye(2)[:, :, None, None] - slipping * z[:, None] * z[None]
 
 
 def _times(D: Array, values: Array) -> Array:
-    """Matrices (2, 2, nx, ny) times vectors (2, nx, ny)."""
+    """Products (2, nx, ny) of matrices D (2, 2, nx, ny) with vectors (2, nx, ny)."""
     return np.asarray((D * values[None]).sum(axis=1))

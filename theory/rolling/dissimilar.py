@@ -31,12 +31,14 @@ def solve_dissimilar(
     rolling: bool,
     modes: Array | None = None,
 ) -> TangentialSolution:
-    """Tractions of a patch whose pressure follows from its load and these tractions.
+    """Tractions of a patch of different materials whose pressure depends on the tractions.
 
     patch: the same contact without friction.
-    shear: solves for tractions at a pressure that stays, e.g. `HalfSpaceFriction.solve`.
+    pair: materials.
+    friction: coefficient.
+    shear: solves for the tractions at a fixed pressure, e.g. `HalfSpaceFriction.solve`.
     rolling: steady rolling; else one shift that begins from the pressed patch.
-    modes: fields of rigid slip, see `TangentialSolution`.
+    modes: rigid slip (4, 2, nx, ny) of unit creepages, unit spin and the fixed mode; None: a plane.
     The contact modulus is G/(1 - nu) of the pair. ValueError: no convergence in 40 turns.
     """
     modulus = pair.shear_modulus / (1 - pair.poisson)

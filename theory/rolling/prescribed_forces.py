@@ -59,5 +59,5 @@ def solve_for_forces(
 
 
 def _forces(found: Sequence[TangentialSolution]) -> Array:
-    """Forces (2,) in N and moment in N mm, all patches together (3,)."""
+    """Force along (N), force across (N) and moment (N mm) of all patches together, (3,)."""
     return np.sum([each.forces for each in found], axis=0)

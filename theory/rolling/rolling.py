@@ -32,9 +32,10 @@ TOLERANCE = 1e-8  # of the tractions
 
 @dataclass(frozen=True)
 class Creepage:
-    """Rigid motion of the wheel over the rail: of rolling per rolled length, or one shift.
+    """Rigid motion of the wheel over the rail: per rolled length in rolling, or one shift.
 
-    along, across: creepages, dimensionless; of a shift, mm.
+    along: creepage along x, dimensionless; of a shift, mm.
+    across: creepage along y, dimensionless; of a shift, mm.
     spin: rotation about the normal, 1/mm; of a shift, rad.
     """
 
@@ -44,7 +45,9 @@ class Creepage:
 
     @property
     def motion(self) -> Array:
-        """(4,) multiples of the modes of rigid slip."""
+        """Factors (4,) of the modes of rigid slip: creepage along, across, spin, and 1 for the
+        fixed mode.
+        """
         return np.array([self.along, self.across, self.spin, 1.0])
 
 
@@ -52,12 +55,14 @@ class Creepage:
 class TangentialSolution:
     """Tangential tractions of a patch under a rigid motion, cell by cell.
 
-    x (nx,), y (ny,): cell centres, mm.
-    modes (4, 2, nx, ny): fields of rigid slip along x and y, see the module's text.
-    bound (nx, ny): largest traction that friction allows, mu p, MPa.
+    x: cell centres along the rail, (nx,), mm.
+    y: cell centres across, (ny,), mm.
+    modes: rigid slip along x and y, (4, 2, nx, ny): of unit creepage along, unit creepage across,
+        unit spin, and the fixed mode (zero in a plane).
+    bound: largest traction that friction allows, mu p, (nx, ny), MPa.
     creepage: the rigid motion.
-    traction (2, nx, ny): of the wheel on the rail along x and y, MPa.
-    slip (2, nx, ny): of the wheel over the rail; dimensionless in rolling, mm of a shift.
+    traction: of the wheel on the rail along x and y, (2, nx, ny), MPa.
+    slip: of the wheel over the rail, (2, nx, ny); dimensionless in rolling, mm of a shift.
     """
 
     x: Array
@@ -70,13 +75,13 @@ class TangentialSolution:
 
     @property
     def forces(self) -> tuple[float, float, float]:
-        """Forces of the wheel on the rail along and across (N) and the moment (N mm)."""
+        """Forces of the wheel on the rail (along, across, N) and moment about the normal (N mm)."""
         along, across, moment, _ = self._works
         return float(along), float(across), float(moment)
 
     @property
     def _works(self) -> Array:
-        """Work (4,) of the tractions on each mode of rigid slip."""
+        """Work (4,) of the tractions on each mode of rigid slip: N, N, N mm, N."""
         return np.asarray(self.cell * (self.modes * self.traction).sum(axis=(1, 2, 3)))
 
     @property
@@ -86,12 +91,12 @@ class TangentialSolution:
 
     @property
     def limit(self) -> float:
-        """Largest tangential force that friction allows, mu N, in N."""
+        """Largest tangential force that friction allows: sum of the bound over the area, N."""
         return float(self.bound.sum() * self.cell)
 
     @property
     def areas(self) -> tuple[float, float]:
-        """Area where traction stays below its bound, and area of the patch, mm2."""
+        """Area that sticks (traction below the bound) and area of the patch, mm2."""
         inside = self.bound > 0
         sticks = np.linalg.norm(self.traction, axis=0) < (1 - 1e-6) * self.bound
         return self.cell * float(sticks[inside].sum()), self.cell * float(inside.sum())
@@ -124,12 +129,15 @@ class HalfSpaceFriction:
         modes: Array | None = None,
         settled: Array | None = None,
     ) -> None:
-        """x (nx,), y (ny,): cell centres, evenly spaced, mm; pressure (nx, ny), MPa, 0 outside;
-        modes: see `TangentialSolution`, by default those of a plane about x = y = 0.
-
-        The pressure does not change (`theory.rolling.dissimilar` solves for it). Where materials
-        differ, the slip that it causes counts; settled (nx, ny): pressure before a shift, whose
-        slip does not count.
+        """x (nx,), y (ny,): cell centres, evenly spaced, mm.
+        pressure: (nx, ny), MPa, 0 outside of the patch; it does not change.
+        friction: coefficient.
+        pair: materials.
+        rolling: steady rolling; else one shift.
+        modes: rigid slip (4, 2, nx, ny) along x and y of unit creepages, unit spin and the fixed
+            mode; None: a plane about x = y = 0.
+        settled: pressure (nx, ny) before a shift, MPa; the slip that this pressure causes where
+            materials differ does not count. None: zero.
         ValueError: a shape or value out of range.
         """
         if pressure.shape != (x.size, y.size) or min(pressure.shape) < 2 or not pressure.min() >= 0:
@@ -150,7 +158,9 @@ class HalfSpaceFriction:
     def hertz(
         cls, ellipse: Ellipse, friction: float, pair: Pair, *, rolling: bool, cells: int = 64
     ) -> HalfSpaceFriction:
-        """Tangential contact under Hertz's pressure on an ellipse; `cells` along each axis."""
+        """Tangential contact under Hertz's pressure on an ellipse. friction: coefficient; pair:
+        materials; rolling: steady rolling, else one shift; cells: number along each axis.
+        """
         t = (np.arange(cells) + 0.5) / cells * 2 - 1
         inside = 1 - t[:, None] ** 2 - t**2
         pressure = ellipse.p0 * np.sqrt(np.maximum(inside, 0.0))
@@ -161,28 +171,34 @@ class HalfSpaceFriction:
     ) -> TangentialSolution:
         """Tractions at a creepage in steady rolling, or under one shift from rest.
 
-        start: an earlier solution of this patch; the iterations begin there. ValueError: they do
-        not converge."""
+        start: an earlier solution of this patch, from which the iterations begin. ValueError: no
+            convergence.
+        """
         return self._found(creepage, self._slip(creepage), start)
 
     def solve_after(self, before: TangentialSolution, creepage: Creepage) -> TangentialSolution:
-        """Tractions under a shift that follows another one, `before`. ValueError: as `solve`."""
+        """Tractions under a shift that follows the shift `before`. ValueError: no convergence."""
         settled = self._slip(before.creepage) - self._influence(before.traction)
         return self._found(creepage, self._slip(creepage) - settled, before)
 
     def stiffness(self, found: TangentialSolution) -> Array:
-        """(2, 2) derivatives of the forces by the creepages along and across, N."""
+        """Derivatives (2, 2) of the forces along and across by the creepages along and across, N
+        (of a shift N/mm), at a solution of this patch.
+        """
         slip = self._slip(found.creepage)
         changes = self._tractions.changes(found.traction, slip, self._modes[:2])
         return np.asarray(np.einsum("fcij,mcij->fm", self._modes[:2], changes) * found.cell)
 
     def _slip(self, creepage: Creepage) -> Array:
-        """Slip (2, nx, ny) of surfaces without tractions."""
+        """Slip (2, nx, ny) of surfaces without tractions at a creepage."""
         return np.asarray(np.tensordot(creepage.motion, self._modes, axes=1) - self._drawn)
 
     def _found(
         self, creepage: Creepage, slip: Array, start: TangentialSolution | None
     ) -> TangentialSolution:
+        """Solution for a slip (2, nx, ny) of surfaces without tractions. start: solution from which
+        the iterations begin, or None.
+        """
         guess = None if start is None else start.traction
         traction = self._tractions.solve(slip, TOLERANCE, guess)
         left = np.where(self._bound > 0, slip - self._influence(traction), 0)
@@ -192,7 +208,9 @@ class HalfSpaceFriction:
 
 
 def plane_modes(x: Array, y: Array) -> Array:
-    """Modes of rigid slip (4, 2, nx, ny) in a plane, about x = y = 0."""
+    """Modes of rigid slip (4, 2, nx, ny) in a plane, components along x and y at cell centres: unit
+    creepage along x, along y, unit spin (-y, x) about x = y = 0, and zeros.
+    """
     still = np.zeros((x.size, y.size))
     turned = [still - y, still + x[:, None]]
     return np.array([[still + 1, still], [still, still + 1], turned, [still, still]])

@@ -30,9 +30,14 @@ CENTRAL: Upstream = ((-0.5, 1.0), (0.5, -1.0))  # the same of what does not foll
 
 @dataclass(frozen=True)
 class Pair:
-    """Both materials as one (Kalker 1990, 1.43): 1/G = (1/G_w + 1/G_r)/2, nu/G alike, and
-    K/G = ((1 - 2 nu_w)/G_w - (1 - 2 nu_r)/G_r)/4, which is 0 where both surfaces move alike under a
-    pressure. G in MPa."""
+    """Elastic constants of wheel (w) and rail (r) combined for tangential contact (Kalker 1990,
+    1.43).
+
+    shear_modulus: G, MPa; 1/G = (1/G_w + 1/G_r)/2.
+    poisson: nu; nu/G = (nu_w/G_w + nu_r/G_r)/2.
+    mismatch: K; K/G = ((1 - 2 nu_w)/G_w - (1 - 2 nu_r)/G_r)/4. 0 means that both surfaces move
+        alike under a pressure.
+    """
 
     shear_modulus: float
     poisson: float
@@ -40,7 +45,10 @@ class Pair:
 
 
 def pair(young_wheel: float, poisson_wheel: float, young_rail: float, poisson_rail: float) -> Pair:
-    """The pair of E (MPa, math.inf is rigid) and nu of both. Errors of `contact_modulus`."""
+    """Combined constants of a wheel and a rail. young_wheel, young_rail: Young's moduli, MPa,
+    math.inf is rigid. ValueError: a modulus that is not positive, a Poisson ratio outside (-1,
+    0.5], or two rigid bodies.
+    """
     contact_modulus(young_wheel, poisson_wheel, young_rail, poisson_rail)
     ratios = poisson_wheel, poisson_rail
     wheel, rail = (
@@ -53,16 +61,22 @@ def pair(young_wheel: float, poisson_wheel: float, young_rail: float, poisson_ra
 
 
 class TractionInfluence:
-    """Map from tractions (2, nx, ny) to the slip that they take away (2, nx, ny).
+    """Map from tractions (2, nx, ny), MPa, to the reduction of the slip (2, nx, ny); components
+    along x and y.
 
-    In mm or, `rolling` along +x, per rolled length: upstream differences of second order over half
-    a cell, -du/dx = (3 u(x) - 4 u(x + d/2) + u(x + d))/d, which dissipate. Cerruti: a force Q_x
-    moves both surfaces apart by Q_x/(pi G) ((1 - nu)/r + nu x^2/r^3) along it and by
-    Q_x/(pi G) nu x y/r^3 across (Johnson, Contact Mechanics, 3.7), here integrated over a cell.
+    Slips are in mm or, in rolling along +x, per rolled length: upstream differences of second order
+    over half a cell, -du/dx = (3 u(x) - 4 u(x + d/2) + u(x + d))/d, which dissipate. Cerruti: a
+    force Q_x moves both surfaces apart by Q_x/(pi G) ((1 - nu)/r + nu x^2/r^3) along x and by
+    Q_x/(pi G) nu x y/r^3 along y (Johnson, Contact Mechanics, 3.7), here integrated over a cell.
+
+    line: influence of a cell on the cells of its own line along x, (2, padded): along x by traction
+        along x, and along y by traction along y.
     """
 
     def __init__(self, x: Array, y: Array, pair: Pair, *, rolling: bool) -> None:
-        """x (nx,), y (ny,): cell centres, evenly spaced and at least two an axis, mm."""
+        """x (nx,), y (ny,): cell centres, evenly spaced and at least two an axis, mm; pair:
+        materials; rolling: whether slips are per rolled length.
+        """
         self._size, self._pair = (x.size, y.size), pair
         self._padded = tuple(next_fast_len(2 * n, real=True) for n in self._size)
         self._steps = float(x[1] - x[0]), float(y[1] - y[0])
@@ -73,27 +87,35 @@ class TractionInfluence:
         self.line = kernels[::2, :, 0]  # (2, padded): of a cell on those of its own line along x
 
     def __call__(self, traction: Array) -> Array:
+        """Reduction of the slip (2, nx, ny) by tractions (2, nx, ny), MPa."""
         xx, xy, yy = self._spectra
         along, across = rfft2(traction, self._padded)
         moved = np.array([xx * along + xy * across, xy * along + yy * across])
         return self._within(moved)
 
     def of_pressure(self, pressure: Array) -> Array:
-        """Slip (2, nx, ny) that a pressure (nx, ny) takes away: both surfaces move inwards, the
-        softer one further. A force P gives K P/(pi G) x/r^2 (Johnson, 3.18b)."""
+        """Reduction of the slip (2, nx, ny) by a pressure (nx, ny), MPa, where materials differ:
+        both surfaces move inwards, the softer one further. A force P gives K P/(pi G) x/r^2
+        along x (Johnson, 3.18b).
+        """
         spectra = rfft2(self._kernels(self._boussinesq, self._given))
         return self._within(spectra * rfft2(pressure, self._padded))
 
     def opening(self, traction: Array) -> Array:
-        """Change of the normal gap (nx, ny) by tractions, mm; not in rolling. By reciprocity it has
-        the kernel of `of_pressure` with x and y reversed."""
+        """Change of the normal gap (nx, ny), mm, by tractions (2, nx, ny), MPa, where materials
+        differ; not in rolling. By reciprocity its kernel is that of `of_pressure` with x and y
+        reversed.
+        """
         spectra = rfft2(self._kernels(self._boussinesq, SHIFT))
         return -self._within((spectra * rfft2(traction, self._padded)).sum(axis=0, keepdims=True))[
             0
         ]
 
     def _kernels(self, corners: Callable[[Array, Array], Array], upstream: Upstream) -> Array:
-        """Influence (m, padded) of one cell on all others, the cell itself first."""
+        """Influence (m, padded x, padded y) of one cell on all others, the cell itself first.
+        corners: antiderivatives (m, ...) at corners (X, Y), mm; upstream: pairs (distance
+        upstream in cells, weight) of the difference formula.
+        """
         total = []
         for cells, weight in upstream:
             X, Y = (
@@ -105,19 +127,21 @@ class TractionInfluence:
         return np.asarray(scale * np.fft.ifftshift(np.sum(total, axis=0), axes=(1, 2)))
 
     def _cerruti(self, X: Array, Y: Array) -> Array:
-        """Corner values (3, ...) of the integral of Cerruti's xx, xy and yy over a cell."""
+        """Antiderivatives (3, ...) at corners X, Y (mm) of Cerruti's kernels: x by force along x, x
+        by force along y, y by force along y.
+        """
         nu = self._pair.poisson
         yy, xx = logarithms(X, Y)
         return np.array([xx + (1 - nu) * yy, -nu * np.hypot(X, Y), yy + (1 - nu) * xx])
 
     def _boussinesq(self, X: Array, Y: Array) -> Array:
-        """Corner values (2, ...) of the integrals of K x/r^2 and K y/r^2 over a cell."""
+        """Antiderivatives (2, ...) at corners X, Y (mm) of K x/r^2 and K y/r^2."""
         log, angle = np.log(np.hypot(X, Y)), np.arctan(X / Y)
         quarter = math.pi / 2 * np.abs(X) * np.sign(Y)
         parts = Y * log + quarter - X * angle, X * log + Y * angle
         return self._pair.mismatch * np.array(parts)
 
     def _within(self, spectrum: NDArray[np.complex128]) -> Array:
-        """The part (..., nx, ny) inside the grid of a padded spectrum's inverse transform."""
+        """Part (..., nx, ny) inside the grid of the inverse transform of a padded spectrum."""
         nx, ny = self._size
         return np.asarray(irfft2(spectrum, self._padded)[:, :nx, :ny])

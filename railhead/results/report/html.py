@@ -56,8 +56,9 @@ def write(
     found: Findings | None,
     grids: tuple[meshio.Mesh, meshio.Mesh] | None,
 ) -> None:
-    """Into a result folder that holds its pictures already. Nothing but OSError is raised: what
-    could not be made is said in the file."""
+    """Write report.html into a result folder that already contains the pictures. Raises OSError
+    only; any other error is described in the file.
+    """
     try:
         text = render(result, units, folder, found, grids)
     except OSError:
@@ -75,7 +76,7 @@ def render(
     found: Findings | None,
     grids: tuple[meshio.Mesh, meshio.Mesh] | None,
 ) -> str:
-    """The whole page."""
+    """HTML text of the report."""
     summary, scene = result.summary, result.plan.scene
     views, viewer, missing = _views(result, found, grids)
     effects = summary["plan"]["effects"]
@@ -105,7 +106,9 @@ def render(
 
 
 def answer_rows(summary: Mapping[str, Any], units: Units, found: Findings | None) -> dict[str, Any]:
-    """Columns, and rows of (label, unit, key, cells as text)."""
+    """Table of the contact: {"columns": names, "rows": [(label, unit, key in summary.json, cells as
+    text)]}.
+    """
     result = summary["result"]
     if result is None or found is None:
         return {"columns": [], "rows": []}
@@ -137,7 +140,7 @@ def answer_rows(summary: Mapping[str, Any], units: Units, found: Findings | None
 
 
 def _friction(summary: Mapping[str, Any], units: Units) -> dict[str, Any]:
-    """Columns, and rows of (label, unit, cells as text)."""
+    """Table of friction: {"columns": names, "rows": [(label, unit, cells as text)]}."""
     table = quantity_rows.friction(summary)
     every = [*table, *quantity_rows.steel(summary)]
     columns = [name for name in (table[0] if table else {}) if name not in quantity_rows.FIRST]
@@ -151,7 +154,9 @@ def _friction(summary: Mapping[str, Any], units: Units) -> dict[str, Any]:
 
 
 def _checks(checks: Mapping[str, Any]) -> list[tuple[str, str, str, bool, str, str]]:
-    """What it asks, value, limit, whether it holds, the limit's reason, advice."""
+    """Rows (check in words, value, limit, whether it passed, reason of the limit, advice), failed
+    ones first.
+    """
     rows = []
     for name, (limit, reason) in checks["limits"].items():
         value, plain = checks[name], name == "converged"
@@ -172,7 +177,9 @@ def _checks(checks: Mapping[str, Any]) -> list[tuple[str, str, str, bool, str, s
 def _views(
     result: Result, found: Findings | None, grids: tuple[meshio.Mesh, meshio.Mesh] | None
 ) -> tuple[list[dict[str, Any]], str, str]:
-    """Views that turn, the page that shows them, and, without them, why there are none."""
+    """Interactive views, the data of their viewer as JSON, and the reason why there are none (else
+    empty).
+    """
     if found is None or grids is None or result.fields is None:
         return [], "", "nothing touches"
     try:
@@ -188,6 +195,7 @@ def _views(
 
 
 def _versions() -> dict[str, str]:
+    """Versions of the used packages by name."""
     found = {}
     for name in PACKAGES:
         try:
@@ -198,7 +206,7 @@ def _versions() -> dict[str, str]:
 
 
 def _picture(png: bytes) -> str:
-    """A large one (shaded bodies) with 256 colours: a third of the size, hard to tell apart."""
+    """Base64 text of a PNG picture; a large one is reduced to 256 colours."""
     if len(png) < LARGE:
         return _encoded(png)
     small = io.BytesIO()
@@ -207,10 +215,12 @@ def _picture(png: bytes) -> str:
 
 
 def _encoded(data: bytes) -> str:
+    """Base64 text of bytes."""
     return base64.b64encode(data).decode()
 
 
 def _template(name: str) -> Any:
+    """The Jinja template `name` of the report."""
     loader = PackageLoader("railhead.results.report", "templates")
     environment = Environment(loader=loader, undefined=StrictUndefined, autoescape=True)
     return environment.get_template(name)

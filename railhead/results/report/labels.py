@@ -55,12 +55,12 @@ AGAINST = "second_opinion_"
 
 
 def effect(name: str) -> str:
-    """Of the plan, or of what is looked at afterwards."""
+    """Words for the name of an effect or of a check of it after the solution."""
     return EFFECTS.get(name, name.replace("_", " "))
 
 
 def check(name: str) -> str:
-    """What it asks."""
+    """Words for the name of a check."""
     if name.startswith(AGAINST):
         bare = name.removeprefix(AGAINST).rsplit("_", 1)[0].replace("_", " ")
         return f"second method (half-spaces): {'pressure' if bare == 'max' else bare}"
@@ -68,7 +68,9 @@ def check(name: str) -> str:
 
 
 def scene_rows(scene: Scene, units: Units) -> Iterator[tuple[str, str]]:
-    """What was asked, in words and with units; what the plan decides by itself is left out."""
+    """Pairs (key in words, value with unit) of all keys of a scene that have a value other than
+    "auto".
+    """
     for key, value in scene:
         if not isinstance(value, Section):
             yield from _row(key, value, units)
@@ -81,6 +83,7 @@ def scene_rows(scene: Scene, units: Units) -> Iterator[tuple[str, str]]:
 
 
 def _row(key: str, value: Any, units: Units) -> Iterator[tuple[str, str]]:
+    """The pair (key in words, value with unit) of one key; nothing for None and "auto"."""
     if value in (None, "auto"):
         return
     text = str(value)

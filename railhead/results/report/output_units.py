@@ -19,13 +19,18 @@ _FACTOR = re.compile(r"([A-Za-z]+)(\d?)")
 
 @dataclass(frozen=True)
 class Units:
-    """By base unit (mm, N, MPa) the one that is wanted."""
+    """Units of displayed numbers; files remain in mm, N and MPa.
+
+    chosen: displayed unit by base unit ("mm", "N", "MPa"); others remain.
+    """
 
     chosen: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
     def parse(cls, text: str | None) -> Units:
-        """From e.g. "um,kN,GPa", in any order, one or none of each kind. SceneError."""
+        """Units from a text as "um,kN,GPa", in any order, at most one of each kind; None: base
+        units. Raises SceneError.
+        """
         chosen: dict[str, str] = {}
         for name in (part.strip() for part in text.split(",")) if text is not None else ():
             base = next((base for base, names in ALLOWED.items() if name in names), None)
@@ -37,11 +42,11 @@ class Units:
         return cls(chosen)
 
     def unit(self, unit: str) -> str:
-        """What is written for mm, mm2, mm3, N, N mm, N/mm2, 1/mm, MPa; others stay."""
+        """Displayed unit for a product of powers of mm, N and MPa; other units remain."""
         return _FACTOR.sub(lambda each: self.chosen.get(each[1], each[1]) + each[2], unit)
 
     def value(self, value: float, unit: str) -> float:
-        """A number in that unit, in the reader's."""
+        """Value in the displayed unit of a value in `unit`, a product of powers of mm, N and MPa."""
         over, _, under = unit.partition("/")
         for part, sign in ((over, 1), (under, -1)):
             for name, power in _FACTOR.findall(part):
@@ -50,21 +55,21 @@ class Units:
         return value
 
     def text(self, value: float, unit: str) -> str:
-        """A number in that unit -> four digits and the reader's unit."""
+        """Value with four digits and its displayed unit."""
         return f"{brief(self.value(value, unit))} {self.unit(unit)}"
 
     def place(self, point: Sequence[float]) -> str:
-        """(3,) mm -> "(x, y, z) mm" in the reader's unit."""
+        """Text "(x, y, z) mm" of a point (3,), mm, in the displayed unit."""
         inside = ", ".join(f"{self.value(each, 'mm'):.4g}" for each in point)
         return f"({inside}) {self.unit('mm')}"
 
     @property
     def others(self) -> str:
-        """Those that are not the files', as said beside the pictures."""
+        """Displayed units that differ from the base units, as text."""
         return ", ".join(to for base, to in self.chosen.items() if base != to)
 
 
 def brief(value: float) -> str:
-    """Four digits, without powers of ten where that is readable."""
+    """Text of a number with four digits, without a power of ten up to 1e7."""
     rounded = float(f"{value:.4g}")
     return f"{rounded:.0f}" if 1e4 <= abs(rounded) < 1e7 else f"{rounded:.4g}"

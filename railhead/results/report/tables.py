@@ -24,7 +24,7 @@ PAIRED = 30.0  # times first yield beyond which the pairing of the surfaces is f
 
 
 def show_plan(plan: Plan, console: Console) -> None:
-    """Effects, resolution and price."""
+    """Print effects, mesh, predicted cost and prices of accuracies of a plan."""
     said = plan.to_dict()
     contact, hertz, mesh, solver = (said[key] for key in ("contact", "hertz", "mesh", "solver"))
     table = Table(title=f"plan of {said['case']}", title_justify="left")
@@ -55,7 +55,9 @@ def show_plan(plan: Plan, console: Console) -> None:
 
 
 def profile_lines(profiles: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
-    """How profiles from files were read and smoothed ("profiles" of "plan" in summary.json)."""
+    """Lines on reading and smoothing of profiles from files. profiles: by body, as in "plan" of
+    summary.json.
+    """
     for body, found in profiles.items():
         yield f"{body:10s} {Path(found['file']).name}: {', '.join(found['read'])}"
         shortest, longest = found["smoothing_mm"]
@@ -70,6 +72,9 @@ def profile_lines(profiles: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
 
 
 def _uncertainty_line(found: Mapping[str, Any]) -> str:
+    """Line on the effect of profile noise on the result. found: "profile_uncertainty" of
+    summary.json.
+    """
     if found["reason"]:
         return f"profile    leaves unknown what it does to the answer: {found['reason']}"
     return (
@@ -79,12 +84,14 @@ def _uncertainty_line(found: Mapping[str, Any]) -> str:
 
 
 def _state(effect: Effect) -> str:
+    """State of an effect in words."""
     if effect.called_for and "on" in effect.refused:
         return "off, though called for"
     return "on" if effect.on else "off"
 
 
 def _cost(unknowns: int, seconds: float) -> str:
+    """Additional or saved unknowns and seconds in words."""
     if not unknowns and not seconds:
         return "no unknowns"
     what = f"{abs(unknowns)} unknowns, " if unknowns else ""
@@ -92,7 +99,7 @@ def _cost(unknowns: int, seconds: float) -> str:
 
 
 def _show_prices(prices: Sequence[Mapping[str, Any]] | None, console: Console) -> None:
-    """What accuracies cost for this scene on this machine."""
+    """Print the predicted cost of accuracies; None: unknown."""
     if prices is None:
         console.print(
             "price      unknown: no calibrated family; an accuracy takes three meshes or more"
@@ -111,7 +118,7 @@ def _show_prices(prices: Sequence[Mapping[str, Any]] | None, console: Console) -
 
 
 def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAULT) -> None:
-    """Finite elements and exact Hertz side by side."""
+    """Print finite elements and exact Hertz side by side, with friction, yield, remarks and cost."""
     if summary["result"] is not None:
         load = units.value(summary["result"]["load_N"], "N")
         title = f"{summary['case']}: {load:.6g} {units.unit('N')}"
@@ -181,6 +188,9 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAUL
 
 
 def _show_plastic(plastic: Mapping[str, Any], console: Console, units: Units) -> None:
+    """Print yield under the load and the state after unloading. plastic: entry of "result" in
+    summary.json.
+    """
     lines = [
         f"Yields from {1 / plastic['load_over_first_yield']:.3g} of the load on: plastic strain up "
         f"to {plastic['strain_max']:.3g} in the {plastic['body']} at "
@@ -214,8 +224,9 @@ def _show_plastic(plastic: Mapping[str, Any], console: Console, units: Units) ->
 
 
 def _show_rows(title: str, rows: Sequence[Row], console: Console, units: Units) -> None:
-    """Rows with as many columns as fit, and those that are left in further tables below; columns
-    without any value are left out."""
+    """Print rows with as many columns as fit, and further columns in tables below. Empty columns
+    are left out.
+    """
     width = min(console.width, WIDEST)
     known = [name for name in rows[0] if any(row[name] not in (None, "") for row in rows)]
     left, shown = [name for name in known if name not in quantity_rows.FIRST], 0
@@ -231,6 +242,7 @@ def _show_rows(title: str, rows: Sequence[Row], console: Console, units: Units) 
 
 
 def _table(title: str, rows: Sequence[Row], names: Sequence[str], units: Units) -> Table:
+    """Table of rows with the columns quantity, unit and `names`."""
     table = Table(
         title=title or None, title_justify="left", box=box.SIMPLE_HEAD, padding=0, show_edge=False
     )
@@ -246,13 +258,14 @@ def _table(title: str, rows: Sequence[Row], names: Sequence[str], units: Units) 
 
 
 def _wide(table: Table, console: Console) -> int:
-    """Characters that a table takes where nothing is cut."""
+    """Number of characters of the full width of a table."""
     return table.__rich_measure__(console, console.options.update(max_width=10**6)).maximum
 
 
 def show_failure(summary: dict[str, Any], console: Console) -> None:
-    """Which checks failed, by how much, and what to change; the history where it did not
-    converge."""
+    """Print each failed check with value, limit and advice, and the history of Newton's method
+    where that did not converge.
+    """
     newton, checks = summary["newton"], summary["checks"]
     for name in checks["failed"]:
         if name == "converged":
@@ -281,7 +294,7 @@ def show_failure(summary: dict[str, Any], console: Console) -> None:
 
 
 def cell(name: str, value: Cell, unit: str, units: Units) -> str:
-    """Of a column, in the reader's units."""
+    """Text of a cell of column `name` in displayed units; unit: base unit of the value."""
     if value is None or isinstance(value, str):
         return value or ""
     if name in quantity_rows.RELATIVE:

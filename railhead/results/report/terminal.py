@@ -12,18 +12,20 @@ WIDTH = 80  # characters where there is no terminal
 
 
 def standard() -> Console:
-    """Standard output."""
+    """Console on standard output, WIDTH characters wide where that is no terminal."""
     console = Console()
     return console if console.is_terminal else Console(width=WIDTH)
 
 
 def errors() -> Console:
-    """Standard error."""
+    """Console on standard error."""
     return Console(stderr=True)
 
 
 def labelled(console: Console, line: str, indent: int = 11) -> None:
-    """Print a line that begins with a label; what does not fit stands below its text."""
+    """Print a line that begins with a label; continuation lines are indented by `indent`
+    characters.
+    """
     below = " " * indent
     said = textwrap.fill(
         line,
@@ -36,18 +38,19 @@ def labelled(console: Console, line: str, indent: int = 11) -> None:
 
 
 def text(show: Callable[[Console], None]) -> str:
-    """What `show` prints."""
+    """Text that `show` prints on a console."""
     console = _recording()
     show(console)
     return console.export_text()
 
 
 def html(show: Callable[[Console], None]) -> str:
-    """The same with its colours, for a notebook."""
+    """HTML with colours of the text that `show` prints on a console, for notebooks."""
     console = _recording()
     show(console)
     return console.export_html(inline_styles=True)
 
 
 def _recording() -> Console:
+    """Console that records its output."""
     return Console(file=io.StringIO(), width=WIDTH, record=True)

@@ -32,7 +32,13 @@ LEAST = 0.002  # of the force: smaller patches are left out
 
 @dataclass(frozen=True)
 class Allowance:
-    """Relative, of one quantity."""
+    """Relative difference allowed between finite elements and half-spaces, of one quantity.
+
+    size: from held and free faces of the bodies.
+    conformity: from the range of normals in the patch.
+    share: from the distribution of the load over several patches.
+    twist: from the rotation and lateral movement of the bodies.
+    """
 
     size: float
     conformity: float
@@ -41,14 +47,19 @@ class Allowance:
 
     @property
     def total(self) -> float:
-        """All parts together."""
+        """Sum of all parts."""
         return self.size + self.conformity + self.share + self.twist
 
 
 @dataclass(frozen=True)
 class _Body:
-    """weight: its part of the compliance; depth to where it is held, mm; ends: its free edges, by s
-    on the developed rail, mm."""
+    """A deformable body of finite size.
+
+    weight: its share of the compliance of both bodies.
+    poisson: Poisson's ratio.
+    depth: distance from the contact to the held face, mm.
+    ends: positions s of its free edges on the developed rail, mm.
+    """
 
     weight: float
     poisson: float
@@ -56,13 +67,17 @@ class _Body:
     ends: tuple[float, float]
 
     def curvature(self, s: float) -> float:
-        """Over F/(pi E*), 1/mm^3."""
+        """Curvature of the surface at s (mm) that held and free faces add under a force F, over
+        F/(pi E*), 1/mm^3.
+        """
         edges = sum(finite_bodies.free_edge(abs(s - end), self.poisson) for end in self.ends)
         return self.weight * (finite_bodies.held_below(self.depth, self.poisson) + edges)
 
     def between(self, s: Array) -> Array:
-        """Displacement of places s (n,) by the images of each other, over F/(pi E*) (n, n), 1/mm;
-        what is alike for all of them is left out."""
+        """Displacement of places s (n,), mm, by unit forces at the same places through the images
+        at free edges and held face, over F/(pi E*): a matrix (n, n), 1/mm. A displacement common
+        to all places is left out.
+        """
         psi = finite_bodies.image(self.poisson)
         apart = [abs(s - end) for end in self.ends]
         edges = sum(psi / (distance[:, None] + distance) for distance in apart)
@@ -71,10 +86,11 @@ class _Body:
 
 
 def allowance(plan: Plan, solution: Solution, motion: tuple[float, float]) -> dict[str, Allowance]:
-    """By "max_MPa" and "area_mm2", for a plan of a solid contact and its second opinion.
+    """Allowed relative differences by "max_MPa" and "area_mm2", for a plan of a solid contact and
+    its half-space solution.
 
-    motion: rotation of the rail (rad) and movement aside of the wheel (mm), against each other.
-    Raises ValueError where the effect of a motion cannot be judged.
+    motion: relative rotation of the rail (rad) and lateral movement of the wheel (mm). Raises
+        ValueError where the effect of a motion cannot be computed.
     """
     surface = boundary_elements.develop(plan.contact)
     patches = [each for each in solution.patches if each.force > LEAST * solution.force]
@@ -91,6 +107,7 @@ def allowance(plan: Plan, solution: Solution, motion: tuple[float, float]) -> di
 
 
 def _bodies(plan: Plan, surface: Developed) -> list[_Body]:
+    """The deformable bodies of a plan, with the developed surface of the contact."""
     scene, touch = plan.scene, plan.contact.touch
     rail, wheel = scene.rail, scene.wheel
     modulus = closed_forms.contact_modulus(scene)
@@ -109,11 +126,15 @@ def _bodies(plan: Plan, surface: Developed) -> list[_Body]:
 
 
 def _size(patch: PatchSolution, around: list[_Body]) -> float:
+    """Relative change of the largest pressure of a patch by held and free faces of the bodies."""
     curvature = sum(body.curvature(patch.centroid[1]) for body in around)
     return finite_bodies.change(curvature, *patch.half_extents)
 
 
 def _conformity(patch: PatchSolution, contact_modulus: float) -> float:
+    """Sum of 1 - cos of three slopes: half the range of the normals in a patch, and the slopes of
+    the gap at its ends along and across.
+    """
     a, b = patch.half_extents
     unit = patch.force / (math.pi * contact_modulus)
     along, across = (unit * each for each in finite_bodies.own_curvatures(a, b))
@@ -123,8 +144,9 @@ def _conformity(patch: PatchSolution, contact_modulus: float) -> float:
 
 
 def _shares(patches: list[PatchSolution], around: list[_Body]) -> Array:
-    """Relative change of the force on each of several patches, (n,), all of them together carrying
-    the same: F_k changes by 3/2 of the relative change of its own compression."""
+    """Relative change (n,) of the force on each of n patches by held and free faces, the sum of
+    forces being fixed: force changes by 3/2 of the relative change of its compression.
+    """
     force = np.array([patch.force for patch in patches])
     if len(patches) == 1:
         return np.zeros(1)
@@ -135,6 +157,9 @@ def _shares(patches: list[PatchSolution], around: list[_Body]) -> Array:
 
 
 def _twist(plan: Plan, angle: float, aside: float) -> float:
+    """Relative change of the pressure by a rotation (rad) and a lateral movement (mm); 0 for a
+    contact that is symmetric about y = 0.
+    """
     if plan.contact.why_asymmetric_in_y() is None:
         return 0.0
     return rail_twist.change(plan.contact, plan.context.boundary_elements, angle, aside)

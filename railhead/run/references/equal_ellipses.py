@@ -20,8 +20,12 @@ SLENDER = 20.0  # axis ratio up to which the linear theory is known
 
 
 class Rolled(NamedTuple):
-    """Forces along and across, N, and moment, N mm, (3,); the share of the area that sticks; the
-    energy dissipated per rolled length, N."""
+    """Result of FASTSIM on several ellipses.
+
+    forces: along, across (N) and moment (N mm), (3,), of the wheel on the rail.
+    stick_share: share of the area that sticks, 0 to 1.
+    t_gamma: energy dissipated per rolled length, N.
+    """
 
     forces: Array
     stick_share: float
@@ -29,7 +33,11 @@ class Rolled(NamedTuple):
 
 
 def fastsim(patches: Sequence[Patch], limit: float, pair: Pair, motion: Sequence[float]) -> Rolled:
-    """At creepages and a spin (3,); limit: mu N, N, of all. ValueError: an ellipse too slender."""
+    """Forces of patches by FASTSIM on ellipses with equal second moments and forces.
+
+    limit: friction coefficient times normal force of all patches, N. pair: materials. motion:
+        creepage along, across and spin (1/mm). Raises ValueError for an ellipse too slender.
+    """
     sticks, touches = 0.0, 0.0
     total: Array = np.zeros(4)
     whole = sum(each.pressed.force for each in patches)
@@ -42,7 +50,9 @@ def fastsim(patches: Sequence[Patch], limit: float, pair: Pair, motion: Sequence
 
 
 def linear(patches: Sequence[Patch], pair: Pair, motion: Sequence[float]) -> Array:
-    """The same forces (3,) of Kalker's linear theory. ValueError: an ellipse too slender."""
+    """Forces along, across (N) and moment (N mm), (3,), of patches by Kalker's linear theory on
+    ellipses with equal second moments and forces. Raises ValueError for an ellipse too slender.
+    """
     return np.sum(
         [
             _shared(patch, known.forces(a, b, pair.shear_modulus, local))[:3]
@@ -55,7 +65,10 @@ def linear(patches: Sequence[Patch], pair: Pair, motion: Sequence[float]) -> Arr
 def _ellipses(
     patches: Sequence[Patch], pair: Pair, motion: Sequence[float]
 ) -> Iterator[tuple[Patch, float, float, Coefficients, Creepage]]:
-    """Each with its half lengths, mm, coefficients and motion at its middle in its own plane."""
+    """For each connected patch: the patch, its semi-axes a and b (mm), Kalker's coefficients, and
+    the creepage at its centre in its own tangent plane. Raises ValueError for an ellipse too
+    slender.
+    """
     for patch in (part for each in patches for part in each.parts()):
         a, b = patch.pressed.semi_axes
         if not 1 / SLENDER < a / b < SLENDER:
@@ -67,6 +80,8 @@ def _ellipses(
 
 
 def _shared(patch: Patch, forces: Sequence[float]) -> Array:
-    """Work (4,) of a patch's own forces and moment on each mode."""
+    """Work (4,) of a patch's forces along, across (N) and moment about its own normal (N mm) on
+    each mode of rigid slip.
+    """
     along, across, moment = forces
     return np.asarray(patch.middle @ [along, across] + moment * patch.spin)

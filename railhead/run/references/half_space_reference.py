@@ -16,9 +16,10 @@ CELLS = 128
 
 
 def solve(solved: MeshSolution) -> Solution | str | None:
-    """The profiles as half-spaces under the load that was found, or the reason why that is not
-    known. None where exact Hertz is the answer of half-spaces (these, and line contacts) or nothing
-    touches."""
+    """Contact of the real profiles as half-spaces under the load of the solution, or the reason why
+    boundary elements failed. None where exact Hertz is the half-space solution (half-spaces and
+    line contacts) or nothing touches.
+    """
     contact = solved.plan.contact
     if contact.half_space or contact.line or solved.findings is None:
         return None
@@ -29,7 +30,9 @@ def solve(solved: MeshSolution) -> Solution | str | None:
 
 
 def half_space(solved: MeshSolution, solution: Solution | str | None) -> dict[str, Any] | None:
-    """ "half_space" of summary.json: what `solve` found, or why not."""
+    """Entry "half_space" of summary.json: quantities of the half-space `solution` with "allowance",
+    or {"reason": ...}; None where the solution is None.
+    """
     contact, found = solved.plan.contact, solved.findings
     if solution is None or found is None:
         return None
@@ -41,8 +44,9 @@ def half_space(solved: MeshSolution, solution: Solution | str | None) -> dict[st
 
 
 def motion(solved: MeshSolution) -> tuple[float, float]:
-    """Rotation of the rail (rad) and movement aside of the wheel (mm), against each other, that
-    the solution shows beside the patch (rank 0); none in a section, which is symmetric."""
+    """Relative rotation of the rail (rad) and lateral movement of the wheel (mm) in the solution
+    (rank 0); zeros in a section, which is symmetric.
+    """
     found, fields = solved.findings, solved.fields
     assert found is not None and fields is not None
     if solved.plan.section:
@@ -56,7 +60,9 @@ def motion(solved: MeshSolution) -> tuple[float, float]:
 
 
 def _allowance(solved: MeshSolution, solution: Solution) -> dict[str, Any]:
-    """Relative, by quantity and part, or the reason why it is not known."""
+    """Allowed relative differences {quantity: {part: value, "total": sum}}, or {"reason": ...}
+    where they are not known.
+    """
     try:
         allowed = allowance(solved.plan, solution, motion(solved))
     except ValueError as error:

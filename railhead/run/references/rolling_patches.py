@@ -29,11 +29,13 @@ PLANE = np.array([[0.0] * 3, [0.0] * 3, [0.0, 0.0, 1.0], [0.0] * 3])
 
 @dataclass(frozen=True)
 class Patch:
-    """A pressed patch, or several close ones.
+    """A pressed patch of half-spaces, or several close ones, and their modes of rigid slip.
 
-    modes (4, 2, nx, ns): rigid slip along the rail and along its profile, see `RigidSlip`.
-    angular (4, 3): angular velocity of each mode in axes in which the normals are tilted by the
-    patch's angles, 1/mm.
+    pressed: the pressure on a grid.
+    modes: rigid slip along the rail and along its profile at the cells, (4, 2, nx, ns): of unit
+        creepage along, unit creepage across, unit spin, and the fixed mode.
+    angular: angular velocity vector of each mode, (4, 3), 1/mm, in axes in which the normals are
+        tilted by the patch's angles.
     """
 
     pressed: PatchSolution
@@ -42,18 +44,20 @@ class Patch:
 
     @property
     def middle(self) -> Array:
-        """The modes (4, 2) on the average over the pressure."""
+        """Modes of rigid slip averaged over the pressure, (4, 2): along the rail, along the
+        profile.
+        """
         weights = self.pressed.pressure / self.pressed.pressure.sum()
         return np.asarray((self.modes * weights).sum(axis=(2, 3)))
 
     @property
     def spin(self) -> Array:
-        """(4,) of each mode about the patch's own normal, 1/mm."""
+        """Angular velocity (4,) of each mode about the patch's own normal, 1/mm."""
         plane = self.pressed.plane
         return np.asarray(self.angular @ [0.0, -math.sin(plane), math.cos(plane)])
 
     def parts(self) -> Iterator[Patch]:
-        """Each connected patch by itself, but the smallest."""
+        """Connected patches, each by itself; those with less than LEAST of the force are left out."""
         for part in self.pressed.separate():
             if part.force > LEAST * self.pressed.force:
                 yield replace(self, pressed=part)
@@ -68,9 +72,12 @@ def patches(
     cells: int,
     profiles: Solution | str | None = None,
 ) -> list[Patch]:
-    """Under a load (N, down), on so many cells each way, a patch a window; Hertz's where the patch
-    is his. profiles: the contact as it stands, solved, or the reason why it is not known
-    (`half_space_reference.solve`); None solves it. ValueError: not known."""
+    """Patches under a load (N, down) on grids of `cells` x `cells`, one for each window.
+
+    hertzian: whether the patch is an ellipse; Hertz's gap is then used.
+    profiles: the solved half-space contact, or the reason why it failed; None: solve it here.
+    Raises ValueError where the patches are not known.
+    """
     if contact.half_space or (hertzian and not contact.touch.orientation):
         pressed = boundary_element.solve(
             lambda x, s: (ellipse.curvature_x * x**2 + ellipse.curvature_y * s**2) / 2,
@@ -94,8 +101,9 @@ def patches(
 
 
 def strip(contact: Strip, cells: int) -> list[Patch]:
-    """A line contact on so many cells along the rail: two cells beside each other, so long that
-    each is a strip."""
+    """Patch of a line contact on a grid of `cells` cells along the rail by two across. Both are so
+    long that each is a strip.
+    """
     length = LENGTH * contact.b
     x = WIDER * contact.b * ((2 * np.arange(cells) + 1) / cells - 1)
     s = length / 4 * np.array([-1.0, 1.0])
@@ -113,7 +121,7 @@ def strip(contact: Strip, cells: int) -> list[Patch]:
 
 
 def _modes(contact: Contact, window: PatchSolution) -> Array:
-    """(4, 2, nx, ns); 0 beyond the profile, where nothing touches."""
+    """Modes of rigid slip (4, 2, nx, ns) in a window; 0 beyond the profile."""
     if contact.half_space:
         return plane_modes(window.x, window.s)
     x, s = (each.ravel() for each in np.meshgrid(window.x, window.s, indexing="ij"))

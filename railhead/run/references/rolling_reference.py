@@ -41,16 +41,14 @@ NumbersByMethod = dict[str, dict[str, Any]]
 
 @dataclass(frozen=True, kw_only=True)
 class FrictionCase:
-    """A solution with friction, as other methods need it.
+    """A solution with friction, as input of other methods.
 
-    Attributes
-    ----------
-    solution : forces and rigid motion (creepages and spin, or shifts and turn) of finite elements.
-    coefficient : coefficient of friction.
-    pair : materials of the two bodies.
-    rolling : whether the bodies roll; otherwise they are shifted.
-    half_space_shift : whether the shift is one of half-spaces (other bodies shift with all that
-        holds them).
+    solution: forces and rigid motion (creepages and spin, or shifts and turn) of finite elements.
+    coefficient: coefficient of friction.
+    pair: materials of both bodies.
+    rolling: whether the bodies roll; otherwise they are shifted.
+    half_space_shift: whether the shift is that of half-spaces; the shift of other bodies depends on
+        their supports.
     """
 
     solution: FrictionSolution
@@ -68,9 +66,12 @@ class FrictionCase:
 def half_space_friction(
     solved: MeshSolution, profiles: Solution | str | None
 ) -> NumbersByMethod | None:
-    """ "half_space_friction" of summary.json: by method, its numbers under the motion (rolling) or
-    the forces (a shift) of finite elements, or the "reason" why it has none; None without friction.
-    profiles: of `half_space_reference.solve`."""
+    """Entry "half_space_friction" of summary.json: by method, the quantities of friction under the
+    motion (rolling) or the forces (a shift) of finite elements, or {"reason": ...}. None without
+    friction.
+
+    profiles: half-space solution of the profiles, or the reason why it failed, or None.
+    """
     found = solved.solution.friction
     if found is None or solved.findings is None:
         return None
@@ -90,6 +91,7 @@ def half_space_friction(
 
 
 def _strip(case: FrictionCase, line: LineContact) -> NumbersByMethod:
+    """Quantities by method for a line contact: Carter, Cattaneo or boundary elements."""
     found, strip = case.solution, line.strip
     if not case.like and line.across:
         return {"boundary elements": {"reason": STRIP_ACROSS}}
@@ -112,10 +114,14 @@ def _strip(case: FrictionCase, line: LineContact) -> NumbersByMethod:
 def _solid(
     case: FrictionCase, solved: MeshSolution, ellipse: Ellipse, profiles: Solution | str | None
 ) -> NumbersByMethod:
+    """Quantities by method for a point contact: boundary elements, and FASTSIM or Cattaneo and
+    Mindlin.
+    """
     assert solved.findings is not None
     hertzian, load = solved.findings.hertzian, solved.solution.load
 
     def patches(cells: int) -> Sequence[Patch]:
+        """The patches on a grid of `cells` cells along each axis."""
         return rolling_patches.patches(
             solved.plan.contact,
             ellipse,
@@ -137,7 +143,7 @@ def _solid(
 
 
 def _or_reason(method: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """The numbers of a method, or the reason why it raised a ValueError."""
+    """Result of a method, or {"reason": text} where it raises ValueError."""
     try:
         return method()
     except ValueError as error:
@@ -145,12 +151,16 @@ def _or_reason(method: Callable[[], dict[str, Any]]) -> dict[str, Any]:
 
 
 def _fastsim(case: FrictionCase, patches: Sequence[Patch]) -> dict[str, Any]:
+    """Forces, stick share and T-gamma by FASTSIM, by the keys of summary.json."""
     found = case.solution
     rolled = equal_ellipses.fastsim(patches, found.friction_limit, case.pair, found.rigid_motion)
     return {**by_key(rolled.forces, rolled.stick_share), "t_gamma_N": rolled.t_gamma}
 
 
 def _mindlin(case: FrictionCase, ellipse: Ellipse) -> dict[str, Any]:
+    """Stick share and, of half-spaces, shifts (mm) by Cattaneo and Mindlin, by the keys of
+    summary.json.
+    """
     found, pair = case.solution, case.pair
     force = min(float(np.hypot(*found.force)), found.friction_limit)
     compliances = cattaneo.initial_compliance(
@@ -167,10 +177,12 @@ def _mindlin(case: FrictionCase, ellipse: Ellipse) -> dict[str, Any]:
 def solve_by_boundary_elements(
     case: FrictionCase, patches: Callable[[int], Sequence[Patch]], cells: tuple[int, int]
 ) -> Numbers:
-    """Numbers of boundary elements on the finer of two grids of `cells` a side.
+    """Quantities of friction by boundary elements on the finer of two grids with `cells` cells
+    along each axis.
 
-    The error of unlike bodies is of first order in the cell: theirs are extrapolated from both
-    grids, with what that changes as "grid_error", over mu N or the shift. ValueError: not known.
+    The error for bodies of different materials is of first order in the cell size. Their values are
+    extrapolated from both grids; "grid_error" is the change by that, over mu N or the shift. Raises
+    ValueError where the patches are not known.
     """
     coarse, fine = cells
     found = _on_grid(case, patches(fine))
@@ -188,7 +200,9 @@ def solve_by_boundary_elements(
 
 
 def by_key(forces: Array, stick: float) -> Numbers:
-    """Forces and moment (3,) by the names of "friction" in summary.json."""
+    """Forces along, across (N) and moment (N mm), (3,), and stick share by the keys of "friction"
+    in summary.json.
+    """
     along, across, moment = forces
     return {
         "force_along_N": float(along),
@@ -199,6 +213,9 @@ def by_key(forces: Array, stick: float) -> Numbers:
 
 
 def _on_grid(case: FrictionCase, patches: Sequence[Patch]) -> Numbers:
+    """Quantities of friction by boundary elements on given patches, by the keys of summary.json.
+    Raises ValueError for several patches under a shift.
+    """
     if len(patches) > 1 and not case.rolling:
         raise ValueError(SEVERAL)
     found, limit = case.solution, case.coefficient * sum(each.pressed.force for each in patches)
@@ -206,6 +223,7 @@ def _on_grid(case: FrictionCase, patches: Sequence[Patch]) -> Numbers:
     along, across = (force / scale for force in found.force)
 
     def shear(body: HalfSpaceFriction) -> TangentialSolution:
+        """Tractions of one patch at the creepage or under the forces of the solution."""
         if case.rolling:
             return body.solve(Creepage(*found.rigid_motion))
         return solve_for_forces([body], Creepage(), along=along, across=across)[0]
