@@ -348,7 +348,7 @@ def profile(
 
 
 def _report(answer: Callable[[], Answer], name: str, options: ReportOptions) -> None:
-    """Compute a result, write its folder (results/<name> by default) and print it as text or JSON."""
+    """Compute a result, write its folder [results/<name>] and print it as text or JSON."""
     from railhead.results import result_folder
     from railhead.results.report import terminal
 

@@ -55,7 +55,7 @@ def load(name: str) -> Study:
 
 
 def canonical(name: str) -> str:
-    """Name of a study from a text with - or _ between words. Raises SceneError for an unknown name."""
+    """Name of a study from a text with - or _. Raises SceneError for an unknown name."""
     known, wanted = names(), name.replace("-", "_")
     if wanted in known:
         return wanted

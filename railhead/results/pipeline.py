@@ -46,7 +46,7 @@ def result(levels: list[MeshSolution], ending: Ending, comm: MPI.Intracomm) -> R
 
 
 def _record_speed(levels: list[MeshSolution]) -> None:
-    """Record the measured seconds of elastic meshes, so that later predictions suit this machine."""
+    """Record the measured seconds of elastic meshes for later predictions on this machine."""
     for level in levels:
         if level.plan.is_elastic_frictionless and level.unknowns >= machine.LEAST_UNKNOWNS:
             predicted = level.plan.cost.time(level.unknowns)

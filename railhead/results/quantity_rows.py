@@ -126,7 +126,7 @@ def _cell(value: Any, least: float = 0.0) -> Cell:
 
 
 def _relative(value: Cell, exact: Cell) -> float | None:
-    """Relative deviation of two numbers; None for words, missing numbers and an exact value of 0."""
+    """Relative deviation of two numbers; None for words, missing numbers and an exact 0."""
     if isinstance(value, str) or isinstance(exact, str) or value is None or not exact:
         return None
     return (value - exact) / exact

@@ -237,6 +237,6 @@ class Plots:
 
     @property
     def _hertz(self) -> Hertz | None:
+        """Exact Hertz; None for several patches, as Hertz describes the first contact only."""
         # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
-        """Exact Hertz; None for several patches, of which Hertz describes only the first contact."""
         return self.result.ellipse if len(self._findings.patch.each) < 2 else None

@@ -102,7 +102,7 @@ def _reference_name(solved: MeshSolution) -> str:
 
 
 def _more(solved: MeshSolution) -> dict[str, Any]:
-    """Entries "plastic" and "friction" (with its effects on the steel) of "result" in summary.json."""
+    """Entries "plastic" and "friction" (and effects on the steel) of "result" in summary.json."""
     out: dict[str, Any] = {} if solved.residual_state is None else {"plastic": _plastic(solved)}
     if solved.result is not None and (found := solved.result.get("friction")):
         plan = solved.plan
@@ -130,7 +130,7 @@ def _plastic(solved: MeshSolution) -> dict[str, Any]:
 
 
 def exact_quantities(solved: MeshSolution) -> dict[str, Any]:
-    """Quantities of exact Hertz under the load of the solution, nested as "result" of summary.json."""
+    """Quantities of exact Hertz under the load of the solution, as "result" of summary.json."""
     plan, ellipse, contact = solved.plan, solved.ellipse, solved.plan.contact
     given = plan.poisson_ratios, contact.touch.angle, contact.origin
     if isinstance(ellipse, Ellipse):

@@ -51,8 +51,8 @@ class Estimate:
     geometry: distance of contact points from the exact surface, over the smaller semi-axis.
     load_steps: error of the load steps where bodies yield.
     profile: effect of the noise of measured profiles.
-    flatness: width of the maximum over its depth where the quantity is the place of a maximum; None
-        for other quantities.
+    flatness: where the quantity is the depth of a maximum, half the range of depths in which values
+        are close to that maximum, over its depth; None for other quantities.
     """
 
     mesh: float
@@ -131,7 +131,7 @@ def friction_values(solved: MeshSolution) -> dict[str, float]:
 
 def error_scales(found: Findings, result: Mapping[str, Any]) -> dict[str, float]:
     """Factors of the discretisation error by key, where they differ from scene to scene: for the
-    depth of the largest shear stress, the width of its maximum over the depth.
+    depth of the largest shear stress, half the range of depths with nearly that stress, over the depth.
     """
     body, depth = (result["stress"][f"tau_max_{key}"] for key in ("body", "depth_mm"))
     axis = found.depth[body]

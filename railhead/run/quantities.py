@@ -252,15 +252,15 @@ class Friction:
     power_W: friction power, W.
     energy_per_cycle_Nmm: energy dissipated in a cycle of the forces, N mm.
     newton_steps: number of Newton steps.
-    passes: number of passes of the solver.
+    passes: number of times that the tractions were solved.
     resolution: friction that the mesh shows without creepage.
     below_resolution: keys of the quantities that are smaller than the resolution.
-    wear_number: T-gamma without spin of the worst patch, N.
+    wear_number: scalar product of force and mean creepage, largest of all patches, N.
     t_gamma_over_area: energy per rolled length over area, N/mm2.
     wear_regime: "mild", "severe" or "catastrophic".
     von_mises_max: largest von Mises stress with friction, MPa.
     von_mises_max_depth: its depth, mm.
-    von_mises_max_at: where it lies, in words.
+    von_mises_max_at: "surface" or "below".
     traction_coefficient: tangential over normal force.
     first_yield_p0_over_k: largest pressure over yield stress in shear at first yield.
     shakedown_limit_p0_over_k: the same ratio up to which a line contact shakes down.

@@ -140,7 +140,7 @@ def _stepped(solved: MeshSolution, progress: Progress, comm: MPI.Intracomm) -> M
 
 
 def _spent(budget: float, seconds: float) -> str:
-    """Reason of the end of a run with a budget (s): spent, or exceeded by the two smallest meshes."""
+    """Reason of the end of a run with a budget (s): spent, or exceeded by two meshes."""
     if seconds <= budget:
         return "budget spent"
     return f"the least that gives an estimate took {seconds:.1f} s, over the budget"

@@ -181,7 +181,8 @@ class BodySection(Section):
     profile_unit: unit of the file's numbers: "auto", "mm", "m" or "inch".
     profile_mirror: whether left and right of the file are exchanged: "auto", "on" or "off".
     profile_flip: whether up and down of the file are exchanged: "auto", "on" or "off".
-    profile_origin: "file" keeps the file's origin; "auto" places the origin.
+    profile_origin: "file" keeps the file's origin; "auto" keeps one on the crown or within 8 mm of
+        the tape circle, and else moves the profile to the origin of the standard profiles.
     smoothing: mm, wavelength of which the smoothing keeps half of the height; "auto" chooses.
     """
 

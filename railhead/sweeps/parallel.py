@@ -222,7 +222,7 @@ def _write(
 
 
 def _write_time_series(sweep: ParallelSweep, status: Mapping[int, str], work: Path) -> None:
-    """Write .pvd files for ParaView with the scenes that passed as time steps. work: target folder."""
+    """Write .pvd files into `work`: the scenes that passed, as time steps for ParaView."""
     from railhead.postprocess.vtu import export
 
     for name in store.SERIES:

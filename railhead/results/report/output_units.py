@@ -46,7 +46,7 @@ class Units:
         return _FACTOR.sub(lambda each: self.chosen.get(each[1], each[1]) + each[2], unit)
 
     def value(self, value: float, unit: str) -> float:
-        """Value in the displayed unit of a value in `unit`, a product of powers of mm, N and MPa."""
+        """Value in the displayed unit; unit: that of the argument, powers of mm, N and MPa."""
         over, _, under = unit.partition("/")
         for part, sign in ((over, 1), (under, -1)):
             for name, power in _FACTOR.findall(part):

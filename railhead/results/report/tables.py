@@ -118,7 +118,7 @@ def _show_prices(prices: Sequence[Mapping[str, Any]] | None, console: Console) -
 
 
 def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAULT) -> None:
-    """Print finite elements and exact Hertz side by side, with friction, yield, remarks and cost."""
+    """Print finite elements and exact Hertz side by side, friction, yield, remarks and cost."""
     if summary["result"] is not None:
         load = units.value(summary["result"]["load_N"], "N")
         title = f"{summary['case']}: {load:.6g} {units.unit('N')}"

@@ -57,7 +57,7 @@ class Patch:
         return np.asarray(self.angular @ [0.0, -math.sin(plane), math.cos(plane)])
 
     def parts(self) -> Iterator[Patch]:
-        """Connected patches, each by itself; those with less than LEAST of the force are left out."""
+        """Connected patches, each by itself, but those with less than LEAST of the force."""
         for part in self.pressed.separate():
             if part.force > LEAST * self.pressed.force:
                 yield replace(self, pressed=part)
