@@ -130,8 +130,10 @@ def friction_values(solved: MeshSolution) -> dict[str, float]:
 
 
 def error_scales(found: Findings, result: Mapping[str, Any]) -> dict[str, float]:
-    """Factors of the discretisation error by key, where they differ from scene to scene: for the
-    depth of the largest shear stress, half the range of depths with nearly that stress, over the depth.
+    """Factors of the discretisation error by key, where they differ from scene to scene.
+
+    For the depth of the largest shear stress: half the range of depths in which the shear stress is
+    close to its maximum, over the depth.
     """
     body, depth = (result["stress"][f"tau_max_{key}"] for key in ("body", "depth_mm"))
     axis = found.depth[body]
