@@ -25,7 +25,8 @@ LONG = {"verification", "studies"}
 @pytest.fixture(autouse=True, scope="session")
 def _own_speed(tmp_path_factory: pytest.TempPathFactory) -> None:
     """What runs of the tests take corrects no prediction of a person's runs."""
-    file = tmp_path_factory.mktemp("cache") / "speed.json"
+    file = tmp_path_factory.mktemp("cache") / "user" / "railhead" / "speed.json"
+    file.parent.mkdir(parents=True)
     machine.cache_file = lambda: file
 
 

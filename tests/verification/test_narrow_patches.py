@@ -67,7 +67,7 @@ def test_nearly_round_patches_keep_their_elements() -> None:
 
 def test_a_round_patch_beside_a_long_one_keeps_its_elements_along_the_rail() -> None:
     plan = planned("s1002_60e1", "wheelset.shift=5")
-    stretched = plan._stretched(2.0)
+    stretched = plan.sizing._stretched(2.0)
     assert stretched.stretch * stretched.size == pytest.approx(plan.patch_size)
     assert stretched.resolution == pytest.approx(plan.sizing.resolution)
 
