@@ -63,7 +63,7 @@ class MeshSolution:
     seconds: time by stage "mesh", "assemble", "solve" and "postprocess".
     elastic_reference: the same scene without yield and friction; None where it has neither.
     residual_state: stresses and shapes that remain after yield (rank 0); None without yield.
-    load_step_errors: relative error by quantity of the planned number of load steps, where
+    load_step_errors: relative error by quantity of the usual number of load steps, where
         measured.
     """
 
@@ -92,8 +92,8 @@ class MeshSolution:
 
     @property
     def after(self) -> dict[str, PostSolveVerdict]:
-        """Verdict of the solution on each effect of the plan (needed or not, and why) by name;
-        empty off rank 0.
+        """Verdict of the solution on each effect of the plan by name: whether the effect is needed,
+        and why. Empty off rank 0 and where nothing touches.
         """
         if self.findings is None:
             return {}
@@ -122,7 +122,7 @@ class MeshSolution:
 
     @property
     def unloaded_fields(self) -> Fields | None:
-        """Fields after the load is taken off; None without yield or where not computed."""
+        """The solution after unloading as arrays; None without yield or where not computed."""
         return None if self.residual_state is None else self.residual_state.unloaded
 
     @property
@@ -135,7 +135,9 @@ class MeshSolution:
         return float(np.max(gap.off_surface(contact.points[contact.pressure > 0]), initial=0.0))
 
     def finer(self, n: float) -> tuple[Plan, Grading]:
-        """Plan and element sizes of a mesh around the same patch, n elements per semi-axis."""
+        """Plan and element sizes of a mesh around the same patch. n: elements per smaller semi-
+        axis.
+        """
         plan = self.plan.at_resolution(n)
         return plan, plan.grading()
 

@@ -31,7 +31,9 @@ YIELD_REACH = 3.0  # half lengths of the patch around it in which yield is follo
 
 
 def setup(plan: Plan) -> Setup:
-    """Everything that the contact model of a plan needs besides its mesh."""
+    """Input of the contact model of a plan besides its mesh: bodies, contact law, symmetry planes,
+    far field, linear solver, load path and friction.
+    """
     scene, contact, on = plan.scene, plan.contact, plan.effects
     rubs = on["friction"].on
     theta = scene.solver.theta

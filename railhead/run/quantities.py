@@ -173,8 +173,9 @@ class Stress:
     von_mises_max_body: "rail" or "wheel", where it lies.
     von_mises_max_place: its place x, y, z, mm.
     axis: largest stresses on the normal below the centre of the patch.
-    surface_centre: normal stresses at the centre of the patch, MPa.
-    at_edges: larger stresses at sharp edges and held faces, where they depend on the mesh.
+    surface_centre: normal stresses along x, y and the normal at the centre of the patch, MPa.
+    at_edges: larger stresses at sharp edges and held faces, where they depend on the mesh:
+        dictionaries with "quantity", "body", "value_MPa" and "place_mm" (x, y, z).
     """
 
     tau_max: float = quantity(

@@ -275,13 +275,15 @@ class Scene(Section):
         return cls(**tables)
 
     def replace(self, assignments: Iterable[str] = (), /, **values: object) -> Self:
-        """Return a scene with some keys set anew, each written ``key=value`` with a dotted key, or
-        given as a value: ``replace(load="110 kN", rail={"profile": "60E1"})``.
+        """A scene with some keys changed.
 
-        A written value that is a TOML scalar is read as one, anything else as a plain string.
+        assignments: texts "key=value" with dotted keys; a value that is a TOML scalar is read as
+            such, anything else as a plain string.
+        values: values by key, or tables of them: ``replace(load="110 kN", rail={"profile":
+            "60E1"})``.
         Setting the load drops the approach and the reverse; a profile other than ``arc`` drops its
-        radius, the penalty method drops theta, and half-spaces drop what they cannot use. Raises
-        SceneError.
+        radius, the penalty method drops theta, and half-spaces drop keys that they cannot use.
+        Raises SceneError.
         """
         given = dict(assignment(text) for text in assignments) | dict(_dotted(values))
         given = {OTHER_NAMES.get(key, key): value for key, value in given.items()}

@@ -246,7 +246,11 @@ class BodySection(Section):
 
 
 class Rail(BodySection):
-    """A straight rail. Keys of the material and of the profile's file: `BodySection`.
+    """A straight rail.
+
+    Inherited from `BodySection`: young_modulus (MPa), poisson_ratio, steel, yield_stress (MPa),
+    hardening_modulus (MPa), kinematic_fraction, stress_strain (a file), and for a profile's file
+    profile_unit, profile_mirror, profile_flip, profile_origin and smoothing (mm).
 
     profile: 54E1 (UIC54), 60E1 (UIC60), arc, or the path of a file of points.
     crown_radius: mm, radius of an arc; inf is flat. Required for arc, not allowed otherwise.
@@ -282,7 +286,11 @@ class Rail(BodySection):
 
 
 class Wheel(BodySection):
-    """A wheel. Keys of the material and of the profile's file: `BodySection`.
+    """A wheel.
+
+    Inherited from `BodySection`: young_modulus (MPa), poisson_ratio, steel, yield_stress (MPa),
+    hardening_modulus (MPa), kinematic_fraction, stress_strain (a file), and for a profile's file
+    profile_unit, profile_mirror, profile_flip, profile_origin and smoothing (mm).
 
     profile: cylinder, cone20, cone40, arc, S1002, or the path of a file of points.
     rolling_radius: mm; inf is a straight bar with the profile of the tread.

@@ -178,10 +178,10 @@ SLOPE = SlopeKind(
 
 
 def to_base(value: object, kind: QuantityKind) -> float:
-    """A number, or a string with a unit, as a float in the base unit of its kind.
+    """A number, or a text with a unit, as a float in the base unit of its kind.
 
-    Raises ValueError (one line) for NaN, a boolean, anything that is not a number or a string,
-    an unreadable string and a unit of another kind.
+    Raises ValueError (one line) for NaN, a boolean, anything that is not a number or a text, an
+    unreadable text and a unit of another kind.
     """
     number = math.nan
     try:
@@ -268,12 +268,12 @@ def _in_range(
 
 
 def _short(number: float) -> str:
-    """A number as people write it: 1e-6, 0.001, 1e15."""
+    """Text of a number with a short exponent: 1e-6, 0.001, 1e15."""
     return re.sub(r"e([+-])0*", lambda sign: "e" + sign[1].strip("+"), f"{number:g}")
 
 
 def unit(annotation: object) -> str:
-    """The base unit of what a key's type annotation reads; empty where it has none."""
+    """Base unit of the quantity that a key's type annotation reads; empty where it has none."""
     if isinstance(annotation, BeforeValidator):
         validator = annotation.func
         return validator.kind.unit if isinstance(validator, RangeValidator) else ""

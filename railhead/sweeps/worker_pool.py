@@ -66,8 +66,8 @@ def attempts(
 def submitting(ranks: int) -> Iterator[Submit | None]:
     """A function submit(work, *arguments) that starts a job and returns the future of its Attempt.
 
-    ranks: number of MPI ranks. With several of them, call this on all: it yields None on those that
-    do the jobs, after the last job.
+    ranks: number of MPI ranks. With several ranks, call this on all of them: ranks that do the jobs
+        get None, after the last job.
     """
     if ranks > 1:
         from mpi4py.futures import MPICommExecutor
@@ -80,7 +80,7 @@ def submitting(ranks: int) -> Iterator[Submit | None]:
 
 
 def workers(ranks: int) -> int:
-    """The number of jobs that `submitting` runs at the same time."""
+    """Number of jobs that run at the same time. ranks: number of MPI ranks; with one, the cores."""
     return ranks - 1 if ranks > 1 else os.cpu_count() or 1
 
 

@@ -97,16 +97,25 @@ def solve(
     cells: int = 128,
     tolerance: float = 1e-8,
 ) -> PatchSolution:
-    """Pressure p with gap + u(p) - approach >= 0, p >= 0 and one of the two zero in every cell.
+    """Frictionless contact of two half-spaces with a given gap: pressure p >= 0 with gap + u(p) -
+    approach >= 0, where one of both is zero in every cell and u(p) is the normal displacement.
 
-    `gap` maps points x (n,), s (n,) to the undeformed gap (n,), +inf where the bodies do not face
-    each other; the contact modulus is E*; exactly one of load and approach is given. The domain,
-    at first centre +- half_size, grows until the patch fits in and shrinks until the patch takes up
-    60 to 90 % of its width. A second patch is found if it lies in the first domain and is wider
-    than a cell there, of 64 an axis. The gap is met to tolerance times the largest u. On Hertz
-    ellipses along the axes, 128 cells reach 3e-5 in approach, 4e-5 in max_pressure, 1e-4 in
-    semi_axes, 2e-3 in area and 4e-3 in half_extents; at a sharp edge p depends on the cells.
-    ValueError: an argument or gap out of range, no contact, no bounded patch, no convergence.
+    gap: function of points x (n,), s (n,), mm; undeformed gap (n,), mm, +inf where the bodies do
+        not face each other.
+    contact_modulus: E*, MPa.
+    load: N; None: approach is given.
+    approach: mm; None: load is given.
+    centre: of the first domain, x and s, mm.
+    half_size: of the first domain along x and s, mm.
+    cells: number along each axis.
+    tolerance: of the gap in the patch, over the largest displacement.
+
+    The domain grows until the patch fits in and shrinks until the patch takes up 60 to 90 % of its
+    width. A second patch is found if it lies in the first domain and is wider than a cell there, of
+    64 an axis. On Hertz ellipses along the axes, 128 cells reach 3e-5 in approach, 4e-5 in
+    max_pressure, 1e-4 in semi_axes, 2e-3 in area and 4e-3 in half_extents; at a sharp edge p
+    depends on the cells. ValueError: an argument or gap out of range, no contact, no bounded patch,
+    no convergence.
     """
     window = (centre, half_size)
     given = {"load": load, "approach": approach}
@@ -127,12 +136,17 @@ def solve_developed(
     """Normal contact on a developed (unrolled) curved surface, of patches that may lie far apart.
 
     Solves gap + u(p) - approach cos(angle) >= 0 with p >= 0 and one of both zero in each cell, and
-    int p cos(angle) dA = load.
+    int p cos(angle) dA = load; u(p) is the normal displacement by the pressure p.
+    gap: function of points x (n,), s (n,), mm; undeformed gap (n,) along the normals, mm, +inf
+        where the bodies do not face each other.
+    contact_modulus: E*, MPa.
     windows: (centre, half size) of the first domains, mm. Patches that are well apart get a domain
         of `cells` cells along each axis and displace each other.
-    angle: maps s (n,) to the tilt (n,) of the surface's normal, rad, within +-pi/2; the gap is
-        along that normal.
-    Other arguments, accuracy and errors are those of `solve`.
+    angle: maps s (n,) to the tilt (n,) of the surface's normal, rad, within +-pi/2.
+    load: N; None: approach is given.
+    approach: mm; None: load is given.
+    tolerance: of the gap in the patch, over the largest displacement.
+    ValueError: an argument or gap out of range, no contact, no bounded patch, no convergence.
     """
     given = {"load": load, "approach": approach}
     return _search(gap, contact_modulus, windows, angle, cells, tolerance, True, given)

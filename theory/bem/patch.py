@@ -40,8 +40,11 @@ class Grid:
 
 @dataclass(frozen=True)
 class PatchSolution(Grid):
-    """Solution of a normal contact on the cells of a grid.
+    """Solution of a normal contact on a rectangular grid of cells on a developed surface.
 
+    x: cell centres along the rail, (nx,), mm.
+    s: cell centres across the rail on the developed surface, (ns,), mm.
+    angle: tilt of the surface's normal from the load at s, (ns,), rad.
     pressure: contact pressure (nx, ns), MPa, zero outside of the patch.
     gap: gap of the deformed bodies (nx, ns), mm, zero in the patch, infinite where the bodies do
         not face each other.

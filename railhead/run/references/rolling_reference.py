@@ -59,7 +59,7 @@ class FrictionCase:
 
     @property
     def like(self) -> bool:
-        """Whether the materials are alike, so that tractions leave the pressure alone."""
+        """Whether both materials have no mismatch, so that tractions do not change the pressure."""
         return abs(self.pair.mismatch) < LIKE
 
 
