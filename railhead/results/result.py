@@ -109,7 +109,7 @@ class Result:
 
     @property
     def approach(self) -> float:
-        """Approach of the bodies, mm."""
+        """Approach of the bodies' supports, mm."""
         return float(self._answer.approach)
 
     @property

@@ -380,7 +380,7 @@ class Answer:
 
     patch: half lengths and area.
     pressure: largest and mean pressure.
-    approach: approach of the bodies, mm.
+    approach: approach of the bodies' supports, mm.
     load: normal force, N.
     contact_point: centre of the patch x, y, z, mm.
     stress: largest stresses.

@@ -83,10 +83,13 @@ class ParallelSweep:
 def run(
     sweep: ParallelSweep, *, resume: bool, pictures: bool, quiet: bool
 ) -> dict[int, str] | None:
-    """Solve what has no record yet and write table and pictures.
+    """Solve the scenes of a sweep that have no record yet, and write table and pictures.
 
-    Returns the status of each scene by number on the first rank of MPI, None on the others, which
-    work for it. Raises SceneError before anything is solved, OSError where nothing can be written.
+    resume: whether a sweep in the folder is continued.
+    pictures: whether PNG files are written.
+    quiet: whether no progress is shown.
+    Returns the status of each scene by number on the first MPI rank; None on other ranks, which
+    solve scenes. Raises SceneError before anything is solved, OSError where nothing can be written.
     """
     comm = MPI.COMM_WORLD
     groups: list[list[int]] = []

@@ -50,7 +50,9 @@ class Ellipse:
         return self.load / self.area
 
     def pressure(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
-        """p0 sqrt(1 - (x/a)^2 - (y/b)^2) in MPa, zero outside; x and y in mm, broadcast."""
+        """Contact pressure p0 sqrt(1 - (x/a)^2 - (y/b)^2), MPa, zero outside; x, y in mm,
+        broadcast.
+        """
         inside = 1 - (np.asarray(x) / self.a) ** 2 - (np.asarray(y) / self.b) ** 2
         return np.asarray(self.p0 * np.sqrt(np.maximum(inside, 0)))
 
@@ -78,7 +80,7 @@ class Strip:
         return self.load_per_length / (2 * self.b)
 
     def pressure(self, y: ArrayLike) -> NDArray[np.float64]:
-        """p0 sqrt(1 - (y/b)^2) in MPa, zero outside; y in mm."""
+        """Contact pressure p0 sqrt(1 - (y/b)^2), MPa, zero outside; y in mm."""
         return np.asarray(self.p0 * np.sqrt(np.maximum(1 - (np.asarray(y) / self.b) ** 2, 0)))
 
 
@@ -96,10 +98,12 @@ class RelativeCurvature(NamedTuple):
 
 
 def contact_modulus(young_1: float, poisson_1: float, young_2: float, poisson_2: float) -> float:
-    """E* in MPa from 1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2 (Johnson, Contact Mechanics, 4.2).
+    """Contact modulus E*, MPa: 1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2 (Johnson, Contact
+    Mechanics, 4.2).
 
-    A modulus of math.inf makes that body rigid. ValueError: a modulus that is not positive, a
-    Poisson ratio outside (-1, 0.5], or two rigid bodies.
+    young_1, young_2: Young's moduli, MPa; math.inf is a rigid body. poisson_1, poisson_2: Poisson's
+        ratios. ValueError: a modulus that is not positive, a Poisson ratio outside (-1, 0.5], or
+        two rigid bodies.
     """
     for young, poisson in ((young_1, poisson_1), (young_2, poisson_2)):
         if not young > 0:
@@ -129,13 +133,13 @@ def dundurs_beta(young_1: float, poisson_1: float, young_2: float, poisson_2: fl
 def point_contact(
     curvature_x: float, curvature_y: float, contact_modulus: float, load: float
 ) -> Ellipse:
-    """Hertz ellipse under a load in N, for the gap curvature_x x^2/2 + curvature_y y^2/2.
+    """Hertz ellipse under a load F (N), for the gap curvature_x x^2/2 + curvature_y y^2/2
+    (curvatures in 1/mm, contact modulus E* in MPa).
 
-    With k = b/a the pressure p0 sqrt(1 - x^2/a^2 - y^2/b^2) flattens that gap when
-    curvature_x = F/(pi E* a^3) R_D(0, k^2, 1) and curvature_y = F/(pi E* a^3) R_D(0, 1, k^2), and
-    the approach is 3F/(2 pi E* a) R_F(0, 1, k^2) (Johnson, Contact Mechanics, 4.26 to 4.28, with
-    the elliptic integrals written in Carlson's forms). ValueError: an argument that is not positive
-    and finite.
+    With k = b/a the pressure p0 sqrt(1 - x^2/a^2 - y^2/b^2) flattens that gap when curvature_x =
+    F/(pi E* a^3) R_D(0, k^2, 1) and curvature_y = F/(pi E* a^3) R_D(0, 1, k^2), and the approach is
+    3F/(2 pi E* a) R_F(0, 1, k^2) (Johnson, Contact Mechanics, 4.26 to 4.28, with the elliptic
+    integrals in Carlson's forms). ValueError: an argument that is not positive and finite.
     """
     _require_positive(load=load, contact_modulus=contact_modulus)
     k = _axis_ratio(curvature_x, curvature_y)
@@ -164,7 +168,9 @@ def point_contact_from_approach(
 
 
 def line_contact(curvature: float, contact_modulus: float, load_per_length: float) -> Strip:
-    """Hertz strip: b = sqrt(4 F'/(pi E* curvature)), p0 = 2 F'/(pi b), F' in N/mm.
+    """Hertz line contact: half width b = sqrt(4 F'/(pi E* curvature)), largest pressure p0 = 2
+    F'/(pi b), with the load per length F' (N/mm), the contact modulus E* (MPa) and the relative
+    curvature (1/mm).
 
     Johnson, Contact Mechanics, 4.43 and 4.45. ValueError: an argument that is not positive and
     finite.
