@@ -132,10 +132,8 @@ def loaded(line: AxisPressure) -> tuple[Array, Array]:
 
 
 def _pressure(axes: Axes, findings: Findings, ellipse: Hertz | None, axis: int, name: str) -> None:
-    """Draw the pressure of the result along x (axis 0) or s (axis 1), and that of the exact Hertz
-    contact with its edges.
-
-    ellipse: exact Hertz contact, or None. name: label of the result in the legend.
+    """Draw on `axes` the computed pressure along x (axis 0) or s (axis 1) through the most loaded
+    patch, and that of exact Hertz where it is given.
     """
     line: AxisPressure = (findings.along, findings.across)[axis]
     axes.plot(*loaded(line), "o-", color=FE, lw=0.8, ms=3.5, label=name)

@@ -221,7 +221,9 @@ class MeridianSection(LongitudinalSection):
 
 @dataclass(frozen=True, kw_only=True)
 class TransverseSection(SectionContact):
-    """Plane strain in the plane y, z across the rail: a straight bar on the rail."""
+    """Contact of rail and wheel in plane strain in the plane y, z across the rail; the wheel is a
+    straight bar along x. It gives gap, symmetry and closed-form approach.
+    """
 
     plane = "yz"
     line = True

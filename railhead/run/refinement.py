@@ -41,8 +41,10 @@ class Ending:
 def refine(
     plan: Plan, progress: Progress, comm: MPI.Intracomm
 ) -> tuple[list[MeshSolution], Ending]:
-    """Solved meshes of a plan, coarsest first, and the reason why the sequence ended; collective.
-    Raises SceneError for a mesh that does not fit into the memory, MeshError where gmsh fails.
+    """Solved meshes of a plan, coarsest first, and why the sequence ended (collective).
+
+    SceneError: the first mesh does not fit into the memory; a finer one that does not fit ends the
+        sequence. MeshError: gmsh fails.
     """
     budget.check_memory(plan, comm.bcast(machine.free_memory()))
     if plan.scene.one_mesh:

@@ -177,7 +177,11 @@ class HalfSpaceFriction:
         return self._found(creepage, self._slip(creepage), start)
 
     def solve_after(self, before: TangentialSolution, creepage: Creepage) -> TangentialSolution:
-        """Tractions under a shift that follows the shift `before`. ValueError: no convergence."""
+        """Tractions at the total shift `creepage` (not an increment), which follows the solved
+        state `before`.
+
+        ValueError: the iterations do not converge.
+        """
         settled = self._slip(before.creepage) - self._influence(before.traction)
         return self._found(creepage, self._slip(creepage) - settled, before)
 

@@ -30,8 +30,9 @@ def correction() -> float:
 
 
 def record(taken: float, predicted: float) -> None:
-    """Store the ratio of the seconds that a mesh took to the predicted ones without correction,
-    with the nine latest ratios (RUNS). A file that cannot be written is ignored.
+    """Append the ratio of taken to predicted (uncorrected) seconds of a finished run to the stored
+    ratios; the latest nine (RUNS) are kept, this one included. A file that cannot be written is
+    ignored.
     """
     try:
         file = cache_file()

@@ -177,12 +177,12 @@ def _mindlin(case: FrictionCase, ellipse: Ellipse) -> dict[str, Any]:
 def solve_by_boundary_elements(
     case: FrictionCase, patches: Callable[[int], Sequence[Patch]], cells: tuple[int, int]
 ) -> Numbers:
-    """Quantities of friction by boundary elements on the finer of two grids with `cells` cells
-    along each axis.
+    """Friction quantities of half-spaces by boundary elements, by their names in summary.json.
 
-    The error for bodies of different materials is of first order in the cell size. Their values are
-    extrapolated from both grids; "grid_error" is the change by that, over mu N or the shift. Raises
-    ValueError where the patches are not known.
+    patches: maps a number n to the pressed patches on grids of n cells along each axis. cells:
+        coarse and fine n. Bodies of the same material are solved on the fine grid alone. For others
+        both grids are solved and extrapolated; "grid_error" is the change from fine to
+        extrapolated, of forces over mu N, of a shift over its length.
     """
     coarse, fine = cells
     found = _on_grid(case, patches(fine))

@@ -47,8 +47,11 @@ def decide(context: Context) -> Effect:
 
 
 def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
-    """Verdict on the flash temperature (K) from the energy that the solution dissipates, against
-    100 K (HOT); None without rolling speed or dissipation.
+    """Verdict whether the flash temperature (a rise, K) of the dissipated energy reaches 100 K
+    (HOT).
+
+    It is 'unknown' (not needed) for deformable bodies that are not steel, and None without a
+    rolling speed or without dissipation.
     """
     speed = context.scene.rolling.speed
     if speed is None or math.isnan(found.dissipated):

@@ -24,9 +24,12 @@ USUAL = "R260"  # rail steel that a scene without one is held against
 
 
 def decide(context: Context) -> Effect:
-    """Yield is called for where the largest elastic von Mises stress passes a yield stress.
-    The result is refused with friction while rolling or between unlike bodies. Raises SceneError
-    for linear cells.
+    """Whether yield is simulated: called for where the largest elastic von Mises stress passes the
+    yield stress of a deformable body.
+
+    The state 'on' is refused where no deformable body has a yield stress, and with friction where
+    bodies roll or differ in material. SceneError: linear cells where a body yields and plasticity
+    is not 'off'.
     """
     scene = context.scene
     stresses = {
