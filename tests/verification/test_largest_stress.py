@@ -114,6 +114,6 @@ def test_a_peak_without_neighbours_is_read_where_it_is(monkeypatch: pytest.Monke
     """Where no point to climb to is near, as in elements that are coarse for their body."""
     scene = catalogue.find("uic54_thesis").replace(THIN)
     usual = passed(scene).findings.largest["rail"].tau.value
-    monkeypatch.setattr(peaks, "REACH", 1e-9)
+    monkeypatch.setattr(peaks, "FIT_REACH", 1e-9)
     found = pipeline.run(scene).findings.largest["rail"].tau.value
     assert found == pytest.approx(usual, rel=0.05)
