@@ -139,7 +139,7 @@ def solve(
     active: Mask,
     start: PETSc.Vec | None = None,
     *,
-    rtol: float = 1e-8,
+    rtol: float,
     max_steps: int = 30,
     progress: Callable[[int, float], None] = lambda step, residual: None,
 ) -> NewtonResult:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from pydantic import ValidationError
+from scene_keys import ARC_RAIL, ARC_WHEEL, HALF, scene
 
 from railhead.scene import units
 from railhead.scene.scene import (
@@ -26,21 +27,6 @@ from railhead.scene.scene import (
 )
 
 INF = math.inf
-HALF = {"rail.extent": "half-space"}
-ARC_RAIL = {"rail.profile": "arc", "rail.extent": "half-space"}
-ARC_WHEEL = {"wheel.profile": "arc"}
-
-
-def scene(**keys: Any) -> Scene:
-    """Return a scene of 25 kN with some dotted keys set."""
-    data: dict[str, Any] = {"load": 25000}
-    for key, value in keys.items():
-        section, dot, leaf = key.partition(".")
-        if dot:
-            data.setdefault(section, {})[leaf] = value
-        else:
-            data[section] = value
-    return Scene.from_mapping(data)
 
 
 def value_of(whole: Scene, key: str) -> object:

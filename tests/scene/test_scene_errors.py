@@ -8,27 +8,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scene_keys import ARC_RAIL, ARC_WHEEL, HALF, scene
 
 from railhead.scene.scene import Scene, SceneError, Wheel
 
 NAN, INF = math.nan, math.inf
-HALF = {"rail.extent": "half-space"}
-ARC_RAIL = {"rail.profile": "arc", "rail.extent": "half-space"}
-ARC_WHEEL = {"wheel.profile": "arc"}
-
-
-def scene(**keys: Any) -> Scene:
-    """Return a scene of 25 kN with some dotted keys set."""
-    data: dict[str, Any] = {"load": 25000}
-    for key, value in keys.items():
-        section, dot, leaf = key.partition(".")
-        if dot:
-            data.setdefault(section, {})[leaf] = value
-        else:
-            data[section] = value
-    return Scene.from_mapping(data)
-
-
 WRONG: list[tuple[str, object, str]] = [
     ("load", "25 kg", "'25 kg' is not a force; give newtons"),
     ("load", 0, "0 is not allowed; give a force from 1e-40"),

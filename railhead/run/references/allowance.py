@@ -22,12 +22,12 @@ from railhead.meshing.tags import RAIL
 from railhead.planning.plan import Plan
 from railhead.planning.references import boundary_elements, closed_forms, rail_twist
 from railhead.planning.references.boundary_elements import Developed
+from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.bem.patch import PatchSolution
 from railhead.theory.elastic import finite_bodies
 
 Array = NDArray[np.float64]
-LEAST = 0.002  # of the force: smaller patches are left out
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ def allowance(plan: Plan, solution: Solution, motion: tuple[float, float]) -> di
         ValueError where the effect of a motion cannot be computed.
     """
     surface = boundary_elements.develop(plan.contact)
-    patches = [each for each in solution.patches if each.force > LEAST * solution.force]
+    patches = [each for each in solution.patches if each.force > SMALLEST * solution.force]
     around = _bodies(plan, surface)
     size = max(_size(patch, around) for patch in patches)
     conformity = max(_conformity(patch, solution.contact_modulus) for patch in patches)

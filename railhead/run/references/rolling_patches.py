@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from railhead.contact import wheelset_kinematics
 from railhead.contact.solid import Contact
 from railhead.planning.references import boundary_elements
+from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.bem import boundary_element
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.bem.patch import Grid, PatchSolution
@@ -19,7 +20,6 @@ from railhead.theory.elastic.hertz import Ellipse, Strip
 from railhead.theory.rolling.rolling import plane_modes
 
 Array = NDArray[np.float64]
-LEAST = 0.002  # of the force: smaller patches are left out
 LENGTH, WIDER = 1e4, 1.25  # of a strip over its half width; its grid over it, as tractions widen it
 TOLERANCE = 1e-8  # of the displacement
 
@@ -57,9 +57,9 @@ class Patch:
         return np.asarray(self.angular @ [0.0, -math.sin(plane), math.cos(plane)])
 
     def parts(self) -> Iterator[Patch]:
-        """Connected patches, each by itself, but those with less than LEAST of the force."""
+        """Connected patches, each by itself, but those with less than SMALLEST of the force."""
         for part in self.pressed.separate():
-            if part.force > LEAST * self.pressed.force:
+            if part.force > SMALLEST * self.pressed.force:
                 yield replace(self, pressed=part)
 
 
@@ -96,7 +96,7 @@ def patches(
     return [
         Patch(each, _modes(contact, each), angular)
         for each in known.windows
-        if each.force > LEAST * known.force
+        if each.force > SMALLEST * known.force
     ]
 
 
