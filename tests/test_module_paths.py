@@ -1,4 +1,4 @@
-"""Files of the program that pages name exist."""
+"""Files and tests that pages name exist."""
 
 import re
 from pathlib import Path
@@ -16,3 +16,13 @@ def test_every_file_that_a_page_names_exists(page: Path) -> None:
     named = set(FILE.findall(page.read_text(encoding="utf-8")))
     roots = ROOT, ROOT / "railhead"
     assert {each for each in named if not any((root / each).is_file() for root in roots)} == set()
+
+
+def test_every_test_that_holds_a_claim_exists_and_runs_by_default() -> None:
+    page = (ROOT / "docs" / "verification.md").read_text(encoding="utf-8")
+    claims = re.findall(r"\[(test_\w+)\]\(\.\./(tests/[\w/]+\.py)\) \|", page)
+    assert len(claims) >= 19
+    for name, file in claims:
+        before, found, _ = (ROOT / file).read_text(encoding="utf-8").partition(f"def {name}(")
+        assert found, (name, file)
+        assert "\n@pytest.mark.slow" not in before[before.rindex("\n\n\n") :], name

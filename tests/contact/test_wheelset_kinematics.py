@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from friction_cases import MU, friction_case
 from scipy.spatial.transform import Rotation
 
 import railhead as rh
@@ -14,14 +15,12 @@ from railhead.planning import plan as planning
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.run import model_setup
 from railhead.run.references import rolling_patches
-from railhead.run.references.rolling_reference import FrictionCase, solve_by_boundary_elements
+from railhead.run.references.rolling_reference import solve_by_boundary_elements
 from railhead.scene.scene import SceneError
-from railhead.solver.solution import FrictionSolution
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.bem.patch import PatchSolution
 from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, TangentialSolution
 
-MU = 0.3
 FORCES = "force_along_N", "force_across_N"
 
 
@@ -177,32 +176,8 @@ def test_patches_and_a_flange_roll_as_half_spaces_do(shift: float, patches: int)
     assert len(pressed) == patches
     moves = wheelset_kinematics.wheelset_creepage(plan.contact).creepage
     limit = MU * sum(each.pressed.force for each in pressed)
-    none = np.zeros((0, 3))
-    found = FrictionSolution(
-        points=none,
-        weights=none[:, 0],
-        pressure=none[:, 0],
-        traction=none,
-        slip=none,
-        sticks=none[:, 0] > 0,
-        rigid_motion=tuple(moves.motion[:3]),
-        force=(0.0, 0.0),
-        moment=0.0,
-        friction_limit=limit,
-        load_steps=none,
-        dissipated_energy=0.0,
-        coupling_iterations=1,
-        rigid_slip=none,
-        newton_history=(),
-    )
-    asked = FrictionCase(
-        solution=found,
-        coefficient=MU,
-        pair=closed_forms.tangential_pair(plan.scene),
-        rolling=True,
-        half_space_shift=False,
-    )
-    answer = solve_by_boundary_elements(asked, lambda cells: pressed, (16, 32))
+    given = friction_case(plan.scene, limit, tuple(moves.motion[:3]))
+    answer = solve_by_boundary_elements(given, lambda cells: pressed, (16, 32))
     for name in FORCES:
         assert answer[name] / limit == pytest.approx(rolled[name], abs=0.002)
     assert answer["t_gamma_N"] == pytest.approx(rolled["t_gamma_N"], rel=0.002)

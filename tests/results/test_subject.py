@@ -48,7 +48,7 @@ def test_y_is_called_what_all_scenes_of_a_sweep_call_it() -> None:
 
 
 def test_a_file_is_called_by_its_name() -> None:
-    file = Path(__file__).parents[1] / "meshing" / "data" / "MBench_UIC60_v3.ban"
+    file = Path(__file__).parents[1] / "geometry" / "data" / "MBench_UIC60_v3.ban"
     keys = {"profile": str(file), "inclination": 0}
     found = subject(plan.make(find("s1002_60e1").replace(rail=keys)), 1.0)
     assert found.title.endswith("on rail MBench_UIC60_v3.ban")

@@ -7,7 +7,8 @@ import pytest
 
 from railhead.theory.elastic import indentation
 
-DATA = json.loads((Path(__file__).parent / "data" / "plasticity.json").read_text())["literature"]
+FILE = Path(__file__).parents[1] / "data" / "plasticity.json"
+DATA = json.loads(FILE.read_text())["literature"]
 STRAIN = 480 / (207e3 / (1 - 0.3**2))
 
 

@@ -1,4 +1,4 @@
-"""What the command prints fits 80 columns where there is no terminal."""
+"""The terminal report fits 80 columns where there is no terminal."""
 
 import pytest
 

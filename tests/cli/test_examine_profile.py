@@ -1,4 +1,4 @@
-"""Measured profiles from file to plan: numbers against the truth, keys, and `railhead profile`."""
+"""`railhead profile` and measured profiles in a scene: numbers, keys, refusals."""
 
 import csv
 import json
@@ -18,7 +18,7 @@ from railhead.planning.references import boundary_elements, closed_forms
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.bem.boundary_element import Solution
 
-DATA = Path(__file__).parents[1] / "meshing" / "data"
+DATA = Path(__file__).parents[1] / "geometry" / "data"
 BAN, PRW = str(DATA / "MBench_UIC60_v3.ban"), str(DATA / "MBench_S1002_v3.prw")
 
 

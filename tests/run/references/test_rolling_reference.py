@@ -1,4 +1,4 @@
-"""Half-spaces with friction beside a result: what they know, of which patches, what they say."""
+"""The rolling reference: half-spaces with friction beside a result, on which patches."""
 
 import math
 from dataclasses import replace
@@ -6,6 +6,7 @@ from io import StringIO
 
 import numpy as np
 import pytest
+from friction_cases import MU, friction_case
 from rich.console import Console
 
 import railhead as rh
@@ -20,50 +21,17 @@ from railhead.run.references.rolling_reference import (
     FrictionCase,
     solve_by_boundary_elements,
 )
-from railhead.solver.solution import FrictionSolution
 from railhead.theory.friction import cattaneo, kalker
 from railhead.theory.friction.fastsim import fastsim
 from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction
-
-MU = 0.3
-
-
-def found(
-    limit: float, motion: tuple = (0.0, 0.0, 0.0), force: tuple = (0.0, 0.0)
-) -> FrictionSolution:
-    none = np.zeros((0, 3))
-    return FrictionSolution(
-        points=none,
-        weights=none[:, 0],
-        pressure=none[:, 0],
-        traction=none,
-        slip=none,
-        sticks=none[:, 0] > 0,
-        rigid_motion=motion,
-        force=force,
-        moment=0.0,
-        friction_limit=limit,
-        load_steps=none,
-        dissipated_energy=0.0,
-        coupling_iterations=1,
-        rigid_slip=none,
-        newton_history=(),
-    )
 
 
 def ellipse(**wheel: float) -> planning.Plan:
     return planning.make(rh.find("hertz_ellipse").replace(wheel=wheel))
 
 
-def asked(plan: planning.Plan, *, rolling: bool, **given: tuple) -> FrictionCase:
-    pair = closed_forms.tangential_pair(plan.scene)
-    return FrictionCase(
-        solution=found(MU * 25e3, **given),
-        coefficient=MU,
-        pair=pair,
-        rolling=rolling,
-        half_space_shift=True,
-    )
+def shifted_or_rolled(plan: planning.Plan, *, rolling: bool, **given: tuple) -> FrictionCase:
+    return friction_case(plan.scene, MU * 25e3, rolling=rolling, half_space_shift=True, **given)
 
 
 def hertz(plan: planning.Plan, cells: int) -> list[Patch]:
@@ -89,7 +57,7 @@ def patches(two: planning.Plan) -> list[Patch]:
 
 def test_boundary_elements_shift_as_mindlin() -> None:
     plan, force = ellipse(), (3000.0, -2000.0)
-    given = asked(plan, rolling=False, force=force)
+    given = shifted_or_rolled(plan, rolling=False, force=force)
     answer = solve_by_boundary_elements(given, lambda cells: hertz(plan, cells), (16, 32))
     size = math.hypot(*force)
     compliances = cattaneo.initial_compliance(
@@ -116,13 +84,7 @@ def test_what_sticks_in_any_patch_is_the_patch_of_the_force_that_is_left() -> No
     )
     limit = MU * whole[0].pressed.force
     force = (0.5 * limit, 0.0)
-    given = FrictionCase(
-        solution=found(limit, force=force),
-        coefficient=MU,
-        pair=closed_forms.tangential_pair(scene),
-        rolling=False,
-        half_space_shift=False,
-    )
+    given = friction_case(scene, limit, force=force, rolling=False)
     answer = solve_by_boundary_elements(given, lambda cells: whole, (24, 48))
     share = half[0].pressed.area / whole[0].pressed.area
     assert answer["stick_share"] == pytest.approx(share, abs=0.03)
@@ -134,7 +96,7 @@ def test_unlike_bodies_are_extrapolated_and_say_how_far() -> None:
     """A rigid wheel at a creepage of 0.001: 0.242 of mu N from up to 64 cells; finite elements gave
     0.237 on 4.3 elements a semi-axis."""
     plan = ellipse(young_modulus=math.inf)
-    given = asked(plan, rolling=True, motion=(1e-3, 0.0, 0.0))
+    given = shifted_or_rolled(plan, rolling=True, motion=(1e-3, 0.0, 0.0))
     coarse = solve_by_boundary_elements(given, lambda cells: hertz(plan, cells), (16, 32))
     assert coarse["force_along_N"] / 7500 == pytest.approx(0.237, abs=0.03)
     assert 0.005 < coarse["grid_error"] < 0.05
@@ -196,13 +158,7 @@ def test_two_patches_roll_as_their_ellipses_nearly_do(
 ) -> None:
     limit = MU * sum(each.pressed.force for each in patches)
     for motion in ((1e-4, 0.0, 0.0), (1e-3, 5e-4, 1e-4), (0.0, -3e-3, 0.0)):
-        given = FrictionCase(
-            solution=found(limit, motion),
-            coefficient=MU,
-            pair=closed_forms.tangential_pair(two.scene),
-            rolling=True,
-            half_space_shift=False,
-        )
+        given = friction_case(two.scene, limit, motion)
         answer = solve_by_boundary_elements(given, lambda cells: patches, (16, 32))
         rolled = equal_ellipses.fastsim(patches, limit, given.pair, motion)
         for name, other in zip(("force_along_N", "force_across_N"), rolled.forces, strict=False):
@@ -224,13 +180,7 @@ def test_each_patch_dissipates_what_it_would_alone(
     rolled = equal_ellipses.fastsim(patches, MU * sum(normal), pair, motion)
     assert rolled.t_gamma == pytest.approx(sum(each.t_gamma for each in alone), rel=1e-9)
     assert rolled.t_gamma != pytest.approx(rolled.forces @ motion, rel=0.1)
-    given = FrictionCase(
-        solution=found(MU * sum(normal), motion),
-        coefficient=MU,
-        pair=pair,
-        rolling=True,
-        half_space_shift=False,
-    )
+    given = friction_case(two.scene, MU * sum(normal), motion)
     exactly = solve_by_boundary_elements(given, lambda cells: patches, (16, 32))["t_gamma_N"]
     assert rolled.t_gamma == pytest.approx(exactly, rel=0.02)
 

@@ -1,4 +1,4 @@
-"""Solves that stall or give no number: the history says so, summary.json stays valid."""
+"""A solve that stalls or gives no number: the history says so, summary.json stays valid."""
 
 import io
 import json

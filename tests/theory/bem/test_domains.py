@@ -1,4 +1,4 @@
-"""Boundary elements on several windows of a developed surface, against one grid and theory."""
+"""Domains of boundary elements: several windows of a developed surface, against one grid."""
 
 import math
 from collections.abc import Callable
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from railhead.theory.bem.boundary_element import Solution, flat, solve, solve_developed
 from railhead.theory.elastic.hertz import point_contact
-from tests.theory.test_boundary_element import LOAD, MODULUS, RADIUS, lopsided, paraboloid
+from tests.theory.bem.test_boundary_element import LOAD, MODULUS, RADIUS, lopsided, paraboloid
 
 Array = NDArray[np.float64]
 Gap = Callable[[Array, Array], Array]

@@ -1,0 +1,47 @@
+"""Cases of friction for half-space references: a motion or a force, and no finite elements."""
+
+import numpy as np
+
+from railhead.planning.references import closed_forms
+from railhead.run.references.rolling_reference import FrictionCase
+from railhead.scene.scene import Scene
+from railhead.solver.solution import FrictionSolution
+
+MU = 0.3
+
+
+def friction_case(
+    scene: Scene,
+    limit: float,
+    motion: tuple[float, ...] = (0.0, 0.0, 0.0),
+    *,
+    force: tuple[float, float] = (0.0, 0.0),
+    rolling: bool = True,
+    half_space_shift: bool = False,
+) -> FrictionCase:
+    """Bodies of a scene with the friction limit mu N, N, and a rigid motion or a force."""
+    none = np.zeros((0, 3))
+    solution = FrictionSolution(
+        points=none,
+        weights=none[:, 0],
+        pressure=none[:, 0],
+        traction=none,
+        slip=none,
+        sticks=none[:, 0] > 0,
+        rigid_motion=motion,
+        force=force,
+        moment=0.0,
+        friction_limit=limit,
+        load_steps=none,
+        dissipated_energy=0.0,
+        coupling_iterations=1,
+        rigid_slip=none,
+        newton_history=(),
+    )
+    return FrictionCase(
+        solution=solution,
+        coefficient=MU,
+        pair=closed_forms.tangential_pair(scene),
+        rolling=rolling,
+        half_space_shift=half_space_shift,
+    )
