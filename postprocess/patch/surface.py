@@ -143,7 +143,8 @@ def recover_surfaces(fields: Fields, frame: Frame, pressure: Callable[[Array], A
     """Points, pressure, gap and displacement on the contact surfaces of slave and master.
 
     pressure: function that gives the smooth pressure (n,), MPa, at points (n, 3) in space, mm; it
-        holds for both surfaces. The second entry is None where the master is rigid.
+        holds for both surfaces. The second entry is None where the master is rigid, or no facet
+        of it lies opposite the slave's.
     """
 
     def surface(nodes: NDArray[np.int64], pieces: NDArray[np.int64], gap: Array) -> Surface:
@@ -163,7 +164,7 @@ def recover_surfaces(fields: Fields, frame: Frame, pressure: Callable[[Array], A
 
     recovery, other = SurfaceRecovery(fields), fields.master_surface
     own = surface(recovery.nodes, recovery.triangles, recovery.project(fields.contact.gap))
-    if other is None:
+    if other is None or not len(other.nodes):
         return own, None
     pieces = _pieces(fields, np.searchsorted(other.nodes, other.facet_nodes))
     return own, surface(other.nodes, pieces, other.gap)

@@ -108,3 +108,9 @@ def test_an_approach_between_half_spaces_takes_four_loads(case, more, monkeypatc
     decided = plan.make(catalogue.find(case).replace(asked))
     found = mesh_solution.mesh_and_solve(decided, None, Progress(quiet=True), MPI.COMM_WORLD)
     assert found.approach_error < mesh_solution.APPROACH_TOLERANCE
+
+
+def test_bodies_that_pass_each_other_fail_a_check() -> None:
+    """No facet of the wheel lies opposite the rail's any more."""
+    summary = solved("load=1GN", "mesh.patch_size=40")
+    assert "small_strain" in summary["checks"]["failed"] and summary["result"] is not None
