@@ -1,23 +1,23 @@
 """What studies write: CSV files, pages of markdown from templates, and trends of series of runs."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from matplotlib.axis import Axis
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 from tabulate import tabulate
 
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
-    from matplotlib.axis import Axis
+from railhead.cli.study import PAGE
+from railhead.run.quantities import numeric_values
 
-
+Row = Mapping[str, Any]
+"""One run, scene or mesh of a study, by the columns of its CSV (without units)."""
 COLUMNS = {
     "a": "a_mm",
     "b": "b_mm",
@@ -33,24 +33,48 @@ COLUMNS = {
 
 def columns(result: Mapping[str, Any], names: Iterable[str]) -> dict[str, float]:
     """The named columns of a "result" of a summary, of its "hertz" or of its "difference"."""
-    from railhead.run.quantities import numeric_values
-
     values = numeric_values(result)
     return {name: values[COLUMNS[name]] for name in names}
 
 
-def write_csv(
-    path: Path,
-    records: Sequence[DataclassInstance] | Sequence[Mapping[str, Any]],
-    units: Mapping[str, str] | None = None,
+def publish(
+    out: Path, page: str, units: Mapping[str, str] | None = None, **csvs: Sequence[Row]
 ) -> None:
-    """One line for each record, one column for each field, named <field>_<unit> where `units` has
-    it; None is an empty cell."""
-    rows = [dict(each) if isinstance(each, Mapping) else asdict(each) for each in records]
+    """Write the page of a study and its CSV files into its folder.
+
+    csvs: rows by the name of the file (none: no file), one column for each key; None is an empty
+        cell.
+    units: by key; the column is named <key>_<unit>.
+    """
+    for name, rows in csvs.items():
+        if rows:
+            with (out / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
+                header = ["_".join(filter(None, (k, (units or {}).get(k)))) for k in rows[0]]
+                writer = csv.writer(file, lineterminator="\n")
+                writer.writerows([header, *(row.values() for row in rows)])
+    (out / PAGE).write_text(page, encoding="utf-8")
+
+
+def write_csv(path: Path, rows: Sequence[Any], units: Mapping[str, str] | None = None) -> None:
+    """One line for each record or mapping, as `publish` does."""
+    given = [each if isinstance(each, Mapping) else asdict(each) for each in rows]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow("_".join(filter(None, (key, (units or {}).get(key)))) for key in rows[0])
-        writer.writerows(row.values() for row in rows)
+        writer.writerow("_".join(filter(None, (key, (units or {}).get(key)))) for key in given[0])
+        writer.writerows(row.values() for row in given)
+
+
+def groups(rows: Iterable[Row], *keys: str) -> dict[Any, list[Row]]:
+    """Rows by the value of a key, or by the tuple of the values of several."""
+    found: dict[Any, list[Row]] = {}
+    for row in rows:
+        found.setdefault(tuple(row[k] for k in keys) if keys[1:] else row[keys[0]], []).append(row)
+    return found
+
+
+def cells(rows: Iterable[Row], *formats: str) -> list[list[str]]:
+    """The lines of a table: a row each, with its values in the places of the formats."""
+    return [[each.format_map(row) for each in formats] for row in rows]
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
@@ -98,8 +122,6 @@ def pareto(cost: Sequence[float], error: Sequence[float]) -> NDArray[np.intp]:
 
 def plain_ticks(axis: Axis, multiples: Sequence[float]) -> None:
     """Ticks of a logarithmic axis at these multiples of powers of ten, as plain numbers."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
     axis.set_major_locator(LogLocator(subs=multiples))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())

@@ -379,8 +379,8 @@ def study(name: str | None, out: Path | None, quick: bool, install: bool) -> Non
             raise SceneError(
                 "study", "--out, --quick and --install need the name of a study; give one"
             )
-        for each in studies.names():
-            click.echo(f"{each:22s} {studies.load(each).STUDY}")
+        for each, (_, shows) in sorted(studies.modules().items()):
+            click.echo(f"{each:22s} {shows}")
         return
     folder, page = studies.run(name, out, quick=quick, install=install)
     click.echo(page)

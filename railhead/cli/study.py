@@ -19,12 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]  # of the checkout
 
 
 class Study(Protocol):
-    """Interface of a study module.
-
-    STUDY: one line that says what the study shows.
-    """
-
-    STUDY: str
+    """Interface of a study module."""
 
     def main(self, out: Path, *, quick: bool) -> None:
         """Run the study and write <name>.csv, pictures and page.md into the existing folder `out`.
@@ -33,9 +28,9 @@ class Study(Protocol):
         """
 
 
-def modules() -> dict[str, str]:
-    """Module name of each study by the name of the study. Raises SceneError where the package does
-    not lie in a checkout of the repository.
+def modules() -> dict[str, tuple[str, str]]:
+    """Module name of each study and what it shows, by the name of the study. Raises SceneError
+    where the package does not lie in a checkout of the repository.
     """
     folders = [str(ROOT), str(ROOT / "tests")]  # set-ups that studies and tests share
     if not (ROOT / "studies" / "__init__.py").is_file():
@@ -51,7 +46,7 @@ def names() -> list[str]:
 
 def load(name: str) -> Study:
     """Import the module of the study `name`."""
-    return cast(Study, import_module(modules()[name]))
+    return cast(Study, import_module(modules()[name][0]))
 
 
 def canonical(name: str) -> str:

@@ -12,7 +12,6 @@ from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from studies.tables import COLUMNS, columns, write_csv
 
-STUDY = "error against time: penalty and Nitsche, four elements, four sizes, asked accuracies"
 CASES = ("hertz_ellipse", "sphere_on_plane", "uic54_thesis")
 NO_FORMULA = ("uic54_thesis",)  # no half-space: held against its own converged run
 REFERENCE = 16.0  # elements per smaller semi-axis of that run

@@ -24,7 +24,6 @@ from studies.accuracy import families
 from studies.accuracy.cells import measure_cells
 from studies.accuracy.twist import measure_twist
 
-STUDY = "error laws by family, from random scenes of known answer"
 SEED = 1
 LIMIT = 900.0  # s, of one scene on all its meshes
 CHEAP = ("plane strain", "meridian")

@@ -20,7 +20,6 @@ from railhead.sweeps.worker_pool import attempts
 from studies import tables
 from studies.accuracy import families
 
-STUDY = "estimates against true errors, 20 random scenes of each family"
 SEED = 2028
 SCENES = 20
 ASKED = (None, 0.05, None, 0.02, None, 0.01)  # by scene in turn; None: default settings

@@ -16,7 +16,6 @@ from studies.cost import bare_contact
 if TYPE_CHECKING:
     from railhead.scene.scene import Scene
 
-STUDY = "each effect on and off: seconds, unknowns and change of the answer; off costs nothing"
 SCENES = {
     "uic54_thesis": ("uic54_thesis", []),
     "axle near the R300-R80 joint": (

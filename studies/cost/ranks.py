@@ -15,7 +15,6 @@ from pathlib import Path
 from railhead.cli import launch, study
 from studies import tables
 
-STUDY = "one process against two, by parts of a run, and a forecast for more"
 SIZES = (0.4, 0.28, 0.22, 0.142, 0.112)  # mm in the patch of hertz_ellipse
 PARTS = ("start", "mesh", "assemble", "solve", "postprocess")
 FORECAST = (2, 8, 64)

@@ -13,7 +13,6 @@ from pathlib import Path
 from railhead.cli import study
 from studies import tables
 
-STUDY = "time and memory per unknown, contact against one linear elastic solve"
 SIZES = (0.53, 0.4, 0.3, 0.22, 0.16, 0.142, 0.112)  # mm in the patch of hertz_ellipse
 
 

@@ -10,8 +10,6 @@ from railhead.cli import study
 from studies import tables
 from studies.hard.case import Outcome
 
-STUDY = "hard cases: loads, starts, shapes, stiffness, meshes, places, factors, random scenes"
-
 
 def row(outcome: Outcome) -> dict[str, Any]:
     """The columns of a case; None where it ended without a result. quantity: the one nearest to

@@ -16,8 +16,6 @@ from studies.mechanics import friction_changes as changes
 from studies.mechanics.creep_curves import Cost, Point
 from studies.mechanics.friction_changes import Slid
 
-STUDY = "creep curves against half-spaces, FASTSIM and linear theory; what friction costs, changes"
-
 
 def main(out: Path, *, quick: bool) -> None:
     """Write creep.csv, creep_costs.csv, creep_left_out.csv, creep_sliding.csv, creep.png,

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from railhead.solver.solution import Solution
     from railhead.theory.elastic.hertz import Ellipse
 
-STUDY = "loads from 1 to 150 kN on one mesh against Hertz's power laws (thesis, figures 6.8-6.10)"
 CASES = {"hertz_ellipse": "half-spaces", "uic54_thesis": "wheel on UIC54"}
 LOWEST, HIGHEST, COUNT = 1e3, 150e3, 10
 ELEMENTS_PER_SEMI_AXIS = 5.0  # across the smallest patch

@@ -16,7 +16,6 @@ from railhead.scene import catalogue
 from railhead.theory.elastic import indentation
 from studies import tables
 
-STUDY = "yield of the thesis's rail from 5 to 200 kN, and of a sphere up to 100 times first yield"
 LOADS = (5.0, 10.0, 25.0, 50.0, 100.0, 200.0)  # kN
 MULTIPLES = (0.5, 2.0, 5.0, 20.0, 100.0)  # of the load of first yield
 STEELS = {"rail": {"steel": "R260"}, "wheel": {"steel": "ER7"}}

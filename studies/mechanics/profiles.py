@@ -26,7 +26,6 @@ from railhead.sweeps import worker_pool
 from railhead.theory.bem.boundary_element import Solution
 from studies import tables
 
-STUDY = "noise of measured profiles: seeds, levels and spacings on worn rails and wheels"
 NOISES: tuple[float, ...] = (0.0, 2.0, 10.0, 20.0)  # um
 SPACINGS: tuple[float, ...] = (0.1, 0.25, 0.5)  # mm
 SEEDS = 10

@@ -22,7 +22,6 @@ from studies.peers.process import running
 from studies.peers.reading import UNITS, Run, fitted_run, own_run
 from studies.tables import write_csv
 
-STUDY = "hertz_ellipse by other codes, measured beside this one (--install gets them)"
 CASE = "hertz_ellipse"
 VENV = Path("results") / "peers" / "venv"
 KEEPS = (VENV.name,)

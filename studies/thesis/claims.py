@@ -6,7 +6,7 @@ be computed, why is typed.
 
 import csv
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum, StrEnum
 from pathlib import Path
@@ -14,8 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from railhead.theory.elastic.hertz import Ellipse
-from studies.thesis.formulas import ThesisContact
+from studies.thesis.facts import Facts
 
 EXACT = 1e-3  # relative difference that passes as rounding
 CLOSE = 2e-2  # relative difference of an approximation
@@ -120,20 +119,6 @@ class Finding:
         return self.effect is not None and self.effect < EXACT
 
 
-@dataclass(frozen=True)
-class Facts:
-    """What the rules are given: exact Hertz and the thesis's route for its case; profiles: found on
-    the rail and wheel profiles; fe: finite-element results (empty: none were made); p0 by boundary
-    elements on the profiles."""
-
-    ellipse: Ellipse
-    poisson: float
-    route: ThesisContact
-    profiles: Mapping[str, float]
-    fe: Mapping[str, float]
-    boundary_element_p0: float
-
-
 Rule = Callable[[Facts], Finding]
 """Computes the checks of one claim."""
 
@@ -195,28 +180,11 @@ def itself(what: str, printed: str, implied: float, unit: str = "") -> Check:
     return Check(what, float(printed), implied, Grade.HOLDS if agrees else Grade.CONTRADICTS, unit)
 
 
-@dataclass(frozen=True)
-class Judged:
-    """A claim with its finding."""
-
-    claim: Claim
-    finding: Finding
-
-    @property
-    def agrees(self) -> bool:
-        """Whether our verdict is the reference's."""
-        return self.finding.verdict == self.claim.expected_verdict
-
-
 def read_claims() -> list[Claim]:
     """All claims in the order of their numbers."""
-    path = Path(__file__).parent / "data" / "claims.csv"
-    with path.open(newline="", encoding="utf-8") as file:
+    with (Path(__file__).parent / "data" / "claims.csv").open(newline="", encoding="utf-8") as file:
         rows = csv.DictReader(line for line in file if not line.startswith("#"))
-        return [
-            Claim(int(row["id"]), row["where"], row["claim"], row["printed"], row["expected"])
-            for row in rows
-        ]
+        return [Claim(**{**row, "id": int(row["id"])}) for row in rows]
 
 
 def _apart(one: ArrayLike, other: ArrayLike) -> float:

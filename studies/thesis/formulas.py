@@ -7,7 +7,6 @@ circular patch applied to an ellipse.
 
 import math
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +15,12 @@ from numpy.typing import ArrayLike, NDArray
 from railhead.theory.elastic.hertz import point_contact
 
 Array = NDArray[np.float64]
+
+
+TABLE_5_3 = np.loadtxt(
+    Path(__file__).parent / "data" / "table_5_3.csv", delimiter=",", skiprows=1, unpack=True
+)
+"""Rows theta_deg, m, n of the printed table as (3, 23)."""
 
 
 @dataclass(frozen=True)
@@ -39,15 +44,10 @@ def hertz_coefficients(theta_deg: float) -> tuple[float, float]:
 
     ValueError: theta outside the table (0.5 to 90 degrees).
     """
-    theta, m, n = _table_5_3()
+    theta, m, n = TABLE_5_3
     if not theta[0] <= theta_deg <= theta[-1]:
         raise ValueError(f"theta must lie in [{theta[0]}, {theta[-1]}] deg, got {theta_deg}")
     return float(np.interp(theta_deg, theta, m)), float(np.interp(theta_deg, theta, n))
-
-
-def table_5_3() -> Array:
-    """Rows theta_deg, m, n of the printed table as (3, 23)."""
-    return _table_5_3().copy()
 
 
 def exact_coefficients(theta_deg: float) -> tuple[float, float]:
@@ -102,10 +102,3 @@ def thesis_axis_stress(p0: float, a: float, poisson: float, depth: ArrayLike) ->
     s_z = -p0 / (1 + t**2)
     s_x = -p0 * (1 - t * np.arctan2(1, t)) * (1 + poisson) - s_z / 2
     return np.column_stack((s_x, s_x, s_z))
-
-
-@cache
-def _table_5_3() -> Array:
-    """Rows theta_deg, m, n of table 5.3 as (3, 23)."""
-    path = Path(__file__).parent / "data" / "table_5_3.csv"
-    return np.loadtxt(path, delimiter=",", skiprows=1, unpack=True)

@@ -1,8 +1,9 @@
 """Chapters 3 and 4 of the thesis: its equations as printed, and the correct ones beside them.
 
-Angles are in radians: yaw (varphi, about z), bank (phi, about x), pitch (theta, about y). Names
-ending in `_printed` hold what the thesis prints. The rail is a crown z = f(s2) swept along x; the
-wheel turns a profile of radius g(s1) about an axle along y, and its lowest point is at s2 = pi.
+Angles are in radians: yaw (varphi, about z), bank (phi, about x), pitch (theta, about y). `printed`
+and names ending in `_printed` hold what the thesis prints. The rail is a crown z = f(s2) swept
+along x; the wheel turns a profile of radius g(s1) about an axle along y, and its lowest point is at
+s2 = pi.
 """
 
 from collections.abc import Callable
@@ -22,58 +23,33 @@ def rotation(yaw: float = 0.0, bank: float = 0.0, pitch: float = 0.0) -> Array:
     return np.asarray(Rotation.from_euler("ZXY", [yaw, bank, pitch]).as_matrix())
 
 
-def rotation_z_printed(yaw: float) -> Array:
-    """Eq 3.5."""
-    c, s = np.cos(yaw), np.sin(yaw)
-    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+def printed(yaw: float, bank: float, pitch: float = 0.0) -> dict[str, Array]:
+    """What the thesis prints at three angles, by the number of its equation.
 
-
-def rotation_x_printed(bank: float) -> Array:
-    """Eqs 3.6 and 3.31, with i'.i = -1."""
-    c, s = np.cos(bank), np.sin(bank)
-    return np.array([[-1, 0, 0], [0, c, s], [0, -s, c]])
-
-
-def rotation_y_printed(pitch: float) -> Array:
-    """Eqs 3.7 and 3.29."""
-    c, s = np.cos(pitch), np.sin(pitch)
-    return np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
-
-
-def rotation_zx_printed(yaw: float, bank: float) -> Array:
-    """First factor of eq 3.10."""
-    (m, A), (n, B) = _pair(yaw), _pair(bank)
-    return np.array([[-m, -A * n, -A * B], [-A, m * n, m * B], [0, -B, n]])
-
-
-def rail_rotation_printed(yaw: float, bank: float, pitch: float) -> Array:
-    """Eqs 3.11, 3.12 and 4.7; the second column as in eq 3.12."""
+    Matrices (3, 3): 3.5 (turn about z), 3.6 = 3.31 (about x, with i'.i = -1), 3.7 = 3.29 (about y),
+    3.10 (its first factor), 3.12 (= 3.11 = 4.7, with the second column of 3.12), 4.8 (the rail's
+    without pitch), 4.13 (the wheel's without pitch). Tangents (3,): 3.21 t1 (along), 3.21 t2
+    (across).
+    """
     (m, A), (n, B), (c, s) = _pair(yaw), _pair(bank), _pair(pitch)
-    return np.array(
-        [
+    along, across = [-A * n, m * n, -B], [-A * B, m * B, n]
+    level = [[-m, -A * n, -A * B], [A, m * n, m * B], [0, -B, n]]
+    rows = {
+        "3.5": [[m, -A, 0], [A, m, 0], [0, 0, 1]],
+        "3.6": [[-1, 0, 0], [0, n, B], [0, -B, n]],
+        "3.7": [[c, 0, s], [0, 1, 0], [-s, 0, c]],
+        "3.10": [level[0], [-A, m * n, m * B], level[2]],
+        "3.12": [
             [-m * c + A * B * s, -A * n, -m * s - A * B * c],
             [A * c + s * m * s, m * n, -A * s + m * B * c],
             [B * s, -B, n * c],
-        ]
-    )
-
-
-def level_rail_rotation_printed(yaw: float, bank: float) -> Array:
-    """Eq 4.8: the rail's matrix without pitch."""
-    (m, A), (n, B) = _pair(yaw), _pair(bank)
-    return np.array([[-m, -A * n, -A * B], [A, m * n, m * B], [0, -B, n]])
-
-
-def level_wheel_rotation_printed(yaw: float, bank: float) -> Array:
-    """Eq 4.13: the wheel's matrix without pitch."""
-    (m, A), (n, B) = _pair(yaw), _pair(bank)
-    return np.array([[-m, -m * B, -A * B], [-A, m * n, m * B], [0, -B, n]])
-
-
-def rail_tangents_printed(yaw: float, bank: float) -> tuple[Array, Array]:
-    """t1 (along) and t2 (across) of eq 3.21."""
-    (m, A), (n, B) = _pair(yaw), _pair(bank)
-    return np.array([-A * n, m * n, -B]), np.array([-A * B, m * B, n])
+        ],
+        "4.8": level,
+        "4.13": [[-m, -m * B, -A * B], [-A, m * n, m * B], level[2]],
+        "3.21 t1": along,
+        "3.21 t2": across,
+    }
+    return {equation: np.array(values) for equation, values in rows.items()}
 
 
 def wheel_tangents_printed(g: Curve, s1: float, s2: float) -> tuple[Array, Array]:

@@ -1,13 +1,14 @@
 """Figures 6.1 to 6.10 of the thesis drawn again: its formulas, exact Hertz and finite elements."""
 
-from __future__ import annotations
-
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 
 from railhead.postprocess.findings import Array, AxisPressure, DepthAxis, Findings, Surface
 from railhead.postprocess.patch.surface import SurfaceRecovery
@@ -15,30 +16,19 @@ from railhead.postprocess.plots.diagrams import FE, GREY, HERTZ, closed_ellipse,
 from railhead.postprocess.stress.gauss_points import nodal_stress
 from railhead.postprocess.vtu.mirror import whole
 from railhead.solver.fields import Fields
-from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.subsurface import axis_stress, max_shear, principal, stress
+from studies.thesis.facts import P0, A, Facts
 from studies.thesis.formulas import thesis_axis_stress
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 LABELS = (r"$\sigma_1$", r"$\sigma_2$", r"$\sigma_3$", r"$\tau_{max}$")
+PLACES = ((0.08, -12, 6), (0.2, 12, -12), (0.3, 10, -14), (0.3, 10, 12))
+"""Of the labels: share of the curve, and offset in points."""
 MARKS: dict[str, Any] = {"color": FE, "lw": 0, "marker": "o", "ms": 4, "zorder": 3}
 ROUTES = (
     ("finite elements", MARKS),
     ("exact Hertz", {"color": HERTZ}),
     ("thesis", {"color": GREY, "ls": "--"}),
 )
-
-
-@dataclass(frozen=True)
-class Case:
-    """Exact contact, Poisson's ratio, and p_max (MPa) and a (mm) as the thesis prints them."""
-
-    ellipse: Ellipse
-    poisson: float
-    p_max: float
-    a: float
 
 
 @dataclass(frozen=True)
@@ -80,14 +70,14 @@ def sample(fields: Fields, found: Findings) -> Sampled:
     )
 
 
-def patch(case: Case, fe: Sampled | None, path: Path) -> None:
+def patch(facts: Facts, fe: Sampled | None, path: Path) -> None:
     """Figures 6.1 to 6.3: principal stresses on the patch; colours: finite elements, or exact
     where there are none; lines: exact. The thesis has one value for each, at the centre."""
-    c = case.ellipse
+    c = facts.ellipse
     x, y = np.meshgrid(np.linspace(-1.3, 1.3, 131) * c.a, np.linspace(-1.3, 1.3, 131) * c.b)
     points = np.column_stack((x.ravel(), y.ravel(), np.zeros(x.size)))
-    exact = principal(stress(c, case.poisson, points)).reshape(*x.shape, 3)
-    printed = thesis_axis_stress(case.p_max, case.a, case.poisson, 0.0)[0]
+    exact = principal(stress(c, facts.poisson, points)).reshape(*x.shape, 3)
+    printed = thesis_axis_stress(P0, A, facts.poisson, 0.0)[0]
     with new_figure(path, 13.5, 3.8) as figure:
         for i, axes in enumerate(figure.subplots(1, 3, sharey=True)):
             levels = np.arange(-800, 101, 100) if i < 2 else np.arange(-800, 1, 100)
@@ -114,13 +104,13 @@ def patch(case: Case, fe: Sampled | None, path: Path) -> None:
         figure.axes[0].set_ylabel("y, across the rail, mm")
 
 
-def lines(case: Case, fe: Sampled | None, path: Path) -> None:
+def lines(facts: Facts, fe: Sampled | None, path: Path) -> None:
     """Figures 6.4 to 6.7: along the major radius on the surface, and against depth."""
-    c = case.ellipse
+    c = facts.ellipse
     t = 1.5 * c.a * np.sin(np.linspace(-1, 1, 241) * np.pi / 2)
     zero = np.zeros_like(t)
-    surface = stress(c, case.poisson, np.column_stack((t, zero, zero)))
-    mistaken = _diagonal(thesis_axis_stress(case.p_max, case.a, case.poisson, t))
+    surface = stress(c, facts.poisson, np.column_stack((t, zero, zero)))
+    mistaken = _diagonal(thesis_axis_stress(P0, A, facts.poisson, t))
     depth = np.linspace(0, 3 * c.b, 241, dtype=np.float64)
     with new_figure(path, 13.5, 5.6) as figure:
         left, middle, right = figure.subplots(1, 3)
@@ -129,12 +119,11 @@ def lines(case: Case, fe: Sampled | None, path: Path) -> None:
         if fe is not None:
             left.plot(fe.pressure.coordinate, -fe.pressure.pressure, **MARKS)
         left.set(title=r"6.4: $\sigma_3$ along the major radius", xlabel="x, mm")
-        right_half = t >= 0
-        _four(middle, t[right_half], surface[right_half], 1)
-        _four(middle, t[right_half], mistaken[right_half], 2)
-        _four(right, depth, _diagonal(axis_stress(c, case.poisson, depth)), 1, True)
-        formula = thesis_axis_stress(case.p_max, case.a, case.poisson, depth)
-        _four(right, depth, _diagonal(formula), 2)
+        half = t >= 0
+        _four(middle, t[half], surface[half], 1)
+        _four(middle, t[half], mistaken[half], 2)
+        _four(right, depth, _diagonal(axis_stress(c, facts.poisson, depth)), 1, True)
+        _four(right, depth, _diagonal(thesis_axis_stress(P0, A, facts.poisson, depth)), 2)
         if fe is not None:
             _four(middle, fe.radius, fe.along, 0)
             _four(right, fe.axis.depth[::5], fe.axis.stress[::5], 0)
@@ -147,14 +136,14 @@ def lines(case: Case, fe: Sampled | None, path: Path) -> None:
         _legend(figure, fe is not None)
 
 
-def loads(case: Case, fe: Sequence[Mapping[str, float]], path: Path) -> None:
+def loads(facts: Facts, fe: Sequence[Mapping[str, float]], path: Path) -> None:
     """Figures 6.8 to 6.10. fe: load (N), a (mm) and p0 (MPa) of each finite-element run."""
-    c = case.ellipse
+    c = facts.ellipse
     load = np.geomspace(1e3, 150e3, 61)
     growth = np.cbrt(load / c.load)
     with new_figure(path, 13.5, 4.8) as figure:
         first, second, third = figure.subplots(1, 3)
-        for look, a, p0 in ((1, c.a, c.p0), (2, case.a, case.p_max)):
+        for look, a, p0 in ((1, c.a, c.p0), (2, A, P0)):
             first.plot(load / 1e3, p0 * growth, **ROUTES[look][1])
             second.plot(load / 1e3, a * growth, **ROUTES[look][1])
             third.plot(a * growth, p0 * growth, **ROUTES[look][1])
@@ -167,16 +156,21 @@ def loads(case: Case, fe: Sequence[Mapping[str, float]], path: Path) -> None:
             textcoords="offset points",
             fontsize=9,
         )
-        for axes, x, y in ((first, "load", "p0"), (second, "load", "a"), (third, "a", "p0")):
+        names = {
+            "load": "load, kN",
+            "p0": "largest pressure, MPa",
+            "a": "semi-axis a along the rail, mm",
+        }
+        for axes, title, x, y in (
+            (first, "6.8", "load", "p0"),
+            (second, "6.9", "load", "a"),
+            (third, "6.10", "a", "p0"),
+        ):
             unit = 1e-3 if x == "load" else 1.0
             axes.plot([row[x] * unit for row in fe], [row[y] for row in fe], **MARKS)
-        for axes in (first, second):
-            for at in (25, 110.3):
-                axes.axvline(at, color="black", lw=0.8, ls=":")
-        names = ("load, kN", "largest pressure, MPa", "semi-axis a along the rail, mm")
-        first.set(title="6.8", xlabel=names[0], ylabel=names[1])
-        second.set(title="6.9", xlabel=names[0], ylabel=names[2])
-        third.set(title="6.10", xlabel=names[2], ylabel=names[1])
+            axes.set(title=title, xlabel=names[x], ylabel=names[y])
+        for axes, at in itertools.product((first, second), (25, 110.3)):
+            axes.axvline(at, color="black", lw=0.8, ls=":")
         _legend(figure, bool(fe))
 
 
@@ -184,11 +178,7 @@ def _four(axes: Axes, at: Array, stresses: Array, route: int, named: bool = Fals
     """Principal stresses and largest shear of stresses (k, 6); named: names beside the curves."""
     curves = np.column_stack((principal(stresses), max_shear(stresses)))
     axes.plot(at, curves, **ROUTES[route][1])
-    if not named:
-        return
-    for i, (share, x, y) in enumerate(
-        ((0.08, -12, 6), (0.2, 12, -12), (0.3, 10, -14), (0.3, 10, 12))
-    ):
+    for i, (share, x, y) in enumerate(PLACES if named else ()):
         row = int(share * len(at))
         axes.annotate(
             LABELS[i],
@@ -207,8 +197,6 @@ def _diagonal(normal: Array) -> Array:
 
 
 def _legend(figure: Any, fe: bool) -> None:
-    from matplotlib.lines import Line2D
-
     shown = ROUTES if fe else ROUTES[1:]
     figure.legend(
         [Line2D([], [], **look) for _, look in shown],

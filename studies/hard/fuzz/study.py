@@ -12,7 +12,6 @@ from railhead.sweeps.worker_pool import attempts
 from studies import tables
 from studies.hard.fuzz.fuzz_scenes import MOST, Fuzzed, fuzz
 
-STUDY = "500 fuzzed scenes: no traceback, no abort, no wrong number with status 0"
 SCENES, SEED, SECONDS = 500, 2024, 180.0
 OUTCOMES = (0, 1, 2, None)  # status
 

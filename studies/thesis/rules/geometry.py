@@ -7,7 +7,8 @@ from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
 from studies.thesis import geometry as eq
-from studies.thesis.claims import Check, Facts, Finding, Rule, equation, number, statement
+from studies.thesis.claims import Check, Finding, Rule, equation, number, statement
+from studies.thesis.facts import Facts
 
 YAW, BANK, PITCH = 0.3, 0.2, 0.15  # rad, angles at which equations are evaluated
 RAIL_RADIUS, WHEEL_RADIUS, CONE, HALF_AXLE = 300.0, 420.0, 1 / 20, 750.0  # mm
@@ -15,9 +16,11 @@ S1, S2 = 755.0, math.radians(170)  # a point of the wheel
 C2, SIN2 = math.cos(S2), math.sin(S2)
 STEPS = np.linspace(0.05, 0.6, 12)
 ANGLES = [(float(yaw), float(bank)) for yaw in STEPS for bank in STEPS]  # rad
-Z, X, Y = eq.rotation_z_printed(YAW), eq.rotation_x_printed(BANK), eq.rotation_y_printed(PITCH)
-LEVEL_T1, LEVEL_T2 = eq.rail_tangents_printed(0.0, 0.0)
+PRINTED, LEVEL = eq.printed(YAW, BANK, PITCH), eq.printed(0.0, 0.0)
+Z, X, Y, T1, T2 = (PRINTED[name] for name in ("3.5", "3.6", "3.7", "3.21 t1", "3.21 t2"))
+NO_PITCH = eq.printed(YAW, BANK)["3.12"]
 SPIRAL = 0.0, 50.0, 0.002, 0.009  # start and end, mm; curvatures there, 1/mm
+REDUCED = [eq.reduced_equations(*pair, HALF_AXLE) for pair in ANGLES]
 
 
 def crown(y: float) -> float:
@@ -42,31 +45,21 @@ def rail(s1: float, s2: float) -> eq.Array:
 
 def proper(matrix: eq.Array) -> Check:
     """Whether a matrix (3, 3) keeps lengths and is right-handed."""
-    skew = float(np.abs(matrix.T @ matrix - np.eye(3)).max())
-    det = float(np.linalg.det(matrix))
+    skew, det = float(np.abs(matrix.T @ matrix - np.eye(3)).max()), float(np.linalg.det(matrix))
     shown = f"det {det:.3g}, A'A - I {skew:.2g}"
     return statement("rotation", shown, "det 1, A'A - I 0", skew < 1e-12 and abs(det - 1) < 1e-12)
 
 
-def rotation(axis: str, printed: eq.Array, exact: eq.Array, note: str = "") -> Finding:
+def rotation(axis: str, printed: eq.Array, exact: eq.Array, note: str = "") -> Rule:
     """A printed rotation about one axis."""
-    return Finding([proper(printed), equation(f"about {axis}", printed, exact)], note)
+    return lambda f: Finding([proper(printed), equation(f"about {axis}", printed, exact)], note)
 
 
-def product(printed: eq.Array, exact: eq.Array, note: str = "") -> Finding:
+def product(printed: eq.Array, exact: eq.Array, note: str = "") -> Rule:
     """A printed product of rotations against the product of the printed factors."""
-    return Finding(
+    return lambda f: Finding(
         [equation("product of the printed factors", printed, exact), proper(printed)], note
     )
-
-
-def heading_on_a_helix() -> float:
-    """Eqs 3.13 to 3.17: curvature times cos(grade) times the arc length of a turn of 0.7 rad."""
-    rise = math.tan(PITCH) * RAIL_RADIUS  # per radian
-    arc = quad(
-        lambda t: math.hypot(RAIL_RADIUS * math.sin(t), RAIL_RADIUS * math.cos(t), rise), 0, 0.7
-    )[0]
-    return math.cos(PITCH) * arc / RAIL_RADIUS
 
 
 def curvature(s: float) -> float:
@@ -77,8 +70,7 @@ def curvature(s: float) -> float:
 
 def spiral(facts: Facts) -> Finding:
     """Eq 3.20, the integral of eq 3.19, with both exponents of its last term."""
-    s0, s1, c0, c1 = SPIRAL
-    s = 40.0
+    (s0, s1, c0, c1), s = SPIRAL, 40.0
     ramp = (c1 / 2 * (s - s0) ** 2 - c0 / 2 * (s - s1) ** 2) / (s1 - s0)
     printed, correct = (ramp + c0 / 2 * (s1 - s0) ** power for power in (2, 1))
     what = "heading after 40 m of a 50 m spiral, rad"
@@ -89,79 +81,19 @@ def spiral(facts: Facts) -> Finding:
     )
 
 
-def rail_tangents(facts: Facts) -> Finding:
-    """Eq 3.21 against the columns of the matrix and against derivatives of the surface."""
-    columns = eq.rail_rotation_printed(YAW, BANK, 0.0).T
-    printed = eq.rail_tangents_printed(YAW, BANK)
-    true = eq.tangents(rail, 0.0, 0.0)
-    return Finding(
-        [
-            equation("t1 is column 1", printed[0], columns[0]),
-            equation("t2 is column 2", printed[1], columns[1]),
-            *(
-                number(f"{name}: angle to the derivative of the surface, deg", angle(*pair), 0.0)
-                for name, *pair in zip(("t1", "t2"), (LEVEL_T1, LEVEL_T2), true, strict=True)
-            ),
-        ],
-        "Eq 3.21 lists columns 2 and 3: t1 points across the rail, t2 along its normal.",
-    )
-
-
-def angle(one: eq.Array, other: eq.Array) -> float:
-    """Between two lines along vectors (3,), degrees."""
+def off_tangent(name: str, index: int) -> Check:
+    """Angle of a tangent of eq 3.21 to the derivative of the rail's surface, degrees."""
+    one, other = LEVEL[f"3.21 {name}"], eq.tangents(rail, 0.0, 0.0)[index]
     cosine = abs(one @ other) / np.linalg.norm(one) / np.linalg.norm(other)
-    return math.degrees(math.acos(min(1.0, float(cosine))))
+    angle = math.degrees(math.acos(min(1.0, float(cosine))))
+    return number(f"{name}: angle to the derivative of the surface, deg", angle, 0.0)
 
 
-def revolution(facts: Facts) -> Finding:
-    """Eq 3.27: distances of points from the axle."""
-    points = np.array([wheel(S1, angle) for angle in np.linspace(0, 6, 7)])
-    radius = np.hypot(points[:, 0], points[:, 2])
-    return Finding([equation("distance from the axle is g(s1)", radius, np.full(7, cone(S1)))])
-
-
-def wheel_tangent(index: int, exact: list[float]) -> Finding:
+def wheel_tangent(index: int, exact: list[float]) -> Rule:
     """Eq 3.38 (index 0) or 3.40 (1) against the derivative of eq 3.27."""
     printed = eq.wheel_tangents_printed(cone, S1, S2)[index]
     ours = eq.tangents(wheel, S1, S2)[index]
-    return Finding([equation("derivative of eq 3.27", printed, exact, ours)])
-
-
-def wheel_rotation(facts: Facts) -> Finding:
-    """Eq 3.34: the text that was kept mixes the angles in columns 2 and 3."""
-    c, s = math.cos(YAW), math.sin(YAW)
-    column = [-c * math.cos(PITCH), -s, c * math.sin(PITCH)]
-    return Finding(
-        [equation("column 1", column, (Y @ Z @ X)[:, 0]), proper(Y @ Z @ X)],
-        not_computable="the angles in columns 2 and 3 cannot be told apart in the text",
-    )
-
-
-def convex(facts: Facts) -> Finding:
-    """Principal radii of wheel and rail."""
-    radius, convex_from = facts.profiles["s1002_radius"], facts.profiles["s1002_convex_from"]
-    curved = facts.ellipse.curvature_y > 0
-    return Finding(
-        [
-            statement("cylinder or cone on R300", "convex", "convex", curved),
-            statement("S1002 at its rolling circle", "> 0", radius, radius > 0, "mm"),
-        ],
-        f"The S1002 tread is hollow there and convex only beyond y = {convex_from:+.1f} mm.",
-    )
-
-
-def hertz_assumptions(facts: Facts) -> Finding:
-    """Patch small against the radii, small strain."""
-    c = facts.ellipse
-    shares = {
-        "a / R_wheel": c.a * c.curvature_x,
-        "b / R_crown": c.b * c.curvature_y,
-        "p0 / E*": c.p0 / c.contact_modulus,
-    }
-    return Finding(
-        [statement(what, "small", share, share < 0.05) for what, share in shares.items()],
-        f"They fail at the gauge corner: b / R13 = {c.b / 13:.2f}.",
-    )
+    return lambda f: Finding([equation("derivative of eq 3.27", printed, exact, ours)])
 
 
 def contact_conditions(facts: Facts) -> Finding:
@@ -170,14 +102,15 @@ def contact_conditions(facts: Facts) -> Finding:
     s1 = HALF_AXLE + y
     height = np.array([0.0, 0.0, crown(y) + cone(s1)])
     normal = np.array([0.0, y, math.sqrt(RAIL_RADIUS**2 - y**2)]) / RAIL_RADIUS
-
-    def residuals(lift: float) -> eq.Array:
-        def lifted(s: float, t: float) -> eq.Array:
-            return wheel(s, t) + height + lift * normal
-
-        return eq.contact_residuals(rail, lifted, (0.0, y), (s1, math.pi))[:4]
-
-    touching, apart = residuals(0.0), residuals(1.0)
+    touching, apart = (
+        eq.contact_residuals(
+            rail,
+            lambda s, t, lift=lift: wheel(s, t) + height + lift * normal,  # type: ignore[misc]
+            (0.0, y),
+            (s1, math.pi),
+        )[:4]
+        for lift in (0.0, 1.0)
+    )
     left = float(np.abs(apart).max())
     return Finding(
         [
@@ -191,12 +124,11 @@ def contact_conditions(facts: Facts) -> Finding:
 def angle_coefficients(facts: Facts) -> Finding:
     """Factors of k cos(s2w) in eqs 4.23 and 4.25."""
     r = eq.difference_printed(YAW, BANK, HALF_AXLE, (1.0, 0.0, HALF_AXLE), 0.0)
-    ours = [float(t @ r) for t in eq.rail_tangents_printed(YAW, BANK)]
     printed = eq.angle_coefficients(YAW, BANK)
     spread = float(np.ptp([eq.angle_coefficients(*pair) for pair in ANGLES], axis=0).max())
     return Finding(
         [
-            equation("follow from eq 4.21", printed, ours),
+            equation("follow from eq 4.21", printed, [float(t @ r) for t in (T1, T2)]),
             statement("depend on the angles", "yes", f"spread {spread:.0e}", spread > 1e-9),
         ],
         f"A^2 + m^2 = B^2 + n^2 = 1 makes them {abs(printed[0]):.0f} and {printed[1]:.0f}.",
@@ -219,11 +151,9 @@ def wheel_angle(facts: Facts) -> Finding:
 
 def rail_position(facts: Facts) -> Finding:
     """Eqs 4.31 and 4.32 beside the wheel lowered on the real profile."""
-    numerators = [eq.reduced_equations(*pair, HALF_AXLE).numerator for pair in ANGLES]
-    largest = max(map(abs, numerators)) / HALF_AXLE
+    largest = max(abs(each.numerator) for each in REDUCED) / HALF_AXLE
     b3 = eq.reduced_equations(YAW, BANK, HALF_AXLE).b3
     step = eq.difference_printed(YAW, BANK, HALF_AXLE, (0.0, 0.0, HALF_AXLE), 1.0)
-    substituted = float(eq.rail_tangents_printed(YAW, BANK)[0] @ step)
     upright, tilted, level = (facts.profiles[f"y cone20 {i}"] for i in ("0", "1:40", "1:20"))
     shown = f"{largest:.0e} at any angle"
     return Finding(
@@ -233,15 +163,14 @@ def rail_position(facts: Facts) -> Finding:
             number("1:20 cone, 54E1 inclined 1:40", "0", tilted, "mm"),
         ],
         "p1 = L a2 and p2 = L b2 make it L a2 b2 - L b2 a2. A 1:20 cone does touch a rail "
-        f"inclined 1:20 at {abs(level):.2f} mm: the cone is level there. "
-        f"Nor does b3 follow from eq 4.21: {b3:.3f} as printed, {substituted:.3f} by substitution.",
+        f"inclined 1:20 at {abs(level):.2f} mm: the cone is level there. Nor does b3 follow from "
+        f"eq 4.21: {b3:.3f} as printed, {float(T1 @ step):.3f} by substitution.",
     )
 
 
 def wheel_position(facts: Facts) -> Finding:
     """Eq 4.33 at many angles; where yaw and bank are equal it is 0 / 0."""
-    pairs = [(yaw, bank) for yaw, bank in ANGLES if yaw != bank]
-    found = [eq.reduced_equations(*pair, HALF_AXLE).s1w_printed for pair in pairs]
+    found = [r.s1w_printed for r, pair in zip(REDUCED, ANGLES, strict=True) if pair[0] != pair[1]]
     spread = float(np.ptp(found)) / HALF_AXLE
     return Finding(
         [statement("depends on the angles", "yes", f"L within {spread:.0e}", spread > 1e-6)],
@@ -250,25 +179,36 @@ def wheel_position(facts: Facts) -> Finding:
 
 
 RULES: dict[int, Rule] = {
-    3: lambda facts: rotation("z", Z, eq.rotation(yaw=YAW)),
-    4: lambda facts: rotation(
+    3: rotation("z", Z, eq.rotation(yaw=YAW)),
+    4: rotation(
         "x",
         X,
         eq.rotation(bank=BANK),
         "A turn by zero must change nothing; this one mirrors x, and turns y and z the wrong way.",
     ),
-    5: lambda facts: rotation("y", Y, eq.rotation(pitch=PITCH)),
-    6: lambda facts: Finding(
+    5: rotation("y", Y, eq.rotation(pitch=PITCH)),
+    6: lambda f: Finding(
         [equation("eq 3.8 = eq 3.9", X @ Y, Z @ X @ Y)], "A slip: eq 3.9 has all three."
     ),
-    7: lambda facts: product(
-        eq.rotation_zx_printed(YAW, BANK),
+    7: product(
+        PRINTED["3.10"],
         Z @ X,
         "Multiplied correctly, but the mirror image of eq 3.6 stays in.",
     ),
-    8: lambda facts: product(eq.rail_rotation_printed(YAW, BANK, PITCH), Z @ X @ Y),
-    9: lambda facts: Finding([number("heading along a helix, rad", heading_on_a_helix(), 0.7)]),
-    10: lambda facts: Finding(
+    8: product(PRINTED["3.12"], Z @ X @ Y),
+    # Eqs 3.13 to 3.17: curvature times cos(grade) times the arc length of a helix, turned 0.7 rad
+    9: lambda f: Finding(
+        [
+            number(
+                "heading along a helix, rad",
+                math.cos(PITCH)
+                / RAIL_RADIUS
+                * quad(lambda t: RAIL_RADIUS * math.hypot(1.0, math.tan(PITCH)), 0, 0.7)[0],
+                0.7,
+            )
+        ]
+    ),
+    10: lambda f: Finding(
         [
             equation(
                 "straight line between both ends",
@@ -278,37 +218,87 @@ RULES: dict[int, Rule] = {
         ]
     ),
     11: spiral,
-    12: rail_tangents,
-    13: lambda facts: Finding(
+    # Eq 3.21 against the columns of the matrix and against derivatives of the surface
+    12: lambda f: Finding(
         [
-            number("sideways move over 10 mm, mm", float(10.0 * LEVEL_T2[1]), 10.0),
-            number("rise, mm", float(10.0 * LEVEL_T2[2]), crown(10.0)),
+            equation("t1 is column 1", T1, NO_PITCH[:, 0]),
+            equation("t2 is column 2", T2, NO_PITCH[:, 1]),
+            off_tangent("t1", 0),
+            off_tangent("t2", 1),
+        ],
+        "Eq 3.21 lists columns 2 and 3: t1 points across the rail, t2 along its normal.",
+    ),
+    13: lambda f: Finding(
+        [
+            number("sideways move over 10 mm, mm", float(10.0 * LEVEL["3.21 t2"][1]), 10.0),
+            number("rise, mm", float(10.0 * LEVEL["3.21 t2"][2]), crown(10.0)),
         ],
         "Integrating along the normal climbs vertically and never leaves the centre line.",
     ),
-    14: revolution,
-    15: lambda facts: wheel_tangent(0, [-CONE * SIN2, 1, -CONE * C2]),
-    16: lambda facts: wheel_tangent(1, [cone(S1) * C2, 0, -cone(S1) * SIN2]),
-    17: wheel_rotation,
-    18: convex,
-    19: hertz_assumptions,
-    20: contact_conditions,
-    21: lambda facts: Finding(
-        [equation("point of the crown at s2 = 10 mm", 10.0 * LEVEL_T2, rail(0.0, 10.0))],
-        "The rail is a straight line along its own normal: the crown never enters.",
-    ),
-    22: lambda facts: Finding(
+    # Eq 3.27: points of the wheel
+    14: lambda f: Finding(
         [
             equation(
-                "eq 3.10 of the thesis",
-                eq.level_rail_rotation_printed(YAW, BANK),
-                eq.rotation_zx_printed(YAW, BANK),
-            ),
-            proper(eq.level_rail_rotation_printed(YAW, BANK)),
+                "distance from the axle is g(s1)",
+                [math.hypot(*wheel(S1, angle)[[0, 2]]) for angle in np.linspace(0, 6, 7)],
+                np.full(7, cone(S1)),
+            )
         ]
     ),
-    23: lambda facts: product(eq.level_wheel_rotation_printed(YAW, BANK), Z @ X),
-    24: lambda facts: Finding(
+    15: wheel_tangent(0, [-CONE * SIN2, 1, -CONE * C2]),
+    16: wheel_tangent(1, [cone(S1) * C2, 0, -cone(S1) * SIN2]),
+    # Eq 3.34: the text that was kept mixes the angles in columns 2 and 3
+    17: lambda f: Finding(
+        [
+            equation(
+                "column 1",
+                [
+                    -math.cos(YAW) * math.cos(PITCH),
+                    -math.sin(YAW),
+                    math.cos(YAW) * math.sin(PITCH),
+                ],
+                (Y @ Z @ X)[:, 0],
+            ),
+            proper(Y @ Z @ X),
+        ],
+        not_computable="the angles in columns 2 and 3 cannot be told apart in the text",
+    ),
+    18: lambda f: Finding(
+        [
+            statement("cylinder or cone on R300", "convex", "convex", f.ellipse.curvature_y > 0),
+            statement(
+                "S1002 at its rolling circle",
+                "> 0",
+                f.profiles["s1002_radius"],
+                f.profiles["s1002_radius"] > 0,
+                "mm",
+            ),
+        ],
+        "The S1002 tread is hollow there and convex only beyond "
+        f"y = {f.profiles['s1002_convex_from']:+.1f} mm.",
+    ),
+    # Patch small against the radii, small strain
+    19: lambda f: Finding(
+        [
+            statement(what, "small", share, share < 0.05)
+            for what, share in (
+                ("a / R_wheel", f.ellipse.a * f.ellipse.curvature_x),
+                ("b / R_crown", f.ellipse.b * f.ellipse.curvature_y),
+                ("p0 / E*", f.ellipse.p0 / f.ellipse.contact_modulus),
+            )
+        ],
+        f"They fail at the gauge corner: b / R13 = {f.ellipse.b / 13:.2f}.",
+    ),
+    20: contact_conditions,
+    21: lambda f: Finding(
+        [equation("point of the crown at s2 = 10 mm", 10.0 * LEVEL["3.21 t2"], rail(0.0, 10.0))],
+        "The rail is a straight line along its own normal: the crown never enters.",
+    ),
+    22: lambda f: Finding(
+        [equation("eq 3.10 of the thesis", PRINTED["4.8"], PRINTED["3.10"]), proper(PRINTED["4.8"])]
+    ),
+    23: product(PRINTED["4.13"], Z @ X),
+    24: lambda f: Finding(
         [
             number(
                 "term of row 2, mm",
@@ -318,7 +308,7 @@ RULES: dict[int, Rule] = {
         ],
         "s2w (an angle) for s1w: a slip.",
     ),
-    25: lambda facts: Finding(
+    25: lambda f: Finding(
         [
             equation(
                 "t2 x t1",

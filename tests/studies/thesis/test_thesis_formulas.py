@@ -11,9 +11,9 @@ from scipy.optimize import minimize_scalar
 
 from railhead.theory.elastic.hertz import Ellipse, contact_modulus, point_contact
 from studies.thesis.formulas import (
+    TABLE_5_3,
     exact_coefficients,
     hertz_coefficients,
-    table_5_3,
     thesis_axis_stress,
     thesis_contact,
 )
@@ -140,7 +140,7 @@ def test_exact_coefficients_of_table_5_3(reference: dict[str, Any]) -> None:
     for row in rows:
         expected = (row["m_exact"], row["n_exact"])
         assert exact_coefficients(row["theta_deg"]) == pytest.approx(expected, rel=1e-8)
-    assert table_5_3().T.tolist() == [
+    assert TABLE_5_3.T.tolist() == [
         [row["theta_deg"], row["m_thesis"], row["n_thesis"]] for row in rows
     ]
 

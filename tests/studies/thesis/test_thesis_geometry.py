@@ -17,11 +17,8 @@ moderate = st.floats(0.02, 0.7)
 @given(angles, angles, angles)
 def test_correct_rotation_is_proper_and_the_printed_one_a_reflection(yaw, bank, pitch) -> None:
     correct = geometry.rotation(yaw, bank, pitch)
-    printed = (
-        geometry.rotation_z_printed(yaw)
-        @ geometry.rotation_x_printed(bank)
-        @ geometry.rotation_y_printed(pitch)
-    )
+    matrices = geometry.printed(yaw, bank, pitch)
+    printed = matrices["3.5"] @ matrices["3.6"] @ matrices["3.7"]
     for matrix, det in ((correct, 1), (printed, -1)):
         np.testing.assert_allclose(matrix.T @ matrix, np.eye(3), atol=1e-14)
         assert np.linalg.det(matrix) == pytest.approx(det, abs=1e-13)
@@ -32,7 +29,7 @@ def test_rotations_turn_the_axes_to_the_left() -> None:
     for name, start, end in (("yaw", x, y), ("bank", y, z), ("pitch", z, x)):
         turned = geometry.rotation(**{name: math.pi / 2}) @ start
         np.testing.assert_allclose(turned, end, atol=1e-15)
-    np.testing.assert_array_equal(geometry.rotation_x_printed(0.0), np.diag([-1, 1, 1]))
+    np.testing.assert_array_equal(geometry.printed(0.0, 0.0)["3.6"], np.diag([-1, 1, 1]))
 
 
 @given(angles, angles)
@@ -69,7 +66,7 @@ def test_equation_4_31_has_a_numerator_of_zero_for_every_geometry(yaw, bank, hal
 @given(moderate, moderate)
 def test_printed_equations_against_substitution_into_4_21(yaw, bank) -> None:
     """Which coefficients of eqs 4.23 and 4.25 follow from eq 4.21: all but b3 and a3."""
-    tangents = geometry.rail_tangents_printed(yaw, bank)
+    tangents = [geometry.printed(yaw, bank)[f"3.21 {name}"] for name in ("t1", "t2")]
 
     def both(kc: float, ks: float, s1w: float, s2r: float) -> list[float]:
         r = geometry.difference_printed(yaw, bank, HALF_AXLE, (kc, ks, s1w + HALF_AXLE), s2r)

@@ -15,7 +15,8 @@ from railhead.theory.elastic.hertz import point_contact
 from studies.thesis import geometry as thesis_geometry
 from studies.thesis import runs as thesis_runs
 from studies.thesis import study
-from studies.thesis.claims import Facts, Verdict
+from studies.thesis.claims import Verdict
+from studies.thesis.facts import Facts
 from studies.thesis.rules import geometry, hertz, stress
 
 DIFFERENT: dict[int, Verdict] = {}
@@ -31,10 +32,10 @@ def test_every_claim_is_judged_as_the_reference_does(facts) -> None:
     judged = study.judge(facts)
     assert len(judged) == len(study.RULES) == 89
     assert sum(len(each.RULES) for each in (geometry, hertz, stress)) == 89  # one rule a claim
-    differing = {item.claim.id: item.finding.verdict for item in judged if not item.agrees}
+    differing = {c.id: f.verdict for c, f in judged if f.verdict != c.expected_verdict}
     assert differing == DIFFERENT
-    harmless = {item.claim.id for item in judged if "harmless" in item.claim.expected}
-    assert harmless == {item.claim.id for item in judged if item.finding.harmless} == {32, 47, 49}
+    harmless = {claim.id for claim, _ in judged if "harmless" in claim.expected}
+    assert harmless == {claim.id for claim, finding in judged if finding.harmless} == {32, 47, 49}
 
 
 def test_verdicts_follow_the_numbers(facts) -> None:
@@ -106,8 +107,8 @@ def test_finite_elements_agree_with_the_exact_values(facts, monkeypatch) -> None
     axle = {"p0_axle": 0.0, "mises_axle": 0.0}  # of a load that is not run here
     checks = [
         check
-        for item in study.judge(replace(facts, fe=fe | axle))
-        for check in item.finding.checks
+        for _, finding in study.judge(replace(facts, fe=fe | axle))
+        for check in finding.checks
         if isinstance(check.ours, float) and isinstance(check.exact, float) and check.ours
     ]
     assert len(checks) > 25
