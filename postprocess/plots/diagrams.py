@@ -53,6 +53,7 @@ def new_figure(
     saved as PNG at the end if `path` is given.
 
     of: findings, whose title is written above the figure and whose notes below; or a title alone.
+        In both `$` is a plain character.
     """
     import matplotlib
     from matplotlib.figure import Figure
@@ -67,9 +68,9 @@ def new_figure(
         else:
             sheet = Figure(figsize=(width, sum(rows)), dpi=160, layout="constrained")
             top, figure, bottom = sheet.subfigures(3, 1, height_ratios=rows, hspace=0)
-            top.text(0.012, 0.5, "\n".join(over), va="center")
+            top.text(0.012, 0.5, "\n".join(over), va="center", parse_math=False)
             look: dict[str, Any] = {"fontsize": 9, "color": HERTZ, "ha": "center", "va": "center"}
-            bottom.text(0.5, 0.5, "\n".join(below), **look)
+            bottom.text(0.5, 0.5, "\n".join(below), parse_math=False, **look)
         yield figure
         if path is not None:
             sheet.savefig(path, format="png")

@@ -30,7 +30,8 @@ def draw(found: Measured, worn: LaidStandard, path: Path) -> None:
         top.plot(*worn.outline.T, color=STANDARD, lw=1.2, label=f"{worn.name}, laid on")
         top.plot(*found.points.T, ".", color=RAW, ms=3, label="measured")
         top.plot(y, profile.height(y), color=SMOOTH, label="smoothed")
-        top.set_title(f"{found.path.name}: {found.body}, {len(found.points)} points")
+        title = f"{found.path.name}: {found.body}, {len(found.points)} points"
+        top.set_title(title, parse_math=False)
         top.set_ylabel("z, mm")
         top.legend(loc="best")
         left.plot(found.points[:, 0], 1e3 * smoothed.residual, ".", color=RAW, ms=3)

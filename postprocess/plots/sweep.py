@@ -170,5 +170,5 @@ def _places(column: str, own: Rows, rows: Rows) -> Array:
 
 
 def _word(value: object) -> str:
-    """Text of a value: decimal numbers in their shortest form."""
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    """Text of a value for matplotlib: decimal numbers in their shortest form, no formula."""
+    return f"{value:g}" if isinstance(value, float) else str(value).replace("$", r"\$")

@@ -435,12 +435,13 @@ def _refuse(text: str) -> int:
 
 
 def _not_written(error: OSError) -> int:
-    """Print an error of writing files in one line; returns exit status 1."""
+    """Print an error of writing files, a line for each file; returns exit status 1."""
     from railhead.planning.cost import machine
 
     where, cache = str(error.filename or ""), machine.cache_file().parents[1]
     hint = ""
     if where and (cache.is_relative_to(where) or Path(where).is_relative_to(cache)):
         hint = " (the cache of compiled forms; XDG_CACHE_HOME names another folder)"
-    _say(f"NOT WRITTEN: {where + ': ' if where else ''}{error.strerror or error}{hint}")
+    for line in f"{where + ': ' if where else ''}{error.strerror or error}{hint}".splitlines():
+        _say(f"NOT WRITTEN: {line}")
     return CHECK_FAILED

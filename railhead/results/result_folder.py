@@ -11,6 +11,7 @@ import tempfile
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     import meshio
 
     from railhead.postprocess.findings import Array, Findings
+    from railhead.postprocess.plots.gallery import Drawing
     from railhead.results.result import Result
 
 Page = Callable[[Path, "Findings | None", "tuple[meshio.Mesh, meshio.Mesh] | None"], None]
@@ -112,6 +114,9 @@ def replacing(folder: Path) -> Iterator[Path]:
                 os.rename(work, folder)
             finally:
                 _settle(folder)
+    except OSError as error:
+        error.filename = error.filename or str(folder)  # a full disk names none
+        raise
     finally:
         shutil.rmtree(work, ignore_errors=True)
 
@@ -195,56 +200,102 @@ def write_grids(result: Result, folder: Path, *, whole: bool = False) -> Array |
 
 def write(
     result: Result, folder: Path, *, pictures: bool, page: Page | None = None, whole: bool = False
-) -> list[str]:
-    """Write all files of a result into its folder; returns their names.
+) -> None:
+    """Write all files of a result into its folder: numbers first, then what shows them.
 
     pictures: whether PNG files are written.
     page: writes further files, called with folder, findings and grids; None: none.
     whole: whether the files for ParaView contain the mirror images of what symmetry left out.
+    OSError: the numbers cannot be written; or, a line for each, other files that could not be
+        written, after all the others are.
     """
-    from railhead.postprocess.plots import gallery, plastic_plots, shakedown, traction_plots
-    from railhead.results.subject import subject
-
+    failures: list[str] = []
     with replacing(folder) as work:
-        found, grids = result.findings, None
-        if found is not None:
-            after = result.mesh_solution.after.items()
-            needed = tuple(
-                f"{name.replace('_', ' ')}: {each.why}" for name, each in after if each.needed
-            )
-            found = replace(found, notes=needed, subject=subject(result.plan, result.load))
-        stresses = write_grids(result, work, whole=whole)
-        rubbing, fields = result.mesh_solution.solution.friction, result.fields
-        residual = result.mesh_solution.unloaded_fields
-        if fields is not None and found is not None and stresses is not None and pictures:
-            poisson, elastic = (
-                result.plan.reported_body.poisson_ratio,
-                result.mesh_solution.elastic_reference,
-            )
-            grids = gallery.draw(fields, stresses, found, result.ellipse, poisson, work)
-            if residual is not None and elastic is not None and elastic.findings:
-                exact = result.ellipse if len(found.patch.each) < 2 else None
-                plastic_plots.draw(
-                    fields, residual, found, elastic.findings, exact, work / "plastic.png"
-                )
-            if rubbing is not None:
-                traction_plots.draw(
-                    rubbing,
-                    found,
-                    result.plan.scene.friction.coefficient,
-                    work / "friction.png",
-                    mirrored=result.plan.half_y,
-                )
-                friction = result.summary["result"]["friction"]
-                if "p0_over_k" in friction:
-                    shakedown.draw(friction, poisson, work / "shakedown.png", found.subject.title)
         (work / "scene.toml").write_text(to_toml(result.plan.scene), encoding="utf-8")
         (work / SUMMARY).write_text(as_json(result), encoding="utf-8")
         table = quantity_rows.everything(result.summary)
         (work / TABLE).write_bytes(table_file.encoded(table))
+        attempt = partial(_attempt, folder, work, failures)
+        stresses: Array | None = None
+        grids: tuple[meshio.Mesh, meshio.Mesh] | None = None
+        found = _titled(result)
+        with attempt("*.vtu"):
+            stresses = write_grids(result, work, whole=whole)
+        if pictures and found is not None and stresses is not None:
+            with attempt("*.png"):
+                grids, drawings = _drawings(result, found, stresses)
+                for name, draw in drawings.items():
+                    with attempt(name):
+                        draw(work / name)
         if page is not None:
-            page(work, found, grids)
-        return sorted(path.name for path in work.iterdir())
+            with attempt("report.html"):
+                page(work, found, grids)
+    if failures:
+        raise OSError("\n".join(failures))
+
+
+@contextmanager
+def _attempt(folder: Path, work: Path, failures: list[str], name: str) -> Iterator[None]:
+    """Catch an error of the block, remove the files that the block began in `work`, and add a line
+    to `failures`. folder, name: of what is written, for that line.
+    """
+    before = set(work.iterdir())
+    try:
+        yield
+    except Exception as error:  # of matplotlib, VTK or the disk: the numbers are worth having
+        for path in set(work.iterdir()) - before:
+            path.unlink()
+        failures.append(f"{folder / name}: {' '.join(f'{type(error).__name__}: {error}'.split())}")
+
+
+def _titled(result: Result) -> Findings | None:
+    """Findings of a result with the title and notes of its pictures; None where nothing touches."""
+    from railhead.results.subject import subject
+
+    if result.findings is None:
+        return None
+    after = result.mesh_solution.after.items()
+    needed = tuple(f"{name.replace('_', ' ')}: {each.why}" for name, each in after if each.needed)
+    return replace(result.findings, notes=needed, subject=subject(result.plan, result.load))
+
+
+def _drawings(
+    result: Result, found: Findings, stresses: Array
+) -> tuple[tuple[meshio.Mesh, meshio.Mesh], dict[str, Drawing]]:
+    """Grids of the cells and of the slave's contact surface, and the pictures by file name.
+    stresses (n, 6): at the nodes, MPa.
+    """
+    from railhead.postprocess.plots import gallery, plastic_plots, shakedown, traction_plots
+    from railhead.postprocess.vtu import export
+
+    fields, solved, plan = result.fields, result.mesh_solution, result.plan
+    assert fields is not None
+    poisson = plan.reported_body.poisson_ratio
+    volume, contact = (
+        export.volume_grid(fields, stresses),
+        export.contact_grid({fields.slave: found.surface}),
+    )
+    grids = volume, contact
+    every = gallery.drawings(fields, stresses, grids, found, result.ellipse, poisson)
+    residual, elastic = solved.unloaded_fields, solved.elastic_reference
+    if residual is not None and elastic is not None and elastic.findings:
+        exact = result.ellipse if len(found.patch.each) < 2 else None
+        every["plastic.png"] = partial(
+            plastic_plots.draw, fields, residual, found, elastic.findings, exact
+        )
+    if (rubbing := solved.solution.friction) is not None:
+        coefficient, friction = (
+            plan.scene.friction.coefficient,
+            result.summary["result"]["friction"],
+        )
+        every["friction.png"] = partial(
+            traction_plots.draw, rubbing, found, coefficient, mirrored=plan.half_y
+        )
+        if "p0_over_k" in friction:
+            every["shakedown.png"] = partial(
+                shakedown.draw, friction, poisson, title=found.subject.title
+            )
+    return grids, every
 
 
 def as_json(result: Result) -> str:

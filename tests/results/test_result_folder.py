@@ -4,8 +4,10 @@ import os
 from pathlib import Path
 
 import pytest
+from solved import solved
 
 from railhead.cli import main
+from railhead.postprocess.plots import diagrams
 from railhead.results import result_folder
 from railhead.scene.scene import SceneError
 
@@ -125,3 +127,26 @@ def test_links_to_nothing_and_folders_in_files_are_refused(tmp_path: Path) -> No
     assert "is a file" in refused(file)
     assert "cannot be written to" in refused(file / "out")
     assert "File name too long" in refused(tmp_path / ("x" * 300))
+
+
+def test_a_picture_that_fails_takes_no_other_file(tmp_path: Path, monkeypatch) -> None:
+    def half(found, exact, poisson, path: Path) -> None:
+        path.write_text("half")
+        raise ValueError("no\nsuch font")
+
+    monkeypatch.setattr(diagrams, "depth", half)
+    result = solved("sphere_on_plane")
+    with pytest.raises(OSError) as caught:
+        result.save(tmp_path / "out", report=False)
+    (line,) = str(caught.value).splitlines()
+    assert line.endswith("out/depth.png: ValueError: no such font")
+    names = set(os.listdir(tmp_path / "out"))
+    assert {"summary.json", "pressure.png", "stress_cut.png"} < names
+    assert "depth.png" not in names
+
+
+def test_a_full_disk_is_named(tmp_path: Path) -> None:
+    with pytest.raises(OSError) as caught, result_folder.replacing(tmp_path / "out"):
+        raise OSError(28, "No space left on device")
+    assert caught.value.filename == str(tmp_path / "out")
+    assert os.listdir(tmp_path) == []

@@ -304,3 +304,11 @@ def test_of_several_patches_the_depth_is_below_the_most_loaded_one() -> None:
     for also, said in (((), "first contact"), ((None,), "most loaded patch")):
         found = cast(Any, SimpleNamespace(patch=patch, also=also))
         assert diagrams._below(found) == f", below the {said}"
+
+
+def test_dollars_in_a_title_are_no_formula(tmp_path) -> None:
+    """Names of files may have them; as a formula $_$ is an error of matplotlib."""
+    with diagrams.new_figure(tmp_path / "a.png", 4, 3, "r$_$2.csv on a rail"):
+        pass
+    assert (tmp_path / "a.png").is_file()
+    assert sweep._word("r$_$.csv") == r"r\$_\$.csv"
