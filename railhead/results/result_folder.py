@@ -90,8 +90,9 @@ def _obstacle(folder: Path, keeps: Collection[str]) -> str:
 
 
 @contextmanager
-def replacing(folder: Path) -> Iterator[Path]:
-    """A temporary folder that replaces `folder` when the block ends without an error.
+def replacing(folder: Path, later: Collection[str] = ()) -> Iterator[Path]:
+    """A temporary folder that replaces `folder` when the block ends without an error. later: names
+    of files that are written into `folder` afterwards and belong to the result, too.
 
     The earlier result is renamed to `.NAME.earlier`, then the new one to its name. Whenever the
     process is killed, one of both is complete; `settle` finishes the exchange. Files that others
@@ -103,7 +104,7 @@ def replacing(folder: Path) -> Iterator[Path]:
     work = _temporary(folder)
     try:
         yield work
-        names = "".join(f"{name}\n" for name in sorted(os.listdir(work)))
+        names = "".join(f"{name}\n" for name in sorted({*os.listdir(work), *later}))
         (work / MANIFEST).write_text(names, encoding="utf-8")
         work.chmod(0o755)
         with _locked(folder.parent):

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from railhead.scene.sections import SceneError
-
-if TYPE_CHECKING:
-    from railhead.scene.scene import Scene
+from railhead.scene.sections import SceneError, Section
 
 _WHEELSET = {"rail.gauge", "wheelset.yaw", "wheelset.back_to_back"}
 _LINE = {"rail.width", "wheel.width", "wheelset.shift"}
@@ -32,9 +29,9 @@ UNUSED_KEYS: dict[str, tuple[str, frozenset[str]]] = {
 }  # fmt: skip
 
 
-def set_but_unused(scene: Scene, kind: str) -> list[tuple[str, Any]]:
+def set_but_unused(scene: Section, kind: str) -> list[tuple[str, Any]]:
     """Pairs (dotted key, value) of the keys that a kind of scene cannot use and whose values are
-    not the defaults. kind: a key of UNUSED_KEYS.
+    not the defaults. scene: table of tables, a `Scene`; kind: a key of UNUSED_KEYS.
     """
     pairs = []
     for key in sorted(UNUSED_KEYS[kind][1]):
@@ -46,7 +43,7 @@ def set_but_unused(scene: Scene, kind: str) -> list[tuple[str, Any]]:
     return pairs
 
 
-def refuse(scene: Scene, kind: str) -> None:
+def refuse(scene: Section, kind: str) -> None:
     """Raise SceneError for the first key that is set and that this kind of scene (a key of
     UNUSED_KEYS) cannot use.
     """

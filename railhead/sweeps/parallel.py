@@ -26,7 +26,6 @@ from railhead.sweeps import runner, store, sweep_table, worker_pool
 from railhead.sweeps.grid import ParameterGrid, column
 
 POLL = 0.5  # s between looks at what is done
-TABLE = "sweep.csv"
 LOST_RECORD = "its record is gone: something else has written into the folder"
 
 
@@ -72,10 +71,10 @@ class ParallelSweep:
         return [float(number) for number in range(count)]
 
     def matches(self, number: int, record: Mapping[str, Any]) -> bool:
-        """Whether a record belongs to scene `number`. Raises LookupError, TypeError or ValueError
-        for data that is no record.
+        """Whether a record belongs to scene `number`. Raises LookupError, TypeError, ValueError or
+        AttributeError for data that is no record.
         """
-        sweep_table.check(record)
+        sweep_table.row({}, record)
         values = json.loads(result_folder.to_json(self.grid.values(number)))
         return bool(record["over"] == values)
 
@@ -104,8 +103,6 @@ def run(
                 store.begin(sweep.folder, sweep.request, resume=resume)
                 claim.enter_context(store.claimed(sweep.folder))
                 store.check(sweep.folder, sweep.matches)
-                if sweep.vtu:
-                    store.drop_without_vtu(sweep.folder)
             except (SceneError, OSError) as error:
                 problem = error
         if (problem := comm.bcast(problem)) is not None:
@@ -186,7 +183,7 @@ def _solve(
             faults[number] = str(result)
             continue
         if vtu and not isinstance(result, Exception):
-            store.vtu_folder(folder, number).mkdir(exist_ok=True)
+            store.vtu_folder(folder, number).mkdir(parents=True, exist_ok=True)
             result_folder.write_grids(result, store.vtu_folder(folder, number))
         over = {key: group[number].value(key) for key in keys}
         store.write(folder, number, {"over": over, **sweep_table.record(result)})
@@ -197,11 +194,13 @@ def _solve(
 def _write(
     sweep: ParallelSweep, faults: Mapping[int, str], y_label: str, *, pictures: bool
 ) -> dict[int, str]:
-    """Write table and pictures beside the records; returns the status of each scene by number.
+    """Write table, pictures and, for ParaView, .pvd files of the scenes that passed beside the
+    records; returns the status of each scene by number.
 
     faults: reasons by number for scenes without a record. y_label: label of y in the pictures.
     """
     from railhead.postprocess.plots import sweep as plots
+    from railhead.postprocess.vtu import export
 
     grid, done = sweep.grid, store.done(sweep.folder)
     records = [
@@ -210,28 +209,19 @@ def _write(
     ]
     rows = [sweep_table.row(grid.values(number), each) for number, each in enumerate(records)]
     status = {number: row[sweep_table.CHECKS] for number, row in enumerate(rows)}
-    with result_folder.replacing(sweep.folder) as work:
-        store.copy(sweep.folder, work)
-        (work / TABLE).write_bytes(table_file.encoded(rows))
-        if sweep.vtu:
-            _write_time_series(sweep, status, work)
-        if pictures and 1 <= len(grid.keys) <= 2:
-            columns = [column(key) for key in grid.keys]
-            title = f"sweep of {grid.scenes[0].name} over {' and '.join(grid.keys)}"
-            plots.curves(columns, rows, work / "sweep.png", y_label, title)
-            outlines: list[Any] = [each.get("outlines", []) for each in records]
-            plots.patches(columns, rows, outlines, work / "patches.png", y_label, title)
-    return status
-
-
-def _write_time_series(sweep: ParallelSweep, status: Mapping[int, str], work: Path) -> None:
-    """Write .pvd files into `work`: the scenes that passed, as time steps for ParaView."""
-    from railhead.postprocess.vtu import export
-
-    for name in store.SERIES:
+    store.write_whole(sweep.folder / store.TABLE, table_file.encoded(rows))
+    for name in store.SERIES if sweep.vtu else ():
         files = {
             sweep.times[number]: f"{store.vtu_folder(Path(), number)}/{name}.vtu"
             for number, text in status.items()
             if text == sweep_table.PASSED
         }
-        export.series(files, work / f"{name}.pvd")
+        export.series(files, sweep.folder / f"{name}.pvd")
+    if pictures and 1 <= len(grid.keys) <= 2:
+        columns = [column(key) for key in grid.keys]
+        title = f"sweep of {grid.scenes[0].name} over {' and '.join(grid.keys)}"
+        curves, patches = (sweep.folder / name for name in store.PICTURES)
+        plots.curves(columns, rows, curves, y_label, title)
+        outlines: list[Any] = [each.get("outlines", []) for each in records]
+        plots.patches(columns, rows, outlines, patches, y_label, title)
+    return status

@@ -8,7 +8,6 @@ from __future__ import annotations
 import fcntl
 import json
 import os
-import shutil
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,8 +16,10 @@ from typing import Any
 from railhead.results import result_folder
 from railhead.scene.scene import SceneError
 
-REQUEST, RECORDS, VTU = "sweep.json", "records", "vtu"
+REQUEST, RECORDS, VTU, TABLE = "sweep.json", "records", "vtu", "sweep.csv"
+PICTURES = ("sweep.png", "patches.png")
 SERIES = ("solution", "contact")  # of .vtu files
+LATER = (RECORDS, VTU, TABLE, *PICTURES, *(f"{name}.pvd" for name in SERIES))
 
 
 def begin(folder: Path, request: Mapping[str, Any], *, resume: bool) -> None:
@@ -28,20 +29,12 @@ def begin(folder: Path, request: Mapping[str, Any], *, resume: bool) -> None:
     """
     if resume and folder.is_dir() and os.listdir(folder):
         _check_request(folder, json.loads(result_folder.to_json(dict(request))))
-        _make_folders(folder, request)
         return
     if (folder / REQUEST).is_file():
         with claimed(folder):
             pass
-    with result_folder.replacing(folder) as work:
-        _make_folders(work, request)
+    with result_folder.replacing(folder, LATER) as work:
         (work / REQUEST).write_text(result_folder.to_json(dict(request)), encoding="utf-8")
-
-
-def _make_folders(folder: Path, request: Mapping[str, Any]) -> None:
-    """Make the folders of records and, where requested, of .vtu files."""
-    for name in (RECORDS, VTU) if request.get("vtu") else (RECORDS,):
-        (folder / name).mkdir(exist_ok=True)
 
 
 @contextmanager
@@ -83,9 +76,8 @@ def _flat(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
     """Values of nested tables by dotted key. above: prefix of the keys."""
     values: dict[str, Any] = {}
     for key, value in table.items():
-        values |= (
-            _flat(value, f"{above}{key}.") if isinstance(value, Mapping) else {above + key: value}
-        )
+        nested = isinstance(value, Mapping)
+        values |= _flat(value, f"{above}{key}.") if nested else {above + key: value}
     return values
 
 
@@ -97,9 +89,14 @@ def done(folder: Path) -> set[int]:
 
 def write(folder: Path, number: int, record: Mapping[str, Any]) -> None:
     """Write the record of scene `number`; the file appears whole or not at all. Raises OSError."""
-    path = _record(folder, number)
+    write_whole(_record(folder, number), result_folder.to_json(dict(record)).encode())
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file that appears whole or not at all; its folder is made. Raises OSError."""
+    path.parent.mkdir(exist_ok=True)
     part = path.with_name(f".{path.name}.{os.getpid()}")
-    part.write_text(result_folder.to_json(dict(record)), encoding="utf-8")
+    part.write_bytes(content)
     part.replace(path)
 
 
@@ -110,10 +107,13 @@ def read(folder: Path, number: int) -> dict[str, Any]:
 
 def check(folder: Path, matches: Callable[[int, dict[str, Any]], bool]) -> None:
     """Raise SceneError for the first record that cannot be read or does not belong to its scene.
+    Records that were being written when a sweep was killed are removed.
 
     matches: function of number and record; returns whether they belong together, raises
         LookupError, TypeError, ValueError or AttributeError for data that is no record.
     """
+    for part in (folder / RECORDS).glob(".*"):
+        part.unlink()
     for number in done(folder):
         try:
             good = matches(number, read(folder, number))
@@ -123,38 +123,9 @@ def check(folder: Path, matches: Callable[[int, dict[str, Any]], bool]) -> None:
             raise _broken(_record(folder, number))
 
 
-def drop_without_vtu(folder: Path) -> None:
-    """Remove the records of solved scenes whose .vtu files are missing, so that these scenes are
-    solved again.
-    """
-    for number in done(folder):
-        files = [vtu_folder(folder, number) / f"{name}.vtu" for name in SERIES]
-        if not read(folder, number).get("fault") and not all(map(Path.is_file, files)):
-            _record(folder, number).unlink()
-
-
 def vtu_folder(folder: Path, number: int) -> Path:
     """Folder of the .vtu files of scene `number`."""
     return folder / VTU / f"{number:05d}"
-
-
-def copy(folder: Path, target: Path) -> None:
-    """Put request, records and .vtu files of a sweep into the folder `target` that will replace the
-    sweep's folder: as hard links, or as copies where the disk has none.
-    """
-    shutil.copy2(folder / REQUEST, target / REQUEST)
-    unfinished = shutil.ignore_patterns(".*")
-    for name in (RECORDS, VTU):
-        if (folder / name).is_dir():
-            shutil.copytree(folder / name, target / name, ignore=unfinished, copy_function=_link)
-
-
-def _link(source: str, target: str) -> None:
-    """Make a hard link, or a copy where the disk has no links."""
-    try:
-        os.link(source, target)
-    except OSError:
-        shutil.copy2(source, target)
 
 
 def _record(folder: Path, number: int) -> Path:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
 from railhead.results.result import Result
 from railhead.run import quantities
 from railhead.sweeps.grid import column
@@ -39,7 +37,8 @@ def row(values: Mapping[str, object], record: Mapping[str, Any]) -> dict[str, An
     """A row of sweep.csv: cells by column header.
 
     values: values of the changing keys by dotted key. Where Newton's method did not converge, or
-        there is no result, the row ends after the column `checks`.
+        there is no result, the row ends after the column `checks`. Raises LookupError, TypeError,
+        ValueError or AttributeError for data that is no record of a scene.
     """
     cells: dict[str, Any] = {column(key): value for key, value in values.items()}
     cells[CHECKS] = status(record)
@@ -63,18 +62,6 @@ def row(values: Mapping[str, object], record: Mapping[str, Any]) -> dict[str, An
         for each in COLUMNS
         if each.estimated
     }
-
-
-def check(record: Mapping[str, Any]) -> None:
-    """Raise LookupError, TypeError or ValueError for data that is no record of a scene (fault,
-    summary, outlines).
-    """
-    numbers = {each.header for each in COLUMNS if each.unit} | set(OTHERS)
-    for name, value in row({}, record).items():
-        if name in numbers and not isinstance(value, int | float | None):
-            raise TypeError(f"{name} is no number")
-    for line in record.get("outlines", []):
-        np.asarray(line, dtype=float).reshape(-1, 2)
 
 
 def status(record: Mapping[str, Any]) -> str:

@@ -8,7 +8,7 @@ import pytest
 from solved import solved
 from sweep_command import ROLLER, SIX, sweep
 
-from railhead.sweeps import store, sweep_table
+from railhead.sweeps import store
 
 
 def test_another_sweep_is_not_gone_on_with(swept: Path, capsys, tmp_path: Path) -> None:
@@ -55,8 +55,6 @@ def test_a_broken_file_is_said(
 @pytest.mark.parametrize(
     ("place", "value"),
     [
-        (("outlines",), "abc"), (("outlines",), [[[0.0, 1.0, 2.0]]]),
-        (("summary", "result", "pressure", "max_MPa"), "abc"),
         (("summary", "result", "contact_point_mm"), [0.0]), (("over", "load"), 80000.0),
     ],
 )  # fmt: skip
@@ -83,18 +81,18 @@ def test_what_else_lies_among_the_records_is_left_alone(swept: Path, tmp_path: P
     shutil.copytree(swept, folder)
     shutil.copy(folder / "records" / "00001.json", folder / "records" / "00001 (copy).json")
     assert len(store.done(folder)) == 6
-    store.check(folder, lambda number, record: sweep_table.check(record) is None)
+    store.check(folder, lambda number, record: record["fault"] == "")
 
 
 def test_a_lost_folder_of_records_is_made_again(tmp_path: Path) -> None:
     asked = {"vtu": True}
     store.begin(tmp_path / "sweep", asked, resume=False)
+    store.write(tmp_path / "sweep", 0, {"fault": "gmsh: no"})
     shutil.rmtree(tmp_path / "sweep" / "records")
-    shutil.rmtree(tmp_path / "sweep" / "vtu")
     store.begin(tmp_path / "sweep", asked, resume=True)
     assert store.done(tmp_path / "sweep") == set()
     store.write(tmp_path / "sweep", 0, {"fault": "gmsh: no"})
-    assert (tmp_path / "sweep" / "vtu").is_dir()
+    assert store.done(tmp_path / "sweep") == {0}
 
 
 @pytest.mark.parametrize("more", [(), ("--resume",)])
@@ -115,13 +113,13 @@ def test_a_folder_in_use_is_left_alone(swept: Path, more: tuple, capsys, tmp_pat
 def test_a_record_appears_whole_or_not_at_all(tmp_path: Path, monkeypatch) -> None:
     """The disk is full after half of it."""
     store.begin(tmp_path / "sweep", {"case": "a"}, resume=False)
-    whole = Path.write_text
+    whole = Path.write_bytes
 
-    def half(path: Path, text: str, **options: str) -> int:
-        whole(path, text[: len(text) // 2], **options)
+    def half(path: Path, content: bytes) -> int:
+        whole(path, content[: len(content) // 2])
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(Path, "write_text", half)
+    monkeypatch.setattr(Path, "write_bytes", half)
     with pytest.raises(OSError, match="No space"):
         store.write(tmp_path / "sweep", 3, {"fault": "", "summary": {}})
     assert store.done(tmp_path / "sweep") == set()
