@@ -8,8 +8,6 @@ from typing import Any
 
 import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from matplotlib.axis import Axis
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 from tabulate import tabulate
 
@@ -120,8 +118,10 @@ def pareto(cost: Sequence[float], error: Sequence[float]) -> NDArray[np.intp]:
     return np.asarray(order[falls])
 
 
-def plain_ticks(axis: Axis, multiples: Sequence[float]) -> None:
+def plain_ticks(axis: Any, multiples: Sequence[float]) -> None:
     """Ticks of a logarithmic axis at these multiples of powers of ten, as plain numbers."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
     axis.set_major_locator(LogLocator(subs=multiples))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())

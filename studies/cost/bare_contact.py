@@ -1,71 +1,62 @@
 """One contact by way of a plan with every optional effect off, and without any plan."""
 
-from __future__ import annotations
-
+import math
 import statistics
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import Any
 
+import numpy as np
+from mpi4py import MPI
+
+from railhead.geometry import outlines, profiles
+from railhead.geometry.surfaces import ParabolicGap
+from railhead.meshing import mesh
+from railhead.meshing.bodies import Body, Options
+from railhead.meshing.sizing import Grading
+from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, WHEEL
+from railhead.planning import plan as planning
+from railhead.postprocess.findings import Frame
+from railhead.run import build, mesh_solution
 from railhead.scene import catalogue
-
-if TYPE_CHECKING:
-    from railhead.scene.scene import Scene
+from railhead.scene.scene import Scene
+from railhead.solver import compat
+from railhead.solver.contact import ContactModel
+from railhead.solver.material.elasticity import Material
+from railhead.solver.setup import ContactBody, Setup
+from railhead.theory.elastic import hertz
 
 CASE = "sphere_on_plane"
 # Nothing else is on and could be left out.
 OPTIONAL = ("axisymmetry", "symmetry", "far_field", "true_profile")
 
 
-@dataclass(frozen=True)
-class Bare:
-    """The same contact by way of the plan with all optional effects off, or without a plan."""
-
-    route: str
-    unknowns: int
-    forms: int
-    seconds: float
-    p_max: float
-
-
-def compare(repeats: int, patch_size: float = 0.25) -> list[Bare]:
-    """Both routes in turn; median processor seconds of mesh, assembly and solve. patch_size: mm."""
+def compare(repeats: int, patch_size: float = 0.25) -> list[dict[str, Any]]:
+    """The same contact by way of the plan with all optional effects off (route), and without a
+    plan, in turn; median processor seconds of mesh, assembly and solve. patch_size: mm."""
     off = [f"effects.{name}=off" for name in OPTIONAL]
     scene = catalogue.find(CASE).replace([f"mesh.patch_size={patch_size}", *off])
-    routes: dict[str, Callable[[Scene], tuple[int, float]]]
     routes = {"plan, all optional effects off": _planned, "no plan": _unplanned}
-    for route in routes.values():
-        route(scene)  # compiles
-    found: dict[str, list[Bare]] = {name: [] for name in routes}
-    for _ in range(repeats):
+    found: dict[str, list[dict[str, Any]]] = {name: [] for name in routes}
+    for _ in range(1 + repeats):  # the first compiles
         for name, route in routes.items():
-            found[name].append(_measured(name, route, scene))
+            with forms_compiled() as forms:
+                start = time.process_time()
+                unknowns, p_max = route(scene)
+                seconds = time.process_time() - start
+            row = {"route": name, "unknowns": unknowns, "forms": len(forms)}
+            found[name].append({**row, "seconds": seconds, "p_max": p_max})
     return [
-        Bare(
-            name,
-            runs[0].unknowns,
-            runs[0].forms,
-            statistics.median(run.seconds for run in runs),
-            runs[0].p_max,
-        )
-        for name, runs in found.items()
+        runs[1] | {"seconds": statistics.median(run["seconds"] for run in runs[1:])}
+        for runs in found.values()
     ]
-
-
-def _measured(name: str, route: Callable[[Scene], tuple[int, float]], scene: Scene) -> Bare:
-    with forms_compiled() as forms:
-        start = time.process_time()
-        unknowns, p_max = route(scene)
-        return Bare(name, unknowns, len(forms), time.process_time() - start, p_max)
 
 
 @contextmanager
 def forms_compiled() -> Iterator[list[Any]]:
     """The forms that are compiled (or found compiled) meanwhile."""
-    from railhead.solver import compat
-
     real, forms = compat.form, []
 
     def counting(expression: Any, mesh: Any) -> Any:
@@ -80,12 +71,6 @@ def forms_compiled() -> Iterator[list[Any]]:
 
 
 def _planned(scene: Scene) -> tuple[int, float]:
-    from mpi4py import MPI
-
-    from railhead.planning import plan as planning
-    from railhead.postprocess.findings import Frame
-    from railhead.run import build, mesh_solution
-
     plan = planning.make(scene)
     model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
     solution = mesh_solution.solve(
@@ -96,22 +81,6 @@ def _planned(scene: Scene) -> tuple[int, float]:
 
 def _unplanned(scene: Scene) -> tuple[int, float]:
     """One elastic block under Hertz's gap against a rigid plane, by meshing and solver alone."""
-    import math
-
-    import numpy as np
-    from mpi4py import MPI
-
-    from railhead.geometry import outlines, profiles
-    from railhead.geometry.surfaces import ParabolicGap
-    from railhead.meshing import mesh
-    from railhead.meshing.bodies import Body, Options
-    from railhead.meshing.sizing import Grading
-    from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, WHEEL
-    from railhead.solver.contact import ContactModel
-    from railhead.solver.material.elasticity import Material
-    from railhead.solver.setup import ContactBody, Setup
-    from railhead.theory.elastic import hertz
-
     wheel, radius, load = scene.wheel, scene.wheel.rolling_radius, float(scene.load or 0.0)
     modulus = wheel.young_modulus / (1 - wheel.poisson_ratio**2)
     ellipse = hertz.point_contact(1 / radius, 1 / radius, modulus, load)

@@ -1,20 +1,18 @@
 """Every effect on and off: what it costs, what leaving it out changes, and that off is free."""
 
-from __future__ import annotations
-
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from railhead.cli.study import PAGE
+from railhead.planning import plan as planning
+from railhead.results import pipeline
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
+from railhead.scene.scene import Scene, SceneError
 from studies import tables
 from studies.cost import bare_contact
-
-if TYPE_CHECKING:
-    from railhead.scene.scene import Scene
+from studies.tables import Row, groups
 
 SCENES = {
     "uic54_thesis": ("uic54_thesis", []),
@@ -31,33 +29,31 @@ UNITS = {"p_max": "MPa", "area": "mm2", "tau_max": "MPa", "approach": "mm"}
 
 
 QUANTITIES = ("p_max", "area", "tau_max", "approach")
-Row = dict[str, Any]
-"""One scene as planned (effect "") or with one effect in its other state `on`.
-
-called_for: by the plan; seconds: of the processor; change_*: relative to the run as planned.
-"""
+JUDGED = ("p_max", "area", "tau_max")
+REDUCTIONS = (
+    "symmetry",
+    "symmetry_x",
+    "symmetry_y",
+    "axisymmetry",
+    "plane_strain",
+)  # on is cheaper
+NOISE = 0.1  # relative difference of two median times that is none
 
 
 def main(out: Path, *, quick: bool) -> None:
     """Run all scenes (quick: the last one), and write two CSV files and the page."""
-    from studies.cost import effects_page as effects_page
-
     names = list(SCENES)[-1:] if quick else list(SCENES)
     with Progress(quiet=False) as progress:
         runs = [run for name in names for run in switch(name, progress, 1 if quick else REPEATS)]
         progress.stage("with and without a plan")
         bare = bare_contact.compare(1 if quick else BARE_REPEATS)
-    tables.write_csv(out / "effects.csv", runs, UNITS)
-    tables.write_csv(out / "effects_off.csv", bare, UNITS)
-    page = effects_page.page(runs, [vars(each) for each in bare])
-    (out / PAGE).write_text(page, encoding="utf-8")
+    tables.publish(out, page(runs, bare), UNITS, effects=runs, effects_off=bare)
 
 
 def switch(name: str, progress: Progress, repeats: int) -> Iterator[Row]:
-    """A scene as planned, then with each effect in its other state where that can be had."""
-    from railhead.planning import plan as planning
-    from railhead.results import pipeline
-
+    """A scene as planned (effect ""), then with each effect in its other state where that can be
+    had; called_for: by the plan; seconds: of the processor; change_*: relative to the run as
+    planned."""
     case, assignments = SCENES[name]
     scene = catalogue.find(case).replace(assignments)
     plan = planning.make(scene)
@@ -94,11 +90,78 @@ def switch(name: str, progress: Progress, repeats: int) -> Iterator[Row]:
 
 
 def _possible(scene: Scene, effect: str, on: bool) -> bool:
-    from railhead.planning import plan as planning
-    from railhead.scene.scene import SceneError
-
     try:
         planning.make(scene.replace([f"effects.{effect}={'on' if on else 'off'}"]))
     except SceneError:
         return False
     return True
+
+
+def page(runs: Sequence[Row], bare: Sequence[Row]) -> str:
+    """The whole page; bare: the two routes of the same contact."""
+    planned, direct = bare
+    return tables.render(
+        "effects",
+        verdict=verdict(runs),
+        scenes={name: _scene(own) for name, own in groups(runs, "scene").items()},
+        same=all(planned[key] == direct[key] for key in ("unknowns", "forms")),
+        ratio=planned["seconds"] / direct["seconds"],
+        noise=NOISE,
+        bare=tables.cells(
+            bare, "{route}", "{unknowns}", "{forms}", "{seconds:.3f}", "{p_max:.10g}"
+        ),
+    )
+
+
+def wrong(runs: Sequence[Row]) -> list[Row]:
+    """Runs which show that the plan left out too much: an effect left off, or a reduction used,
+    that changes a judged quantity by more than the accuracy."""
+    return [row for row in _left(runs) if _change(row) > row["accuracy"]]
+
+
+def verdict(runs: Sequence[Row]) -> str:
+    """In words, with the numbers that decide."""
+    left = _left(runs)
+    kept = [row for row in runs if row["effect"] and not _simulates_more(row)]
+    return tables.render(
+        "effects_verdict",
+        change=_change,
+        limit=runs[0]["accuracy"],
+        wrong=wrong(runs),
+        left=len(left),
+        worst=max(left, key=_change, default=None),
+        kept=len(kept),
+        small=[row for row in kept if _change(row) <= row["accuracy"]],
+        overruled=[row for row in runs if row["effect"] and _overruled(row)],
+    )
+
+
+def _left(runs: Sequence[Row]) -> list[Row]:
+    """Runs that simulate more than the plan did, of its own accord."""
+    return [r for r in runs if r["effect"] and _simulates_more(r) and not _overruled(r)]
+
+
+def _simulates_more(row: Row) -> bool:
+    return bool(row["on"] != (row["effect"] in REDUCTIONS))
+
+
+def _overruled(row: Row) -> bool:
+    """Whether the plan called for the state of this run, and the scene chose the other one."""
+    return bool(row["on"] == row["called_for"])
+
+
+def _change(row: Row) -> float:
+    return max(abs(row[f"change_{key}"]) for key in JUDGED)
+
+
+def _scene(rows: Sequence[Row]) -> tuple[Row, list[Row], list[list[Any]]]:
+    """The run as planned, the whole model if there is one, and the lines of the table."""
+    first = rows[0]
+    whole = [row for row in rows if row["effect"] == "symmetry" and not row["on"]]
+    lines = []
+    for row in rows:
+        state = f"{row['effect']} {'on' if row['on'] else 'off'}" if row["effect"] else "as planned"
+        changes = [f"{row[f'change_{key}']:+.3%}" for key in (*JUDGED, "approach")]
+        time = f"{row['seconds']:.2f}", f"x {row['seconds'] / first['seconds']:.2f}"
+        lines.append([state, row["unknowns"], *time, *(changes if row["effect"] else [""] * 4)])
+    return first, whole, lines

@@ -1,19 +1,24 @@
 """What processes of MPI bring: the same meshes with one and with two, and what that lets expect of
 more."""
 
-from __future__ import annotations
-
-import json
-import os
-import subprocess
 import sys
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
-from railhead.cli import launch, study
+import numpy as np
+import scipy.sparse as sp
+from mpi4py import MPI
+
+from railhead.cli import launch
+from railhead.results import pipeline
+from railhead.run.progress import Progress
+from railhead.scene import catalogue
+from railhead.solver import compat
 from studies import tables
+from studies.cost import alone
+from studies.tables import Row
 
 SIZES = (0.4, 0.28, 0.22, 0.142, 0.112)  # mm in the patch of hertz_ellipse
 PARTS = ("start", "mesh", "assemble", "solve", "postprocess")
@@ -22,90 +27,56 @@ BLOCK = 3 * 3 * 8 + 4  # bytes of a block of K and of its column
 NODE = 3 * 8  # bytes of a node's unknowns
 
 
-@dataclass(frozen=True)
-class Record:
-    """One mesh with some processes. seconds by the clock, whole: from the start of the interpreter
-    to the findings, start: what is none of the other parts. product: bytes of K that one process
-    reads for one product; halo: bytes that it is sent for it (the mean of all)."""
-
-    unknowns: int
-    ranks: int
-    newton_iterations: int
-    linear_iterations: int
-    whole: float
-    start: float
-    mesh: float
-    assemble: float
-    solve: float
-    postprocess: float
-    product: float
-    halo: float
+COUNTS = ("newton_iterations", "linear_iterations")
 
 
-def measure(patch_size: float) -> dict[str, float]:
-    """Solve with the processes there are; what the first of them knows."""
-    import numpy as np
-    import scipy.sparse as sp
-    from mpi4py import MPI
-
-    from railhead.results import pipeline
-    from railhead.run.progress import Progress
-    from railhead.scene import catalogue
-    from railhead.solver import compat
-
+def measure(patch_size: float) -> dict[str, Any] | None:
+    """Solve with the processes there are; what the first of them knows, None for the others."""
     scene = catalogue.find("hertz_ellipse").replace([f"mesh.patch_size={patch_size}"])
     result = pipeline.run(scene, Progress(quiet=True))
     comm, end = MPI.COMM_WORLD, time.time()
-    space = result.mesh_solution.space
+    space, cost = result.mesh_solution.space, result.summary["cost"]
     nodes, places = compat.cell_dofs(space), space.dofmap.index_map
     rows = np.repeat(np.arange(len(nodes)), nodes.shape[1])
     touching = sp.csr_matrix((np.ones(nodes.size, np.int8), (rows, nodes.ravel())))
     blocks = (touching.T[: places.size_local].astype(bool) @ touching.astype(bool)).nnz
-    cost = result.summary["cost"]
-    return {
-        "first": comm.rank == 0,
+    found = {
         "end": end,
-        **{key: cost[key] for key in ("dofs", "newton_iterations", "linear_iterations")},
+        **{key: cost[key] for key in ("dofs", *COUNTS)},
         **cost["seconds"],
         "product": comm.allreduce(BLOCK * blocks) / comm.size,
         "halo": comm.allreduce(NODE * places.num_ghosts) / comm.size,
     }
+    return found if comm.rank == 0 else None
 
 
-def _record(patch_size: float, ranks: int) -> Record:
-    command = [sys.executable, "-m", "studies.cost.ranks", str(patch_size)]
-    launcher, environment = launch.under_mpirun(
-        ranks, os.environ | {"OMP_NUM_THREADS": "1", "PYTHONPATH": str(study.ROOT)}
-    )
+def recorded(patch_size: float, ranks: int) -> Row:
+    """One mesh with some processes. seconds by the clock, whole: from the start of the interpreter
+    to the findings, start: what is none of the other parts. product: bytes of K that one process
+    reads for one product; halo: bytes that it is sent for it (the mean of all)."""
     begin = time.time()
-    done = subprocess.run(
-        [*launcher, *command], capture_output=True, text=True, check=True, env=environment
-    )
-    found = json.loads(done.stdout.splitlines()[-1])
-    whole = found["end"] - begin
-    parts = {name: found[name] for name in PARTS[1:]}
-    return Record(
-        found["dofs"],
-        ranks,
-        found["newton_iterations"],
-        found["linear_iterations"],
-        whole,
-        whole - sum(parts.values()),
+    found = alone.measured("studies.cost.ranks", patch_size, ranks)
+    whole, parts = found["end"] - begin, {name: found[name] for name in PARTS[1:]}
+    return {
+        "unknowns": found["dofs"],
+        "ranks": ranks,
+        **{key: found[key] for key in COUNTS},
+        "whole": whole,
+        "start": whole - sum(parts.values()),
         **parts,
-        product=found["product"],
-        halo=found["halo"],
-    )
+        "product": found["product"],
+        "halo": found["halo"],
+    }
 
 
-def forecast(one: Record, two: Record, ranks: int) -> dict[str, float]:
+def forecast(one: Row, two: Row, ranks: int) -> dict[str, float]:
     """Seconds of each part with so many processes, each on a core of its own with its share of the
     memory's bandwidth: T = s + p / ranks through what one and two take (Amdahl), none faster than
     p = T(1)."""
     found = {}
     for part in PARTS:
-        first, second = getattr(one, part), getattr(two, part)
-        shared = min(max(2 * (first - second), 0.0), first)
-        found[part] = first - shared + shared / ranks
+        shared = min(max(2 * (one[part] - two[part]), 0.0), one[part])
+        found[part] = one[part] - shared + shared / ranks
     return found
 
 
@@ -115,50 +86,43 @@ def main(out: Path, *, quick: bool) -> None:
     for size in SIZES[: 1 if quick else None]:
         for ranks in (1, 2):
             print(f"patch size {size:g} mm, {ranks} processes", file=sys.stderr)
-            records.append(_record(size, ranks))
-    tables.write_csv(out / "ranks.csv", records)
-    (out / study.PAGE).write_text(page(records), encoding="utf-8")
+            records.append(recorded(size, ranks))
+    tables.publish(out, page(records), ranks=records)
 
 
-def page(records: Sequence[Record]) -> str:
+def page(records: Sequence[Row]) -> str:
     """What was measured, and the forecast from the largest mesh."""
-    pairs = list(zip(records[::2], records[1::2], strict=True))
-    one, two = pairs[-1]
+    one, two = records[-2:]
+    parts = [f"{{{part}:.1f}}" for part in PARTS]
     measured = [
-        (
-            r.unknowns,
-            r.ranks,
-            r.newton_iterations,
-            r.linear_iterations,
-            *(f"{getattr(r, part):.1f}" for part in PARTS),
-            f"{r.whole:.1f}",
-            f"{1e6 * r.whole * r.ranks / r.unknowns:.0f}",
-            f"{first.whole / r.whole:.2f}" if r.ranks > 1 else "",
-        )
-        for first, second in pairs
-        for r in (first, second)
+        {
+            **r,
+            "each": 1e6 * r["whole"] * r["ranks"] / r["unknowns"],
+            "gain": f"{records[i - 1]['whole'] / r['whole']:.2f}" if r["ranks"] > 1 else "",
+        }
+        for i, r in enumerate(records)
     ]
-    forecasts = [_forecast_row(one, two, ranks) for ranks in FORECAST]
+    forecasts = []
+    for ranks in FORECAST:
+        expected = forecast(one, two, ranks)
+        whole = sum(expected.values())
+        expected |= {"ranks": ranks, "whole": whole, "gain": one["whole"] / whole}
+        expected |= {"product": one["product"] / ranks / 1e6}
+        forecasts.append({**expected, "halo": halo(one["unknowns"], ranks) / 1e3})
     return tables.render(
         "ranks",
-        measured=measured,
-        forecasts=forecasts,
+        measured=tables.cells(
+            measured,
+            *("{unknowns}", "{ranks}", "{newton_iterations}", "{linear_iterations}"),
+            *(*parts, "{whole:.1f}", "{each:.0f}", "{gain}"),
+        ),
+        forecasts=tables.cells(
+            forecasts,
+            *("{ranks}", *parts, "{whole:.1f}", "{gain:.1f}", "{product:.0f}", "{halo:.0f}"),
+        ),
         largest=one,
         parts=list(PARTS),
         worth=launch.UNKNOWNS_PER_PROCESS,
-    )
-
-
-def _forecast_row(one: Record, two: Record, ranks: int) -> tuple[str, ...]:
-    parts: Mapping[str, float] = forecast(one, two, ranks)
-    whole = sum(parts.values())
-    return (
-        str(ranks),
-        *(f"{value:.1f}" for value in parts.values()),
-        f"{whole:.1f}",
-        f"{one.whole / whole:.1f}",
-        f"{one.product / ranks / 1e6:.0f}",
-        f"{halo(one.unknowns, ranks) / 1e3:.0f}",
     )
 
 
@@ -170,6 +134,4 @@ def halo(unknowns: int, ranks: int) -> float:
 
 
 if __name__ == "__main__":
-    _found = measure(float(sys.argv[1]))
-    if _found["first"]:
-        print(json.dumps(_found))
+    alone.answer(measure)

@@ -1,62 +1,35 @@
 """How time and memory grow with the unknowns, and what contact costs over linear elasticity."""
 
-from __future__ import annotations
-
-import json
-import os
-import subprocess
+import resource
 import sys
 import time
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
-from railhead.cli import study
+from mpi4py import MPI
+
+from railhead.planning import plan as planning
+from railhead.postprocess import read
+from railhead.postprocess.findings import Frame
+from railhead.run import build, mesh_solution
+from railhead.scene import catalogue
+from railhead.solver.algebra import linear
+from railhead.solver.fields import gather
 from studies import tables
+from studies.cost import alone
+from studies.tables import Row
 
 SIZES = (0.53, 0.4, 0.3, 0.22, 0.16, 0.142, 0.112)  # mm in the patch of hertz_ellipse
 
 
-@dataclass(frozen=True)
-class Record:
-    """One mesh of hertz_ellipse in a process of its own. seconds: mesh to findings; linear:
-    set-up of the preconditioner and one linear elastic solve to 1e-8 of its right-hand side; equal:
-    the same to the residual (N) that the contact ends with; contact: set-up, all Newton steps."""
+def measure(patch_size: float) -> dict[str, Any]:
+    """Solve hertz_ellipse once in this process; the linear solve follows, on the same matrices.
 
-    patch_size: float
-    unknowns: int
-    seconds: float
-    newton_iterations: int
-    linear_iterations: int
-    linear_seconds: float
-    equal_seconds: float
-    contact_seconds: float
-    peak_bytes: int
-
-    @property
-    def ratio(self) -> float:
-        """Contact solve over linear elastic solve."""
-        return self.contact_seconds / self.linear_seconds
-
-    @property
-    def equal(self) -> float:
-        """The same, both to one residual."""
-        return self.contact_seconds / self.equal_seconds
-
-
-def measure(patch_size: float) -> Record:
-    """Solve once in this process; the linear solve follows, on the same matrices."""
-    import resource
-
-    from mpi4py import MPI
-
-    from railhead.planning import plan as planning
-    from railhead.postprocess import read
-    from railhead.postprocess.findings import Frame
-    from railhead.run import build, mesh_solution
-    from railhead.scene import catalogue
-    from railhead.solver.algebra import linear
-    from railhead.solver.fields import gather
-
+    seconds: mesh to findings; linear: set-up of the preconditioner and one linear elastic solve to
+    1e-8 of its right-hand side; equal: the same to the residual (N) that the contact ends with;
+    contact: set-up, all Newton steps.
+    """
     plan = planning.make(catalogue.find("hertz_ellipse").replace([f"mesh.patch_size={patch_size}"]))
     frame = Frame(plan.contact.origin, 0.0)
     start = time.perf_counter()
@@ -92,65 +65,56 @@ def measure(patch_size: float) -> Record:
         solving.append(setting + time.perf_counter() - start)
     elastic, equal = solving
 
-    return Record(
-        patch_size,
-        model.unknowns,
-        built + contact + finding,
-        len(solution.newton.history),
-        sum(step.linear_iterations for step in solution.newton.history),
-        elastic,
-        equal,
-        contact,
-        peak,
-    )
+    history = solution.newton.history
+    return {
+        "patch_size": patch_size,
+        "unknowns": model.unknowns,
+        "seconds": built + contact + finding,
+        "newton_iterations": len(history),
+        "linear_iterations": sum(step.linear_iterations for step in history),
+        "linear_seconds": elastic,
+        "equal_seconds": equal,
+        "contact_seconds": contact,
+        "peak_bytes": peak,
+    }
 
 
 def main(out: Path, *, quick: bool) -> None:
     """Write scaling.csv and page.md; quick: the two smallest."""
     records = []
-    for size in SIZES[:2] if quick else SIZES:
+    for size in SIZES[: 2 if quick else None]:
         print(f"patch size {size:g} mm", file=sys.stderr)
-        done = subprocess.run(
-            [sys.executable, "-m", "studies.cost.scaling", str(size)],
-            capture_output=True,
-            text=True,
-            check=True,
-            env=os.environ | {"PYTHONPATH": str(study.ROOT)},
-        )
-        records.append(Record(**json.loads(done.stdout.splitlines()[-1])))
-    tables.write_csv(out / "scaling.csv", records)
-    (out / study.PAGE).write_text(page(records), encoding="utf-8")
+        records.append(alone.measured("studies.cost.scaling", size))
+    tables.publish(out, page(records), scaling=records)
 
 
-def page(records: list[Record]) -> str:
+def page(records: Sequence[Row]) -> str:
     """The table, and the growth from the first to the last mesh in words."""
-    first, last = records[0], records[-1]
-    growth = (last.seconds / last.unknowns) / (first.seconds / first.unknowns)
     rows = [
-        (
-            r.unknowns,
-            f"{r.seconds:.1f}",
-            f"{1e6 * r.seconds / r.unknowns:.0f}",
-            f"{r.peak_bytes / r.unknowns / 1e3:.1f}",
-            r.newton_iterations,
-            r.linear_iterations,
-            f"{r.linear_seconds:.2f}",
-            f"{r.contact_seconds:.2f}",
-            f"{r.ratio:.2f}",
-            f"{r.equal:.2f}",
-        )
+        {
+            **r,
+            "each": 1e6 * r["seconds"] / r["unknowns"],
+            "memory": r["peak_bytes"] / r["unknowns"] / 1e3,
+            "ratio": r["contact_seconds"] / r["linear_seconds"],
+            "equal": r["contact_seconds"] / r["equal_seconds"],
+        }
         for r in records
     ]
     return tables.render(
         "scaling",
-        first=first,
-        last=last,
-        growth=growth,
-        ratios=[r.ratio for r in records],
-        equal=[r.equal for r in records],
-        rows=rows,
+        first=rows[0],
+        last=rows[-1],
+        growth=rows[-1]["each"] / rows[0]["each"],
+        ratios=[r["ratio"] for r in rows],
+        equal=[r["equal"] for r in rows],
+        rows=tables.cells(
+            rows,
+            *("{unknowns}", "{seconds:.1f}", "{each:.0f}", "{memory:.1f}"),
+            *("{newton_iterations}", "{linear_iterations}", "{linear_seconds:.2f}"),
+            *("{contact_seconds:.2f}", "{ratio:.2f}", "{equal:.2f}"),
+        ),
     )
 
 
 if __name__ == "__main__":
-    print(json.dumps(vars(measure(float(sys.argv[1])))))
+    alone.answer(measure)

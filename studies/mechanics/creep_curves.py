@@ -1,10 +1,9 @@
 """Creep curves: finite elements beside boundary elements, FASTSIM and linear theory, by motion."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -65,34 +64,12 @@ CURVES = (
 QUICK = (Curve("hertz_ellipse", ALONG[2:5:2], COARSE),)
 
 
-@dataclass(frozen=True)
-class Point:
-    """Forces over mu N of a case at a motion, by a method (by); stick: share of the patch."""
-
-    case: str
-    along: float
-    across: float
-    spin: float
-    by: str
-    force_along: float
-    force_across: float
-    stick: float | None = None
-    steps: int | None = None
-
-
-@dataclass(frozen=True)
-class Cost:
-    """Of a curve: unknowns, contact points, and processor seconds of assembly (gmsh is a process of
-    its own), of pressing without friction, of condensing and, on the average, of a point."""
-
-    case: str
-    model: str
-    unknowns: int
-    points: int
-    built: float
-    pressed: float
-    condensed: float
-    point: float
+Point = dict[str, Any]
+"""Forces over mu N of a case at a motion (along, across, spin), by a method (by); stick: share of
+the patch; steps: of Newton's method."""
+Cost = dict[str, Any]
+"""Of a curve: unknowns, contact points, and processor seconds of assembly (gmsh is a process of
+its own), of pressing without friction, of condensing and, on the average, of a point."""
 
 
 def rolled(curve: Curve) -> tuple[list[Point], Cost]:
@@ -112,23 +89,44 @@ def rolled(curve: Curve) -> tuple[list[Point], Cost]:
     area, found, points = contact.area, None, []
     limit = COEFFICIENT * float(area @ np.maximum(contact.pressure, 0.0))
     for motion in curve.motions:
-        given = motion.along, motion.across, motion.spin
         slip = np.tensordot(motion.motion, rigid, axes=1)
         found = problem.solve(slip, rigid[:0], np.zeros((0, 4)), start=found)
         along, across = (float(contact.force(axis) @ found.nodal) for axis in settings.axes[:2])
         forces = along / limit, 0.0 if plan.half_y else across / limit
         stick = float(area[found.sticks].sum() / area[contact.active].sum())
-        points.append(Point(curve.case, *given, "railhead", *forces, stick, len(found.history)))
+        points.append(_point(curve, motion, "railhead", *forces, stick, len(found.history)))
     spent = np.diff([*clock, time.process_time()])
     spent[3] /= len(curve.motions)
-    cost = Cost(
-        curve.case,
-        "half" if plan.half_y else "whole",
-        model.unknowns,
-        len(contact.points),
-        *map(float, spent),
-    )
+    cost = {
+        "case": curve.case,
+        "model": "half" if plan.half_y else "whole",
+        "unknowns": model.unknowns,
+        "points": len(contact.points),
+        **dict(zip(("built", "pressed", "condensed", "point"), spent.tolist(), strict=True)),
+    }
     return [*points, *_others(plan, curve)], cost
+
+
+def _point(
+    curve: Curve,
+    motion: Creepage,
+    by: str,
+    along: float,
+    across: float,
+    stick: float | None,
+    steps: int | None = None,
+) -> Point:
+    return {
+        "case": curve.case,
+        "along": motion.along,
+        "across": motion.across,
+        "spin": motion.spin,
+        "by": by,
+        "force_along": along,
+        "force_across": across,
+        "stick": stick,
+        "steps": steps,
+    }
 
 
 def _plan(curve: Curve) -> Plan:
@@ -177,4 +175,4 @@ def _others(plan: Plan, curve: Curve) -> Iterator[Point]:
             ("linear theory", straight, None),
         ):
             along, across, _ = forces / limit
-            yield Point(curve.case, *given, by, along, across, sticking)
+            yield _point(curve, motion, by, along, across, sticking)

@@ -1,10 +1,7 @@
 """What leaving friction out changes, and the hardest places under full sliding."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -30,6 +27,7 @@ STRIP, SLIDING = (0.1, 0.2, 0.3, 0.4, 0.5), (0.1, 0.3, 0.5)  # coefficients of s
 EXACT = tuple(float(mu) for mu in np.linspace(0, 0.6, 13))
 
 
+EXACTLY = {"below": sliding.peak_below_surface, "surface": sliding.peak_at_surface}
 JUDGED = {
     "pressure": ("pressure", "max_MPa"),
     "area": ("patch", "area_mm2"),
@@ -40,15 +38,9 @@ JUDGED = {
 """Columns with friction and (plain_*) without, and where a summary has them."""
 
 
-@dataclass(frozen=True)
-class Slid:
-    """The largest von Mises stress over Hertz's p0, its depth over the smaller half width."""
-
-    case: str
-    coefficient: float
-    by: str
-    von_mises: float
-    depth: float
+Slid = dict[str, Any]
+"""The largest von Mises stress over Hertz's p0, its depth over the smaller half width, of a case
+at a coefficient of friction, by finite elements or the exact field."""
 
 
 def left_out(name: str, changes: dict[str, Any], creepage: float) -> dict[str, Any]:
@@ -69,34 +61,32 @@ def left_out(name: str, changes: dict[str, Any], creepage: float) -> dict[str, A
 
 def slid(name: str, coefficients: Sequence[float], given: dict[str, Any]) -> Iterator[Slid]:
     """Finite elements that slide, and the exact field below Hertz's pressure."""
-    ellipse: Hertz | None = None
+
+    def row(mu: float, by: str, ellipse: Hertz, von_mises: float, depth: float) -> Slid:
+        return {
+            "case": name,
+            "coefficient": mu,
+            "by": by,
+            "von_mises": von_mises / ellipse.p0,
+            "depth": depth / min(half_lengths(ellipse)),
+        }
+
     for mu in coefficients:
         result = rh.solve(_rolling(name, mu, SLIDES).replace(**given), quiet=True)
-        ellipse, stress = result.ellipse, result.as_dict()["result"]["stress"]
-        width = min(half_lengths(ellipse))
-        yield Slid(
-            name,
-            mu,
-            "railhead",
-            stress["von_mises_max_MPa"] / ellipse.p0,
-            stress["von_mises_max_depth_mm"] / width,
-        )
-    assert ellipse is not None
-    width = min(half_lengths(ellipse))
+        stress = result.as_dict()["result"]["stress"]
+        values = stress["von_mises_max_MPa"], stress["von_mises_max_depth_mm"]
+        yield row(mu, "railhead", result.ellipse, *values)
     for mu in EXACT:
-        for by, find in (
-            ("below", sliding.peak_below_surface),
-            ("surface", sliding.peak_at_surface),
-        ):
-            place = find(ellipse, mu, POISSON)
-            yield Slid(name, mu, by, place.von_mises / ellipse.p0, place.depth / width)
+        for by, find in EXACTLY.items():
+            place = find(result.ellipse, mu, POISSON)
+            yield row(mu, by, result.ellipse, place.von_mises, place.depth)
 
 
-def crossover(exact: Sequence[Slid]) -> float:
+def crossover(slid: Sequence[Slid]) -> float:
     """The coefficient above which the surface is hardest, between two of a case's own."""
-    below, surface = ([s for s in exact if s.by == by] for by in ("below", "surface"))
-    ahead = [t.von_mises - s.von_mises for s, t in zip(below, surface, strict=True)]
-    return float(np.interp(0.0, ahead, [s.coefficient for s in below]))
+    below, surface = ([s for s in slid if s["by"] == by] for by in EXACTLY)
+    ahead = [t["von_mises"] - s["von_mises"] for s, t in zip(below, surface, strict=True)]
+    return float(np.interp(0.0, ahead, [s["coefficient"] for s in below]))
 
 
 def _rolling(name: str, friction: float, creepage: float) -> rh.Scene:

@@ -1,16 +1,12 @@
 """What yield changes, what it costs, and how far formulas of spheres can be trusted."""
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import railhead as rh
-from railhead.cli import study
 from railhead.postprocess.plots.diagrams import FE, GREY, HERTZ, new_figure
 from railhead.scene import catalogue
 from railhead.theory.elastic import indentation
@@ -34,44 +30,26 @@ UNITS = {
     "depth": "um",
     "seconds": "s",
 }
+LINES: tuple[tuple[str, str, dict[str, Any]], ...] = (
+    ("hertz", "exact Hertz", {"color": HERTZ}),
+    ("elastic", "elastic", {"color": FE, "ls": "--", "marker": "o", "mfc": "none"}),
+    ("p_max", "R260 and ER7", {"color": FE, "marker": "o"}),
+)
+LOOKS: dict[str, dict[str, Any]] = {
+    "railhead": {"color": FE, "marker": "o"},
+    "Jackson, Green": {"color": HERTZ, "ls": "--"},
+    "Kogut, Etsion": {"color": GREY, "ls": ":"},
+}
 RADIUS, YIELD, YOUNG, POISSON = 100.0, 480.0, 207e3, 0.3  # of the sphere: mm, MPa, MPa
 
 
-@dataclass(frozen=True)
-class Load:
-    """The thesis's pair under one load: exact Hertz, the elastic solution and that with yield.
-    multiple: load over that of first yield, 0 where nothing yields; strain: largest equivalent
-    plastic one; depth: how far the rail stays pushed in; seconds: of the run that ended there."""
-
-    load: float
-    hertz: float
-    elastic: float
-    elastic_area: float
-    elastic_tau: float
-    elastic_seconds: float
-    multiple: float
-    p_max: float
-    area: float
-    tau: float
-    strain: float
-    residual_stress: float
-    depth: float
-    seconds: float
-    passed: bool
-
-
-@dataclass(frozen=True)
-class Sphere:
-    """A rigid sphere in a half-space that yields; approach, radius and residual depth over those
-    of first yield, mean pressure over the yield stress. by: who says so."""
-
-    multiple: float
-    by: str
-    approach: float
-    radius: float
-    pressure: float
-    residual: float | None
-    passed: bool = True
+Load = dict[str, Any]
+"""The thesis's pair under one load: exact Hertz, the elastic solution and that with yield.
+multiple: load over that of first yield, 0 where nothing yields; strain: largest equivalent
+plastic one; depth: how far the rail stays pushed in; seconds: of the run that ended there."""
+Sphere = dict[str, Any]
+"""A rigid sphere in a half-space that yields; approach, radius and residual depth over those
+of first yield, mean pressure over the yield stress. by: who says so."""
 
 
 def pressed(load: float) -> Load:
@@ -81,23 +59,23 @@ def pressed(load: float) -> Load:
     plain = rh.solve(scene.replace(effects={"plasticity": "off"}), quiet=True).as_dict()
     result, elastic = found["result"], plain["result"]
     left = result.get("plastic") or {}
-    return Load(
-        load,
-        found["hertz"]["pressure"]["max_MPa"],
-        elastic["pressure"]["max_MPa"],
-        elastic["patch"]["area_mm2"],
-        elastic["stress"]["tau_max_MPa"],
-        plain["cost"]["seconds"]["total"],
-        left.get("load_over_first_yield", 0.0),
-        result["pressure"]["max_MPa"],
-        result["patch"]["area_mm2"],
-        result["stress"]["tau_max_MPa"],
-        left.get("strain_max", 0.0),
-        left.get("residual_von_mises_max_MPa", 0.0),
-        1e3 * left.get("residual_depth_rail_mm", 0.0),
-        found["cost"]["seconds"]["total"],
-        found["checks"]["passed"],
-    )
+    return {
+        "load": load,
+        "hertz": found["hertz"]["pressure"]["max_MPa"],
+        "elastic": elastic["pressure"]["max_MPa"],
+        "elastic_area": elastic["patch"]["area_mm2"],
+        "elastic_tau": elastic["stress"]["tau_max_MPa"],
+        "elastic_seconds": plain["cost"]["seconds"]["total"],
+        "multiple": left.get("load_over_first_yield", 0.0),
+        "p_max": result["pressure"]["max_MPa"],
+        "area": result["patch"]["area_mm2"],
+        "tau": result["stress"]["tau_max_MPa"],
+        "strain": left.get("strain_max", 0.0),
+        "residual_stress": left.get("residual_von_mises_max_MPa", 0.0),
+        "depth": 1e3 * left.get("residual_depth_rail_mm", 0.0),
+        "seconds": found["cost"]["seconds"]["total"],
+        "passed": found["checks"]["passed"],
+    }
 
 
 def indented(multiple: float) -> list[Sphere]:
@@ -119,89 +97,84 @@ def indented(multiple: float) -> list[Sphere]:
     result, closer = found["result"], radius**2 / RADIUS
     area = result["patch"]["area_mm2"]
     left = (result.get("plastic") or {}).get("residual_depth_rail_mm")
-    rows = [
-        Sphere(
-            multiple,
-            "railhead",
+    said = {
+        "railhead": (
             result["approach_mm"] / closer,
             math.sqrt(area / math.pi) / radius,
             multiple * load / area / YIELD,
             None if left is None else left / closer,
-            found["checks"]["passed"],
         )
+    }
+    if multiple > 1:
+        jackson = indentation.jackson_green(multiple, POISSON, YIELD / modulus)
+        kogut = indentation.kogut_etsion(multiple, POISSON)
+        depth = indentation.residual_depth(kogut.approach)
+        said["Jackson, Green"] = jackson.approach, jackson.radius, jackson.pressure, None
+        said["Kogut, Etsion"] = kogut.approach, kogut.radius, kogut.pressure, depth
+    names, passed = ("approach", "radius", "pressure", "residual"), found["checks"]["passed"]
+    return [
+        {
+            "multiple": multiple,
+            "by": by,
+            **dict(zip(names, values, strict=True)),
+            "passed": passed or by != "railhead",
+        }
+        for by, values in said.items()
     ]
-    if multiple <= 1:
-        return rows
-    jackson = indentation.jackson_green(multiple, POISSON, YIELD / modulus)
-    kogut = indentation.kogut_etsion(multiple, POISSON)
-    for by, other in (("Jackson, Green", jackson), ("Kogut, Etsion", kogut)):
-        depth = indentation.residual_depth(other.approach) if other is kogut else None
-        rows.append(Sphere(multiple, by, other.approach, other.radius, other.pressure, depth))
-    return rows
 
 
 def main(out: Path, *, quick: bool) -> None:
     """Write plasticity_loads.csv, plasticity_spheres.csv, plasticity.png and page.md; quick: two
     loads and one sphere."""
-    loads = []
+    loads, spheres = [], []
     for load in LOADS[1:3] if quick else LOADS:
         print(f"{load:g} kN", file=sys.stderr)
         loads.append(pressed(load))
-    spheres: list[Sphere] = []
     for multiple in MULTIPLES[1:2] if quick else MULTIPLES:
         print(f"sphere at {multiple:g} times first yield", file=sys.stderr)
         spheres += indented(multiple)
-    tables.write_csv(out / "plasticity_loads.csv", loads, UNITS)
-    tables.write_csv(out / "plasticity_spheres.csv", spheres)
     draw(loads, spheres, out / "plasticity.png")
-    (out / study.PAGE).write_text(page(loads, spheres), encoding="utf-8")
+    text = page(loads, spheres)
+    tables.publish(out, text, UNITS, plasticity_loads=loads, plasticity_spheres=spheres)
 
 
 def page(loads: Sequence[Load], spheres: Sequence[Sphere]) -> str:
     """Tables, and from which load on the elastic answer misleads."""
-    misled = [each for each in loads if each.elastic > (1 + USEFUL) * each.p_max]
-    fine = [each for each in loads if each not in misled]
-    rows = [
-        (
-            f"{r.load:g}",
-            f"{r.multiple:.2f}" if r.multiple else "-",
-            f"{r.hertz:.0f}",
-            f"{r.elastic:.0f}",
-            f"{r.p_max:.0f}",
-            f"{r.elastic_area:.1f}",
-            f"{r.area:.1f}",
-            f"{r.elastic_tau:.0f}",
-            f"{r.tau:.0f}",
-            f"{100 * r.strain:.3f} %",
-            f"{r.residual_stress:.0f}",
-            f"{r.depth:.2f}",
-            f"{r.elastic_seconds:.1f}",
-            f"{r.seconds:.1f}",
-            "" if r.passed else "not passed",
-        )
-        for r in loads
-    ]
-    others = [
-        (
-            f"{s.multiple:g}",
-            s.by,
-            f"{s.approach:.3f}",
-            f"{s.radius:.3f}",
-            f"{s.pressure:.3f}",
-            "-" if s.residual is None else f"{s.residual:.3f}",
-            "" if s.passed else "not passed",
-        )
-        for s in spheres
-    ]
-    ratios = [r.seconds / r.elastic_seconds for r in loads if r.multiple]
+    misled = [r["load"] for r in loads if r["elastic"] > (1 + USEFUL) * r["p_max"]]
+    fine = [r["load"] for r in loads if r["load"] not in misled]
     return tables.render(
         "plasticity",
-        loads=rows,
-        spheres=others,
+        loads=tables.cells(
+            [
+                {
+                    **r,
+                    "yields": f"{r['multiple']:.2f}" if r["multiple"] else "-",
+                    "percent": 100 * r["strain"],
+                    "end": "" if r["passed"] else "not passed",
+                }
+                for r in loads
+            ],
+            *("{load:g}", "{yields}", "{hertz:.0f}", "{elastic:.0f}", "{p_max:.0f}"),
+            *("{elastic_area:.1f}", "{area:.1f}", "{elastic_tau:.0f}", "{tau:.0f}"),
+            *("{percent:.3f} %", "{residual_stress:.0f}", "{depth:.2f}"),
+            *("{elastic_seconds:.1f}", "{seconds:.1f}", "{end}"),
+        ),
+        spheres=tables.cells(
+            [
+                {
+                    **s,
+                    "left": "-" if s["residual"] is None else f"{s['residual']:.3f}",
+                    "end": "" if s["passed"] else "not passed",
+                }
+                for s in spheres
+            ],
+            *("{multiple:g}", "{by}", "{approach:.3f}", "{radius:.3f}", "{pressure:.3f}"),
+            *("{left}", "{end}"),
+        ),
         useful=USEFUL,
-        ratios=ratios,
-        fine=max((each.load for each in fine), default=None),
-        misled=min((each.load for each in misled), default=None),
+        ratios=[r["seconds"] / r["elastic_seconds"] for r in loads if r["multiple"]],
+        fine=max(fine, default=None),
+        misled=min(misled, default=None),
     )
 
 
@@ -209,27 +182,16 @@ def draw(loads: Sequence[Load], spheres: Sequence[Sphere], path: Path) -> None:
     """Largest pressure over the load, and the sphere's mean pressure over its load."""
     with new_figure(path, 10.5, 4.2) as figure:
         left, right = figure.subplots(1, 2)
-        x = [each.load for each in loads]
-        lines: tuple[tuple[str, str, dict[str, Any]], ...] = (
-            ("hertz", "exact Hertz", {"color": HERTZ}),
-            ("elastic", "elastic", {"color": FE, "ls": "--", "marker": "o", "mfc": "none"}),
-            ("p_max", "R260 and ER7", {"color": FE, "marker": "o"}),
-        )
-        for key, label, look in lines:
-            left.plot(x, [getattr(each, key) for each in loads], label=label, **look)
+        for key, label, look in LINES:
+            left.plot([r["load"] for r in loads], [r[key] for r in loads], label=label, **look)
+        for by, look in LOOKS.items():
+            own = [s for s in spheres if s["by"] == by]
+            right.plot([s["multiple"] for s in own], [s["pressure"] for s in own], label=by, **look)
         left.set(xscale="log", xlabel="load, kN", ylabel="largest pressure, MPa")
-        looks: dict[str, dict[str, Any]] = {
-            "railhead": {"color": FE, "marker": "o"},
-            "Jackson, Green": {"color": HERTZ, "ls": "--"},
-            "Kogut, Etsion": {"color": GREY, "ls": ":"},
-        }
-        for by, look in looks.items():
-            own = [each for each in spheres if each.by == by]
-            right.plot([s.multiple for s in own], [s.pressure for s in own], label=by, **look)
         right.set(
             xscale="log",
             xlabel="load of a sphere over first yield",
             ylabel="mean pressure over yield stress",
         )
-        for axes in (left, right):
-            axes.legend()
+        left.legend()
+        right.legend()

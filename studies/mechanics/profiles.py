@@ -4,18 +4,17 @@ Standard profiles less a smooth wear are sampled as a gauge would, with noise, r
 any file is, and solved as half-spaces; the truth is the worn profile itself.
 """
 
-from __future__ import annotations
-
 import hashlib
+import itertools
 import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from railhead.cli import study
 from railhead.contact import solid
 from railhead.geometry.placement import Pair
 from railhead.geometry.profiles import Array, Piece, Profile
@@ -182,23 +181,10 @@ CASES: tuple[Case, ...] = (
 )
 
 
-@dataclass(frozen=True)
-class Row:
-    """Relative errors of the largest pressure (mean, and what 90 % of the seeds are within) and of
-    the area (alike); more: seeds with more contacts than there are, or none; open: median
-    uncertainty that the plan says; held: share of the seeds whose pressure is within it."""
-
-    case: str
-    spacing: float
-    noise: float
-    seeds: int
-    true_pressure: float
-    pressure_mean: float
-    pressure: float
-    area: float
-    more: int
-    open: float
-    held: float
+Row = dict[str, Any]
+"""Relative errors of the largest pressure (mean, and what 90 % of the seeds are within) and of
+the area (alike); more: seeds with more contacts than there are, or none; open: median
+uncertainty that the plan says; held: share of the seeds whose pressure is within it."""
 
 
 def solved(scene: Scene, pair: Pair | None = None) -> Solution:
@@ -230,20 +216,20 @@ def compared(case: Case, spacing: float, noise: float, seeds: int) -> Row:
             areas.append(found.area / true.area - 1)
             opens.append(left)
             more += contacts(found) > contacts(true)
-    error, worst = np.array(pressures), np.abs(pressures)
-    return Row(
-        case.name,
-        spacing,
-        noise,
-        seeds,
-        true.max_pressure,
-        float(error.mean()),
-        float(np.quantile(worst, 0.9)),
-        float(np.quantile(np.abs(areas), 0.9)),
-        more,
-        float(np.median(opens)),
-        float(np.mean(worst <= np.array(opens))),
-    )
+    worst = np.abs(pressures)
+    return {
+        "case": case.name,
+        "spacing": spacing,
+        "noise": noise,
+        "seeds": seeds,
+        "true_pressure": true.max_pressure,
+        "pressure_mean": float(np.mean(pressures)),
+        "pressure": float(np.quantile(worst, 0.9)),
+        "area": float(np.quantile(np.abs(areas), 0.9)),
+        "more": more,
+        "open": float(np.median(opens)),
+        "held": float(np.mean(worst <= np.array(opens))),
+    }
 
 
 def main(out: Path, *, quick: bool) -> None:
@@ -251,53 +237,46 @@ def main(out: Path, *, quick: bool) -> None:
     cases, spacings, noises, seeds = CASES, SPACINGS, NOISES, SEEDS
     if quick:
         cases, spacings, noises, seeds = CASES[:1], SPACINGS[1:2], NOISES[1:3], 2
-    jobs = [(c, spacing, noise, seeds) for c in cases for spacing in spacings for noise in noises]
+    jobs = list(itertools.product(cases, spacings, noises, [seeds]))
     rows: list[Row] = []
     for job, attempt in zip(jobs, worker_pool.attempts(compared, jobs), strict=True):
         print(job[0].name, *job[1:], attempt.fault or "", file=sys.stderr)
-        if attempt.value is not None:
-            rows.append(attempt.value)
-    tables.write_csv(out / "profiles.csv", rows, UNITS)
-    (out / study.PAGE).write_text(page(rows), encoding="utf-8")
+        rows += [attempt.value] if attempt.value else []
+    tables.publish(out, page(rows), UNITS, profiles=rows)
 
 
 def missed(row: Row) -> str:
     """Which of the limits a row is beyond."""
-    found = []
-    if row.pressure > LIMITS.get(row.noise, np.inf):
-        found.append("p_max")
-    if row.noise in LIMITS and row.area > AREA_LIMIT:
-        found.append("area")
-    if row.more:
-        found.append(f"{row.more} of {row.seeds} with another contact")
-    return ", ".join(found)
+    judged, seeds = row["noise"] in LIMITS, f"{row['more']} of {row['seeds']}"
+    found = {
+        "p_max": judged and row["pressure"] > LIMITS[row["noise"]],
+        "area": judged and row["area"] > AREA_LIMIT,
+        f"{seeds} with another contact": row["more"],
+    }
+    return ", ".join(name for name, beyond in found.items() if beyond)
 
 
 def page(rows: Sequence[Row]) -> str:
     """A table of all rows, and how many are within the limits."""
-    lines = [
-        (
-            r.case,
-            f"{r.spacing:g}",
-            f"{r.noise:g}",
-            f"{r.true_pressure:.0f}",
-            f"{100 * r.pressure_mean:+.1f} %",
-            f"{100 * r.pressure:.1f} %",
-            f"{100 * r.area:.1f} %",
-            f"{100 * r.open:.1f} %",
-            f"{100 * r.held:.0f} %",
-            missed(r),
-        )
-        for r in rows
-    ]
-    judged = [r for r in rows if r.noise in LIMITS]
+    shares = ("pressure_mean", "pressure", "area", "open", "held")
+    judged = [r for r in rows if r["noise"] in LIMITS]
     return tables.render(
         "profiles",
-        rows=lines,
+        rows=tables.cells(
+            [{**r, **{k: 100 * r[k] for k in shares}, "missed": missed(r)} for r in rows],
+            *(
+                "{case}",
+                "{spacing:g}",
+                "{noise:g}",
+                "{true_pressure:.0f}",
+                "{pressure_mean:+.1f} %",
+            ),
+            *("{pressure:.1f} %", "{area:.1f} %", "{open:.1f} %", "{held:.0f} %", "{missed}"),
+        ),
         judged=len(judged),
         within=sum(not missed(r) for r in judged),
-        seeds=max(r.seeds for r in rows),
+        seeds=max(r["seeds"] for r in rows),
         limits=LIMITS,
         area=AREA_LIMIT,
-        held=float(np.average([r.held for r in rows], weights=[r.seeds for r in rows])),
+        held=float(np.average([r["held"] for r in rows], weights=[r["seeds"] for r in rows])),
     )

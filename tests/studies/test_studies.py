@@ -12,7 +12,7 @@ import pytest
 from railhead.cli import main, study
 from railhead.scene.scene import SceneError
 from studies.accuracy import accuracy_cost_page as accuracy_page
-from studies.mechanics import load_sweep_page as sweep_page
+from studies.mechanics import load_sweep
 
 Rows = list[dict[str, float]]
 
@@ -88,8 +88,8 @@ def test_fitted_exponents_are_hertz_s(sweep) -> None:
         {key.rsplit("_", 1)[0]: row[key] for key in row if key.endswith(("N", "mm", "MPa"))}
         for row in rows
     ]
-    fitted = sweep_page.exponents(named)
-    for key, exact in sweep_page.LAWS.items():
+    fitted = load_sweep.exponents(named)
+    for key, exact in load_sweep.LAWS.items():
         assert fitted[key] == pytest.approx(exact, abs=2e-3)
 
 

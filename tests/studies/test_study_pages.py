@@ -6,7 +6,8 @@ from matplotlib.axes import Axes
 
 from studies.accuracy import accuracy_cost_page as accuracy_page
 from studies.accuracy import calibrate, error_bounds
-from studies.cost import ranks, scaling
+from studies.cost import ranks as ranks_study
+from studies.cost import scaling
 from studies.hard import page as hard_page
 from studies.hard.case import Case, Deviation, Measured, Outcome
 from studies.tables import pareto, power_law, table
@@ -153,8 +154,12 @@ def test_verdict_on_estimates_counts_what_holds_and_what_is_missing() -> None:
 
 
 def test_scaling_page_says_how_time_grows() -> None:
-    small = scaling.Record(0.5, 1000, 1.0, 3, 20, 0.5, 0.8, 1.0, 400_000_000)
-    large = scaling.Record(0.2, 10_000, 15.0, 3, 24, 5.0, 6.4, 8.0, 500_000_000)
+    names = ("unknowns", "seconds", "linear_seconds", "equal_seconds", "contact_seconds")
+    small, large = (
+        {"newton_iterations": 3, "linear_iterations": 20, "peak_bytes": 4e8}
+        | dict(zip(names, values, strict=True))
+        for values in ((1000, 1.0, 0.5, 0.8, 1.0), (10_000, 15.0, 5.0, 6.4, 8.0))
+    )
     text = scaling.page([small, large])
     assert "From 1000 to 10000 unknowns the time per unknown grows by a factor 1.50" in text
     assert "costs 1.60 to 2.00 times one linear elastic solve" in text
@@ -163,20 +168,27 @@ def test_scaling_page_says_how_time_grows() -> None:
 
 def test_ranks_page_forecasts_what_is_shared_and_what_is_not() -> None:
     """Amdahl: of 10 s two take 6, so that 8 are shared; what takes longer with two is not."""
-    one = ranks.Record(1000, 1, 3, 20, 15.0, 2.0, 3.0, 0.0, 10.0, 0.0, 8e6, 0.0)
-    two = ranks.Record(1000, 2, 3, 20, 12.0, 3.0, 3.0, 0.0, 6.0, 0.0, 4e6, 1e5)
-    parts = ranks.forecast(one, two, 8)
+    one, two = (
+        {"unknowns": 1000, "ranks": ranks, "newton_iterations": 3, "linear_iterations": 20}
+        | {"whole": whole, "product": 8e6 / ranks, "halo": 1e5 * (ranks - 1)}
+        | dict(zip(ranks_study.PARTS, parts, strict=True))
+        for ranks, whole, parts in (
+            (1, 15.0, (2.0, 3.0, 0.0, 10.0, 0.0)),
+            (2, 12.0, (3.0, 3.0, 0.0, 6.0, 0.0)),
+        )
+    )
+    parts = ranks_study.forecast(one, two, 8)
     assert parts == {"start": 2.0, "mesh": 3.0, "assemble": 0.0, "solve": 3.0, "postprocess": 0.0}
-    text = ranks.page([one, two])
+    text = ranks_study.page([one, two])
     row = next(line for line in text.splitlines() if line.startswith("| 8 "))
     cells = [cell.strip() for cell in row.strip("|").split("|")]
     assert cells == ["8", "2.0", "3.0", "0.0", "3.0", "0.0", "8.0", "1.9", "1", "1"]
 
 
 def test_halo_of_bodies_that_are_shared() -> None:
-    assert ranks.halo(24_000_000, 2) == 0.0  # a body each
+    assert ranks_study.halo(24_000_000, 2) == 0.0  # a body each
     # Eight cubes a body: three faces of (24e6 / 3 / 16)^(2/3) nodes with 24 B
-    assert ranks.halo(24_000_000, 16) == pytest.approx(3 * 500_000 ** (2 / 3) * 24)
+    assert ranks_study.halo(24_000_000, 16) == pytest.approx(3 * 500_000 ** (2 / 3) * 24)
 
 
 def test_hard_cases_page_names_what_fails_and_what_is_refused() -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from railhead.cli import study
-from studies.cost import bare_contact, effects_page
+from studies.cost import bare_contact, effects
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,7 @@ def test_what_the_plan_leaves_out_is_below_the_accuracy_and_pays(quick) -> None:
     planned = int(rows[0]["unknowns"])
     for row in rows:
         if row["effect"] in ("symmetry", "deformable_wheel"):
-            assert max(abs(float(row[f"change_{key}"])) for key in effects_page.JUDGED) < 2e-3
+            assert max(abs(float(row[f"change_{key}"])) for key in effects.JUDGED) < 2e-3
             assert int(row["unknowns"]) > 1.2 * planned
     whole = next(row for row in rows if row["effect"] == "symmetry")
     assert int(whole["unknowns"]) > 3 * planned
@@ -69,29 +69,29 @@ def run(effect: str, on: bool, change: float) -> dict:
 
 def test_verdict_names_what_was_wrongly_left_out() -> None:
     fine = [run("", True, 0.0), run("symmetry_x", False, 0.002), run("true_profile", False, 0.05)]
-    assert effects_page.wrong(fine) == []
-    assert effects_page.verdict(fine).startswith("Yes: of 1 effects")
+    assert effects.wrong(fine) == []
+    assert effects.verdict(fine).startswith("Yes: of 1 effects")
     bad = [*fine, run("rail_section", True, 0.03), run("symmetry_y", False, -0.02)]
-    assert [row["effect"] for row in effects_page.wrong(bad)] == ["rail_section", "symmetry_y"]
-    assert effects_page.verdict(bad).startswith("**No.**")
+    assert [row["effect"] for row in effects.wrong(bad)] == ["rail_section", "symmetry_y"]
+    assert effects.verdict(bad).startswith("**No.**")
 
 
 def test_what_the_scene_switched_off_is_no_fault_of_the_plan() -> None:
     overruled = {**run("plasticity", True, 0.3), "called_for": True}
-    assert effects_page.wrong([run("", True, 0.0), overruled]) == []
-    told = effects_page.verdict([run("", True, 0.0), run("friction", True, 0.001), overruled])
+    assert effects.wrong([run("", True, 0.0), overruled]) == []
+    told = effects.verdict([run("", True, 0.0), run("friction", True, 0.001), overruled])
     assert told.startswith("Yes: of 1 effects")
     assert "called for `plasticity` of made_up, which the scene switches off: 30 %" in told
 
 
 def test_an_effect_kept_without_need_is_named_too() -> None:
-    told = effects_page.verdict([run("", True, 0.0), run("far_field", False, 0.001)])
+    told = effects.verdict([run("", True, 0.0), run("far_field", False, 0.001)])
     assert "0 change one of them" in told and "Not so `far_field`" in told
 
 
 def test_off_effects_cost_no_unknown_no_form_and_no_digit() -> None:
     """The plan with all optional effects off is the bare contact, built without a plan."""
     planned, direct = bare_contact.compare(1, patch_size=0.4)
-    assert planned.unknowns == direct.unknowns
-    assert planned.forms == direct.forms == 1
-    assert planned.p_max == pytest.approx(direct.p_max, rel=1e-10)
+    assert planned["unknowns"] == direct["unknowns"]
+    assert planned["forms"] == direct["forms"] == 1
+    assert planned["p_max"] == pytest.approx(direct["p_max"], rel=1e-10)

@@ -14,8 +14,8 @@ SEEDS = 5
 
 def within(row: study.Row) -> bool:
     """The limits that were asked for: 90 % of the seeds, and no contact that is not there."""
-    pressure = {2.0: 0.03, 10.0: 0.08}[row.noise]
-    return row.pressure <= pressure and row.area <= 0.05 and not row.more
+    pressure = {2.0: 0.03, 10.0: 0.08}[row["noise"]]
+    return row["pressure"] <= pressure and row["area"] <= 0.05 and not row["more"]
 
 
 @pytest.mark.parametrize(
@@ -43,12 +43,12 @@ def test_all_worn_pairs_give_the_true_pressure_and_area(name, noise, spacing) ->
 @pytest.mark.parametrize("name", ["60E1 crown 3 mm, 1:40", "S1002 root 1 mm, in flange contact"])
 def test_without_noise_the_profile_is_the_true_one(name: str) -> None:
     row = study.compared(CASES[name], 0.25, 0.0, 1)
-    assert row.pressure < 0.003 and row.area < 0.003 and not row.more
+    assert row["pressure"] < 0.003 and row["area"] < 0.003 and not row["more"]
 
 
 def test_20_um_open_no_contact_that_is_not_there() -> None:
     row = study.compared(CASES["S1002 root 2 mm, 60E1"], 0.25, 20.0, 3)
-    assert row.more == 0
+    assert row["more"] == 0
 
 
 def test_quick_study_writes_its_page(tmp_path) -> None:
