@@ -128,8 +128,7 @@ def test_a_narrow_crown_is_no_head_in_inches(unit: float, half: float) -> None:
         turned(points / unit)
 
 
-@pytest.mark.parametrize("mirror", [1, -1])
-@pytest.mark.parametrize("flip", [1, -1])
+@pytest.mark.parametrize("mirror, flip", [(-1, 1), (1, -1), (-1, -1)])
 def test_a_wheel_is_turned_as_its_standard(mirror: int, flip: int) -> None:
     true = wheel()
     found, done = turned(true * [mirror, flip], "wheel")
@@ -155,9 +154,8 @@ def outline(worn: float, degrees: float, deepest: float) -> np.ndarray:
 
 @pytest.mark.parametrize(
     ("slope", "worn", "degrees", "depth"),
-    [(0.0, 1.0, 3.0, 16.0), (0.0, 6.0, 15.0, 20.0), (1 / 40, 2.0, 26.0, 20.0),
-     (1 / 20, 4.0, 8.0, 16.0), (1 / 20, 2.0, 26.0, 32.0)],
-)  # fmt: skip
+    [(0.0, 1.0, 3.0, 16.0), (0.0, 6.0, 15.0, 20.0), (1 / 20, 4.0, 8.0, 16.0)],
+)
 def test_the_worn_side_is_the_gauge_side(slope, worn, degrees, depth) -> None:
     points = outline(worn, degrees, 30.0)
     points = points[points[:, 1] > -depth] @ np.array([[1.0, slope], [-slope, 1.0]])
@@ -212,8 +210,7 @@ def test_a_head_with_its_underside_stands_upright(name: str, flip: int) -> None:
     assert ("turned upside down" in said) is (flip < 0)
 
 
-@pytest.mark.parametrize("flip", [1, -1])
-@pytest.mark.parametrize("begin", [0.0, 0.5])
+@pytest.mark.parametrize("begin, flip", [(0.0, -1), (0.5, 1)])
 def test_a_closed_section_stands_upright_wherever_it_begins(begin: float, flip: int) -> None:
     curves = outlines.rail_section("60E1", "section", half=False)
     points = np.concatenate([curve.sampled() for curve in curves])
@@ -234,8 +231,7 @@ def test_a_wheel_that_begins_in_its_flange_has_no_known_origin(left: float) -> N
     turned(points, "wheel", origin="file")
 
 
-@pytest.mark.parametrize("deep", [10.0, 60.0])
-@pytest.mark.parametrize("flip", [1, -1])
+@pytest.mark.parametrize("deep, flip", [(10.0, -1), (60.0, 1)])
 def test_faces_of_a_rim_are_no_flange(deep: float, flip: int) -> None:
     true, down = wheel(), np.arange(0.5, deep, 0.5)
     back, rim = (np.column_stack([np.full(len(down), y), z - down]) for y, z in true[[0, -1]])
@@ -269,7 +265,7 @@ def test_a_foreign_origin_is_moved_to_the_crown_or_the_tape_circle() -> None:
     assert "tape circle" in said
 
 
-@pytest.mark.parametrize("left", [-70.0, -64.0, -61.0, -57.0])
+@pytest.mark.parametrize("left", [-70.0, -57.0])
 def test_a_foreign_origin_is_found_wherever_a_wheel_begins(left: float) -> None:
     """By the back of the flange, or its tip alone."""
     points = wheel(np.linspace(left, 60.0, 400))
@@ -300,7 +296,7 @@ def test_a_wild_point_is_refused(off: float, is_refused: bool) -> None:
         turned(points / 25.4, unit="inch")
 
 
-@pytest.mark.parametrize("place", [0, 1, -2, -1])
+@pytest.mark.parametrize("place", [0, -2])
 @pytest.mark.parametrize("off", [[0, 3], [0, -3], [0, 1], [3, 0], [-3, 0]])
 def test_a_wild_point_at_an_end_is_refused(place: int, off: list[float]) -> None:
     """The curve through it may run off for kilometres; one that is farther along it is none."""

@@ -32,8 +32,8 @@ def rail(name: str = "60E1", spacing: float = 0.25) -> np.ndarray:
     return np.column_stack([y, profile.height(y)])
 
 
-@pytest.mark.parametrize("sigma", [0.002, 0.01, 0.02])
-@pytest.mark.parametrize("spacing", [0.1, 0.25, 0.5])
+@pytest.mark.parametrize("sigma", [0.002, 0.02])
+@pytest.mark.parametrize("spacing", [0.1, 0.5])
 def test_noise_is_estimated_from_the_points(sigma: float, spacing: float) -> None:
     """500 points tell it to 10 %: three standard deviations of a median."""
     points = arc(80.0, 250 * spacing / 80, spacing)
@@ -80,8 +80,7 @@ def test_smoothing_is_longer_where_the_profile_is_plain() -> None:
     assert crown > 2 * corner
 
 
-@pytest.mark.parametrize("sigma", [0.0, 0.002, 0.01, 0.02])
-@pytest.mark.parametrize("spacing", [0.1, 0.25, 0.5])
+@pytest.mark.parametrize("sigma, spacing", [(0.0, 0.25), (0.002, 0.5), (0.02, 0.1), (0.02, 0.5)])
 def test_curvature_does_not_spike(sigma: float, spacing: float) -> None:
     """Nowhere half as sharp again as the corner of R13, and hollow nowhere; the crown of R300 stays
     convex and flatter than R150. Three neighbouring points make up to ten times that of R13."""
@@ -357,14 +356,10 @@ def test_a_point_that_stands_off_is_kept_and_said(slope: float, tmp_path) -> Non
     assert f"{said}line {len(points) // 2 + 2}: taken for shape" in found.remarks
 
 
-@pytest.mark.parametrize("count", [2, 9])
-@pytest.mark.parametrize("off", [-3.0, -0.4, 0.4, 1.0])
-@pytest.mark.parametrize("spacing", [0.25])
-def test_wild_points_side_by_side_are_refused_or_said(
-    count: int, off: float, spacing: float, tmp_path
-) -> None:
+@pytest.mark.parametrize("count, off", [(2, -3.0), (2, 0.4), (9, -0.4), (9, 1.0)])
+def test_wild_points_side_by_side_are_refused_or_said(count: int, off: float, tmp_path) -> None:
     """They hide each other: the curve turned back at them and half the head was lost."""
-    points = rail(spacing=spacing)
+    points = rail()
     first = int(np.argmin(np.abs(points[:, 0] + 20)))
     points[first : first + count, 1] += off
     try:
@@ -377,9 +372,10 @@ def test_wild_points_side_by_side_are_refused_or_said(
         assert any("WARNING" in said and "taken for shape" in said for said in found.remarks)
 
 
-@pytest.mark.parametrize("sigma", [0.0, 0.02])
-@pytest.mark.parametrize("spacing", [0.1, 1.0])
-@pytest.mark.parametrize("body", ["rail", "wheel"])
+@pytest.mark.parametrize(
+    "body, spacing, sigma",
+    [("rail", 0.1, 0.02), ("rail", 1.0, 0.0), ("wheel", 0.1, 0.0), ("wheel", 1.0, 0.02)],
+)
 def test_sound_profiles_are_not_warned_of(
     body: str, spacing: float, sigma: float, tmp_path
 ) -> None:
