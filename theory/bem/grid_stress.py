@@ -17,63 +17,35 @@ DEPTHS = 16  # ... from half a cell down to the patch's smaller half length, ...
 SURFACE = 1e-3  # ... and so many cells below the surface
 
 
-class GridPotential:
-    """Derivatives of the potentials psi = int p/rho dA and psi1 = int p ln(rho + z) dA of a
-    pressure p in grid cells, at n points below the surface; rho is the distance and z > 0 the
-    depth.
-
-    strength: mixed pressure difference at each corner of cells, (m,), MPa.
-    X, Y: distances of the points from the corners along x and s, (n, m), mm.
-    z: depths, (n, 1), mm.
-    R: distances of the points from the corners, (n, m), mm.
-    Properties are arrays (n,) in MPa.
-    """
-
-    def __init__(self, patch: PatchSolution, x: Array, s: Array, depth: Array) -> None:
-        """patch: pressure on a grid; x, s, depth: coordinates (n,) of the points, mm, depth > 0."""
-        jumps = np.diff(np.diff(np.pad(patch.pressure, 1), axis=0), axis=1)
-        i, j = np.nonzero(jumps)
-        self.strength = jumps[i, j]
-        corner_x, corner_s = (_edges(axis) for axis in (patch.x, patch.s))
-        self.X, self.Y = x[:, None] - corner_x[i], s[:, None] - corner_s[j]
-        self.z = depth[:, None]
-        self.R = np.sqrt(self.X**2 + self.Y**2 + self.z**2)
-
-    @property
-    def psi_z(self) -> Array:
-        """Derivative of psi by the depth, (n,), MPa."""
-        return self._sum(-np.arctan(self.X * self.Y / (self.z * self.R)))
-
-    @property
-    def depth_times_hessian(self) -> tuple[Array, Array, Array, Array, Array, Array]:
-        """Depth times psi_xx, psi_yy, psi_zz, psi_xy, psi_xz, psi_yz, each (n,), MPa; y is s."""
-        along, across = self.X**2 + self.z**2, self.Y**2 + self.z**2
-        over_y = _share(self.R, self.Y, along) / self.R  # 1 / (R (R + Y))
-        over_x = _share(self.R, self.X, across) / self.R
-        xx, yy = self._sum(self.z * self.X * over_y), self._sum(self.z * self.Y * over_x)
-        xy = self._sum(self.z / self.R)
-        xz, yz = self._sum(self.z**2 * over_y), self._sum(self.z**2 * over_x)
-        return xx, yy, -xx - yy, xy, xz, yz
-
-    @property
-    def log_hessian(self) -> tuple[Array, Array, Array]:
-        """Second derivatives psi1_xx, psi1_yy, psi1_xy, each (n,), MPa; y is s."""
-        X, Y, z, R = self.X, self.Y, self.z, self.R
-        xx = np.arctan2(Y * (R - z) * X, X * X * R + z * Y * Y)
-        yy = np.arctan2(X * (R - z) * Y, Y * Y * R + z * X * X)
-        return self._sum(xx), self._sum(yy), self._sum(np.log(R + z))
-
-    def _sum(self, corners: Array) -> Array:
-        """Sum over the corners of their values (n, m) times their pressure differences, (n,)."""
-        return np.asarray(corners @ self.strength)
-
-
 def stress(patch: PatchSolution, poisson: float, points: Array) -> Array:
     """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, tension positive, at points (n, 3), z <
     0, mm, below the pressure of a grid on a half-space.
+
+    X, Y, z are the distances of the n points from the m corners of cells, R = |(X, Y, z)|. The
+    derivatives of the potentials are sums over the corners, weighted by the pressure differences.
     """
-    x, s, z = points.T
-    return subsurface.love(GridPotential(patch, x, s, -z), poisson)
+    jumps = np.diff(np.diff(np.pad(patch.pressure, 1), axis=0), axis=1)
+    i, j = np.nonzero(jumps)
+    strength = jumps[i, j]
+    X = points[:, :1] - _edges(patch.x)[i]
+    Y = points[:, 1:2] - _edges(patch.s)[j]
+    z = -points[:, 2:]
+    R = np.sqrt(X**2 + Y**2 + z**2)
+    over_y = _share(R, Y, X**2 + z**2) / R  # 1 / (R (R + Y))
+    over_x = _share(R, X, Y**2 + z**2) / R
+    xx, yy = (z * X * over_y) @ strength, (z * Y * over_x) @ strength
+    shears = (z / R, z**2 * over_y, z**2 * over_x)
+    logs = (
+        np.arctan2(Y * (R - z) * X, X * X * R + z * Y * Y),
+        np.arctan2(X * (R - z) * Y, Y * Y * R + z * X * X),
+        np.log(R + z),
+    )
+    return subsurface.love(
+        -np.arctan(X * Y / (z * R)) @ strength,
+        [xx, yy, -xx - yy, *(each @ strength for each in shears)],
+        [each @ strength for each in logs],
+        poisson,
+    )
 
 
 def largest_von_mises(patch: PatchSolution, poisson: float) -> float:

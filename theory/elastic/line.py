@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import brentq
 
 from railhead.theory.elastic.hertz import Strip, contact_modulus, line_contact
-from railhead.theory.elastic.subsurface import AxisExtrema, line_axis_stress, max_shear, von_mises
+from railhead.theory.elastic.subsurface import AxisExtrema, extrema, line_axis_stress
 
 Array = NDArray[np.float64]
 
@@ -206,26 +206,12 @@ def axis_extrema(line: LineContact, poisson: float) -> AxisExtrema:
     depths, mm. For nu = 0.3 the shear stress is 0.300 p0 at 0.786 half widths.
     """
 
-    def highest(invariant: object) -> tuple[float, float]:
-        """Largest value (MPa) of a stress invariant on the axis, and its depth (mm)."""
+    def stress_at(depth: ArrayLike) -> Array:
+        """Stress (n, 6) on the axis at depths (n,), mm; the shears are zero."""
+        normal = axis_stress(line, poisson, depth)
+        return np.hstack([normal, np.zeros_like(normal)])
 
-        def value(depth: float) -> float:
-            """The invariant (MPa) at a depth (mm)."""
-            normal = axis_stress(line, poisson, depth)
-            return float(invariant(np.hstack([normal, np.zeros_like(normal)]))[0])  # type: ignore
-
-        depths = line.half_width * np.linspace(0.0, 3.0, 301)
-        top = int(np.argmax([value(depth) for depth in depths]))
-        bounds = depths[max(top - 1, 0)], depths[min(top + 1, 300)]
-        best = minimize_scalar(
-            lambda depth: -value(depth), bounds=bounds, method="bounded",
-            options={"xatol": 1e-10 * line.half_width},
-        )  # fmt: skip
-        if value(0.0) >= -best.fun:
-            return value(0.0), 0.0
-        return -float(best.fun), float(best.x)
-
-    return AxisExtrema(*highest(max_shear), *highest(von_mises))
+    return extrema(stress_at, line.half_width)
 
 
 def cylinder_approach(strip: Strip, radius: float, young: float, poisson: float) -> float:

@@ -65,11 +65,6 @@ class EllipsoidPotential:
         )
 
     @property
-    def psi_z(self) -> Array:
-        """Derivative of psi by the depth, (n,), MPa."""
-        return self.gradient[2]
-
-    @property
     def depth_times_hessian(self) -> tuple[Array, Array, Array, Array, Array, Array]:
         """Depth times psi_xx, psi_yy, psi_zz, psi_xy, psi_xz, psi_yz, each (n,), MPa. Bounded at
         the edge of the patch.

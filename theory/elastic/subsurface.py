@@ -3,9 +3,8 @@
 Stresses are in MPa, tension positive, in columns xx, yy, zz, xy, xz, yz; points and depths in mm.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,28 +14,6 @@ from railhead.theory.elastic.hertz import Ellipse, Strip
 from railhead.theory.elastic.potential import EllipsoidPotential
 
 Array = NDArray[np.float64]
-
-
-class Potential(Protocol):
-    """Derivatives of the potentials psi = int p/rho dA and psi1 = int p ln(rho + z) dA of a
-    pressure p on the surface, at n points; rho is the distance and z the depth. Arrays (n,) in
-    MPa.
-    """
-
-    @property
-    def psi_z(self) -> Array:
-        """Derivative of psi by the depth, (n,), MPa."""
-        ...
-
-    @property
-    def depth_times_hessian(self) -> tuple[Array, Array, Array, Array, Array, Array]:
-        """Depth times psi_xx, psi_yy, psi_zz, psi_xy, psi_xz, psi_yz, each (n,), MPa."""
-        ...
-
-    @property
-    def log_hessian(self) -> tuple[Array, Array, Array]:
-        """Second derivatives psi1_xx, psi1_yy, psi1_xy, each (n,), MPa."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -62,23 +39,31 @@ def stress(contact: Ellipse, poisson: float, points: ArrayLike) -> Array:
     The potentials are closed forms; the relative error is that of rounding. ValueError: a point
     above the surface, or another shape.
     """
-    return love(contact_potential(contact, points), poisson)
+    potential = contact_potential(contact, points)
+    return love(
+        potential.gradient[2], potential.depth_times_hessian, potential.log_hessian, poisson
+    )
 
 
-def love(potential: Potential, poisson: float) -> Array:
-    """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, from the potentials of a pressure.
+def love(
+    psi_z: Array, depth_times_hessian: Sequence[Array], log_hessian: Sequence[Array], poisson: float
+) -> Array:
+    """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, from derivatives of the potentials psi =
+    int p/rho dA and psi1 = int p ln(rho + z) dA of a pressure p; rho is the distance, z the depth.
 
+    psi_z: (n,). depth_times_hessian: z psi_xx, psi_yy, psi_zz, psi_xy, psi_xz, psi_yz, each (n,).
+    log_hessian: psi1_xx, psi1_yy, psi1_xy, each (n,). All in MPa.
     Love's formulas (Johnson, Contact Mechanics, 3.2), in depth z and up to the factor 2 pi: s_x = 2
     nu psi_z - z psi_xx - (1 - 2 nu) psi1_xx, s_y the same with y for x, s_z = psi_z - z psi_zz,
     s_xy = -z psi_xy - (1 - 2 nu) psi1_xy, s_xz = -z psi_xz, s_yz = -z psi_yz.
     """
-    z_xx, z_yy, z_zz, z_xy, z_xz, z_yz = potential.depth_times_hessian
-    log_xx, log_yy, log_xy = potential.log_hessian
+    z_xx, z_yy, z_zz, z_xy, z_xz, z_yz = depth_times_hessian
+    log_xx, log_yy, log_xy = log_hessian
     free = 1 - 2 * poisson
     columns = (
-        2 * poisson * potential.psi_z - z_xx - free * log_xx,
-        2 * poisson * potential.psi_z - z_yy - free * log_yy,
-        potential.psi_z - z_zz,
+        2 * poisson * psi_z - z_xx - free * log_xx,
+        2 * poisson * psi_z - z_yy - free * log_yy,
+        psi_z - z_zz,
         -z_xy - free * log_xy,
         z_xz,  # the shears on horizontal planes change sign from depth to height
         z_yz,
@@ -96,15 +81,6 @@ def axis_stress(contact: Ellipse, poisson: float, depth: ArrayLike) -> Array:
     return stress(contact, poisson, _on_axis(depth))[:, :3]
 
 
-def surface_centre_stress(contact: Ellipse, poisson: float) -> Array:
-    """Normal stresses s_x, s_y, s_z (3,), MPa, at the centre of the patch (Johnson, Contact
-    Mechanics, 4.32): s_x = -p0 (2 nu + (1 - 2 nu) b/(a + b)), s_y with a for b, s_z = -p0.
-    """
-    a, b, free = contact.a, contact.b, 1 - 2 * poisson
-    s_x, s_y = (2 * poisson + free * side / (a + b) for side in (b, a))
-    return -contact.p0 * np.array([s_x, s_y, 1.0])
-
-
 def axis_extrema(contact: Ellipse, poisson: float) -> AxisExtrema:
     """Largest shear and largest von Mises stress on the z axis below the patch, MPa, with their
     depths, mm.
@@ -113,21 +89,28 @@ def axis_extrema(contact: Ellipse, poisson: float) -> AxisExtrema:
     Poisson's ratio is small. The axis is sampled first, then the best sample is refined by bounded
     optimisation, to about 1e-8 of the depth. A maximum at the surface itself is met to 1e-6.
     """
-    fractions = np.concatenate(([0.0], np.geomspace(1e-6, 2, 200)))
-    depths = min(contact.a, contact.b) * fractions
-    samples = stress(contact, poisson, _on_axis(depths))
+    smaller = min(contact.a, contact.b)
+    return extrema(lambda depth: stress(contact, poisson, _on_axis(depth)), smaller)
+
+
+def extrema(stress_at: Callable[[ArrayLike], Array], half_width: float) -> AxisExtrema:
+    """Largest shear and largest von Mises stress on the normal below the centre of a patch, MPa,
+    with their depths, mm, down to twice the smaller half width (mm) of the patch.
+
+    stress_at: depths (n,) in mm -> stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa.
+    """
+    depths = half_width * np.concatenate(([0.0], np.geomspace(1e-6, 2, 200)))
+    samples = stress_at(depths)
 
     def highest(invariant: Callable[[Array], Array]) -> tuple[float, float]:
         """Largest value (MPa) of a stress invariant on the axis, and its depth (mm)."""
-
-        def negative(depth: float) -> float:
-            """Minus the invariant (MPa) at a depth (mm)."""
-            return -float(invariant(stress(contact, poisson, _on_axis(depth)))[0])
-
         i = int(np.argmax(invariant(samples)))
         bounds = depths[max(i - 1, 0)], depths[min(i + 1, len(depths) - 1)]
         best = minimize_scalar(
-            negative, bounds=bounds, method="bounded", options={"xatol": 1e-9 * bounds[1]}
+            lambda depth: -float(invariant(stress_at(depth))[0]),
+            bounds=bounds,
+            method="bounded",
+            options={"xatol": 1e-9 * bounds[1]},
         )
         return -float(best.fun), float(best.x)
 
@@ -149,22 +132,24 @@ def line_axis_stress(strip: Strip, poisson: float, depth: ArrayLike) -> Array:
     return np.column_stack((poisson * (s_y + s_z), s_y, s_z))
 
 
+def _tensors(s: Array) -> Array:
+    """Symmetric tensors (n, 3, 3) of stresses (n, 6) with columns xx, yy, zz, xy, xz, yz."""
+    xx, yy, zz, xy, xz, yz = np.moveaxis(np.asarray(s, dtype=float), -1, 0)
+    return np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), -1, 0)
+
+
 def principal(s: Array) -> Array:
     """Principal stresses (n, 3), largest first, of stresses (n, 6) with columns xx, yy, zz, xy, xz,
     yz.
     """
-    xx, yy, zz, xy, xz, yz = np.moveaxis(np.asarray(s, dtype=float), -1, 0)
-    tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return np.asarray(np.linalg.eigvalsh(np.moveaxis(tensor, -1, 0))[:, ::-1])
+    return np.asarray(np.linalg.eigvalsh(_tensors(s))[:, ::-1])
 
 
 def directions(s: Array) -> Array:
     """Principal directions (n, 3, 3) of stresses (n, 6), columns xx, yy, zz, xy, xz, yz: row k is
     the unit vector of the k-th principal stress, largest first.
     """
-    xx, yy, zz, xy, xz, yz = np.moveaxis(np.asarray(s, dtype=float), -1, 0)
-    tensor = np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), -1, 0)
-    return np.asarray(np.linalg.eigh(tensor)[1].transpose(0, 2, 1)[:, ::-1])
+    return np.asarray(np.linalg.eigh(_tensors(s))[1].transpose(0, 2, 1)[:, ::-1])
 
 
 def max_shear(s: Array) -> Array:

@@ -9,11 +9,9 @@ lengths in mm, energies in N mm. Sources: Cattaneo 1938, Mindlin 1949, Mindlin a
 import math
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
 from scipy.special import elliprd, elliprf
 
-from railhead.theory.elastic.hertz import Ellipse, Strip
+from railhead.theory.elastic.hertz import Ellipse
 
 
 def initial_compliance(
@@ -59,24 +57,6 @@ class CattaneoMindlin:
         """
         return self._scale * (1 - self._rest(force) ** (2 / 3))
 
-    def unloading_approach(self, force: float, largest: float) -> float:
-        """Tangential approach (mm) when the force falls from `largest` to `force` >= -largest, N
-        (Johnson, Contact Mechanics, 7.53). At force 0 this is the remaining shift. ValueError: a
-        force outside -largest..largest.
-        """
-        if not abs(force) <= largest:
-            raise ValueError(f"a force between +-{largest} N is reached on the way back: {force}")
-        back = self._rest((largest - force) / 2) ** (2 / 3)
-        return self._scale * (2 * back - self._rest(largest) ** (2 / 3) - 1)
-
-    def energy_per_cycle(self, largest: float) -> float:
-        """Energy dissipated in one cycle of the force between +-largest (N), N mm (Johnson, Contact
-        Mechanics, 7.57).
-        """
-        rest, share = self._rest(largest), largest / self.limit
-        loop = 1 - rest ** (5 / 3) - 5 / 6 * share * (1 + rest ** (2 / 3))
-        return 7.2 * self.compliance * self.limit**2 * loop
-
     @property
     def _scale(self) -> float:
         """Tangential approach at full slip, mm."""
@@ -113,14 +93,3 @@ def strip_stick_ratio(share: float, largest: float | None = None) -> float:
     if not lower <= share <= upper:
         raise ValueError(f"the share of mu P must be within {lower}..{upper}, got {share}")
     return math.sqrt(1 - (share if largest is None else (largest - share) / 2))
-
-
-def strip_traction(
-    strip: Strip, friction: float, share: float, y: ArrayLike
-) -> NDArray[np.float64]:
-    """Traction mu (p(y) - p0 c/b sqrt(1 - y^2/c^2)), MPa, at y (mm) across a strip of half width b
-    whose part |y| < c sticks. share: tangential force over mu times load, 0 to 1.
-    """
-    ratio = strip_stick_ratio(share)
-    stuck = np.sqrt(np.maximum(ratio**2 - (np.asarray(y) / strip.b) ** 2, 0))
-    return np.asarray(friction * (strip.pressure(y) - strip.p0 * stuck))
