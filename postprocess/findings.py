@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.postprocess.views.subject import Subject
+from railhead.postprocess.subject import Subject
 from railhead.theory.elastic.subsurface import max_shear, von_mises
 
 Array = NDArray[np.float64]

@@ -61,9 +61,13 @@ def draw(
 
 
 def _cut(
-    figure: Figure, axes: Axes, found: Findings, samples: tuple[Array, Array], across: int,
+    figure: Figure,
+    axes: Axes,
+    found: Findings,
+    samples: tuple[Array, Array],
+    across: int,
     label: str,
-) -> None:  # fmt: skip
+) -> None:
     """Draw values at Gauss points as coloured dots, over x or s and the height. Shown are the
     points near the plane across the rail through the contact, or all of a section.
 
@@ -81,8 +85,9 @@ def _cut(
     s, z, colour = local[near, across][order], local[near, 2][order], values[near][order]
     if across in cut_axes(local):
         s, z, colour = np.r_[s, -s], np.r_[z, z], np.r_[colour, colour]
-    dots = axes.scatter(s, z, c=colour, s=6, cmap="YlOrRd", vmin=0.0,
-                        vmax=colour.max() or 1.0, linewidths=0)  # fmt: skip
+    dots = axes.scatter(
+        s, z, c=colour, s=6, cmap="YlOrRd", vmin=0.0, vmax=colour.max() or 1.0, linewidths=0
+    )
     if not colour.any():
         axes.set_title("none here", fontsize=11)
     # An inset stays beside the axes, whose shape follows from their equal scales.
@@ -102,8 +107,9 @@ def _pressures(
     axes.plot(*line, "o-", color=FE, lw=0.8, ms=3.5, label="with yield")
     if exact is not None:
         t = (exact.a, exact.b)[axis] * np.cos(np.linspace(0, np.pi, 181))
-        axes.plot(t, exact.pressure(*((t, 0) if axis == 0 else (0, t))), color=HERTZ,
-                  label="exact Hertz")  # fmt: skip
+        axes.plot(
+            t, exact.pressure(*((t, 0) if axis == 0 else (0, t))), color=HERTZ, label="exact Hertz"
+        )
     axes.plot(*without, "--", color=FE, lw=1.2, label="elastic")
     axes.set(xlabel=found.subject.label(axis), ylabel="contact pressure, MPa")
     axes.set_ylim(bottom=0)
@@ -140,6 +146,8 @@ def _left(axes: Axes, residual: Fields, pressed: Fields, found: Findings, half: 
             if len(order) > 1 and np.ptp(t) > 0:  # a section has one of them
                 label = f"{subject.names[BODY_NAMES[tag]]}, {name}"
                 axes.plot(t[order], height[order], style, lw=0.8, color=colour, label=label)
-    axes.set(xlabel="x or s, distance from the contact, mm",
-             ylabel="height of the surface after the load, um")  # fmt: skip
+    axes.set(
+        xlabel="x or s, distance from the contact, mm",
+        ylabel="height of the surface after the load, um",
+    )
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)

@@ -35,14 +35,19 @@ def draw(found: Measured, worn: LaidStandard, path: Path) -> None:
         top.set_ylabel("z, mm")
         top.legend(loc="best")
         left.plot(found.points[:, 0], 1e3 * smoothed.residual, ".", color=RAW, ms=3)
-        left.axhspan(-1e3 * smoothed.noise, 1e3 * smoothed.noise, color=SMOOTH, alpha=0.15,
-                     label="noise")  # fmt: skip
+        left.axhspan(
+            -1e3 * smoothed.noise, 1e3 * smoothed.noise, color=SMOOTH, alpha=0.15, label="noise"
+        )
         left.legend(loc="upper right")
         left.set_ylabel("measured less\nsmoothed, um")
         bend.plot(
-            found.points[1:-1, 0], smoothed.rough_curvature(), ".", color=RAW, ms=2,
+            found.points[1:-1, 0],
+            smoothed.rough_curvature(),
+            ".",
+            color=RAW,
+            ms=2,
             label="of each three points",
-        )  # fmt: skip
+        )
         curvature = profile.curvature(y)
         bend.plot(y, curvature, color=SMOOTH, label="smoothed")
         bend.plot(*_curvature(worn), color=STANDARD, lw=1.2, label=worn.name)

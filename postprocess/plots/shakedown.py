@@ -48,21 +48,37 @@ def draw(friction: Mapping[str, Any], poisson: float, path: Path, title: str = "
             label="shakedown limit of a circle without friction",
         )
         axes.plot(
-            used, friction["first_yield_p0_over_k"], "_", color=FE, ms=16, mew=2,
+            used,
+            friction["first_yield_p0_over_k"],
+            "_",
+            color=FE,
+            ms=16,
+            mew=2,
             label="this patch begins to yield",
-        )  # fmt: skip
+        )
         axes.plot(
-            used, friction["shakedown_limit_p0_over_k"], "_", color=HERTZ, ms=16, mew=2,
+            used,
+            friction["shakedown_limit_p0_over_k"],
+            "_",
+            color=HERTZ,
+            ms=16,
+            mew=2,
             label="its shakedown limit",
-        )  # fmt: skip
+        )
         state, index = friction["shakedown"], friction["surface_fatigue_index"]
         axes.plot(
-            used, ratio, "o", color=FE, ms=8, label=f"this patch: {state}, FI = {index:.2f}",
+            used,
+            ratio,
+            "o",
+            color=FE,
+            ms=8,
+            label=f"this patch: {state}, FI = {index:.2f}",
             clip_on=False,
-        )  # fmt: skip
+        )
         axes.set(
-            xlim=(0, shares[-1]), ylim=(0, max(HIGH, 1.1 * ratio)),
+            xlim=(0, shares[-1]),
+            ylim=(0, max(HIGH, 1.1 * ratio)),
             xlabel="traction coefficient: tangential over normal force",
             ylabel="largest pressure over shear yield, p0/k",
-        )  # fmt: skip
+        )
         figure.legend(loc="outside upper center", ncols=2)

@@ -69,15 +69,17 @@ def curves(columns: Sequence[str], rows: Rows, path: Path, y: str, title: str = 
                 axes.set_xticks(range(len(words)), [_word(each) for each in words])
         if others:
             handles, labels = panels[0, 0].get_legend_handles_labels()
-            figure.legend(
-                handles, labels, title=others[0], loc="outside right upper", fontsize=9
-            )  # fmt: skip
+            figure.legend(handles, labels, title=others[0], loc="outside right upper", fontsize=9)
 
 
 def patches(
-    columns: Sequence[str], rows: Rows, outlines: Sequence[Sequence[Any]], path: Path, y: str,
+    columns: Sequence[str],
+    rows: Rows,
+    outlines: Sequence[Sequence[Any]],
+    path: Path,
+    y: str,
     title: str = "",
-) -> None:  # fmt: skip
+) -> None:
     """Write a PNG file of all patch outlines from above, to scale, beside each other at their
     places in y. Nothing is written if there is no outline.
 
@@ -95,8 +97,9 @@ def patches(
         return
     across = np.concatenate([line[:, 1] for line in known])
     step = (1 + GAP) * max(_along(each) for each in lines if each)
-    most = max(sum(row.get(split) == value for row in rows) if split else len(rows)
-               for value in strips)  # fmt: skip
+    most = max(
+        sum(row.get(split) == value for row in rows) if split else len(rows) for value in strips
+    )
     high, every = float(np.ptp(across)) + 2 * GAP * step, math.ceil(most / LABELS)
     inch = min(max(0.12, 3.4 / (most * step)), 14 / (most * step), 4 / high)  # per mm
     letters = max(len(_word(row[over])) for row in rows)
@@ -155,8 +158,12 @@ def _values(column: str, rows: Rows) -> list[Any]:
 
 def _numbers(column: str, rows: Rows) -> bool:
     """Whether all values of a column in the rows are finite numbers, truth values excluded."""
-    return all(isinstance(row[column], float | int) and not isinstance(row[column], bool)
-               and math.isfinite(row[column]) for row in rows)  # fmt: skip
+    return all(
+        isinstance(row[column], float | int)
+        and not isinstance(row[column], bool)
+        and math.isfinite(row[column])
+        for row in rows
+    )
 
 
 def _places(column: str, own: Rows, rows: Rows) -> Array:

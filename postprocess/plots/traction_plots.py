@@ -23,7 +23,7 @@ THIN = 0.15  # of the patch's half length across: points nearer to its middle li
 
 def draw(
     found: FrictionSolution, findings: Findings, coefficient: float, path: Path, *, mirrored: bool
-) -> None:  # fmt: skip
+) -> None:
     """Write a PNG file of the tractions of the wheel on the rail.
 
     One panel shows the zones of stick and slip in the tangent plane, with tractions as arrows; of a

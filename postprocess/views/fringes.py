@@ -69,9 +69,13 @@ def draw_fringes(parts: list[Cut], fringes: Fringes, findings: Findings, path: P
             ticks = levels(values, below=number == 0)
             for part in parts:
                 bands = axes.tricontourf(
-                    *part.local.T, part.triangles, part.stresses[number], ticks,
-                    cmap=MAPS[number], extend="max" if number == 0 else "neither",
-                )  # fmt: skip
+                    *part.local.T,
+                    part.triangles,
+                    part.stresses[number],
+                    ticks,
+                    cmap=MAPS[number],
+                    extend="max" if number == 0 else "neither",
+                )
                 lines = LineCollection(list(part.rim), colors="black", linewidths=1.2)
                 axes.add_collection(lines)
             figure.colorbar(
@@ -97,9 +101,12 @@ def draw_fringes(parts: list[Cut], fringes: Fringes, findings: Findings, path: P
         edges = Line2D([], [], color="black", marker="|", ms=12, mew=1.6, ls="none")
         long = max(map(len, labels), default=0) > LONG
         figure.legend(
-            [*handles, edges], [*labels, "edges of the patch (drawn undeformed)"],
-            loc="outside upper center", ncols=1 if long else 2, fontsize=10,
-        )  # fmt: skip
+            [*handles, edges],
+            [*labels, "edges of the patch (drawn undeformed)"],
+            loc="outside upper center",
+            ncols=1 if long else 2,
+            fontsize=10,
+        )
 
 
 def levels(values: Array, *, below: bool) -> Array:

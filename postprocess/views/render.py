@@ -100,8 +100,10 @@ def stress_cut(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
         seen.append([each[inside] for each in stresses])
     fringes = Fringes(
         [np.concatenate(each) for each in zip(*seen, strict=True)],
-        (centre[0] - half[0], centre[0] + half[0]), (-half[1], half[1]), 1,
-    )  # fmt: skip
+        (centre[0] - half[0], centre[0] + half[0]),
+        (-half[1], half[1]),
+        1,
+    )
     draw_fringes(parts, fringes, findings, path)
 
 

@@ -84,15 +84,23 @@ def views(
     plain: dict[str, Any] = {"color": FREE_SURFACE, "show_edges": True, "edge_color": EDGE}
     return [
         _view(
-            "Stress", "von Mises stress in the bodies, cut open at the contact", most, close,
+            "Stress",
+            "von Mises stress in the bodies, cut open at the contact",
+            most,
+            close,
             [(_bare(each, STRESS), {"scalars": STRESS}) for each in solids],
         ),
         _view(
-            "Pressure", "contact pressure as a hill over the surface", findings.patch.max_pressure,
-            over, [(_bare(pressed, PRESSURE), {"scalars": PRESSURE}),
-                   *((_bare(each), plain | {"edge_opacity": 0.3}) for each in free)],
+            "Pressure",
+            "contact pressure as a hill over the surface",
+            findings.patch.max_pressure,
+            over,
+            [
+                (_bare(pressed, PRESSURE), {"scalars": PRESSURE}),
+                *((_bare(each), plain | {"edge_opacity": 0.3}) for each in free),
+            ],
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _axis(fields: Fields) -> int:

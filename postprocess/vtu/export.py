@@ -18,9 +18,15 @@ from railhead.solver.solution import FrictionSolution
 from railhead.theory.elastic.subsurface import directions, max_shear, principal, von_mises
 
 UNITS = {
-    "displacement": "mm", "gap": "mm", "pressure": "MPa", "stress": "MPa",
-    "principal_stresses": "MPa", "von_mises": "MPa", "max_shear": "MPa", "traction": "MPa",
-}  # fmt: skip
+    "displacement": "mm",
+    "gap": "mm",
+    "pressure": "MPa",
+    "stress": "MPa",
+    "principal_stresses": "MPa",
+    "von_mises": "MPa",
+    "max_shear": "MPa",
+    "traction": "MPa",
+}
 _ARRAY = re.compile(rb'<DataArray [^>]*Name="(\w+)"[^>]*>[^<]*')  # with its data
 _HEXAHEDRON = [0, 1, 3, 2, 4, 5, 7, 6]
 # (cell, degree): VTK's name in meshio, and the basix number of each node in VTK's order: vertices,

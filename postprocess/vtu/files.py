@@ -17,9 +17,15 @@ from railhead.solver.solution import FrictionSolution
 
 
 def write(
-    fields: Fields, stress: Array, found: Findings, residual: Fields | None,
-    rubbing: FrictionSolution | None, folder: Path, *, whole: bool = False,
-) -> None:  # fmt: skip
+    fields: Fields,
+    stress: Array,
+    found: Findings,
+    residual: Fields | None,
+    rubbing: FrictionSolution | None,
+    folder: Path,
+    *,
+    whole: bool = False,
+) -> None:
     """Write the .vtu files of one result into a folder.
 
     solution.vtu holds the cells, contact.vtu the contact surfaces. With friction there is

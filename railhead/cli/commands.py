@@ -251,7 +251,7 @@ def run(
         if not result.passed:
             tables.show_failure(result.summary, terminal.errors())
         if as_json:
-            click.echo(result_folder.as_json(result), nl=False)
+            click.echo(result_folder.to_json(result.summary), nl=False)
         elif not quiet:
             result.show(terminal.standard(), units)
         if problem is not None:

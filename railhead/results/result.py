@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -160,19 +159,22 @@ class Result:
         units: units of report.html; None: mm, N, MPa.
         Raises SceneError for a folder with other files, OSError where it cannot be written.
         """
-        from railhead.results import result_folder
+        from railhead.results import files, result_folder
 
         problem: Exception | None = None
-        comm = self.mesh.comm
+        comm, out = self.mesh.comm, Path(folder)
         if comm.rank == 0:
             try:
-                result_folder.check_folder(Path(folder))
-                more = None
-                if report and pictures:
-                    from railhead.results.report import html
-
-                    more = partial(html.write, self, units or Units())
-                result_folder.write(self, Path(folder), pictures=pictures, page=more, whole=whole)
+                result_folder.check_folder(out)
+                shown = units or Units() if report and pictures else None
+                files.write(
+                    self.mesh_solution,
+                    self.summary,
+                    out,
+                    pictures=pictures,
+                    report=shown,
+                    whole=whole,
+                )
             except Exception as error:  # whatever it is, the other ranks wait for it
                 problem = error
         if (problem := comm.bcast(problem)) is not None:

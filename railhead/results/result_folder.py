@@ -1,4 +1,4 @@
-"""The result folder: complete or not there at all."""
+"""Replacing a folder of results by a new one, so that it is complete or not there at all."""
 
 from __future__ import annotations
 
@@ -8,30 +8,17 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import replace
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import psutil
 
-from railhead.results import quantity_rows, table_file
 from railhead.run import process
-from railhead.scene.io import to_toml
 from railhead.scene.scene import SceneError
 
-if TYPE_CHECKING:
-    import meshio
-
-    from railhead.postprocess.findings import Array, Findings
-    from railhead.postprocess.plots.gallery import Drawing
-    from railhead.results.result import Result
-
-Page = Callable[[Path, "Findings | None", "tuple[meshio.Mesh, meshio.Mesh] | None"], None]
 SUMMARY = "summary.json"
-TABLE = "result.csv"
 MANIFEST = ".railhead"  # names of the files in a result folder that are replaced by the next one
 
 
@@ -180,128 +167,6 @@ def _locked(parent: Path) -> Iterator[None]:
         yield
     finally:
         os.close(handle)
-
-
-def write_grids(result: Result, folder: Path, *, whole: bool = False) -> Array | None:
-    """Write the files for ParaView into a folder; returns the stresses at the nodes (n, 6), columns
-    xx, yy, zz, xy, xz, yz, MPa. None, and no files, where nothing touches. whole: with the
-    mirror images of what symmetry left out.
-    """
-    from railhead.postprocess.stress import gauss_points
-    from railhead.postprocess.vtu import files
-
-    found, fields = result.findings, result.fields
-    if fields is None or found is None:
-        return None
-    residual = result.mesh_solution.unloaded_fields
-    stresses, rubbing = gauss_points.nodal_stress(fields), result.mesh_solution.solution.friction
-    files.write(fields, stresses, found, residual, rubbing, folder, whole=whole)
-    return stresses
-
-
-def write(
-    result: Result, folder: Path, *, pictures: bool, page: Page | None = None, whole: bool = False
-) -> None:
-    """Write all files of a result into its folder: numbers first, then what shows them.
-
-    pictures: whether PNG files are written.
-    page: writes further files, called with folder, findings and grids; None: none.
-    whole: whether the files for ParaView contain the mirror images of what symmetry left out.
-    OSError: the numbers cannot be written; or, a line for each, other files that could not be
-        written, after all the others are.
-    """
-    failures: list[str] = []
-    with replacing(folder) as work:
-        (work / "scene.toml").write_text(to_toml(result.plan.scene), encoding="utf-8")
-        (work / SUMMARY).write_text(as_json(result), encoding="utf-8")
-        table = quantity_rows.everything(result.summary)
-        (work / TABLE).write_bytes(table_file.encoded(table))
-        attempt = partial(_attempt, folder, work, failures)
-        stresses: Array | None = None
-        grids: tuple[meshio.Mesh, meshio.Mesh] | None = None
-        found = _titled(result)
-        with attempt("*.vtu"):
-            stresses = write_grids(result, work, whole=whole)
-        if pictures and found is not None and stresses is not None:
-            with attempt("*.png"):
-                grids, drawings = _drawings(result, found, stresses)
-                for name, draw in drawings.items():
-                    with attempt(name):
-                        draw(work / name)
-        if page is not None:
-            with attempt("report.html"):
-                page(work, found, grids)
-    if failures:
-        raise OSError("\n".join(failures))
-
-
-@contextmanager
-def _attempt(folder: Path, work: Path, failures: list[str], name: str) -> Iterator[None]:
-    """Catch an error of the block, remove the files that the block began in `work`, and add a line
-    to `failures`. folder, name: of what is written, for that line.
-    """
-    before = set(work.iterdir())
-    try:
-        yield
-    except Exception as error:  # of matplotlib, VTK or the disk: the numbers are worth having
-        for path in set(work.iterdir()) - before:
-            path.unlink()
-        failures.append(f"{folder / name}: {' '.join(f'{type(error).__name__}: {error}'.split())}")
-
-
-def _titled(result: Result) -> Findings | None:
-    """Findings of a result with the title and notes of its pictures; None where nothing touches."""
-    from railhead.results.subject import subject
-
-    if result.findings is None:
-        return None
-    after = result.mesh_solution.after.items()
-    needed = tuple(f"{name.replace('_', ' ')}: {each.why}" for name, each in after if each.needed)
-    return replace(result.findings, notes=needed, subject=subject(result.plan, result.load))
-
-
-def _drawings(
-    result: Result, found: Findings, stresses: Array
-) -> tuple[tuple[meshio.Mesh, meshio.Mesh], dict[str, Drawing]]:
-    """Grids of the cells and of the slave's contact surface, and the pictures by file name.
-    stresses (n, 6): at the nodes, MPa.
-    """
-    from railhead.postprocess.plots import gallery, plastic_plots, shakedown, traction_plots
-    from railhead.postprocess.vtu import export
-
-    fields, solved, plan = result.fields, result.mesh_solution, result.plan
-    assert fields is not None
-    poisson = plan.reported_body.poisson_ratio
-    volume, contact = (
-        export.volume_grid(fields, stresses),
-        export.contact_grid({fields.slave: found.surface}),
-    )
-    grids = volume, contact
-    every = gallery.drawings(fields, stresses, grids, found, result.ellipse, poisson)
-    residual, elastic = solved.unloaded_fields, solved.elastic_reference
-    if residual is not None and elastic is not None and elastic.findings:
-        exact = result.ellipse if len(found.patch.each) < 2 else None
-        every["plastic.png"] = partial(
-            plastic_plots.draw, fields, residual, found, elastic.findings, exact
-        )
-    if (rubbing := solved.solution.friction) is not None:
-        coefficient, friction = (
-            plan.scene.friction.coefficient,
-            result.summary["result"]["friction"],
-        )
-        every["friction.png"] = partial(
-            traction_plots.draw, rubbing, found, coefficient, mirrored=plan.half_y
-        )
-        if "p0_over_k" in friction:
-            every["shakedown.png"] = partial(
-                shakedown.draw, friction, poisson, title=found.subject.title
-            )
-    return grids, every
-
-
-def as_json(result: Result) -> str:
-    """summary.json of a solved scene as text."""
-    return to_json(result.summary)
 
 
 def to_json(summary: dict[str, Any]) -> str:

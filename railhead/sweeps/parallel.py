@@ -17,7 +17,7 @@ import numpy as np
 from mpi4py import MPI
 
 from railhead.planning import budget
-from railhead.results import result_folder, table_file
+from railhead.results import files, result_folder, table_file
 from railhead.results.subject import shared_y
 from railhead.run import process, refinement
 from railhead.run.progress import Progress
@@ -184,7 +184,7 @@ def _solve(
             continue
         if vtu and not isinstance(result, Exception):
             store.vtu_folder(folder, number).mkdir(parents=True, exist_ok=True)
-            result_folder.write_grids(result, store.vtu_folder(folder, number))
+            files.write_grids(result.mesh_solution, store.vtu_folder(folder, number))
         over = {key: group[number].value(key) for key in keys}
         store.write(folder, number, {"over": over, **sweep_table.record(result)})
     process.release_memory()

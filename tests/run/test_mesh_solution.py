@@ -26,7 +26,7 @@ def solved(*changes: str) -> dict:
         raise AssertionError(word)
 
     result = pipeline.run(catalogue.find("hertz_ellipse").replace([*COARSE, *changes]))
-    return json.loads(result_folder.as_json(result), parse_constant=refuse)
+    return json.loads(result_folder.to_json(result.summary), parse_constant=refuse)
 
 
 def told(summary: dict) -> str:

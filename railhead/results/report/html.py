@@ -9,7 +9,7 @@ import platform
 from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import meshio
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -20,9 +20,7 @@ from railhead.results import quantity_rows
 from railhead.results.report import labels, tables
 from railhead.results.report.output_units import Units
 from railhead.run import quantities
-
-if TYPE_CHECKING:
-    from railhead.results.result import Result
+from railhead.run.mesh_solution import MeshSolution
 
 NAME = "report.html"
 LARGE = 300_000  # bytes
@@ -50,7 +48,8 @@ PACKAGES = (
 
 
 def write(
-    result: Result,
+    solved: MeshSolution,
+    summary: dict[str, Any],
     units: Units,
     folder: Path,
     found: Findings | None,
@@ -60,7 +59,7 @@ def write(
     only; any other error is described in the file.
     """
     try:
-        text = render(result, units, folder, found, grids)
+        text = render(solved, summary, units, folder, found, grids)
     except OSError:
         raise
     except Exception as error:
@@ -70,15 +69,16 @@ def write(
 
 
 def render(
-    result: Result,
+    solved: MeshSolution,
+    summary: dict[str, Any],
     units: Units,
     folder: Path,
     found: Findings | None,
     grids: tuple[meshio.Mesh, meshio.Mesh] | None,
 ) -> str:
     """HTML text of the report."""
-    summary, scene = result.summary, result.plan.scene
-    views, viewer, missing = _views(result, found, grids)
+    scene = solved.plan.scene
+    views, viewer, missing = _views(solved, found, grids)
     effects = summary["plan"]["effects"]
     return _template("report.html.j2").render(
         summary=summary,
@@ -175,19 +175,19 @@ def _checks(checks: Mapping[str, Any]) -> list[tuple[str, str, str, bool, str, s
 
 
 def _views(
-    result: Result, found: Findings | None, grids: tuple[meshio.Mesh, meshio.Mesh] | None
+    solved: MeshSolution, found: Findings | None, grids: tuple[meshio.Mesh, meshio.Mesh] | None
 ) -> tuple[list[dict[str, Any]], str, str]:
     """Interactive views, the data of their viewer as JSON, and the reason why there are none (else
     empty).
     """
-    if found is None or grids is None or result.fields is None:
+    if found is None or grids is None or solved.fields is None:
         return [], "", "nothing touches"
     try:
         from railhead.postprocess.views import turning
 
         views = [
             {**vars(view), "scene": _encoded(view.scene), "still": _picture(view.still)}
-            for view in turning.views(result.fields, found, *grids)
+            for view in turning.views(solved.fields, found, *grids)
         ]
         return views, json.dumps(turning.viewer()).replace("<", "\\u003c"), ""
     except Exception as error:  # graphics drivers fail in many ways, and the rest is worth having

@@ -15,8 +15,8 @@ from railhead.postprocess.findings import Frame
 from railhead.postprocess.patch import patch
 from railhead.postprocess.patch.separate_patches import separate_patches
 from railhead.postprocess.plots import diagrams
+from railhead.postprocess.subject import Subject
 from railhead.postprocess.views import render
-from railhead.postprocess.views.subject import Subject
 from railhead.postprocess.vtu import export
 
 

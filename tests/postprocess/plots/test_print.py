@@ -15,8 +15,8 @@ from matplotlib.text import Text
 
 from railhead.postprocess.findings import AxisPressure, OnePatch
 from railhead.postprocess.plots import diagrams, plastic_plots, shakedown, sweep, traction_plots
+from railhead.postprocess.subject import Subject
 from railhead.postprocess.views import fringes, render
-from railhead.postprocess.views.subject import Subject
 from railhead.postprocess.vtu import export
 from railhead.solver.fields import ContactFields
 from railhead.solver.interface.master_surface import MasterSurface

@@ -6,7 +6,6 @@ import json
 import re
 import shutil
 import subprocess
-from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -148,8 +147,8 @@ def test_the_verdict_is_of_what_holds(
     two = {**summary["result"], "patches": [{"load_share": 0.5}] * 2}
 
     def said(**changed: Any) -> str:
-        shown = replace(result, summary={**summary, **changed})
-        return html.render(shown, Units(), folder, result.findings, None)
+        shown = {**summary, **changed}
+        return html.render(result.mesh_solution, shown, Units(), folder, result.findings, None)
 
     after = {"plasticity": {"needed": True, "why": "it yields <b>here</b>"}}
     told = f"What was left out matters: {labels.effect('plasticity')}.</b> it yields &lt;b&gt;here"

@@ -24,9 +24,16 @@ _TRIANGLES = {  # flat triangles through all nodes of a cell
     ("triangle", 2): [[0, 5, 4], [5, 1, 3], [4, 3, 2], [3, 4, 5]],
     ("quadrilateral", 1): [[0, 1, 2], [1, 3, 2]],
     ("quadrilateral", 2): [
-        [0, 4, 5], [4, 8, 5], [4, 1, 8], [1, 6, 8], [5, 8, 2], [8, 7, 2], [8, 6, 7], [6, 3, 7],
+        [0, 4, 5],
+        [4, 8, 5],
+        [4, 1, 8],
+        [1, 6, 8],
+        [5, 8, 2],
+        [8, 7, 2],
+        [8, 6, 7],
+        [6, 3, 7],
     ],
-}  # fmt: skip
+}
 
 
 def bodies(fields: Fields, findings: Findings, path: Path) -> None:
@@ -83,8 +90,10 @@ def stress_cut(fields: Fields, stress: Array, findings: Findings, path: Path) ->
     seen = np.all(np.abs(at - [middle, 0.0]) < reach, axis=1)
     fringes = Fringes(
         [principal(stress)[seen, 2], max_shear(stress)[seen]],
-        (middle - reach[0], middle + reach[0]), (-reach[1], reach[1]), axis,
-    )  # fmt: skip
+        (middle - reach[0], middle + reach[0]),
+        (-reach[1], reach[1]),
+        axis,
+    )
     parts = []
     for _, local, cells in _parts(fields, findings):
         pattern = _TRIANGLES[fields.cell, fields.degree]

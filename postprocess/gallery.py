@@ -9,8 +9,8 @@ from pathlib import Path
 import meshio
 
 from railhead.postprocess.findings import Array, Findings
-from railhead.postprocess.plots import diagrams, section_plots
-from railhead.postprocess.views import render
+from railhead.postprocess.plots import diagrams
+from railhead.postprocess.views import render, section
 from railhead.solver.fields import Fields
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.line import LineContact
@@ -42,8 +42,8 @@ def drawings(
     }
     if fields.kinematics.dim == 2 or isinstance(ellipse, LineContact):
         return every | {
-            "wheel_rail.png": partial(section_plots.bodies, fields, found),
-            "stress_cut.png": partial(section_plots.stress_cut, fields, stresses, found),
+            "wheel_rail.png": partial(section.bodies, fields, found),
+            "stress_cut.png": partial(section.stress_cut, fields, stresses, found),
         }
     assert not isinstance(exact, LineContact)
     return every | {

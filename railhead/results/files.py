@@ -1,0 +1,146 @@
+"""The files of one solved scene: numbers, grids for ParaView, pictures and the report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from railhead.postprocess.findings import Array, Findings
+from railhead.results import quantity_rows, table_file
+from railhead.results.report.output_units import Units
+from railhead.results.result_folder import SUMMARY, replacing, to_json
+from railhead.results.subject import subject
+from railhead.run.mesh_solution import MeshSolution
+from railhead.scene.io import to_toml
+
+if TYPE_CHECKING:
+    import meshio
+
+    from railhead.postprocess.gallery import Drawing
+
+    Grids = tuple[meshio.Mesh, meshio.Mesh]
+
+TABLE = "result.csv"
+
+
+def write(
+    solved: MeshSolution,
+    summary: dict[str, Any],
+    folder: Path,
+    *,
+    pictures: bool = True,
+    report: Units | None = None,
+    whole: bool = False,
+) -> None:
+    """Write all files of a solved scene, numbers first; they replace those of an earlier result in
+    the folder.
+
+    summary: content of summary.json. pictures: whether PNG files are written. report: units of the
+        numbers in report.html; None: no such file. whole: whether the files for ParaView hold the
+        mirror images of what symmetry left out.
+    OSError: the numbers cannot be written; or, a line for each, other files that could not be
+        written, after all the others are.
+    """
+    failures: list[str] = []
+    with replacing(folder) as work:
+        (work / "scene.toml").write_text(to_toml(solved.plan.scene), encoding="utf-8")
+        (work / SUMMARY).write_text(to_json(summary), encoding="utf-8")
+        (work / TABLE).write_bytes(table_file.encoded(quantity_rows.everything(summary)))
+        attempt = partial(_attempt, folder, work, failures)
+        stresses: Array | None = None
+        grids: Grids | None = None
+        found = _titled(solved)
+        with attempt("*.vtu"):
+            stresses = write_grids(solved, work, whole=whole)
+        if pictures and found is not None and stresses is not None:
+            with attempt("*.png"):
+                grids, drawings = _drawings(solved, summary["result"], found, stresses)
+                for name, draw in drawings.items():
+                    with attempt(name):
+                        draw(work / name)
+        if report is not None:
+            with attempt("report.html"):
+                from railhead.results.report import html
+
+                html.write(solved, summary, report, work, found, grids)
+    if failures:
+        raise OSError("\n".join(failures))
+
+
+@contextmanager
+def _attempt(folder: Path, work: Path, failures: list[str], name: str) -> Iterator[None]:
+    """Catch an error of the block, remove the files that the block began in `work`, and add a line
+    to `failures`. folder, name: of what is written, for that line.
+    """
+    before = set(work.iterdir())
+    try:
+        yield
+    except Exception as error:  # of matplotlib, VTK or the disk: the numbers are worth having
+        for path in set(work.iterdir()) - before:
+            path.unlink()
+        failures.append(f"{folder / name}: {' '.join(f'{type(error).__name__}: {error}'.split())}")
+
+
+def _titled(solved: MeshSolution) -> Findings | None:
+    """Findings with the title and the notes of pictures; None where nothing touches."""
+    if solved.findings is None:
+        return None
+    after = solved.after.items()
+    needed = tuple(f"{name.replace('_', ' ')}: {each.why}" for name, each in after if each.needed)
+    words = subject(solved.plan, solved.solution.load)
+    return replace(solved.findings, notes=needed, subject=words)
+
+
+def write_grids(solved: MeshSolution, folder: Path, *, whole: bool = False) -> Array | None:
+    """Write the files for ParaView into a folder; returns the stresses at the nodes (n, 6), columns
+    xx, yy, zz, xy, xz, yz, MPa. None, and no files, where nothing touches or off rank 0. whole:
+    with the mirror images of what symmetry left out.
+    """
+    from railhead.postprocess.stress import gauss_points
+    from railhead.postprocess.vtu import files
+
+    found, fields, residual = solved.findings, solved.fields, solved.unloaded_fields
+    if fields is None or found is None:
+        return None
+    stresses = gauss_points.nodal_stress(fields)
+    files.write(fields, stresses, found, residual, solved.solution.friction, folder, whole=whole)
+    return stresses
+
+
+def _drawings(
+    solved: MeshSolution, result: Mapping[str, Any], found: Findings, stresses: Array
+) -> tuple[Grids, dict[str, Drawing]]:
+    """Grids of the cells and of the slave's contact surface, and the pictures by file name.
+
+    result: "result" of summary.json. found: with the title and the notes of pictures. stresses (n,
+        6): at the nodes, MPa.
+    """
+    from railhead.postprocess import gallery
+    from railhead.postprocess.plots import plastic_plots, shakedown, traction_plots
+    from railhead.postprocess.vtu import export
+
+    fields, plan = solved.fields, solved.plan
+    assert fields is not None
+    poisson = plan.reported_body.poisson_ratio
+    surface = export.contact_grid({fields.slave: found.surface})
+    grids = export.volume_grid(fields, stresses), surface
+    every = gallery.drawings(fields, stresses, grids, found, solved.ellipse, poisson)
+    residual, elastic = solved.unloaded_fields, solved.elastic_reference
+    if residual is not None and elastic is not None and elastic.findings:
+        exact = solved.ellipse if len(found.patch.each) < 2 else None
+        every["plastic.png"] = partial(
+            plastic_plots.draw, fields, residual, found, elastic.findings, exact
+        )
+    if (rubbing := solved.solution.friction) is not None:
+        coefficient, friction = plan.scene.friction.coefficient, result["friction"]
+        every["friction.png"] = partial(
+            traction_plots.draw, rubbing, found, coefficient, mirrored=plan.half_y
+        )
+        if "p0_over_k" in friction:
+            title = found.subject.title
+            every["shakedown.png"] = partial(shakedown.draw, friction, poisson, title=title)
+    return grids, every
