@@ -1,5 +1,5 @@
 .PHONY: run test test-all setup lint docs peers
-STUDIES = accuracy-cost error-bounds load-sweep scaling ranks thesis effects plasticity creep profiles hard-cases fuzz
+STUDIES = accuracy-cost effect-accuracy error-bounds load-sweep scaling ranks thesis effects plasticity creep profiles hard-cases fuzz
 ROOMS = cases meshing postprocess solver theory
 
 run: setup

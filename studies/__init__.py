@@ -18,6 +18,10 @@ STUDIES = {
         "studies.mechanics.creep",
         "creep curves against half-spaces, FASTSIM and linear theory; what friction costs, changes",
     ),
+    "effect_accuracy": (
+        "studies.accuracy.effect_accuracy",
+        "error against time of every effect: yield, friction, real profiles; asked accuracies",
+    ),
     "effects": (
         "studies.cost.effects",
         "each effect on and off: seconds, unknowns and change of the answer; off costs nothing",

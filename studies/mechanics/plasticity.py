@@ -78,12 +78,16 @@ def pressed(load: float) -> Load:
     }
 
 
-def indented(multiple: float) -> list[Sphere]:
-    """Finite elements and the formulas of others at a multiple of the first-yield load."""
-    modulus = YOUNG / (1 - POISSON**2)
-    peak = 1.6128 * YIELD  # largest pressure at first yield (Johnson 1985, section 6.1)
+def first_yield() -> tuple[float, float]:
+    """Load (N) and radius of the patch (mm) at first yield of the sphere (Johnson 1985, section
+    6.1)."""
+    modulus, peak = YOUNG / (1 - POISSON**2), 1.6128 * YIELD
     load = math.pi**3 * RADIUS**2 * peak**3 / (6 * modulus**2)
-    radius = math.pi * peak * RADIUS / (2 * modulus)
+    return load, math.pi * peak * RADIUS / (2 * modulus)
+
+
+def sphere(multiple: float) -> rh.Scene:
+    """A rigid sphere on a half-space that yields, at a multiple of the load of first yield."""
     rail = rh.Rail(
         profile="arc",
         crown_radius=RADIUS,
@@ -93,15 +97,22 @@ def indented(multiple: float) -> list[Sphere]:
         yield_stress=YIELD,
     )
     wheel = rh.Wheel(rolling_radius=RADIUS, young_modulus=math.inf)
-    found = rh.solve(rh.Scene(load=multiple * load, rail=rail, wheel=wheel), quiet=True).as_dict()
-    result, closer = found["result"], radius**2 / RADIUS
+    return rh.Scene(load=multiple * first_yield()[0], rail=rail, wheel=wheel)
+
+
+def indented(multiple: float) -> list[Sphere]:
+    """Finite elements and the formulas of others at a multiple of the first-yield load."""
+    modulus, radius = YOUNG / (1 - POISSON**2), first_yield()[1]
+    scene = sphere(multiple)
+    found = rh.solve(scene, quiet=True).as_dict()
+    result, load, closer = found["result"], scene.load, radius**2 / RADIUS
     area = result["patch"]["area_mm2"]
     left = (result.get("plastic") or {}).get("residual_depth_rail_mm")
     said = {
         "railhead": (
             result["approach_mm"] / closer,
             math.sqrt(area / math.pi) / radius,
-            multiple * load / area / YIELD,
+            load / area / YIELD,
             None if left is None else left / closer,
         )
     }
