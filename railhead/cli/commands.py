@@ -39,6 +39,7 @@ class RunFiles:
     """Options of the files that `railhead run` writes.
 
     out: the result folder; None for results/<case>.
+    force: whether another result in `out` is replaced.
     no_pictures: whether PNG files and report.html are left out.
     no_report: whether report.html is left out.
     whole: whether .vtu files contain the mirrored parts that symmetry left out.
@@ -46,6 +47,7 @@ class RunFiles:
     """
 
     out: Path | None
+    force: bool
     no_pictures: bool
     no_report: bool
     whole: bool
@@ -57,17 +59,26 @@ class ReportOptions:
     """Options of the output of a command that solves no finite elements.
 
     out: the folder; None for results/<name>_<command>.
+    force: whether another result in `out` is replaced.
     no_pictures: whether no folder is written at all.
     as_json: whether the summary is printed as JSON instead of a table.
     """
 
     out: Path | None
+    force: bool
     no_pictures: bool
     as_json: bool
 
 
 class Answer(Protocol):
-    """Result of a command that solves no finite elements."""
+    """Result of a command that solves no finite elements.
+
+    scene: what it was computed from.
+    """
+
+    @property
+    def scene(self) -> Scene:
+        """What it was computed from."""
 
     def summary(self) -> dict[str, Any]:
         """All values, as plain data."""
@@ -117,6 +128,7 @@ def _grouped(
     return decorate
 
 
+_force = click.option("--force", is_flag=True, help="Replace another result in --out.")
 _set = click.option(
     "--set", "assignments", multiple=True, metavar="KEY=VALUE", help="Change a key of the scene."
 )
@@ -136,6 +148,7 @@ _run_files = _grouped(
     "files",
     RunFiles,
     click.option("--out", type=click.Path(path_type=Path), help="Result folder [results/<case>]."),
+    _force,
     click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html."),
     click.option("--no-report", is_flag=True, help="Write no report.html."),
     click.option("--whole", is_flag=True, help="Write .vtu files of the whole model, mirrored."),
@@ -147,6 +160,7 @@ _report_options = _grouped(
     click.option(
         "--out", type=click.Path(path_type=Path), help="Folder [results/<name>_<command>]."
     ),
+    _force,
     click.option("--no-pictures", is_flag=True, help="Write nothing."),
     click.option("--json", "as_json", is_flag=True, help="Print the summary and nothing else."),
 )
@@ -210,8 +224,6 @@ def run(
     from railhead.results.report.output_units import Units
 
     units = Units.parse(files.units)
-    folder = files.out if files.out is not None else Path("results") / scene.name
-    result_folder.check_folder(folder)
 
     from railhead import api
     from railhead.cli import launch
@@ -220,7 +232,9 @@ def run(
     from railhead.planning.cost import machine
 
     start = time.perf_counter()
-    planned = planning.make(api.with_accuracy(scene, accuracy, budget))
+    scene = api.with_accuracy(scene, accuracy, budget)
+    folder = _folder(files, scene.name, "run", scene)
+    planned = planning.make(scene)
     if not process.under_mpi():
         budgets.check_memory(planned, machine.free_memory())
         count = ranks or launch.number_of_processes(planned)
@@ -238,12 +252,15 @@ def run(
     with refinement.show_progress(quiet=quiet, since=start) as progress:
         progress.stage("writing files" + ("" if files.no_pictures else " and pictures"))
         try:
+            if first:
+                _make_room(folder, files, "run", scene)
             result.save(
                 folder,
                 pictures=not files.no_pictures,
                 report=not files.no_report,
                 whole=files.whole,
                 units=units,
+                force=True,
             )
         except OSError as error:
             problem = error
@@ -261,6 +278,29 @@ def run(
     return SOLVED if result.passed and problem is None else CHECK_FAILED
 
 
+def _folder(files: RunFiles | ReportOptions, name: str, command: str, scene: Scene) -> Path:
+    """The folder of a result, results/<name> without --out. Raises SceneError where the result of
+    `command` for a scene cannot be written there, or would replace another one in --out.
+    """
+    from railhead.results import result_folder
+
+    folder = files.out if files.out is not None else Path("results") / name
+    result_folder.check_folder(folder)
+    if files.out is not None and not files.force:
+        result_folder.refuse_other(folder, command, scene)
+    return folder
+
+
+def _make_room(folder: Path, files: RunFiles | ReportOptions, command: str, scene: Scene) -> None:
+    """Rename a folder that was not named by --out and holds another result than that of `command`
+    for a scene.
+    """
+    from railhead.results import result_folder
+
+    if files.out is None and result_folder.other_result(folder, command, scene):
+        result_folder.set_aside(folder)
+
+
 @railhead.command()
 @_scene_options
 @click.option(
@@ -272,7 +312,8 @@ def run(
     help="Values of a key: 25kN,50kN or first:last:step, 0:10:0.5mm.",
 )
 @click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<case>_sweep].")
-@click.option("--resume", is_flag=True, help="Go on with the sweep that is in the folder.")
+@_force
+@click.option("--resume", is_flag=True, help="Refuse a folder that holds no part of this sweep.")
 @click.option("--vtu", is_flag=True, help="Write .vtu files of each combination, for ParaView.")
 @click.option("--no-pictures", is_flag=True, help="Write no PNG files.")
 @click.option("--quiet", is_flag=True, help="Print only what fails.")
@@ -280,6 +321,7 @@ def sweep(
     scene: Scene,
     lists: Sequence[str],
     out: Path | None,
+    force: bool,
     resume: bool,
     vtu: bool,
     no_pictures: bool,
@@ -297,9 +339,11 @@ def sweep(
     from railhead.sweeps import parallel, sweep_table
 
     task = parallel.ParallelSweep(grid=grid, folder=folder, vtu=vtu)
-    status = parallel.run(task, resume=resume, pictures=not no_pictures, quiet=quiet)
-    if status is None:  # a rank that worked for the first one
+    other = "replace" if force else "move" if out is None and not resume else "refuse"
+    outcome = parallel.run(task, pictures=not no_pictures, quiet=quiet, other=other)
+    if outcome is None:  # a rank that worked for the first one
         return SOLVED
+    status = outcome.status
     failed = {number: text for number, text in status.items() if text != sweep_table.PASSED}
     for number, text in failed.items():
         click.echo(f"{grid.label(number)}: {text}", err=True)
@@ -307,6 +351,8 @@ def sweep(
         verdict = f"{len(failed)} not passed" if failed else "all passed"
         click.echo(f"{len(status)} combinations, {verdict}")
         click.echo(f"written to {folder}/")
+    if outcome.failures:
+        return _not_written(OSError("\n".join(outcome.failures)))
     return CHECK_FAILED if failed else SOLVED
 
 
@@ -330,7 +376,7 @@ def locate(
 
     from railhead.cli.locate import locate
 
-    _report(functools.partial(locate, scene), f"{scene.name}_locate", options)
+    _report(locate(scene), scene.name, "locate", options)
 
 
 @railhead.command()
@@ -344,18 +390,17 @@ def profile(
     """Read and smooth a measured profile, and say what is worn off it; solve nothing."""
     from railhead.cli.examine_profile import examine
 
-    _report(functools.partial(examine, file, body, assignments), f"{file.stem}_profile", options)
+    _report(examine(file, body, assignments), file.stem, "profile", options)
 
 
-def _report(answer: Callable[[], Answer], name: str, options: ReportOptions) -> None:
-    """Compute a result, write its folder [results/<name>] and print it as text or JSON."""
+def _report(computed: Answer, name: str, command: str, options: ReportOptions) -> None:
+    """Write the folder of a result [results/<name>_<command>] and print it as text or JSON."""
     from railhead.results import result_folder
     from railhead.results.report import terminal
 
-    folder = options.out if options.out is not None else Path("results") / name
-    result_folder.check_folder(folder)
-    computed = answer()
+    folder = _folder(options, f"{name}_{command}", command, computed.scene)
     if not options.no_pictures:
+        _make_room(folder, options, command, computed.scene)
         computed.write(folder)
     if options.as_json:
         click.echo(result_folder.to_json(computed.summary()), nl=False)

@@ -27,10 +27,12 @@ ROW_STEP = 0.25  # mm between the rows of profile.csv
 class ExaminedProfile:
     """A measured profile and its wear.
 
+    scene: a scene with the profile.
     measured: the smoothed profile, and how its file was read.
     worn: the standard profile aligned with the measured one, and the material lost against that.
     """
 
+    scene: Scene
     measured: Measured
     worn: LaidStandard
 
@@ -69,10 +71,9 @@ class ExaminedProfile:
             for index in range(len(y))
         ]
         with result_folder.replacing(folder) as work:
+            result_folder.write_summary(work, "profile", self.scene, self.summary())
             profile_plot.draw(self.measured, self.worn, work / "profile.png")
             (work / "profile.csv").write_bytes(table_file.encoded(rows))
-            text = result_folder.to_json(self.summary())
-            (work / result_folder.SUMMARY).write_text(text, encoding="utf-8")
 
     def show(self, console: Console) -> None:
         """Print reading and smoothing of the file, radii of curvature and wear."""
@@ -118,4 +119,4 @@ def _examine(path: Path, body: str, assignments: Sequence[str]) -> ExaminedProfi
     """The examined profile of a file as that of `body`, "rail" or "wheel". Raises SceneError."""
     scene = Scene.from_mapping({"load": 1.0, body: {"profile": str(path)}}).replace(assignments)
     found = solid.from_file(scene, body)
-    return ExaminedProfile(found, standards.nearest(found.resampled(standards.STEP), body))
+    return ExaminedProfile(scene, found, standards.nearest(found.resampled(standards.STEP), body))

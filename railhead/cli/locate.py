@@ -100,14 +100,12 @@ class Location:
         at = f"shifted by {scene.wheelset.shift:g} mm to the right"
         yaw = f", yaw {1e3 * scene.wheelset.yaw:g} mrad"
         with result_folder.replacing(folder) as work:
+            result_folder.write_summary(work, "locate", scene, self.summary())
             title = f"{pair}, {at}{yaw}"
             wheelset_plot.profiles(self.pair, self.placed, work / "profiles.png", title)
             swept = self.placed_at(list(SHIFTS))
             wheelset_plot.positions(self.pair, swept, work / "positions.png", pair + yaw)
             wheelset_plot.rolling_radius(swept, work / "rolling_radius.png", pair + yaw)
-            (work / result_folder.SUMMARY).write_text(
-                result_folder.to_json(self.summary()), encoding="utf-8"
-            )
 
     def show(self, console: Console) -> None:
         """Print a table with a column for each contact, below it the values of the wheelset."""

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -12,10 +11,9 @@ from typing import TYPE_CHECKING, Any
 from railhead.postprocess.findings import Array, Findings
 from railhead.results import quantity_rows, table_file
 from railhead.results.report.output_units import Units
-from railhead.results.result_folder import SUMMARY, replacing, to_json
+from railhead.results.result_folder import attempt, replacing, write_summary
 from railhead.results.subject import subject
 from railhead.run.mesh_solution import MeshSolution
-from railhead.scene.io import to_toml
 
 if TYPE_CHECKING:
     import meshio
@@ -47,42 +45,26 @@ def write(
     """
     failures: list[str] = []
     with replacing(folder) as work:
-        (work / "scene.toml").write_text(to_toml(solved.plan.scene), encoding="utf-8")
-        (work / SUMMARY).write_text(to_json(summary), encoding="utf-8")
+        write_summary(work, "run", solved.plan.scene, summary)
         (work / TABLE).write_bytes(table_file.encoded(quantity_rows.everything(summary)))
-        attempt = partial(_attempt, folder, work, failures)
         stresses: Array | None = None
         grids: Grids | None = None
         found = _titled(solved)
-        with attempt("*.vtu"):
+        with attempt(failures, folder / "*.vtu", work):
             stresses = write_grids(solved, work, whole=whole)
         if pictures and found is not None and stresses is not None:
-            with attempt("*.png"):
+            with attempt(failures, folder / "*.png", work):
                 grids, drawings = _drawings(solved, summary["result"], found, stresses)
                 for name, draw in drawings.items():
-                    with attempt(name):
+                    with attempt(failures, folder / name, work):
                         draw(work / name)
         if report is not None:
-            with attempt("report.html"):
+            with attempt(failures, folder / "report.html", work):
                 from railhead.results.report import html
 
                 html.write(solved, summary, report, work, found, grids)
     if failures:
         raise OSError("\n".join(failures))
-
-
-@contextmanager
-def _attempt(folder: Path, work: Path, failures: list[str], name: str) -> Iterator[None]:
-    """Catch an error of the block, remove the files that the block began in `work`, and add a line
-    to `failures`. folder, name: of what is written, for that line.
-    """
-    before = set(work.iterdir())
-    try:
-        yield
-    except Exception as error:  # of matplotlib, VTK or the disk: the numbers are worth having
-        for path in set(work.iterdir()) - before:
-            path.unlink()
-        failures.append(f"{folder / name}: {' '.join(f'{type(error).__name__}: {error}'.split())}")
 
 
 def _titled(solved: MeshSolution) -> Findings | None:

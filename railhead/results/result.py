@@ -150,6 +150,7 @@ class Result:
         report: bool = True,
         whole: bool = False,
         units: Units | None = None,
+        force: bool = False,
     ) -> None:
         """Write the files of `railhead run` into a folder. Under MPI to be called on all ranks.
 
@@ -157,7 +158,9 @@ class Result:
         report: whether report.html is written; needs pictures.
         whole: whether .vtu files contain the mirror images of what symmetry left out.
         units: units of report.html; None: mm, N, MPa.
-        Raises SceneError for a folder with other files, OSError where it cannot be written.
+        force: whether a result of another command or scene in the folder is replaced.
+        Raises SceneError for a folder with other files and, without `force`, with another result;
+        OSError where it cannot be written.
         """
         from railhead.results import files, result_folder
 
@@ -166,6 +169,8 @@ class Result:
         if comm.rank == 0:
             try:
                 result_folder.check_folder(out)
+                if not force:
+                    result_folder.refuse_other(out, "run", self.plan.scene)
                 shown = units or Units() if report and pictures else None
                 files.write(
                     self.mesh_solution,

@@ -4,21 +4,30 @@ from __future__ import annotations
 
 import fcntl
 import glob
+import itertools
 import json
 import os
 import shutil
+import sys
 import tempfile
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import psutil
 
+from railhead import __version__
 from railhead.run import process
+from railhead.scene.io import to_toml
 from railhead.scene.scene import SceneError
 
-SUMMARY = "summary.json"
+if TYPE_CHECKING:
+    from railhead.scene.scene import Scene
+
+SUMMARY, SCENE = "summary.json", "scene.toml"
+UNITS = "N, mm, MPa, rad, s"
 MANIFEST = ".railhead"  # names of the files in a result folder that are replaced by the next one
 
 
@@ -74,6 +83,71 @@ def _obstacle(folder: Path, keeps: Collection[str]) -> str:
         if others := [other for other in foreign(folder) if other not in keeps]:
             return f"{name} holds {others[0]!r}, which is no result"
     return ""
+
+
+def other_result(folder: Path, command: str, scene: Scene) -> str:
+    """What a folder holds, in words, where that is no result of `command` for this scene: another
+    command's, another scene's, or one whose scene.toml was edited; else empty.
+    """
+    if not folder.is_dir() or not os.listdir(folder):
+        return ""
+    if not (folder / SCENE).is_file():
+        return "another kind of result"
+    first, _, text = (folder / SCENE).read_text(encoding="utf-8", errors="replace").partition("\n")
+    if f" {command} " not in first:
+        return "another kind of result"
+    same = text == scene_toml(command, scene).partition("\n")[2]
+    return "" if same else "a result of another scene, version, or an edited scene.toml"
+
+
+def refuse_other(folder: Path, command: str, scene: Scene) -> None:
+    """Raise SceneError for a folder with another result than that of `command` for this scene."""
+    if words := other_result(folder, command, scene):
+        text = f"{str(folder)!r} holds {words}; give another folder, or --force to replace it"
+        raise SceneError("--out", text)
+
+
+def set_aside(folder: Path) -> None:
+    """Rename a result folder to NAME.1, or the first of .2, .3 ... that is free, and say so in one
+    line on standard error. OSError: it cannot be renamed.
+    """
+    names = (folder.with_name(f"{folder.name}.{number}") for number in itertools.count(1))
+    free = next(name for name in names if not os.path.lexists(name))
+    folder.rename(free)
+    text = f"the earlier result in {folder}/ is another one; it is now {free}/"
+    print(f"railhead: {text}", file=sys.stderr)
+
+
+def scene_toml(command: str, scene: Scene) -> str:
+    """Text of scene.toml beside a result: a comment line with command, version of the program, date
+    and units, then the scene.
+    """
+    return f"# railhead {command} {__version__}, {now()}; {UNITS}\n{to_toml(scene)}"
+
+
+def write_summary(work: Path, command: str, scene: Scene, summary: dict[str, Any]) -> None:
+    """Write scene.toml and summary.json into a folder."""
+    (work / SCENE).write_text(scene_toml(command, scene), encoding="utf-8")
+    (work / SUMMARY).write_text(to_json(summary), encoding="utf-8")
+
+
+def now() -> str:
+    """Date and time, UTC, to the second, as in ISO 8601."""
+    return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+
+
+@contextmanager
+def attempt(failures: list[str], path: Path, work: Path) -> Iterator[None]:
+    """Catch an error of the block, remove the files that the block began in the folder `work`, and
+    add a line to `failures` that names `path`.
+    """
+    before = set(work.iterdir())
+    try:
+        yield
+    except Exception as error:  # of matplotlib, VTK or the disk: the numbers are worth having
+        for begun in set(work.iterdir()) - before:
+            begun.unlink()
+        failures.append(f"{path}: {' '.join(f'{type(error).__name__}: {error}'.split())}")
 
 
 @contextmanager

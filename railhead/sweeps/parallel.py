@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
@@ -25,6 +25,7 @@ from railhead.scene.scene import Scene, SceneError
 from railhead.sweeps import runner, store, sweep_table, worker_pool
 from railhead.sweeps.grid import ParameterGrid, column
 
+Row = dict[str, Any]
 POLL = 0.5  # s between looks at what is done
 LOST_RECORD = "its record is gone: something else has written into the folder"
 
@@ -79,19 +80,32 @@ class ParallelSweep:
         return bool(record["over"] == values)
 
 
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a sweep.
+
+    status: of each scene by number, "passed" or why not.
+    failures: a line for each picture that could not be drawn.
+    """
+
+    status: dict[int, str]
+    failures: list[str]
+
+
 def run(
-    sweep: ParallelSweep, *, resume: bool, pictures: bool, quiet: bool
-) -> dict[int, str] | None:
+    sweep: ParallelSweep, *, pictures: bool, quiet: bool, other: store.Other = "refuse"
+) -> Outcome | None:
     """Solve the scenes of a sweep that have no record yet, and write table and pictures.
 
-    resume: whether a sweep in the folder is continued.
+    other: what happens to another result in the folder (`store.begin`).
     pictures: whether PNG files are written.
     quiet: whether no progress is shown.
-    Returns the status of each scene by number on the first MPI rank; None on other ranks, which
-    solve scenes. Raises SceneError before anything is solved, OSError where nothing can be written.
+    Returns None on all MPI ranks but the first, which solve scenes. Raises SceneError before
+    anything is solved, OSError where nothing can be written.
     """
     comm = MPI.COMM_WORLD
     groups: list[list[int]] = []
+    rows: dict[int, Row] = {}
     y_label = ""
     problem: Exception | None = None
     with ExitStack() as claim:
@@ -100,7 +114,7 @@ def run(
                 with refinement.show_progress(quiet=quiet) as progress:
                     plans = runner.plan_all(sweep.grid, progress)
                 groups, y_label = runner.group_by_mesh(plans), shared_y(plans)
-                store.begin(sweep.folder, sweep.request, resume=resume)
+                store.begin(sweep.folder, sweep.request, other)
                 claim.enter_context(store.claimed(sweep.folder))
                 store.check(sweep.folder, sweep.matches)
             except (SceneError, OSError) as error:
@@ -112,16 +126,17 @@ def run(
                 return None
             workers = worker_pool.workers(comm.size)
             with Progress(quiet=quiet) as progress:
-                solve = partial(_solve_all, sweep, workers, submit, progress)
+                solve = partial(_solve_all, sweep, rows, workers, submit, progress)
                 faults = solve(groups)
                 # A crash takes the rest of its group with it: these again, each alone.
                 again = [[n] for group in groups if len(group) > 1 for n in group if n in faults]
                 faults |= solve(again)
-        return _write(sweep, faults, y_label, pictures=pictures)
+        return _write(sweep, rows, faults, y_label, pictures=pictures)
 
 
 def _solve_all(
     sweep: ParallelSweep,
+    rows: dict[int, Row],
     workers: int,
     submit: worker_pool.Submit,
     progress: Progress,
@@ -130,7 +145,8 @@ def _solve_all(
     """Solve the scenes of all groups that have no record; returns reasons by number for scenes that
     still have none.
 
-    workers: number of processes. submit: starts a job.
+    rows: of sweep.csv by number; they grow with the records. workers: number of processes. submit:
+        starts a job.
     """
     finished, total = store.done(sweep.folder), len(sweep.grid.scenes)
     progress.jobs(len(finished), total)
@@ -149,7 +165,9 @@ def _solve_all(
         for job in ended:
             attempt = worker_pool.outcome(job)
             faults |= dict.fromkeys(numbers_of[job], attempt.fault) | (attempt.value or {})
-        progress.jobs(len(store.done(sweep.folder)), total)
+        with suppress(OSError):  # of a full disk: records may still fit
+            _write_table(sweep, rows)
+        progress.jobs(len(rows), total)
     without_record = faults.keys() - store.done(sweep.folder)
     return {number: faults[number] or LOST_RECORD for number in without_record}
 
@@ -192,36 +210,60 @@ def _solve(
 
 
 def _write(
-    sweep: ParallelSweep, faults: Mapping[int, str], y_label: str, *, pictures: bool
-) -> dict[int, str]:
+    sweep: ParallelSweep,
+    rows: dict[int, Row],
+    faults: Mapping[int, str],
+    y_label: str,
+    *,
+    pictures: bool,
+) -> Outcome:
     """Write table, pictures and, for ParaView, .pvd files of the scenes that passed beside the
-    records; returns the status of each scene by number.
+    records.
 
-    faults: reasons by number for scenes without a record. y_label: label of y in the pictures.
+    rows: of the table, by number of the scene; completed here. faults: reasons by number for scenes
+        without a record. y_label: label of y in the pictures.
     """
     from railhead.postprocess.plots import sweep as plots
     from railhead.postprocess.vtu import export
 
-    grid, done = sweep.grid, store.done(sweep.folder)
-    records = [
-        store.read(sweep.folder, number) if number in done else {"fault": faults[number]}
-        for number in range(len(grid.scenes))
-    ]
-    rows = [sweep_table.row(grid.values(number), each) for number, each in enumerate(records)]
-    status = {number: row[sweep_table.CHECKS] for number, row in enumerate(rows)}
-    store.write_whole(sweep.folder / store.TABLE, table_file.encoded(rows))
+    grid, folder, failures = sweep.grid, sweep.folder, list[str]()
+    done = store.done(folder)
+    for number in faults.keys() - done:
+        rows[number] = sweep_table.row(grid.values(number), {"fault": faults[number]})
+    _write_table(sweep, rows)
+    table = [row for _, row in sorted(rows.items())]
+    status = {number: row[sweep_table.CHECKS] for number, row in enumerate(table)}
     for name in store.SERIES if sweep.vtu else ():
         files = {
             sweep.times[number]: f"{store.vtu_folder(Path(), number)}/{name}.vtu"
             for number, text in status.items()
             if text == sweep_table.PASSED
         }
-        export.series(files, sweep.folder / f"{name}.pvd")
+        export.series(files, folder / f"{name}.pvd")
+    for name in store.PICTURES:
+        (folder / name).unlink(missing_ok=True)
     if pictures and 1 <= len(grid.keys) <= 2:
         columns = [column(key) for key in grid.keys]
         title = f"sweep of {grid.scenes[0].name} over {' and '.join(grid.keys)}"
-        curves, patches = (sweep.folder / name for name in store.PICTURES)
-        plots.curves(columns, rows, curves, y_label, title)
-        outlines: list[Any] = [each.get("outlines", []) for each in records]
-        plots.patches(columns, rows, outlines, patches, y_label, title)
-    return status
+        outlines: list[Any] = [
+            store.read(folder, number).get("outlines", []) if number in done else []
+            for number in status
+        ]
+        drawings = plots.curves, partial(plots.patches, outlines=outlines)
+        for name, draw in zip(store.PICTURES, drawings, strict=True):
+            with result_folder.attempt(failures, folder / name, folder):
+                draw(columns, table, path=folder / name, y=y_label, title=title)
+    return Outcome(status, failures)
+
+
+def _write_table(sweep: ParallelSweep, rows: dict[int, Row]) -> None:
+    """Add the rows of the scenes that have a record and no row yet, and write sweep.csv if there
+    are any, or if every scene has a row.
+    """
+    new = store.done(sweep.folder) - rows.keys()
+    for number in new:
+        record = store.read(sweep.folder, number)
+        rows[number] = sweep_table.row(sweep.grid.values(number), record)
+    if new or len(rows) == len(sweep.grid.scenes):
+        table = table_file.encoded(row for _, row in sorted(rows.items()))
+        store.write_whole(sweep.folder, sweep.folder / store.TABLE, table)

@@ -11,7 +11,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from railhead.results import result_folder
 from railhead.scene.scene import SceneError
@@ -19,20 +19,32 @@ from railhead.scene.scene import SceneError
 REQUEST, RECORDS, VTU, TABLE = "sweep.json", "records", "vtu", "sweep.csv"
 PICTURES = ("sweep.png", "patches.png")
 SERIES = ("solution", "contact")  # of .vtu files
+ADVICE = "give another folder, or --force to replace it"
+Other = Literal["refuse", "move", "replace"]
 LATER = (RECORDS, VTU, TABLE, *PICTURES, *(f"{name}.pvd" for name in SERIES))
 
 
-def begin(folder: Path, request: Mapping[str, Any], *, resume: bool) -> None:
-    """Make the folder of a new sweep in the place of an earlier result, or with `resume` continue
-    the sweep in the folder. request: all that determines the records. Raises SceneError for
-    another sweep, a folder in use or a broken file, OSError where nothing can be written.
+def begin(folder: Path, request: Mapping[str, Any], other: Other = "refuse") -> None:
+    """Continue the sweep in a folder if it is the requested one; else make the folder of a new one.
+
+    request: all that determines the records.
+    other: whether another result in the folder is an error or is moved aside; "replace" removes it,
+        and also the requested sweep.
+    Raises SceneError for another result, a folder in use or a broken file, OSError where nothing
+    can be written.
     """
-    if resume and folder.is_dir() and os.listdir(folder):
-        _check_request(folder, json.loads(result_folder.to_json(dict(request))))
-        return
-    if (folder / REQUEST).is_file():
-        with claimed(folder):
-            pass
+    if folder.is_dir() and os.listdir(folder):
+        if (folder / REQUEST).is_file():
+            with claimed(folder):
+                pass
+        try:
+            if other != "replace":
+                _check_request(folder, json.loads(result_folder.to_json(dict(request))))
+                return
+        except SceneError:
+            if other == "refuse":
+                raise
+            result_folder.set_aside(folder)
     with result_folder.replacing(folder, LATER) as work:
         (work / REQUEST).write_text(result_folder.to_json(dict(request)), encoding="utf-8")
 
@@ -57,19 +69,17 @@ def _check_request(folder: Path, request: dict[str, Any]) -> None:
     """Raise SceneError where the sweep in the folder differs from the requested one."""
     name = repr(str(folder))
     if not (folder / REQUEST).is_file():
-        raise SceneError("--resume", f"{name} holds no sweep; leave it out")
+        raise SceneError("--out", f"{name} holds another kind of result; {ADVICE}")
     here, other = _flat(request), _flat(_load(folder / REQUEST))
     for key in {**here, **other}:
         if here.get(key) != other.get(key):
             raise SceneError(
-                "--resume",
+                "--out",
                 f"{name} holds another sweep, with {key} {other.get(key, 'not given')} and not "
-                f"{here.get(key, 'left out')}; give the same, or another --out",
+                f"{here.get(key, 'left out')}; {ADVICE}",
             )
     if list(here) != list(other):  # the numbers of the scenes differ, too
-        raise SceneError(
-            "--resume", f"{name} holds this sweep with --over in another order; keep that"
-        )
+        raise SceneError("--out", f"{name} holds this sweep with --over in another order; {ADVICE}")
 
 
 def _flat(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
@@ -89,13 +99,13 @@ def done(folder: Path) -> set[int]:
 
 def write(folder: Path, number: int, record: Mapping[str, Any]) -> None:
     """Write the record of scene `number`; the file appears whole or not at all. Raises OSError."""
-    write_whole(_record(folder, number), result_folder.to_json(dict(record)).encode())
+    write_whole(folder, _record(folder, number), result_folder.to_json(dict(record)).encode())
 
 
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file that appears whole or not at all; its folder is made. Raises OSError."""
-    path.parent.mkdir(exist_ok=True)
-    part = path.with_name(f".{path.name}.{os.getpid()}")
+def write_whole(folder: Path, path: Path, content: bytes) -> None:
+    """Write a file of the sweep in `folder` that appears whole or not at all. Raises OSError."""
+    part = folder / RECORDS / f".{path.name}.{os.getpid()}"
+    part.parent.mkdir(exist_ok=True)
     part.write_bytes(content)
     part.replace(path)
 
@@ -146,4 +156,4 @@ def _load(path: Path) -> dict[str, Any]:
 
 def _broken(path: Path) -> SceneError:
     """The error that reports a broken file of a sweep."""
-    return SceneError("--resume", f"{str(path)!r} is broken; delete it and resume again")
+    return SceneError("--out", f"{str(path)!r} is broken; delete it and start again")

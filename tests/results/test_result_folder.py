@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from solved import solved
 
+import railhead as rh
 from railhead.cli import main
 from railhead.postprocess.plots import diagrams
 from railhead.results import result_folder
@@ -150,3 +151,35 @@ def test_a_full_disk_is_named(tmp_path: Path) -> None:
         raise OSError(28, "No space left on device")
     assert caught.value.filename == str(tmp_path / "out")
     assert os.listdir(tmp_path) == []
+
+
+def test_another_result_is_never_replaced_unasked(tmp_path: Path, monkeypatch, capsys) -> None:
+    """Another scene, another command, a scene.toml edited inside, a sweep."""
+    monkeypatch.chdir(tmp_path)
+    result, out = solved("sphere_on_plane"), Path("out")
+    for _ in range(2):
+        result.save(out, pictures=False)
+    kept = (out / "scene.toml").read_text()
+    assert kept.startswith(f"# railhead run {rh.__version__}, 20") and "N, mm, MPa" in kept
+    with pytest.raises(SceneError, match="another kind of result"):
+        result_folder.refuse_other(out, "locate", result.plan.scene)
+    assert run("sphere_on_plane", "--out", "out") == 2  # another size of the elements
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "--out: 'out' holds a result of another scene" in line and "--force" in line
+    (out / "scene.toml").write_text(kept.replace("[rail]", "# mine\n[rail]"))
+    with pytest.raises(SceneError, match="or an edited scene.toml"):
+        result.save(out, pictures=False)
+    result.save(out, pictures=False, force=True)
+    assert "mine" not in (out / "scene.toml").read_text()
+    write(Path("swept"), "{}", "sweep.json")
+    with pytest.raises(SceneError, match="another kind of result"):
+        result.save("swept", pictures=False)
+
+
+def test_without_out_another_result_is_moved(tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    solved("sphere_on_plane").save("results/sphere_on_plane", pictures=False)
+    assert run("sphere_on_plane") in (0, 1)  # other elements
+    assert capsys.readouterr().err.splitlines()[0].endswith("now results/sphere_on_plane.1/")
+    assert "patch_size" in Path("results/sphere_on_plane/scene.toml").read_text()
+    assert "patch_size" not in Path("results/sphere_on_plane.1/scene.toml").read_text()

@@ -101,7 +101,7 @@ def test_a_sweep_opens_as_time_steps(tmp_path: Path) -> None:
     assert sorted(os.listdir(out)) == sorted(
         [".railhead", "contact.pvd", "records", "solution.pvd", "sweep.csv", "sweep.json", "vtu"]
     )
-    assert sweep(*command) == 0  # again, in its place
+    assert sweep(*command, "--force") == 0  # again, in its place
 
 
 def test_files_for_paraview_are_part_of_what_was_asked(swept: Path, capsys) -> None:
@@ -131,8 +131,9 @@ def loads(case: str, values: list[float], folder: Path) -> parallel.ParallelSwee
 def test_a_record_that_goes_while_a_sweep_runs_is_said(tmp_path: Path, monkeypatch) -> None:
     task = loads("long_roller", [50e3, 80e3], tmp_path / "sweep")
     monkeypatch.setattr(parallel, "_solve", _nothing)
-    found = parallel.run(task, resume=False, pictures=False, quiet=True)
-    assert found == dict.fromkeys([0, 1], f"NOT SOLVED: {parallel.LOST_RECORD}")
+    found = parallel.run(task, pictures=False, quiet=True)
+    assert found is not None
+    assert found.status == dict.fromkeys([0, 1], f"NOT SOLVED: {parallel.LOST_RECORD}")
 
 
 def _nothing(*_: object) -> dict[int, str]:
@@ -173,10 +174,11 @@ def test_one_that_does_not_converge_leaves_the_others(tmp_path: Path, capsys) ->
 def test_a_process_that_crashes_leaves_the_others(tmp_path: Path, monkeypatch) -> None:
     """Its row says so, and it is tried again by --resume."""
     task = loads("sphere_on_plane", [100, 200], tmp_path / "out")
-    store.begin(task.folder, task.request, resume=False)
+    store.begin(task.folder, task.request)
     store.write(task.folder, 1, {"fault": "gmsh: no"})
-    found = parallel._write(task, {0: "the process crashed"}, "y, mm", pictures=True)
-    assert found == {0: "NOT SOLVED: the process crashed", 1: "NOT SOLVED: gmsh: no"}
+    found = parallel._write(task, {}, {0: "the process crashed"}, "y, mm", pictures=True)
+    assert found.failures == []
+    assert found.status == {0: "NOT SOLVED: the process crashed", 1: "NOT SOLVED: gmsh: no"}
     assert store.done(task.folder) == {1}
     assert [row["load [N]"] for row in rows(task.folder)] == ["100.0", "200.0"]
 
@@ -203,12 +205,13 @@ def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypa
 
     monkeypatch.setattr(worker_pool, "submitting", one_process)
     monkeypatch.setattr(worker_pool, "workers", lambda ranks: 1)
-    found = parallel.run(task, resume=False, pictures=False, quiet=True)
+    found = parallel.run(task, pictures=False, quiet=True)
     assert asked == [[0, 1, 2], [1], [2]]
     reasons = ("none of a test", "the process crashed", "none of a test")
-    assert found == {number: f"NOT SOLVED: {why}" for number, why in enumerate(reasons)}
+    assert found is not None
+    assert found.status == {number: f"NOT SOLVED: {why}" for number, why in enumerate(reasons)}
     asked.clear()
-    parallel.run(task, resume=True, pictures=False, quiet=True)
+    parallel.run(task, pictures=False, quiet=True)
     assert asked == [[1], [1]]  # on the mesh of all three, and by itself
 
 
@@ -227,7 +230,7 @@ def test_what_has_no_memory_now_is_tried_again_by_resume(tmp_path: Path, monkeyp
 
 @pytest.mark.system
 def test_a_kill_loses_only_what_was_running(tmp_path: Path) -> None:
-    """SIGKILL after the first records; --resume leaves these as they are."""
+    """SIGKILL after the first records; the same command leaves these as they are."""
     out = tmp_path / "out"
     arguments = ["--over", "load=60:80:10kN", "--over", "wheel.rolling_radius=420mm,460mm",
                  "--no-pictures", "--out", str(out)]  # fmt: skip
@@ -239,12 +242,12 @@ def test_a_kill_loses_only_what_was_running(tmp_path: Path) -> None:
     started.wait()
     time.sleep(1.0)  # processes of the sweep die with it
     done = {path.name: path.stat().st_mtime_ns for path in (out / "records").glob("[0-9]*")}
-    assert 1 <= len(done) < 6 and not (out / "sweep.csv").exists()
+    assert 1 <= len(done) < 6
     stamp = json.loads((out / "records" / min(done)).read_text())
     stamp["summary"]["result"]["pressure"]["max_MPa"] = 1234.5  # to be found in the table
     (out / "records" / min(done)).write_text(json.dumps(stamp))
     solved = subprocess.run(
-        [*COMMAND, *ROLLER, *arguments, "--resume"], check=False, capture_output=True, text=True
+        [*COMMAND, *ROLLER, *arguments], check=False, capture_output=True, text=True
     )
     assert solved.returncode == 0, solved.stderr
     found = rows(out)

@@ -8,6 +8,8 @@ import pytest
 from solved import solved
 from sweep_command import ROLLER, SIX, sweep
 
+from railhead.results import result_folder
+from railhead.scene.scene import SceneError
 from railhead.sweeps import store
 
 
@@ -17,7 +19,7 @@ def test_another_sweep_is_not_gone_on_with(swept: Path, capsys, tmp_path: Path) 
     other = ("--over", "load=50kN,80kN,111kN", "--over", "wheel.rolling_radius=420mm,460mm")
     assert sweep(*ROLLER, *other, *out) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert "--resume: " in line and "over.load [50000.0, 80000.0, 110000.0]" in line
+    assert "--out: " in line and "over.load [50000.0, 80000.0, 110000.0]" in line
     assert sweep(*ROLLER, *SIX, *out, "--set", "solver.max_newton=20") == 2
     assert "scene.solver.max_newton 30 and not 20" in capsys.readouterr().err
     assert (swept / "sweep.csv").read_bytes() == before
@@ -27,7 +29,7 @@ def test_another_sweep_is_not_gone_on_with(swept: Path, capsys, tmp_path: Path) 
     single = tmp_path / "single"
     solved("sphere_on_plane").save(single, pictures=False)
     assert sweep(*ROLLER, *SIX, "--out", str(single), "--resume") == 2
-    assert "holds no sweep" in capsys.readouterr().err
+    assert "holds another kind of result" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("content", [
@@ -47,7 +49,7 @@ def test_a_broken_file_is_said(
     err = capsys.readouterr().err
     assert len(err.splitlines()) == 1
     if name.startswith("records") or content in (None, "[]"):
-        assert f"{name}' is broken; delete it and resume again" in err
+        assert f"{name}' is broken; delete it and start again" in err
     else:
         assert "holds another sweep" in err
 
@@ -73,7 +75,7 @@ def test_a_record_that_is_none_of_its_combination_is_said(
     record.write_text(json.dumps(kept))
     assert sweep(*ROLLER, *SIX, "--out", str(folder), "--resume") == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert "00000.json' is broken; delete it and resume again" in line
+    assert "00000.json' is broken; delete it and start again" in line
 
 
 def test_what_else_lies_among_the_records_is_left_alone(swept: Path, tmp_path: Path) -> None:
@@ -86,10 +88,10 @@ def test_what_else_lies_among_the_records_is_left_alone(swept: Path, tmp_path: P
 
 def test_a_lost_folder_of_records_is_made_again(tmp_path: Path) -> None:
     asked = {"vtu": True}
-    store.begin(tmp_path / "sweep", asked, resume=False)
+    store.begin(tmp_path / "sweep", asked)
     store.write(tmp_path / "sweep", 0, {"fault": "gmsh: no"})
     shutil.rmtree(tmp_path / "sweep" / "records")
-    store.begin(tmp_path / "sweep", asked, resume=True)
+    store.begin(tmp_path / "sweep", asked)
     assert store.done(tmp_path / "sweep") == set()
     store.write(tmp_path / "sweep", 0, {"fault": "gmsh: no"})
     assert store.done(tmp_path / "sweep") == {0}
@@ -112,7 +114,7 @@ def test_a_folder_in_use_is_left_alone(swept: Path, more: tuple, capsys, tmp_pat
 
 def test_a_record_appears_whole_or_not_at_all(tmp_path: Path, monkeypatch) -> None:
     """The disk is full after half of it."""
-    store.begin(tmp_path / "sweep", {"case": "a"}, resume=False)
+    store.begin(tmp_path / "sweep", {"case": "a"})
     whole = Path.write_bytes
 
     def half(path: Path, content: bytes) -> int:
@@ -123,3 +125,24 @@ def test_a_record_appears_whole_or_not_at_all(tmp_path: Path, monkeypatch) -> No
     with pytest.raises(OSError, match="No space"):
         store.write(tmp_path / "sweep", 3, {"fault": "", "summary": {}})
     assert store.done(tmp_path / "sweep") == set()
+
+
+def test_a_sweep_goes_on_with_its_own_folder_and_leaves_others(tmp_path: Path, capsys) -> None:
+    folder, mine, other = tmp_path / "sweep", {"case": "a"}, {"case": "b"}
+    store.begin(folder, mine)
+    store.write(folder, 3, {"fault": "gmsh: no"})
+    store.begin(folder, mine)
+    store.begin(folder, mine, "move")
+    assert store.done(folder) == {3} and not capsys.readouterr().err
+    with pytest.raises(SceneError, match="case a and not b; give another folder, or --force"):
+        store.begin(folder, other)
+    store.begin(folder, other, "move")
+    assert store.done(folder) == set() and store.done(tmp_path / "sweep.1") == {3}
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.endswith("sweep.1/")
+    store.begin(folder, mine, "move")
+    assert (tmp_path / "sweep.2").is_dir()
+    store.write(folder, 3, {"fault": "gmsh: no"})
+    store.begin(folder, mine, "replace")
+    assert store.done(folder) == set()
+    assert not result_folder.foreign(folder)
