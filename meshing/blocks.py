@@ -11,7 +11,6 @@ import gmsh
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.meshing import plane
 from railhead.meshing.bodies import Body, Options
 from railhead.meshing.sizing import Grading
 from railhead.meshing.tags import BODY_NAMES, CONTACT, SUPPORT, SYMMETRY_X, SYMMETRY_Y
@@ -41,7 +40,7 @@ def model(bodies: list[Body], grading: Grading, options: Options) -> Iterator[An
         groups: dict[tuple[int, int], list[int]] = {}
         for body in bodies:
             if options.plane:
-                plane.surface(body, options, groups)
+                _plane_surface(body, options, groups)
             else:
                 _sweep(body, grading, options, groups)
         gmsh_model.occ.synchronize()
@@ -118,6 +117,52 @@ def _name(tag: int, *, volume: bool) -> str:
     return f"{BODY_NAMES[tag % 10]}_{kind}"
 
 
+def _wire(body: Body, *, flat: bool = False) -> list[int]:
+    """Add the section of a body to gmsh's current model; returns the tags of its curves, a closed
+    chain in the order of `body.section`.
+
+    flat: whether the section is drawn in gmsh's plane z = 0, with y and z as gmsh's x and y,
+        instead of in its place in space. A curve with a centre becomes a circular arc, one with two
+        points a line, any other a spline.
+    """
+    occ = gmsh.model.occ
+
+    def point(yz: Array) -> int:
+        """gmsh tag of a new point at (y, z) in the body's coordinates, mm."""
+        x, y, z = body.pose.outward(np.array([0.0, *yz]))
+        return int(occ.addPoint(y, z, 0.0) if flat else occ.addPoint(x, y, z))
+
+    section = body.section
+    corners = [point(curve.points[0]) for curve in section]
+    tags = []
+    for index, curve in enumerate(section):
+        start, end = corners[index], corners[(index + 1) % len(corners)]
+        if curve.centre is not None:
+            tags.append(occ.addCircleArc(start, point(curve.centre), end))
+        elif len(curve.points) == 2:
+            tags.append(occ.addLine(start, end))
+        else:
+            inner = [point(yz) for yz in curve.points[1:-1]]
+            tags.append(occ.addSpline([start, *inner, end]))
+    return tags
+
+
+def _plane_surface(body: Body, options: Options, groups: dict[tuple[int, int], list[int]]) -> None:
+    """Add the section of a body to gmsh's current model as a surface in gmsh's plane z = 0.
+
+    groups: (dimension, physical tag) -> gmsh entities; the surface and its contact, support and
+        symmetry edges are added to it.
+    """
+    curves = _wire(body, flat=True)
+    loop = gmsh.model.occ.addCurveLoop(curves)
+    groups.setdefault((2, body.tag), []).append(gmsh.model.occ.addPlaneSurface([loop]))
+    symmetry = SYMMETRY_X if options.plane == "xz" else SYMMETRY_Y
+    tags = {"contact": CONTACT + body.tag, "support": SUPPORT + body.tag, "symmetry": symmetry}
+    for curve, number in zip(body.section, curves, strict=True):
+        if curve.role in tags:
+            groups.setdefault((1, tags[curve.role]), []).append(number)
+
+
 def _sweep(
     body: Body, grading: Grading, options: Options, groups: dict[tuple[int, int], list[int]]
 ) -> None:
@@ -129,7 +174,7 @@ def _sweep(
     RuntimeError where gmsh makes another number of side faces than the section has curves.
     """
     occ = gmsh.model.occ
-    curves = plane.wire(body)
+    curves = _wire(body)
     face = occ.addPlaneSurface([occ.addCurveLoop(curves)])
     if options.half:
         groups.setdefault((2, SYMMETRY_X), []).append(face)
@@ -248,7 +293,8 @@ def _straighten(dim: int) -> None:
         straightened, in at most `STRAIGHTENING_PASSES` passes. They are coarse ones on fillets, far
         from the patch. gmsh's own high-order optimisation gives another mesh in each run.
     """
-    coordinates = dict(zip(*_nodes(), strict=True))
+    nodes, places, _ = gmsh.model.mesh.getNodes()
+    coordinates = dict(zip(nodes, np.asarray(places).reshape(-1, 3), strict=True))
     for _ in range(STRAIGHTENING_PASSES):
         bad = qualities(dim) < REPAIR_BELOW
         if not bad.any():
@@ -260,12 +306,6 @@ def _straighten(dim: int) -> None:
                 straight = 0.5 * (coordinates[nodes[start]] + coordinates[nodes[end]])
                 gmsh.model.mesh.setNode(middle, straight, [])
                 coordinates[middle] = straight
-
-
-def _nodes() -> tuple[np.ndarray, np.ndarray]:
-    """Tags (n,) and coordinates (n, 3) of all nodes of the current gmsh model, mm."""
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    return tags, np.asarray(coordinates).reshape(-1, 3)
 
 
 def qualities(dim: int = 3) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -64,38 +65,34 @@ def generate(
     Raises MeshError on every rank when gmsh fails, takes too long, or an element is inverted or
     nearly flat.
     """
+    found, shapes, problem = None, np.zeros(0), ""
     if comm.rank:
         meanwhile()
-        from railhead.solver import compat
+    else:
+        seconds = PATIENCE
+        if not options.plane:
+            hexahedra = options.cell == "hexahedron"
+            reach = max(body.reach for body in bodies)
+            seconds += PACE * grading.predicted_cells(reach, hexahedra=hexahedra)
+        for share in RETRIES:
+            finer = replace(grading, size=share * grading.size)
+            try:
+                found, shapes = isolated_process.run(
+                    _meshed, bodies, finer, options, save, seconds=seconds, meanwhile=meanwhile
+                )
+                problem = _bad_elements(shapes)
+            except isolated_process.IsolatedProcessError as error:
+                problem = f"gmsh: {error}"
+            if not problem:
+                break
+    shape = float(shapes.min(initial=1.0)), len(shapes)
+    problem, (quality, count) = comm.bcast((problem, shape))
+    if problem:
+        raise MeshError(problem)
+    from railhead.solver import compat
 
-        _raise_together(comm, None)
-        quality, count = comm.bcast(None)
-        return ContactMesh(*compat.model_to_mesh(None, comm, options.dim), quality, count)
-    seconds = PATIENCE
-    if not options.plane:
-        hexahedra = options.cell == "hexahedron"
-        reach = max(body.reach for body in bodies)
-        seconds += PACE * grading.predicted_cells(reach, hexahedra=hexahedra)
-    for share in RETRIES:
-        finer = replace(grading, size=share * grading.size)
-        try:
-            found, shapes = isolated_process.run(
-                _meshed, bodies, finer, options, save, seconds=seconds, meanwhile=meanwhile
-            )
-            _check(shapes)
-        except isolated_process.IsolatedProcessError as error:
-            problem = MeshError(f"gmsh: {error}")
-        except MeshError as error:
-            problem = error
-        else:
-            from railhead.solver import compat
-
-            with blocks.restore_model(found) as model:
-                _raise_together(comm, None)
-                quality, count = comm.bcast((float(shapes.min()), len(shapes)))
-                return ContactMesh(*compat.model_to_mesh(model, comm, options.dim), quality, count)
-    _raise_together(comm, str(problem))
-    raise problem
+    with blocks.restore_model(found) if found else nullcontext() as model:
+        return ContactMesh(*compat.model_to_mesh(model, comm, options.dim), quality, count)
 
 
 def _meshed(
@@ -116,22 +113,14 @@ def _meshed(
         return blocks.snapshot_model(), shapes
 
 
-def _check(shapes: np.ndarray) -> None:
-    """Raise MeshError where a cell has a quality below `MIN_QUALITY`; shapes: quality of the cells
-    (m,).
+def _bad_elements(shapes: np.ndarray) -> str:
+    """Message that some cells have a quality below `MIN_QUALITY`; '' where none has. shapes:
+    quality of the cells (m,).
     """
     bad = int(np.sum(shapes < MIN_QUALITY))
-    if bad:
-        raise MeshError(
-            f"{bad} of {len(shapes)} elements have a quality (scaled Jacobian) below "
-            f"{MIN_QUALITY} (smallest {shapes.min():.3g}); try another mesh.patch_size"
-        )
-
-
-def _raise_together(comm: MPI.Intracomm, message: str | None) -> None:
-    """Broadcast an error message from rank 0 and raise MeshError with it on all other ranks; None:
-    no error (collective).
-    """
-    message = comm.bcast(message)
-    if comm.rank and message is not None:
-        raise MeshError(message)
+    if not bad:
+        return ""
+    return (
+        f"{bad} of {len(shapes)} elements have a quality (scaled Jacobian) below "
+        f"{MIN_QUALITY} (smallest {shapes.min():.3g}); try another mesh.patch_size"
+    )

@@ -19,8 +19,7 @@ from railhead.geometry import outlines, profiles
 from railhead.geometry.placement import Pair, parabolic_contact
 from railhead.geometry.pose import upright
 from railhead.geometry.profiles import Profile
-from railhead.geometry.surfaces import ExactGap, ParabolicGap, RailSurface
-from railhead.meshing import plane
+from railhead.geometry.surfaces import ExactGap, ParabolicGap, RailSurface, StraightTread
 from railhead.meshing.bodies import Body
 from railhead.meshing.tags import RAIL, WHEEL
 from railhead.scene.scene import Scene, SceneError
@@ -177,7 +176,7 @@ class LongitudinalSection(SectionContact):
                     f"wheel.rim_depth below wheel.rolling_radius ({radius:g}), or leave it out",
                 )
             arc = min(wheel.segment_length / 2 if wheel.segment_length else reach, 1.2 * radius)
-            made.append(Body(WHEEL, plane.disc(radius, depth, arc, 0.0, half=half), 0.0))
+            made.append(Body(WHEEL, outlines.disc(radius, depth, arc, half=half), 0.0))
         return made
 
 
@@ -241,7 +240,7 @@ class TransverseSection(SectionContact):
         if self.pair is None:
             return super().gap(slave)
         rail = RailSurface(self.pair.rail)
-        wheel = plane.StraightTread(self.pair.wheel, self.lift, self.scene.wheelset.shift)
+        wheel = StraightTread(self.pair.wheel, self.lift, self.scene.wheelset.shift)
         return ExactGap(rail, wheel) if slave == RAIL else ExactGap(wheel, rail)
 
     def exact_approach(self, hertz: Hertz) -> float | None:
@@ -305,11 +304,11 @@ class TransverseSection(SectionContact):
         above); half: only y >= 0.
         """
         radius = self.discs[tag]
-        section = plane.disc(radius, radius, 0.0, 0.0, half=half)
+        upwards, place = np.eye(2), np.array([self.scene.wheelset.shift, self.lift])
         if tag == RAIL:
-            return Body(tag, plane.flipped(section), 0.0)
-        place = np.array([self.scene.wheelset.shift, self.lift])
-        return Body(tag, [curve.moved(np.eye(2), place) for curve in section], 0.0)
+            upwards, place = np.diag([1.0, -1.0]), np.zeros(2)
+        section = outlines.disc(radius, radius, 0.0, half=half)
+        return Body(tag, [curve.moved(upwards, place) for curve in section], 0.0)
 
 
 def locate(scene: Scene, dimension: Dimension) -> SectionContact:

@@ -194,10 +194,15 @@ class Contact:
             return f"rail inclined {scene.rail.inclination:g}"
         if scene.wheelset.shift:
             return f"wheel shifted {scene.wheelset.shift:g} mm"
-        return self.why_asymmetric_in_x()
+        return self._yawed
 
     def why_asymmetric_in_x(self) -> str | None:
         """Reason why x = 0 is not a plane of symmetry of the bodies, as text; None if it is one."""
+        return self._yawed
+
+    @property
+    def _yawed(self) -> str | None:
+        """Text that the axle is turned; None where it stands straight, and for half-spaces."""
         yaw = self.scene.wheelset.yaw
         return f"axle turned by {1e3 * yaw:g} mrad" if yaw and not self.half_space else None
 

@@ -172,3 +172,45 @@ def block_section(
         _line(left, first, "symmetry" if half else "free"),
     ]
     return [*top, *(line for line in sides if np.ptp(line.points, axis=0).max() > 1e-6)]
+
+
+def disc(radius: float, depth: float, reach: float, *, half: bool) -> list[Curve]:
+    """Closed outline of the lowest part of a wheel in the plane x, z, with points (x, z) in mm; its
+    lowest point is (0, 0).
+    radius: of the rolling circle, mm.
+    depth: radial thickness of the ring segment, mm; from the radius on, the result is half a disc
+        supported on its horizontal diameter.
+    reach: length of the contact arc to each side, mm.
+    half: whether only x >= 0 is returned, with a curve of symmetry at x = 0.
+    The outer arc has the role 'contact', the inner arc 'support', the ends 'free'.
+    """
+    axle = np.array([0.0, radius])
+    whole = depth >= radius
+    end = np.pi / 2 if whole else reach / radius
+
+    def at(distance: float, angle: float) -> Array:
+        """Point (x, z) at a distance from the axle (mm) and an angle from the downward vertical
+        (rad).
+        """
+        return axle + distance * np.array([np.sin(angle), -np.cos(angle)])
+
+    def arcs(distance: float, angles: list[float], role: str) -> list[Curve]:
+        """Circular arcs about the axle between successive angles (rad), at a distance from it
+        (mm).
+        """
+        pairs = zip(angles[:-1], angles[1:], strict=True)
+        return [Curve(np.array([at(distance, a), at(distance, b)]), role, axle) for a, b in pairs]
+
+    angles = [0.0, end] if half else [-end, 0.0, end]
+    outer = arcs(radius, angles, "contact")
+    first, last = outer[0].points[0], outer[-1].points[1]
+    if whole:
+        left = axle if half else at(radius, -end)
+        curves = [*outer, Curve(np.array([last, left]), "support")]
+    else:
+        inner = arcs(radius - depth, angles[::-1], "support")
+        left = inner[-1].points[1]
+        curves = [*outer, Curve(np.array([last, inner[0].points[0]]), "free"), *inner]
+    if half:
+        return [*curves, Curve(np.array([left, first]), "symmetry")]
+    return curves if whole else [*curves, Curve(np.array([left, first]), "free")]

@@ -67,6 +67,32 @@ class WheelSurface:
         return value, gradient @ self.pose.rotation.T
 
 
+@dataclass(frozen=True)
+class StraightTread:
+    """A wheel of infinite rolling radius: the same profile at every x, and solid above it.
+
+    profile: profile of the wheel; its height counts downwards from the nominal rolling radius, mm.
+    lift: z of the nominal rolling radius, mm.
+    shift: y of the origin of the profile, mm.
+    """
+
+    profile: Profile
+    lift: float
+    shift: float = 0.0
+
+    def implicit(self, points: Array) -> tuple[Array, Array]:
+        """Function that is zero on the tread and grows downwards out of the wheel, and its
+        gradient.
+
+        points: (n, 3) mm. Returns lift - height(y - shift) - z (n,) in mm, negative inside the
+            wheel, and its gradient (n, 3).
+        """
+        y = points[:, 1] - self.shift
+        one = np.ones_like(y)
+        gradient = np.column_stack([0.0 * one, -self.profile.slope(y), -one])
+        return self.lift - self.profile.height(y) - points[:, 2], gradient
+
+
 def along(surface: Surface, points: Array, directions: Array) -> Array:
     """Distance t (n,) with points + t directions on the surface, by Newton's method from t = 0.
     points: (n, 3), mm.

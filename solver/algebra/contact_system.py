@@ -109,14 +109,11 @@ class ContactSystem:
             mesh, cell_tags, self.materials, setup.degree, setup.kinematics
         )
         self.owned: int = self.bulk.space.dofmap.index_map.size_local
-        by_tag = {s.tag: s for s in sides}
-        slave = by_tag.pop(setup.slave)
-        surfaces = [
-            FacetSet.on(self.bulk, facet_tags.find(s.contact)) for s in (slave, *by_tag.values())
-        ]
+        sides.sort(key=lambda side: side.tag != setup.slave)
+        slave, *master = (FacetSet.on(self.bulk, facet_tags.find(s.contact)) for s in sides)
         self.interface: Interface = jumps.build(
-            surfaces[0],
-            surfaces[1] if len(surfaces) > 1 else None,
+            slave,
+            master[0] if master else None,
             setup.gap,
             setup.kinematics.dim * self.owned,
             self.comm,
@@ -124,7 +121,7 @@ class ContactSystem:
         supports = self.supports(self.bulk.space)
         self.reduction = constraints.reduce(supports, self.comm)
         self.reactions = SupportReactions.of(stiffness, supports.held, setup.kinematics.dim)
-        material = next(side for side in sides if side.tag == setup.slave).material
+        material = self.materials[setup.slave]
         self.law = setup.law.suited(material.young_modulus, material.lame)
         self.gap_per_approach: Array = self.interface.normals @ setup.push
         self.problem: ContactProblem = reduce_problem(
@@ -301,9 +298,8 @@ class ContactSystem:
         """Resultant of the pressure (n,), MPa, on the moving body against the direction of the
         approach, N of the whole model (collective).
         """
-        along = self.interface.normals @ self.setup.push
         sign = 1.0 if self.setup.slave == self.setup.moving.tag else -1.0
-        local = sign * float(np.sum(self.interface.weights * pressure * along))
+        local = sign * float(np.sum(self.interface.weights * pressure * self.gap_per_approach))
         return float(self.setup.parts * self.comm.allreduce(local))
 
     def _reaction(self, displacement: PETSc.Vec, pressure: Array, outer: PETSc.Vec | None) -> float:

@@ -19,6 +19,7 @@ from railhead.solver import compat
 from railhead.solver.algebra.linear import Preconditioner, factorise, near_nullspace
 from railhead.solver.algebra.problem import ContactProblem, Mask
 from railhead.solver.algebra.stiffness import Stiffness
+from railhead.solver.space.operators import weighted_product
 
 COARSE_DIRECT_BELOW = 40_000  # unknowns of the P1 level (measured from 20 000 to 33 000)
 SMOOTHING_STEPS = 3  # of Chebyshev's method, before and after the coarse level
@@ -140,9 +141,8 @@ class CoarseTangent:
         self.bulk = hierarchy.stiffness.pinned(problem.stiffness.spring).assembled()
         if problem.consistency:
             stress = problem.stress.matMult(prolongation)
-            scaled = stress.copy()
-            scaled.diagonalScale(L=problem.at_points(problem.weight))
-            self.bulk.axpy(-problem.consistency, stress.transposeMatMult(scaled), DIFFERENT)
+            product = weighted_product(stress, problem.weight, stress)
+            self.bulk.axpy(-problem.consistency, product, DIFFERENT)
         self.matrix = self.bulk.copy()
         self.matrix.axpy(1.0, self.contact, DIFFERENT)
         self.matrix.setBlockSize(hierarchy.stiffness.blocks.getBlockSize())

@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -25,7 +26,7 @@ from railhead.solver.interface.jumps import Interface
 from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.space.cells import Array
 from railhead.solver.space.constraints import Reduction, petsc_matrix
-from railhead.solver.space.operators import add_transposed, vector
+from railhead.solver.space.operators import add_transposed, vector, weighted_product
 
 Mask = NDArray[np.bool_]
 
@@ -91,6 +92,11 @@ class ContactProblem:
         gap = interface.initial_gap + (interface.gap * prescribed).array
         self.start_gap = gap + self.gap_per_approach * rigid_approach
 
+    def shared(self) -> dict[str, Any]:
+        """Fields by name, for another problem with the same matrices and a force of its own."""
+        own = {each.name: getattr(self, each.name) for each in fields(self) if each.init}
+        return own | {"force": self.force.duplicate()}
+
     @cached_property
     def tau(self) -> Array:
         """Parameter tau of the contact law at each point (n,), MPa/mm."""
@@ -155,6 +161,13 @@ class ContactProblem:
         """
         return float((self.law.theta or 0) * self.law.sigma)
 
+    def add_consistency_forces(self, stress: Array, out: PETSc.Vec) -> None:
+        """Add the forces -theta S^T w s of normal stresses s (n,), MPa, of Nitsche's method to the
+        vector `out` of the free unknowns, N; nothing for a penalty.
+        """
+        if self.consistency:
+            add_transposed(self.stress, -self.consistency * self.weight * stress, out)
+
     def indicator(self, y: PETSc.Vec) -> Array:
         """Pressure before its negative part is set to zero (n,), MPa, at the free unknowns y:
         -(sigma s + tau g) with stress s and gap g, positive where the surfaces touch.
@@ -174,9 +187,7 @@ class ContactProblem:
         r = self.stiffness * y
         r.axpy(-1.0, self.force)
         add_transposed(self.test_operator, -self.weight * pressure, r)
-        if self.consistency:
-            s = (self.stress * y).array + self.start_stress
-            add_transposed(self.stress, -self.consistency * self.weight * s, r)
+        self.add_consistency_forces((self.stress * y).array + self.start_stress, r)
         return r
 
     def slope(self, y: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
@@ -187,12 +198,8 @@ class ContactProblem:
         k_step = self.stiffness * step
         start, rate = k_step.dot(y) - self.force.dot(step), k_step.dot(step)
         b, db = -self.indicator(y), (self.normal_operator * step).array
-        if self.consistency:
-            s, ds = (self.stress * y).array + self.start_stress, (self.stress * step).array
-            b0 = -self.consistency * float(np.sum(self.weight * ds * s))
-            b1 = -self.consistency * float(np.sum(self.weight * ds**2))
-        else:
-            b0 = b1 = 0.0
+        s, ds = (self.stress * y).array + self.start_stress, (self.stress * step).array
+        b0, b1 = (-self.consistency * float(np.sum(self.weight * ds * each)) for each in (s, ds))
         comm = step.comm.tompi4py()
 
         def value(t: float) -> float:
@@ -235,14 +242,15 @@ class ContactProblem:
         """Tangent at an active set (n,), as a PETSc operator known by its products and its
         diagonal; no matrix is assembled.
         """
-        return self.shell(Tangent(self, active))
-
-    def shell(self, context: Tangent) -> PETSc.Mat:
-        """PETSc matrix that is known by its products alone; context: object that computes them."""
-        stiffness = self.stiffness
+        context, stiffness = self.tangent_context(self, active), self.stiffness
         matrix = PETSc.Mat().createPython(stiffness.sizes, context, comm=stiffness.comm)
         matrix.setUp()
         return matrix
+
+    @property
+    def tangent_context(self) -> type[Tangent]:
+        """Class of the PETSc shell context that computes the products of the tangent."""
+        return Tangent
 
     def diagonal(self, active: Mask, out: PETSc.Vec) -> None:
         """Write the diagonal of the tangent at an active set (n,) into the vector `out`, N/mm."""
@@ -272,13 +280,10 @@ class ContactProblem:
         multigrid.
         """
         different = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
-        right = self.normal_operator.copy()
-        right.diagonalScale(L=self.at_points(self.weight * active))
-        contact = self.test_operator.transposeMatMult(right)
+        contact = weighted_product(self.test_operator, self.weight * active, self.normal_operator)
         if self.consistency:
-            right = self.stress.copy()
-            right.diagonalScale(L=self.at_points(self.weight))
-            contact.axpy(-self.consistency, self.stress.transposeMatMult(right), different)
+            bulk = weighted_product(self.stress, self.weight, self.stress)
+            contact.axpy(-self.consistency, bulk, different)
         contact.axpy(1.0, self.stiffness.assembled(), different)
         contact.setOption(PETSc.Mat.Option.SYMMETRIC, self.law.symmetric)
         return contact
@@ -289,9 +294,7 @@ class ContactProblem:
         """
         rhs = self.force.copy()
         add_transposed(self.test_operator, -self.weight * active * self.offset, rhs)
-        if self.consistency:
-            values = self.consistency * self.weight * self.start_stress
-            add_transposed(self.stress, values, rhs)
+        self.add_consistency_forces(-self.start_stress, rhs)
         return rhs
 
 
@@ -314,9 +317,7 @@ class Tangent:
         problem.stiffness.mult(x, y)
         values = problem.weight * self.active * (problem.normal_operator * x).array
         add_transposed(problem.test_operator, values, y)
-        if problem.consistency:
-            values = -problem.consistency * problem.weight * (problem.stress * x).array
-            add_transposed(problem.stress, values, y)
+        problem.add_consistency_forces((problem.stress * x).array, y)
 
     def getDiagonal(self, _: PETSc.Mat, out: PETSc.Vec) -> None:  # noqa: N802 (PETSc's name)
         """Diagonal of the tangent, written into `out`, N/mm; called by PETSc."""

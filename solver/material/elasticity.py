@@ -15,6 +15,7 @@ from railhead.solver import compat
 from railhead.solver.material.hardening import Hardening
 from railhead.solver.space.cells import Bulk, quadrature_degree
 from railhead.solver.space.kinematics import SOLID, Kinematics
+from railhead.solver.space.operators import weighted_product
 
 
 @dataclass(frozen=True)
@@ -98,7 +99,4 @@ def _mean_dilatation(space: Any, lam: Any, degree: int) -> PETSc.Mat:
     integrals.assemble()
     volume = fem.petsc.assemble_vector(compat.form(cell * dx, mesh))
     stiff = fem.petsc.assemble_vector(compat.form(lam * cell * dx, mesh))
-    stiff.array[:] /= volume.array**2
-    scaled = integrals.copy()
-    scaled.diagonalScale(L=stiff)
-    return integrals.transposeMatMult(scaled)
+    return weighted_product(integrals, stiff.array / volume.array**2, integrals)

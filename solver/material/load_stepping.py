@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from petsc4py import PETSc
@@ -38,12 +38,8 @@ class SeparatedProblem(PlasticProblem):
         """The problem without contact; matrices and histories are shared with the given problem;
         reference_force: N.
         """
-        shared = {
-            each.name: getattr(problem, each.name) for each in fields(PlasticProblem) if each.init
-        }
-        shared["force"] = problem.force.duplicate()
-        shared["stiffness"] = problem.stiffness.pinned(problem.stiffness.typical)
-        return cls(**shared, reference_force=reference_force)
+        stiffness = problem.stiffness.pinned(problem.stiffness.typical)
+        return cls(**problem.shared() | {"stiffness": stiffness}, reference_force=reference_force)
 
     def indicator(self, y: PETSc.Vec) -> Array:
         """Array (n,) of -1 MPa: no contact point is active. The plastic state at the free unknowns

@@ -159,9 +159,7 @@ class PlasticProblem(ContactProblem):
         r = super().residual(y, pressure)
         plastic = self._bulk[0].plastic
         self.bulk.add_forces(-2 * self.bulk.mu[:, None] * plastic, r)
-        if self.consistency:
-            stress = self.plastic_normal_stress(self._surface[0].plastic)
-            add_transposed(self.stress, self.consistency * self.weight * stress, r)
+        self.add_consistency_forces(-self.plastic_normal_stress(self._surface[0].plastic), r)
         return r
 
     def slope(self, y: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
@@ -177,11 +175,10 @@ class PlasticProblem(ContactProblem):
 
         return value
 
-    def tangent(self, active: Mask) -> PETSc.Mat:
-        """Consistent tangent of the last state, at an active set (n,), as a PETSc operator; no
-        matrix is assembled.
-        """
-        return self.shell(_PlasticTangent(self, active))
+    @property
+    def tangent_context(self) -> type[Tangent]:
+        """Class of the PETSc shell context of the consistent tangent of the last state."""
+        return _PlasticTangent
 
     def set_prescribed_strain(self, prescribed: PETSc.Vec) -> None:
         """Set the prescribed strains of all points to those of a displacement on all dofs, mm."""
@@ -263,9 +260,7 @@ class _PlasticTangent(Tangent):
         if not problem.symmetric:  # contact points yield, on any rank
             contact = -problem.law.sigma * problem.weight * self.active * loss
             add_transposed(problem.test_operator, contact, y)
-            if problem.consistency:
-                values = problem.consistency * problem.weight * loss
-                add_transposed(problem.stress, values, y)
+            problem.add_consistency_forces(-loss, y)
 
 
 def bulk_points(
@@ -362,16 +357,3 @@ def _strain_matrices(
         "prescribed_strain": np.zeros((len(index), size)),
         "history": History.virgin(len(index), size),
     }
-
-
-def normal_dyads(normals: Array) -> Array:
-    """Dyads n x n (q, m) of unit vectors n (q, c), in Mandel's notation: 11, 22, 33 and sqrt(2)
-    times 23, 13, 12; in a section 11, 22, a zero, and sqrt(2) times 12.
-    """
-    dim = normals.shape[1]
-    shears = [(1, 2), (0, 2), (0, 1)] if dim == 3 else [(0, 1)]
-    out = np.zeros((len(normals), 3 + len(shears)))
-    out[:, :dim] = normals**2
-    for column, (i, j) in enumerate(shears, 3):
-        out[:, column] = np.sqrt(2) * normals[:, i] * normals[:, j]
-    return out

@@ -7,19 +7,17 @@ tangential tractions that friction finds, and unloads them.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 
 from railhead.solver.algebra.contact_system import ContactSystem, LoadCase
-from railhead.solver.algebra.problem import ContactProblem
 from railhead.solver.material.hardening import ROOT, deviator
 from railhead.solver.material.load_stepping import LoadStepping, predict_active_set
 from railhead.solver.material.plasticity import (
     PlasticProblem,
     State,
     bulk_points,
-    normal_dyads,
     surface_points,
 )
 from railhead.solver.setup import LoadPath
@@ -192,11 +190,9 @@ def plastic_problem(system: ContactSystem, path: LoadPath) -> PlasticProblem:
     the contact points of the slave; path: gives the region. Matrices are shared with the elastic
     problem.
     """
-    shared = {each.name: getattr(system.problem, each.name) for each in fields(ContactProblem)}
-    shared["force"] = system.problem.force.duplicate()
     hardening = system.materials[system.setup.slave].hardening
     return PlasticProblem(
-        **shared,
+        **system.problem.shared(),
         bulk=bulk_points(
             system.bulk,
             system.cell_tags,
@@ -208,7 +204,7 @@ def plastic_problem(system: ContactSystem, path: LoadPath) -> PlasticProblem:
         surface=surface_points(
             system.interface, hardening, system.bulk, system.reduction, system.comm
         ),
-        normal_dyads=normal_dyads(system.interface.normals),
+        normal_dyads=system.setup.kinematics.dyads(system.interface.normals),
     )
 
 

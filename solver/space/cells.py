@@ -167,8 +167,7 @@ class CellSet:
         times 12.
         """
         value, gradient = self.basis(index, points)
-        dim = self.kinematics.dim
-        shears = [(1, 2), (0, 2), (0, 1)] if dim == 3 else [(0, 1)]
+        dim, shears = self.kinematics.dim, self.kinematics.shears
         out = np.zeros((len(index), 3 + len(shears), gradient.shape[1], dim))
         for k in range(dim):
             out[:, k, :, k] = gradient[:, :, k]
@@ -214,18 +213,13 @@ class CellSet:
         weights (points, m) in mm3, at the quadrature points of all m cells; degree: degree of
         the quadrature.
         """
-        every = np.arange(len(self))
-        rule = basix.make_quadrature(getattr(basix.CellType, self.cell), degree)
-        gradients, traces, volumes = [], [], []
-        for point, weight in zip(*rule, strict=True):
-            points = np.tile(point, (len(self), 1))
-            x, jacobian = self._map(every, points)
-            value, gradient = self.basis(every, points)
-            gradients.append(gradient)
-            traces.append(self.kinematics.divergence(value, gradient, x[:, None]))
-            size = self.kinematics.measure(x) * np.abs(np.linalg.det(jacobian))
-            volumes.append(weight * size)
-        return np.array(gradients), np.array(traces), np.array(volumes)
+        (index, reference), x, weights = self.quadrature_points(degree)
+        value, gradient = self.basis(index, reference)
+        traces = self.kinematics.divergence(value, gradient, x[:, None])
+        every = (gradient, traces, weights)
+        of_cells = (each.reshape(len(self), -1, *each.shape[1:]) for each in every)
+        gradients, traces, volumes = (np.swapaxes(each, 0, 1) for each in of_cells)
+        return gradients, traces, volumes
 
 
 def cell_data(bulk: Bulk, cells: Index) -> dict[str, Any]:

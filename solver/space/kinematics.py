@@ -49,6 +49,11 @@ class Kinematics:
         return len(self.axes)
 
     @property
+    def shears(self) -> list[tuple[int, int]]:
+        """Pairs of coordinates of the shear components in Mandel's notation, in their order."""
+        return [(1, 2), (0, 2), (0, 1)] if self.dim == 3 else [(0, 1)]
+
+    @property
     def line_contact(self) -> bool:
         """Whether bodies touch along a line across the mesh: a section in plane strain."""
         return self.dim == 2 and not self.revolved
@@ -77,11 +82,20 @@ class Kinematics:
         """
         own = np.zeros((*mandel.shape[:-1], 3, 3))
         own[..., [0, 1, 2], [0, 1, 2]] = mandel[..., :3]
-        shears = [(1, 2), (0, 2), (0, 1)] if self.dim == 3 else [(0, 1)]
-        for column, (i, j) in enumerate(shears, 3):
+        for column, (i, j) in enumerate(self.shears, 3):
             own[..., i, j] = own[..., j, i] = mandel[..., column] / np.sqrt(2)
         axes = self.axes if self.dim == 3 else np.vstack([self.axes, np.cross(*self.axes)])
         return np.asarray(axes.T @ own @ axes)
+
+    def dyads(self, vectors: Array) -> Array:
+        """Dyads v x v (n, m) of vectors v (n, d) in the mesh, in Mandel's notation as in `tensors`;
+        the component normal to a section is zero.
+        """
+        out = np.zeros((len(vectors), 3 + len(self.shears)))
+        out[:, : self.dim] = vectors**2
+        for column, (i, j) in enumerate(self.shears, 3):
+            out[:, column] = np.sqrt(2) * vectors[:, i] * vectors[:, j]
+        return out
 
     def measure(self, points: Array) -> Array:
         """Factor (n,) from volume or area in the mesh, at points (n, d) in mm, to that of the body:

@@ -70,6 +70,15 @@ def add_transposed(matrix: PETSc.Mat, values: Array, out: PETSc.Vec) -> None:
     matrix.multTransposeAdd(vector(matrix, values), out, out)
 
 
+def weighted_product(left: PETSc.Mat, weights: Array, right: PETSc.Mat) -> PETSc.Mat:
+    """Distributed matrix left^T diag(weights) right; weights: one for each of this rank's rows
+    (collective).
+    """
+    scaled = right.copy()
+    scaled.diagonalScale(L=vector(right, weights))
+    return left.transposeMatMult(scaled)
+
+
 def select_rows(matrix: PETSc.Mat, local: Index) -> PETSc.Mat:
     """Distributed matrix of some rows of a matrix; local: local numbers (k,) of these rows on this
     rank (collective).

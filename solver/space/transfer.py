@@ -19,29 +19,17 @@ def reduced_prolongation(full: PETSc.Mat, fine: Reduction, coarse: Reduction) ->
     """
     q = fine.matrix.transposeMatMult(full.matMult(coarse.matrix))
     scale = fine.norms()
-    # A rigid body's approach moves no node: it is carried over as it is.
-    if fine.approach >= 0 and scale.array[fine.approach] == 0.0:
-        scale.array[fine.approach] = 1.0
-        row = scale.owner_range[0] + fine.approach
-        column = q.getOwnershipRangeColumn()[0] + coarse.approach
-        q = _with_entry(q, row, column)
-    elif fine.rigid_approach:
-        q = _with_entry(q, -1, -1)
+    if fine.rigid_approach:  # it moves no node: it is carried over as it is
+        entry = PETSc.Mat().createAIJ(q.getSizes(), nnz=1, comm=q.comm)
+        if fine.approach >= 0:
+            scale.array[fine.approach] = 1.0
+            row = scale.owner_range[0] + fine.approach
+            entry.setValue(row, q.getOwnershipRangeColumn()[0] + coarse.approach, 1.0)
+        entry.assemble()
+        q.axpy(1.0, entry, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
     scale.reciprocal()
     q.diagonalScale(L=scale)
     return q
-
-
-def _with_entry(matrix: PETSc.Mat, row: int, column: int) -> PETSc.Mat:
-    """The matrix, changed in place, with a 1 added at the global (row, column) of the rank that
-    gives a row of at least 0; other ranks give -1 (collective).
-    """
-    extra = PETSc.Mat().createAIJ(matrix.getSizes(), nnz=1, comm=matrix.comm)
-    if row >= 0:
-        extra.setValue(row, column, 1.0)
-    extra.assemble()
-    matrix.axpy(1.0, extra, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-    return matrix
 
 
 def rigid_modes(

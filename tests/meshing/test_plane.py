@@ -5,7 +5,8 @@ import pytest
 from mpi4py import MPI
 
 from railhead.geometry import outlines, profiles
-from railhead.meshing import blocks, mesh, plane
+from railhead.geometry.surfaces import StraightTread
+from railhead.meshing import blocks, mesh
 from railhead.meshing.bodies import Body, Options
 from railhead.meshing.sizing import Grading
 from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, SYMMETRY_Y, WHEEL
@@ -18,7 +19,7 @@ def bodies(*, half: bool, depth: float = 20.0) -> list[Body]:
     rail = outlines.block_section(flat, 0 if half else -40, 40, -30, outwards=1, half=half)
     return [
         Body(RAIL, rail, 0.0),
-        Body(WHEEL, plane.disc(50.0, depth, 40.0, 0.0, half=half), 0.0),
+        Body(WHEEL, outlines.disc(50.0, depth, 40.0, half=half), 0.0),
     ]
 
 
@@ -81,7 +82,7 @@ def test_predicted_triangles_are_those_of_gmsh() -> None:
 
 
 def test_straight_tread_is_its_profile_everywhere() -> None:
-    tread = plane.StraightTread(profiles.cone(0.05, 60.0, "cone20"), 2.0, 3.0)
+    tread = StraightTread(profiles.cone(0.05, 60.0, "cone20"), 2.0, 3.0)
     points = np.array([[0.0, 3.0, 2.0], [40.0, 13.0, 2.5], [0.0, 3.0, 1.0]])
     value, gradient = tread.implicit(points)
     np.testing.assert_allclose(value, [0.0, 0.0, 1.0], atol=1e-12)

@@ -17,7 +17,7 @@ from mpi4py import MPI
 from railhead.cli import main
 from railhead.planning.cost import machine
 from railhead.results import result_folder
-from railhead.solver.space import compiling
+from railhead.solver import compiling
 
 pytestmark = pytest.mark.system
 SMALL_FILES = """

@@ -7,9 +7,9 @@ import pytest
 from mpi4py import MPI
 from solved import solved
 
-from railhead.geometry import profiles
-from railhead.geometry.surfaces import ExactGap, RailSurface
-from railhead.meshing import mesh, plane
+from railhead.geometry import outlines, profiles
+from railhead.geometry.surfaces import ExactGap, RailSurface, StraightTread
+from railhead.meshing import mesh
 from railhead.meshing.bodies import Body, Options
 from railhead.meshing.sizing import Grading
 from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL
@@ -142,13 +142,15 @@ def test_disc_free_to_slide_on_its_diametral_plane_gives_johnsons_approach() -> 
     """Half a disc on a frictionless plane under a rigid plate, w/R = 0.03: within 0.5 %."""
     radius, young, poisson, load = 13.0, 29120.0, 0.3, 320.0
     strip = line_contact(1 / radius, young / (1 - poisson**2), load)
-    section = plane.flipped(plane.disc(radius, radius, 0.0, 0.0, half=True))
+    upside_down, still = np.diag([1.0, -1.0]), np.zeros(2)
+    half = outlines.disc(radius, radius, 0.0, half=True)
+    section = [curve.moved(upside_down, still) for curve in half]
     grading = Grading((0.0, 0.0, 0.0), strip.b, strip.b, 0.0, strip.b / 8)
     options = Options("tetrahedron", 2, True, "xz")
     made = mesh.generate([Body(RAIL, section, 0.0)], grading, options, MPI.COMM_WORLD)
     arc = profiles.Profile("arc", (profiles.Arc(-radius, radius, 0.0, -radius, radius, 1),))
     across = Kinematics(np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), thickness=2.0)
-    flat = plane.StraightTread(profiles.single_radius(math.inf, 99.0), 0.0)
+    flat = StraightTread(profiles.single_radius(math.inf, 99.0), 0.0)
     setup = Setup(
         fixed=ContactBody(RAIL, CONTACT + RAIL, 99, Material(young, poisson)),
         moving=ContactBody(WHEEL, CONTACT + WHEEL, SUPPORT + WHEEL, Material(math.inf, 0.3)),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from railhead.geometry.measured import tables
 from railhead.geometry.measured.extensions import BODY_BY_EXTENSION
+from railhead.geometry.measured.smoothing import LEAST_POINTS
 from railhead.geometry.measured.tables import NUMBER, SHOWN, FormatError, Table
 
 Array = NDArray[np.float64]
-LEAST_POINTS = 12
 BLANKS = r"[\s,;]+"
 SIMPACK_UNITS = {1000: "mm", 1: "m", 39: "inch"}  # by the whole part of units.len.f, units a metre
 
@@ -64,26 +64,27 @@ def _text(path: Path) -> str:
 
 
 def _miniprof(name: str, lines: Sequence[str]) -> Table:
-    """Table of a MiniProf file. Lines that begin with a quotation mark are commented out; the
-    header's XYPoints may count them too. Raises FormatError.
+    """Table of a MiniProf file. Lines that begin with a quotation mark are commented out. Raises
+    FormatError.
     """
     empty = next((i for i, line in enumerate(lines) if not line.strip()), len(lines))
     header = dict(line.split("=", 1) for line in lines[:empty] if "=" in line)
     if not header:
         text = "is no header; give MiniProf's lines key=value and an empty line before the points"
         raise FormatError(name, 1, text)
-    rows = _rows(name, lines, empty, len(lines), '"!%#')
+    values, at_lines, remarks = _rows(name, lines, empty, len(lines), '"!%#')
     names = [column.strip().upper() for column in header.get("ColumnDef", "X,Y").split(",")]
     columns = [names.index(column) for column in ("X", "Y") if column in names]
-    if len(columns) < 2 or max(columns) >= rows.values.shape[1]:
+    if len(columns) < 2 or max(columns) >= values.shape[1]:
         columns = [0, 1]
-    remarks, count = rows.remarks, header.get("XYPoints", "").strip()
-    if count.isdigit() and int(count) - len(rows.values) not in (0, rows.commented_out):
-        remarks = (*remarks, f"the header says {count} points")
     return Table(
-        points=rows.values[:, columns], unit="mm", body="", format="MiniProf", remarks=remarks,
-        lines=rows.lines,
-    )  # fmt: skip
+        points=values[:, columns],
+        unit="mm",
+        body="",
+        format="MiniProf",
+        remarks=remarks,
+        lines=at_lines,
+    )
 
 
 def _simpack(name: str, lines: Sequence[str]) -> Table:
@@ -110,8 +111,8 @@ def _simpack(name: str, lines: Sequence[str]) -> Table:
             raise FormatError(name, line, f"{key} = {text[:SHOWN]!r}; give a number")
         return float(text)
 
-    rows = _rows(name, lines, begin + 1, bare.index("point.end", begin), "!")
-    points, at_lines = rows.values[:, :2] + [number("shift.y"), number("shift.z")], rows.lines
+    values, at_lines, remarks = _rows(name, lines, begin + 1, bare.index("point.end", begin), "!")
+    points = values[:, :2] + [number("shift.y"), number("shift.z")]
     turn = number("rotate") / number("units.ang.f", 1.0)
     c, s = math.cos(turn), math.sin(turn)
     points = points @ np.array([[c, s], [-s, c]])
@@ -132,32 +133,16 @@ def _simpack(name: str, lines: Sequence[str]) -> Table:
         unit=SIMPACK_UNITS.get(int(number("units.len.f", 1000.0)), ""),
         body={"0": "rail", "1": "wheel"}.get(keys.get("type", (0, ""))[1], ""),
         format="Simpack",
-        remarks=(*rows.remarks, *done),
+        remarks=(*remarks, *done),
         lines=at_lines,
     )
 
 
-@dataclass(frozen=True)
-class _Rows:
-    """Rows of numbers from lines of a file.
-    values: (n, m) numbers.
-    lines: (n,) line number of each row.
-    commented_out: number of rows that a comment sign disables.
-    """
-
-    values: Array
-    lines: tuple[int, ...]
-    commented_out: int
-
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        """Remark with the number of rows commented out; empty without any."""
-        lines = "line" if self.commented_out == 1 else "lines"
-        return (f"{self.commented_out} {lines} commented out",) if self.commented_out else ()
-
-
-def _rows(name: str, lines: Sequence[str], start: int, end: int, comment: str) -> _Rows:
-    """Rows of numbers in the lines with indices from start up to, not including, end.
+def _rows(
+    name: str, lines: Sequence[str], start: int, end: int, comment: str
+) -> tuple[Array, tuple[int, ...], tuple[str, ...]]:
+    """Numbers (n, m) in the lines with indices from start up to, not including, end; the line
+    number of each row (n,); and a remark on rows that are commented out, if any.
     comment: characters of which one begins a comment line.
     Raises FormatError for a line that is no row, and where there is none.
     """
@@ -178,4 +163,5 @@ def _rows(name: str, lines: Sequence[str], start: int, end: int, comment: str) -
         text = "no points follow; give two numbers y, z a line"
         raise FormatError(name, min(start + 1, len(lines)), text)
     width = min(map(len, rows))
-    return _Rows(np.array([row[:width] for row in rows]), tuple(where), out)
+    remarks = (f"{out} line{'s' * (out > 1)} commented out",) if out else ()
+    return np.array([row[:width] for row in rows]), tuple(where), remarks

@@ -1,4 +1,4 @@
-"""Order of points along their curve, merging of repeated ones, the head of a whole section."""
+"""Order of points along their curve, rounded coordinates, the head of a whole section."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 LARGEST_GAP = 5.0  # mm between neighbours
 HEAD_DEPTH = 45.0  # mm below its top: what is deeper is web or foot
-DISTINCT = 0.75  # share of different y in the middle half of the width; with fewer, y is repeated
-COARSE = 0.1  # mm: heights of points at one y may differ by this much
-PASS = 20  # points between two turns of a gauge that goes there and back, at least
+ROUNDED = 0.01  # mm: stairs of heights that are higher make contacts that do not exist
+DISTINCT = 0.75  # share of different numbers among the points; with fewer they are rounded
+PASS = 20  # points from one end of a scan to the other, at least
 
 
 class PointError(ValueError):
@@ -47,27 +47,16 @@ def in_order(points: Array) -> Array:
     order = np.argsort(points[:, 0], kind="stable")
     way = points
     if chord_lengths(points[order])[-1] < chord_lengths(points)[-1]:
-        _refuse_second_pass(points, order)
+        back = np.flatnonzero(np.diff(np.sign(np.diff(points[:, 0])))) + 1
+        mixed = np.mean(np.abs(np.diff(order)) > 1) > 0.5
+        if mixed and len(back) < len(points) / PASS:
+            text = "runs over the same place twice, at the latest here; give one pass"
+            raise PointError(text, points[back[-1]])
         way = points[order]
     y, z = way.T
     if closes(way):
         return way if np.dot(y, np.roll(z, -1) - np.roll(z, 1)) < 0 else way[::-1]
     return way if y[-1] > y[0] else way[::-1]
-
-
-def _refuse_second_pass(points: Array, order: NDArray[np.intp]) -> None:
-    """Raises PointError where points (n, 2) run over the same place twice.
-    order: (n,) indices that sort them by y. A gauge that goes there and back turns few times, but
-        most neighbours across belong to two passes.
-    """
-    y = points[:, 0]
-    low, high = np.quantile(y, (0.25, 0.75))
-    outer = np.flatnonzero((y < low) | (y > high))
-    turns = outer[1:][np.diff(np.sign(y[outer] - (low + high) / 2)) != 0]
-    mixed = np.mean(np.abs(np.diff(order)) > 1) > 0.5
-    if mixed and 2 <= len(turns) <= len(y) / PASS:
-        text = "runs over the same place twice, at the latest here; give one pass"
-        raise PointError(text, points[turns[1]])
 
 
 def head(points: Array) -> Array:
@@ -91,21 +80,18 @@ def resampled(points: Array, step: float) -> Array:
     return np.column_stack([np.interp(places, s, column) for column in points.T])
 
 
-def merged(points: Array) -> Array:
-    """Points (m, 2), mm, with neighbours at the same y averaged, where y is rounded so that it
-    repeats; else the points (n, 2) unchanged.
-    Only the middle half of the width tells, where no face is vertical. Raises PointError where such
-    points are farther apart in height than 0.1 mm (COARSE).
+def refuse_rounded(points: Array) -> None:
+    """Raises PointError where coordinates of points (n, 2), mm, in their order, are rounded:
+    heights to more than 0.01 mm (ROUNDED), or y so that neighbours have the same one.
+    The middle half of the width tells, where no face is vertical.
     """
-    y = points[:, 0]
-    middle = y[np.abs(y - (y.min() + y.max()) / 2) < np.ptp(y) / 4]
-    if len(np.unique(middle)) >= DISTINCT * len(middle):
-        return points
-    starts = np.flatnonzero(np.concatenate([[True], np.diff(y) != 0]))
-    counts = np.diff(np.append(starts, len(y)))
-    high, low = (each.reduceat(points[:, 1], starts) for each in (np.maximum, np.minimum))
-    if np.quantile(high - low, 0.9) > COARSE:
-        worst = int(np.argmax(high - low))
-        text = f"points at the same y are up to {(high - low)[worst]:.2g} mm apart in height"
-        raise PointError(f"has rounded y: {text}; give more digits", points[starts[worst]])
-    return np.asarray(np.add.reduceat(points, starts) / counts[:, None])
+    y, heights = points[:, 0], np.unique(np.round(points[:, 1], 6))
+    steps = np.diff(heights)
+    if 1 < len(heights) < DISTINCT * len(points) and steps.min() > 1.01 * ROUNDED:
+        text = f"has heights rounded to {steps.min():.2g} mm; give more digits, {ROUNDED:g} mm at "
+        raise PointError(f"{text}least", points[0])
+    middle = points[np.abs(y - (y.min() + y.max()) / 2) < np.ptp(y) / 4]
+    same, apart = np.diff(middle, axis=0).T
+    if np.count_nonzero((same == 0) & (apart != 0)) > (1 - DISTINCT) * len(middle):
+        text = "has rounded y: points at the same y have different heights; give more digits"
+        raise PointError(text, middle[np.argmax((same == 0) & (apart != 0))])

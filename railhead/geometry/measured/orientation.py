@@ -23,10 +23,8 @@ MM_OF_UNIT = {"mm": 1.0, "m": 1000.0, "inch": 25.4, "cm": 10.0, "um": 1e-3, "ft"
 WIDTHS = 7.5, 300.0  # mm of any profile, ...
 USUAL_WIDTHS = {"rail": (25.0, 100.0), "wheel": (60.0, 150.0)}  # ... and where no unit is stated
 GUESSED_UNITS = ("mm", "inch", "m")  # no number is a usual width in two of them
-FALL = 4.0  # mm that a rail read in inches or m falls at its sides: a crown in cm falls by less
 COARSE_STEP = 1.0  # mm between the points by which orientations are compared
 CLEARER, CLEARLY = 2.0, 0.02  # times, and mm: another orientation is farther from the standard
-WIDE, FLAT = 60.0, 2.0  # mm: a rail head that wide falls by more, worn or not
 UNWORN, STANDS_OUT = 0.05, 0.15  # mm: of a side that is the standard's, and of the whole, at most
 CLEAR_LOSS, CLEAR_SLOPE = 2.0, 0.005  # mm2 and slope: less tells no gauge side
 FALLS, LEAST_FALL = 3.0, 1.0  # mm: a head falls at one side of its top, and must at the other
@@ -61,15 +59,15 @@ def oriented(points: Array, body: str, given: Orientation) -> tuple[Array, list[
     even = _even(points * signs, body, standards.STEP)
     laid = standards.all_laid(even, body)
     nearest = min(laid, key=lambda each: each.misfit)
-    warning, typed = "", "auto" not in (given.flip, given.mirror)
     if not nearest.fits:
         text = f"is farther than {standards.FARTHEST:g} mm from {nearest.name}, the nearest "
         text += f"standard {body}, or beside it"
-        if not typed:
+        if "auto" in (given.flip, given.mirror):
             keys = "profile_unit, profile_flip and profile_mirror"
             raise PointError(f"{text}; check its columns, or give its {keys}", points[0])
-        warning = f"WARNING: {text}"
-    if body == "rail" and not warning:
+        mirrored = ["mirrored"] * (signs[0] < 0)
+        return points * signs, [*done, *mirrored, f"WARNING: {text}"]
+    if body == "rail":
         _refuse_half_head(even, signs)
     origin = nearest.origin
     if body == "rail" and given.mirror == "auto":
@@ -80,13 +78,13 @@ def oriented(points: Array, body: str, given: Orientation) -> tuple[Array, list[
     elif signs[0] < 0:
         done.append("mirrored")
     turned = points * signs
-    if given.origin == "auto" and not warning:
+    if given.origin == "auto":
         move = _move(ordering.head(turned) if body == "rail" else turned, body, origin, points)
         if move.any():
             turned = turned + move
             place = "crown centre" if body == "rail" else "tape circle"
             done.append(f"moved by {move[0]:.2f}, {move[1]:.2f} mm to the {place}")
-    return turned, [*done, warning] if warning else done
+    return turned, done
 
 
 def _even(points: Array, body: str, step: float) -> Array:
@@ -103,9 +101,8 @@ def _signs(points: Array, body: str, given: Orientation) -> Array:
     Raises PointError where a standard fits about as well with others.
     """
     signs = {"auto": (1.0, -1.0), "off": (1.0,), "on": (-1.0,)}
-    mirrors = signs[given.mirror]
-    if body == "rail" and given.mirror == "auto":  # standard heads are symmetric
-        mirrors = (1.0,)
+    symmetric = body == "rail" and given.mirror == "auto"  # as standard heads are
+    mirrors = (1.0,) if symmetric else signs[given.mirror]
     ways = [np.array([mirror, flip]) for flip in signs[given.flip] for mirror in mirrors]
     if len(ways) == 1:
         return ways[0]
@@ -196,45 +193,21 @@ def _move(points: Array, body: str, origin: Array, listed: Array) -> Array:
 
 def in_mm(table: Table, body: str, given: str) -> tuple[Array, str]:
     """Points (n, 2) of a 'rail' or 'wheel' in mm, and a remark on their unit and its source.
-    given: the unit, or 'auto' for the file's unit or a guess by the width.
+    given: the unit, or 'auto' for the file's unit, else the one in which the width is usual.
     Raises PointError, at the outermost point in the axes of the table, where no unit, or not the
     given or stated one, fits the width.
     """
-    unit = given if given != "auto" else table.unit or _unit_by_width(table.points, body)
-    points = MM_OF_UNIT[unit] * table.points
-    width, (least, most) = float(np.ptp(points[:, 0])), WIDTHS
-    if not least < width <= most:
-        text = f"is {width:.4g} mm wide in {unit}; give its profile_unit, in which it is "
-        raise PointError(f"{text}{least:g} to {most:g} mm wide", _outermost(table.points))
+    stated = table.unit if given == "auto" else given
+    units, y = (stated,) if stated else GUESSED_UNITS, table.points[:, 0]
+    width, (least, most) = float(np.ptp(y)), WIDTHS if stated else USUAL_WIDTHS[body]
+    unit = next((each for each in units if least <= width * MM_OF_UNIT[each] <= most), None)
+    if unit is None:
+        text = f"is {width:.4g} wide, no {body} of {least:g} to {most:g} mm in {', '.join(units)}; "
+        text += "give its profile_unit, or name it in a header, y before z"
+        raise PointError(text, table.points[np.argmax(np.abs(y - np.median(y)))])
     if given == "auto":
-        return points, f"in {unit} ({'as the file says' if table.unit else 'by its width'})"
-    overruled = table.unit not in ("", unit)
-    return points, f"in {unit}" + (f" as given (the file says {table.unit})" if overruled else "")
-
-
-def _unit_by_width(points: Array, body: str) -> str:
-    """Unit, mm, inch or m, in which the width of points (n, 2) of a 'rail' or 'wheel' is usual.
-    Raises PointError where none fits, or heights look like another unit.
-    """
-    width, (least, most) = float(np.ptp(points[:, 0])), USUAL_WIDTHS[body]
-    y, z = points[np.argsort(points[:, 0], kind="stable")].T
-    bulge = float(np.abs(z - np.interp(y, y[[0, -1]], z[[0, -1]])).max())
-    for unit in GUESSED_UNITS:
-        fits = least <= width * MM_OF_UNIT[unit] <= most
-        if fits and unit == "mm" and body == "rail" and width > WIDE and np.ptp(z) < FLAT:
-            text = f"is {width:.4g} wide and {np.ptp(z):.2g} high, lower than a rail that wide in "
-            text += "mm: are heights in another unit? Give its profile_unit, or name it in a "
-            text += "header, y before z"
-            raise PointError(text, _outermost(points))
-        if fits and (unit == "mm" or body == "wheel" or bulge * MM_OF_UNIT[unit] >= FALL):
-            return unit
-    text = (
-        f"is {width:g} wide and {bulge:.2g} high, no {body} of {least:g} to {most:g} mm in "
-        f"{', '.join(GUESSED_UNITS)}; give its profile_unit, or name it in a header, y before z"
-    )
-    raise PointError(text, _outermost(points))
-
-
-def _outermost(points: Array) -> Array:
-    """The point (2,) of points (n, 2) that is farthest in y from their median."""
-    return np.asarray(points[np.argmax(np.abs(points[:, 0] - np.median(points[:, 0])))])
+        source = f" ({'as the file says' if stated else 'by its width'})"
+    else:
+        overruled = table.unit not in ("", unit)
+        source = f" as given (the file says {table.unit})" * overruled
+    return MM_OF_UNIT[unit] * table.points, f"in {unit}{source}"

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 STEEPEST = 0.045  # dy over ds: steeper faces than those of a standard rail's corners are cut off
 SAMPLE = 0.1  # mm between the points of a profile's spline
 LOOSE = 1.0  # mm beyond half a step between points, or two usual ones: no curve through them
-FOLD, LOST = 20.0, 2.0  # mm along a part that turns back, at most, and across that it cuts off
+CUT = 2.5  # mm across that undercut sides take of the width of a sound profile, at most
 FROM_SHAPE = Orientation()
 EDGE = 0.02  # share of the width at either end that reports leave out
 
@@ -130,16 +130,16 @@ def from_points(
     s = np.linspace(0, smoothed.length, max(2, math.ceil(smoothed.length / SAMPLE)) + 1)
     tangent = smoothed.curve(s, 1)
     faces = tangent[:, 0] > STEEPEST * np.linalg.norm(tangent, axis=1)
-    runs = _runs(faces)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], faces, [False]]).astype(int)))
+    runs = edges.reshape(-1, 2)  # first index and index behind the last one of each run
     if np.diff(runs).max(initial=0) < 4:
         raise ValueError("has no part that faces upwards; give points across the running surface")
     curve, spacing = smoothed.curve(s), np.diff(ordering.chord_lengths(smoothed.points))
     off = cKDTree(smoothed.points).query(curve)[0]
-    if off.max() > max(spacing.max() / 2, 2 * float(np.median(spacing))) + LOOSE:
+    loose = off.max() > max(spacing.max() / 2, 2 * float(np.median(spacing))) + LOOSE
+    y, z = curve[slice(*runs[np.argmax(np.diff(runs))])].T
+    if loose or max(y[0] - curve[:, 0].min(), curve[:, 0].max() - y[-1]) > CUT:
         raise smoothing.folded(smoothed.points)
-    longest = int(np.argmax(np.diff(runs)))
-    _refuse_folds(curve, float(s[1]), runs, longest, smoothed.points)
-    y, z = curve[slice(*runs[longest])].T
     return smoothed, Profile(name, (Spline(float(y[0]), float(y[-1]), CubicSpline(y, z)),))
 
 
@@ -185,11 +185,12 @@ def _read(
         raise _refused(path, table, points, error) from None
     except ValueError as error:
         raise ValueError(f"{path.name} {error}") from None
-    warnings = (
-        f"WARNING: {text} at y = {place[0]:.1f}, line {_line(table, points, place)}: "
-        "taken for shape"
-        for text, place in _outliers(smoothed, profile)
-    )
+    warnings = ()
+    if wave := outliers.wave(smoothed, *inner(profile)):
+        angle, place = wave
+        text = f"WARNING: it bends by {angle:.0f} deg and back within {outliers.WAVE:g} mm at y = "
+        text += f"{place[0]:.1f}, line {_line(table, points, place)}: taken for shape"
+        warnings = (text,)
     remarks = (*remarks, *table.remarks, *warnings)
     return Measured(path=path, body=body, remarks=remarks, smoothed=smoothed, profile=profile)
 
@@ -210,18 +211,15 @@ def _in_axes(
     try:
         points, unit = orientation.in_mm(table, body, given.unit)
         listed = points
-        outliers.check_digits(points)
-        outliers.check_wild(ordering.in_order(points))
+        outliers.refuse_outlier(ordering.in_order(points))
         points, done = orientation.oriented(points, body, given)
         listed = points
-        part = ordering.head(points) if body == "rail" else points
-        kept = ordering.merged(part)
+        kept = ordering.head(points) if body == "rail" else points
+        ordering.refuse_rounded(ordering.in_order(kept))
     except PointError as error:
         raise _refused(path, table, listed, error) from None
-    if len(part) < len(points):
+    if len(kept) < len(points):
         done.append(f"cut off {ordering.HEAD_DEPTH:g} mm below its top")
-    if len(kept) < len(part):
-        done.append(f"points at the same y averaged to {len(kept)}")
     return table, points, kept, (f"{table.format}, {len(table.points)} points", unit, *done)
 
 
@@ -237,44 +235,6 @@ def _line(table: Table, points: Array, place: Array) -> int:
     the place.
     """
     return table.lines[int(np.argmin(np.abs(points - place).max(axis=1)))]
-
-
-def _outliers(smoothed: Smoothed, profile: Profile) -> list[tuple[str, Array]]:
-    """Texts on spikes and waves that are kept in the smoothed curve, each with its place (2,) in
-    mm.
-    """
-    found, (start, end) = [], inner(profile)
-    y = smoothed.points[:, 0]
-    if spikes := outliers.spikes(smoothed, np.asarray((y > start) & (y < end))):
-        count, off, place = spikes
-        text = "1 point stands off by" if count == 1 else f"{count} points stand off by up to"
-        found.append((f"{text} {off:.2g} mm", place))
-    if wave := outliers.wave(smoothed, start, end):
-        text = f"it bends by {wave[0]:.0f} deg and back within {outliers.WAVE:g} mm"
-        found.append((text, wave[1]))
-    return found
-
-
-def _runs(faces: NDArray[np.bool_]) -> NDArray[np.intp]:
-    """First index and index behind the last one (k, 2) of each run of True in faces (n,)."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], faces, [False]]).astype(int)))
-    return edges.reshape(-1, 2)
-
-
-def _refuse_folds(
-    curve: Array, step: float, runs: NDArray[np.intp], longest: int, points: Array
-) -> None:
-    """Raises PointError where a fold cut off a part that faces upwards near the longest run, as
-    points that stand off make one; at the point where points (m, 2) turn most.
-    curve: (n, 2) points, mm, that are `step` mm apart; runs: (k, 2) first and behind the last of
-        the parts that face upwards; longest: index of the longest one.
-    """
-    start, end = runs[longest]
-    for first, behind in runs:
-        gap = (behind, start) if behind <= start else (end, first)
-        near = first != start and step * (gap[1] - gap[0] + 1) < FOLD
-        if near and np.ptp(curve[first:behind, 0]) > LOST:
-            raise smoothing.folded(points)
 
 
 @dataclass(frozen=True)

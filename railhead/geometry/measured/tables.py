@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 COMMENT = re.compile(r"[#%!;*]|//")
 ACROSS = ("y", "lateral", "lat", "across", "quer")
 UP = ("z", "height", "vertical", "vert", "hoehe", "höhe", "elevation", "elev", "depth", "tiefe")
@@ -31,7 +31,6 @@ UNIT_OF_NAME = {name: unit for unit, names in UNIT_NAMES.items() for name in nam
 OTHER_UNITS = ("km", "dm", "nm", "yd", "yard", "yards", "mil", "mils", "px", "deg", "°", "rad")
 UNIT = re.compile(r"[\[(/_]\s*([^\W\d_]+|°)")  # in a name: y [mm], y/mm, y_mm
 UNIT_LINE = re.compile(r"\bunits?\s*[:=]?\s*([^\W\d_]+)", re.IGNORECASE)
-TWO_MEANINGS = re.compile(r"-?\d+(,\d+)?,-?\d{1,3}(,\d+)?")  # 1,5,2,5 or 1,2,5
 SHOWN = 40  # characters of a wrong line that a message repeats
 
 #: Separator (regular expression), decimal mark and name, in the order in which they are tried.
@@ -86,7 +85,7 @@ def numbers(line: str, separator: str, decimal: str) -> list[float] | None:
             text = "?" if "." in text else text.replace(",", ".")
         if not NUMBER.fullmatch(text):
             break
-        found.append(float(text.upper().replace("D", "E")))
+        found.append(float(text))
     return found if len(found) >= 2 and all(map(math.isfinite, found)) else None
 
 
@@ -96,33 +95,30 @@ def read(name: str, lines: Sequence[str], unit_is_given: bool) -> Table:
     unit_is_given: the user gives the unit, so a header with an unknown unit is not refused.
     Raises FormatError for lines that are no points, and columns or units that are unclear.
     """
-    full = [(at, line) for at, line in enumerate(lines, 1) if line.strip()]
-    data = [(at, line) for at, line in full if not COMMENT.match(line.lstrip())]
+    full = [(at, line.strip()) for at, line in enumerate(lines, 1) if line.strip()]
+    data = [(at, line) for at, line in full if not COMMENT.match(line)]
     separator, decimal, words = max(
         LAYOUTS, key=lambda each: sum(numbers(line, *each[:2]) is not None for _, line in data)
     )
     rows = [(at, line, numbers(line, separator, decimal)) for at, line in data]
     points = [(at, row) for at, _, row in rows if row]
-    if not points:
-        text = "is no point; give two numbers y, z a line"
-        raise FormatError(name, data[0][0] if data else 1, text)
-    first = points[0][0]
-    lined = [line.strip() for _, line, row in rows if row]
-    if separator == "," and all(map(TWO_MEANINGS.fullmatch, lined)) and _might_be_decimal(lined):
-        text = "commas separate and are decimal marks too; separate by semicolons, tabs or blanks"
-        raise FormatError(name, first, text)
-    for at, line, row in rows:
+    first = points[0][0] if points else 0
+    for at, line, row in rows or [(1, "", None)]:
         if row is None and at > first:
             text = "is no point; give two numbers y, z, or begin a comment with #"
-            raise FormatError(name, at, f"{line.strip()[:SHOWN]!r} {text}")
+            raise FormatError(name, at, f"{line[:SHOWN]!r} {text}")
     header = [(at, line) for at, line in full if at < first]
     count = max(len(row) for _, row in points)
-    at, columns, heads = _columns(name, header, separator, count, first)
-    short = next((at for at, row in points if len(row) <= max(columns)), 0)
-    if short:
-        text = f"has no number in column {max(columns) + 1}; give as many as in other lines"
-        raise FormatError(name, short, text)
-    units = list(dict.fromkeys(filter(None, map(_unit, heads)))) if at else []
+    named = _columns(name, header, separator, count)
+    if not named and count > 2:
+        raise FormatError(
+            name, first, f"has {count} columns; give a header line that names y and z"
+        )
+    at, columns, units = named or (first, (0, 1), [])
+    for line_number, row in points:
+        if len(row) <= max(columns):
+            text = f"has no number in column {max(columns) + 1}; give as many as in other lines"
+            raise FormatError(name, line_number, text)
     if not unit_is_given and (len(units) > 1 or any(unit not in UNIT_NAMES for unit in units)):
         text = f"the columns are in {' and '.join(units)}; give both in one of "
         raise FormatError(name, at, text + ", ".join(UNIT_NAMES))
@@ -138,51 +134,34 @@ def read(name: str, lines: Sequence[str], unit_is_given: bool) -> Table:
     )
 
 
-def _might_be_decimal(lines: Sequence[str]) -> bool:
-    """Whether a line of comma-separated numbers has four of them, or a third one with three or more
-    digits, as decimals have.
-    """
-    return any(re.match(r"([^,]*,){3}|.*,.*,\d{3,}\s*$", line) for line in lines)
-
-
 def _columns(
-    name: str, header: Sequence[tuple[int, str]], separator: str, count: int, first: int
-) -> tuple[int, tuple[int, int], list[str]]:
-    """Line number of the header that names y and z (0 without one), indices of these two columns,
-    and the names over them, units included.
-    header: (line number, text) before the points; count: columns of the points; first: line of the
-        first point.
-    Raises FormatError where the header names several columns, or none is named and there are more
-    than two.
+    name: str, header: Sequence[tuple[int, str]], separator: str, count: int
+) -> tuple[int, tuple[int, int], list[str]] | None:
+    """Line number of the last header line that names y and z, indices of these two columns, and the
+    units that stand over them; None where no line names them.
+    header: (line number, text) before the points; count: columns of the points.
+    Raises FormatError where a header names several such columns, or fewer columns than there are.
     """
     for index, (at, line) in reversed([*enumerate(header)]):
         cells = _cells(line, separator)
         words = [re.split(r"[\W_]", cell)[0] for cell in cells]
-        across, up = (
-            [i for i, word in enumerate(words) if word in known] for known in (ACROSS, UP)
+        across, up, along = (
+            [i for i, word in enumerate(words) if word in known] for known in (ACROSS, UP, ("x",))
         )
-        along = [i for i, word in enumerate(words) if word == "x"]
         if along and not (across and up):  # x is across where there is no y, or no z beside it
             across, up = along, up or across
         if not (across and up):
             continue
-        if len(across) > 1 or len(up) > 1:
-            text = "names several columns across, or up; give a header that names one y and one z"
-            raise FormatError(name, at, text)
+        if len(across) > 1 or len(up) > 1 or len(cells) < count:
+            text = f"names several columns across or up, or fewer than the {count} of the points; "
+            raise FormatError(name, at, text + "give a header that names one y and one z")
         columns = across[0], up[0]
-        heads = [cells[column] for column in columns]
         below = _cells(header[index + 1][1], separator) if index + 1 < len(header) else []
         if len(below) == len(cells):  # names, then units
-            heads = [
-                f"{head} /{below[i].strip('[]()')}" for i, head in zip(columns, heads, strict=True)
-            ]
-        return at, columns, heads
-    if count > 2:
-        text = f"has {count} columns; give a header line that names y and z"
-        raise FormatError(name, first, text)
-    last = _cells(header[-1][1], separator) if header else []
-    named = len(last) == 2 and all(cell[:1].isalpha() for cell in last)
-    return (header[-1][0], (0, 1), last) if named else (0, (0, 1), [])
+            cells = [f"{cells[i]} /{unit.strip('[]()')}" for i, unit in enumerate(below)]
+        units = dict.fromkeys(_unit(cells[column]) for column in columns)
+        return at, columns, [*filter(None, units)]
+    return None
 
 
 def _cells(line: str, separator: str) -> list[str]:
