@@ -101,7 +101,7 @@ SCENES = {
 }
 
 
-LONG = ("axis ratio 10", "1 MN", "theta 0")
+LONG = "axis ratio 10", "100 N", "1 MN", "theta 0", "soft wheel", "rigid wheel", "by approach"
 
 
 @pytest.mark.parametrize(
@@ -120,6 +120,7 @@ def test_other_hertz_scenes_are_as_accurate(assignments: list[str]) -> None:
     assert summary["checks"]["force_balance"] < 1e-8
 
 
+@pytest.mark.slow
 def test_a_penalty_on_fine_linear_cells_takes_few_steps() -> None:
     """Linear solves that end too early let it wander: 14 Newton steps instead of 5."""
     keys = ["solver.method=penalty", "mesh.order=1", "mesh.patch_size=0.22"]
@@ -129,11 +130,14 @@ def test_a_penalty_on_fine_linear_cells_takes_few_steps() -> None:
     assert cost["linear_iterations"] <= 130
 
 
-@pytest.mark.parametrize("ratio", [0.46, 0.49, 0.4999])
+@pytest.mark.parametrize(
+    "ratio", [*(pytest.param(nu, marks=pytest.mark.slow) for nu in (0.46, 0.49)), 0.4999]
+)
 def test_nearly_incompressible_bodies_do_not_lock(ratio: float) -> None:
     """Ordinary quadratic cells leave the pressure 75 % wrong at 0.4999."""
-    ratios = [f"{body}.poisson_ratio={ratio}" for body in ("rail", "wheel")]
-    summary = passed(catalogue.find("hertz_ellipse").replace(ratios)).summary
+    keys = [f"{body}.poisson_ratio={ratio}" for body in ("rail", "wheel")]
+    case = catalogue.find("hertz_ellipse").replace([*keys, "mesh.patch_size=0.75"])
+    summary = passed(case).summary
     assert summary["plan"]["effects"]["mean_dilatation"]["on"]
     assert worst(summary, "a_mm", "b_mm", "max_MPa", "approach_mm") < 0.005
     assert worst(summary, "tau_max_MPa", "von_mises_max_MPa") < 0.01
@@ -143,7 +147,7 @@ ELEMENTS = {
     "linear tetrahedra": (["mesh.order=1"], 0.02),
     "linear hexahedra": (["mesh.cell=hexahedron", "mesh.patch_size=0.5"], 0.02),
     "quadratic hexahedra": (
-        ["mesh.cell=hexahedron", "mesh.order=2", "mesh.patch_size=1.0", "effects.symmetry=on"],
+        ["mesh.cell=hexahedron", "mesh.order=2", "mesh.patch_size=1.2", "effects.symmetry=on"],
         0.005,
     ),
 }

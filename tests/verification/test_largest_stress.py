@@ -29,7 +29,16 @@ def passed(scene: Scene) -> pipeline.Result:
     return result
 
 
-@pytest.mark.parametrize(("case", "rail", "wheel", "more"), UNLIKE.values(), ids=UNLIKE)
+LONG = "nearly incompressible rail", "soft wheel"
+
+
+@pytest.mark.parametrize(
+    ("case", "rail", "wheel", "more"),
+    [
+        pytest.param(*scene, id=name, marks=[pytest.mark.slow] if name in LONG else [])
+        for name, scene in UNLIKE.items()
+    ],
+)
 def test_both_bodies_of_half_spaces_meet_exact_hertz(
     case: str, rail: float, wheel: float, more: list[str]
 ) -> None:
@@ -65,23 +74,25 @@ def test_no_stress_is_read_below_the_foot_of_a_thin_rail() -> None:
         assert found["axis"][name] == pytest.approx(reference["axis"][name], rel=0.03)
 
 
-def test_patch_that_is_no_ellipse_has_its_largest_stress_beside_the_axis() -> None:
-    """S1002 on 60E1: nodal averages overshoot by a few per cent, a finer mesh does not."""
-    scene = catalogue.find("s1002_60e1")
-    coarse, fine = (passed(scene.replace([f"mesh.patch_size={h}"])) for h in (0.75, 0.5))
-    nodal = gauss_points.nodal_stress(fine.fields)
-    found, other = (r.summary["result"]["stress"] for r in (fine, coarse))
+@pytest.mark.parametrize("size", [0.75, pytest.param(0.5, marks=pytest.mark.slow)])
+def test_patch_that_is_no_ellipse_has_its_largest_stress_beside_the_axis(size: float) -> None:
+    """S1002 on 60E1: within 3 % of boundary elements, so on both meshes the same; nodal averages
+    overshoot by a few per cent on the coarser one."""
+    scene = catalogue.find("s1002_60e1").replace([f"mesh.patch_size={size}"])
+    result = passed(scene)
+    nodal = gauss_points.nodal_stress(result.fields)
+    found = result.summary["result"]["stress"]
     for name, invariant in (
         ("tau_max_MPa", subsurface.max_shear),
         ("von_mises_max_MPa", subsurface.von_mises),
     ):
         assert found[name] > 1.05 * found["axis"][name]
-        assert found[name] == pytest.approx(invariant(nodal).max(), rel=0.03)
-        assert found[name] == pytest.approx(other[name], rel=0.03)
-    context = fine.mesh_solution.plan.context
+        overshoot = invariant(nodal).max() / found[name] - 1
+        assert -0.03 < overshoot < (0.03 if size == 0.5 else 0.08)
+    context = result.mesh_solution.plan.context
     foreseen = context.von_mises(scene.rail.poisson_ratio)  # by boundary elements
     assert foreseen == pytest.approx(found["von_mises_max_MPa"], rel=0.03)
-    assert abs(context.hertz.p0 / fine.summary["result"]["pressure"]["max_MPa"] - 1) > 0.03
+    assert abs(context.hertz.p0 / result.summary["result"]["pressure"]["max_MPa"] - 1) > 0.03
 
 
 def test_symmetry_and_direction_do_not_matter() -> None:

@@ -73,7 +73,7 @@ HALF_SPACES = {
         "wheel.poisson_ratio=0.4999"],
     ),
     **{f"circle at {nu}": ("sphere_on_plane", [f"wheel.poisson_ratio={nu}"])
-       for nu in (0.45, 0.49, 0.495, 0.499, 0.4995, 0.4999)},
+       for nu in (0.45, 0.495, 0.4999)},
 }  # fmt: skip
 
 

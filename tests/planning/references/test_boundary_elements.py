@@ -123,7 +123,7 @@ def test_a_patch_that_was_not_looked_for_is_found(monkeypatch: pytest.MonkeyPatc
     [
         pytest.param(("wheelset.shift=5",), marks=pytest.mark.slow),
         ("wheelset.shift=5", "load=100kN"),
-        ("wheelset.shift=8",),
+        pytest.param(("wheelset.shift=8",), marks=pytest.mark.slow),
     ],
 )
 def test_second_opinion_does_not_hang_on_its_grid(assignments: tuple[str, ...]) -> None:
