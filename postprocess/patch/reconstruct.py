@@ -194,6 +194,7 @@ def reconstruct(
         volume = cell @ (np.maximum(field(c), 0.0) ** 1.5).sum(axis=1)
         return float(2 / 3 * volume - moments @ c + 0.5 * c @ penalty @ c)
 
+    splines, columns = _products(across), (along[:, None] * along).reshape(-1, along.shape[1])
     c = _start(samples, like) if start is None else np.asarray(start.coefficients.ravel() / top**2)
     best, damping = value(c), DAMPING
     for _ in range(NEWTON_STEPS):
@@ -202,11 +203,9 @@ def reconstruct(
         gradient = (across.T @ (pressure @ along.T * cell[:, None])).T.ravel()
         gradient = gradient - moments + penalty @ c
         slope = np.where(squared > 0, 0.5 / np.maximum(pressure, EDGE), 0.0)
-        blocks = [
-            [across.T @ sp.diags(cell * (slope @ (one * two))) @ across for two in along]
-            for one in along
-        ]
-        tangent = sp.bmat(blocks).toarray() + penalty
+        blocks = splines @ (cell[:, None] * (slope @ columns.T))
+        tangent = blocks.reshape(n, n, len(along), len(along)).transpose(2, 0, 3, 1)
+        tangent = tangent.reshape(len(c), len(c)) + penalty
         diagonal = np.diag(np.diag(tangent))
         while damping < MOST_DAMPING:
             step = -cho_solve(cho_factor(tangent + damping * diagonal), gradient)
@@ -222,6 +221,18 @@ def reconstruct(
     left = gradient @ cho_solve(cho_factor(tangent + LEAST_DAMPING * diagonal), gradient)
     settled = bool(left < SETTLED * abs(best))
     return replace(like, coefficients=top**2 * c.reshape(-1, n), settled=settled)
+
+
+def _products(across: sp.csr_matrix) -> sp.csr_matrix:
+    """Products (nn, m), sparse, of each two of the n cubic B-splines with values (m, n); four of
+    them are not zero at a point.
+    """
+    m, n = across.shape
+    values, at = across.data.reshape(m, 4), across.indices.reshape(m, 4).astype(np.int64)
+    pairs = at[:, :, None] * n + at[:, None, :]
+    products = values[:, :, None] * values[:, None, :]
+    points = np.repeat(np.arange(m), 16)
+    return sp.csr_matrix((products.ravel(), (pairs.ravel(), points)), shape=(n * n, m))
 
 
 def _splines(knots: Array, s: Array) -> sp.csr_matrix:

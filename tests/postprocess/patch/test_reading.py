@@ -1,6 +1,7 @@
 """Patches painted with a known pressure are read back: any shape, to second order."""
 
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -30,6 +31,7 @@ def _numbers(found: Patch) -> Array:
     return np.array([found.a, found.b, found.area, found.max_pressure])
 
 
+@lru_cache
 def _errors(name: str, n: float) -> tuple[Array, Array]:
     """Relative errors and scatters (4, 4) of four meshes with n elements a smaller half length."""
     square, half, even = SHAPES[name]
