@@ -1,16 +1,25 @@
 """Error against time for each method and element, and what an asked accuracy costs."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from matplotlib import patheffects
+from matplotlib.axes import Axes
+from mpi4py import MPI
+
+from railhead.meshing.mesh import MeshError
+from railhead.planning import plan as planning
+from railhead.postprocess.plots.diagrams import new_figure
+from railhead.results import pipeline
+from railhead.run.mesh_solution import mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
-from studies.tables import COLUMNS, columns, write_csv
+from studies import tables
+from studies.tables import COLUMNS, Row, columns, groups, pareto, percent, plain_ticks, power_law
 
 CASES = ("hertz_ellipse", "sphere_on_plane", "uic54_thesis")
 NO_FORMULA = ("uic54_thesis",)  # no half-space: held against its own converged run
@@ -22,189 +31,325 @@ ELEMENTS = {
     "hexahedron 1": ("hexahedron", 1, (4.0, 7.0, 12.0, 20.0)),
 }
 """Name: cell, order, elements per smaller semi-axis of the patch."""
-CUBIC, CUBIC_SIZES = "tetrahedron 3", (2.0, 3.0, 4.0, 6.0)
+CUBIC_SIZES = (2.0, 3.0, 4.0, 6.0)
 """No scene can ask for them: they are here to show whether they would pay."""
 ASKED = ("5%", "1%", "0.2%")
 MAX_UNKNOWNS = 200_000  # predicted; finer meshes are left out
 MAIN = ("a", "b", "p_max")
-
-
-@dataclass(frozen=True)
-class Run:
-    """One run. Errors are relative (error: worst of a, b, p_max; error_all: of all quantities),
-    None where there is no result; asked: the accuracy, for runs that choose their own meshes."""
-
-    case: str
-    method: str
-    element: str
-    asked: float | None
-    elements_per_semi_axis: float | None
-    patch_size_mm: float | None
-    unknowns: int | None
-    seconds: float | None = None
-    seconds_solve: float | None = None
-    newton_iterations: int | None = None
-    linear_iterations: int | None = None
-    converged: bool = False
-    failure: str = ""
-    reached: bool | None = None
-    error: float | None = None
-    error_all: float | None = None
-    error_a: float | None = None
-    error_b: float | None = None
-    error_p_max: float | None = None
-    error_area: float | None = None
-    error_approach: float | None = None
-    error_tau_max: float | None = None
-    error_tau_max_depth: float | None = None
-    error_von_mises_max: float | None = None
-
-
-@dataclass(frozen=True)
-class Case:
-    """A case and the values that count as exact."""
-
-    scene: Scene
-    exact: dict[str, float]
+DEFAULT, SOLID185 = ("nitsche", "tetrahedron 2"), ("penalty", "hexahedron 1")
+CUBIC = ("nitsche", "tetrahedron 3")
+ASYMPTOTIC = 0.02  # error below which a power law is expected
+LOOKS = {
+    "tetrahedron 3": ("#7b4fa3", "D"),
+    "tetrahedron 2": ("#1f4e79", "^"),
+    "tetrahedron 1": ("#3b8f5a", "v"),
+    "hexahedron 1": ("#c8502d", "s"),
+}
+LINES = {"nitsche": "-", "penalty": "--"}
+STAR = "#e8a800"
+Exact = dict[str, float]
+UNSOLVED: Row = {
+    "seconds": None,
+    "seconds_solve": None,
+    "newton_iterations": None,
+    "linear_iterations": None,
+    "converged": False,
+    "failure": "",
+    "reached": None,
+    **dict.fromkeys(("error", "error_all", *(f"error_{key}" for key in COLUMNS))),
+}
+"""What a run without a result has in the columns behind its setting. Errors are relative (error:
+worst of a, b, p_max; error_all: of all quantities); asked: the accuracy, for runs that choose their
+own meshes."""
 
 
 def main(out: Path, *, quick: bool) -> None:
     """Run everything (quick: half-spaces, two sizes, one asked accuracy); CSV, picture, page."""
-    from studies.accuracy import accuracy_cost_page as accuracy_page
-
-    runs: list[Run] = []
+    runs: list[Row] = []
     with Progress(quiet=False) as progress:
         for name in CASES[: 1 if quick else None]:
             progress.stage(f"{name}: reference")
             scene = catalogue.find(name).replace(["effects.axisymmetry=off"])  # solids alone
-            case = Case(scene, reference(scene))
-            runs += fixed_meshes(case, 2 if quick else None, progress)
-            runs += cubic_meshes(case, 2 if quick else None, progress)
-            runs += asked_accuracies(case, 1 if quick else None, progress)
-    write_csv(out / "accuracy_cost.csv", runs)
-    rows = [vars(run) for run in runs]
-    accuracy_page.draw(rows, out / "accuracy_cost.png")
-    (out / "page.md").write_text(accuracy_page.page(rows, MAX_UNKNOWNS), encoding="utf-8")
+            exact = reference(scene)
+            runs += fixed_meshes(scene, exact, 2 if quick else None, progress)
+            runs += cubic_meshes(scene, exact, 2 if quick else None, progress)
+            runs += asked_accuracies(scene, exact, 1 if quick else None, progress)
+    draw(runs, out / "accuracy_cost.png")
+    tables.publish(out, page(runs, MAX_UNKNOWNS), accuracy_cost=runs)
 
 
-def reference(scene: Scene) -> dict[str, float]:
+def reference(scene: Scene) -> Exact:
     """Exact Hertz; where there is none, this program's own result on a fine mesh."""
-    from railhead.planning import plan as planning
-    from railhead.results import pipeline
-
     if scene.name not in NO_FORMULA:
         return columns(pipeline.run(scene).summary["hertz"], COLUMNS)
-    ellipse = planning.make(scene).estimate
-    fine = scene.replace([f"mesh.patch_size={min(ellipse.a, ellipse.b) / REFERENCE!r}"])
+    fine = scene.replace([f"mesh.patch_size={_minor(scene) / REFERENCE!r}"])
     return columns(pipeline.run(fine).summary["result"], COLUMNS)
 
 
-def fixed_meshes(case: Case, sizes: int | None, progress: Progress) -> Iterator[Run]:
+def _minor(scene: Scene) -> float:
+    """The smaller semi-axis of the predicted patch, mm."""
+    ellipse = planning.make(scene).estimate
+    return min(ellipse.a, ellipse.b)
+
+
+def fixed_meshes(
+    scene: Scene, exact: Exact, sizes: int | None, progress: Progress
+) -> Iterator[Row]:
     """Every element, method and size; before an element's first run, a warm-up that is not timed
     (imports, compilation of the forms)."""
-    from railhead.planning import plan as planning
-
     for element, (cell, order, resolutions) in ELEMENTS.items():
-        base = case.scene.replace([f"mesh.cell={cell}", f"mesh.order={order}"])
-        ellipse = planning.make(base).estimate
-        minor = min(ellipse.a, ellipse.b)
+        base = scene.replace([f"mesh.cell={cell}", f"mesh.order={order}"])
+        minor = _minor(base)
         progress.stage(f"{base.name}: {element}, warm-up")
         _solve(base.replace([f"mesh.patch_size={minor / resolutions[0]!r}"]))
         for method in METHODS:
             for n in resolutions[:sizes]:
-                size = minor / n
-                scene = base.replace([f"solver.method={method}", f"mesh.patch_size={size!r}"])
-                predicted = planning.make(scene).unknowns
+                one = base.replace([f"solver.method={method}", f"mesh.patch_size={minor / n!r}"])
+                predicted = planning.make(one).unknowns
                 progress.stage(f"{base.name}: {method}, {element}, b/{n:g}, about {predicted}")
-                run = Run(base.name, method, element, None, n, size, predicted)
+                run = _run(base, method, element, None, n, minor / n, predicted)
                 if predicted > MAX_UNKNOWNS:
-                    yield replace(run, failure=f"left out: {predicted} unknowns predicted")
+                    yield run | {"failure": f"left out: {predicted} unknowns predicted"}
                 else:
-                    yield _recorded(run, _solve(scene), case.exact)
+                    yield _recorded(run, _solve(one), exact)
 
 
-def cubic_meshes(case: Case, sizes: int | None, progress: Progress) -> Iterator[Run]:
+def cubic_meshes(
+    scene: Scene, exact: Exact, sizes: int | None, progress: Progress
+) -> Iterator[Row]:
     """Cubic tetrahedra with Nitsche's method, after a warm-up."""
-    from mpi4py import MPI
-
-    from railhead.planning import plan as planning
-    from railhead.run.mesh_solution import mesh_and_solve
-
-    plan = replace(planning.make(case.scene), order=3)
+    plan = replace(planning.make(scene), order=3)
     silent, comm = Progress(quiet=True), MPI.COMM_WORLD
-    progress.stage(f"{case.scene.name}: {CUBIC}, warm-up")
+    progress.stage(f"{scene.name}: {CUBIC[1]}, warm-up")
     mesh_and_solve(plan.at_resolution(CUBIC_SIZES[0]), None, silent, comm)
     for n in CUBIC_SIZES[:sizes]:
-        progress.stage(f"{case.scene.name}: nitsche, {CUBIC}, b/{n:g}")
+        progress.stage(f"{scene.name}: nitsche, {CUBIC[1]}, b/{n:g}")
         solved = mesh_and_solve(plan.at_resolution(n), None, silent, comm)
-        history = solved.solution.newton.history
-        yield Run(
-            case.scene.name,
-            "nitsche",
-            CUBIC,
-            None,
-            n,
-            solved.grading.size,
-            solved.unknowns,
-            seconds=sum(solved.seconds.values()),
-            seconds_solve=solved.seconds["solve"],
-            newton_iterations=len(history),
-            linear_iterations=sum(step.linear_iterations for step in history),
-            converged=solved.solution.newton.converged,
-            failure="" if solved.solution.newton.converged else solved.solution.newton.reason,
-            **_errors(solved.result, case.exact),
-        )
+        newton = solved.solution.newton
+        yield _run(scene, *CUBIC, None, n, solved.grading.size, solved.unknowns) | {
+            "seconds": sum(solved.seconds.values()),
+            "seconds_solve": solved.seconds["solve"],
+            "newton_iterations": len(newton.history),
+            "linear_iterations": sum(step.linear_iterations for step in newton.history),
+            "converged": newton.converged,
+            "failure": "" if newton.converged else newton.reason,
+            **_errors(solved.result, exact),
+        }
 
 
-def asked_accuracies(case: Case, count: int | None, progress: Progress) -> Iterator[Run]:
+def asked_accuracies(
+    scene: Scene, exact: Exact, count: int | None, progress: Progress
+) -> Iterator[Row]:
     """Runs that choose their meshes for an asked accuracy; their seconds are of all meshes."""
     for asked in ASKED[:count]:
-        progress.stage(f"{case.scene.name}: asked accuracy {asked}")
-        scene = case.scene.replace([f"accuracy={asked}"])
-        done = _solve(scene)
+        progress.stage(f"{scene.name}: asked accuracy {asked}")
+        accurate = scene.replace([f"accuracy={asked}"])
+        done = _solve(accurate)
         if isinstance(done, str) or done["accuracy"]["bound"]:
-            run = Run(scene.name, "nitsche", "tetrahedron 2", scene.accuracy, None, None, None)
-            yield _recorded(run, done, case.exact)
+            run = _run(scene, *DEFAULT, accurate.accuracy, None, None, None)
+            yield _recorded(run, done, exact)
+
+
+def _run(scene: Scene, *setting: Any) -> dict[str, Any]:
+    """A run that is not solved yet; setting: the columns behind the case."""
+    names = ("method", "element", "asked", "elements_per_semi_axis", "patch_size_mm", "unknowns")
+    return {"case": scene.name, **dict(zip(names, setting, strict=True)), **UNSOLVED}
 
 
 def _solve(scene: Scene) -> dict[str, Any] | str:
     """The summary, or why there is none."""
-    import numpy as np
-
-    from railhead.meshing.mesh import MeshError
-    from railhead.results import pipeline
-
     try:
         return pipeline.run(scene).summary
     except (MeshError, RuntimeError, ArithmeticError, np.linalg.LinAlgError) as error:
         return " ".join(f"{type(error).__name__}: {error}".split())
 
 
-def _recorded(run: Run, done: dict[str, Any] | str, exact: dict[str, float]) -> Run:
+def _recorded(run: dict[str, Any], done: dict[str, Any] | str, exact: Exact) -> Row:
     """The run with its price and its errors, or with the reason of its failure."""
     if isinstance(done, str):
-        return replace(run, failure=done)
+        return run | {"failure": done}
     cost, converged = done["cost"], done["checks"]["converged"]
-    return replace(
-        run,
-        patch_size_mm=done["plan"]["patch_size_mm"],
-        unknowns=cost["dofs"],
-        seconds=cost["seconds"]["total"],
-        seconds_solve=cost["seconds"]["solve"],
-        newton_iterations=cost["newton_iterations"],
-        linear_iterations=cost["linear_iterations"],
-        converged=converged,
-        failure="" if converged else done["newton"]["reason"],
-        reached=done["accuracy"]["reached"],
+    return run | {
+        "patch_size_mm": done["plan"]["patch_size_mm"],
+        "unknowns": cost["dofs"],
+        "seconds": cost["seconds"]["total"],
+        "seconds_solve": cost["seconds"]["solve"],
+        "newton_iterations": cost["newton_iterations"],
+        "linear_iterations": cost["linear_iterations"],
+        "converged": converged,
+        "failure": "" if converged else done["newton"]["reason"],
+        "reached": done["accuracy"]["reached"],
         **_errors(done["result"], exact),
+    }
+
+
+def _errors(result: dict[str, Any] | None, exact: Exact) -> dict[str, Any]:
+    found = columns(result, COLUMNS) if result else {}
+    errors = {f"error_{key}": abs(value / exact[key] - 1) for key, value in found.items()}
+    if errors:
+        errors["error_all"] = max(errors.values())
+        errors["error"] = max(errors[f"error_{key}"] for key in MAIN)
+    return errors
+
+
+def page(rows: Sequence[Row], max_unknowns: int) -> str:
+    """The whole page; max_unknowns: above it, runs were left out."""
+    worst, a = orders(rows), orders(rows, "error_a")
+    shown = [
+        {
+            **row,
+            "size": _size(row),
+            "end": "yes" if row["reached"] else "no",
+            "took": "-" if row["seconds"] is None else f"{row['seconds']:.2f}",
+            **{
+                f"{key} %": percent(row[key])
+                for key in ("asked", "error", "error_approach", "error_tau_max", "error_all")
+            },
+        }
+        for row in rows
+    ]
+    return tables.render(
+        "accuracy_cost",
+        max_unknowns=max_unknowns,
+        asymptotic=ASYMPTOTIC,
+        fronts={case: _factor_ten(own) for case, own in groups(rows, "case").items()},
+        solid185=_rival(rows, SOLID185),
+        cubic=_rival(rows, CUBIC, "error_all"),
+        orders=[(*key, f"{a[key]:.2f}", f"{worst[key]:.2f}") for key in worst],
+        asked=tables.cells(
+            [row for row in shown if row["asked"] is not None],
+            *("{case}", "{asked %}", "{end}", "{error %}", "{error_all %}", "{took}"),
+        ),
+        failed=[(row, row["size"]) for row in shown if not row["converged"]],
+        runs=tables.cells(
+            [row for row in shown if row["seconds"] is not None],
+            *("{case}", "{method}", "{element}", "{size}", "{unknowns}", "{seconds:.2f}"),
+            *("{seconds_solve:.2f}", "{newton_iterations} / {linear_iterations}", "{error %}"),
+            *("{error_approach %}", "{error_tau_max %}", "{error_all %}"),
+        ),
     )
 
 
-def _errors(result: dict[str, Any] | None, exact: dict[str, float]) -> dict[str, Any]:
-    if result is None:
-        return {}
-    found = columns(result, COLUMNS)
-    errors = {f"error_{key}": abs(found[key] / exact[key] - 1) for key in COLUMNS}
-    errors["error_all"] = max(errors.values())
-    errors["error"] = max(errors[f"error_{key}"] for key in MAIN)
-    return errors
+def orders(rows: Sequence[Row], quantity: str = "error") -> dict[tuple[str, str, str], float]:
+    """Order of convergence of an error field by (case, method, element), from converged runs."""
+    return {
+        key: power_law([row["patch_size_mm"] for row in own], [row[quantity] for row in own])[1]
+        for key, own in groups(_fixed(rows), "case", "method", "element").items()
+        if len(own) > 1
+    }
+
+
+def _fixed(rows: Sequence[Row], *which: tuple[str, str]) -> list[Row]:
+    """Converged runs on given meshes, of all or of some (method, element)."""
+    return [
+        row
+        for row in rows
+        if row["converged"] and row["asked"] is None
+        if not which or (row["method"], row["element"]) in which
+    ]
+
+
+def _factor_ten(rows: Sequence[Row]) -> dict[str, Any] | None:
+    """Ends of the default's front, and the factor in time for ten in accuracy; None: no front."""
+    runs = _fixed(rows, DEFAULT)
+    seconds, errors = [row["seconds"] for row in runs], [row["error"] for row in runs]
+    front = [runs[i] for i in pareto(seconds, errors)] if runs else []
+    fine = [row for row in front if row["error"] < ASYMPTOTIC]
+    front = fine if len(fine) > 1 else front
+    if len(front) < 2:
+        return None
+    slope = power_law([row["error"] for row in front], [row["seconds"] for row in front])[1]
+    return {"first": front[0], "last": front[-1], "factor": 10**-slope}
+
+
+def _rival(rows: Sequence[Row], which: tuple[str, str], quantity: str = "error") -> list[tuple]:
+    """For each run of the default: its error beside the best of another element as quick."""
+    lines = []
+    for run in _fixed(rows, DEFAULT):
+        rivals = [row for row in _fixed(rows, which) if row["case"] == run["case"]]
+        quick = [row[quantity] for row in rivals if row["seconds"] <= run["seconds"]]
+        best, error = min(quick, default=None), run[quantity]
+        ratio = "none as quick" if best is None else f"{best / error:.1f}"
+        took = f"{run['seconds']:.2f}"
+        lines.append((run["case"], took, percent(error), percent(best), ratio))
+    return lines
+
+
+def _size(row: Row) -> str:
+    n = row["elements_per_semi_axis"]
+    return f"asked {percent(row['asked'])}" if n is None else f"b/{n:g}"
+
+
+def draw(rows: Sequence[Row], path: Path) -> None:
+    """Rows hold case, method, element, asked, seconds (s), error (relative) and converged.
+
+    One line for each method and element; runs that did not converge are crosses, the Pareto front
+    of all runs is shaded (for what time which error can be had), runs with an asked accuracy are
+    stars with what was asked.
+    """
+    cases = groups(rows, "case")
+    with new_figure(path, max(12.5, 1.5 + 4.7 * len(cases)), 5.8) as figure:
+        panels = figure.subplots(1, len(cases), sharey=True, squeeze=False)[0]
+        named: dict[str, Any] = {}
+        for axes, (case, own) in zip(panels, cases.items(), strict=True):
+            _panel(axes, [row for row in own if row["error"] is not None])
+            axes.set(title=case, xscale="log", yscale="log", xlabel="seconds")
+            plain_ticks(axes.xaxis, (1, 2, 5))
+            plain_ticks(axes.yaxis, (1,))
+            handles, labels = axes.get_legend_handles_labels()
+            named |= dict(zip(labels, handles, strict=True))
+        panels[0].set_ylabel("worst error of a, b and the largest pressure, %")
+        figure.legend(named.values(), named.keys(), loc="outside upper center", ncols=4)
+
+
+def _panel(axes: Axes, rows: Sequence[Row]) -> None:
+    lines = groups(_fixed(rows), "element", "method")
+    for element, (colour, marker) in LOOKS.items():
+        for method in (each for each in LINES if (element, each) in lines):
+            name = method.replace("nitsche", "Nitsche")
+            axes.plot(
+                *_curve(lines[element, method]),
+                LINES[method],
+                color=colour,
+                marker=marker,
+                ms=6,
+                mfc=colour if method == "nitsche" else "white",
+                label=f"{element[:-2]}, order {element[-1]}, {name}",
+                zorder=3,
+            )
+    failed = [row for row in rows if not row["converged"]]
+    if failed:
+        axes.plot(*_curve(failed), "x", color="black", ms=8, label="not converged", zorder=4)
+    seconds, errors = _curve([row for row in rows if row["converged"]])
+    if seconds:
+        front = pareto(seconds, errors)
+        axes.step(
+            [seconds[i] for i in front],
+            [errors[i] for i in front],
+            color="#b8c7d6",
+            lw=9,
+            where="post",
+            solid_capstyle="round",
+            solid_joinstyle="round",
+            label="Pareto front",
+            zorder=1,
+        )
+    halo = [patheffects.withStroke(linewidth=3, foreground="white")]
+    for number, row in enumerate(row for row in rows if row["asked"] is not None):
+        at = (row["seconds"], 100 * row["error"])
+        axes.plot(*at, "*", color=STAR, mec="black", ms=15, lw=0, label="asked accuracy", zorder=5)
+        axes.annotate(
+            f"{100 * row['asked']:g} %",
+            at,
+            xytext=(0, 15 * (-1) ** number),  # above and below by turns: neighbours may be close
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            path_effects=halo,
+            zorder=6,
+        )
+
+
+def _curve(rows: Sequence[Row]) -> tuple[list[float], list[float]]:
+    """Seconds and errors in %."""
+    return [row["seconds"] for row in rows], [100 * row["error"] for row in rows]

@@ -1,18 +1,14 @@
 """Error envelopes from runs: planning/accuracy/data/laws.json, which estimates rest on."""
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from railhead.cli import study
 from railhead.planning import plan as planning
 from railhead.planning.accuracy.error_envelopes import TURNED, ErrorEnvelope
 from railhead.run import estimates
@@ -23,6 +19,7 @@ from studies import tables
 from studies.accuracy import families
 from studies.accuracy.cells import measure_cells
 from studies.accuracy.twist import measure_twist
+from studies.tables import Row, groups
 
 SEED = 1
 LIMIT = 900.0  # s, of one scene on all its meshes
@@ -33,55 +30,42 @@ LEAST = 1e-6  # relative; below it an error is rounding
 CHANCE = 1.5  # times the median error: the least of a law, as a reading may be right by chance
 
 
-@dataclass(frozen=True)
-class Record:
-    """One quantity of one scene on one mesh; error (without what the plan leaves out), reading,
-    overlap: relative; scale: see `estimates.error_scales`."""
+def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Row]:
+    """Errors of a scene on some meshes; none where a mesh or its solution fails.
 
-    family: str
-    scene: str
-    n: float
-    unknowns: int
-    quantity: str
-    error: float
-    reading: float
-    overlap: float
-    scale: float
-
-
-def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Record]:
-    """Errors of a scene on some meshes; none where a mesh or its solution fails."""
-    records: list[Record] = []
+    A row is one quantity on one mesh; error (without what the plan leaves out), reading, overlap:
+    relative; scale: see `estimates.error_scales`.
+    """
+    records: list[Row] = []
     setting = planning.make(scene).setting
     part = next(
         k for k, where in families.parts(name).items() if families.bounds(where).holds(setting)
     )
     exact: dict[str, float] = {}
+    turn = TURNED if setting.turned else {}
     for n in resolutions:
         solved = families.solved(scene, n)
         if solved is None or solved.findings is None or not solved.solution.newton.converged:
             continue
         exact = exact or families.truth(name, scene, solved)
-        turn = TURNED if setting.turned else {}
         found, scatter = (
             estimates.resolved_values(solved),
             estimates.reading_errors(solved.findings),
         )
         scale = estimates.error_scales(solved.findings, solved.result or {})
-        penalty = scene.solver.method == "penalty"
-        overlap = abs(solved.solution.penetration / solved.solution.approach) if penalty else 0.0
+        overlap = abs(solved.solution.penetration / solved.solution.approach)
         records += [
-            Record(
-                part,
-                scene.name,
-                solved.resolution,
-                solved.unknowns,
-                turn.get(key, key),
-                max(abs(found[key] / value - 1) - solved.plan.omission_error, 0.0),
-                scatter.get(key, 0.0),
-                overlap,
-                scale.get(key, 1.0),
-            )
+            {
+                "family": part,
+                "scene": scene.name,
+                "n": solved.resolution,
+                "unknowns": solved.unknowns,
+                "quantity": turn.get(key, key),
+                "error": max(abs(found[key] / value - 1) - solved.plan.omission_error, 0.0),
+                "reading": scatter.get(key, 0.0),
+                "overlap": overlap if scene.solver.method == "penalty" else 0.0,
+                "scale": scale.get(key, 1.0),
+            }
             for key, value in exact.items()
             if key in found and value
         ]
@@ -105,16 +89,14 @@ def middle(n: np.ndarray, values: np.ndarray) -> ErrorEnvelope:
 
 
 def fit(
-    records: Sequence[Record], where: Mapping[str, Any], resolutions: Sequence[float]
+    records: Sequence[Row], where: Mapping[str, Any], resolutions: Sequence[float]
 ) -> dict[str, Any]:
     """The entry of a family in laws.json."""
     laws, reading, overlap = {}, {}, {}
-    for key in ESTIMATED:
-        mine = [record for record in records if record.quantity == key]
-        if not mine:
-            continue
+    own = groups(records, "quantity")
+    for key in (each for each in ESTIMATED if each in own):
         n, error, read, over, scale = (
-            np.array([getattr(record, field) for record in mine])
+            np.array([record[field] for record in own[key]])
             for field in ("n", "error", "reading", "overlap", "scale")
         )
         overlap[key] = float(error @ over / (over @ over)) if over.any() else 0.0
@@ -126,18 +108,18 @@ def fit(
     return {
         "where": where,
         "resolution": [resolutions[0], resolutions[-1]],
-        "scenes": len({record.scene for record in records}),
+        "scenes": len(groups(records, "scene")),
         "laws": {key: [law.value, law.order] for key, law in laws.items()},
         "reading": {key: [law.value, law.order] for key, law in reading.items()},
         "overlap": overlap,
     }
 
 
-def measured(name: str, count: int) -> list[Record]:
+def measured(name: str, count: int) -> list[Row]:
     """Errors of random scenes of a family; those that give nothing are named and left out."""
     resolutions = families.RECIPES[name].resolutions
     jobs = [(name, scene, resolutions) for scene in islice(families.scenes(name, SEED), count)]
-    records: list[Record] = []
+    records: list[Row] = []
     for job, attempt in zip(jobs, attempts(measure, jobs, [LIMIT] * count), strict=True):
         records += attempt.value or []
         print(f"{job[1].name}: {attempt.fault or 'done'}", file=sys.stderr)
@@ -148,28 +130,29 @@ def main(out: Path, *, quick: bool) -> None:
     """Write cells.json and twist.json, then calibrate.csv, laws.json and page.md, anew after each
     family; quick: three scenes of the cheap ones alone."""
     names = CHEAP if quick else [n for n, each in families.RECIPES.items() if each.resolutions]
-    records: list[Record] = []
-    if not quick:
-        for file, constants in (("cells", measure_cells()), ("twist", measure_twist())):
-            text = json.dumps(constants, indent=2) + "\n"
-            (out / f"{file}.json").write_text(text, encoding="utf-8")
-    laws: dict[str, Any] = {"seed": SEED, "families": {}}
+    records, laws = [], {"seed": SEED, "families": {}}
+    for name, constants in () if quick else (("cells", measure_cells), ("twist", measure_twist)):
+        _write(out / f"{name}.json", constants(), indent=2)
     for name in names:
         found = measured(name, 3 if quick else families.RECIPES[name].scenes)
         records += found
+        own = groups(found, "family")
         for part, where in families.parts(name).items():
-            own = [record for record in found if record.family == part]
-            laws["families"][part] = fit(own, where, families.RECIPES[name].resolutions)
-        tables.write_csv(out / "calibrate.csv", records)
-        (out / "laws.json").write_text(json.dumps(laws, indent=1) + "\n", encoding="utf-8")
-        (out / study.PAGE).write_text(page(laws), encoding="utf-8")
+            entry = fit(own.get(part, []), where, families.RECIPES[name].resolutions)
+            laws["families"][part] = entry
+        _write(out / "laws.json", laws, indent=1)
+        tables.publish(out, page(laws), calibrate=records)
         print(f"{name}: {len(found)} numbers", file=sys.stderr)
+
+
+def _write(path: Path, found: dict[str, Any], indent: int) -> None:
+    path.write_text(json.dumps(found, indent=indent) + "\n", encoding="utf-8")
 
 
 def page(laws: dict[str, Any]) -> str:
     """The laws as a table."""
     rows = [
-        [name, str(entry["scenes"]), key, tables.percent(value), f"{order:.2f}"]
+        [name, entry["scenes"], key, tables.percent(value), f"{order:.2f}"]
         for name, entry in laws["families"].items()
         for key, (value, order) in entry["laws"].items()
     ]

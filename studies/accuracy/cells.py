@@ -4,13 +4,14 @@ A prediction is the integral of the element density times one constant for each 
 holds gmsh's habits and the sharing of nodes. The constant is the geometric mean over the scenes.
 """
 
-from __future__ import annotations
-
+import itertools
 from statistics import geometric_mean
+
+from mpi4py import MPI
 
 from railhead.planning import plan as planning
 from railhead.planning.cost import prediction
-from railhead.planning.plan import Plan
+from railhead.run import build
 from railhead.scene import catalogue
 
 Scenes = tuple[tuple[str, tuple[str, ...]], ...]
@@ -23,32 +24,23 @@ SOLID: Scenes = (
     ("uic54_thesis", ()),
 )
 FLAT: Scenes = (("long_roller", ()), ("roller_on_block", ()), ("sphere_on_plane", ()))
-KINDS = [(cell, order) for cell in ("tetrahedron", "hexahedron") for order in (1, 2)]
 
 
 def measure_cells() -> dict[str, dict[str, dict[str, float]]]:
     """{"solid" or "section": {cell: {order: unknowns per predicted cell}}}."""
     found: dict[str, dict[str, dict[str, float]]] = {"solid": {}, "section": {}}
     for kind, scenes in (("solid", SOLID), ("section", FLAT)):
-        for cell, order in KINDS:
+        for cell, order in itertools.product(("tetrahedron", "hexahedron"), (1, 2)):
             typed = (f"mesh.cell={cell}", f"mesh.order={order}")
-            shares = [share(planned(name, *changes, *typed)) for name, changes in scenes]
+            shares = [share(name, *changes, *typed) for name, changes in scenes]
             constant = geometric_mean(shares) * prediction.unknowns_per_cell(kind, cell, order)
             found[kind].setdefault(cell, {})[str(order)] = round(constant, 3)
     return found
 
 
-def planned(name: str, *changes: str) -> Plan:
-    """The plan of a shipped case with changes."""
-    return planning.make(catalogue.find(name).replace(changes))
-
-
-def share(plan: Plan) -> float:
-    """Unknowns of the mesh over those that were predicted."""
-    from mpi4py import MPI
-
-    from railhead.run import build
-
+def share(name: str, *changes: str) -> float:
+    """Unknowns of the mesh of a shipped case with changes over those that were predicted."""
+    plan = planning.make(catalogue.find(name).replace(changes))
     mesh = build.generate(plan, plan.grading(), MPI.COMM_WORLD)  # holds the model's communicator
     model = build.model(plan, mesh)
     unknowns = model.unknowns

@@ -1,17 +1,15 @@
 """Do the estimates hold? Random scenes of every family whose answer is known, other seeds."""
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from railhead.cli import study
+from railhead.planning import plan as planning
 from railhead.results import pipeline
 from railhead.run import quantities
 from railhead.run.quantities import ESTIMATED
@@ -19,6 +17,7 @@ from railhead.scene.scene import Scene
 from railhead.sweeps.worker_pool import attempts
 from studies import tables
 from studies.accuracy import families
+from studies.tables import Row, groups
 
 SEED = 2028
 SCENES = 20
@@ -29,35 +28,10 @@ ROUNDING = 1e-7  # relative; errors below it say nothing of an estimate
 MAIN = ("max_MPa", "area_mm2", "tau_max_MPa")  # quantities that must have an estimate
 
 
-@dataclass(frozen=True)
-class Record:
-    """One quantity of one scene; estimate None where there is none; passed: status 0; seconds of
-    the run over the predicted ones; failed: names of checks."""
-
-    family: str
-    scene: str
-    asked: float | None
-    passed: bool
-    failed: str
-    reached: bool | None
-    unknowns: int
-    meshes: int
-    seconds: float
-    price: float
-    quantity: str
-    estimate: float | None
-    error: float
-
-    @property
-    def signed(self) -> bool:
-        """Whether the number is one that the program stands for: no check failed but that of the
-        asked accuracy, where numbers and estimates stand and the accuracy is said to be missed."""
-        return self.failed in ("", "accuracy")
-
-    @property
-    def ratio(self) -> float:
-        """True error over estimate; at most 1 where it holds."""
-        return self.error / self.estimate if self.estimate else math.nan
+def signed(row: Row) -> bool:
+    """Whether the number is one that the program stands for: no check failed but that of the asked
+    accuracy, where numbers and estimates stand and the accuracy is said to be missed."""
+    return row["failed"] in ("", "accuracy")
 
 
 def asked(name: str, index: int) -> float | None:
@@ -68,35 +42,40 @@ def asked(name: str, index: int) -> float | None:
     return choice[index % len(choice)]
 
 
-def measure(name: str, scene: Scene, accuracy: float | None) -> list[Record]:
-    """Solve a scene and hold each estimate against the true error; nothing if not converged."""
-    from railhead.planning import plan as planning
+def measure(name: str, scene: Scene, accuracy: float | None) -> list[Row]:
+    """Solve a scene and hold each estimate against the true error; nothing if not converged.
 
+    A row is one quantity of the scene; estimate None where there is none; passed: status 0;
+    price: seconds of the run over the predicted ones; failed: names of checks.
+    """
     if accuracy is not None:
         scene = scene.replace([f"accuracy={accuracy!r}"])
     plan = planning.make(scene)
     predicted = plan.seconds if accuracy is None else plan.price_at(plan.sizing.resolution).seconds
     result = pipeline.run(scene)
-    summary = result.summary
-    if not summary["checks"]["converged"]:
+    checks, cost, reached = (result.summary[key] for key in ("checks", "cost", "accuracy"))
+    if not checks["converged"]:
         return []
-    found, cost = quantities.numeric_values(summary["result"]), summary["cost"]
+    found = quantities.numeric_values(result.summary["result"])
+    run: dict[str, Any] = {
+        "family": name,
+        "scene": scene.name,
+        "asked": accuracy,
+        "passed": checks["passed"],
+        "failed": " ".join(checks["failed"]),
+        "reached": reached["reached"],
+        "unknowns": cost["dofs"],
+        "meshes": len(reached["levels"]),
+        "seconds": cost["seconds"]["total"],
+        "price": cost["seconds"]["total"] / predicted,
+    }
     return [
-        Record(
-            name,
-            scene.name,
-            accuracy,
-            summary["checks"]["passed"],
-            " ".join(summary["checks"]["failed"]),
-            summary["accuracy"]["reached"],
-            cost["dofs"],
-            len(summary["accuracy"]["levels"]),
-            cost["seconds"]["total"],
-            cost["seconds"]["total"] / predicted,
-            key,
-            summary["accuracy"]["bound"].get(key),
-            abs(found[key] / value - 1),
-        )
+        run
+        | {
+            "quantity": key,
+            "estimate": reached["bound"].get(key),
+            "error": abs(found[key] / value - 1),
+        }
         for key, value in families.truth(name, scene, result.mesh_solution).items()
         if key in found and value
     ]
@@ -104,8 +83,7 @@ def measure(name: str, scene: Scene, accuracy: float | None) -> list[Record]:
 
 def main(out: Path, *, quick: bool) -> None:
     """Write error_bounds.csv and page.md, anew after each family; quick: four scenes of two."""
-    records: list[Record] = []
-    lost: list[str] = []
+    records, lost = [], []
     for name in ["plane strain", "meridian"] if quick else families.RECIPES:
         scenes = islice(families.scenes(name, SEED), 4 if quick else SCENES)
         jobs = [(name, scene, asked(name, index)) for index, scene in enumerate(scenes)]
@@ -114,54 +92,45 @@ def main(out: Path, *, quick: bool) -> None:
             records += attempt.value or []
             lost += [f"{job[1].name}: {attempt.fault}"] if attempt.fault else []
             print(f"{name}: {number} of {len(jobs)}", file=sys.stderr)
-        tables.write_csv(out / "error_bounds.csv", records)
-        (out / study.PAGE).write_text(page(records, lost), encoding="utf-8")
+        tables.publish(out, page(records, lost), error_bounds=records)
 
 
-def verdict(records: Sequence[Record]) -> dict[str, float]:
-    """Share of the signed estimates that hold, worst ratio, median effectivity, share of the main
-    quantities that have an estimate, share of runs with status 0."""
-    known = [r for r in records if r.signed and r.estimate is not None and r.error > ROUNDING]
-    ratios = np.array([r.ratio for r in known]) if known else np.array([math.nan])
-    wanted = [r for r in records if r.quantity in MAIN]
+def verdict(records: Sequence[Row]) -> dict[str, float]:
+    """Share of the signed estimates that hold, worst ratio of error over estimate, median
+    effectivity, share of the main quantities that have an estimate, share of runs with status 0."""
+    known = [r for r in records if signed(r) and r["estimate"] and r["error"] > ROUNDING]
+    ratios = np.array([r["error"] / r["estimate"] for r in known] or [math.nan])
+    wanted = [r for r in records if r["quantity"] in MAIN]
     return {
         "holds": float(np.mean(ratios <= 1)),
         "worst": float(ratios.max()),
         "effectivity": float(np.median(1 / ratios)),
-        "estimated": float(np.mean([r.estimate is not None for r in wanted])),
-        "passed": float(np.mean([r.passed for r in wanted])),
+        "estimated": float(np.mean([r["estimate"] is not None for r in wanted])),
+        "passed": float(np.mean([r["passed"] for r in wanted])),
     }
 
 
-def page(records: Sequence[Record], lost: Sequence[str]) -> str:
+def page(records: Sequence[Row], lost: Sequence[str]) -> str:
     """Tables by family and by quantity; lost: scenes that gave nothing, with the reason."""
 
-    def row(title: str, mine: Sequence[Record]) -> list[str]:
-        v = verdict(mine)
-        return [
-            title,
-            str(len({(r.family, r.scene) for r in mine})),
-            f"{v['holds']:.1%}",
-            f"{v['worst']:.2f}",
-            f"{v['effectivity']:.1f}",
+    def lines(own: dict[str, list[Row]], *more: str) -> list[list[str]]:
+        rows = [
+            {"of": name, "scenes": len(groups(each, "family", "scene")), **verdict(each)}
+            for name, each in own.items()
         ]
+        head = ("{of}", "{scenes}", "{holds:.1%}", "{worst:.2f}", "{effectivity:.1f}")
+        return tables.cells(rows, *head, *more)
 
-    def family(name: str) -> list[str]:
-        mine = [r for r in records if r.family == name]
-        v = verdict(mine)
-        return [*row(name, mine), f"{v['estimated']:.0%}", f"{v['passed']:.0%}"]
-
-    refused = {r.scene: r for r in records if not r.signed}
-    price = [r.price for r in records if r.quantity == "max_MPa"]
-    quantities = {key: [r for r in records if r.quantity == key] for key in ESTIMATED}
+    quantities = groups(records, "quantity")
+    price = [r["price"] for r in quantities["max_MPa"]]
     return tables.render(
         "error_bounds",
         seed=SEED,
         fine=families.FINE,
-        by_family=[family(name) for name in dict.fromkeys(r.family for r in records)],
-        by_quantity=[row(key, mine) for key, mine in quantities.items() if mine],
+        by_family=lines(groups(records, "family"), "{estimated:.0%}", "{passed:.0%}"),
+        by_quantity=lines({key: quantities[key] for key in ESTIMATED if key in quantities}),
         price=price,
         median=np.median(price),
         lost=lost,
-        refused=refused.values(),
+        refused={r["scene"]: r for r in records if not signed(r)}.values(),
     )

@@ -5,16 +5,16 @@ rotation of its flanks at the wheel is C M / E, M the moment of the contact forc
 that they turn about (see `railhead.planning.references.rail_twist`).
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 
 from railhead.planning import plan as planning
 from railhead.planning.references.rail_twist import lever
-from railhead.run.mesh_solution import MeshSolution
+from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
+from railhead.run.progress import Progress
 from railhead.scene import catalogue
 
 PROFILES = ("54E1", "60E1")
@@ -28,28 +28,29 @@ FLANK: dict[str, Any] = {
 
 def measure_twist() -> dict[str, Any]:
     """{"centre_mm": below the crown, "compliance": {profile: C, 1/mm3}}, two digits each."""
-    levels = {profile: [solved(profile, slope) for slope in SLOPES] for profile in PROFILES}
-    turns = {
-        profile: [turn(mesh_solution) for mesh_solution in each] for profile, each in levels.items()
+    solutions = {profile: [solved(profile, slope) for slope in SLOPES] for profile in PROFILES}
+    turns = {profile: [turn(each) for each in own] for profile, own in solutions.items()}
+    centre = two_digits(np.mean([depth for own in turns.values() for _, depth in own]))
+    return {
+        "centre_mm": centre,
+        "compliance": {
+            profile: two_digits(
+                np.mean(
+                    [
+                        angle
+                        * each.plan.scene.rail.young_modulus
+                        / (-each.solution.load * lever(each.plan.contact, centre))
+                        for each, (angle, _) in zip(own, turns[profile], strict=True)
+                    ]
+                )
+            )
+            for profile, own in solutions.items()
+        },
     }
-    centre = two_digits(float(np.mean([depth for each in turns.values() for _, depth in each])))
-    compliance = {}
-    for profile, each in levels.items():
-        found = []
-        for mesh_solution, (angle, _) in zip(each, turns[profile], strict=True):
-            moment = -mesh_solution.solution.load * lever(mesh_solution.plan.contact, centre)
-            found.append(angle * mesh_solution.plan.scene.rail.young_modulus / moment)
-        compliance[profile] = two_digits(float(np.mean(found)))
-    return {"centre_mm": centre, "compliance": compliance}
 
 
 def solved(profile: str, inclination: str) -> MeshSolution:
     """A whole rail under half an axle."""
-    from mpi4py import MPI
-
-    from railhead.run.mesh_solution import mesh_and_solve
-    from railhead.run.progress import Progress
-
     scene = catalogue.find("uic54_22t5_axle").replace(
         [
             f"rail.profile={profile}",
@@ -79,6 +80,6 @@ def turn(mesh_solution: MeshSolution) -> tuple[float, float]:
     return float(angle), float(-aside / angle)
 
 
-def two_digits(value: float) -> float:
+def two_digits(value: float | np.floating) -> float:
     """Rounded to what the fit is worth."""
-    return round(value, 1 - math.floor(math.log10(abs(value))))
+    return round(float(value), 1 - math.floor(math.log10(abs(value))))

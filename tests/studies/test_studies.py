@@ -11,7 +11,7 @@ import pytest
 
 from railhead.cli import main, study
 from railhead.scene.scene import SceneError
-from studies.accuracy import accuracy_cost_page as accuracy_page
+from studies.accuracy import accuracy_cost
 from studies.mechanics import load_sweep
 
 Rows = list[dict[str, float]]
@@ -124,7 +124,7 @@ def test_accuracy_cost_records_every_run(cost) -> None:
 @pytest.mark.slow
 def test_observed_orders_of_convergence(cost) -> None:
     rows = read(cost[1] / "accuracy_cost.csv")
-    a, worst = accuracy_page.orders(rows, "error_a"), accuracy_page.orders(rows)
+    a, worst = accuracy_cost.orders(rows, "error_a"), accuracy_cost.orders(rows)
     assert a["hertz_ellipse", "nitsche", "tetrahedron 2"] > 1.5
     for method in ("nitsche", "penalty"):
         assert worst["hertz_ellipse", method, "tetrahedron 2"] > 1.5

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
-from studies.accuracy import accuracy_cost_page as accuracy_page
-from studies.accuracy import calibrate, error_bounds
+from studies.accuracy import accuracy_cost, calibrate, error_bounds
 from studies.cost import ranks as ranks_study
 from studies.cost import scaling
 from studies.hard import page as hard_page
@@ -61,10 +60,10 @@ def test_factor_ten_rival_and_orders_are_read_from_the_runs() -> None:
         run("penalty", "hexahedron 1", 4, 2.0, 5e-2),
         run("penalty", "hexahedron 1", 8, 20.0, 2e-2),
     ]
-    text = accuracy_page.page(rows, 1000)
+    text = accuracy_cost.page(rows, 1000)
     assert "costs a factor 3.0 in time" in text
     assert "none as quick" in text and "| 50.0 " in text
-    assert accuracy_page.orders(rows)["made_up", "nitsche", "tetrahedron 2"] == pytest.approx(
+    assert accuracy_cost.orders(rows)["made_up", "nitsche", "tetrahedron 2"] == pytest.approx(
         3.32, abs=0.01
     )
     assert "Nothing: every run converged." in text
@@ -75,9 +74,9 @@ def test_failed_runs_are_named_and_kept_out_of_the_fits() -> None:
         run("nitsche", "tetrahedron 2", 2, 1.0, 1e-1),
         run("nitsche", "tetrahedron 2", 4, 1.0, 5.0, converged=False, failure="too many steps"),
     ]
-    text = accuracy_page.page(rows, 1000)
+    text = accuracy_cost.page(rows, 1000)
     assert "- `made_up`, nitsche, tetrahedron 2, b/4: too many steps" in text
-    assert accuracy_page.orders(rows) == {}
+    assert accuracy_cost.orders(rows) == {}
     assert "fewer than two runs" in text
 
 
@@ -96,11 +95,10 @@ def test_an_envelope_lies_above_all_errors_and_falls_as_they_do() -> None:
 
 
 def test_a_law_leaves_out_what_the_overlap_and_the_reading_explain() -> None:
-    def record(n: float, scene: str, over: float) -> calibrate.Record:
+    def record(n: float, scene: str, over: float) -> dict:
         reading, rest = 1e-3 * (6 / n), 2e-3 * (6 / n) ** 2
-        return calibrate.Record(
-            "penalty", scene, n, 1, "max_MPa", 5 * over + reading + rest, reading, over, 1.0
-        )
+        row = {"scene": scene, "n": n, "quantity": "max_MPa", "reading": reading, "scale": 1.0}
+        return {**row, "error": 5 * over + reading + rest, "overlap": over}
 
     overs = {"a": 0.0, "b": 0.3}
     records = [record(n, k, v) for n in (3, 6) for k, v in overs.items()]
@@ -112,7 +110,7 @@ def test_a_law_leaves_out_what_the_overlap_and_the_reading_explain() -> None:
     assert least <= value <= whole and order > 1
 
 
-def bound(scene: str, estimate: float | None, error: float, **changes) -> error_bounds.Record:
+def bound(scene: str, estimate: float | None, error: float, **changes) -> dict:
     fields = {
         "family": "ellipse",
         "scene": scene,
@@ -128,7 +126,7 @@ def bound(scene: str, estimate: float | None, error: float, **changes) -> error_
         "estimate": estimate,
         "error": error,
     }
-    return error_bounds.Record(**{**fields, **changes})
+    return {**fields, **changes}
 
 
 def test_verdict_on_estimates_counts_what_holds_and_what_is_missing() -> None:
@@ -216,6 +214,6 @@ def test_the_pareto_front_is_the_lower_left_edge(monkeypatch, tmp_path) -> None:
     shared = {"case": "c", "method": "nitsche", "element": "tetrahedron 2", "converged": True}
     runs = ((1.0, 0.1, None), (3.0, 0.01, None), (2.0, 0.02, 0.05), (2.5, 0.05, None))
     rows = [{**shared, "seconds": t, "error": e, "asked": a} for t, e, a in runs]
-    accuracy_page.draw(rows, tmp_path / "a.png")
+    accuracy_cost.draw(rows, tmp_path / "a.png")
     (front,) = drawn  # the only step line
     assert front == ([1.0, 2.0, 3.0], [10.0, 2.0, 1.0])

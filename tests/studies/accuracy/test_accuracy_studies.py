@@ -41,7 +41,7 @@ def test_estimates_hold_in_random_sections() -> None:
         for record in error_bounds.measure(name, scene, error_bounds.asked(name, index))
     ]
     found = error_bounds.verdict(records)
-    assert len({record.scene for record in records}) == 12
+    assert len({record["scene"] for record in records}) == 12
     assert found["estimated"] == 1.0
     assert found["holds"] >= 0.95 and found["worst"] < 1.5
 
