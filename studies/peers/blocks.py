@@ -1,8 +1,6 @@
 """Quarters of two crossed cylinders as blocks of 40 x 40 x 60 mm, the meshes that the codes are
 given: the rail below z = 0, the wheel above, their arcs exact at every node."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

@@ -1,46 +1,30 @@
 """What a code found, against exact Hertz at the force that it carries itself."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from railhead.run.quantities import numeric_values
 from railhead.theory.elastic import hertz, subsurface
-from studies.peers.process.running import Cost
+from studies.tables import Row
 
 LEAST = 0.15  # of the largest pressure: below it, pressures are no part of the fit
+ERRORS = ("p_max", "p_fit", "a", "b", "area", "approach", "tau_max")
+OWN = ("max_MPa", None, "a_mm", "b_mm", "area_mm2", "approach_mm", "tau_max_MPa")
+"""What ERRORS are in our own summary."""
+COSTS = ("seconds", "cpu_seconds", "peak_bytes")
+COLUMNS = (*COSTS, "unknowns", "iterations", "force", *(f"error_{name}" for name in ERRORS))
+UNITS = {"force": "N"}
 
 
-@dataclass(frozen=True)
-class Run:
+def row(code: str, method: str, setting: str, found: Mapping[str, Any], failure: str = "") -> Row:
     """One solve. Errors are relative, None where the code does not give the quantity or failed;
     p_max is what the code gives, p_fit, a and b are of the ellipse fitted to its pressures (ours:
     what the result says)."""
-
-    code: str
-    method: str
-    setting: str
-    seconds: float | None = None
-    cpu_seconds: float | None = None
-    peak_bytes: int | None = None
-    unknowns: int | None = None
-    iterations: int | None = None
-    force: float | None = None
-    error_p_max: float | None = None
-    error_p_fit: float | None = None
-    error_a: float | None = None
-    error_b: float | None = None
-    error_area: float | None = None
-    error_approach: float | None = None
-    error_tau_max: float | None = None
-    failure: str = ""
-
-
-UNITS = {"force": "N"}
+    head = {"code": code, "method": method, "setting": setting}
+    return {**head, **{key: found.get(key) for key in COLUMNS}, "failure": failure}
 
 
 def fitted(x: ArrayLike, y: ArrayLike, pressure: ArrayLike) -> tuple[float, float, float]:
@@ -56,51 +40,38 @@ def fitted(x: ArrayLike, y: ArrayLike, pressure: ArrayLike) -> tuple[float, floa
     return float(np.sqrt(c)), float(np.sqrt(c / along)), float(np.sqrt(c / across))
 
 
-def fitted_run(run: Run, cost: Cost, case: Mapping[str, float], found: Mapping[str, Any]) -> Run:
-    """The run with its cost and errors, from what `solve` gave."""
+def read(case: Mapping[str, float], found: Mapping[str, Any]) -> dict[str, Any]:
+    """Unknowns, iterations, force and errors, from what `solve` gave."""
     modulus = hertz.contact_modulus(case["young"], case["poisson"], case["young"], case["poisson"])
-    exact = hertz.point_contact(
-        1 / case["wheel_radius"], 1 / case["rail_radius"], modulus, found["force"]
-    )
+    curvatures = 1 / case["wheel_radius"], 1 / case["rail_radius"]
+    exact = hertz.point_contact(*curvatures, modulus, found["force"])
     p_fit, a, b = fitted(found["x"], found["y"], found["pressure"])
     shear = subsurface.axis_extrema(exact, case["poisson"]).tau_max
-    approach, tau_max = found.get("approach"), found.get("tau_max")
-    return replace(
-        run,
-        **vars(cost),
-        unknowns=found["unknowns"],
-        iterations=found.get("iterations"),
-        force=found["force"],
-        error_p_max=found["pressure_max"] / exact.p0 - 1,
-        error_p_fit=p_fit / exact.p0 - 1,
-        error_a=a / exact.a - 1,
-        error_b=b / exact.b - 1,
-        error_area=a * b / (exact.a * exact.b) - 1,
-        error_approach=None if approach is None else approach / exact.approach - 1,
-        error_tau_max=None if tau_max is None else tau_max / shear - 1,
-    )
+    pairs = {
+        "p_max": (found["pressure_max"], exact.p0),
+        "p_fit": (p_fit, exact.p0),
+        "a": (a, exact.a),
+        "b": (b, exact.b),
+        "area": (a * b, exact.a * exact.b),
+        "approach": (found.get("approach"), exact.approach),
+        "tau_max": (found.get("tau_max"), shear),
+    }
+    return {key: found.get(key) for key in ("unknowns", "iterations", "force")} | {
+        f"error_{name}": None if value is None else value / right - 1
+        for name, (value, right) in pairs.items()
+    }
 
 
-def own_run(run: Run, cost: Cost, summary: Mapping[str, Any]) -> Run:
-    """The run with its cost and errors, from summary.json."""
-    result, exact, price = summary["result"], summary["hertz"], summary["cost"]
-
-    def error(*path: str) -> float:
-        value, right = result, exact
-        for key in path:
-            value, right = value[key], right[key]
-        return float(value / right - 1)
-
-    return replace(
-        run,
-        **vars(cost),
-        unknowns=price["dofs"],
-        iterations=price["newton_iterations"],
-        force=result["load_N"],
-        error_p_max=error("pressure", "max_MPa"),
-        error_a=error("patch", "a_mm"),
-        error_b=error("patch", "b_mm"),
-        error_area=error("patch", "area_mm2"),
-        error_approach=error("approach_mm"),
-        error_tau_max=error("stress", "tau_max_MPa"),
-    )
+def read_own(summary: Mapping[str, Any]) -> dict[str, Any]:
+    """The same from summary.json."""
+    result, exact = (numeric_values(summary[key]) for key in ("result", "hertz"))
+    return {
+        "unknowns": summary["cost"]["dofs"],
+        "iterations": summary["cost"]["newton_iterations"],
+        "force": summary["result"]["load_N"],
+        **{
+            f"error_{name}": result[key] / exact[key] - 1
+            for name, key in zip(ERRORS, OWN, strict=True)
+            if key
+        },
+    }

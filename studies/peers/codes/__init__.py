@@ -1,18 +1,17 @@
 """One module a code: what it is, how it is installed, and its solve.
 
     TITLE, METHOD, SETTINGS   names and sentences of the page
-    PIP, DEBIAN               packages; with DEBIAN's it runs in Debian's Python, else in the venv
+    PIP, DEBIAN               packages, the first of which has the page's version; with DEBIAN's it
+                              runs in Debian's Python, else in the venv
+    MODULES                   what must import there
     RUNS                      {label: keywords of `solve`}, coarse to fine; "mesh" is [cell, order,
                               size in mm] of `studies.peers.blocks`, read before the call
-    version() -> str          raises where the code is not there
     solve(case, mesh, **run)  -> {unknowns, force, pressure_max, x, y, pressure, [approach,
                               tau_max, iterations]}, in N, mm and MPa, of the whole contact
 
-`version` and `solve` are called in another Python, which has neither railhead nor its libraries:
-a module imports numpy and the standard library, and its code inside these two.
+`solve` is called in another Python, which has neither railhead nor its libraries: a module imports
+numpy and the standard library, and its code inside of it.
 """
-
-from __future__ import annotations
 
 import importlib
 import pkgutil
@@ -28,11 +27,9 @@ class Peer(Protocol):
     SETTINGS: str
     PIP: tuple[str, ...]
     DEBIAN: tuple[str, ...]
+    MODULES: tuple[str, ...]
     RUNS: Mapping[str, Mapping[str, Any]]
     __file__: str
-
-    def version(self) -> str:
-        """Of the code; raises where it is not there."""
 
     def solve(self, case: Mapping[str, float], mesh: Any, **run: Any) -> dict[str, Any]:
         """In N, mm and MPa, of the whole contact."""

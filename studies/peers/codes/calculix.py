@@ -13,6 +13,7 @@ symmetry conditions on the dependent nodes, where ccx stops with a singular matr
 from surface to surface on C3D10 (50 E per mm; iterative Cholesky). Pressure: CPRESS at the node."""
 PIP = ()
 DEBIAN = ("calculix-ccx", "python3-numpy")
+MODULES = ()
 _MORTAR = {"element": "C3D8", "contact": "LINMORTAR", "penalty": 1000, "solver": "SPOOLES"}
 _PENALTY = {
     "element": "C3D10",
@@ -28,15 +29,6 @@ RUNS = {
     for size in (1.0, 0.5, 0.35)
 }
 NEAR = {"rail": 7.0, "wheel": 11.0}  # mm around the centre where contact is looked for
-
-
-def version() -> str:
-    """What `ccx -v` says (with status 201)."""
-    try:
-        said = subprocess.run(["ccx", "-v"], capture_output=True, text=True, check=False).stdout
-    except FileNotFoundError:
-        raise FileNotFoundError("no command ccx") from None
-    return said.partition("Version ")[2].split()[0]
 
 
 def solve(case, mesh, element, contact, penalty, solver):

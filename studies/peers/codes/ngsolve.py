@@ -9,6 +9,7 @@ energy of a penalty of 5 E order^2 / size, Newton's method with sparse Cholesky 
 down as one. Pressure: -sigma_zz at points of the rail's surface. Meshing is part of its time."""
 PIP = ("ngsolve==6.2.2608", "numpy", "scipy")
 DEBIAN = ()
+MODULES = ("ngsolve",)
 RUNS = {
     f"order {order}, {size} mm": {"order": order, "size": size}
     for order, size in ((2, 1.0), (2, 0.7), (2, 0.5), (3, 1.4), (3, 1.0))
@@ -16,13 +17,6 @@ RUNS = {
 WIDTH, DEPTH = 40.0, 60.0  # mm, as the blocks of the other codes
 FINE = (5.4, 4.4)  # mm of the face that have the given size
 PENALTY, STEPS, TOLERANCE = 5.0, 40, 1e-9
-
-
-def version() -> str:
-    """Of the package."""
-    import ngsolve
-
-    return ngsolve.__version__
 
 
 def solve(case, mesh, order, size):

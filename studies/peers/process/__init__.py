@@ -1,1 +1,0 @@
-"""Commands and codes in processes of their own, and what they cost."""
