@@ -177,5 +177,6 @@ def _places(column: str, own: Rows, rows: Rows) -> Array:
 
 
 def _word(value: object) -> str:
-    """Text of a value for matplotlib: decimal numbers in their shortest form, no formula."""
-    return f"{value:g}" if isinstance(value, float) else str(value).replace("$", r"\$")
+    """Text of a value for matplotlib: decimal numbers in their shortest form, of paths
+    the name, no formula."""
+    return f"{value:g}" if isinstance(value, float) else Path(str(value)).name.replace("$", r"\$")

@@ -70,10 +70,10 @@ class ExaminedProfile:
             {name: f"{values[index]:.9g}" for name, values in columns.items()}
             for index in range(len(y))
         ]
-        with result_folder.replacing(folder) as work:
-            result_folder.write_summary(work, "profile", self.scene, self.summary())
-            profile_plot.draw(self.measured, self.worn, work / "profile.png")
+        with result_folder.result(folder, "profile", self.scene, self.summary()) as (work, attempt):
             (work / "profile.csv").write_bytes(table_file.encoded(rows))
+            with attempt("profile.png"):
+                profile_plot.draw(self.measured, self.worn, work / "profile.png")
 
     def show(self, console: Console) -> None:
         """Print reading and smoothing of the file, radii of curvature and wear."""

@@ -18,6 +18,7 @@ from railhead.geometry.measured import profile as measured
 from railhead.geometry.placement import ContactPoint, Pair, PlacementError
 from railhead.geometry.wheelset import Placed, Track
 from railhead.results import result_folder
+from railhead.scene.io import portable
 from railhead.scene.scene import Scene, SceneError
 
 CLEARANCE = 0.05  # mm; elastic approaches of wheels are of this size
@@ -61,7 +62,7 @@ class Location:
         placed, (crest, _) = self.placed, wheelset.top(self.pair.rail)
         return {
             "case": self.scene.name,
-            "scene": self.scene.model_dump(exclude_none=True),
+            "scene": portable(self.scene),
             "roll_rad": placed.roll,
             "height_mm": placed.height,
             "rolling_radius_difference_mm": placed.rolling_radius_difference,
@@ -95,17 +96,19 @@ class Location:
         from railhead.postprocess.plots import wheelset_plot
 
         scene = self.scene
-        profiles = f"wheels {scene.wheel.profile} on rails {scene.rail.profile}"
+        wheel, rail = Path(scene.wheel.profile).name, Path(scene.rail.profile).name
+        profiles = f"wheels {wheel} on rails {rail}"
         pair = f"{scene.name}: wheelset with {profiles}"
         at = f"shifted by {scene.wheelset.shift:g} mm to the right"
         yaw = f", yaw {1e3 * scene.wheelset.yaw:g} mrad"
-        with result_folder.replacing(folder) as work:
-            result_folder.write_summary(work, "locate", scene, self.summary())
-            title = f"{pair}, {at}{yaw}"
-            wheelset_plot.profiles(self.pair, self.placed, work / "profiles.png", title)
-            swept = self.placed_at(list(SHIFTS))
-            wheelset_plot.positions(self.pair, swept, work / "positions.png", pair + yaw)
-            wheelset_plot.rolling_radius(swept, work / "rolling_radius.png", pair + yaw)
+        title, swept = f"{pair}, {at}{yaw}", self.placed_at(list(SHIFTS))
+        with result_folder.result(folder, "locate", scene, self.summary()) as (work, attempt):
+            with attempt("profiles.png"):
+                wheelset_plot.profiles(self.pair, self.placed, work / "profiles.png", title)
+            with attempt("positions.png"):
+                wheelset_plot.positions(self.pair, swept, work / "positions.png", pair + yaw)
+            with attempt("rolling_radius.png"):
+                wheelset_plot.rolling_radius(swept, work / "rolling_radius.png", pair + yaw)
 
     def show(self, console: Console) -> None:
         """Print a table with a column for each contact, below it the values of the wheelset."""

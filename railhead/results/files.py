@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from railhead.postprocess.findings import Array, Findings
 from railhead.results import quantity_rows, table_file
 from railhead.results.report.output_units import Units
-from railhead.results.result_folder import attempt, replacing, write_summary
+from railhead.results.result_folder import result
 from railhead.results.subject import subject
 from railhead.run.mesh_solution import MeshSolution
 
@@ -43,28 +43,24 @@ def write(
     OSError: the numbers cannot be written; or, a line for each, other files that could not be
         written, after all the others are.
     """
-    failures: list[str] = []
-    with replacing(folder) as work:
-        write_summary(work, "run", solved.plan.scene, summary)
+    with result(folder, "run", solved.plan.scene, summary) as (work, attempt):
         (work / TABLE).write_bytes(table_file.encoded(quantity_rows.everything(summary)))
         stresses: Array | None = None
         grids: Grids | None = None
         found = _titled(solved)
-        with attempt(failures, folder / "*.vtu", work):
+        with attempt("*.vtu"):
             stresses = write_grids(solved, work, whole=whole)
         if pictures and found is not None and stresses is not None:
-            with attempt(failures, folder / "*.png", work):
+            with attempt("*.png"):
                 grids, drawings = _drawings(solved, summary["result"], found, stresses)
                 for name, draw in drawings.items():
-                    with attempt(failures, folder / name, work):
+                    with attempt(name):
                         draw(work / name)
         if report is not None:
-            with attempt(failures, folder / "report.html", work):
+            with attempt("report.html"):
                 from railhead.results.report import html
 
                 html.write(solved, summary, report, work, found, grids)
-    if failures:
-        raise OSError("\n".join(failures))
 
 
 def _titled(solved: MeshSolution) -> Findings | None:
@@ -94,11 +90,11 @@ def write_grids(solved: MeshSolution, folder: Path, *, whole: bool = False) -> A
 
 
 def _drawings(
-    solved: MeshSolution, result: Mapping[str, Any], found: Findings, stresses: Array
+    solved: MeshSolution, numbers: Mapping[str, Any], found: Findings, stresses: Array
 ) -> tuple[Grids, dict[str, Drawing]]:
     """Grids of the cells and of the slave's contact surface, and the pictures by file name.
 
-    result: "result" of summary.json. found: with the title and the notes of pictures. stresses (n,
+    numbers: "result" of summary.json. found: with the title and the notes of pictures. stresses (n,
         6): at the nodes, MPa.
     """
     from railhead.postprocess import gallery
@@ -118,7 +114,7 @@ def _drawings(
             plastic_plots.draw, fields, residual, found, elastic.findings, exact
         )
     if (rubbing := solved.solution.friction) is not None:
-        coefficient, friction = plan.scene.friction.coefficient, result["friction"]
+        coefficient, friction = plan.scene.friction.coefficient, numbers["friction"]
         every["friction.png"] = partial(
             traction_plots.draw, rubbing, found, coefficient, mirrored=plan.half_y
         )

@@ -102,7 +102,7 @@ def _unresolved(friction: Mapping[str, Any]) -> dict[str, Cell]:
 
 def everything(summary: Mapping[str, Any]) -> Iterator[Row]:
     """Rows of all tables, each with a unique name in "quantity", and the column "value" in the
-    place of "FE".
+    place of "FE"; then program and date.
     """
     load: list[Row] = [
         {"quantity": each.label, "unit": each.unit, "FE": _cell(each.value(summary["result"]))}
@@ -116,6 +116,8 @@ def everything(summary: Mapping[str, Any]) -> Iterator[Row]:
         above = above if label.startswith(" ") else label
         named: Row = {"value" if key == "FE" else key: value for key, value in row.items()}
         yield {**named, "quantity": name}
+    yield {"quantity": "program", "value": f"railhead {summary['railhead']}"}
+    yield {"quantity": "date", "value": summary["date"]}
 
 
 def _cell(value: Any, least: float = 0.0) -> Cell:

@@ -10,17 +10,19 @@ import os
 import shutil
 import sys
 import tempfile
-from collections.abc import Collection, Iterator
-from contextlib import contextmanager, suppress
+import zlib
+from collections.abc import Callable, Collection, Iterator
+from contextlib import AbstractContextManager, contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import psutil
+import tomli_w
 
 from railhead import __version__
 from railhead.run import process
-from railhead.scene.io import to_toml
+from railhead.scene.io import copy_files, portable
 from railhead.scene.scene import SceneError
 
 if TYPE_CHECKING:
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
 
 SUMMARY, SCENE = "summary.json", "scene.toml"
 UNITS = "N, mm, MPa, rad, s"
+Attempt = Callable[[str], AbstractContextManager[None]]
 MANIFEST = ".railhead"  # names of the files in a result folder that are replaced by the next one
 
 
@@ -122,13 +125,54 @@ def scene_toml(command: str, scene: Scene) -> str:
     """Text of scene.toml beside a result: a comment line with command, version of the program, date
     and units, then the scene.
     """
-    return f"# railhead {command} {__version__}, {now()}; {UNITS}\n{to_toml(scene)}"
+    return f"# railhead {command} {__version__}, {now()}; {UNITS}\n{tomli_w.dumps(portable(scene))}"
 
 
-def write_summary(work: Path, command: str, scene: Scene, summary: dict[str, Any]) -> None:
-    """Write scene.toml and summary.json into a folder."""
-    (work / SCENE).write_text(scene_toml(command, scene), encoding="utf-8")
-    (work / SUMMARY).write_text(to_json(summary), encoding="utf-8")
+@contextmanager
+def result(
+    folder: Path, command: str, scene: Scene, summary: dict[str, Any]
+) -> Iterator[tuple[Path, Attempt]]:
+    """A temporary folder that replaces `folder` after the block, with scene.toml, copies of the
+    files of the scene, and summary.json in it; and a function of a file's name that returns a
+    context manager in which that file is written.
+
+    OSError: these files cannot be written; or, after the exchange, with a line for each, files
+        that could not be written in the block.
+    """
+    failures: list[str] = []
+    with replacing(folder) as work:
+        copy_files(scene.files, work)
+        (work / SCENE).write_text(scene_toml(command, scene), encoding="utf-8")
+        (work / SUMMARY).write_text(to_json(origin() | summary), encoding="utf-8")
+        yield work, lambda name: attempt(failures, folder / name, work)
+        with attempt(failures, folder, work):
+            stamp(work)
+    if failures:
+        raise OSError("\n".join(failures))
+
+
+def origin() -> dict[str, Any]:
+    """Entries of summary.json that say where it is from: "railhead" (version), "date", "units"."""
+    return {"railhead": __version__, "date": now(), "units": UNITS}
+
+
+def stamp(folder: Path) -> None:
+    """Write version, date and units into the .png, .vtu and .pvd files of a folder, as text that
+    viewers skip. OSError: a file cannot be written; it is unchanged then.
+    """
+    note, part = f"railhead {__version__}, {now()}; {UNITS}".encode(), folder / ".stamp"
+    for path in folder.iterdir():
+        if path.suffix == ".png":  # after the header, which is 33 bytes
+            data, chunk = path.read_bytes(), b"tEXtComment\0" + note
+            size, check = len(chunk) - 4, zlib.crc32(chunk)
+            added = size.to_bytes(4, "big") + chunk + check.to_bytes(4, "big")
+            part.write_bytes(data[:33] + added + data[33:])
+        elif path.suffix in (".vtu", ".pvd"):
+            head, end, rest = path.read_bytes().partition(b"?>")
+            part.write_bytes(head + end + b"\n<!-- " + note + b" -->" + rest)
+        else:
+            continue
+        part.replace(path)
 
 
 def now() -> str:

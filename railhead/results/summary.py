@@ -11,10 +11,12 @@ from railhead.planning.effects.material import plasticity
 from railhead.postprocess import compare
 from railhead.postprocess.friction import damage
 from railhead.results import checks
+from railhead.results.result_folder import origin
 from railhead.run import estimates
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.references import half_space_reference, rolling_reference
 from railhead.run.refinement import Ending
+from railhead.scene.io import portable
 from railhead.theory.elastic.hertz import Ellipse
 
 NO_SECTION = {"reason": "boundary elements know no section of bodies that end"}
@@ -54,7 +56,8 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
     missing = checks.not_made(solved, judged, second, beside)
     return {
         "case": scene.name,
-        "scene": scene.model_dump(exclude_none=True),
+        **origin(),
+        "scene": portable(scene),
         "plan": plan.summary(),
         "result": solved.result and {**solved.result, **_more(solved)},
         **({} if reference is None else {_reference_name(solved): reference.result}),

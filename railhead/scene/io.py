@@ -1,9 +1,12 @@
 """Scenes as TOML files."""
 
 import re
+import shutil
 import stat
 import tomllib
 import unicodedata
+from collections.abc import Iterable
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +14,9 @@ import tomli_w
 
 from railhead.geometry.measured.extensions import EXTENSIONS
 from railhead.scene.scene import MAX_NAME_BYTES, Scene, SceneError
+
+INPUT = "input"  # folder in a result folder with the files that the scene names
+FILES = ("profile", "stress_strain")  # keys of a body whose values may be paths
 
 
 def _read_text(path: Path) -> str:
@@ -47,7 +53,7 @@ def read_scene(path: str | Path) -> Scene:
     """The scene of a TOML file.
 
     Without a key `name` the scene is named after the file, with _ for characters that names may not
-    have. A relative path of a profile starts at the folder of the file.
+    have. Relative paths of its files start at the folder of the file.
     Raises SceneError (one line), naming the file if it cannot be read, else the key.
     """
     path = Path(path)
@@ -56,9 +62,10 @@ def read_scene(path: str | Path) -> Scene:
     short = re.sub(r"[^\w.-]", "_", stem).encode()[:MAX_NAME_BYTES].decode(errors="ignore")
     data.setdefault("name", short)
     for section in filter(lambda table: isinstance(table, dict), data.values()):
-        profile = section.get("profile")
-        if isinstance(profile, str) and profile.lower().endswith(EXTENSIONS):
-            section["profile"] = str(path.parent / profile)
+        for key in FILES:
+            file = section.get(key)
+            if isinstance(file, str) and file.lower().endswith(EXTENSIONS):
+                section[key] = str(path.parent / file)
     return Scene.from_mapping(data)
 
 
@@ -67,3 +74,28 @@ def to_toml(scene: Scene) -> str:
     gives an equal scene.
     """
     return tomli_w.dumps(scene.model_dump(exclude_none=True))
+
+
+def places(files: Iterable[Path]) -> dict[str, str]:
+    """Where the copies of files lie in a result folder, by path: input/HASH/NAME, with the first
+    twelve digits of the file's SHA-256. OSError: a file cannot be read.
+    """
+    return {
+        str(path): f"{INPUT}/{sha256(path.read_bytes()).hexdigest()[:12]}/{path.name}"
+        for path in files
+    }
+
+
+def portable(scene: Scene) -> dict[str, Any]:
+    """Nested tables of the keys of a scene that have a value, with files as in a result folder."""
+    at, data = places(scene.files), scene.model_dump(exclude_none=True)
+    for body in (data["rail"], data["wheel"]):
+        body |= {key: at.get(body[key], body[key]) for key in FILES if key in body}
+    return data
+
+
+def copy_files(files: Iterable[Path], folder: Path) -> None:
+    """Copy files to their places in a result folder. OSError: one cannot be copied."""
+    for path, place in places(files).items():
+        (folder / place).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(path, folder / place)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from functools import partial
-from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,7 @@ from railhead.results import files, result_folder, table_file
 from railhead.results.subject import shared_y
 from railhead.run import process, refinement
 from railhead.run.progress import Progress
+from railhead.scene.io import copy_files, places, portable
 from railhead.scene.scene import Scene, SceneError
 from railhead.sweeps import runner, store, sweep_table, worker_pool
 from railhead.sweeps.grid import ParameterGrid, column
@@ -44,19 +44,30 @@ class ParallelSweep:
     vtu: bool = False
 
     @property
+    def files(self) -> set[Path]:
+        """Files that the scenes name."""
+        return {path for scene in self.grid.scenes for path in scene.files}
+
+    def values(self, number: int) -> dict[str, object]:
+        """Values of the changing keys in scene `number` by dotted key, in base units; of files
+        their places in the folder.
+        """
+        return _values(self.grid.scenes[number], self.grid.keys)
+
+    @property
     def request(self) -> dict[str, Any]:
         """Everything that determines the records: "railhead" (version), "scene", "over" (values by
-        key), "files" (SHA-256 by path of the files that scenes name) and "vtu". Raises OSError
-        where a file cannot be read.
+        key) and "vtu". Files are named by their places in the folder, which hold the first digits
+        of their SHA-256. Raises OSError where a file cannot be read.
         """
         scenes, keys = self.grid.scenes, self.grid.keys
+        at = places(self.files)
         over = {key: list(dict.fromkeys(each.value(key) for each in scenes)) for key in keys}
-        files = {path for scene in scenes for path in scene.files}
+        over = {key: [at.get(str(value), value) for value in over[key]] for key in keys}
         return {
             "railhead": version("railhead"),
-            "scene": self.grid.base.model_dump(exclude_none=True),
+            "scene": portable(self.grid.base),
             "over": over,
-            "files": {str(path): sha256(path.read_bytes()).hexdigest() for path in sorted(files)},
             **({"vtu": True} if self.vtu else {}),
         }
 
@@ -76,7 +87,7 @@ class ParallelSweep:
         AttributeError for data that is no record.
         """
         sweep_table.row({}, record)
-        values = json.loads(result_folder.to_json(self.grid.values(number)))
+        values = json.loads(result_folder.to_json(self.values(number)))
         return bool(record["over"] == values)
 
 
@@ -115,6 +126,7 @@ def run(
                     plans = runner.plan_all(sweep.grid, progress)
                 groups, y_label = runner.group_by_mesh(plans), shared_y(plans)
                 store.begin(sweep.folder, sweep.request, other)
+                copy_files(sweep.files, sweep.folder)
                 claim.enter_context(store.claimed(sweep.folder))
                 store.check(sweep.folder, sweep.matches)
             except (SceneError, OSError) as error:
@@ -203,7 +215,8 @@ def _solve(
         if vtu and not isinstance(result, Exception):
             store.vtu_folder(folder, number).mkdir(parents=True, exist_ok=True)
             files.write_grids(result.mesh_solution, store.vtu_folder(folder, number))
-        over = {key: group[number].value(key) for key in keys}
+            result_folder.stamp(store.vtu_folder(folder, number))
+        over = _values(group[number], keys)
         store.write(folder, number, {"over": over, **sweep_table.record(result)})
     process.release_memory()
     return faults
@@ -229,7 +242,7 @@ def _write(
     grid, folder, failures = sweep.grid, sweep.folder, list[str]()
     done = store.done(folder)
     for number in faults.keys() - done:
-        rows[number] = sweep_table.row(grid.values(number), {"fault": faults[number]})
+        rows[number] = sweep_table.row(sweep.values(number), {"fault": faults[number]})
     _write_table(sweep, rows)
     table = [row for _, row in sorted(rows.items())]
     status = {number: row[sweep_table.CHECKS] for number, row in enumerate(table)}
@@ -253,7 +266,15 @@ def _write(
         for name, draw in zip(store.PICTURES, drawings, strict=True):
             with result_folder.attempt(failures, folder / name, folder):
                 draw(columns, table, path=folder / name, y=y_label, title=title)
+    with result_folder.attempt(failures, folder, folder):
+        result_folder.stamp(folder)
     return Outcome(status, failures)
+
+
+def _values(scene: Scene, keys: Iterable[str]) -> dict[str, object]:
+    """Values of a scene by dotted key, in base units; of files their places in a result folder."""
+    at = places(scene.files)
+    return {key: at.get(str(value), value) for key in keys for value in [scene.value(key)]}
 
 
 def _write_table(sweep: ParallelSweep, rows: dict[int, Row]) -> None:
@@ -263,7 +284,7 @@ def _write_table(sweep: ParallelSweep, rows: dict[int, Row]) -> None:
     new = store.done(sweep.folder) - rows.keys()
     for number in new:
         record = store.read(sweep.folder, number)
-        rows[number] = sweep_table.row(sweep.grid.values(number), record)
+        rows[number] = sweep_table.row(sweep.values(number), record)
     if new or len(rows) == len(sweep.grid.scenes):
         table = table_file.encoded(row for _, row in sorted(rows.items()))
         store.write_whole(sweep.folder, sweep.folder / store.TABLE, table)

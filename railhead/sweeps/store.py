@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from railhead.results import result_folder
+from railhead.scene.io import INPUT
 from railhead.scene.scene import SceneError
 
 REQUEST, RECORDS, VTU, TABLE = "sweep.json", "records", "vtu", "sweep.csv"
@@ -21,7 +22,7 @@ PICTURES = ("sweep.png", "patches.png")
 SERIES = ("solution", "contact")  # of .vtu files
 ADVICE = "give another folder, or --force to replace it"
 Other = Literal["refuse", "move", "replace"]
-LATER = (RECORDS, VTU, TABLE, *PICTURES, *(f"{name}.pvd" for name in SERIES))
+LATER = (INPUT, RECORDS, VTU, TABLE, *PICTURES, *(f"{name}.pvd" for name in SERIES))
 
 
 def begin(folder: Path, request: Mapping[str, Any], other: Other = "refuse") -> None:

@@ -57,11 +57,12 @@ def row(values: Mapping[str, object], record: Mapping[str, Any]) -> dict[str, An
     friction = summary["result"].get("friction") or {}
     cells |= {each.header: friction[each.key] for each in COLUMNS if each.key in friction}
     bound = summary["accuracy"]["bound"]
-    return cells | {
+    cells |= {
         f"{each.column.removeprefix('found ')} estimate": bound.get(each.key)
         for each in COLUMNS
         if each.estimated
     }
+    return cells | {"program": f"railhead {summary['railhead']}", "date": summary["date"]}
 
 
 def status(record: Mapping[str, Any]) -> str:

@@ -29,6 +29,8 @@ SKIPPED = (
     "memory",
     "version",
     "date",
+    "railhead",
+    "units",
     "would_cost",
     "speed",
     "history",

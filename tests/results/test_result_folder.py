@@ -3,7 +3,10 @@
 import os
 from pathlib import Path
 
+import numpy as np
 import pytest
+import pyvista
+from PIL import Image
 from solved import solved
 
 import railhead as rh
@@ -183,3 +186,37 @@ def test_without_out_another_result_is_moved(tmp_path: Path, monkeypatch, capsys
     assert capsys.readouterr().err.splitlines()[0].endswith("now results/sphere_on_plane.1/")
     assert "patch_size" in Path("results/sphere_on_plane/scene.toml").read_text()
     assert "patch_size" not in Path("results/sphere_on_plane.1/scene.toml").read_text()
+
+
+def test_a_folder_stands_alone(tmp_path: Path, monkeypatch) -> None:
+    """With copies of its files, it can be sent and run again; its files say where they are from."""
+    monkeypatch.chdir(tmp_path)
+    y = np.linspace(-35.0, 35.0, 141)
+    np.savetxt("worn.csv", np.column_stack([y, -(y**2) / 600]), delimiter=",")
+    command = ["profile", "worn.csv", "--body", "rail", "--out", "out"]
+    for _ in range(2):
+        with pytest.raises(SystemExit) as ended:
+            main(command)
+        assert not ended.value.code
+    (copy,) = Path("out").glob("input/*/worn.csv")
+    assert copy.read_bytes() == Path("worn.csv").read_bytes()
+    assert str(tmp_path) not in Path("out/scene.toml").read_text()
+    assert str(tmp_path) not in Path("out/summary.json").read_text()
+    Path("out").rename("sent")
+    Path("worn.csv").unlink()
+    scene = rh.find("sent/scene.toml")
+    assert scene.rail.profile == str(tmp_path / "sent" / copy.relative_to("out"))
+    assert not result_folder.other_result(Path("sent"), "profile", scene)
+    with Image.open("sent/profile.png") as picture:
+        picture.verify()
+        assert picture.info["Comment"].startswith(f"railhead {rh.__version__}, 20")
+    Path("curve.csv").write_text("0,500\n0.1,600\n")
+    Path("sent/a.toml").write_text('load=1\n[rail]\nstress_strain = "../curve.csv"\n')
+    assert rh.find("sent/a.toml").rail.stress_strain == str(tmp_path / "curve.csv")
+
+
+def test_grids_say_where_they_are_from(tmp_path: Path) -> None:
+    solved("sphere_on_plane").save(tmp_path / "out", pictures=False)
+    text = (tmp_path / "out" / "contact.vtu").read_bytes()[:200].decode()
+    assert f"<!-- railhead {rh.__version__}, 20" in text and "N, mm, MPa" in text
+    assert pyvista.read(tmp_path / "out" / "contact.vtu").n_points > 0

@@ -34,7 +34,8 @@ def test_a_row_holds_what_its_columns_say() -> None:
         "friction": {key: 20.0 + i for i, key in enumerate(forces)},
     }  # fmt: skip
     summary = {
-        "checks": {"converged": True, "passed": True}, "result": result,
+        "railhead": "0", "date": "now", "result": result,
+        "checks": {"converged": True, "passed": True},
         "plan": {"contact_angle_rad": 17.0}, "cost": {"dofs": 15},
         "accuracy": {"bound": {key: 40.0 + i for i, key in enumerate(bounds)}},
     }  # fmt: skip
@@ -49,5 +50,6 @@ def test_a_row_holds_what_its_columns_say() -> None:
         "shift along [mm]": 27.0, "shift across [mm]": 28.0, "stick share": 29.0,
         "T-gamma [N]": 30.0, "p_max estimate": 40.0, "area estimate": 41.0, "a estimate": 42.0,
         "b estimate": 43.0, "tau_max estimate": 44.0, "approach estimate": 45.0,
-        "tau_max depth estimate": None, "von_mises_max estimate": None,
+        "tau_max depth estimate": None, "von_mises_max estimate": None, "program": "railhead 0",
+        "date": "now",
     }  # fmt: skip

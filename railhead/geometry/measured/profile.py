@@ -95,7 +95,7 @@ class Measured:
         """
         before, after = self.sharpest
         return {
-            "file": str(self.path),
+            "file": self.path.name,
             "read": list(self.remarks),
             "points": len(self.points),
             "noise_mm": self.smoothed.noise,

@@ -111,6 +111,8 @@ def test_result_csv_is_the_printed_table(tmp_path) -> None:
     assert float(depth["value"]) == result.stress.tau_max_depth
     assert rows["largest von Mises stress: its body"]["value"] == "wheel"
     assert float(rows["load"]["value"]) == result.load
+    assert rows["program"]["value"] == f"railhead {rh.__version__}"
+    assert rows["date"]["value"] == result.as_dict()["date"]
 
 
 def test_rounding_is_no_depth() -> None:
