@@ -2,7 +2,6 @@
 
 import csv
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -51,15 +50,6 @@ def publish(
                 writer = csv.writer(file, lineterminator="\n")
                 writer.writerows([header, *(row.values() for row in rows)])
     (out / PAGE).write_text(page, encoding="utf-8")
-
-
-def write_csv(path: Path, rows: Sequence[Any], units: Mapping[str, str] | None = None) -> None:
-    """One line for each record or mapping, as `publish` does."""
-    given = [each if isinstance(each, Mapping) else asdict(each) for each in rows]
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow("_".join(filter(None, (key, (units or {}).get(key)))) for key in given[0])
-        writer.writerows(row.values() for row in given)
 
 
 def groups(rows: Iterable[Row], *keys: str) -> dict[Any, list[Row]]:

@@ -1,13 +1,13 @@
 """Do hard cases stay right? The whole battery, each case in a process that may die alone."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 from typing import Any
 
-from railhead.cli import study
+from railhead.sweeps.worker_pool import attempts
 from studies import tables
+from studies.hard import page
+from studies.hard.battery import CASES, QUICK, solve
 from studies.hard.case import Outcome
 
 
@@ -36,10 +36,6 @@ def row(outcome: Outcome) -> dict[str, Any]:
 
 def main(out: Path, *, quick: bool) -> None:
     """Write hard_cases.csv, hard_cases.png and page.md; quick: the cases of the tests."""
-    from railhead.sweeps.worker_pool import attempts
-    from studies.hard import page
-    from studies.hard.battery import CASES, QUICK, solve
-
     cases = QUICK if quick else list(CASES.values())
     done: list[Outcome] = []
     jobs, limits = [(case.key,) for case in cases], [case.seconds for case in cases]
@@ -48,6 +44,5 @@ def main(out: Path, *, quick: bool) -> None:
         fault = attempt.fault if found is None else case.fault(found)
         done.append(Outcome(case, found, fault, attempt.seconds))
         print(f"{case.key}: {done[-1].result}", file=sys.stderr)
-    tables.write_csv(out / "hard_cases.csv", [row(outcome) for outcome in done])
-    page.draw(page.maps(done), out / "hard_cases.png")
-    (out / study.PAGE).write_text(page.page(done), encoding="utf-8")
+    page.draw(done, out / "hard_cases.png")
+    tables.publish(out, page.page(done), hard_cases=[row(outcome) for outcome in done])

@@ -1,16 +1,18 @@
 """The page of the hard cases: what fails, a table by group, maps."""
 
-from __future__ import annotations
-
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
+from matplotlib.colors import LogNorm
+from matplotlib.patches import Rectangle
+from matplotlib.ticker import FuncFormatter
 
 from railhead.postprocess.plots.diagrams import new_figure
 from studies.hard.case import Outcome
 from studies.tables import percent, render
 
-FACTOR_MAP, MATERIAL_MAP = "factor", "nu x E ratio"  # groups of cases
 LAWS = ("default", "Nitsche, theta 1", "Nitsche, theta 0", "Nitsche, theta -1", "penalty")
 FACTORS = [10.0**power for power in range(-3, 7)]
 POISSON = (0.0, 0.3, 0.45, 0.49, 0.499, 0.4999)
@@ -19,70 +21,36 @@ LOW, HIGH = 1e-3, 1.0  # errors at the ends of the colours
 DARK = 0.52  # of green: letters on it are white
 
 
-@dataclass(frozen=True)
-class Cell:
-    """One point of a map: relative error (None: no result), whether it converged, a short note."""
-
-    error: float | None
-    converged: bool
-    note: str
-
-
-@dataclass(frozen=True)
-class Map:
-    """A table of cells, row by row, with the words around it; label: of the columns; across: of the
-    rows."""
-
-    title: str
-    rows: Sequence[str]
-    columns: Sequence[str]
-    label: str
-    across: str
-    cells: Sequence[Sequence[Cell]]
+MAPS = (
+    (
+        "Contact laws on the thesis ellipse, four elements per semi-axis",
+        "factor",
+        LAWS,
+        FACTORS,
+        ("solver.gamma_factor", ""),
+    ),
+    (
+        "Rail of any stiffness under a steel wheel, quadratic tetrahedra",
+        "nu x E ratio",
+        [f"{value:g}" for value in POISSON],
+        STIFFNESS,
+        ("E of the rail over E of the wheel", "Poisson's ratio of the rail"),
+    ),
+)
+"""Title, group of the cases, their rows and columns, labels of the columns and of the rows."""
 
 
-def _cell(outcome: Outcome | None) -> Cell:
+def cell(outcome: Outcome | None) -> tuple[float, bool, str]:
+    """A point of a map: relative error (nan: no result), whether it converged, a short note."""
     if outcome is None or outcome.measured is None:
-        return Cell(None, False, "no end" if outcome and "back" in outcome.fault else "x")
+        return math.nan, False, "no end" if outcome and "back" in outcome.fault else "x"
     worst = outcome.measured.worst
-    error = worst[1].value if worst else None
+    error = worst[1].value if worst else math.nan
     if outcome.measured.failed:
-        return Cell(error, False, outcome.measured.failed[0].replace("_", "\n", 1))
-    if error is None:
-        return Cell(None, False, "x")
-    return Cell(error, True, f"{error:.1%}" + ("\nWRONG" if outcome.fault else ""))
-
-
-def maps(outcomes: Sequence[Outcome]) -> list[Map]:
-    """The two failure maps of a whole run."""
-    found = {outcome.case.key: outcome for outcome in outcomes}
-
-    def cells(group: str, rows: Sequence[str], columns: Sequence[str]) -> list[list[Cell]]:
-        return [
-            [_cell(found.get(f"{group}: {row}, {column}")) for column in columns] for row in rows
-        ]
-
-    factors = [f"{factor:g}" for factor in FACTORS]
-    ratios, laws = [f"{ratio:g}" for ratio in STIFFNESS], list(LAWS)
-    poisson = [f"{value:g}" for value in POISSON]
-    return [
-        Map(
-            "Contact laws on the thesis ellipse, four elements per semi-axis",
-            laws,
-            factors,
-            "solver.gamma_factor",
-            "",
-            cells(FACTOR_MAP, laws, factors),
-        ),
-        Map(
-            "Rail of any stiffness under a steel wheel, quadratic tetrahedra",
-            poisson,
-            ratios,
-            "E of the rail over E of the wheel",
-            "Poisson's ratio of the rail",
-            cells(MATERIAL_MAP, poisson, ratios),
-        ),
-    ]
+        return error, False, outcome.measured.failed[0].replace("_", "\n", 1)
+    if worst is None:
+        return error, False, "x"
+    return error, True, f"{error:.1%}" + ("\nWRONG" if outcome.fault else "")
 
 
 def _row(outcome: Outcome) -> list[str]:
@@ -101,50 +69,38 @@ def page(outcomes: Sequence[Outcome]) -> str:
     groups: dict[str, list[list[str]]] = {}
     for outcome in outcomes:
         groups.setdefault(outcome.case.group, []).append(_row(outcome))
-    failing = [outcome for outcome in outcomes if outcome.fault]
-    refused = sum(outcome.refused for outcome in outcomes)
     return render(
-        "hard_cases", count=len(outcomes), failing=failing, refused=refused, groups=groups
+        "hard_cases",
+        count=len(outcomes),
+        failing=[outcome for outcome in outcomes if outcome.fault],
+        refused=sum(outcome.refused for outcome in outcomes),
+        groups=groups,
     )
 
 
-def draw(maps: Sequence[Map], path: Path) -> None:
-    """One panel below the other; colour is the error, a grey cell with a cross did not converge."""
-    from matplotlib.colors import LogNorm
-    from matplotlib.patches import Rectangle
-    from matplotlib.ticker import FuncFormatter
-
-    rows = [len(each.rows) for each in maps]
-    width = 3.0 + 1.05 * max(len(each.columns) for each in maps)
-    with new_figure(path, width, 0.62 * sum(rows) + 1.5 * len(maps)) as figure:
-        panels = figure.subplots(len(maps), 1, squeeze=False, height_ratios=rows)[:, 0]
-        for axes, each in zip(panels, maps, strict=True):
-            values = [
-                [
-                    cell.error if cell.converged and cell.error is not None else float("nan")
-                    for cell in row
-                ]
-                for row in each.cells
-            ]
+def draw(outcomes: Sequence[Outcome], path: Path) -> None:
+    """The two failure maps of a whole run, one panel below the other; colour is the error, a grey
+    cell with a cross did not converge."""
+    found = {outcome.case.key: outcome for outcome in outcomes}
+    heights = [len(rows) for _, _, rows, _, _ in MAPS]
+    width = 3.0 + 1.05 * max(len(columns) for _, _, _, columns, _ in MAPS)
+    with new_figure(path, width, 0.62 * sum(heights) + 1.5 * len(MAPS)) as figure:
+        panels = figure.subplots(len(MAPS), 1, squeeze=False, height_ratios=heights)[:, 0]
+        for axes, (title, group, rows, columns, labels) in zip(panels, MAPS, strict=True):
+            cells = [[cell(found.get(f"{group}: {r}, {c:g}")) for c in columns] for r in rows]
+            values = [[error if right else math.nan for error, right, _ in row] for row in cells]
             image = axes.imshow(values, norm=LogNorm(LOW, HIGH), cmap="RdYlGn_r", aspect="auto")
-            for y, row in enumerate(each.cells):
-                for x, cell in enumerate(row):
-                    if not cell.converged:
-                        box = Rectangle((x - 0.5, y - 0.5), 1, 1, fc="#c9c9c9", ec="white")
-                        axes.add_patch(box)
-                    dark = cell.converged and image.to_rgba(values[y][x])[1] < DARK
-                    axes.text(
-                        x,
-                        y,
-                        cell.note,
-                        ha="center",
-                        va="center",
-                        fontsize=8,
-                        color="white" if dark else "black",
-                    )
-            axes.set_xticks(range(len(each.columns)), each.columns)
-            axes.set_yticks(range(len(each.rows)), each.rows)
-            axes.set(xlabel=each.label, ylabel=each.across, title=each.title)
+            for y, x in np.ndindex(len(rows), len(columns)):
+                _, right, note = cells[y][x]
+                if not right:
+                    box = Rectangle((x - 0.5, y - 0.5), 1, 1, fc="#c9c9c9", ec="white")
+                    axes.add_patch(box)
+                dark = right and image.to_rgba(values[y][x])[1] < DARK
+                colour = "white" if dark else "black"
+                axes.text(x, y, note, ha="center", va="center", fontsize=8, color=colour)
+            axes.set_xticks(range(len(columns)), [f"{each:g}" for each in columns])
+            axes.set_yticks(range(len(rows)), rows)
+            axes.set(xlabel=labels[0], ylabel=labels[1], title=title)
             axes.grid(visible=False)
         shares = FuncFormatter(lambda value, _: f"{100 * value:g}%")
         bar = figure.colorbar(image, ax=list(panels), shrink=0.6, extend="both", format=shares)

@@ -1,16 +1,13 @@
 """One fuzzed scene: through the command line, and held against what is exact."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import itertools
 import json
-import math
 import os
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -27,43 +24,36 @@ from studies.hard.references import PATCH, against_boundary_elements, deviations
 MOST = 15_000  # predicted unknowns that are solved
 
 
-@dataclass(frozen=True)
-class Fuzzed:
-    """What a scene file ended in.
+Fuzzed = dict[str, Any]
+"""What a scene file ended in.
 
-    kind: "valid", or what is wrong with it; command: "run", or "plan" where a run would be too
-    dear; said: the failed checks or the one line; quantity: nearest to what is allowed, or furthest
-    above, of those that have a reference; fault: what must not happen, else empty.
-    """
-
-    seed: int
-    kind: str
-    command: str
-    status: int | None
-    said: str
-    reference: str
-    quantity: str
-    deviation: float | None
-    allowed: float | None
-    fault: str
+kind: "valid", or what is wrong with it; command: "run", or "plan" where a run would be too dear;
+said: the failed checks or the one line; quantity: nearest to what is allowed, or furthest above, of
+those that have a reference; fault: what must not happen, else empty.
+"""
 
 
-def valid(seed: int) -> tuple[str, str]:
-    """A scene file that the plan accepts and that is cheap, and what makes it so: the size of its
-    elements, by default two thirds of the usual number, in one of five scenes any."""
+def ended(seed: int, kind: str, **changes: Any) -> Fuzzed:
+    """A row without numbers but those given."""
+    empty = {"command": "run", "status": None, "said": "", "reference": "", "quantity": ""}
+    numbers = {"deviation": None, "allowed": None, "fault": ""}
+    return {"seed": seed, "kind": kind, **empty, **numbers, **changes}
+
+
+def valid(seed: int) -> str:
+    """A scene file that the plan accepts and that is cheap by the size of its elements: by default
+    two thirds of the usual number, in one of five scenes any."""
     for attempt in itertools.count():
         source = Seeded(1_000_000 * attempt + seed)
         try:
             given = wild(source)
         except SceneError:
             continue
-        made = plans(given)
-        if made is None:
-            continue
-        share = source.choice([FINE, FINE, FINE, FINE, source.number(0.05, 1.5)])
-        made = made.at_resolution(share * made.sizing.default_resolution)
-        if made.unknowns <= MOST:
-            return to_toml(given.replace([f"mesh.patch_size={made.patch_size!r}"])), "valid"
+        if (made := plans(given)) is not None:
+            share = source.choice([FINE, FINE, FINE, FINE, source.number(0.05, 1.5)])
+            made = made.at_resolution(share * made.sizing.default_resolution)
+            if made.unknowns <= MOST:
+                return to_toml(given.replace([f"mesh.patch_size={made.patch_size!r}"]))
     raise AssertionError
 
 
@@ -73,10 +63,9 @@ def fuzz(seed: int, broken: bool) -> Fuzzed:
         file = Path(folder) / "scene.toml"
         if broken:
             kind = broken_scenes.write(Seeded(seed), file)
-        else:
-            text, kind = valid(seed)
-            file.write_text(text, encoding="utf-8")
-        return _judged(seed, kind, file, _affordable(file) if broken else [])
+            return _judged(seed, kind, file, _affordable(file))
+        file.write_text(valid(seed), encoding="utf-8")
+        return _judged(seed, "valid", file, [])
 
 
 def _affordable(file: Path) -> list[str] | None:
@@ -85,7 +74,7 @@ def _affordable(file: Path) -> list[str] | None:
         given = read_scene(file)
         made = plans(given)
     except Exception:
-        return []  # the command meets it again
+        made = None  # the command meets it again
     if made is None:
         return []
     options = []
@@ -151,27 +140,20 @@ def _judged(seed: int, kind: str, file: Path, options: list[str] | None) -> Fuzz
     elif "NaN" in text:
         fault = "a result with NaN"
     else:
-        summary = json.loads(text, object_hook=_numbers)
+        summary = json.loads(
+            text, object_hook=lambda table: {k: inf if v == "inf" else v for k, v in table.items()}
+        )
         failed = summary["checks"]["failed"]
         said = " ".join(failed)
         if (status == 0) != (not failed) or status not in (0, 1):
             fault = f"status {status}, failed checks: {said or 'none'}"
         reference, found = truth(summary)
-    worst = max(found.items(), key=lambda item: item[1].share, default=("", None))
-    if status == 0 and worst[1] and not worst[1].share <= 1:
-        fault = f"{worst[0]} off by {worst[1].value:.2g}, {worst[1].allowed:.2g} allowed"
-    return Fuzzed(
-        seed,
-        kind,
-        command,
-        status,
-        said,
-        reference,
-        worst[0],
-        worst[1].value if worst[1] else None,
-        worst[1].allowed if worst[1] else None,
-        fault,
-    )
+    name, worst = max(found.items(), key=lambda item: item[1].share, default=("", None))
+    numbers = {"deviation": worst.value, "allowed": worst.allowed} if worst else {}
+    if status == 0 and worst and not worst.share <= 1:
+        fault = f"{name} off by {worst.value:.2g}, {worst.allowed:.2g} allowed"
+    ways = {"command": command, "status": status, "said": said, "reference": reference}
+    return ended(seed, kind, **ways, quantity=name, **numbers, fault=fault)
 
 
 def truth(summary: dict[str, Any]) -> tuple[str, dict[str, Deviation]]:
@@ -189,7 +171,3 @@ def truth(summary: dict[str, Any]) -> tuple[str, dict[str, Deviation]]:
     if second is None or "reason" in second or "reason" in second["allowance"]:
         return "", {}
     return "boundary elements", against_boundary_elements(summary, second, DEFAULT_TOLERANCE)
-
-
-def _numbers(table: dict[str, Any]) -> dict[str, Any]:
-    return {key: math.inf if value == "inf" else value for key, value in table.items()}

@@ -12,7 +12,7 @@ from strategies import broken_toml, scenes
 from railhead.cli import commands, main
 from railhead.scene.scene import Scene
 from studies.hard.fuzz import fuzz_scenes, study
-from studies.hard.fuzz.fuzz_scenes import Fuzzed, fuzz
+from studies.hard.fuzz.fuzz_scenes import ended, fuzz
 from studies.hard.fuzz.random_scenes import plans
 
 patient = settings(
@@ -53,7 +53,7 @@ SEEDS = [*range(8), 2094, *(pytest.param(seed, marks=pytest.mark.slow) for seed 
 def test_a_fuzzed_scene_ends_well(seed: int) -> None:
     """Other seeds than the study's; five of eight are broken."""
     found = fuzz(seed, broken=seed % 8 < 5)
-    assert found.fault == "", found
+    assert found["fault"] == "", found
 
 
 SOLVED = {"rail": {"extent": "half-space"}}
@@ -108,12 +108,12 @@ def solved(
 def test_every_fault_is_seen(ends, fault: str, monkeypatch) -> None:
     monkeypatch.setattr(commands, "main", ends)
     found = fuzz(1, broken=False)
-    assert (fault in found.fault) if fault else not found.fault
+    assert (fault in found["fault"]) if fault else not found["fault"]
 
 
 def test_the_page_lists_faults_and_counts_outcomes() -> None:
-    right = Fuzzed(1, "valid", "run", 0, "", "exact Hertz", "area_mm2", 0.01, 0.04, "")
-    lost = Fuzzed(2, "odd value", "run", None, "", "", "", None, None, "the process crashed")
+    right = ended(1, "valid", status=0, deviation=0.01, allowed=0.04)
+    lost = ended(2, "odd value", fault="the process crashed")
     text = study.page([right, lost], [1.0, 2.0])
     assert "- odd value, seed 2: the process crashed" in text and "0.25" in text
     assert fuzz_scenes.MOST <= 15_000
