@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from railhead.cases.s1002_60e1 import SCENE
@@ -22,7 +23,8 @@ def test_manchester_case_touches_left_and_right_alike() -> None:
     assert len(summary["right"]) == 2  # the second one hangs 8 um above the rail
 
 
-def test_command_prints_json_and_writes_pictures(tmp_path, capsys) -> None:
+def test_command_prints_json_and_writes_pictures(tmp_path, capsys, monkeypatch) -> None:
+    monkeypatch.setattr(locate, "SHIFTS", np.linspace(-10.0, 10.0, 9))
     folder = tmp_path / "located"
     with pytest.raises(SystemExit) as done:
         commands.main(["locate", "s1002_60e1", "--shift", "3mm", "--yaw", "2mrad", "--json",

@@ -274,7 +274,7 @@ def test_the_files_show_the_load_and_what_it_leaves(five: rh.Result, tmp_path) -
 def test_the_picture_of_yield_is_drawn_beside_the_others(five: rh.Result, tmp_path) -> None:
     import matplotlib.image
 
-    five.save(tmp_path / "out")
+    five.save(tmp_path / "out", report=False)
     picture = matplotlib.image.imread(tmp_path / "out" / "plastic.png")
     assert picture.shape[0] > 1000 and picture[..., :3].std() > 0.05
 

@@ -16,6 +16,7 @@ from matplotlib.image import imread
 from PIL import Image
 
 from railhead import api
+from railhead.postprocess import gallery
 from railhead.postprocess.views import turning
 from railhead.results import quantity_rows, result_folder
 from railhead.results.report import html, labels
@@ -110,22 +111,29 @@ def test_a_view_that_cannot_be_built_is_said(
     def fail(*_: Any) -> Any:
         raise RuntimeError("no graphics\nhere")
 
+    def written() -> str:
+        html.write(
+            result.mesh_solution, result.summary, Units(), tmp_path, result.findings, (None, None)
+        )
+        return (tmp_path / html.NAME).read_text(encoding="utf-8")
+
+    (tmp_path / "scene.toml").touch()
     monkeypatch.setattr(turning, "views", fail)
-    result.save(tmp_path / "out")
-    text = (tmp_path / "out" / html.NAME).read_text(encoding="utf-8")
+    text = written()
     assert "There is no view in three dimensions: RuntimeError: no graphics here." in text
     assert "<iframe" not in text
     monkeypatch.setattr(html, "render", fail)
-    result.save(tmp_path / "out")
-    assert "could not be made" in (tmp_path / "out" / html.NAME).read_text(encoding="utf-8")
+    assert "could not be made" in written()
 
 
-def test_left_out_when_asked(result: Any, tmp_path: Path) -> None:
+def test_left_out_when_asked(result: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(gallery, "drawings", lambda *_: {"pressure.png": Path.touch})
     result.save(tmp_path / "without", report=False)
     result.save(tmp_path / "bare", pictures=False)
     for name in ("without", "bare"):
         assert not (tmp_path / name / html.NAME).exists()
     assert (tmp_path / "without" / "pressure.png").exists()
+    assert not (tmp_path / "bare" / "pressure.png").exists()
 
 
 def test_a_failed_check_comes_first(result: Any) -> None:
