@@ -18,6 +18,7 @@ from railhead.theory.elastic.subsurface import max_shear, von_mises
 
 Array = NDArray[np.float64]
 Place = tuple[float, float, float]
+ROW, COLUMN = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])  # of six components
 FLAT = 0.01  # relative
 RIVAL = 0.005  # relative: which of two hills is higher is not known below it
 NO_DEPTH = 1e-9  # of a semi-axis: rounding at the surface
@@ -64,7 +65,7 @@ class Frame:
 
 @dataclass(frozen=True, kw_only=True)
 class Surface:
-    """Fields at the n nodes of the modelled part of a contact surface.
+    """Fields at the n nodes of a contact surface; of a cut model those of the modelled part.
 
     points (n, 3): undeformed nodes in space, mm.
     local (n, 2): x and s of the nodes in the contact frame, mm.

@@ -8,10 +8,9 @@ from pathlib import Path
 
 import meshio
 
-from railhead.postprocess.findings import Array, Findings
+from railhead.postprocess.findings import Findings
 from railhead.postprocess.plots import diagrams
 from railhead.postprocess.views import render, section
-from railhead.solver.fields import Fields
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.line import LineContact
 
@@ -19,9 +18,8 @@ Drawing = Callable[[Path], object]
 
 
 def drawings(
-    fields: Fields,
-    stresses: Array,
     grids: tuple[meshio.Mesh, meshio.Mesh],
+    axis: int | None,
     found: Findings,
     ellipse: Hertz,
     poisson: float,
@@ -29,9 +27,10 @@ def drawings(
     """The pictures of one result: functions that write a PNG file to a path, by file name. Six, or
     four of a section or a line contact.
 
-    stresses (n, 6): at the nodes of the fields, MPa. grids: of the cells, and of the slave's
-        contact surface. ellipse: exact Hertz contact; left out where there are several patches.
-        poisson: Poisson's ratio of the body on the depth axis.
+    grids: of the cells, with nodal stresses, and of the slave's contact surface, images of what
+        symmetry left out included. axis: of a section, 0 where it runs along x, 1 along s; else
+        None. found: with the surface of that grid. ellipse: exact Hertz contact; left out where
+        there are several patches. poisson: Poisson's ratio of the body on the depth axis.
     """
     volume, contact = grids
     # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
@@ -40,10 +39,10 @@ def drawings(
         "pressure.png": partial(diagrams.pressure, found, exact),
         "depth.png": partial(diagrams.depth, found, exact, poisson),
     }
-    if fields.kinematics.dim == 2 or isinstance(ellipse, LineContact):
+    if axis is not None:
         return every | {
-            "wheel_rail.png": partial(section.bodies, fields, found),
-            "stress_cut.png": partial(section.stress_cut, fields, stresses, found),
+            "wheel_rail.png": partial(section.bodies, volume, axis, found),
+            "stress_cut.png": partial(section.stress_cut, volume, axis, found),
         }
     assert not isinstance(exact, LineContact)
     return every | {

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, AxisPressure, Frame, OnePatch, Patch
 from railhead.postprocess.patch.outline import PatchShape, outline_shape
 from railhead.postprocess.patch.reconstruct import (
@@ -130,19 +131,6 @@ def moments(fields: Fields, frame: Frame) -> PressureMoments:
     )
 
 
-def mirrored(local: Array, values: Array, fields: Fields) -> tuple[Array, Array]:
-    """Points (n, 2 or 3) in the contact frame, mm, and values (n, ...) at them, joined with their
-    mirror images across the symmetry planes of the fields. The values are repeated at the
-    images.
-    """
-    for normal in fields.mirrors:
-        axis = int(np.argmax(np.abs(normal)))
-        image = local.copy()
-        image[:, axis] *= -1
-        local, values = np.concatenate([local, image]), np.concatenate([values, values])
-    return local, values
-
-
 def largest_pressure(fields: Fields, frame: Frame, found: PressureMoments) -> float:
     """Largest pressure, MPa: the maximum of a quadratic polynomial fitted to p^2 around the centre
     of pressure.
@@ -152,9 +140,9 @@ def largest_pressure(fields: Fields, frame: Frame, found: PressureMoments) -> fl
         points lie there, the largest computed pressure is returned.
     """
     contact = fields.contact
-    values = np.column_stack([contact.pressure, contact.weights])
-    local, values = mirrored(frame.local(contact.points)[:, :2], values, fields)
-    p, weight = values.T
+    local = symmetry.vectors(frame.local(contact.points)[:, :2], fields.mirrors)
+    p = symmetry.repeated(contact.pressure, fields.mirrors)
+    weight = symmetry.repeated(contact.weights, fields.mirrors)
     scaled = (local - found.centre) / np.array([found.a, found.b])
     radius = np.hypot(*scaled.T)
     near = (radius < PEAK_RADIUS) & (p > 0)
@@ -358,12 +346,11 @@ def samples(fields: Fields, frame: Frame, facets: Array) -> Samples:
     values = np.column_stack([contact.pressure * onto, contact.pressure, size])[touches]
     local = frame.local(contact.points[touches])[:, :2]
     border = frame.local(fields.points[contact.facet_nodes.ravel()])[:, :2]
-    x, s = np.concatenate([local, border]).T
-    whole, _ = mirrored(np.column_stack([x, s]), x, fields)
-    (x0, s0), (x1, s1) = whole.min(axis=0), whole.max(axis=0)
-    local, values = mirrored(local, values, fields)
+    reach = symmetry.vectors(np.concatenate([local, border]), fields.mirrors)
+    (x0, s0), (x1, s1) = reach.min(axis=0), reach.max(axis=0)
+    local = symmetry.vectors(local, fields.mirrors)
+    force, pressure, size = symmetry.repeated(values, fields.mirrors).T
     even = any(abs(normal[0]) > 0.5 for normal in fields.mirrors)
-    force, pressure, size = values.T
     return Samples(
         x=local[:, 0],
         s=local[:, 1],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, AxisPressure, Frame, Patch, Surface
 from railhead.postprocess.patch.outline import PatchShape
 from railhead.postprocess.patch.patch import (
@@ -13,7 +14,6 @@ from railhead.postprocess.patch.patch import (
     PatchReading,
     PressureMoments,
     general_shape_share,
-    mirrored,
     nearly_elliptic,
     reconstruct_general_shape,
 )
@@ -158,7 +158,8 @@ def samples(fields: Fields, frame: Frame) -> Samples:
     onto = contact.weights * np.abs(contact.normals @ frame.axes[2])
     values = np.column_stack([onto * contact.pressure, contact.pressure, size])[touches]
     low, high = float(ends.min()), float(ends.max())
-    local, values = mirrored(frame.local(contact.points[touches])[:, :2], values, fields)
+    local = symmetry.vectors(frame.local(contact.points[touches])[:, :2], fields.mirrors)
+    values = symmetry.repeated(values, fields.mirrors)
     low = -high if fields.mirrors else low
     if revolved:
         values[:, 0] /= 2  # either side of the axis is half of the circle
@@ -236,8 +237,8 @@ def _axis_pressures(
     """
     axis = coordinate(fields)
     half, middle = (patch.a, patch.b)[axis], patch.centre[axis]
-    local, p = mirrored(surface.local, surface.pressure, fields)
-    t = local[:, axis]
+    t = symmetry.vectors(surface.local, fields.mirrors)[:, axis]
+    p = symmetry.repeated(surface.pressure, fields.mirrors)
     order = np.argsort(t)
     at = middle + 1.25 * half * np.linspace(-1.0, 1.0, AXIS_POINTS)
     found = AxisPressure(at, np.interp(at, t[order], p[order]))

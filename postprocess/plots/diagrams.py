@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railhead.postprocess.findings import Array, AxisPressure, DepthAxis, Findings
-from railhead.postprocess.vtu.mirror import whole
 from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.hertz import Ellipse
@@ -147,12 +146,18 @@ def _pressure(axes: Axes, findings: Findings, ellipse: Hertz | None, axis: int, 
         axes.set_title(title, fontsize=11)
     if ellipse is not None:
         half = (ellipse.a, ellipse.b)[axis]
-        t = half * np.cos(np.linspace(0, np.pi, 181))  # dense at the steep edges
-        exact = ellipse.pressure(*((t, 0) if axis == 0 else (0, t)))
         label = f"exact Hertz, largest pressure {ellipse.p0:.4g} MPa"
-        axes.plot(t, exact, color=HERTZ, label=label, zorder=3)
+        axes.plot(*exact_line(ellipse, axis), color=HERTZ, label=label, zorder=3)
         axes.axvline(-half, color=HERTZ, lw=0.8, ls=":")
         axes.axvline(half, color=HERTZ, lw=0.8, ls=":")
+
+
+def exact_line(contact: Hertz, axis: int) -> tuple[Array, Array]:
+    """Coordinates (181,) in mm and pressures (181,) in MPa of an exact Hertz contact on its axis
+    along x (axis 0) or s (axis 1); they are dense at the steep edges.
+    """
+    t = (contact.a, contact.b)[axis] * np.cos(np.linspace(0, np.pi, 181))
+    return t, contact.pressure(*((t, 0) if axis == 0 else (0, t)))
 
 
 def depth(
@@ -330,7 +335,7 @@ def patch(findings: Findings, ellipse: Ellipse | None, path: Path) -> None:
     from matplotlib.path import Path as Path2D
     from matplotlib.ticker import MaxNLocator
 
-    surface, outlines = whole(findings.surface), findings.patch.outlines
+    surface, outlines = findings.surface, findings.patch.outlines
     curves = outlines + ([] if ellipse is None else [closed_ellipse(ellipse)])
     low, high = np.min([c.min(0) for c in curves], 0), np.max([c.max(0) for c in curves], 0)
     margin = 0.12 * (high - low).max()

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from railhead.meshing.tags import BODY_NAMES, other
+from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.patch.section import coordinate
-from railhead.postprocess.plots.diagrams import FE, HERTZ, loaded, new_figure
+from railhead.postprocess.plots.diagrams import FE, HERTZ, exact_line, loaded, new_figure
 from railhead.postprocess.stress.gauss_points import stress_at_gauss_points
-from railhead.postprocess.vtu.mirror import cut_axes
 from railhead.solver.fields import Fields
-from railhead.theory.elastic.hertz import Ellipse
-from railhead.theory.elastic.line import LineContact
+from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.subsurface import von_mises
 
 if TYPE_CHECKING:
@@ -32,7 +31,7 @@ def draw(
     residual: Fields,
     found: Findings,
     elastic: Findings,
-    exact: Ellipse | LineContact | None,
+    exact: Hertz | None,
     path: Path,
 ) -> None:
     """Write a PNG file with four panels: equivalent plastic strain, residual von Mises stress,
@@ -49,13 +48,15 @@ def draw(
     with new_figure(path, 11, 8.6, found) as figure:
         (strain, stress), (pressure, depth) = figure.subplots(2, 2)
         every = np.arange(len(pressed.cells))
-        points, _ = stress_at_gauss_points(pressed, every)
+        points = stress_at_gauss_points(pressed, every)[0].reshape(-1, 3)
+        local = symmetry.vectors(found.frame.local(points), pressed.mirrors)
         _, left = stress_at_gauss_points(residual, every)
         for axes, values, label in (
             (strain, 100 * pressed.plastic_strain.equivalent, "equivalent plastic strain, %"),
             (stress, von_mises(left), "residual von Mises stress, MPa"),
         ):
-            _cut(figure, axes, found, (points, values), axis, label)
+            values = symmetry.repeated(values.ravel(), pressed.mirrors)
+            _cut(figure, axes, found, (local, values), axis, label)
         _pressures(pressure, found, elastic, exact, axis)
         _left(depth, residual, pressed, found, half)
 
@@ -71,11 +72,10 @@ def _cut(
     """Draw values at Gauss points as coloured dots, over x or s and the height. Shown are the
     points near the plane across the rail through the contact, or all of a section.
 
-    samples: points (m, g, 3) in mm and values (m, g). across: 0 where the horizontal axis is x, 1
-        where it is s. label: of the colour bar.
+    samples: coordinates (n, 3) in the contact frame, mm, and values (n,), images included. across:
+        0 where the horizontal axis is x, 1 where it is s. label: of the colour bar.
     """
-    points, values = samples[0].reshape(-1, 3), samples[1].ravel()
-    local = found.frame.local(points)
+    local, values = samples
     low, high = (each[across] for each in found.patch.box)
     middle, half = (low + high) / 2, (high - low) / 2
     near = np.abs(local[:, 1 - across]) < THIN * min(found.patch.a, found.patch.b)
@@ -83,8 +83,6 @@ def _cut(
     near &= np.abs(local[:, 2]) < SPAN * half
     order = np.argsort(values[near])
     s, z, colour = local[near, across][order], local[near, 2][order], values[near][order]
-    if across in cut_axes(local):
-        s, z, colour = np.r_[s, -s], np.r_[z, z], np.r_[colour, colour]
     dots = axes.scatter(
         s, z, c=colour, s=6, cmap="YlOrRd", vmin=0.0, vmax=colour.max() or 1.0, linewidths=0
     )
@@ -98,7 +96,7 @@ def _cut(
 
 
 def _pressures(
-    axes: Axes, found: Findings, elastic: Findings, exact: Ellipse | LineContact | None, axis: int
+    axes: Axes, found: Findings, elastic: Findings, exact: Hertz | None, axis: int
 ) -> None:
     """Draw contact pressure (MPa) along x (axis 0) or s (axis 1), mm: of the yielding bodies, of
     the elastic ones, and of the exact Hertz contact if there is one.
@@ -106,10 +104,7 @@ def _pressures(
     line, without = (loaded((each.along, each.across)[axis]) for each in (found, elastic))
     axes.plot(*line, "o-", color=FE, lw=0.8, ms=3.5, label="with yield")
     if exact is not None:
-        t = (exact.a, exact.b)[axis] * np.cos(np.linspace(0, np.pi, 181))
-        axes.plot(
-            t, exact.pressure(*((t, 0) if axis == 0 else (0, t))), color=HERTZ, label="exact Hertz"
-        )
+        axes.plot(*exact_line(exact, axis), color=HERTZ, label="exact Hertz")
     axes.plot(*without, "--", color=FE, lw=1.2, label="elastic")
     axes.set(xlabel=found.subject.label(axis), ylabel="contact pressure, MPa")
     axes.set_ylim(bottom=0)
@@ -134,14 +129,13 @@ def _left(axes: Axes, residual: Fields, pressed: Fields, found: Findings, half: 
     for tag, rise in rises.items():
         if np.abs(rise).max() <= least:
             continue
-        local = frame.local(residual.points[surfaces[tag]])
+        local = symmetry.vectors(frame.local(residual.points[surfaces[tag]]), pressed.mirrors)
+        rise = symmetry.repeated(rise, pressed.mirrors)
         style = ".-" if tag == pressed.slave else ".--"
         for axis, name, colour in ((0, subject.along, FE), (1, subject.across, HERTZ)):
             off, along = np.abs(local[:, 1 - axis]), np.abs(local[:, axis])
             near = (off < THIN * half) & (along < SPAN * half)
             t, height = local[near, axis], rise[near]
-            if axis in cut_axes(local):
-                t, height = np.r_[t, -t], np.r_[height, height]
             order = np.argsort(t)
             if len(order) > 1 and np.ptp(t) > 0:  # a section has one of them
                 label = f"{subject.names[BODY_NAMES[tag]]}, {name}"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.plots.diagrams import FE, HERTZ, new_figure, rounded
 from railhead.solver.solution import FrictionSolution
@@ -22,7 +23,11 @@ THIN = 0.15  # of the patch's half length across: points nearer to its middle li
 
 
 def draw(
-    found: FrictionSolution, findings: Findings, coefficient: float, path: Path, *, mirrored: bool
+    found: FrictionSolution,
+    findings: Findings,
+    coefficient: float,
+    path: Path,
+    planes: symmetry.Planes,
 ) -> None:
     """Write a PNG file of the tractions of the wheel on the rail.
 
@@ -30,18 +35,15 @@ def draw(
     section it is left out. The other shows tractions along the middle line of the most loaded
     patch, between the limits +/- mu p.
 
-    coefficient: of friction, mu. path: of the file. mirrored: whether the model was cut at s = 0,
-        so that the other half is drawn as an image.
+    coefficient: of friction, mu. path: of the file. planes: unit normals of the symmetry planes
+        at which the model was cut; the images are drawn too.
     """
     frame, patch, subject = findings.frame, findings.patch, findings.subject
     touches = found.pressure > 0
-    local = frame.local(found.points[touches])[:, :2]
-    traction = found.traction[touches] @ frame.axes.T[:, :2]
-    pressure, sticks = found.pressure[touches], found.sticks[touches]
-    if mirrored:
-        local = np.concatenate([local, local * [1, -1]])
-        traction = np.concatenate([traction, traction * [1, -1]])
-        pressure, sticks = np.tile(pressure, 2), np.tile(sticks, 2)
+    local = symmetry.vectors(frame.local(found.points[touches])[:, :2], planes)
+    traction = symmetry.vectors(found.traction[touches] @ frame.axes.T[:, :2], planes)
+    pressure = symmetry.repeated(found.pressure[touches], planes)
+    sticks = symmetry.repeated(found.sticks[touches], planes)
     flat = np.ptp(local[:, 1]) < 1e-9
     with new_figure(path, 7 if flat else 12, 5.4, findings) as figure:
         panels = figure.subplots(1, 1 if flat else 2, squeeze=False)[0]

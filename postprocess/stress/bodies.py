@@ -7,10 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from railhead.meshing.tags import BODY_NAMES
-from railhead.postprocess.findings import Array, DepthAxis, Frame, Largest, Peak
+from railhead.postprocess.findings import COLUMN, ROW, Array, DepthAxis, Frame, Largest, Peak
 from railhead.postprocess.patch.separate_patches import SeparatePatch
 from railhead.postprocess.stress import stick_border
-from railhead.postprocess.stress.gauss_points import COLUMN, ROW
 from railhead.postprocess.stress.peaks import Search
 from railhead.postprocess.stress.recovery import Recovery
 from railhead.postprocess.stress.solid import Solid

@@ -6,12 +6,11 @@ import basix
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.postprocess.findings import Array
+from railhead.postprocess.findings import COLUMN, ROW, Array
 from railhead.solver.fields import Fields
 from railhead.solver.space.cells import centroid, inverse, quadrature_degree, tabulate
 
 OUT = np.diag([0.0, 1.0, 0.0])  # the hoop direction of a meridian section
-ROW, COLUMN = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])
 
 
 def stress_at_reference_point(

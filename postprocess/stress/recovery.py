@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array
-from railhead.postprocess.stress.gauss_points import COLUMN, ROW, stress_at_gauss_points
+from railhead.postprocess.stress.gauss_points import stress_at_gauss_points
 from railhead.solver.fields import Fields
 
 NEIGHBOURS = 1200  # samples of one local fit: about three element sizes around
@@ -35,11 +36,9 @@ class Recovery:
         """fields: the solution. cells (m,): numbers of all cells of the body."""
         self.points, self.stress = stress_at_gauss_points(fields, cells)
         self._axes = fields.kinematics.axes  # a section has no more coordinates than these
-        points: Array = self.points.reshape(-1, 3)
-        stress: Array = self.stress.reshape(-1, 6)
-        for normal in fields.mirrors:
-            points, stress = mirrored(points, stress, int(np.argmax(np.abs(normal))))
-        self._samples, self._values = points @ self._axes.T, stress
+        points = symmetry.vectors(self.points.reshape(-1, 3), fields.mirrors)
+        self._samples = points @ self._axes.T
+        self._values = symmetry.stresses(self.stress.reshape(-1, 6), fields.mirrors)
         self._tree = cKDTree(self._samples, balanced_tree=False, compact_nodes=False)
         self._count = min(FLAT_NEIGHBOURS.get(fields.cell, NEIGHBOURS), len(points))
 
@@ -114,15 +113,3 @@ def monomials(x: Array) -> Array:
     for row, (i, j, k) in enumerate(chosen):
         np.multiply(factors[i] * factors[j] if i else factors[j], factors[k], out=out[:, row])
     return out
-
-
-def mirrored(points: Array, stress: Array, axis: int) -> tuple[Array, Array]:
-    """Join points (n, 3) and stresses (n, 6) with their images across x = 0 (axis 0) or y = 0 (axis
-    1).
-
-    Shear stresses with one index along the axis change sign. Components are xx, yy, zz, xy, xz, yz.
-    """
-    image = points.copy()
-    image[:, axis] *= -1
-    sign = np.where((axis == ROW) != (axis == COLUMN), -1.0, 1.0)
-    return np.concatenate([points, image]), np.concatenate([stress, stress * sign])

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from railhead.meshing.tags import RAIL
-from railhead.postprocess.findings import Array
-from railhead.postprocess.stress.gauss_points import COLUMN, ROW
+from railhead.postprocess.findings import COLUMN, ROW, Array
 from railhead.postprocess.stress.recovery import Recovery
 from railhead.postprocess.stress.solid import Solid
 from railhead.solver.fields import Fields

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railhead.meshing.tags import BODY_NAMES
 from railhead.postprocess.findings import Array, Findings
@@ -17,91 +16,69 @@ LONG = 66  # letters of a label: two longer ones do not fit beside each other
 MAPS = ("YlGnBu_r", "YlOrRd")
 
 
-@dataclass(frozen=True)
-class Cut:
-    """One body in a plane cut through the contact, with nodal stresses.
-
-    local (n, 2): coordinates of the nodes in the cut, x or s and height over the tangent plane, mm.
-    triangles (t, 3): nodes of each triangle.
-    stresses: smallest principal stress (n,) and largest shear stress (n,) at the nodes, MPa.
-    rim (k, 2, 2): start and end of the lines of the outline, in the coordinates of the cut, mm.
-    """
-
-    local: Array
-    triangles: NDArray[np.int64]
-    stresses: tuple[Array, Array]
-    rim: Array = field(default_factory=lambda: np.empty((0, 2, 2)))
-
-
-@dataclass(frozen=True)
-class Fringes:
-    """The window that a picture of a cut shows.
-
-    seen: smallest principal stresses and largest shear stresses in the window, MPa; they set the
-        limits of the colour bands.
-    width: limits of the window along x or s, mm.
-    height: limits of the height over the tangent plane, mm.
-    axis: 0 where the horizontal axis of the picture is x, 1 where it is s.
-    """
-
-    seen: list[Array]
-    width: tuple[float, float]
-    height: tuple[float, float]
-    axis: int
-
-
-def draw_fringes(parts: list[Cut], fringes: Fringes, findings: Findings, path: Path) -> None:
+def draw_fringes(
+    sections: list[Any], axis: int, window: tuple[Array, Array], findings: Findings, path: Path
+) -> None:
     """Write a PNG file with two panels: bands of the smallest principal stress and of the largest
-    shear stress in all bodies of a cut.
+    shear stress in all bodies of a plane cut through the contact.
 
-    parts: the bodies. fringes: the window. findings: give the title, the edges of the patch and the
-        largest shear stress of each body, which is marked in the second panel. path: of the file.
+    sections: pyvista surfaces of triangles, one a body, with the point data "principal_stresses"
+        and "max_shear", MPa. axis: 0 where the horizontal axis of the picture is x, 1 where it is
+        s. window: smallest and largest coordinate along that axis, and height over the tangent
+        plane, that are shown, (2,) each, mm; the stresses there set the limits of the colour bands.
+    findings: give the title, the edges of the patch and the largest shear stress of each body,
+        which is marked in the second panel. path: of the file.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.lines import Line2D
 
-    names = findings.subject.names
-    shape = np.ptp(fringes.height) / np.ptp(fringes.width)
+    names, (low, high) = findings.subject.names, window
+    places = [findings.frame.local(each.points)[:, [axis, 2]] for each in sections]
+    inside = [np.all((at > low) & (at < high), axis=1) for at in places]
+    stresses = (
+        [each["principal_stresses"][:, 2] for each in sections],
+        [each["max_shear"] for each in sections],
+    )
+    shape = float(np.divide(*(high - low)[::-1]))
     with new_figure(path, 10, 2.0 + 4.4 * shape, findings) as figure:
         panels = figure.subplots(1, 2, sharey=True)
         for number, axes in enumerate(panels):
-            values = fringes.seen[number]
-            ticks = levels(values, below=number == 0)
-            for part in parts:
-                bands = axes.tricontourf(
-                    *part.local.T,
-                    part.triangles,
-                    part.stresses[number],
-                    ticks,
-                    cmap=MAPS[number],
-                    extend="max" if number == 0 else "neither",
+            seen = [own[shown] for own, shown in zip(stresses[number], inside, strict=True)]
+            ticks = levels(np.concatenate(seen), below=number == 0)
+            look = {"cmap": MAPS[number], "extend": "neither" if number else "max"}
+            for each, at, own in zip(sections, places, stresses[number], strict=True):
+                bands = axes.tricontourf(*at.T, each.regular_faces, own, ticks, **look)
+                rim = each.extract_feature_edges(
+                    feature_edges=False, manifold_edges=False, non_manifold_edges=False
                 )
-                lines = LineCollection(list(part.rim), colors="black", linewidths=1.2)
-                axes.add_collection(lines)
+                ends = findings.frame.local(rim.points)[:, [axis, 2]][
+                    rim.lines.reshape(-1, 3)[:, 1:]
+                ]
+                axes.add_collection(LineCollection(list(ends), colors="black", linewidths=1.2))
             figure.colorbar(
                 bands,
                 ax=axes,
                 label=LABELS[number],
-                ticks=ticks[::-2][::-1] if number == 0 else ticks[::2],
+                ticks=ticks[::2] if number else ticks[::-2][::-1],
                 location="bottom",
             )
-            axes.set(xlabel=findings.subject.label(fringes.axis), aspect="equal")
-            axes.set(xlim=fringes.width, ylim=fringes.height)
+            axes.set(xlabel=findings.subject.label(axis), aspect="equal")
+            axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
             axes.grid(False)
             for body in BODY_NAMES.values():
                 height, side = (0.03, "bottom") if body == "rail" else (0.97, "top")
                 text = names[body] + ("" if body in findings.depth else ": rigid")
                 axes.text(0.02, height, text, transform=axes.transAxes, va=side, fontsize=13)
             for line in findings.patch.outlines:  # the bodies are drawn undeformed
-                ends = np.array([line[:, fringes.axis].min(), line[:, fringes.axis].max()])
-                axes.plot(ends, [0, 0], "|", color="black", ms=14, mew=1.6, gid="contact patch")
+                edges = np.array([line[:, axis].min(), line[:, axis].max()])
+                axes.plot(edges, [0, 0], "|", color="black", ms=14, mew=1.6, gid="contact patch")
         panels[0].set_ylabel("height over the contact, mm")
-        mark_largest(panels[1], findings, fringes.axis)
+        mark_largest(panels[1], findings, axis)
         handles, labels = panels[1].get_legend_handles_labels()
-        edges = Line2D([], [], color="black", marker="|", ms=12, mew=1.6, ls="none")
+        mark = Line2D([], [], color="black", marker="|", ms=12, mew=1.6, ls="none")
         long = max(map(len, labels), default=0) > LONG
         figure.legend(
-            [*handles, edges],
+            [*handles, mark],
             [*labels, "edges of the patch (drawn undeformed)"],
             loc="outside upper center",
             ncols=1 if long else 2,

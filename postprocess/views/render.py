@@ -1,6 +1,6 @@
 """Pictures of the model in space, as PNG files about 1600 pixels wide.
 
-The grids are those of `export`. What symmetry left out is mirrored back; nothing is deformed.
+The grids are those of `export`, of whole bodies; nothing is deformed.
 """
 
 from __future__ import annotations
@@ -18,8 +18,7 @@ from railhead.meshing.tags import BODY_NAMES
 from railhead.postprocess.findings import Array, Findings, Frame, Patch
 from railhead.postprocess.plots.diagrams import FE, closed_ellipse, new_figure
 from railhead.postprocess.views.camera import Camera, load_pyvista
-from railhead.postprocess.views.fringes import Cut, Fringes, draw_fringes
-from railhead.postprocess.vtu.mirror import cut_axes, whole
+from railhead.postprocess.views.fringes import draw_fringes
 from railhead.theory.elastic.hertz import Ellipse
 
 if TYPE_CHECKING:
@@ -39,7 +38,7 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
     """Write a PNG file with two panels: the bodies cut open across the rail at the contact, with
     their mesh, and the mesh around the patch.
 
-    grid: cells of the modelled part, as `export.volume_grid` makes them. findings: frame, patch,
+    grid: cells of the whole bodies, as `export.volume_grid` makes them. findings: frame, patch,
         surface and names. path: of the file.
     """
     from matplotlib.patches import Patch as Swatch
@@ -60,7 +59,7 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
         left.set_axis_off()
         left.set_title("cut open at the contact")
         close.show(right, close.shoot(meshes), np.array(frame.origin))
-        surface = whole(findings.surface)
+        surface = findings.surface
         for line in patch.outlines:
             s = np.linspace(line[:, 1].min(), line[:, 1].max(), 61)
             at = _on(surface, frame, np.column_stack((np.zeros_like(s), s)))
@@ -85,26 +84,16 @@ def stress_cut(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
     grid: cells with nodal stresses, as `export.volume_grid` makes them. findings: frame, patch and
         largest stresses. path: of the file.
     """
-    frame, patch = findings.frame, findings.patch
+    patch, (x, y, z) = findings.patch, findings.frame.origin
     low, high = (each[1] for each in patch.box)
     half = np.array([1.2 * (high - low), min(0.9 * (high - low), 5 * patch.a)])
-    offset = 1e-3 * min(patch.a, patch.b)  # a cut model has no inside at the plane itself
-    sections = [_section(part, frame, offset) for part in bodies_of(grid).values()]
     centre = np.array([(low + high) / 2, 0.0])
-    parts, seen = [], []
-    for section in sections:
-        local, triangles = frame.local(section.points)[:, 1:], section.faces.reshape(-1, 4)[:, 1:]
-        stresses = section["principal_stresses"][:, 2], section["max_shear"]
-        parts.append(Cut(local, triangles, stresses, _rim(section, frame)))
-        inside = np.all(np.abs(local - centre) < half, axis=1)
-        seen.append([each[inside] for each in stresses])
-    fringes = Fringes(
-        [np.concatenate(each) for each in zip(*seen, strict=True)],
-        (centre[0] - half[0], centre[0] + half[0]),
-        (-half[1], half[1]),
-        1,
-    )
-    draw_fringes(parts, fringes, findings, path)
+    beside = x + 1e-3 * min(patch.a, patch.b)  # at x itself there may be faces of cells
+    sections = [
+        part.slice(normal="x", origin=(beside, y, z)).triangulate()
+        for part in bodies_of(grid).values()
+    ]
+    draw_fringes(sections, 1, (centre - half, centre + half), findings, path)
 
 
 def patch_on_rail(
@@ -121,7 +110,6 @@ def patch_on_rail(
 
     frame, patch = findings.frame, findings.patch
     surface = outer(load_pyvista().from_meshio(grid))
-    surface = mirrored(surface, cut_axes(frame.local(surface.points)))
     pressed, free = split(surface, frame, patch)
     shown = (0.0, float(surface["pressure"].max()))
     plain = {"lighting": False, "color": FREE_SURFACE}
@@ -189,32 +177,11 @@ def outer(part: Any) -> Any:
     return part.extract_surface(nonlinear_subdivision=0, algorithm="dataset_surface")
 
 
-def mirrored(surface: Any, axes: list[int]) -> Any:
-    """A pyvista surface joined with its mirror images across x = 0 (axis 0) and y = 0 (axis 1), for
-    the axes in the list. Points on a plane are shared.
-    """
-    for axis in axes:
-        along = surface.points[:, axis]
-        along[np.abs(along) < 1e-9 * np.ptp(along)] = 0.0  # so that the images share these points
-        image = surface.copy()
-        image.points[:, axis] *= -1
-        surface = surface.append_polydata(image).clean()
-    return surface
-
-
 def behind(part: Any, findings: Findings) -> Any:
     """Outer faces, as a pyvista surface, of the half of a body that lies at smaller x than the
-    contact point. A model that was cut at x = 0 is mirrored to that side; one that was cut at y
-    = 0 is joined with its image.
+    contact point.
     """
-    frame = findings.frame
-    cut = cut_axes(frame.local(part.points))
-    if 0 in cut:
-        half = outer(part)
-        half.points[:, 0] *= -1
-    else:
-        half = outer(_half(part, frame.origin[0], NEAR * findings.patch.a))
-    return mirrored(half, [axis for axis in cut if axis == 1])
+    return outer(_half(part, findings.frame.origin[0], NEAR * findings.patch.a))
 
 
 def _half(part: Any, at: float, reach: float) -> Any:
@@ -229,25 +196,6 @@ def _half(part: Any, at: float, reach: float) -> Any:
         if below.n_cells + above.n_cells == part.n_cells:
             return below
     return part.clip(normal="x", origin=(at, 0.0, 0.0))
-
-
-def _section(part: Any, frame: Frame, offset: float) -> Any:
-    """Triangles, with point data, of the section of a body at the plane x = contact point + offset
-    (mm), joined with their image where the model was cut at y = 0.
-    """
-    x, y, z = frame.origin
-    section = part.slice(normal="x", origin=(x + offset, y, z)).triangulate()
-    return mirrored(section, [axis for axis in cut_axes(frame.local(part.points)) if axis == 1])
-
-
-def _rim(section: Any, frame: Frame) -> Array:
-    """Start and end (k, 2, 2) of the boundary lines of a section, in s and height over the tangent
-    plane, mm.
-    """
-    rim = section.extract_feature_edges(
-        boundary_edges=True, feature_edges=False, manifold_edges=False, non_manifold_edges=False
-    )
-    return np.asarray(frame.local(rim.points)[:, 1:][rim.lines.reshape(-1, 3)[:, 1:]])
 
 
 def _dimensions(axes: Axes, camera: Camera, findings: Findings) -> None:

@@ -12,6 +12,7 @@ import meshio
 import numpy as np
 
 from railhead.postprocess.findings import Array, Findings
+from railhead.postprocess.patch.section import coordinate
 from railhead.postprocess.views.camera import Camera, load_pyvista
 from railhead.postprocess.views.render import (
     EDGE,
@@ -19,11 +20,9 @@ from railhead.postprocess.views.render import (
     SHADE,
     behind,
     bodies_of,
-    mirrored,
     outer,
     split,
 )
-from railhead.postprocess.vtu.mirror import cut_axes
 from railhead.solver.fields import Fields
 
 STRESS, PRESSURE = "von_mises", "pressure"
@@ -62,17 +61,19 @@ def views(
     as a hill over the contact surface.
 
     Bodies of a plane section are drawn with a length, those of a meridian section turned about the
-    axis. volume, contact: grids that `export.volume_grid` and `export.contact_grid` make.
+    axis. volume, contact: grids of the whole bodies and surface, as `export.volume_grid` and
+    `export.contact_grid` make them.
     """
     if fields.kinematics.dim == 2:
         solids, hill = _swept_bodies(fields, findings, volume), _swept_hill(fields, findings)
-        towards = np.array([0.45, -1.0, 0.35] if _axis(fields) == 0 else [1.0, 0.45, 0.35])
+        towards = np.array([0.45, -1.0, 0.35] if coordinate(fields) == 0 else [1.0, 0.45, 0.35])
     else:
         solids = [behind(part, findings) for part in bodies_of(volume).values()]
         hill, towards = _hill(findings, contact), np.array([1.0, 0.5, 0.35])
     low, high = findings.patch.main.min(axis=0), findings.patch.main.max(axis=0)
     if fields.kinematics.dim == 2 and not fields.kinematics.revolved:
-        low[1 - _axis(fields)], high[1 - _axis(fields)] = -0.1, 0.1  # its length is not looked at
+        other = 1 - coordinate(fields)
+        low[other], high[other] = -0.1, 0.1  # the length of the contact is not looked at
     reach = float((high - low).max())
     frame, centre = findings.frame, np.array([*(low + high) / 2, 0.0])
     focal = np.array(frame.origin) + centre @ frame.axes
@@ -103,11 +104,6 @@ def views(
     ]
 
 
-def _axis(fields: Fields) -> int:
-    """Axis of the contact frame in the plane of a section: 0 for x, 1 for s."""
-    return int(np.argmax(np.abs(fields.kinematics.axes[0])))
-
-
 def _bare(surface: Any, *keep: str) -> Any:
     """Outer triangles of a pyvista mesh in single precision, with only those point data whose names
     are in `keep`.
@@ -127,7 +123,6 @@ def _hill(findings: Findings, contact: meshio.Mesh) -> tuple[Any, list[Any]]:
     """
     frame, patch = findings.frame, findings.patch
     surface = outer(load_pyvista().from_meshio(contact))
-    surface = mirrored(surface, cut_axes(frame.local(surface.points)))
     pressed, free = split(surface, frame, patch)
     rim = np.abs(pressed["outside"]) < 1e-6 * np.ptp(patch.main)
     pressed["pressure"] = np.where(rim, 0.0, pressed["pressure"])
@@ -154,6 +149,8 @@ def _swept_bodies(fields: Fields, findings: Findings, volume: meshio.Mesh) -> li
     """
     found = []
     for part in bodies_of(volume).values():
+        if fields.kinematics.revolved:  # one side of the meridian section
+            part = part.extract_cells(part.cell_centers().points[:, 0] > 0)
         flat = outer(part)
         for array in [name for name in flat.point_data if name != STRESS]:
             del flat.point_data[array]
@@ -161,7 +158,6 @@ def _swept_bodies(fields: Fields, findings: Findings, volume: meshio.Mesh) -> li
         if fields.kinematics.revolved:
             found.append(flat.extrude_rotate(resolution=STEPS, angle=OPEN, capping=True))
             continue
-        flat = mirrored(flat, [_axis(fields)] if fields.mirrors else [])
         found.append(flat.extrude(_along(fields, findings), capping=True))
     return found
 
@@ -170,7 +166,7 @@ def _along(fields: Fields, findings: Findings) -> Array:
     """Vector (3,) in space, mm, along which a plane section is extruded, away from the eye. Its
     length is the thickness, at most LONGEST half widths.
     """
-    patch, axis = findings.patch, _axis(fields)
+    patch, axis = findings.patch, coordinate(fields)
     length = min(fields.kinematics.thickness, LONGEST * (patch.a, patch.b)[axis])
     return np.asarray(length * (findings.frame.axes[1] if axis == 0 else -findings.frame.axes[0]))
 
@@ -180,7 +176,7 @@ def _swept_hill(fields: Fields, findings: Findings) -> tuple[Any, list[Any]]:
     line, or half a turn about the axis for a meridian section. The second entry, the surface
     around it, is empty.
     """
-    frame, axis = findings.frame, _axis(fields)
+    frame, axis = findings.frame, coordinate(fields)
     line = (findings.along, findings.across)[axis]
     raised = _raised_line(findings, line.pressure, axis)
     local = np.zeros((len(raised), 3))

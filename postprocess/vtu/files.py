@@ -8,10 +8,10 @@ from pathlib import Path
 import meshio
 
 from railhead.meshing.tags import other
+from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.stress.gauss_points import nodal_stress
 from railhead.postprocess.vtu import export
-from railhead.postprocess.vtu.mirror import whole_grid
 from railhead.solver.fields import Fields
 from railhead.solver.solution import FrictionSolution
 
@@ -38,7 +38,7 @@ def write(
         OSError: a file cannot be written.
     """
     for name, grid in _grids(fields, stress, found, residual, rubbing):
-        shown = whole_grid(grid, fields.mirrors) if whole else grid
+        shown = symmetry.grid(grid, fields.mirrors) if whole else grid
         export.write(shown, folder / f"{name}.vtu")
     if residual is not None:
         names = {0.0: "solution.vtu", 1.0: "residual.vtu"}

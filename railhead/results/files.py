@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Findings
 from railhead.results import quantity_rows, table_file
 from railhead.results.report.output_units import Units
@@ -64,13 +65,16 @@ def write(
 
 
 def _titled(solved: MeshSolution) -> Findings | None:
-    """Findings with the title and the notes of pictures; None where nothing touches."""
-    if solved.findings is None:
+    """Findings with the whole contact surface, the title and the notes of pictures; None where
+    nothing touches.
+    """
+    if solved.findings is None or solved.fields is None:
         return None
+    surface = symmetry.surface(solved.findings.surface, solved.fields.mirrors)
     after = solved.after.items()
     needed = tuple(f"{name.replace('_', ' ')}: {each.why}" for name, each in after if each.needed)
     words = subject(solved.plan, solved.solution.load)
-    return replace(solved.findings, notes=needed, subject=words)
+    return replace(solved.findings, surface=surface, notes=needed, subject=words)
 
 
 def write_grids(solved: MeshSolution, folder: Path, *, whole: bool = False) -> Array | None:
@@ -98,6 +102,7 @@ def _drawings(
         6): at the nodes, MPa.
     """
     from railhead.postprocess import gallery
+    from railhead.postprocess.patch.section import coordinate
     from railhead.postprocess.plots import plastic_plots, shakedown, traction_plots
     from railhead.postprocess.vtu import export
 
@@ -105,8 +110,9 @@ def _drawings(
     assert fields is not None
     poisson = plan.reported_body.poisson_ratio
     surface = export.contact_grid({fields.slave: found.surface})
-    grids = export.volume_grid(fields, stresses), surface
-    every = gallery.drawings(fields, stresses, grids, found, solved.ellipse, poisson)
+    grids = symmetry.grid(export.volume_grid(fields, stresses), fields.mirrors), surface
+    axis = coordinate(fields) if fields.kinematics.dim == 2 else None
+    every = gallery.drawings(grids, axis, found, solved.ellipse, poisson)
     residual, elastic = solved.unloaded_fields, solved.elastic_reference
     if residual is not None and elastic is not None and elastic.findings:
         exact = solved.ellipse if len(found.patch.each) < 2 else None
@@ -116,7 +122,7 @@ def _drawings(
     if (rubbing := solved.solution.friction) is not None:
         coefficient, friction = plan.scene.friction.coefficient, numbers["friction"]
         every["friction.png"] = partial(
-            traction_plots.draw, rubbing, found, coefficient, mirrored=plan.half_y
+            traction_plots.draw, rubbing, found, coefficient, planes=fields.mirrors
         )
         if "p0_over_k" in friction:
             title = found.subject.title

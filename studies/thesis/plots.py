@@ -10,11 +10,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, AxisPressure, DepthAxis, Findings, Surface
 from railhead.postprocess.patch.surface import SurfaceRecovery
 from railhead.postprocess.plots.diagrams import FE, GREY, HERTZ, closed_ellipse, new_figure
 from railhead.postprocess.stress.gauss_points import nodal_stress
-from railhead.postprocess.vtu.mirror import whole
 from railhead.solver.fields import Fields
 from railhead.theory.elastic.subsurface import axis_stress, max_shear, principal, stress
 from studies.thesis.facts import P0, A, Facts
@@ -51,7 +51,7 @@ def sample(fields: Fields, found: Findings) -> Sampled:
     values, local = principal(stresses), found.frame.local(points)[:, :2]
     still, moved = np.zeros(len(nodes)), fields.displacement[nodes]
     maps = [
-        whole(
+        symmetry.surface(
             Surface(
                 points=points,
                 local=local,
@@ -59,7 +59,8 @@ def sample(fields: Fields, found: Findings) -> Sampled:
                 pressure=values[:, i],
                 gap=still,
                 displacement=moved,
-            )
+            ),
+            fields.mirrors,
         )
         for i in range(3)
     ]

@@ -1,15 +1,17 @@
 """Two blocks in Hertz contact with exact fields at their nodes, whole or a quarter."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import cast
 
+import meshio
 import numpy as np
 import pytest
 from dolfinx.mesh import CellType, create_box
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from railhead.postprocess import symmetry
 from railhead.postprocess.findings import (
     Array,
     AxisPressure,
@@ -20,6 +22,7 @@ from railhead.postprocess.findings import (
     Surface,
 )
 from railhead.postprocess.plots.diagrams import closed_ellipse
+from railhead.postprocess.vtu import export
 from railhead.solver import compat
 from railhead.solver.fields import ContactFields, Fields
 from railhead.theory.elastic.halfspace import hertz_displacement
@@ -31,12 +34,20 @@ YOUNG, POISSON = 207000.0, 0.3
 
 @dataclass(frozen=True)
 class Case:
-    """What the pictures and files are made from; stress (n, 6) at the nodes, MPa."""
+    """What the pictures and files are made from; stress (n, 6) at the nodes, MPa. surface: of the
+    modelled part; findings have the whole one."""
 
     fields: Fields
     stress: Array
     findings: Findings
     ellipse: Ellipse
+    surface: Surface
+
+    @property
+    def volume(self) -> meshio.Mesh:
+        """Cells of the whole blocks."""
+        part = export.volume_grid(self.fields, self.stress)
+        return symmetry.grid(part, self.fields.mirrors)
 
 
 Blocks = Callable[..., Case]
@@ -79,7 +90,10 @@ def blocks() -> Blocks:
             mirrors=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)) if cut else (),
             contact=cast(ContactFields, None),  # the quadrature points are not looked at
         )
-        return Case(fields, np.concatenate(stresses), _findings(ellipse, cut, size), ellipse)
+        found = _findings(ellipse, cut, size)
+        part = found.surface
+        found = replace(found, surface=symmetry.surface(part, fields.mirrors))
+        return Case(fields, np.concatenate(stresses), found, ellipse, part)
 
     return make
 

@@ -47,7 +47,7 @@ def test_the_bar_of_the_patch_is_as_wide_as_the_patch(
 ) -> None:
     case = blocks()
     found = lopsided(case)
-    render.wheel_rail(export.volume_grid(case.fields, case.stress), found, tmp_path / "w.png")
+    render.wheel_rail(case.volume, found, tmp_path / "w.png")
     (bar,) = [args for args, options in drawn if options.get("color") == render.CONTACT]
     b = case.ellipse.b
     assert (bar[0].min(), bar[0].max()) == pytest.approx((-b, 0.5 * b), rel=1e-3)

@@ -84,7 +84,7 @@ def test_all_patches_are_in_every_picture(
 ) -> None:
     case = blocks(cut=False)
     found = two_patches(case)
-    volume = export.volume_grid(case.fields, case.stress)
+    volume = case.volume
     grid = export.contact_grid({1: found.surface})
     render.wheel_rail(volume, found, tmp_path / "w.png")
     render.patch_on_rail(grid, found, None, tmp_path / "o.png")
@@ -119,7 +119,7 @@ def test_long_labels_do_not_leave_the_sheet(
     }
     names = {"rail": "lower cylinder", "wheel": "upper cylinder"}
     found = replace(case.findings, largest=largest, subject=Subject(TITLE, names))
-    render.stress_cut(export.volume_grid(case.fields, case.stress), found, tmp_path / "s.png")
+    render.stress_cut(case.volume, found, tmp_path / "s.png")
     diagrams.depth(found, case.ellipse, 0.3, tmp_path / "d.png")
     for figure in sheets:
         assert not cut_off(figure)
@@ -188,7 +188,7 @@ def test_tractions_are_where_they_act_and_have_a_scale(
         Axes, "quiverkey", lambda *args, **options: keys.append(args) or own(*args, **options)
     )
     rubbing, found = rubbed(blocks(), centre=-1.7)
-    traction_plots.draw(rubbing, found, 0.3, tmp_path / "f.png", mirrored=False)
+    traction_plots.draw(rubbing, found, 0.3, tmp_path / "f.png", planes=())
     axes = sheets[0].axes[0]
     drawn = np.concatenate([np.asarray(dots.get_offsets()) for dots in axes.collections[:2]])
     assert drawn[:, 1].mean() == pytest.approx(-1.7, abs=0.05)
@@ -206,11 +206,11 @@ def test_arrows_are_spread_evenly() -> None:
 
 def test_no_yield_is_said_and_coloured_as_none(blocks: Callable[..., Any]) -> None:
     case = blocks(cut=False)
-    points = case.fields.points[:, None, :]
+    points = case.fields.points
     with diagrams.new_figure(None, 5, 5) as figure:
         axes = figure.add_subplot()
         plastic_plots._cut(
-            figure, axes, two_patches(case), (points, np.zeros(points.shape[:2])), 1, "strain"
+            figure, axes, two_patches(case), (points, np.zeros(len(points))), 1, "strain"
         )
         assert axes.collections[0].get_clim()[0] == 0.0
         assert axes.get_title() == "none here"

@@ -26,7 +26,7 @@ def image(path: Path) -> Any:
 def draw(case: Any, folder: Path) -> dict[str, Any]:
     """All three pictures of a case, by name."""
     folder.mkdir()
-    volume = export.volume_grid(case.fields, case.stress)
+    volume = case.volume
     contact = export.contact_grid({1: case.findings.surface})
     render.wheel_rail(volume, case.findings, folder / "wheel_rail.png")
     render.stress_cut(volume, case.findings, folder / "stress_cut.png")
@@ -97,7 +97,7 @@ def test_a_whole_model_is_opened_between_its_cells(blocks: Callable[..., Any]) -
     """Points of the plane of the cut are off it by rounding, where clipping leaves slivers; so does
     a contact that is a little off that plane. A plane further away cuts cells."""
     case = blocks("tetrahedron", 2, cut=False)
-    found, volume = case.findings, export.volume_grid(case.fields, case.stress)
+    found, volume = case.findings, case.volume
     for body in render.bodies_of(volume).values():
         on = np.flatnonzero(np.abs(body.points[:, 0]) < 1e-9)
         body.points[on, 0] = 1e-13 * (-1.0) ** np.arange(len(on))

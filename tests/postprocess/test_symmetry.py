@@ -8,16 +8,15 @@ import pytest
 import pyvista as pv
 from scipy.spatial import cKDTree
 
+from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Surface
 from railhead.postprocess.vtu import export
-from railhead.postprocess.vtu.mirror import whole, whole_grid
 
 KINDS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)]
 
 
 def made_whole(case: Any) -> Any:
-    grid = export.volume_grid(case.fields, case.stress)
-    return pv.from_meshio(whole_grid(grid, case.fields.mirrors))
+    return pv.from_meshio(case.volume)
 
 
 @pytest.mark.parametrize(("cell", "degree"), KINDS)
@@ -79,7 +78,7 @@ def test_images_hold_the_exact_fields(blocks: Callable[..., Any], degree: int) -
 def test_what_is_whole_stays_as_it_is(blocks: Callable[..., Any]) -> None:
     case = blocks("hexahedron", 1, cut=False)
     grid = export.volume_grid(case.fields, case.stress)
-    assert whole_grid(grid, case.fields.mirrors) is grid
+    assert symmetry.grid(grid, case.fields.mirrors) is grid
 
 
 def test_a_surface_moves_as_its_image_does() -> None:
@@ -88,7 +87,7 @@ def test_a_surface_moves_as_its_image_does() -> None:
     points = np.column_stack([x, -(x**2).sum(axis=1)])
     moved = np.column_stack([x * [1.0, 2.0], np.full(4, 3.0)])
     pieces = np.array([[0, 1, 2], [1, 3, 2]])
-    found = whole(
+    found = symmetry.surface(
         Surface(
             points=points,
             local=x,
@@ -96,7 +95,8 @@ def test_a_surface_moves_as_its_image_does() -> None:
             pressure=np.arange(4.0),
             gap=np.zeros(4),
             displacement=moved,
-        )
+        ),
+        ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
     )
     assert len(found.points) == 16 and len(found.triangles) == 8
     expected = np.column_stack([found.points[:, :2] * [1.0, 2.0], np.full(16, 3.0)])
@@ -110,6 +110,6 @@ def test_plastic_strains_are_reflected_too(blocks: Callable[..., Any]) -> None:
     count = len(case.fields.cells)
     strain = np.arange(1.0, 1 + 9 * count).reshape(count, 9)
     grid.cell_data["plastic_strain"] = [strain]
-    made = whole_grid(grid, [(1.0, 0.0, 0.0)]).cell_data["plastic_strain"][0]
+    made = symmetry.grid(grid, [(1.0, 0.0, 0.0)]).cell_data["plastic_strain"][0]
     np.testing.assert_array_equal(made[:count], strain)
     np.testing.assert_array_equal(made[count:], strain * [1, -1, -1, -1, 1, 1, -1, 1, 1])
