@@ -6,17 +6,15 @@ Modules that a command needs are imported when it runs: imports are half of a sh
 from __future__ import annotations
 
 import functools
-import inspect
 import io
 import shutil
 import sys
 import textwrap
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import redirect_stdout
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -26,7 +24,8 @@ from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError
 
 if TYPE_CHECKING:
-    from rich.console import Console
+    from railhead.cli.examine_profile import ExaminedProfile
+    from railhead.cli.locate import Location
 
 SOLVED, CHECK_FAILED, WRONG_INPUT = 0, 1, 2  # exit statuses
 PROCESSES = click.IntRange(1)
@@ -34,107 +33,11 @@ PROCESSES.name = "number of processes; give a whole number from 1 on"
 SERIAL = ("list", "plan", "locate", "profile")  # every MPI process does all, the first prints
 
 
-@dataclass(frozen=True, kw_only=True)
-class RunFiles:
-    """Options of the files that `railhead run` writes.
-
-    out: the result folder; None for results/<case>.
-    force: whether another result in `out` is replaced.
-    no_pictures: whether PNG files and report.html are left out.
-    no_report: whether report.html is left out.
-    whole: whether .vtu files contain the mirrored parts that symmetry left out.
-    units: units of the table and the report, as text; None for mm, N and MPa.
-    """
-
-    out: Path | None
-    force: bool
-    no_pictures: bool
-    no_report: bool
-    whole: bool
-    units: str | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class ReportOptions:
-    """Options of the output of a command that solves no finite elements.
-
-    out: the folder; None for results/<name>_<command>.
-    force: whether another result in `out` is replaced.
-    no_pictures: whether no folder is written at all.
-    as_json: whether the summary is printed as JSON instead of a table.
-    """
-
-    out: Path | None
-    force: bool
-    no_pictures: bool
-    as_json: bool
-
-
-class Answer(Protocol):
-    """Result of a command that solves no finite elements.
-
-    scene: what it was computed from.
-    """
-
-    @property
-    def scene(self) -> Scene:
-        """What it was computed from."""
-
-    def summary(self) -> dict[str, Any]:
-        """All values, as plain data."""
-
-    def write(self, folder: Path) -> None:
-        """Write summary.json, tables and pictures into a folder."""
-
-    def show(self, console: Console) -> None:
-        """Print the result as text on a console."""
-
-
-def _scene(
-    case: str,
-    assignments: Sequence[str],
-    switched_on: Sequence[str],
-    switched_off: Sequence[str],
-) -> Scene:
-    """The scene of a case with keys set by assignments "key=value" and effects switched on or off
-    by name. Raises SceneError.
-    """
-    for name in set(switched_on) & set(switched_off):
-        raise SceneError(f"effects.{name}", "given with --with and --without; give one of them")
-    switches = [f"effects.{name}=on" for name in switched_on]
-    switches += [f"effects.{name}=off" for name in switched_off]
-    return catalogue.find(case).replace([*assignments, *switches])
-
-
-def _grouped(
-    name: str, make: Callable[..., object], *options: Callable[[Any], Any]
-) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Decorator of commands that adds options and passes their values as one argument `name`, which
-    is make(**values).
-    """
-    keys = list(inspect.signature(make).parameters)
-
-    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
-        """The command with the additional options."""
-
-        @functools.wraps(command)
-        def call(*arguments: Any, **values: Any) -> Any:
-            """The command with the values of the options replaced by one argument."""
-            made = make(**{key: values.pop(key) for key in keys})
-            return command(*arguments, **{name: made}, **values)
-
-        return functools.reduce(lambda inner, option: option(inner), reversed(options), call)
-
-    return decorate
-
-
 _force = click.option("--force", is_flag=True, help="Replace another result in --out.")
 _set = click.option(
     "--set", "assignments", multiple=True, metavar="KEY=VALUE", help="Change a key of the scene."
 )
-_scene_options = _grouped(
-    "scene",
-    _scene,
+_scene_options = (
     click.argument("case"),
     _set,
     click.option(
@@ -144,19 +47,7 @@ _scene_options = _grouped(
         "--without", "switched_off", multiple=True, metavar="NAME", help="Leave this effect out."
     ),
 )
-_run_files = _grouped(
-    "files",
-    RunFiles,
-    click.option("--out", type=click.Path(path_type=Path), help="Result folder [results/<case>]."),
-    _force,
-    click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html."),
-    click.option("--no-report", is_flag=True, help="Write no report.html."),
-    click.option("--whole", is_flag=True, help="Write .vtu files of the whole model, mirrored."),
-    click.option("--units", help="Of the table and the report, e.g. mm,kN,MPa."),
-)
-_report_options = _grouped(
-    "options",
-    ReportOptions,
+_report_options = (
     click.option(
         "--out", type=click.Path(path_type=Path), help="Folder [results/<name>_<command>]."
     ),
@@ -164,6 +55,41 @@ _report_options = _grouped(
     click.option("--no-pictures", is_flag=True, help="Write nothing."),
     click.option("--json", "as_json", is_flag=True, help="Print the summary and nothing else."),
 )
+
+
+def _with_options(command: Callable[..., Any], options: Iterable[Callable[[Any], Any]]) -> Any:
+    """The command with additional arguments and options of click, in their order."""
+    return functools.reduce(lambda inner, option: option(inner), reversed([*options]), command)
+
+
+def _takes_scene(command: Callable[..., Any]) -> Any:
+    """The command with the argument CASE and the options --set, --with and --without, which it gets
+    as one argument `scene`. Raises SceneError for a wrong case, key, value or effect.
+    """
+
+    @functools.wraps(command)
+    def call(
+        *arguments: Any,
+        case: str,
+        assignments: Sequence[str],
+        switched_on: Sequence[str],
+        switched_off: Sequence[str],
+        **values: Any,
+    ) -> Any:
+        """The command with a scene in the place of the options that change it."""
+        for name in set(switched_on) & set(switched_off):
+            raise SceneError(f"effects.{name}", "given with --with and --without; give one of them")
+        switches = [f"effects.{name}=on" for name in switched_on]
+        switches += [f"effects.{name}=off" for name in switched_off]
+        scene = catalogue.find(case).replace([*assignments, *switches])
+        return command(*arguments, scene=scene, **values)
+
+    return _with_options(call, _scene_options)
+
+
+def _takes_report(command: Callable[..., Any]) -> Any:
+    """The command with the options that `_report` takes: --out, --force, --no-pictures, --json."""
+    return _with_options(command, _report_options)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -184,7 +110,7 @@ def list_cases() -> None:
 
 
 @railhead.command()
-@_scene_options
+@_takes_scene
 @click.option("--accuracy", help="Asked accuracy, e.g. 1%.")
 @click.option("--json", "as_json", is_flag=True, help="Print the plan as JSON and nothing else.")
 def plan(scene: Scene, accuracy: str | None, as_json: bool) -> None:
@@ -201,10 +127,15 @@ def plan(scene: Scene, accuracy: str | None, as_json: bool) -> None:
 
 
 @railhead.command()
-@_scene_options
+@_takes_scene
 @click.option("--accuracy", help="Asked accuracy, e.g. 1%.")
 @click.option("--budget", help="Best accuracy for that time, e.g. 30s.")
-@_run_files
+@click.option("--out", type=click.Path(path_type=Path), help="Result folder [results/<case>].")
+@_force
+@click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html.")
+@click.option("--no-report", is_flag=True, help="Write no report.html.")
+@click.option("--whole", is_flag=True, help="Write .vtu files of the whole model, mirrored.")
+@click.option("--units", "unit_names", help="Of the table and the report, e.g. mm,kN,MPa.")
 @click.option("--ranks", type=PROCESSES, help="Processes [as many as pay].")
 @click.option("--quiet", is_flag=True, help="Print only what fails.")
 @click.option("--json", "as_json", is_flag=True, help="Print summary.json and nothing else.")
@@ -214,7 +145,12 @@ def run(
     scene: Scene,
     accuracy: str | None,
     budget: str | None,
-    files: RunFiles,
+    out: Path | None,
+    force: bool,
+    no_pictures: bool,
+    no_report: bool,
+    whole: bool,
+    unit_names: str | None,
     ranks: int | None,
     quiet: bool,
     as_json: bool,
@@ -223,7 +159,7 @@ def run(
     from railhead.results import result_folder
     from railhead.results.report.output_units import Units
 
-    units = Units.parse(files.units)
+    units = Units.parse(unit_names)
 
     from railhead import api
     from railhead.cli import launch
@@ -233,7 +169,7 @@ def run(
 
     start = time.perf_counter()
     scene = api.with_accuracy(scene, accuracy, budget)
-    folder = _folder(files, scene.name, "run", scene)
+    folder = _folder(out, scene.name, "run", scene, force=force)
     planned = planning.make(scene)
     if not process.under_mpi():
         budgets.check_memory(planned, machine.free_memory())
@@ -250,15 +186,15 @@ def run(
         result = pipeline.solve(planned, progress)
     first, problem = result.mesh.comm.rank == 0, None
     with refinement.show_progress(quiet=quiet, since=start) as progress:
-        progress.stage("writing files" + ("" if files.no_pictures else " and pictures"))
+        progress.stage("writing files" + ("" if no_pictures else " and pictures"))
         try:
-            if first:
-                _make_room(folder, files, "run", scene)
+            if first and out is None:
+                result_folder.make_room(folder, "run", scene)
             result.save(
                 folder,
-                pictures=not files.no_pictures,
-                report=not files.no_report,
-                whole=files.whole,
+                pictures=not no_pictures,
+                report=not no_report,
+                whole=whole,
                 units=units,
                 force=True,
             )
@@ -278,31 +214,22 @@ def run(
     return SOLVED if result.passed and problem is None else CHECK_FAILED
 
 
-def _folder(files: RunFiles | ReportOptions, name: str, command: str, scene: Scene) -> Path:
-    """The folder of a result, results/<name> without --out. Raises SceneError where the result of
-    `command` for a scene cannot be written there, or would replace another one in --out.
+def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: bool) -> Path:
+    """The folder of a result: `out`, or results/<name> where that is None. Raises SceneError where
+    the result of `command` for a scene cannot be written there, or would replace another one in
+    `out` without `force`.
     """
     from railhead.results import result_folder
 
-    folder = files.out if files.out is not None else Path("results") / name
+    folder = out if out is not None else Path("results") / name
     result_folder.check_folder(folder)
-    if files.out is not None and not files.force:
+    if out is not None and not force:
         result_folder.refuse_other(folder, command, scene)
     return folder
 
 
-def _make_room(folder: Path, files: RunFiles | ReportOptions, command: str, scene: Scene) -> None:
-    """Rename a folder that was not named by --out and holds another result than that of `command`
-    for a scene.
-    """
-    from railhead.results import result_folder
-
-    if files.out is None and result_folder.other_result(folder, command, scene):
-        result_folder.set_aside(folder)
-
-
 @railhead.command()
-@_scene_options
+@_takes_scene
 @click.option(
     "--over",
     "lists",
@@ -361,13 +288,13 @@ def sweep(
 @_set
 @click.option("--shift", help="Lateral shift of the wheelset, e.g. 3mm.")
 @click.option("--yaw", help="Yaw of the wheelset, e.g. 2mrad.")
-@_report_options
+@_takes_report
 def locate(
     case: str,
     assignments: Sequence[str],
     shift: str | None,
     yaw: str | None,
-    options: ReportOptions,
+    **options: Any,
 ) -> None:
     """Find where both wheels of a wheelset touch their rails; solve nothing."""
     positions = {"wheelset.shift": shift, "wheelset.yaw": yaw}
@@ -376,37 +303,51 @@ def locate(
 
     from railhead.cli.locate import locate
 
-    _report(locate(scene), scene.name, "locate", options)
+    _report(locate(scene), scene.name, "locate", **options)
 
 
 @railhead.command()
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--body", type=click.Choice(["rail", "wheel"]), help="Whose profile it is.")
 @_set
-@_report_options
-def profile(
-    file: Path, body: str | None, assignments: Sequence[str], options: ReportOptions
-) -> None:
+@_takes_report
+def profile(file: Path, body: str | None, assignments: Sequence[str], **options: Any) -> None:
     """Read and smooth a measured profile, and say what is worn off it; solve nothing."""
     from railhead.cli.examine_profile import examine
 
-    _report(examine(file, body, assignments), file.stem, "profile", options)
+    _report(examine(file, body, assignments), file.stem, "profile", **options)
 
 
-def _report(computed: Answer, name: str, command: str, options: ReportOptions) -> None:
-    """Write the folder of a result [results/<name>_<command>] and print it as text or JSON."""
+def _report(
+    computed: Location | ExaminedProfile,
+    name: str,
+    command: str,
+    *,
+    out: Path | None,
+    force: bool,
+    no_pictures: bool,
+    as_json: bool,
+) -> None:
+    """Write a result of a command into a folder and print it.
+
+    out: the folder; None for results/<name>_<command>.
+    force: whether another result in `out` is replaced.
+    no_pictures: whether no folder is written at all.
+    as_json: whether the summary is printed as JSON instead of a table.
+    """
     from railhead.results import result_folder
     from railhead.results.report import terminal
 
-    folder = _folder(options, f"{name}_{command}", command, computed.scene)
-    if not options.no_pictures:
-        _make_room(folder, options, command, computed.scene)
+    folder = _folder(out, f"{name}_{command}", command, computed.scene, force=force)
+    if not no_pictures:
+        if out is None:
+            result_folder.make_room(folder, command, computed.scene)
         computed.write(folder)
-    if options.as_json:
+    if as_json:
         click.echo(result_folder.to_json(computed.summary()), nl=False)
         return
     computed.show(terminal.standard())
-    if not options.no_pictures:
+    if not no_pictures:
         click.echo(f"written to {folder}/")
 
 

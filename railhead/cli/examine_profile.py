@@ -78,10 +78,8 @@ class ExaminedProfile:
     def show(self, console: Console) -> None:
         """Print reading and smoothing of the file, radii of curvature and wear."""
         summary, worn = self.summary(), self.worn
-        radii = (
-            "inf" if value == 0 else f"{1 / value:.4g}"
-            for value in summary["curvatures_per_mm"].values()
-        )
+        curvatures = summary["curvatures_per_mm"].values()
+        radii = (f"{1 / value:.4g}" if value else "inf" for value in curvatures)
         lines = [
             *tables.profile_lines({self.measured.body: summary}),
             f"radius     {', '.join(radii)} mm at 5, 50, 95 % of the curvature",

@@ -135,7 +135,7 @@ class Location:
             highlight=False,
         )
         for key, smooth in summary["measured"].items():
-            low, middle, high = (_radius(value) for value in smooth["curvatures"])
+            low, middle, high = (f"{1 / k:.4g}" if k else "inf" for k in smooth["curvatures"])
             console.print(
                 f"{key} profile, smoothed: radius {low}, {middle}, {high} mm at 5, 50, 95 % of the "
                 f"curvature; {smooth['waves']} changes between convex and concave",
@@ -152,11 +152,6 @@ def locate(scene: Scene) -> Location:
             "rail.extent", "half-space has no profiles to locate; give head or section"
         )
     return Location(scene, *geometry.place(scene, CLEARANCE))
-
-
-def _radius(curvature: float) -> str:
-    """Radius of a curvature (1/mm) as text in mm; "inf" for zero."""
-    return "inf" if curvature == 0 else f"{1 / curvature:.4g}"
 
 
 def _contact(touch: ContactPoint, crest: float) -> dict[str, float | bool]:

@@ -47,6 +47,6 @@ def affordable(plan: Plan, wanted: float) -> float:
     if plan.scene.accuracy is None:
         known = plan.family
         limit = error_envelopes.STEP * known.resolution[1] if known else error_envelopes.RANGE[1]
-    while n <= limit and plan.price_at(n).seconds <= budget:
+    while n <= limit and plan.at_resolution(n).seconds_of_two <= budget:
         best, n = n, 1.05 * n
     return best

@@ -10,7 +10,7 @@ from typing import Any
 from railhead.contact.dimension import Dimension
 from railhead.contact.solid import Contact
 from railhead.planning.references import boundary_elements, closed_forms
-from railhead.scene.scene import Scene, SceneError
+from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.theory.bem import grid_stress
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.elastic import contacts
@@ -77,6 +77,12 @@ class Context:
     contact: Contact
     hertz: Hertz
     decided: Mapping[str, Effect]
+
+    @property
+    def deformable(self) -> dict[str, Rail | Wheel]:
+        """Sections of the bodies that deform, by 'rail' and 'wheel'."""
+        bodies = self.scene.bodies.items()
+        return {name: part for name, part in bodies if self.decided[f"deformable_{name}"].on}
 
     @cached_property
     def boundary_elements(self) -> Solution:

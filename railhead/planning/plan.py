@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 from railhead.contact import bodies, dimension, plane_section
 from railhead.contact import solid as geometry
@@ -33,20 +33,6 @@ from railhead.theory.elastic.contacts import Hertz
 PRICED_ACCURACIES = (0.05, 0.01, 0.002)  # what a plan says the cost of
 SECTION_PER_TURN = 5  # elements on a full turn of a fillet of a whole section (4: 3 % less twist)
 SECTION_CELLS = 8.5  # for each mm of a whole section beyond those of its head (measured)
-
-
-class Price(NamedTuple):
-    """Predicted cost of two meshes, the finer one being the reported one.
-    patch_size: element size of the finer mesh, mm.
-    unknowns: number of unknowns of the finer mesh.
-    seconds: of the whole process with both meshes.
-    memory: bytes at the peak of the finer mesh.
-    """
-
-    patch_size: float
-    unknowns: int
-    seconds: float
-    memory: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -205,11 +191,8 @@ class Plan:
     @property
     def poisson_ratios(self) -> dict[str, float]:
         """Poisson's ratio of the bodies that are meshed, by 'rail' and 'wheel'."""
-        return {BODY_NAMES[tag]: self._part(tag).poisson_ratio for tag in self.deformable}
-
-    def _part(self, body: int) -> Rail | Wheel:
-        """Rail or wheel section of the scene for a tag."""
-        return self.scene.rail if body == RAIL else self.scene.wheel
+        names = [BODY_NAMES[tag] for tag in self.deformable]
+        return {name: self.scene.bodies[name].poisson_ratio for name in names}
 
     @cached_property
     def surfaces(self) -> Contact:
@@ -349,13 +332,13 @@ class Plan:
             each += prediction.FRICTION_BYTES
         return prediction.BASE_BYTES + each * self.unknowns
 
-    def price_at(self, n: float) -> Price:
-        """Predicted cost of two meshes, the finer one with n elements per smaller semi-axis, the
-        coarser one with n / 1.6 (STEP).
+    @property
+    def seconds_of_two(self) -> float:
+        """Predicted seconds of the whole process with this mesh and a coarser one, whose elements
+        are 1.6 (STEP) times as large.
         """
-        fine, coarse = self.at_resolution(n), self.at_resolution(n / error_envelopes.STEP)
-        seconds = prediction.START + fine.solving + coarse.solving
-        return Price(fine.patch_size, fine.unknowns, seconds, fine.memory)
+        coarse = replace(self, patch_size=error_envelopes.STEP * self.patch_size)
+        return self.seconds + coarse.solving
 
     def prices(self) -> list[dict[str, Any]] | None:
         """Predicted cost of several accuracies, coarsest first; None where no family of error laws
@@ -371,8 +354,8 @@ class Plan:
             row = dict.fromkeys(("patch_size_mm", "unknowns", "seconds", "memory_MB"))
             mesh_share = accuracy - self.omission_error
             if self.profile_error < accuracy and family.reaches(mesh_share):
-                price = self.price_at(family.finest(mesh_share))
-                values = (price.patch_size, price.unknowns, price.seconds, price.memory / 1e6)
+                fine = self.at_resolution(family.finest(mesh_share))
+                values = (fine.patch_size, fine.unknowns, fine.seconds_of_two, fine.memory / 1e6)
                 row = dict(zip(row, values, strict=True))
             rows.append({"accuracy": accuracy, **row})
         return rows
@@ -418,7 +401,10 @@ class Plan:
         wheelset prescribes it, forecast and measured profiles.
         """
         return {
-            "effects": {name: self._effect(name) for name in self.effects},
+            "effects": {
+                name: {**effect.summary(), "predicted_cost": self._cost(name)}
+                for name, effect in self.effects.items()
+            },
             "unknowns": self.unknowns,
             "predicted_seconds": self.seconds,
             "chosen": effects.overruled(self.effects),
@@ -435,13 +421,9 @@ class Plan:
             "profile_uncertainty": self.uncertainty and vars(self.uncertainty),
         }
 
-    def _effect(self, name: str) -> dict[str, Any]:
-        """Decision on the named effect, with the unknowns and seconds that its state is predicted
-        to cost.
-        """
-        unknowns, seconds = self.price(name)
-        cost = {"unknowns": unknowns, "seconds": seconds}
-        return {**self.effects[name].summary(), "predicted_cost": cost}
+    def _cost(self, name: str) -> dict[str, float]:
+        """Unknowns and seconds of `price` for the named effect, by these words."""
+        return dict(zip(("unknowns", "seconds"), self.price(name), strict=True))
 
 
 def make(scene: Scene) -> Plan:

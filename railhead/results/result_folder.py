@@ -121,6 +121,14 @@ def set_aside(folder: Path) -> None:
     print(f"railhead: {text}", file=sys.stderr)
 
 
+def make_room(folder: Path, command: str, scene: Scene) -> None:
+    """Rename a folder that holds another result than that of `command` for this scene, as
+    `set_aside`.
+    """
+    if other_result(folder, command, scene):
+        set_aside(folder)
+
+
 def scene_toml(command: str, scene: Scene) -> str:
     """Text of scene.toml beside a result: a comment line with command, version of the program, date
     and units, then the scene.

@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from railhead.planning.accuracy import error_envelopes
 from railhead.planning.accuracy.error_envelopes import Family, Setting
 from railhead.planning.context import PostSolveVerdict
 from railhead.planning.effects.interface import friction
-from railhead.planning.patch.forecast import Forecast, Nearest, Zone
+from railhead.planning.patch.forecast import Forecast, Zone, touches_nearby
 from railhead.planning.plan import Plan
 from railhead.planning.references import closed_forms
 from railhead.postprocess import compare
@@ -377,9 +378,9 @@ def forecast_from_solution(fields: Fields, found: PressureMoments, frame: Frame)
             Zone(part.centre, max(part.a, least), max(part.b, least), part.frame.angle)
             for part in separate_patches(fields)
         )
-    nearest = Nearest(cKDTree(points), touches, max(zone.b for zone in zones))
+    touching = partial(touches_nearby, cKDTree(points), touches, max(zone.b for zone in zones))
     moments = (*found.centre, found.a, found.b)
-    return Forecast(zones, moments, nearest, found.hertzian)
+    return Forecast(zones, moments, touching, found.hertzian)
 
 
 class _Clock:

@@ -174,6 +174,11 @@ class Scene(Section):
         return self
 
     @property
+    def bodies(self) -> dict[str, Rail | Wheel]:
+        """The sections of both bodies by "rail" and "wheel"."""
+        return {"rail": self.rail, "wheel": self.wheel}
+
+    @property
     def one_mesh(self) -> bool:
         """Whether the scene is solved on one mesh: neither an accuracy nor a budget is set."""
         return self.accuracy is None and self.budget is None
@@ -225,7 +230,7 @@ class Scene(Section):
     @property
     def files(self) -> list[Path]:
         """Paths of the files that profiles and stress-strain curves are read from."""
-        bodies = self.rail, self.wheel
+        bodies = self.bodies.values()
         given = [path for body in bodies for path in (body.profile, body.stress_strain)]
         return [path for path in map(Path, filter(None, given)) if path.suffix]
 

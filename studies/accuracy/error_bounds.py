@@ -51,7 +51,7 @@ def measure(name: str, scene: Scene, accuracy: float | None) -> list[Row]:
     if accuracy is not None:
         scene = scene.replace([f"accuracy={accuracy!r}"])
     plan = planning.make(scene)
-    predicted = plan.seconds if accuracy is None else plan.price_at(plan.sizing.resolution).seconds
+    predicted = plan.seconds if accuracy is None else plan.seconds_of_two
     result = pipeline.run(scene)
     checks, cost, reached = (result.summary[key] for key in ("checks", "cost", "accuracy"))
     if not checks["converged"]:

@@ -220,9 +220,9 @@ def test_memory_is_guarded_before_the_next_mesh(monkeypatch) -> None:
 def test_price_grows_with_the_accuracy() -> None:
     plan = planning.make(catalogue.find("uic54_thesis"))
     needed = [plan.family.finest(asked) for asked in (0.05, 0.01, 0.002)]
-    prices = [plan.price_at(n) for n in needed]
-    costs = [(each.unknowns, each.seconds, each.memory) for each in prices]
-    assert costs == sorted(costs) and all(math.isfinite(each.seconds) for each in prices)
+    meshes = [plan.at_resolution(n) for n in needed]
+    costs = [(each.unknowns, each.seconds_of_two, each.memory) for each in meshes]
+    assert costs == sorted(costs) and all(math.isfinite(seconds) for _, seconds, _ in costs)
 
 
 def test_seconds_follow_what_runs_took_on_this_machine(tmp_path, monkeypatch) -> None:

@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
-from typing import Any
 
 START = 1.3  # seconds to import everything
 BASE_BYTES = 400_000_000  # libraries
@@ -54,6 +52,7 @@ OTHER_CELLS = {
     ("hexahedron", 1): Cost(140e-6, 0.8, 13_000),
     ("hexahedron", 2): Cost(140e-6, 0.8, 13_000),
 }
+CELLS = json.loads((Path(__file__).parent / "data" / "cells.json").read_text(encoding="utf-8"))
 
 
 def cost(cell: str, order: int, *, section: bool, half_space: bool) -> Cost:
@@ -69,14 +68,4 @@ def unknowns_per_cell(kind: str, cell: str, order: int) -> float:
     """Unknowns per predicted cell of a mesh; kind is 'solid' or 'section', cell and order are as
     mesh.cell and mesh.order. Values were measured by `studies.accuracy.cells`.
     """
-    return float(_cell_table()[kind][cell][str(order)])
-
-
-@cache
-def _cell_table() -> dict[str, Any]:
-    """Unknowns per cell from the file data/cells.json: by 'solid' or 'section', then cell, then
-    order as text.
-    """
-    file = Path(__file__).parent / "data" / "cells.json"
-    table: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-    return table
+    return float(CELLS[kind][cell][str(order)])

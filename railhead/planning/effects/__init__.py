@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 from railhead.contact.dimension import Dimension
 from railhead.contact.solid import Contact
@@ -45,8 +46,8 @@ EFFECTS = {
     "axisymmetry": EffectRules(decide=sections.axisymmetry, numerical_only=True),
     "symmetry_x": EffectRules(decide=symmetry.along, numerical_only=True),
     "symmetry_y": EffectRules(decide=symmetry.across, numerical_only=True),
-    "deformable_rail": EffectRules(decide=deformable.rail),
-    "deformable_wheel": EffectRules(decide=deformable.wheel),
+    "deformable_rail": EffectRules(decide=partial(deformable.decide, "rail")),
+    "deformable_wheel": EffectRules(decide=partial(deformable.decide, "wheel")),
     "true_profile": EffectRules(decide=true_profile.decide, check=true_profile.check),
     "rail_section": EffectRules(decide=rail_section.decide, check=rail_section.check),
     "far_field": EffectRules(decide=far_field.decide),

@@ -61,10 +61,9 @@ def thick_bodies(context: Context, found: Findings) -> PostSolveVerdict | None:
     for tag, body in BODY_NAMES.items():
         if body == "rail" and scene.rail.profile in STANDARD_RAILS:
             continue
-        part = scene.rail if body == "rail" else scene.wheel
         weight = modulus / closed_forms.plane_strain_modulus(scene, tag)
         deep = bodies.depth(scene, tag)
-        curvature = weight * finite_bodies.held_below(deep, part.poisson_ratio)
+        curvature = weight * finite_bodies.held_below(deep, scene.bodies[body].poisson_ratio)
         changes[body, deep] = finite_bodies.change(curvature, patch.a, patch.b)
     (body, deep), change = max(changes.items(), key=lambda each: each[1])
     thin = bool(change > limit)

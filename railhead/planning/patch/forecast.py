@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,45 +44,30 @@ class Zone:
     angle: float
 
 
-@dataclass(frozen=True)
-class Nearest:
-    """Predicate of points: the nearest point of a known solution touches, and is near.
-    tree: KD tree of the known points (n, 3), mm.
-    touches: (n,) whether each known point touches.
-    reach: largest distance to a known point, mm.
+def touches_nearby(
+    known: cKDTree, touches: NDArray[np.bool_], reach: float, points: Array
+) -> NDArray[np.bool_]:
+    """Whether each of the points (n, 3), mm, has a known point closer than `reach` (mm), of which
+    the nearest touches: (n,) booleans.
+    known: KD tree of the known points (m, 3), mm; touches: (m,) whether each of them touches.
     """
-
-    tree: cKDTree
-    touches: NDArray[np.bool_]
-    reach: float
-
-    def __call__(self, points: Array) -> NDArray[np.bool_]:
-        """Whether each of the points (n, 3) in mm touches: (n,) booleans."""
-        distance, index = self.tree.query(points)
-        return np.asarray(self.touches[index] & (distance < self.reach))
+    distance, index = known.query(points)
+    return np.asarray(touches[index] & (distance < reach))
 
 
-@dataclass(frozen=True)
-class InEllipse:
-    """Predicate of points: they lie in Hertz's ellipse, near the tangent plane.
-    frame: axes at the contact point.
-    a, b: semi-axes, mm.
-    turn: angle of the semi-axis a to the rail in the tangent plane, rad.
+def in_ellipse(
+    frame: Frame, semi_axes: tuple[float, float], turn: float, points: Array
+) -> NDArray[np.bool_]:
+    """Whether each of the points (n, 3), mm, lies in an ellipse of the tangent plane, closer to the
+    plane than the larger semi-axis: (n,) booleans.
+    frame: axes at the contact point. semi_axes: along and across before the ellipse is turned, mm.
+    turn: angle of the first semi-axis to the rail in the tangent plane, rad.
     """
-
-    frame: Frame
-    a: float
-    b: float
-    turn: float
-
-    def __call__(self, points: Array) -> NDArray[np.bool_]:
-        """Whether each of the points (n, 3) in mm lies in the ellipse and closer to its plane than
-        the larger semi-axis: (n,) booleans.
-        """
-        x, s, height = self.frame.local(points).T
-        c, t = math.cos(self.turn), math.sin(self.turn)
-        inside = ((c * x + t * s) / self.a) ** 2 + ((c * s - t * x) / self.b) ** 2 < 1.0
-        return np.asarray(inside & (np.abs(height) < max(self.a, self.b)))
+    x, s, height = frame.local(points).T
+    c, t = math.cos(turn), math.sin(turn)
+    a, b = semi_axes
+    inside = ((c * x + t * s) / a) ** 2 + ((c * s - t * x) / b) ** 2 < 1.0
+    return np.asarray(inside & (np.abs(height) < max(a, b)))
 
 
 @dataclass(frozen=True)
@@ -132,7 +118,7 @@ def forecast(context: Context) -> Forecast:
     return Forecast(
         kept,
         _moments(contact.frame.local(everything), force),
-        Nearest(cKDTree(everything), force > 0, max(zone.b for zone in kept)),
+        partial(touches_nearby, cKDTree(everything), force > 0, max(zone.b for zone in kept)),
         False,
     )
 
@@ -142,7 +128,7 @@ def _hertz(contact: Contact, ellipse: Hertz) -> Forecast:
     contact both are its half width.
     """
     touch, frame = contact.touch, contact.frame
-    touching = InEllipse(frame, ellipse.a, ellipse.b, touch.orientation)
+    touching = partial(in_ellipse, frame, (ellipse.a, ellipse.b), touch.orientation)
     a, b = contacts.half_lengths(ellipse)
     zone = Zone(contact.origin, a, b, touch.angle)
     return Forecast((zone,), (0.0, 0.0, a, b), touching, True)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from railhead.contact.solid import Contact
-from railhead.meshing.tags import RAIL
+from railhead.meshing.tags import BODY_NAMES
 from railhead.scene.scene import NOMINAL_RADIUS, Scene, SceneError
 from railhead.theory.elastic import contacts, hertz
 from railhead.theory.elastic.contacts import Hertz
@@ -22,8 +22,8 @@ ROUNDING = 1e3  # gap of the patch over the rounding of coordinates, at least
 
 
 def plane_strain_modulus(scene: Scene, body: int) -> float:
-    """E / (1 - nu^2) of the rail (body RAIL) or wheel, MPa."""
-    part = scene.rail if body == RAIL else scene.wheel
+    """E / (1 - nu^2) of a body (tag RAIL or WHEEL), MPa."""
+    part = scene.bodies[BODY_NAMES[body]]
     return part.young_modulus / (1 - part.poisson_ratio**2)
 
 

@@ -67,5 +67,5 @@ def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict
 
 def _steel(context: Context) -> bool:
     """Whether each body that deforms has the modulus of a steel; a rigid one is taken for steel."""
-    moduli = (context.scene.rail.young_modulus, context.scene.wheel.young_modulus)
+    moduli = (part.young_modulus for part in context.scene.bodies.values())
     return all(math.isinf(each) or steels.is_steel(each) for each in moduli)

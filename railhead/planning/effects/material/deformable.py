@@ -5,26 +5,17 @@ from __future__ import annotations
 import math
 
 from railhead.planning.context import Context, Effect
-from railhead.scene.sections import Rail, Wheel
 
 SHARE = 0.1  # of the prescribed accuracy: compliance that may be left out
 
 
-def rail(context: Context) -> Effect:
-    """Whether the rail deforms, with the share of compliance that decides this."""
-    return _decide(context, context.scene.rail)
-
-
-def wheel(context: Context) -> Effect:
-    """Whether the wheel deforms, with the share of compliance that decides this."""
-    return _decide(context, context.scene.wheel)
-
-
-def _decide(context: Context, part: Rail | Wheel) -> Effect:
-    """Whether a body deforms, by its share s of the compliance 1/E* = sum of (1 - nu^2)/E.
+def decide(body: str, context: Context) -> Effect:
+    """Whether a body ('rail' or 'wheel') deforms, by its share s of the compliance 1/E* = sum of
+    (1 - nu^2)/E.
     Without that share, approach and pressure are off by 2/3 s and the semi-axes by s/3 (Johnson,
     Contact Mechanics, 4.22 to 4.24).
     """
+    part = context.scene.bodies[body]
     if math.isinf(part.young_modulus):
         why = "E is infinite: only its surface takes part"
         return Effect(False, False, why, {"on": "E is infinite"})

@@ -16,11 +16,7 @@ def decide(context: Context) -> Effect:
     (0.49 in a meridian section); linear and hexahedral cells cannot have it.
     """
     scene = context.scene
-    ratios = {
-        name: part.poisson_ratio
-        for name, part in (("rail", scene.rail), ("wheel", scene.wheel))
-        if context.decided[f"deformable_{name}"].on
-    }
+    ratios = {name: part.poisson_ratio for name, part in context.deformable.items()}
     name, ratio = max(ratios.items(), key=lambda each: each[1], default=("no body", 0.0))
     limit = LARGEST_REVOLVED if context.contact.revolved else LARGEST_RATIO
     above = ratio > limit

@@ -10,7 +10,7 @@ from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.effects.interface import friction
 from railhead.postprocess.findings import Findings
 from railhead.scene import steels
-from railhead.scene.scene import Scene, SceneError
+from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.scene.sections import BodySection
 from railhead.theory.elastic import indentation
 from railhead.theory.friction import sliding
@@ -35,7 +35,13 @@ def decide(context: Context) -> Effect:
     stresses = {
         name: context.von_mises(part.poisson_ratio) for name, part in _yielding(context).items()
     }
-    yields, why = _compare(scene, stresses) if stresses else (False, _no_yield_stress(context))
+    if stresses:
+        over, why = _over_yield(scene, stresses)
+    else:
+        parts = context.deformable.items()
+        elastic = {name: context.von_mises(part.poisson_ratio) for name, part in parts}
+        over, why = 0.0, _steel_yields(context, elastic)[0]
+    yields = over > 1
     if yields and scene.mesh.linear and scene.effects.plasticity != "off":
         raise SceneError(
             "mesh.order",
@@ -44,7 +50,7 @@ def decide(context: Context) -> Effect:
     if isinstance(context.elastic, str) and context.elastic:
         why += f"; exact Hertz's, as no other is known: {context.elastic}"
     if yields:
-        why += _expected(context, _over(context, stresses))
+        why += _expected(context, over ** (2 if context.contact.line else 3))
     refused = {} if stresses else {"on": "no body that deforms has a yield stress"}
     if stresses and context.decided["friction"].on:
         grows = friction.grows(scene)
@@ -74,9 +80,10 @@ def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict
     if not stresses:
         largest = {name: each.von_mises.value for name, each in found.largest.items()}
         return PostSolveVerdict(False, *_steel_yields(context, largest))
-    yields, why = _compare(context.scene, stresses)
     if effect.on:
         return PostSolveVerdict(False, "simulated")
+    over, why = _over_yield(context.scene, stresses)
+    yields = over > 1
     cost = ": the elastic answer overstates the pressure and all stresses" if yields else ""
     return PostSolveVerdict(yields, why + cost)
 
@@ -98,43 +105,31 @@ def shear_yield(context: Context) -> float | None:
     """Yield stress in shear, yield / sqrt(3), of the weaker body that deforms, MPa; None where no
     body has a yield stress.
     """
-    limits = [
-        hardening(part).initial_yield_stress / math.sqrt(3) for part in _yielding(context).values()
-    ]
+    limits = [first_yield(part) / math.sqrt(3) for part in _yielding(context).values()]
     return min(limits, default=None)
 
 
-def _yielding(context: Context) -> dict[str, BodySection]:
+def first_yield(part: BodySection) -> float:
+    """Yield stress of a body that yields, before any hardening, MPa."""
+    return hardening(part).initial_yield_stress
+
+
+def _yielding(context: Context) -> dict[str, Rail | Wheel]:
     """Bodies that deform and have a yield stress, by 'rail' and 'wheel'."""
-    scene = context.scene
-    return {
-        name: part
-        for name, part in (("rail", scene.rail), ("wheel", scene.wheel))
-        if part.yields and context.decided[f"deformable_{name}"].on
-    }
-
-
-def _over(context: Context, stresses: dict[str, float]) -> float:
-    """Load over the load of first yield.
-    stresses: largest von Mises stress by body, MPa. Hertz's stresses grow as the cube root of the
-        load, in a line contact as the square root.
-    """
-    parts = {"rail": context.scene.rail, "wheel": context.scene.wheel}
-    worst = max(stresses[name] / hardening(parts[name]).initial_yield_stress for name in stresses)
-    return float(worst ** (2 if context.contact.line else 3))
+    return {name: part for name, part in context.deformable.items() if part.yields}
 
 
 def _expected(context: Context, over: float) -> str:
     """Text on the yield to expect: `over`, the load over that of first yield, and for an ellipse
-    how much wider than Hertz's the patch is.
+    how much wider than Hertz's the patch is. Hertz's stresses grow as the cube root of the load, in
+    a line contact as the square root.
     The width is that of Jackson and Green's sphere of the weaker body over Hertz's radius
     (load^(1/3)).
     """
     text = f", {over:.3g} times the load of first yield"
     if not context.contact.line:
-        parts = _yielding(context).values()
-        weakest = min(parts, key=lambda part: hardening(part).initial_yield_stress)
-        strain = hardening(weakest).initial_yield_stress / context.hertz.contact_modulus
+        weakest = min(_yielding(context).values(), key=first_yield)
+        strain = first_yield(weakest) / context.hertz.contact_modulus
         sphere = indentation.jackson_green(over, weakest.poisson_ratio, strain)
         text += f": a patch about {sphere.radius / over ** (1 / 3) - 1:.0%} wider"
     return text
@@ -158,25 +153,13 @@ def steps(context: Context) -> int:
     return LINE_STEPS if context.contact.line else STEPS
 
 
-def _no_yield_stress(context: Context) -> str:
-    """Sentence on why a scene without a yield stress stays elastic, and whether the usual rail
-    steel would yield.
-    """
-    stresses = {
-        name: context.von_mises(part.poisson_ratio)
-        for name, part in (("rail", context.scene.rail), ("wheel", context.scene.wheel))
-        if context.decided[f"deformable_{name}"].on
-    }
-    return _steel_yields(context, stresses)[0]
-
-
 def _steel_yields(context: Context, stresses: Mapping[str, float]) -> tuple[str, bool]:
     """Sentence on whether the usual rail steel (R260) would yield in a scene without a yield
     stress, and whether it would.
     stresses: largest von Mises stress (MPa) by body that deforms ('rail', 'wheel'); bodies without
         the modulus of a steel do not count.
     """
-    parts = {"rail": context.scene.rail, "wheel": context.scene.wheel}
+    parts = context.scene.bodies
     steel = {
         name: stress
         for name, stress in stresses.items()
@@ -192,18 +175,16 @@ def _steel_yields(context: Context, stresses: Mapping[str, float]) -> tuple[str,
     return f"no steel is given; {USUAL} {verb}: {text}", yields
 
 
-def _compare(scene: Scene, stresses: dict[str, float]) -> tuple[bool, str]:
-    """Whether the von Mises stress (MPa, by body) of the worst body passes its initial yield
-    stress, and a sentence that says so.
+def _over_yield(scene: Scene, stresses: dict[str, float]) -> tuple[float, str]:
+    """Von Mises stress (MPa, by body) of the worst body over its initial yield stress, and a
+    sentence that says whether the stress passes it.
     """
-    parts = {"rail": scene.rail, "wheel": scene.wheel}
-    limits = {name: hardening(parts[name]).initial_yield_stress for name in stresses}
-    worst = max(stresses, key=lambda name: stresses[name] / limits[name])
-    limit = limits[worst]
-    yields, steel = bool(stresses[worst] > limit), parts[worst].steel
-    verb = "passes" if yields else "stays below"
+    ratios = {name: stress / first_yield(scene.bodies[name]) for name, stress in stresses.items()}
+    worst = max(ratios, key=ratios.__getitem__)
+    limit, steel = first_yield(scene.bodies[worst]), scene.bodies[worst].steel
+    verb = "passes" if ratios[worst] > 1 else "stays below"
     return (
-        yields,
+        float(ratios[worst]),
         f"von Mises {stresses[worst]:.4g} MPa {verb} the yield {limit:.4g} MPa of the {worst}"
         + (f" ({steel}: {steels.by_name()[steel].kind})" if steel else ""),
     )
