@@ -278,7 +278,7 @@ class Plan:
 
     def grading(self) -> Grading:
         """Element sizes around the patches of the forecast."""
-        return self.sizing.grading()
+        return self.sizing.grading
 
     @cached_property
     def unknowns(self) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -90,6 +91,7 @@ class Sizing:
         widths = [np.ptp(profile.domain) for profile, _ in self.contact.profiles.values()]
         return min([COARSEST * self.reach, *(COARSEST_ACROSS * width for width in widths)])
 
+    @cached_property
     def grading(self) -> Grading:
         """Element sizes around the patches of the forecast; smaller patches get smaller elements.
         Elements of a solid are stretched along the rail as far as this saves cells.

@@ -88,7 +88,7 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
             "dofs": solved.unknowns,
             "cells": solved.mesh.cells,
             "mesh_quality": solved.mesh.quality,
-            "ranks": solved.ranks,
+            "ranks": solved.mesh.mesh.comm.size,
             "newton_iterations": len(newton.history),
             "linear_iterations": sum(step.linear_iterations for step in newton.history),
             "peak_rss_MB": 1024e-6 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mpi4py import MPI
@@ -15,13 +14,11 @@ if TYPE_CHECKING:
     from railhead.solver.contact import ContactModel
 
 
-def generate(
-    plan: Plan, grading: Grading, comm: MPI.Intracomm, save: Path | None = None
-) -> mesh.ContactMesh:
-    """Mesh the bodies of a plan with element sizes `grading`; collective. save: path for the mesh
-    file, None: none. Raises MeshError where gmsh fails.
+def generate(plan: Plan, grading: Grading, comm: MPI.Intracomm) -> mesh.ContactMesh:
+    """Mesh the bodies of a plan with element sizes `grading`; collective. Raises MeshError where
+    gmsh fails.
     """
-    return mesh.generate(plan.parts(), grading, plan.options, comm, save, _load_solver)
+    return mesh.generate(plan.parts(), grading, plan.options, comm, meanwhile=_load_solver)
 
 
 def _load_solver() -> None:

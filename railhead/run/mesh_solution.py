@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -50,18 +50,15 @@ class MeshSolution:
     """A scene solved on one mesh, and the quantities read from the solution.
 
     plan: the plan that was solved.
-    grading: sizes of the elements.
     mesh: the mesh with its tags.
     space: function space of the displacement (dolfinx).
     unknowns: number of unknowns.
-    ranks: number of MPI processes.
     solution: displacement, pressure, forces, and history of Newton's method.
-    ellipse: exact Hertz under the load of the solution, an ellipse or a line contact.
     fields: the solution as arrays; None off rank 0.
-    findings: patch, pressure and stresses; None off rank 0 and where nothing touches.
-    result: "result" of summary.json; None where `findings` is.
     mesh_fits_patch: whether the patch lies where the mesh is fine.
     seconds: time by stage "mesh", "assemble", "solve" and "postprocess".
+    findings: patch, pressure and stresses; None off rank 0 and where nothing touches.
+    result: "result" of summary.json; None where `findings` is.
     elastic_reference: the same scene without yield and friction; None where it has neither.
     residual_state: stresses and shapes that remain after yield (rank 0); None without yield.
     load_step_errors: relative error by quantity of the usual number of load steps, where
@@ -69,21 +66,29 @@ class MeshSolution:
     """
 
     plan: Plan
-    grading: Grading
     mesh: ContactMesh
     space: Any
     unknowns: int
-    ranks: int
     solution: Solution
-    ellipse: Hertz
     fields: Fields | None
-    findings: Findings | None
-    result: dict[str, Any] | None
     mesh_fits_patch: bool
     seconds: dict[str, float]
+    findings: Findings | None = None
+    result: dict[str, Any] | None = None
     elastic_reference: MeshSolution | None = None
     residual_state: ResidualState | None = None
     load_step_errors: Mapping[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def ellipse(self) -> Hertz:
+        """Exact Hertz under the load of the solution, an ellipse or a line contact."""
+        plan = self.plan
+        return closed_forms.hertz_contact(plan.scene, plan.contact, self.solution.load or None)
+
+    @property
+    def grading(self) -> Grading:
+        """Sizes of the elements around the patch."""
+        return self.plan.grading()
 
     @property
     def approach_error(self) -> float:
@@ -98,8 +103,7 @@ class MeshSolution:
         """
         if self.findings is None:
             return {}
-        plan = self.plan
-        return effects.check(plan.context, plan.effects, self.findings)
+        return effects.check(self.plan.context, self.plan.effects, self.findings)
 
     @property
     def resolution(self) -> float:
@@ -135,60 +139,27 @@ class MeshSolution:
         contact = self.fields.contact
         return float(np.max(gap.off_surface(contact.points[contact.pressure > 0]), initial=0.0))
 
-    def finer(self, n: float) -> tuple[Plan, Grading]:
-        """Plan and element sizes of a mesh around the same patch. n: elements per smaller semi-
-        axis.
-        """
-        plan = self.plan.at_resolution(n)
-        return plan, plan.grading()
 
-
-def mesh_and_solve(
-    plan: Plan, grading: Grading | None, progress: Progress, comm: MPI.Intracomm
-) -> MeshSolution:
+def mesh_and_solve(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> MeshSolution:
     """Mesh the bodies of a plan and solve; collective. Where the patch is not the expected one,
-    mesh and solve again around it, with at most MAX_MESHES meshes.
-
-    grading: element sizes; None: the plan's. Raises MeshError where gmsh cannot mesh the bodies.
+    mesh and solve again around it, with at most MAX_MESHES meshes. Raises MeshError where gmsh
+    cannot mesh the bodies.
     """
-    grading = grading or plan.grading()
     clock = _Clock()
-    frame = plan.contact.frame
     for attempt in range(1, MAX_MESHES + 1):
-        progress.stage(f"meshing ({grading.size:.3g} mm in the patch)")
-        mesh = build.generate(plan, grading, comm)
+        progress.stage(f"meshing ({plan.grading().size:.3g} mm in the patch)")
+        mesh = build.generate(plan, plan.grading(), comm)
         clock.lap("mesh")
-        from railhead.solver.fields import gather
-
         progress.stage("assembling")
         model = build.model(plan, mesh)
         clock.lap("assemble")
-        progress.stage(f"solving {model.unknowns} unknowns")
-        solution = solve(plan, model, frame, progress.newton)
-        clock.lap("solve")
-        fields, unknowns, space = gather(model, solution), model.unknowns, model.bulk.space
-        state = _residual_state(model, solution, fields, frame)
-        elastic = _elastic_reference(solution)
-        elastic_fields = None if elastic is solution else gather(model, elastic)
+        solved, better = _solve_unread(mesh, model, plan, progress, clock, comm)
         model.release()
-        better = comm.bcast(
-            None if fields is None else _remesh_for_found_patch(plan, grading, fields, frame)
-        )
-        if better is None or attempt == MAX_MESHES or not solution.newton.converged:
+        if better is None or attempt == MAX_MESHES or not solved.solution.newton.converged:
             break
-        plan, grading = better
+        plan = better
     progress.stage("reading the result")
-
-    def read(fields: Fields | None, solution: Solution) -> MeshSolution:
-        """The mesh solution of one solution and its fields."""
-        return _read(
-            plan, grading, mesh, (space, unknowns), solution, fields, better is None, clock
-        )
-
-    solved = read(fields, solution)
-    if elastic is not solution:
-        reference = read(elastic_fields, elastic)
-        solved = replace(solved, elastic_reference=reference, residual_state=state)
+    solved = _read(solved)
     clock.lap("postprocess")
     return solved
 
@@ -199,74 +170,78 @@ def solve_on_mesh(
     """Solve the load of a plan without yield and friction on a mesh that exists; collective. None
     where Newton's method does not converge or the patch is not where the mesh is fine."""
     clock = _Clock()
-    progress.stage(f"solving {model.unknowns} unknowns")
-    frame = plan.contact.frame
-    solution = solve(plan, model, frame, progress.newton)
-    clock.lap("solve")
-    from railhead.solver.fields import gather
-
-    fields, grading = gather(model, solution), plan.grading()
-    better = comm.bcast(
-        None if fields is None else _remesh_for_found_patch(plan, grading, fields, frame)
-    )
-    if better is not None or not solution.newton.converged:
+    solved, better = _solve_unread(mesh, model, plan, progress, clock, comm)
+    if better is not None or not solved.solution.newton.converged:
         return None
-    size = model.bulk.space, model.unknowns
-    solved = _read(plan, grading, mesh, size, solution, fields, True, clock)
+    solved = _read(solved)
     clock.lap("postprocess")
     return solved
 
 
-def _read(
-    plan: Plan,
-    grading: Grading,
+def _solve_unread(
     mesh: ContactMesh,
-    size: tuple[Any, int],
-    solution: Solution,
-    fields: Fields | None,
-    mesh_fits_patch: bool,
+    model: ContactModel,
+    plan: Plan,
+    progress: Progress,
     clock: _Clock,
-) -> MeshSolution:
-    """Read patch, stresses and friction from a solution. size: function space of the displacement,
-    and number of unknowns. fields: None off rank 0.
+    comm: MPI.Intracomm,
+) -> tuple[MeshSolution, Plan | None]:
+    """Solve a plan on a mesh (collective): the solution, of which findings and result are not read
+    yet, and the plan of a mesh that fits the patch; None where this mesh does.
     """
-    findings = result = None
-    if fields is not None and np.any(fields.contact.pressure > 0):
-        frame = plan.contact.frame
-        from railhead.postprocess import read
+    from railhead.solver.fields import gather
 
-        unlike = solution.friction is not None and friction.unlike(plan.scene)
-        parabolic = plan.contact.half_space and solution.plasticity is None and not unlike
-        findings = read.findings(fields, frame, solution.friction, parabolic=parabolic)
-        result = compare.from_findings(findings, solution.load, solution.approach)
-        if solution.friction is not None:
-            rolling = plan.scene.rolling
-            result["friction"] = traction.quantities(
-                solution.friction,
-                rolling=rolling.prescribed,
-                like=not friction.unlike(plan.scene),
-                speed=rolling.speed,
-                cycle=plan.scene.friction.cycle,
-                patches=np.array([each.centre for each in findings.patch.each] or [frame.origin]),
-            )
-            findings = replace(findings, dissipated=result["friction"].get("t_gamma_N", math.nan))
-    ellipse = closed_forms.hertz_contact(plan.scene, plan.contact, solution.load or None)
-    space, unknowns = size
-    return MeshSolution(
+    progress.stage(f"solving {model.unknowns} unknowns")
+    solution = solve(plan, model, progress.newton)
+    clock.lap("solve")
+    fields = gather(model, solution)
+    better = comm.bcast(None if fields is None else _remesh_for_found_patch(plan, fields))
+    solved = MeshSolution(
         plan=plan,
-        grading=grading,
         mesh=mesh,
-        space=space,
-        unknowns=unknowns,
-        ranks=mesh.mesh.comm.size,
+        space=model.bulk.space,
+        unknowns=model.unknowns,
         solution=solution,
-        ellipse=ellipse,
         fields=fields,
-        findings=findings,
-        result=result,
-        mesh_fits_patch=mesh_fits_patch,
+        mesh_fits_patch=better is None,
         seconds=clock.seconds,
     )
+    elastic = _elastic_reference(solution)
+    if elastic is not solution:
+        reference = replace(solved, solution=elastic, fields=gather(model, elastic))
+        state = _residual_state(model, solution, fields, plan.contact.frame)
+        solved = replace(solved, elastic_reference=reference, residual_state=state)
+    return solved, better
+
+
+def _read(solved: MeshSolution) -> MeshSolution:
+    """The solution and its elastic reference with findings and result (rank 0): patch, stresses and
+    friction.
+    """
+    plan, solution, fields = solved.plan, solved.solution, solved.fields
+    if solved.elastic_reference is not None:
+        solved = replace(solved, elastic_reference=_read(solved.elastic_reference))
+    if fields is None or not np.any(fields.contact.pressure > 0):
+        return solved
+    from railhead.postprocess import read
+
+    frame, unlike = plan.contact.frame, friction.unlike(plan.scene)
+    elastic = solution.plasticity is None and not (unlike and solution.friction is not None)
+    parabolic = plan.contact.half_space and elastic
+    findings = read.findings(fields, frame, solution.friction, parabolic=parabolic)
+    result = compare.from_findings(findings, solution.load, solution.approach)
+    if solution.friction is not None:
+        rolling = plan.scene.rolling
+        result["friction"] = traction.quantities(
+            solution.friction,
+            rolling=rolling.prescribed,
+            like=not unlike,
+            speed=rolling.speed,
+            cycle=plan.scene.friction.cycle,
+            patches=np.array([each.centre for each in findings.patch.each] or [frame.origin]),
+        )
+        findings = replace(findings, dissipated=result["friction"].get("t_gamma_N", math.nan))
+    return replace(solved, findings=findings, result=result)
 
 
 def _elastic_reference(solution: Solution) -> Solution:
@@ -295,7 +270,7 @@ def _residual_state(
 
 
 def solve(
-    plan: Plan, model: ContactModel, frame: Frame, progress: Callable[[int, float], None]
+    plan: Plan, model: ContactModel, progress: Callable[[int, float], None] = lambda *_: None
 ) -> Solution:
     """Solve for the scene's load or approach, starting from the contact points of the forecast
     patch; collective.
@@ -339,16 +314,15 @@ def solve(
     return solution
 
 
-def _remesh_for_found_patch(
-    plan: Plan, grading: Grading, fields: Fields, frame: Frame
-) -> tuple[Plan, Grading] | None:
-    """Plan and element sizes around the solved patch (rank 0); None where half lengths and centre
-    are the expected ones within REMESH_RATIO, or nothing touches.
+def _remesh_for_found_patch(plan: Plan, fields: Fields) -> Plan | None:
+    """Plan of a mesh around the solved patch (rank 0); None where half lengths and centre are the
+    expected ones within REMESH_RATIO, or nothing touches.
     """
     if not np.any(fields.contact.pressure > 0):
         return None
     from railhead.postprocess import read
 
+    frame = plan.contact.frame
     found = read.moments(fields, frame)
     x, s, a, b = plan.forecast.moments
     fits = all(1 / REMESH_RATIO < ratio < REMESH_RATIO for ratio in (found.a / a, found.b / b))
@@ -357,9 +331,8 @@ def _remesh_for_found_patch(
         return None
     expected = forecast_from_solution(fields, found, frame)
     if plan.scene.mesh.patch_size is None:
-        plan = replace(plan, patch_size=expected.minor / grading.resolution)
-    plan = replace(plan, forecast=expected)
-    return plan, plan.grading()
+        plan = replace(plan, patch_size=expected.minor / plan.grading().resolution)
+    return replace(plan, forecast=expected)
 
 
 def forecast_from_solution(fields: Fields, found: PressureMoments, frame: Frame) -> Forecast:

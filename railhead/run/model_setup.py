@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,19 +45,26 @@ def setup(plan: Plan) -> Setup:
     if on["mean_dilatation"].on:
         kinematics = replace(kinematics, mean_dilatation=True)
     far = on["far_field"].on  # that of a load, so the load is what is given
+    made = materials(plan)
+    path = LoadPath(
+        steps=plan.load_steps,
+        cycles=scene.cycles,
+        unload=scene.unload,
+        near=partial(near_patches, plan.forecast.zones),
+    )
     return Setup(
-        fixed=_side(plan, RAIL),
-        moving=_side(plan, WHEEL),
+        fixed=_body(RAIL, made[RAIL]),
+        moving=_body(WHEEL, made[WHEEL]),
         slave=plan.slave,
         gap=plan.surfaces.gap(plan.slave),
         degree=plan.order,
         law=ContactLaw(scene.solver.method, theta, scene.solver.gamma_factor),
         planes=plan.planes,
-        far_field=HertzFarField(scene, contact, materials(plan)) if far else None,
+        far_field=partial(hertz_far_field, scene, contact, made) if far else None,
         load_control=scene.load is not None or far,
         linear=scene.solver.linear,
         kinematics=kinematics,
-        load_path=_load_path(plan) if on["plasticity"].on else None,
+        load_path=path if on["plasticity"].on else None,
         friction=_friction(plan) if rubs else None,
     )
 
@@ -74,24 +83,9 @@ def materials(plan: Plan) -> dict[int, Material]:
     return made
 
 
-def _side(plan: Plan, tag: int) -> ContactBody:
-    """Tags of contact and support surfaces and material of one body (tag RAIL or WHEEL)."""
-    return ContactBody(
-        tag=tag,
-        contact=CONTACT + tag,
-        support=SUPPORT + tag,
-        material=materials(plan)[tag],
-    )
-
-
-def _load_path(plan: Plan) -> LoadPath:
-    """Load steps, cycles, unloading and the region of yield of a plan."""
-    return LoadPath(
-        steps=plan.load_steps,
-        cycles=plan.scene.cycles,
-        unload=plan.scene.unload,
-        near=NearPatches(plan.forecast.zones),
-    )
+def _body(tag: int, material: Material) -> ContactBody:
+    """A body (tag RAIL or WHEEL) with its material and the tags of its contact and support."""
+    return ContactBody(tag=tag, contact=CONTACT + tag, support=SUPPORT + tag, material=material)
 
 
 def _friction(plan: Plan) -> FrictionSettings:
@@ -119,7 +113,7 @@ def _friction(plan: Plan) -> FrictionSettings:
         creepage=(known[0], known[1], known[2]),
         force_controlled=tuple(free),
         load_steps=friction_steps(scene, line=contact.line, yields=plan.effects["plasticity"].on),
-        far_field=CerrutiFarField(materials(plan)) if tangential else None,
+        far_field=partial(cerruti_far_field, materials(plan)) if tangential else None,
     )
 
 
@@ -147,71 +141,50 @@ def friction_steps(scene: Scene, *, line: bool, yields: bool) -> tuple[tuple[flo
     return (*grown, *((1.0, share) for share in shares))
 
 
-@dataclass(frozen=True)
-class NearPatches:
-    """Region in which yield is followed: ellipsoids around the patches, with half axes of
-    YIELD_REACH times the patch's half lengths and, in depth, YIELD_REACH times the smaller one.
-
-    zones: centres, half lengths and tilts of the patches.
+def near_patches(zones: Sequence[Zone], points: Array) -> NDArray[np.bool_]:
+    """Mask (n,) of the points (n, 3), mm, near which yield is followed: in ellipsoids around the
+    patches (zones), with half axes of YIELD_REACH times the patch's half lengths and, in depth,
+    YIELD_REACH times the smaller one.
     """
-
-    zones: tuple[Zone, ...]
-
-    def __call__(self, points: Array) -> NDArray[np.bool_]:
-        """Mask (n,) of the points (n, 3), mm, that lie in the region."""
-        near = np.zeros(len(points), dtype=bool)
-        for zone in self.zones:
-            x, y, z = (points - np.array(zone.centre)).T
-            c, s = np.cos(zone.angle), np.sin(zone.angle)
-            across, height = c * y + s * z, c * z - s * y
-            deep = min(zone.a, zone.b)
-            distance = (x / zone.a) ** 2 + (across / zone.b) ** 2 + (height / deep) ** 2
-            near |= distance < YIELD_REACH**2
-        return near
+    near = np.zeros(len(points), dtype=bool)
+    for zone in zones:
+        x, y, z = (points - np.array(zone.centre)).T
+        c, s = np.cos(zone.angle), np.sin(zone.angle)
+        across, height = c * y + s * z, c * z - s * y
+        deep = min(zone.a, zone.b)
+        distance = (x / zone.a) ** 2 + (across / zone.b) ** 2 + (height / deep) ** 2
+        near |= distance < YIELD_REACH**2
+    return near
 
 
-@dataclass(frozen=True)
-class HertzFarField:
-    """Displacement of both half-spaces under the Hertz pressure of a load.
-
-    scene: the scene, for its materials and radii.
-    contact: the contact geometry.
-    materials: elastic constants by body tag (RAIL, WHEEL).
+def hertz_far_field(
+    scene: Scene,
+    contact: Contact,
+    materials: dict[int, Material],
+    load: float,
+    body: int,
+    points: Array,
+) -> Array:
+    """Displacement (n, 3), mm, of a half-space (RAIL or WHEEL) at points (n, 3), mm, under Hertz's
+    pressure of a load (N). scene, contact: for the moduli and curvatures of both bodies. materials:
+    elastic constants by body tag.
     """
-
-    scene: Scene
-    contact: Contact
-    materials: dict[int, Material]
-
-    def __call__(self, load: float, body: int, points: Array) -> Array:
-        """Displacement (n, 3), mm, of a body (RAIL or WHEEL) at points (n, 3), mm, under a load in
-        N.
-        """
-        hertz = closed_forms.hertz_contact(self.scene, self.contact, load)
-        part, (lower, mirror) = self.materials[body], _mirrored(body, points)
-        return contacts.displacement(hertz, lower, part.young_modulus, part.poisson_ratio) * mirror
+    hertz = closed_forms.hertz_contact(scene, contact, load)
+    part, (lower, mirror) = materials[body], _mirrored(body, points)
+    return contacts.displacement(hertz, lower, part.young_modulus, part.poisson_ratio) * mirror
 
 
-@dataclass(frozen=True)
-class CerrutiFarField:
-    """Displacement of both half-spaces under a tangential point force of 1 N of the wheel on the
-    rail, which stands for the tractions.
-
-    materials: elastic constants by body tag (RAIL, WHEEL).
+def cerruti_far_field(materials: dict[int, Material], way: int, body: int, points: Array) -> Array:
+    """Displacement (n, 3), mm, of a half-space (RAIL or WHEEL) at points (n, 3), mm, under a
+    tangential point force of 1 N of the wheel on the rail along (way 0) or across (way 1), which
+    stands for the tractions. materials: elastic constants by body tag.
     """
-
-    materials: dict[int, Material]
-
-    def __call__(self, way: int, body: int, points: Array) -> Array:
-        """Displacement (n, 3), mm, of a body (RAIL or WHEEL) at points (n, 3), mm, for the force
-        along (way 0) or across (way 1).
-        """
-        part, (lower, mirror) = self.materials[body], _mirrored(body, points)
-        force = mirror[2]  # the rail's on the wheel is the opposite one
-        moved = halfspace.cerruti_displacement(
-            lower, force, part.young_modulus, part.poisson_ratio, across=way == 1
-        )
-        return moved * mirror
+    part, (lower, mirror) = materials[body], _mirrored(body, points)
+    force = mirror[2]  # the rail's on the wheel is the opposite one
+    moved = halfspace.cerruti_displacement(
+        lower, force, part.young_modulus, part.poisson_ratio, across=way == 1
+    )
+    return moved * mirror
 
 
 def _mirrored(body: int, points: Array) -> tuple[Array, Array]:

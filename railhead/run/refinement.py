@@ -48,7 +48,7 @@ def refine(
     """
     budget.check_memory(plan, comm.bcast(machine.free_memory()))
     if plan.scene.one_mesh:
-        return [mesh_and_solve(plan, plan.grading(), progress, comm)], Ending(ONE_MESH)
+        return [mesh_and_solve(plan, progress, comm)], Ending(ONE_MESH)
     return _refine(plan, progress, comm)
 
 
@@ -88,13 +88,13 @@ def _refine(
     least = 2
     if known is not None and scene.budget is None and not known.covers(coarse):
         least, coarse = 1, known.finest(ALONE * _asked(plan))
-    levels = [mesh_and_solve(plan.at_resolution(coarse), None, progress, comm)]
+    levels = [mesh_and_solve(plan.at_resolution(coarse), progress, comm)]
     if levels[0].solution.plasticity is not None:
         levels[0] = _stepped(levels[0], progress, comm)
     spent = sum(levels[0].seconds.values())
     while True:
         done = levels[-1]
-        worst = comm.bcast(_worst(levels))
+        worst = comm.bcast(estimates.largest_error(estimates.estimate(levels)[0], done))
         if not done.solution.newton.converged:
             return levels, Ending("Newton's method did not converge")
         if len(levels) >= least and scene.accuracy is not None and worst <= scene.accuracy:
@@ -104,9 +104,11 @@ def _refine(
                 f"the measured profile leaves {plan.profile_error:.1%} open on any mesh"
             )
         if len(levels) > 1 and scene.accuracy is None and math.isfinite(worst):
-            return levels, Ending(_spent(scene.budget or 0.0, spent))
+            limit = scene.budget or 0.0
+            over = f"the least that gives an estimate took {spent:.1f} s, over the budget"
+            return levels, Ending("budget spent" if spent <= limit else over)
         n, covered = comm.bcast(_next(levels, worst, wanted))
-        finer, grading = done.finer(n)
+        finer = done.plan.at_resolution(n)
         cost = finer.unknowns, finer.solving
         # The second mesh was priced beforehand.
         stop = comm.bcast(_obstacle(finer, spent if len(levels) > 1 else 0.0))
@@ -114,9 +116,8 @@ def _refine(
             stop = stop or "the error laws end at coarser meshes"
         if stop or len(levels) == MAX_LEVELS:
             return levels, Ending(stop or "too many meshes", cost)
-        solved = mesh_and_solve(finer, grading, progress, comm)
-        levels.append(solved)
-        spent += sum(solved.seconds.values())
+        levels.append(mesh_and_solve(finer, progress, comm))
+        spent += sum(levels[-1].seconds.values())
 
 
 def _stepped(solved: MeshSolution, progress: Progress, comm: MPI.Intracomm) -> MeshSolution:
@@ -125,7 +126,7 @@ def _stepped(solved: MeshSolution, progress: Progress, comm: MPI.Intracomm) -> M
     """
     plan = solved.plan
     twice = replace(plan, load_steps=2 * plan.load_steps)
-    other = mesh_and_solve(twice, solved.grading, progress, comm)
+    other = mesh_and_solve(twice, progress, comm)
     error: dict[str, float] = {}
     if solved.result is not None and other.result is not None:
         found = quantities.numeric_values(solved.result)
@@ -141,21 +142,9 @@ def _stepped(solved: MeshSolution, progress: Progress, comm: MPI.Intracomm) -> M
     return replace(solved, plan=replace(plan, load_steps=steps), load_step_errors=error)
 
 
-def _spent(budget: float, seconds: float) -> str:
-    """Reason of the end of a run with a budget (s): spent, or exceeded by two meshes."""
-    if seconds <= budget:
-        return "budget spent"
-    return f"the least that gives an estimate took {seconds:.1f} s, over the budget"
-
-
 def _asked(plan: Plan) -> float:
     """Wanted accuracy minus the error of effects that the plan leaves out."""
     return (plan.scene.accuracy or 0.0) - plan.omission_error
-
-
-def _worst(levels: list[MeshSolution]) -> float:
-    """Largest error estimate of the last mesh that is compared with the accuracy."""
-    return estimates.largest_error(estimates.estimate(levels)[0], levels[-1])
 
 
 def _next(levels: list[MeshSolution], worst: float, wanted: float) -> tuple[float, bool]:

@@ -7,7 +7,7 @@ as well. A key that may be None leaves the choice to the plan.
 import os
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_validator
 
@@ -130,35 +130,19 @@ def is_profile_file(profile: str) -> bool:
     return os.path.isabs(profile)
 
 
-def _curve() -> BeforeValidator:
-    """A pydantic validator of the path of a .csv file with a stress-strain curve.
-
-    The validator returns the absolute path. It raises ValueError (one line) for a file that cannot
-    be read or that holds no valid curve (`curves.read`).
+def _curve(value: object) -> str:
+    """The absolute path of a .csv file with a stress-strain curve. Raises ValueError (one line) for
+    a file that cannot be read or that holds no valid curve (`curves.read`).
     """
-
-    def validate(value: object) -> str:
-        """The absolute path of a valid stress-strain file. Raises ValueError."""
-        path = os.path.abspath(str(value))
-        if not path.lower().endswith(".csv") or not _readable(path):
-            raise ValueError(f"{show(value)} is not a readable .csv file; give one that exists")
-        curves.read(path)
-        return path
-
-    return BeforeValidator(validate)
-
-
-def _check_arc(profile: str, key: str, radius: float | None) -> None:
-    """Raise SceneError where the profile is "arc" and `radius` is None, or where a radius (mm) is
-    given for another profile. key: name of the radius in the message.
-    """
-    if profile == "arc" and radius is None:
-        raise SceneError(key, 'not given; profile arc needs it, e.g. 80 or "80 mm"')
-    if profile != "arc" and radius is not None:
-        raise SceneError(key, f"{radius:g} is not allowed; only profile arc takes it")
+    path = os.path.abspath(str(value))
+    if not path.lower().endswith(".csv") or not _readable(path):
+        raise ValueError(f"{show(value)} is not a readable .csv file; give one that exists")
+    curves.read(path)
+    return path
 
 
 Switch = Literal["auto", "on", "off"]
+_FILE_KEYS = ("profile_unit", "profile_mirror", "profile_flip", "profile_origin", "smoothing")
 
 
 class BodySection(Section):
@@ -186,13 +170,14 @@ class BodySection(Section):
     smoothing: mm, wavelength of which the smoothing keeps half of the height; "auto" chooses.
     """
 
+    _ARC_KEYS: ClassVar[tuple[str, ...]]  # only beside profile arc
     young_modulus: units.Modulus = 207000.0
     poisson_ratio: units.PoissonRatio = 0.3
-    steel: Annotated[str, steels.name_validator()] | None = None
+    steel: Annotated[str, BeforeValidator(steels.checked_name)] | None = None
     yield_stress: units.Stress | None = None
     hardening_modulus: units.Hardening | None = None
     kinematic_fraction: units.Share | None = None
-    stress_strain: Annotated[str, _curve()] | None = None
+    stress_strain: Annotated[str, BeforeValidator(_curve)] | None = None
     profile_unit: Literal["auto", "mm", "m", "inch"] = "auto"
     profile_mirror: Switch = "auto"
     profile_flip: Switch = "auto"
@@ -215,16 +200,24 @@ class BodySection(Section):
             )
         return self
 
-    def _check_file(self, profile: str) -> None:
-        """Raise SceneError where a key that says how a file is read is set and `profile` is no
-        file.
+    @model_validator(mode="after")
+    def _keys_of_the_profile(self) -> Self:
+        """Raise SceneError for an arc without radius, for a key of an arc beside another profile,
+        and for a key that says how a file is read where the profile is no file.
         """
-        for key in ("profile_unit", "profile_mirror", "profile_flip", "profile_origin",
-                    "smoothing"):  # fmt: skip
+        profile: str = getattr(self, "profile", "")
+        for key in self._ARC_KEYS:
+            value = getattr(self, key)
+            if profile == "arc" and value is None and key.endswith("radius"):
+                raise SceneError(key, 'not given; profile arc needs it, e.g. 80 or "80 mm"')
+            if profile != "arc" and value is not None:
+                raise SceneError(key, f"{value:g} is not allowed; only profile arc takes it")
+        for key in _FILE_KEYS:
             value = getattr(self, key)
             if value != "auto" and not is_profile_file(profile):
                 text = f"{value} is not allowed; only a profile from a file takes it; give auto"
                 raise SceneError(key, text)
+        return self
 
     @property
     def yields(self) -> bool:
@@ -272,17 +265,7 @@ class Rail(BodySection):
     depth: units.BodyLength | None = None
     width: units.BodyLength | None = None
 
-    @model_validator(mode="after")
-    def _radius_of_an_arc(self) -> Self:
-        """Raise SceneError for an arc without crown_radius, and for crown_radius, depth or width of
-        another profile; also for keys of a file where the profile is none.
-        """
-        _check_arc(self.profile, "crown_radius", self.crown_radius)
-        self._check_file(self.profile)
-        for key, value in (("depth", self.depth), ("width", self.width)):
-            if value is not None and self.profile != "arc":
-                raise SceneError(key, f"{value:g} is not allowed; only profile arc takes it")
-        return self
+    _ARC_KEYS: ClassVar = ("crown_radius", "depth", "width")
 
 
 class Wheel(BodySection):
@@ -310,14 +293,7 @@ class Wheel(BodySection):
     rim_depth: units.BodyLength | None = None
     segment_length: units.BodyLength | None = None
 
-    @model_validator(mode="after")
-    def _radius_of_an_arc(self) -> Self:
-        """Raise SceneError for an arc without transverse_radius and for transverse_radius of
-        another profile; also for keys of a file where the profile is none.
-        """
-        _check_arc(self.profile, "transverse_radius", self.transverse_radius)
-        self._check_file(self.profile)
-        return self
+    _ARC_KEYS: ClassVar = ("transverse_radius",)
 
 
 class Wheelset(Section):

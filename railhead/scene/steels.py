@@ -12,8 +12,6 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from pydantic import BeforeValidator
-
 from railhead.scene.units import show
 
 WITHOUT_DATA = ("R200", "R220", "R320Cr", "R350HT", "ER6", "ER9")  # of the standards, no yield here
@@ -46,18 +44,13 @@ def is_steel(modulus: float) -> bool:
     return STEEL_MODULI[0] <= modulus <= STEEL_MODULI[1]
 
 
-def name_validator() -> BeforeValidator:
-    """A pydantic validator that accepts the name of a steel in data/steels.json and raises
-    ValueError (one line) for anything else.
+def checked_name(value: object) -> str:
+    """The argument, if it is the name of a steel in data/steels.json. Raises ValueError (one line)
+    for anything else.
     """
-
-    def validate(value: object) -> str:
-        """The name of a steel with data. Raises ValueError for anything else."""
-        if isinstance(value, str) and value in by_name():
-            return value
-        allowed = f"give {', '.join(by_name())}"
-        if value in WITHOUT_DATA:
-            raise ValueError(f"no yield of {value} is known here; {allowed} or yield_stress")
-        raise ValueError(f"{show(value)} is not allowed; {allowed}")
-
-    return BeforeValidator(validate)
+    if isinstance(value, str) and value in by_name():
+        return value
+    allowed = f"give {', '.join(by_name())}"
+    if value in WITHOUT_DATA:
+        raise ValueError(f"no yield of {value} is known here; {allowed} or yield_stress")
+    raise ValueError(f"{show(value)} is not allowed; {allowed}")

@@ -27,26 +27,16 @@ _POWER = r"[A-Za-z\u00b5\u03bc]+(?:(?:\*\*|\^)-?[1-9]|[²³])?"  # either micro 
 _UNIT = re.compile(rf"(?:1\s*/\s*)?{_POWER}(?:\s*[*/]\s*{_POWER})*")  # 1/m as well
 
 
-class _ShortRepr(reprlib.Repr):
-    """`repr` of objects, of strings and other objects at most 100 characters."""
-
-    def __init__(self) -> None:
-        """Set the largest lengths of strings and of other objects to 100 characters."""
-        super().__init__()
-        self.maxstring = self.maxother = 100
-
-    def repr_int(self, x: int, level: int) -> str:
-        """`repr` of an integer; Python refuses to print one of more than 4300 digits."""
-        try:
-            str(x)
-        except ValueError:
-            return "a huge int"
-        return super().repr_int(x, level)
+_REPR = reprlib.Repr()
+_REPR.maxstring = _REPR.maxother = 100  # characters
 
 
 def show(value: object) -> str:
     """A short `repr` of any value, on one line."""
-    return " ".join(_ShortRepr().repr(value).split())
+    try:
+        return " ".join(_REPR.repr(value).split())
+    except ValueError:  # Python refuses to print an integer of more than 4300 digits
+        return "a huge int"
 
 
 @lru_cache(maxsize=1)

@@ -121,10 +121,10 @@ def cubic_meshes(
     plan = replace(planning.make(scene), order=3)
     silent, comm = Progress(quiet=True), MPI.COMM_WORLD
     progress.stage(f"{scene.name}: {CUBIC[1]}, warm-up")
-    mesh_and_solve(plan.at_resolution(CUBIC_SIZES[0]), None, silent, comm)
+    mesh_and_solve(plan.at_resolution(CUBIC_SIZES[0]), silent, comm)
     for n in CUBIC_SIZES[:sizes]:
         progress.stage(f"{scene.name}: nitsche, {CUBIC[1]}, b/{n:g}")
-        solved = mesh_and_solve(plan.at_resolution(n), None, silent, comm)
+        solved = mesh_and_solve(plan.at_resolution(n), silent, comm)
         newton = solved.solution.newton
         yield _run(scene, *CUBIC, None, n, solved.grading.size, solved.unknowns) | {
             "seconds": sum(solved.seconds.values()),

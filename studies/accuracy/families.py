@@ -346,7 +346,7 @@ def solved(scene: Scene, n: float | None = None) -> MeshSolution | None:
     plan = planning.make(scene)
     try:
         return mesh_and_solve(
-            plan if n is None else plan.at_resolution(n), None, Progress(quiet=True), MPI.COMM_WORLD
+            plan if n is None else plan.at_resolution(n), Progress(quiet=True), MPI.COMM_WORLD
         )
     except MeshError:
         return None

@@ -60,7 +60,7 @@ def solved(profile: str, inclination: str) -> MeshSolution:
             "effects.plasticity=off",
         ]
     )
-    return mesh_and_solve(planning.make(scene), None, Progress(quiet=True), MPI.COMM_WORLD)
+    return mesh_and_solve(planning.make(scene), Progress(quiet=True), MPI.COMM_WORLD)
 
 
 def turn(mesh_solution: MeshSolution) -> tuple[float, float]:

@@ -18,7 +18,6 @@ from railhead.meshing.bodies import Body, Options
 from railhead.meshing.sizing import Grading
 from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, WHEEL
 from railhead.planning import plan as planning
-from railhead.postprocess.findings import Frame
 from railhead.run import build, mesh_solution
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
@@ -73,9 +72,7 @@ def forms_compiled() -> Iterator[list[Any]]:
 def _planned(scene: Scene) -> tuple[int, float]:
     plan = planning.make(scene)
     model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
-    solution = mesh_solution.solve(
-        plan, model, Frame(plan.contact.origin, 0.0), lambda step, residual: None
-    )
+    solution = mesh_solution.solve(plan, model)
     return model.unknowns, float(solution.pressure.max())
 
 

@@ -37,7 +37,7 @@ def measure(patch_size: float) -> dict[str, Any]:
     built = time.perf_counter() - start
 
     start = time.perf_counter()
-    solution = mesh_solution.solve(plan, model, frame, lambda step, residual: None)
+    solution = mesh_solution.solve(plan, model)
     contact = time.perf_counter() - start
     start = time.perf_counter()
     fields = gather(model, solution)

@@ -164,11 +164,7 @@ def half_space(scene: Scene, solution: MeshSolution) -> Summary:
     found = boundary_elements.solve(contact, plan.estimate, scene.load, 2 * CELLS)
     points, plane = boundary_elements.develop(contact).points, contact.touch.angle
     other = compare.from_half_space(found, points, plane)
-    allowed = {
-        name: vars(each) | {"total": each.total}
-        for name, each in allowance(plan, found, motion(solution)).items()
-    }
-    return {**other, "allowance": allowed}
+    return {**other, "allowance": allowance(plan, found, motion(solution))}
 
 
 @refusable
@@ -211,7 +207,7 @@ def outgrown(scene: Scene, meshed: str, fine: float = 0.0) -> Measured:
     elements per semi-axis."""
     wrong = planning.make(resolved(scene.replace([meshed]), 4.0))
     plan = replace(planning.make(scene), forecast=wrong.forecast, patch_size=wrong.patch_size)
-    solution = mesh_and_solve(plan, None, Progress(quiet=True), MPI.COMM_WORLD)
+    solution = mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_WORLD)
     result = pipeline.Result(solution, summarise([solution], Ending("one mesh")))
     if fine:
         return against_fine_mesh(result, pipeline.run(resolved(scene, fine)).summary, 0.02)
@@ -258,7 +254,7 @@ def finer_plastic(scene: Scene, multiple: float = 0.0) -> Measured:
         plan = planning.make(scene)
         plan = plan.at_resolution(FINE * plan.sizing.resolution)
         plan = replace(plan, load_steps=2 * plan.load_steps)
-        solved = mesh_and_solve(plan, None, Progress(quiet=True), MPI.COMM_WORLD)
+        solved = mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_WORLD)
         return plastic(summarise([solved], Ending("one mesh")))
 
     return plastic_measured(scene, finer, PLASTIC)

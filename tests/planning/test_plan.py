@@ -245,7 +245,7 @@ def test_one_radius_is_exact_where_the_patch_lies_on_one_arc_and_wrong_across_a_
         head = ["mesh.patch_size=3", "effects.rail_section=off", "effects.plasticity=off"]
         scene = catalogue.find("uic54_22t5_axle").replace([*head, *assignments])
         plan = planning.make(scene)
-        done = mesh_solution.mesh_and_solve(plan, None, Progress(quiet=True), MPI.COMM_WORLD)
+        done = mesh_solution.mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_WORLD)
         return float(done.result["pressure"]["max_MPa"])
 
     whole = largest("effects.true_profile=on")

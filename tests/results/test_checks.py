@@ -21,7 +21,7 @@ from railhead.solver.solution import PlasticSolution
 @pytest.fixture(scope="module")
 def mesh_solution() -> MeshSolution:
     plan = planning.make(catalogue.find("sphere_on_plane"))
-    return mesh_and_solve(plan, None, Progress(quiet=True), MPI.COMM_SELF)
+    return mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_SELF)
 
 
 UNKNOWN = {"reason": "nobody knows"}
@@ -140,7 +140,7 @@ def test_implausible_stresses_fail(mesh_solution, quantity, factor, names) -> No
 def test_pressure_area_and_load_that_disagree_fail(case, table, quantity, factor, names) -> None:
     """Real bodies in a section, which have no second opinion, too."""
     solved = mesh_and_solve(
-        planning.make(catalogue.find(case)), None, Progress(quiet=True), MPI.COMM_SELF
+        planning.make(catalogue.find(case)), Progress(quiet=True), MPI.COMM_SELF
     )
     assert failed(solved) == []
     assert set(failed(changed(solved, table, quantity, factor))) == names
@@ -153,7 +153,7 @@ def test_smooth_stresses_that_are_not_the_elements_fail(monkeypatch) -> None:
         Recovery, "_fit", lambda self, points: (1.1 * fit(self, points)[0], fit(self, points)[1])
     )
     solved = mesh_and_solve(
-        planning.make(catalogue.find("roller_on_block")), None, Progress(quiet=True), MPI.COMM_SELF
+        planning.make(catalogue.find("roller_on_block")), Progress(quiet=True), MPI.COMM_SELF
     )
     assert failed(solved) == ["stress_misfit"]
 
@@ -270,5 +270,5 @@ def test_loads_beyond_small_strain_or_any_steel_are_not_signed(modulus, load, na
     4.4 GPa in a body that is no steel, and no harder."""
     scene = catalogue.find("sphere_on_plane").replace(load=load, wheel={"young_modulus": modulus})
     plan = planning.make(scene)
-    found = mesh_and_solve(plan, None, Progress(quiet=True), MPI.COMM_SELF)
+    found = mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_SELF)
     assert {"small_strain", "pressure_of_steel"} & set(failed(found)) == names

@@ -81,7 +81,7 @@ def _endless(y):
 
 def one(*changes: str) -> mesh_solution.MeshSolution:
     decided = plan.make(catalogue.find("hertz_ellipse").replace([*COARSE, *changes]))
-    return mesh_solution.mesh_and_solve(decided, None, Progress(quiet=True), MPI.COMM_WORLD)
+    return mesh_solution.mesh_and_solve(decided, Progress(quiet=True), MPI.COMM_WORLD)
 
 
 def test_a_patch_that_no_mesh_fits_is_not_settled(monkeypatch) -> None:
@@ -106,7 +106,7 @@ def test_an_approach_between_half_spaces_takes_four_loads(case, more, monkeypatc
     monkeypatch.setattr(mesh_solution, "MAX_APPROACH_SOLVES", 4)
     asked = ["approach=0.02", "rail.extent=half-space", *more]
     decided = plan.make(catalogue.find(case).replace(asked))
-    found = mesh_solution.mesh_and_solve(decided, None, Progress(quiet=True), MPI.COMM_WORLD)
+    found = mesh_solution.mesh_and_solve(decided, Progress(quiet=True), MPI.COMM_WORLD)
     assert found.approach_error < mesh_solution.APPROACH_TOLERANCE
 
 

@@ -79,7 +79,7 @@ def test_loads_that_want_unlike_meshes_share_none(case: str, key: str, given: li
 @pytest.mark.parametrize(
     ("module", "name", "found"),
     [(refinement, "unplanned_yield", lambda level, comm: "it yields"),
-     (mesh_solution, "_remesh_for_found_patch", lambda plan, grading, fields, frame: grading),
+     (mesh_solution, "_remesh_for_found_patch", lambda plan, fields: plan),
      (budget, "fits", lambda plan, free: False)],
     ids=["it yields", "another patch than the forecast one", "no memory"],
 )  # fmt: skip

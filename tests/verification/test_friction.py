@@ -14,7 +14,6 @@ from solved import solved
 
 import railhead as rh
 from railhead.planning import plan as planning
-from railhead.postprocess.findings import Frame
 from railhead.postprocess.friction.traction import quantities
 from railhead.run import build, mesh_solution, model_setup
 from railhead.scene.scene import SceneError
@@ -140,9 +139,7 @@ def test_unloaded_half_spaces_are_pulled_by_nothing() -> None:
     scene = rh.find("hertz_ellipse").replace([*keys, "friction.force_along=8kN"])
     plan = rh.plan(scene.replace(rail=STEEL), quiet=True).plan
     model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_SELF))
-    found = mesh_solution.solve(
-        plan, model, Frame(plan.contact.origin, 0.0), lambda step, residual: None
-    )
+    found = mesh_solution.solve(plan, model)
     left = found.plasticity.residual_state
     assert left is not None and left.newton.converged
     held = model.supports(model.bulk.space).fixed

@@ -25,7 +25,7 @@ CYLINDERS = "wheel.transverse_radius=-14", "rail.length=10", "load=20kN", "wheel
 def solved(case: str, *keys: str) -> MeshSolution:
     """At default settings."""
     plan = planning.make(catalogue.find(case).replace(list(keys)))
-    return mesh_and_solve(plan, None, Progress(quiet=True), MPI.COMM_SELF)
+    return mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_SELF)
 
 
 def holds(mesh_solution: MeshSolution, truth: dict[str, float], within: float) -> None:

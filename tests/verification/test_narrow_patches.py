@@ -85,7 +85,7 @@ def test_unknowns_of_stretched_meshes_are_foreseen(radius: float, cell: str) -> 
 
 def test_a_mesh_around_a_found_needle_is_as_narrow_as_the_needle() -> None:
     plan = planned("hertz_ellipse", "rail.crown_radius=1.5").at_resolution(3.0)
-    solved = mesh_and_solve(plan, None, Progress(quiet=True), MPI.COMM_WORLD)
+    solved = mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_WORLD)
     frame = Frame(plan.contact.origin, plan.contact.touch.angle)
     expected = forecast_from_solution(solved.fields, read.moments(solved.fields, frame), frame)
     assert expected.minor == pytest.approx(plan.forecast.minor, rel=0.1)

@@ -18,7 +18,6 @@ from railhead.meshing.tags import RAIL
 from railhead.planning import plan as planning
 from railhead.planning.context import Effect
 from railhead.planning.effects import EFFECTS
-from railhead.postprocess.findings import Frame
 from railhead.run import build, mesh_solution, quantities
 from railhead.solver.algebra import linear
 from railhead.solver.algebra.contact_system import LoadCase
@@ -249,7 +248,7 @@ def test_an_accuracy_covers_mesh_and_load_steps() -> None:
     assert accuracy["reached"] and found.passed
     assert 0.005 < accuracy["parts"]["max_MPa"]["load_steps"] < 0.03
     plan = replace(planning.make(scene).at_resolution(18.0), load_steps=64)
-    fine = mesh_and_solve(plan, None, Progress(quiet=True), MPI.COMM_WORLD).result
+    fine = mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_WORLD).result
     for name, value in quantities.numeric_values(found.as_dict()["result"]).items():
         if name != "tau_max_depth_mm":
             error = abs(value / quantities.numeric_values(fine)[name] - 1)
@@ -287,8 +286,7 @@ def solid() -> tuple[planning.Plan, ContactModel, Solution]:
     from mpi4py import MPI
 
     model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
-    frame = Frame(plan.contact.origin, plan.contact.touch.angle)
-    solution = mesh_solution.solve(plan, model, frame, lambda step, residual: None)
+    solution = mesh_solution.solve(plan, model)
     assert model.plastic_problem is not None and solution.plasticity
     return plan, model, solution
 

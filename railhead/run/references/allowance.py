@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.contact import bodies
-from railhead.meshing.tags import RAIL
+from railhead.meshing.tags import BODY_NAMES, RAIL
 from railhead.planning.plan import Plan
 from railhead.planning.references import boundary_elements, closed_forms, rail_twist
 from railhead.planning.references.boundary_elements import Developed
@@ -28,27 +28,6 @@ from railhead.theory.bem.patch import PatchSolution
 from railhead.theory.elastic import finite_bodies
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Allowance:
-    """Relative difference allowed between finite elements and half-spaces, of one quantity.
-
-    size: from held and free faces of the bodies.
-    conformity: from the range of normals in the patch.
-    share: from the distribution of the load over several patches.
-    twist: from the rotation and lateral movement of the bodies.
-    """
-
-    size: float
-    conformity: float
-    share: float
-    twist: float
-
-    @property
-    def total(self) -> float:
-        """Sum of all parts."""
-        return self.size + self.conformity + self.share + self.twist
 
 
 @dataclass(frozen=True)
@@ -85,43 +64,51 @@ class _Body:
         return np.asarray(self.weight * (edges + below))
 
 
-def allowance(plan: Plan, solution: Solution, motion: tuple[float, float]) -> dict[str, Allowance]:
-    """Allowed relative differences by "max_MPa" and "area_mm2", for a plan of a solid contact and
-    its half-space solution.
+def allowance(
+    plan: Plan, solution: Solution, motion: tuple[float, float]
+) -> dict[str, dict[str, float]]:
+    """Allowed relative differences of "max_MPa" and "area_mm2", for a plan of a solid contact and
+    its half-space solution: by quantity, the parts by name and their "total".
 
     motion: relative rotation of the rail (rad) and lateral movement of the wheel (mm). Raises
         ValueError where the effect of a motion cannot be computed.
     """
-    surface = boundary_elements.develop(plan.contact)
     patches = [each for each in solution.patches if each.force > SMALLEST * solution.force]
-    around = _bodies(plan, surface)
-    size = max(_size(patch, around) for patch in patches)
-    conformity = max(_conformity(patch, solution.contact_modulus) for patch in patches)
-    shift = _shares(patches, around)
-    areas = np.array([patch.area for patch in patches])
-    turned = _twist(plan, *motion)
-    return {
-        "max_MPa": Allowance(size, conformity, float(shift.max()) / 3, turned),
-        "area_mm2": Allowance(size, conformity, float(2 / 3 * shift @ areas / areas.sum()), turned),
-    }
+    around = _bodies(plan, boundary_elements.develop(plan.contact))
+    shift, areas = _shares(patches, around), np.array([patch.area for patch in patches])
+    twist = 0.0
+    if plan.contact.why_asymmetric_in_y() is not None:
+        twist = rail_twist.change(plan.contact, plan.context.boundary_elements, *motion)
+    allowed = {}
+    for key, share in (
+        ("max_MPa", float(shift.max()) / 3),
+        ("area_mm2", float(2 / 3 * shift @ areas / areas.sum())),
+    ):
+        parts = {
+            "size": max(_size(patch, around) for patch in patches),
+            "conformity": max(_conformity(patch, solution.contact_modulus) for patch in patches),
+            "share": share,
+            "twist": twist,
+        }
+        allowed[key] = {**parts, "total": sum(parts.values())}
+    return allowed
 
 
 def _bodies(plan: Plan, surface: Developed) -> list[_Body]:
     """The deformable bodies of a plan, with the developed surface of the contact."""
     scene, touch = plan.scene, plan.contact.touch
-    rail, wheel = scene.rail, scene.wheel
     modulus = closed_forms.contact_modulus(scene)
     found = []
     for tag in plan.deformable:
-        part = rail if tag == RAIL else wheel
         weight = modulus / closed_forms.plane_strain_modulus(scene, tag)
         if tag == RAIL:
             ends = float(surface.s[0]), float(surface.s[-1])
         else:
             low, high = plan.contact.profiles["wheel"][0].domain
-            half = (wheel.width or math.inf) / 2
+            half = (scene.wheel.width or math.inf) / 2
             ends = max(low - touch.wheel_y, -half), min(high - touch.wheel_y, half)
-        found.append(_Body(weight, part.poisson_ratio, bodies.depth(scene, tag), ends))
+        poisson = plan.poisson_ratios[BODY_NAMES[tag]]
+        found.append(_Body(weight, poisson, bodies.depth(scene, tag), ends))
     return found
 
 
@@ -154,12 +141,3 @@ def _shares(patches: list[PatchSolution], around: list[_Body]) -> Array:
     rest = sum(body.between(s) @ force for body in around)
     stiffness = [1.5 / finite_bodies.own_approach(*patch.half_extents) for patch in patches]
     return np.asarray(np.abs(rest - np.average(rest, weights=stiffness)) * stiffness / force)
-
-
-def _twist(plan: Plan, angle: float, aside: float) -> float:
-    """Relative change of the pressure by a rotation (rad) and a lateral movement (mm); 0 for a
-    contact that is symmetric about y = 0.
-    """
-    if plan.contact.why_asymmetric_in_y() is None:
-        return 0.0
-    return rail_twist.change(plan.contact, plan.context.boundary_elements, angle, aside)

@@ -30,8 +30,9 @@ def solve(solved: MeshSolution) -> Solution | str | None:
 
 
 def half_space(solved: MeshSolution, solution: Solution | str | None) -> dict[str, Any] | None:
-    """Entry "half_space" of summary.json: quantities of the half-space `solution` with "allowance",
-    or {"reason": ...}; None where the solution is None.
+    """Entry "half_space" of summary.json: quantities of the half-space `solution`, and by quantity
+    the "allowance" for what half-spaces leave out; or {"reason": ...}. None where the solution is
+    None.
     """
     contact, found = solved.plan.contact, solved.findings
     if solution is None or found is None:
@@ -39,8 +40,14 @@ def half_space(solved: MeshSolution, solution: Solution | str | None) -> dict[st
     if isinstance(solution, str):
         return {"reason": solution}
     points, plane = boundary_elements.develop(contact).points, contact.touch.angle
-    opinion = compare.from_half_space(solution, points, plane)
-    return {**opinion, "allowance": _allowance(solved, solution)}
+    quantities = compare.from_half_space(solution, points, plane)
+    try:
+        allowed = allowance(solved.plan, solution, motion(solved))
+    except ValueError as error:
+        return {**quantities, "allowance": {"reason": f"twist: {error}"}}
+    if found.hertzian:  # half lengths are those of ellipses
+        allowed |= dict.fromkeys(("a_mm", "b_mm"), allowed["area_mm2"])
+    return {**quantities, "allowance": allowed}
 
 
 def motion(solved: MeshSolution) -> tuple[float, float]:
@@ -57,18 +64,3 @@ def motion(solved: MeshSolution) -> tuple[float, float]:
         turned, moved = bodily.motion(fields, tag, found.patch.each, solved.solution.load)
         angle, aside = angle + sign * turned, aside - sign * moved
     return angle, aside - angle * found.patch.each[0].centre[2]
-
-
-def _allowance(solved: MeshSolution, solution: Solution) -> dict[str, Any]:
-    """Allowed relative differences {quantity: {part: value, "total": sum}}, or {"reason": ...}
-    where they are not known.
-    """
-    try:
-        allowed = allowance(solved.plan, solution, motion(solved))
-    except ValueError as error:
-        return {"reason": f"twist: {error}"}
-    if (
-        solved.findings is not None and solved.findings.hertzian
-    ):  # half lengths are those of ellipses
-        allowed |= dict.fromkeys(("a_mm", "b_mm"), allowed["area_mm2"])
-    return {key: {**vars(value), "total": value.total} for key, value in allowed.items()}

@@ -7,13 +7,13 @@ from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
 from railhead.planning import plan as planning
 from railhead.planning.references import boundary_elements, rail_twist
 from railhead.results import pipeline
-from railhead.run.references.allowance import Allowance, allowance
+from railhead.run.references.allowance import allowance
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from railhead.theory.elastic.hertz import Ellipse
 
 
-def allowed(scene: Scene, motion: tuple[float, float] = (0.0, 0.0)) -> dict[str, Allowance]:
+def allowed(scene: Scene, motion: tuple[float, float] = (0.0, 0.0)) -> dict[str, dict[str, float]]:
     plan = planning.make(scene)
     assert isinstance(plan.estimate, Ellipse)
     return allowance(
@@ -21,14 +21,14 @@ def allowed(scene: Scene, motion: tuple[float, float] = (0.0, 0.0)) -> dict[str,
     )
 
 
-def thesis(*assignments: str) -> dict[str, Allowance]:
+def thesis(*assignments: str) -> dict[str, dict[str, float]]:
     return allowed(catalogue.find("uic54_thesis").replace(assignments))
 
 
 def test_small_patch_in_large_bodies_needs_next_to_nothing() -> None:
     for each in thesis().values():
-        assert 0 < each.total < 1e-3
-        assert each.share == each.twist == 0
+        assert 0 < each["total"] < 1e-3
+        assert each["share"] == each["twist"] == 0
 
 
 @pytest.mark.parametrize(
@@ -46,7 +46,7 @@ def test_finite_bodies_are_felt_as_the_cube_of_patch_over_size(
     block = ("rail.profile=arc", "rail.crown_radius=300", "rail.depth=1000", "rail.width=120")
     block += ("wheel.rim_depth=400", "wheel.width=120", "load=5kN")
     far, thicker, thinner = (
-        thesis(*block, *more)["max_MPa"].size
+        thesis(*block, *more)["max_MPa"]["size"]
         for more in ((), (f"{key}={thick}",), (f"{key}={thin}",))
     )
     assert (thinner - far) / (thicker - far) == pytest.approx(8, rel=0.1)
@@ -54,21 +54,21 @@ def test_finite_bodies_are_felt_as_the_cube_of_patch_over_size(
 
 def test_a_rim_of_3_mm_is_noticed() -> None:
     """Finite elements: 14 % more pressure than half-spaces."""
-    assert thesis("wheel.rim_depth=3")["max_MPa"].size > 0.14
+    assert thesis("wheel.rim_depth=3")["max_MPa"]["size"] > 0.14
 
 
 def test_only_several_patches_share() -> None:
     one, two = (allowed(MANCHESTER.replace([f"wheelset.shift={shift}"])) for shift in (2, 5))
     for key in ("max_MPa", "area_mm2"):
-        assert one[key].share == 0
-        assert 0 < two[key].share < 0.01
+        assert one[key]["share"] == 0
+        assert 0 < two[key]["share"] < 0.01
 
 
 def test_conformity_grows_with_the_square_of_the_patch() -> None:
     small, large = (
         allowed(MANCHESTER.replace(["wheelset.shift=6", f"load={load}"])) for load in ("1kN", "8kN")
     )
-    ratio = large["max_MPa"].conformity / small["max_MPa"].conformity
+    ratio = large["max_MPa"]["conformity"] / small["max_MPa"]["conformity"]
     assert ratio == pytest.approx(4, rel=0.25)
 
 
@@ -78,10 +78,10 @@ def test_a_motion_counts_where_it_changes_the_patch(monkeypatch: pytest.MonkeyPa
     assert isinstance(plan.estimate, Ellipse)
     angle = rail_twist.twist(plan.contact, plan.estimate)
     motion = angle, rail_twist.CENTRE * angle
-    assert allowed(scene, motion)["max_MPa"].twist > 0.01
-    assert allowed(scene)["max_MPa"].twist == pytest.approx(0, abs=1e-9)
+    assert allowed(scene, motion)["max_MPa"]["twist"] > 0.01
+    assert allowed(scene)["max_MPa"]["twist"] == pytest.approx(0, abs=1e-9)
     one_radius = catalogue.find("uic54_thesis")
-    assert allowed(one_radius, motion)["max_MPa"].twist == 0
+    assert allowed(one_radius, motion)["max_MPa"]["twist"] == 0
 
     def fail(*_: object) -> float:
         raise ValueError("no bounded contact found")
@@ -89,7 +89,7 @@ def test_a_motion_counts_where_it_changes_the_patch(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(rail_twist, "change", fail)
     with pytest.raises(ValueError, match="no bounded contact"):
         allowed(scene, motion)
-    assert np.isfinite(thesis()["max_MPa"].total)
+    assert np.isfinite(thesis()["max_MPa"]["total"])
 
 
 @pytest.mark.slow
