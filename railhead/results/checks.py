@@ -375,7 +375,7 @@ def pressure_over_mean(solved: MeshSolution, estimates: Mapping[str, Estimate]) 
     found, result = _findings(solved), _result(solved)
     if not found.hertzian:
         return
-    line = solved.setting.shape == "plane strain"
+    line = solved.plan.setting.shape == "plane strain"
     normal = solved.solution.load / math.cos(solved.plan.contact.touch.angle)
     mean = normal / result["patch"]["area_mm2"]
     peak = (4 / math.pi if line else 1.5) * mean

@@ -18,7 +18,7 @@ from railhead.meshing.mesh import ContactMesh
 from railhead.meshing.sizing import Grading
 from railhead.planning import effects
 from railhead.planning.accuracy import error_envelopes
-from railhead.planning.accuracy.error_envelopes import Family, Setting
+from railhead.planning.accuracy.error_envelopes import Family
 from railhead.planning.context import PostSolveVerdict
 from railhead.planning.effects.interface import friction
 from railhead.planning.patch.forecast import Forecast, Zone, touches_nearby
@@ -111,19 +111,14 @@ class MeshSolution:
         return self.grading.resolution
 
     @property
-    def setting(self) -> Setting:
-        """Conditions that the discretisation error depends on, with the shape of the solved patch
-        (rank 0).
+    def family(self) -> Family | None:
+        """Calibrated error envelopes that hold for this solution, with the shape of the solved
+        patch (rank 0); None where there are none, as with yield or friction.
         """
         plan, found = self.plan, self.findings
-        return plan.setting if found is None else replace(plan.setting, ellipse=found.hertzian)
-
-    @property
-    def family(self) -> Family | None:
-        """Calibrated error envelopes that hold for this solution (rank 0); None where there are
-        none, as with yield or friction.
-        """
-        return error_envelopes.family(self.setting) if self.plan.is_elastic_frictionless else None
+        if found is None or not plan.is_elastic_frictionless:
+            return plan.family
+        return error_envelopes.family(replace(plan.setting, ellipse=found.hertzian))
 
     @property
     def unloaded_fields(self) -> Fields | None:

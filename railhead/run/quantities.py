@@ -11,6 +11,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, TypeVar
 
 T = TypeVar("T")
@@ -75,18 +76,8 @@ def quantity(key: str, unit: str = "", label: str = "", **more: Any) -> Any:
     return dataclasses.field(default=None, metadata={METADATA: described})
 
 
-def friction(key: str, unit: str = "", label: str = "", **more: Any) -> Any:
-    """A dataclass field with a `Quantity` of the table "friction". more: other attributes of
-    `Quantity`.
-    """
-    return quantity(key, unit, label, table="friction", **more)
-
-
-def steel(key: str, unit: str = "", label: str = "", **more: Any) -> Any:
-    """A dataclass field with a `Quantity` of the table "steel". more: other attributes of
-    `Quantity`.
-    """
-    return quantity(key, unit, label, table="steel", **more)
+friction, steel = (partial(quantity, table=name) for name in ("friction", "steel"))
+"""`quantity` for the tables "friction" and "steel"."""
 
 
 @dataclass(frozen=True, kw_only=True)

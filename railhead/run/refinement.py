@@ -18,10 +18,10 @@ from railhead.run.progress import Progress
 
 MAX_LEVELS = 5
 ONE_MESH = "one mesh"
-ALONE = 0.9  # of the asked accuracy: what is aimed at where one mesh may do
+ONE_MESH_SHARE = 0.9  # of the asked accuracy: what is aimed at where one mesh may do
 STEP_ERROR = 2.5  # times the change with twice the load steps: at order 0.86, which was measured
 # from 4 to 64 steps (largest pressure of a sphere at five times its first-yield load), 2.2
-STEPPING = 0.4  # of the asked accuracy: what load steps may take
+LOAD_STEP_SHARE = 0.4  # of the asked accuracy: what load steps may take
 MOST_STEPS = 16  # times the usual number
 
 
@@ -87,40 +87,42 @@ def _refine(
     coarse = max(wanted / error_envelopes.STEP ** (1 if known else 2), low)
     least = 2
     if known is not None and scene.budget is None and not known.covers(coarse):
-        least, coarse = 1, known.finest(ALONE * _asked(plan))
-    levels = [mesh_and_solve(plan.at_resolution(coarse), progress, comm)]
-    if levels[0].solution.plasticity is not None:
-        levels[0] = _stepped(levels[0], progress, comm)
-    spent = sum(levels[0].seconds.values())
+        least, coarse = 1, known.finest(ONE_MESH_SHARE * _accuracy_of_meshes(plan))
+    meshes = [mesh_and_solve(plan.at_resolution(coarse), progress, comm)]
+    if meshes[0].solution.plasticity is not None:
+        meshes[0] = _with_load_step_errors(meshes[0], progress, comm)
+    spent = sum(meshes[0].seconds.values())
     while True:
-        done = levels[-1]
-        worst = comm.bcast(estimates.largest_error(estimates.estimate(levels)[0], done))
+        done = meshes[-1]
+        worst = comm.bcast(estimates.largest_error(estimates.estimate(meshes)[0], done))
         if not done.solution.newton.converged:
-            return levels, Ending("Newton's method did not converge")
-        if len(levels) >= least and scene.accuracy is not None and worst <= scene.accuracy:
-            return levels, Ending("asked accuracy reached")
-        if len(levels) >= least and plan.profile_error >= (scene.accuracy or math.inf):
-            return levels, Ending(
+            return meshes, Ending("Newton's method did not converge")
+        if len(meshes) >= least and scene.accuracy is not None and worst <= scene.accuracy:
+            return meshes, Ending("asked accuracy reached")
+        if len(meshes) >= least and plan.profile_error >= (scene.accuracy or math.inf):
+            return meshes, Ending(
                 f"the measured profile leaves {plan.profile_error:.1%} open on any mesh"
             )
-        if len(levels) > 1 and scene.accuracy is None and math.isfinite(worst):
+        if len(meshes) > 1 and scene.accuracy is None and math.isfinite(worst):
             limit = scene.budget or 0.0
             over = f"the least that gives an estimate took {spent:.1f} s, over the budget"
-            return levels, Ending("budget spent" if spent <= limit else over)
-        n, covered = comm.bcast(_next(levels, worst, wanted))
+            return meshes, Ending("budget spent" if spent <= limit else over)
+        n, covered = comm.bcast(_next(meshes, worst, wanted))
         finer = done.plan.at_resolution(n)
         cost = finer.unknowns, finer.solving
         # The second mesh was priced beforehand.
-        stop = comm.bcast(_obstacle(finer, spent if len(levels) > 1 else 0.0))
+        stop = comm.bcast(_obstacle(finer, spent if len(meshes) > 1 else 0.0))
         if not covered:
             stop = stop or "the error laws end at coarser meshes"
-        if stop or len(levels) == MAX_LEVELS:
-            return levels, Ending(stop or "too many meshes", cost)
-        levels.append(mesh_and_solve(finer, progress, comm))
-        spent += sum(levels[-1].seconds.values())
+        if stop or len(meshes) == MAX_LEVELS:
+            return meshes, Ending(stop or "too many meshes", cost)
+        meshes.append(mesh_and_solve(finer, progress, comm))
+        spent += sum(meshes[-1].seconds.values())
 
 
-def _stepped(solved: MeshSolution, progress: Progress, comm: MPI.Intracomm) -> MeshSolution:
+def _with_load_step_errors(
+    solved: MeshSolution, progress: Progress, comm: MPI.Intracomm
+) -> MeshSolution:
     """The coarse solution with the measured error of its load steps, and a plan with as many load
     steps as the accuracy needs. A second solution with twice the steps gives that error.
     """
@@ -137,33 +139,33 @@ def _stepped(solved: MeshSolution, progress: Progress, comm: MPI.Intracomm) -> M
             if better.get(name)
         }
     shared = {name: value for name, value in error.items() if name not in error_envelopes.PLACES}
-    more = max(shared.values(), default=0.0) / (STEPPING * (plan.scene.accuracy or 1.0))
+    more = max(shared.values(), default=0.0) / (LOAD_STEP_SHARE * (plan.scene.accuracy or 1.0))
     steps = plan.load_steps * min(max(1, math.ceil(comm.bcast(more))), MOST_STEPS)
     return replace(solved, plan=replace(plan, load_steps=steps), load_step_errors=error)
 
 
-def _asked(plan: Plan) -> float:
+def _accuracy_of_meshes(plan: Plan) -> float:
     """Wanted accuracy minus the error of effects that the plan leaves out."""
     return (plan.scene.accuracy or 0.0) - plan.omission_error
 
 
-def _next(levels: list[MeshSolution], worst: float, wanted: float) -> tuple[float, bool]:
+def _next(meshes: list[MeshSolution], worst: float, wanted: float) -> tuple[float, bool]:
     """Elements per semi-axis of the next mesh, and whether error estimates exist there. worst:
     largest error of the last mesh; wanted: planned elements per semi-axis.
     """
-    solved = levels[-1]
+    solved = meshes[-1]
     n, asked = solved.resolution, solved.plan.scene.accuracy
     known = solved.family
-    if known is None or (len(levels) > 1 and not math.isfinite(worst)):
+    if known is None or (len(meshes) > 1 and not math.isfinite(worst)):
         return error_envelopes.STEP * n, True
-    if len(levels) > 1:
+    if len(meshes) > 1:
         wanted = estimates.next_resolution(n, worst, asked or worst)
     else:
         if asked is not None and solved.plan.scene.budget is None:
             found = estimates.reading_errors(solved.findings) if solved.findings is not None else {}
-            wanted = known.read_no_better(n, found).finest(_asked(solved.plan))
+            wanted = known.read_no_better(n, found).finest(_accuracy_of_meshes(solved.plan))
         wanted = max(wanted, 1.25 * n)
-    return wanted, known.covers(wanted, [each.resolution for each in levels])
+    return wanted, known.covers(wanted, [each.resolution for each in meshes])
 
 
 def _obstacle(plan: Plan, spent: float) -> str:

@@ -23,9 +23,9 @@ from railhead.theory.elastic.contacts import Hertz
 
 Array = NDArray[np.float64]
 SAMPLES = 4001  # of either profile
-START = 1.2  # times Hertz's approach: how far down patches are looked for at first
-TOUCHING = 1e-3  # of the approach: what lies deeper in the other body was missed
-LOOKS = 5
+FIRST_REACH = 1.2  # times Hertz's approach: how far down patches are looked for at first
+PENETRATION = 1e-3  # of the approach: what lies deeper in the other body was missed
+MAX_SOLUTIONS = 5
 TOLERANCE = 1e-5
 CELLS = 64  # each way in a patch
 
@@ -104,9 +104,9 @@ def solve(contact: Contact, ellipse: Hertz, load: float | None, cells: int = CEL
     rigid = ellipse.approach / cosine
     given = {"load": load} if load is not None else {"approach": rigid}
     x, s, height = surface.locus()
-    windows = _around(contact, surface, START * rigid)
-    windows += _boxes(contact, x, s, np.maximum(START * rigid - height, 0))
-    for _ in range(LOOKS):
+    windows = _around(contact, surface, FIRST_REACH * rigid)
+    windows += _boxes(contact, x, s, np.maximum(FIRST_REACH * rigid - height, 0))
+    for _ in range(MAX_SOLUTIONS):
         found = boundary_element.solve_developed(
             surface.gap,
             ellipse.contact_modulus,
@@ -120,12 +120,14 @@ def solve(contact: Contact, ellipse: Hertz, load: float | None, cells: int = CEL
         if not missed:
             return found
         windows = [_window(window.x, window.s) for window in found.windows] + missed
-    raise ValueError(f"after {LOOKS} solutions the wheel still lies in the rail beside the patches")
+    raise ValueError(
+        f"after {MAX_SOLUTIONS} solutions the wheel still lies in the rail beside the patches"
+    )
 
 
 def _inside(surface: Developed, found: Solution, x: Array, s: Array, height: Array) -> Array:
     """Depth (n,) in mm of the wheel's contact locus in the rail outside of the windows of a
-    solution; zero where this is at most 0.1 % (TOUCHING) of the approach.
+    solution; zero where this is at most 0.1 % (PENETRATION) of the approach.
     x, s, height: (n,) of the locus in the developed plane, mm.
     """
     beside = height < found.approach
@@ -140,7 +142,7 @@ def _inside(surface: Developed, found: Solution, x: Array, s: Array, height: Arr
     angle = surface.angle(s)
     closed = found.approach * np.cos(angle) - surface.gap(x, s)
     depth[beside] = closed - found.displacement(x, s, angle)
-    return np.where(depth > TOUCHING * found.approach, depth, 0.0)
+    return np.where(depth > PENETRATION * found.approach, depth, 0.0)
 
 
 def _window(x: Array, s: Array) -> Window:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 STEPS = 4  # from first yield to the load: the centre pressure is within 1.5 % of many steps
 LINE_STEPS = 16  # the same of a line, where four leave the strain 20 % and more too large
-USUAL = "R260"  # rail steel that a scene without one is held against
+DEFAULT_STEEL = "R260"  # rail steel that a scene without one is held against
 
 
 def decide(context: Context) -> Effect:
@@ -168,11 +168,11 @@ def _steel_yields(context: Context, stresses: Mapping[str, float]) -> tuple[str,
     if not steel:
         return "no yield stress is given", False
     name = max(steel, key=steel.__getitem__)
-    limit = steels.by_name()[USUAL].yield_stress
+    limit = steels.by_name()[DEFAULT_STEEL].yield_stress
     yields = bool(steel[name] > limit)
     verb = "would yield here" if yields else "would not yield"
     text = f"von Mises {steel[name]:.4g} MPa in the {name}, its yield {limit:g}"
-    return f"no steel is given; {USUAL} {verb}: {text}", yields
+    return f"no steel is given; {DEFAULT_STEEL} {verb}: {text}", yields
 
 
 def _over_yield(scene: Scene, stresses: dict[str, float]) -> tuple[float, str]:

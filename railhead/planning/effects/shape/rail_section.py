@@ -11,7 +11,7 @@ from railhead.planning.references import rail_twist
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import SceneError
 
-CHANGE = (
+STRESS_CHANGE = (
     0.25  # of the stress at the cut over p0: what the largest shear stress changes by (measured)
 )
 
@@ -33,10 +33,10 @@ def decide(context: Context) -> Effect:
         return Effect(False, False, why, {"on": why})
     if extent == "section":
         return Effect(True, True, "rail.extent = section")
-    felt, why = _felt(context, hertz.a, hertz.b)
-    twists, because = _twists(context)
-    called = felt or twists
-    return Effect(called, called, f"{why}; {because}")
+    cut, why = _cut_matters(context, hertz.a, hertz.b)
+    twists, twist_text = _twists(context)
+    called = cut or twists
+    return Effect(called, called, f"{why}; {twist_text}")
 
 
 def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
@@ -45,14 +45,14 @@ def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict
     """
     if "on" in effect.refused:
         return None
-    felt, why = _felt(context, found.patch.a, found.patch.b)
-    if effect.on or felt or not effect.called_for:
-        return PostSolveVerdict(felt and not effect.on, why)
-    twists, because = _twists(context)
-    return PostSolveVerdict(twists, because if twists else why)
+    cut, why = _cut_matters(context, found.patch.a, found.patch.b)
+    if effect.on or cut or not effect.called_for:
+        return PostSolveVerdict(cut and not effect.on, why)
+    twists, twist_text = _twists(context)
+    return PostSolveVerdict(twists, twist_text if twists else why)
 
 
-def _felt(context: Context, a: float, b: float) -> tuple[bool, str]:
+def _cut_matters(context: Context, a: float, b: float) -> tuple[bool, str]:
     """Whether the stress at the cut of a rail head, over p0, exceeds what the accuracy allows, and
     a sentence that says so.
     a, b: semi-axes of the patch, mm.
@@ -60,7 +60,7 @@ def _felt(context: Context, a: float, b: float) -> tuple[bool, str]:
     Flamant's 2F'/(pi H) below a line load over p0 = 2F'/(pi b), with H the depth of the cut
     (Johnson, Contact Mechanics, 3.19, 4.26, 2.19 and 4.43).
     """
-    depth, limit = head_depth(context.scene.rail.profile), context.accuracy / CHANGE
+    depth, limit = head_depth(context.scene.rail.profile), context.accuracy / STRESS_CHANGE
     ratio, name = (b / depth, "b/H") if context.contact.line else (a * b / depth**2, "ab/H^2")
     side = "above" if ratio > limit else "below"
     text = f"stress at the cut {depth:.1f} mm deep over p0: {name} = {ratio:.2g}"

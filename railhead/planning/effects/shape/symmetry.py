@@ -9,22 +9,24 @@ def along(context: Context) -> Effect:
     """Only x >= 0 is modelled where x = 0 is a plane of symmetry of the bodies and of the load;
     friction along the rail prevents this.
     """
-    why = context.contact.why_asymmetric_in_x()
-    if why is None and context.scene.asymmetric_friction[0]:
-        why = "friction along the rail"
-    if why is None:
-        straight = "the wheel stands straight: x = 0 mirrors bodies, materials and load"
-        return Effect(True, True, straight)
-    return Effect(False, False, why, {"on": why})
+    why, slips = context.contact.why_asymmetric_in_x(), context.scene.asymmetric_friction[0]
+    straight = "the wheel stands straight: x = 0 mirrors bodies, materials and load"
+    return _decide(why or ("friction along the rail" if slips else ""), straight)
 
 
 def across(context: Context) -> Effect:
     """Only y >= 0 is modelled where both profiles are symmetric, the wheel stands in the middle,
     and no friction acts across the rail.
     """
-    why = context.contact.why_asymmetric_in_y()
-    if why is None and context.scene.asymmetric_friction[1]:
-        why = "friction across the rail"
-    if why is None:
-        return Effect(True, True, "profiles, materials and load mirror at y = 0")
-    return Effect(False, False, why, {"on": why})
+    why, slips = context.contact.why_asymmetric_in_y(), context.scene.asymmetric_friction[1]
+    mirrored = "profiles, materials and load mirror at y = 0"
+    return _decide(why or ("friction across the rail" if slips else ""), mirrored)
+
+
+def _decide(asymmetric: str, symmetric: str) -> Effect:
+    """Symmetry is used where the reason against it (`asymmetric`) is empty. symmetric: the reason
+    for it.
+    """
+    if asymmetric:
+        return Effect(False, False, asymmetric, {"on": asymmetric})
+    return Effect(True, True, symmetric)
