@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 SOLVED, CHECK_FAILED, WRONG_INPUT = 0, 1, 2  # exit statuses
 PROCESSES = click.IntRange(1)
 PROCESSES.name = "number of processes; give a whole number from 1 on"
-SERIAL = ("list", "plan", "locate", "profile")  # every MPI process does all, the first prints
+SERIAL = ("list", "plan", "locate", "profile")  # commands of which MPI prints one copy
 
 
 _force = click.option("--force", is_flag=True, help="Replace another result in --out.")

@@ -14,17 +14,13 @@ import psutil
 from railhead.planning.plan import Plan
 from railhead.scene.scene import SceneError
 
-UNKNOWNS_PER_PROCESS = (
-    100_000  # unknowns a process: two take 0.86 of the time of one with 143 000, ...
-)
-# ... 0.77 with 285 000 and 0.67 with a million (docs/ranks.md)
-TEMPORARY_BYTES = (
-    32_000_000  # bytes of temporary files: Open MPI 4 takes 8.4 MB for two processes, ...
-)
-# ... and without them it waits for ever
-QUIET_LAUNCHER = {
-    "OMPI_MCA_orte_execute_quiet": "1"
-}  # Open MPI 4; 5 always tells of a status that is not 0
+# Two processes take 0.86 of the time of one with 143 000 unknowns, 0.77 with 285 000 and 0.67 with
+# a million (docs/ranks.md).
+UNKNOWNS_PER_PROCESS = 100_000
+# Temporary files of Open MPI 4, which takes 8.4 MB for two processes and waits for ever without.
+TEMPORARY_BYTES = 32_000_000
+# Open MPI 4 prints nothing about a status that is not 0; Open MPI 5 always does.
+QUIET_LAUNCHER = {"OMPI_MCA_orte_execute_quiet": "1"}
 
 
 def number_of_processes(plan: Plan) -> int:

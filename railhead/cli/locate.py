@@ -21,7 +21,7 @@ from railhead.results import result_folder
 from railhead.scene.io import portable
 from railhead.scene.scene import Scene, SceneError
 
-CLEARANCE = 0.05  # mm; elastic approaches of wheels are of this size
+CLEARANCE = 0.05  # mm, largest gap of a contact, of the size of elastic approaches
 SHIFTS = np.linspace(-10.0, 10.0, 81)  # mm
 
 

@@ -6,8 +6,8 @@ from railhead.planning.accuracy import error_envelopes
 from railhead.planning.plan import Plan
 from railhead.scene.scene import SceneError
 
-BUDGET_SHARE = 0.85  # of the budget that the prediction may fill
-MEMORY_SHARE = 0.8  # of the free memory that a run may take
+BUDGET_SHARE = 0.85  # largest predicted time over the budget
+MEMORY_SHARE = 0.8  # largest predicted memory over the free memory
 
 
 class NoMemoryError(SceneError):

@@ -17,7 +17,7 @@ from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.line import LineContact
 
-DEFAULT_ACCURACY = 0.01  # of a scene without a prescribed one
+DEFAULT_ACCURACY = 0.01  # accuracy of a scene that prescribes none
 
 
 @dataclass(frozen=True)

@@ -30,9 +30,9 @@ from railhead.scene.scene import Scene, SceneError
 from railhead.scene.sections import Rail, Wheel
 from railhead.theory.elastic.contacts import Hertz
 
-PRICED_ACCURACIES = (0.05, 0.01, 0.002)  # what a plan says the cost of
-SECTION_PER_TURN = 5  # elements on a full turn of a fillet of a whole section (4: 3 % less twist)
-SECTION_CELLS = 8.5  # for each mm of a whole section beyond those of its head (measured)
+PRICED_ACCURACIES = (0.05, 0.01, 0.002)  # accuracies whose cost a plan predicts
+SECTION_PER_TURN = 5  # elements on a full turn of a fillet of a whole rail (4: 3 % less twist)
+SECTION_CELLS = 8.5  # cells of web and foot for each mm of a whole rail (measured)
 
 
 @dataclass(frozen=True, kw_only=True)

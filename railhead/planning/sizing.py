@@ -14,20 +14,20 @@ from railhead.planning.patch.ridges import ridges
 from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz
 
-ELEMENTS_PER_SEMI_AXIS = 6.0  # default patch resolution for quadratic cells
-LINEAR_REFINEMENT = 2.0  # linear cells are made so much smaller
-SECTION_REFINEMENT = 2.0  # so are those of a section, where they cost nearly nothing
-GROWTH = 0.3  # of the element size with distance, at most; finer patches grow more slowly
-FULL_GROWTH = 7 / 6  # times the default resolution, up to which the growth is the largest
-FINEST_SHARE = 0.5  # elements in a further patch over those in the most loaded one, at least
-RIDGE_SHARE = 0.25  # elements on a ridge of the pressure over those of its patch ...
-RIDGE_WIDTH = 0.125  # ... and half the width that has them, over the latter
-STRETCHES = 9  # tried where patches share a mesh
-COARSEST = 0.25  # largest element over the half length of the bodies ...
-COARSEST_ACROSS = 1 / 3  # ... and over the width of a profile: coarser ones cut through fillets
-HALF_SPACE_REACH = 8.0  # edge of the blocks over the major semi-axis: the far field is exact
-BODY_REACH = 12.0  # half length of real bodies over the major semi-axis, at least
-MIN_BODY_REACH = 80.0  # mm
+ELEMENTS_PER_SEMI_AXIS = 6.0  # default resolution of a solid with quadratic cells
+LINEAR_REFINEMENT = 2.0  # factor on the resolution for linear cells
+SECTION_REFINEMENT = 2.0  # factor on the default resolution of a section, where cells cost little
+GROWTH = 0.3  # largest increase of the element size per distance; smaller for finer patches
+FULL_GROWTH = 7 / 6  # resolution over the default one up to which the growth is the largest
+FINEST_SHARE = 0.5  # least ratio of the element sizes in another patch and in the most loaded one
+RIDGE_SHARE = 0.25  # element size on a ridge of the pressure over that of its patch
+RIDGE_WIDTH = 0.125  # half width of the refined ridge over the element size of its patch
+STRETCHES = 9  # stretches that are tried where patches share a mesh
+COARSEST = 0.25  # largest element over the half length of the bodies
+COARSEST_ACROSS = 1 / 3  # largest element over the width of a profile, for the sake of fillets
+HALF_SPACE_REACH = 8.0  # edge of the blocks over the major semi-axis
+BODY_REACH = 12.0  # least half length of real bodies over the major semi-axis
+MIN_BODY_REACH = 80.0  # mm, least half length of real bodies
 
 
 def reach(contact: Contact, hertz: Hertz, forecast: Forecast) -> float:

@@ -32,12 +32,12 @@ if TYPE_CHECKING:
     from railhead.postprocess.findings import Findings
     from railhead.run.mesh_solution import MeshSolution
 
-SCATTER_FACTOR = 2.0  # times the change between meshes a step apart: first-order convergence
-# leaves 1/(STEP - 1) = 1.67 of it
+# Error over the change between two meshes a step apart; first order leaves 1/(STEP - 1) = 1.67.
+SCATTER_FACTOR = 2.0
 RIDGE_STRESS_FACTOR = 2.0
 """Uncertainty of the largest stresses below a ridge of the pressure, over that of the ridge: chosen
 on the scenes of seed 1, of which one alone makes three quarters of the law if it is 1."""
-NARROWEST_PEAK = 0.02  # of an element: a narrower top of the shear stress is the mesh's own
+NARROWEST_PEAK = 0.02  # least width of a maximum of the shear stress, over the element size
 
 
 @dataclass(frozen=True, kw_only=True)

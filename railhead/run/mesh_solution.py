@@ -39,10 +39,11 @@ if TYPE_CHECKING:
     from railhead.solver.fields import Fields
     from railhead.solver.solution import Solution
 
-REMESH_RATIO = 1.25  # found over expected patch, either way, beyond which it is meshed again
+# largest ratio of solved and expected patch, either way, for which a mesh is kept:
+REMESH_RATIO = 1.25
 MAX_MESHES = 3
-MAX_APPROACH_SOLVES = 6  # loads that are tried to meet a given approach between half-spaces
-APPROACH_TOLERANCE = 1e-9  # relative, of that approach
+MAX_APPROACH_SOLVES = 6  # largest number of loads that are tried to meet an approach
+APPROACH_TOLERANCE = 1e-9  # largest relative error of that approach
 
 
 @dataclass(frozen=True, kw_only=True)

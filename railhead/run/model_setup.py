@@ -26,10 +26,11 @@ from railhead.solver.setup import ContactBody, FrictionSettings, LoadPath, Setup
 from railhead.theory.elastic import contacts, halfspace
 
 Array = NDArray[np.float64]
-GROWTH_STEPS = 8  # in which a patch of unlike bodies grows
-FORCE_CYCLE = (0.0, 1.0, -1.0, 1.0)  # shares of the tangential force, there, back and there
-FORCE_STEPS = 4  # from one of them to the next where bodies yield: strain within 2 % of twice them
-YIELD_REACH = 3.0  # half lengths of the patch around it in which yield is followed
+GROWTH_STEPS = 8  # load steps in which the patch of bodies of different materials grows
+# shares of the tangential force: applied, reversed, applied again:
+FORCE_CYCLE = (0.0, 1.0, -1.0, 1.0)
+FORCE_STEPS = 4  # steps between two shares where bodies yield; 8 change the strain by 2 %
+YIELD_REACH = 3.0  # size of the region in which yield is followed, over the patch
 
 
 def setup(plan: Plan) -> Setup:

@@ -14,8 +14,9 @@ from pathlib import Path
 
 from railhead.scene.units import show
 
-WITHOUT_DATA = ("R200", "R220", "R320Cr", "R350HT", "ER6", "ER9")  # of the standards, no yield here
-STEEL_MODULI = (180e3, 230e3)  # MPa: a body between them is taken for steel
+# steels of the standards without yield data here:
+WITHOUT_DATA = ("R200", "R220", "R320Cr", "R350HT", "ER6", "ER9")
+STEEL_MODULI = (180e3, 230e3)  # MPa, least and largest Young's modulus of a steel
 
 
 @dataclass(frozen=True)

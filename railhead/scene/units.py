@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _NUMBER = r"[+-]?(?:inf|(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
 _TEXT = re.compile(rf"({_NUMBER})\s*(.*)", re.DOTALL)
-_RUN = re.compile(rf"[:/]\s*({_NUMBER})")  # what follows the 1 in 1:20
+_RUN = re.compile(rf"[:/]\s*({_NUMBER})")  # the part :20 or /20 of a slope 1:20
 _POWER = r"[A-Za-z\u00b5\u03bc]+(?:(?:\*\*|\^)-?[1-9]|[²³])?"  # either micro sign
 _UNIT = re.compile(rf"(?:1\s*/\s*)?{_POWER}(?:\s*[*/]\s*{_POWER})*")  # 1/m as well
 

@@ -26,7 +26,7 @@ from railhead.sweeps import runner, store, sweep_table, worker_pool
 from railhead.sweeps.grid import ParameterGrid, column
 
 Row = dict[str, Any]
-POLL = 0.5  # s between looks at what is done
+POLL = 0.5  # s between two looks at the finished jobs
 LOST_RECORD = "its record is gone: something else has written into the folder"
 
 

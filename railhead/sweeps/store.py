@@ -19,7 +19,7 @@ from railhead.scene.scene import SceneError
 
 REQUEST, RECORDS, VTU, TABLE = "sweep.json", "records", "vtu", "sweep.csv"
 PICTURES = ("sweep.png", "patches.png")
-SERIES = ("solution", "contact")  # of .vtu files
+SERIES = ("solution", "contact")  # names of the .vtu files of a scene
 ADVICE = "give another folder, or --force to replace it"
 Other = Literal["refuse", "move", "replace"]
 LATER = (INPUT, RECORDS, VTU, TABLE, *PICTURES, *(f"{name}.pvd" for name in SERIES))

@@ -22,7 +22,7 @@ from railhead.meshing.isolated_process import die_with_parent
 from railhead.run.process import prepare
 
 T = TypeVar("T")
-JOBS_PER_PROCESS = 8  # then a new one: libraries keep memory that ends with the process
+JOBS_PER_PROCESS = 8  # jobs of a process before it ends and its memory is freed
 
 
 @dataclass(frozen=True)

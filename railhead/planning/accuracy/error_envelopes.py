@@ -20,9 +20,9 @@ from scipy.optimize import brentq
 from railhead.postprocess.findings import FLAT
 
 T = TypeVar("T")
-STEP = 1.6  # refinement from one mesh of a sequence to the next
-TINY = 1e-12  # of a reading: divides nothing
-AIM = 0.9  # of the prescribed accuracy: what the mesh may take, the rest is for the other parts
+STEP = 1.6  # factor on the resolution from one mesh of a sequence to the next
+TINY = 1e-12  # least reading error by which is divided
+AIM = 0.9  # share of the prescribed accuracy that the mesh may take
 RANGE = (3.0, 60.0)  # elements per semi-axis that are considered
 PLACES = ("tau_max_depth_mm",)
 """Quantities that are places of a maximum: their scale is how flat that is."""

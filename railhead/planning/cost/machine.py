@@ -10,9 +10,9 @@ from pathlib import Path
 
 import psutil
 
-RUNS = 9  # latest runs that are kept; their median, as the first one compiles
-LEAST_RUNS = 3  # before predictions are corrected
-LEAST_UNKNOWNS = 10_000  # of a mesh that tells: smaller ones take a time of their own
+RUNS = 9  # number of the latest runs that are kept; the first one of them may compile
+LEAST_RUNS = 3  # least number of runs by which predictions are corrected
+LEAST_UNKNOWNS = 10_000  # least size of a mesh whose time is recorded
 
 
 def cache_file() -> Path:

@@ -11,14 +11,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 START = 1.3  # seconds to import everything
-BASE_BYTES = 400_000_000  # libraries
-SMALL = 30_000  # unknowns from which on a growth counts
-LOAD_STEP = 1.1  # times an elastic run that a load step of bodies that yield costs, its share of
-# unloading included: 0.8 to 1.3 on a solid of 10 000 to 48 000 unknowns and a section
-YIELD_BYTES = 6_000  # an unknown, beside those of an elastic run: 4 500 to 5 500 were measured
-FRICTION = 5.5  # times an elastic run of FRICTION_AT unknowns, and in proportion to them: 4 to 17
-FRICTION_AT = 46_000  # times were measured from 28 000 to 140 000
-FRICTION_BYTES = 26_000  # an unknown, beside those of an elastic run: 13 000 to 24 000 measured
+BASE_BYTES = 400_000_000  # memory of the libraries
+SMALL = 30_000  # unknowns above which the seconds of an unknown grow
+# Time of a load step of bodies that yield, its share of unloading included, over that of an elastic
+# run: 0.8 to 1.3 were measured on a solid of 10 000 to 48 000 unknowns and on a section.
+LOAD_STEP = 1.1
+YIELD_BYTES = 6_000  # more bytes per unknown with yield: 4 500 to 5 500 were measured
+# Additional time with friction over that of an elastic run, at FRICTION_AT unknowns and proportional
+# to them: 4 to 17 were measured from 28 000 to 140 000 unknowns.
+FRICTION, FRICTION_AT = 5.5, 46_000
+FRICTION_BYTES = 26_000  # more bytes per unknown with friction: 13 000 to 24 000 were measured
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,9 @@ from railhead.planning.references import closed_forms
 from railhead.postprocess.findings import Findings
 from railhead.theory.elastic import finite_bodies
 
-SMALL = 0.1  # semi-axis over relative radius
+SMALL = 0.1  # largest semi-axis over relative radius of a small patch
 DOUBTFUL = ": the comparison with Hertz is doubtful"
-EDGE = 1.1  # times the semi-axis across that must lie within both profiles
+EDGE = 1.1  # factor on the semi-axis across that must lie within both profiles
 
 
 def small_patch(context: Context, found: Findings) -> PostSolveVerdict:

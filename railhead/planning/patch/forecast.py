@@ -26,7 +26,7 @@ from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz
 
 Array = NDArray[np.float64]
-MINOR = 0.02  # of the load: smaller patches are not refined for
+MINOR = 0.02  # share of the load below which a patch is left out
 
 
 @dataclass(frozen=True)
@@ -97,13 +97,10 @@ def forecast(context: Context) -> Forecast:
     """Expected patches: exact Hertz where the gap is a parabola or boundary elements find no patch,
     else boundary elements. Patches below 2 % (MINOR) of the load are left out.
     """
-    contact, ellipse = context.contact, context.hertz
-    if context.hertzian:
-        return _hertz(contact, ellipse)
-    try:
-        found = context.boundary_elements
-    except ValueError as error:  # the finite elements will tell
-        return replace(_hertz(contact, ellipse), reason=f"boundary elements: {error}")
+    contact, found = context.contact, context.elastic
+    if isinstance(found, str):  # where nothing else is known the finite elements will tell
+        reason = f"boundary elements: {found}" if found else ""
+        return replace(_hertz(contact, context.hertz), reason=reason)
     surface, points, forces = boundary_elements.develop(contact), [], []
     for window in found.windows:
         places = (each.ravel() for each in np.meshgrid(window.x, window.s, indexing="ij"))

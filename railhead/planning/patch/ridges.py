@@ -11,8 +11,8 @@ import math
 from railhead.contact.solid import Contact
 from railhead.planning.patch.forecast import Zone
 
-JUMP = 0.2  # of the relative curvature across, over its larger side: smaller ones leave no ridge
-BESIDE = 1e-6  # mm
+JUMP = 0.2  # least jump of the relative curvature, over its larger side, that makes a ridge
+BESIDE = 1e-6  # mm, distance from a joint at which the curvature of each side is taken
 
 
 def ridges(contact: Contact, zone: Zone) -> list[Zone]:

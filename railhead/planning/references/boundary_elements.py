@@ -22,12 +22,12 @@ from railhead.theory.bem.boundary_element import Solution, Window
 from railhead.theory.elastic.contacts import Hertz
 
 Array = NDArray[np.float64]
-SAMPLES = 4001  # of either profile
-FIRST_REACH = 1.2  # times Hertz's approach: how far down patches are looked for at first
-PENETRATION = 1e-3  # of the approach: what lies deeper in the other body was missed
+SAMPLES = 4001  # points on each profile
+FIRST_REACH = 1.2  # closure up to which patches are searched at first, over Hertz's approach
+PENETRATION = 1e-3  # least overlap, over the approach, that shows a missed patch
 MAX_SOLUTIONS = 5
 TOLERANCE = 1e-5
-CELLS = 64  # each way in a patch
+CELLS = 64  # cells along each axis of a patch
 
 
 @dataclass(frozen=True)

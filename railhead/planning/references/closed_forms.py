@@ -15,10 +15,10 @@ from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.rolling import tangential
 from railhead.theory.rolling.tangential import Pair
 
-CONTINUUM = 1e-6  # mm: a nanometre, some atoms
-LARGEST = 1e6  # mm: a kilometre; no body is longer
-PARABOLIC = 0.02  # largest deviation from Hertz's gap over his approach
-ROUNDING = 1e3  # gap of the patch over the rounding of coordinates, at least
+CONTINUUM = 1e-6  # mm, least half length of a patch: some atoms
+LARGEST = 1e6  # mm, largest half length of a patch: no body is longer
+PARABOLIC = 0.02  # largest deviation from Hertz's gap, over the approach
+ROUNDING = 1e3  # least gap of a patch over the rounding error of coordinates
 
 
 def plane_strain_modulus(scene: Scene, body: int) -> float:
@@ -49,8 +49,8 @@ def hertz_contact(scene: Scene, contact: Contact, load: float | None = None) -> 
     """Exact Hertz, line or ellipse, for the pair under a vertical load (N), by default that or the
     approach of the scene.
     """
-    load = load if load is not None else scene.load
-    return contact.line_contact(load) or ellipse(scene, contact, load)
+    along_line = contact.line_contact(load if load is not None else scene.load)
+    return along_line or ellipse(scene, contact, load)
 
 
 def ellipse(scene: Scene, contact: Contact, load: float | None = None) -> Ellipse:

@@ -22,7 +22,7 @@ from railhead.theory.elastic.contacts import Hertz
 
 MEASURED = json.loads((Path(__file__).parent / "data" / "twist.json").read_text(encoding="utf-8"))
 COMPLIANCE: dict[str, float] = MEASURED["compliance"]  # twist times E over the moment, 1/mm3
-CENTRE: float = MEASURED["centre_mm"]  # below the crown, that the head turns about (67 to 76)
+CENTRE: float = MEASURED["centre_mm"]  # depth of the centre of twist below the crown (67 to 76 mm)
 
 
 def lever(contact: Contact, centre: float = CENTRE) -> float:

@@ -16,7 +16,7 @@ from railhead.theory.rolling.rolling import Creepage
 from railhead.theory.rolling.tangential import Pair
 
 Array = NDArray[np.float64]
-SLENDER = 20.0  # axis ratio up to which the linear theory is known
+SLENDER = 20.0  # largest axis ratio in the tables of the linear theory
 
 
 class Rolled(NamedTuple):

@@ -16,7 +16,7 @@ from railhead.theory.friction import kalker
 from railhead.theory.rolling.rolling import Creepage
 
 OMITTED = "not simulated: falling friction, third bodies, roughness, dynamics (docs/limits.md)"
-NO_MISMATCH = 1e-9  # |beta| that is rounding
+NO_MISMATCH = 1e-9  # largest |beta| that is taken for a rounding error
 
 
 def decide(context: Context) -> Effect:

@@ -6,7 +6,7 @@ import math
 
 from railhead.planning.context import Context, Effect
 
-SHARE = 0.1  # of the prescribed accuracy: compliance that may be left out
+SHARE = 0.1  # share of the accuracy: compliance of a body that is taken as rigid
 
 
 def decide(body: str, context: Context) -> Effect:

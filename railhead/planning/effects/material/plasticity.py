@@ -18,9 +18,9 @@ from railhead.theory.friction import sliding
 if TYPE_CHECKING:
     from railhead.solver.material.hardening import Hardening
 
-STEPS = 4  # from first yield to the load: the centre pressure is within 1.5 % of many steps
-LINE_STEPS = 16  # the same of a line, where four leave the strain 20 % and more too large
-DEFAULT_STEEL = "R260"  # rail steel that a scene without one is held against
+STEPS = 4  # load steps after first yield: the centre pressure is within 1.5 % of many steps
+LINE_STEPS = 16  # the same for a line, where four steps make the strain 20 % too large
+DEFAULT_STEEL = "R260"  # rail steel whose yield a scene without a steel is compared with
 
 
 def decide(context: Context) -> Effect:

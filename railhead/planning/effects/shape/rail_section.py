@@ -11,9 +11,8 @@ from railhead.planning.references import rail_twist
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import SceneError
 
-STRESS_CHANGE = (
-    0.25  # of the stress at the cut over p0: what the largest shear stress changes by (measured)
-)
+# Relative change of the largest shear stress over the stress at the cut over p0 (measured).
+STRESS_CHANGE = 0.25
 
 
 def decide(context: Context) -> Effect:

@@ -12,7 +12,7 @@ from railhead.geometry.profiles import Arc, Polynomial, osculating
 from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.postprocess.findings import Findings
 
-MARGIN = 1.1  # times the patch that must lie within one arc
+MARGIN = 1.1  # factor on the patch that must lie within one arc
 
 
 def decide(context: Context) -> Effect:
