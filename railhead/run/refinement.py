@@ -19,8 +19,8 @@ from railhead.run.progress import Progress
 MAX_LEVELS = 5
 ONE_MESH = "one mesh"
 ONE_MESH_SHARE = 0.9  # share of the accuracy that a single mesh is planned for
-# Error over the change with twice the load steps. It is 2.2 at order 0.86, which was measured from 4
-# to 64 steps (largest pressure of a sphere at five times its first-yield load).
+# Error over the change with twice the load steps. It is 2.2 at order 0.86, which was measured from
+# 4 to 64 steps (largest pressure of a sphere at five times its first-yield load).
 STEP_ERROR = 2.5
 LOAD_STEP_SHARE = 0.4  # share of the accuracy that the error of load steps may take
 MOST_STEPS = 16  # largest factor on the usual number of load steps

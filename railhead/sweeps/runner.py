@@ -31,8 +31,8 @@ from railhead.sweeps.grid import ParameterGrid
 
 MAX_GROUP = 30  # loads that share a mesh: gmsh evaluates the size field of each everywhere
 # Largest over smallest load of a group. Where some elements in a patch are more than twice as long
-# as others, its half lengths are read worse: S1002 on 60E1 under 80 kN has an error in a of 0.1 % on
-# a mesh that 10 kN shares, 0.7 % with 1 kN, 2.7 % with 100 N.
+# as others, its half lengths are read worse: S1002 on 60E1 under 80 kN has an error in a of 0.1 %
+# on a mesh that 10 kN shares, 0.7 % with 1 kN, 2.7 % with 100 N.
 MAX_LOAD_RATIO = 8.0
 
 
