@@ -263,10 +263,10 @@ def sweep(
     folder = out if out is not None else Path("results") / f"{scene.name}_sweep"
     result_folder.check_folder(folder)
 
-    from railhead.sweeps import parallel, sweep_table
+    from railhead.sweeps import parallel, store, sweep_table
 
     task = parallel.ParallelSweep(grid=grid, folder=folder, vtu=vtu)
-    other = "replace" if force else "move" if out is None and not resume else "refuse"
+    other: store.Other = "replace" if force else "move" if out is None and not resume else "refuse"
     outcome = parallel.run(task, pictures=not no_pictures, quiet=quiet, other=other)
     if outcome is None:  # a rank that worked for the first one
         return SOLVED
