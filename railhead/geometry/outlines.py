@@ -47,9 +47,8 @@ class Curve:
         """The curve reflected at y = 0, with its points in reverse order, so that the direction
         around the section is kept.
         """
-        flip = np.array([-1.0, 1.0])
-        centre = None if self.centre is None else self.centre * flip
-        return Curve(self.points[::-1] * flip, self.role, centre)
+        flipped = self.moved(np.diag([-1.0, 1.0]), np.zeros(2))
+        return replace(flipped, points=flipped.points[::-1])
 
     def moved(self, rotation: Array, shift: Array) -> Curve:
         """The curve rotated about the origin by a matrix (2, 2), then shifted by (y, z) in mm."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,16 +13,6 @@ from railhead.geometry.profiles import Profile
 Array = NDArray[np.float64]
 NEWTON_STEPS = 20
 CONVERGED = 1e-9  # mm, of the last step: a line that misses the surface takes long ones for ever
-
-
-class Surface(Protocol):
-    """A surface as the zero set of a function that is positive outside the solid."""
-
-    def implicit(self, points: Array) -> tuple[Array, Array]:
-        """Values (n,) in mm of the function and its gradients (n, 3) at points (n, 3) in mm; NaN
-        beyond the profile.
-        """
-        ...
 
 
 @dataclass(frozen=True)
@@ -91,6 +80,10 @@ class StraightTread:
         one = np.ones_like(y)
         gradient = np.column_stack([0.0 * one, -self.profile.slope(y), -one])
         return self.lift - self.profile.height(y) - points[:, 2], gradient
+
+
+Surface = RailSurface | WheelSurface | StraightTread
+"""A surface as the zero set of a function that is positive outside the solid."""
 
 
 def along(surface: Surface, points: Array, directions: Array) -> Array:

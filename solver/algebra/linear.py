@@ -180,15 +180,6 @@ class ForcingTermTest:
         return int(reason.ITERATING)
 
 
-def switch_to_gmres(ksp: PETSc.KSP) -> None:
-    """Change a Krylov method from conjugate gradients to flexible GMRES, which needs no definite
-    preconditioner, with PETSc's own convergence test.
-    """
-    ksp.setType("fgmres")
-    ksp.setConvergenceTest(None)
-    ksp.setPCSide(PETSc.PC.Side.RIGHT)
-
-
 def solve(
     problem: ContactProblem,
     preconditioner: Preconditioner,
@@ -232,7 +223,11 @@ def solve(
         if reason > 0:
             break
         if reason == PETSc.KSP.ConvergedReason.DIVERGED_INDEFINITE_PC:
-            switch_to_gmres(ksp)  # a smoother whose largest eigenvalue was underestimated
+            # A smoother underestimated its largest eigenvalue: flexible GMRES needs no definite
+            # preconditioner.
+            ksp.setType("fgmres")
+            ksp.setConvergenceTest(None)
+            ksp.setPCSide(PETSc.PC.Side.RIGHT)
             continue
         if fresh:
             raise StalledError(iterations, "the linear solver stalls")

@@ -180,25 +180,16 @@ def _cell_stiffness(slave: FacetSet) -> Array:
     """Stiffness matrix (m, c d, c d) of each of m cells with d dofs of c components, N/mm. A
     stiffness is added on rigid motions, which carry no stress, so that the matrix is regular.
     """
-    kinematics = slave.kinematics
+    kinematics, size = slave.kinematics, slave.kinematics.dim * slave.dofs.shape[1]
     order = quadrature_degree(slave.cell, slave.degree, kinematics)
-    gradients, traces, volumes = slave.cell_strains(order)
-    lam, mu = slave.lame.T
-    same = np.einsum("pm,pmie,pmje->mij", volumes * mu, gradients, gradients)
-    energy = np.einsum("ij,mkl->mkilj", np.eye(kinematics.dim), same)
-    dilatation = traces
-    if kinematics.mean_dilatation:
-        every = np.arange(len(slave))
-        dilatation = np.broadcast_to(
-            slave.divergence(every, np.zeros((len(slave), kinematics.dim))), traces.shape
-        )
-    energy += np.einsum("pm,pmki,pmlj->mkilj", volumes * lam, dilatation, dilatation)
-    energy += np.einsum("pm,pmkj,pmli->mkilj", volumes * mu, gradients, gradients)
-    if kinematics.revolved:
-        hoop = traces - gradients
-        energy += 2 * np.einsum("pm,pmki,pmlj->mkilj", volumes * mu, hoop, hoop)
-    size = kinematics.dim * slave.dofs.shape[1]
-    energy = energy.reshape(len(slave), size, size)
+    point, _, weights = slave.quadrature_points(order)
+    lam, mu = slave.lame[point[0]].T
+    strains = slave.strains(*point).reshape(len(weights), -1, size)
+    traces = slave.divergence(*point).reshape(len(weights), 1, size)
+    rows = np.sqrt(np.stack([2 * mu * weights, lam * weights]))[:, :, None, None]
+    rows = np.concatenate([rows[0] * strains, rows[1] * traces], axis=1)
+    rows = rows.reshape(len(slave), -1, size)
+    energy = rows.transpose(0, 2, 1) @ rows
     x = slave.dof_points()
     x = x - x.mean(axis=1, keepdims=True)
     scale = np.abs(x).max(axis=(1, 2))[:, None, None]

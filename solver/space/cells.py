@@ -196,10 +196,13 @@ class CellSet:
         d, c), 1/mm.
         """
         order = quadrature_degree(self.cell, self.degree, self.kinematics)
-        _, traces, volumes = self.cell_strains(order)
-        return np.asarray(
-            np.einsum("pm,pmdc->mdc", volumes, traces) / volumes.sum(axis=0)[:, None, None]
-        )
+        point, x, weights = self.quadrature_points(order)
+        value, gradient = self.basis(*point)
+        traces = self.kinematics.divergence(value, gradient, x[:, None])
+        shares = weights.reshape(len(self), -1)
+        shares = shares / shares.sum(axis=1, keepdims=True)
+        traces = traces.reshape(*shares.shape, *traces.shape[1:])
+        return np.asarray(np.einsum("mp,mpdc->mdc", shares, traces))
 
     def dof_points(self) -> Array:
         """Position of the cells' dofs (m, d, c), mm."""
@@ -207,19 +210,6 @@ class CellSet:
         points = np.asarray(lagrange_element(self.cell, self.degree, variant).points)
         phi = tabulate(self.cell, self.geometry_degree, points, geometry=True)[0]
         return np.asarray(np.einsum("dk,fkc->fdc", phi, self.nodes))
-
-    def cell_strains(self, degree: int) -> tuple[Array, Array, Array]:
-        """Gradients and divergence of the basis functions, each (points, m, d, c) in 1/mm, and
-        weights (points, m) in mm3, at the quadrature points of all m cells; degree: degree of
-        the quadrature.
-        """
-        (index, reference), x, weights = self.quadrature_points(degree)
-        value, gradient = self.basis(index, reference)
-        traces = self.kinematics.divergence(value, gradient, x[:, None])
-        every = (gradient, traces, weights)
-        of_cells = (each.reshape(len(self), -1, *each.shape[1:]) for each in every)
-        gradients, traces, volumes = (np.swapaxes(each, 0, 1) for each in of_cells)
-        return gradients, traces, volumes
 
 
 def cell_data(bulk: Bulk, cells: Index) -> dict[str, Any]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from railhead.theory.elastic.hertz import Ellipse
-from railhead.theory.elastic.subsurface import contact_potential
+from railhead.theory.elastic.subsurface import contact_potential, half_space_points
 
 Array = NDArray[np.float64]
 
@@ -59,12 +59,10 @@ def _from_origin(points: ArrayLike) -> tuple[Array, Array]:
     """Points (n, 3) as an array and their distances (n,) from the origin, mm. ValueError: a point
     above the surface, at the origin, or another shape.
     """
-    xyz = np.asarray(points, dtype=float)
-    if xyz.ndim != 2 or xyz.shape[1] != 3:
-        raise ValueError(f"points must have the shape (n, 3), got {xyz.shape}")
+    xyz = half_space_points(points)
     rho = np.linalg.norm(xyz, axis=1)
-    if np.any(xyz[:, 2] > 0) or np.any(rho == 0):
-        raise ValueError("points must lie at z <= 0 and away from the point force at the origin")
+    if np.any(rho == 0):
+        raise ValueError("points must lie away from the point force at the origin")
     return xyz, rho
 
 

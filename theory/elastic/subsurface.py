@@ -172,13 +172,18 @@ def contact_potential(contact: Ellipse, points: ArrayLike) -> EllipsoidPotential
     up to 1e-9 of the smaller semi-axis counts as 0. ValueError: a point above the surface, or
     another shape.
     """
-    xyz = np.asarray(points, dtype=float)
-    if xyz.ndim != 2 or xyz.shape[1] != 3:
-        raise ValueError(f"points must have the shape (n, 3), got {xyz.shape}")
-    if np.any(xyz[:, 2] > 1e-9 * min(contact.a, contact.b)):
-        raise ValueError(f"points must lie at z <= 0, got z = {xyz[:, 2].max()} mm")
-    x, y, z = xyz.T
+    x, y, z = half_space_points(points, 1e-9 * min(contact.a, contact.b)).T
     return EllipsoidPotential(contact.a, contact.b, contact.p0, x, y, np.maximum(-z, 0))
+
+
+def half_space_points(points: ArrayLike, highest: float = 0.0) -> Array:
+    """The points as an array (n, 3), mm. ValueError: another shape, or a point with z above
+    `highest` (mm).
+    """
+    xyz = np.asarray(points, dtype=float)
+    if xyz.ndim != 2 or xyz.shape[1] != 3 or np.any(xyz[:, 2] > highest):
+        raise ValueError(f"points must be (n, 3) at z <= 0, got the shape {xyz.shape}")
+    return xyz
 
 
 def _on_axis(depth: ArrayLike) -> Array:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from railhead.theory.elastic.contacts import Hertz, half_lengths
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import LineContact
-from railhead.theory.elastic.subsurface import von_mises
+from railhead.theory.elastic.subsurface import half_space_points, von_mises
 
 Array = NDArray[np.float64]
 Waves = NDArray[np.complex128]
@@ -57,9 +57,7 @@ def stress(contact: Hertz, friction: float, poisson: float, points: ArrayLike) -
     F/pi in the terms of `theory.elastic.line`. ValueError: a point above the surface, or another
     shape.
     """
-    xyz = np.asarray(points, dtype=float)
-    if xyz.ndim != 2 or xyz.shape[1] != 3 or np.any(xyz[:, 2] > 0):
-        raise ValueError(f"points must be (n, 3) at z <= 0, got the shape {xyz.shape}")
+    xyz = half_space_points(points)
     x, y, depth = xyz[:, 0], xyz[:, 1], -xyz[:, 2]
     if isinstance(contact, LineContact):
         direction = (0.0, 1.0) if contact.across else (1.0, 0.0)

@@ -38,13 +38,10 @@ def read(path: Path, unit_is_given: bool = False) -> Table:
         found = _miniprof(path.name, lines)
     else:
         found = _simpack(path.name, lines)
-    if found.body and found.body != body:
-        text = f"the header says {found.body}; a {extension} file is of a {body}"
-        raise FormatError(path.name, 1, text)
     if len(found.points) < LEAST_POINTS:
         text = f"ends after {len(found.points)} points; give at least {LEAST_POINTS}"
         raise FormatError(path.name, len(lines), text)
-    return replace(found, body=body)
+    return replace(found, body=found.body or body)
 
 
 def _text(path: Path) -> str:

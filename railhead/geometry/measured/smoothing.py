@@ -31,7 +31,6 @@ DIFFERENCE = 5  # order of the differences that show the noise ...
 MEDIAN = 101  # ... points over which their median is taken ...
 NORMAL = 0.6745  # ... and the median of the modulus of a standard normal number
 LEAST_NOISE = 1e-5  # mm: less is rounding of the numbers in a file
-CLOSE = 0.1  # mm: points that are nearer to each other are averaged first
 PIECES = 250  # of the spline, at most
 PILOT = 12.0  # points in the wavelength of the curve that normals and lengths are taken from
 SHORTEST, LONGEST = 4.0, 60.0  # wavelengths: points and knots, and mm
@@ -128,7 +127,8 @@ def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0)
     Raises ValueError for fewer than 12 points. Raises PointError for a gap of more than 5 mm
     between points, and where they bend the curve back.
     """
-    points = _averaged(points)
+    repeated = np.linalg.norm(np.diff(points, axis=0, prepend=np.nan), axis=1) == 0
+    points = points[~repeated]
     if len(points) < LEAST_POINTS:
         raise ValueError(f"has {len(points)} points; give at least {LEAST_POINTS}")
     sigma = noise(points)
@@ -253,25 +253,6 @@ class _Fit:
     def _squares(self) -> Array:
         """Normal matrix (m, m) of the points alone, basis^T basis."""
         return np.asarray(self.basis.T @ self.basis)
-
-
-def _averaged(points: Array) -> Array:
-    """Points (m, 2) in their order, mm: of points at one place the first, and groups of points
-    nearer than 0.1 mm (CLOSE) as their mean.
-    A group longer than 0.2 mm stays as it is; an incomplete last group is left out.
-    """
-    apart = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    points, apart = points[np.concatenate([[True], apart > 0])], apart[apart > 0]
-    near = float(np.median(apart)) if len(apart) else CLOSE
-    group = math.ceil(CLOSE / near) if near < CLOSE / 1.5 else 1
-    kept = []
-    for first in range(0, len(points), group):
-        part = points[first : first + group]
-        if chord_lengths(part)[-1] > 2 * CLOSE:
-            kept.append(part)
-        elif len(part) == group:
-            kept.append(part.mean(axis=0, keepdims=True))
-    return np.concatenate(kept)
 
 
 def _cross(one: Array, other: Array) -> Array:

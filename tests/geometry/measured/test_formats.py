@@ -42,7 +42,7 @@ def test_a_wheel_is_no_rail(tmp_path) -> None:
         measured.read(PRW, "rail")
     file = tmp_path / "wheel.prr"
     file.write_bytes(PRW.read_bytes())
-    with pytest.raises(FormatError, match="header says wheel"):
+    with pytest.raises(FormatError, match="is a wheel's; give one of a rail"):
         measured.read(file, "rail")
 
 

@@ -102,7 +102,7 @@ def test_points_in_any_order_make_the_same_profile() -> None:
         np.testing.assert_allclose(found.height(y), straight.height(y), atol=1e-4)
 
 
-def test_dense_points_are_averaged_and_repeated_ones_dropped() -> None:
+def test_dense_and_repeated_points_make_the_same_profile() -> None:
     points = noisy(rail(spacing=0.01), 0.01, 6)
     twice = np.repeat(rail(), 2, axis=0)
     y = np.linspace(-25, 25, 51)

@@ -219,7 +219,7 @@ def test_stress_scales_with_the_cube_root_of_the_load() -> None:
 def test_wrong_points_are_refused(thesis_ellipse: Ellipse) -> None:
     with pytest.raises(ValueError, match="z <= 0"):
         stress(thesis_ellipse, 0.3, [[0, 0, 0.1]])
-    with pytest.raises(ValueError, match=r"shape \(n, 3\)"):
+    with pytest.raises(ValueError, match=r"must be \(n, 3\)"):
         stress(thesis_ellipse, 0.3, [0, 0, -1])
     with pytest.raises(ValueError, match="depth must not be negative"):
         axis_stress(thesis_ellipse, 0.3, [1.0, -1.0])
