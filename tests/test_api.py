@@ -74,9 +74,9 @@ def check_sweep(table: railhead.Sweep, file: Path) -> None:
     """Every combination, the last key fastest, with its own numbers in the file."""
     with file.open(encoding="utf-8-sig") as lines:
         rows = list(csv.DictReader(lines))
-    changed = [(float(row["wheel.rolling_radius"]), float(row["load"])) for row in rows]
+    changed = [(float(row["wheel.rolling_radius [mm]"]), float(row["load [N]"])) for row in rows]
     assert changed == [(420, 2000), (420, 4000), (460, 2000), (460, 4000)]
-    assert [float(row["max_MPa"]) for row in rows] == [each.pressure.max for each in table]
+    assert [float(row["p_max [MPa]"]) for row in rows] == [each.pressure.max for each in table]
     assert table[1].pressure.max / table[0].pressure.max == pytest.approx(2 ** (1 / 3), rel=1e-3)
     assert table[2].pressure.max < table[0].pressure.max
 

@@ -34,7 +34,7 @@ LETTER = 0.11  # in: width of one of a value
 
 def curves(columns: Sequence[str], rows: Rows, path: Path, y: str, title: str = "") -> None:
     """Write a PNG file with four panels: largest pressure, area, place in y and largest shear
-    stress over the varied column with the most values.
+    stress over the varied column with the most values; bars are error estimates.
 
     columns: names of the one or two columns that are varied. rows: of the table. y: label of the
         place in y. title: above the picture. There is a line for each value of the other column.
@@ -54,14 +54,19 @@ def curves(columns: Sequence[str], rows: Rows, path: Path, y: str, title: str = 
                 x = _places(over, own, rows)
                 found = np.array([row.get(name, math.nan) for row in own], dtype=float)
                 order = np.argsort(x)
-                axes.plot(x[order], found[order], "o-", color=colour, label=_word(value))
+                known = f"{name.partition(' [')[0]} estimate"  # relative
+                error = found * np.array([row.get(known, math.nan) for row in own], dtype=float)
+                look: dict[str, Any] = {"color": colour, "label": _word(value), "capsize": 3}
+                axes.errorbar(x[order], found[order], error[order], fmt="o-", **look)
                 bad = np.array([row["checks"] != "passed" for row in own])
                 axes.plot(x[bad], found[bad], "o", ms=10, mfc="none", mec=HERTZ, zorder=3)
             axes.set_ylabel(label + y if name == PLACE else label)
             if name != PLACE:
-                axes.set_ylim(bottom=0)
+                axes.set_ylim(0, 1.05 * axes.get_ylim()[1])  # room for a ring
+        notes = ["bars: estimated errors"]
         if any(row["checks"] != "passed" for row in rows):
-            figure.suptitle("ringed: a check failed; not drawn: no result", fontsize=10)
+            notes += ["ringed: a check failed", "not drawn: no result"]
+        figure.suptitle("; ".join(notes), fontsize=10)
         for axes in panels[1]:
             axes.set_xlabel(over)
             if not _numbers(over, rows):

@@ -275,8 +275,8 @@ def sweep(
     for number, text in failed.items():
         click.echo(f"{grid.label(number)}: {text}", err=True)
     if not quiet:
-        verdict = f"{len(failed)} not passed" if failed else "all passed"
-        click.echo(f"{len(status)} combinations, {verdict}")
+        for line in sweep_table.verdict(outcome.rows):
+            click.echo(line)
         click.echo(f"written to {folder}/")
     if outcome.failures:
         return _not_written(OSError("\n".join(outcome.failures)))

@@ -310,11 +310,15 @@ class Friction:
     passes: int = friction("passes")
     resolution: FrictionResolution | None = friction("resolution", record=FrictionResolution)
     below_resolution: list[str] | None = friction("below_resolution")
-    wear_number: float | None = steel("wear_number_N", "N", "T-gamma without spin, worst patch")
-    t_gamma_over_area: float | None = steel(
-        "t_gamma_over_area_MPa", "N/mm2", "T-gamma over the area"
+    wear_number: float | None = steel(
+        "wear_number_N", "N", "T-gamma without spin, worst patch", column="wear number"
     )
-    wear_regime: str | None = steel("wear_regime", "", "   wear by it (R8T on 900A)")
+    t_gamma_over_area: float | None = steel(
+        "t_gamma_over_area_MPa", "N/mm2", "T-gamma over the area", column="T-gamma/area"
+    )
+    wear_regime: str | None = steel(
+        "wear_regime", "", "   wear by it (R8T on 900A)", column="wear regime"
+    )
     von_mises_max: float = steel("von_mises_max_MPa")
     von_mises_max_depth: float = steel("von_mises_max_depth_mm")
     von_mises_max_at: str = steel("von_mises_max_at", "", "where von Mises stress is largest")
@@ -326,11 +330,11 @@ class Friction:
         "shakedown_limit_p0_over_k", "", "p0/k at which a line shakes down"
     )
     shear_yield: float | None = steel("shear_yield_MPa", "MPa", "yield stress in shear k")
-    p0_over_k: float | None = steel("p0_over_k", "", "p0/k")
+    p0_over_k: float | None = steel("p0_over_k", "", "p0/k", column="p0/k")
     surface_fatigue_index: float | None = steel(
-        "surface_fatigue_index", "", "surface fatigue index"
+        "surface_fatigue_index", "", "surface fatigue index", column="surface fatigue index"
     )
-    shakedown: str | None = steel("shakedown", "", "   passing again and again")
+    shakedown: str | None = steel("shakedown", "", "   passing again and again", column="shakedown")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -351,16 +355,20 @@ class Plastic:
     elastic_p0_over_k: largest pressure without yield over yield stress in shear.
     """
 
-    load_over_first_yield: float = quantity("load_over_first_yield")
+    load_over_first_yield: float = quantity("load_over_first_yield", column="load/first yield")
     load_steps: int = quantity("load_steps")
-    strain_max: float = quantity("strain_max")
+    strain_max: float = quantity("strain_max", column="plastic strain")
     body: str = quantity("body")
     place: list[float] = quantity("place_mm")
     volume_mm3: float = quantity("volume_mm3")
     depth: float = quantity("depth_mm")
     top: float = quantity("top_mm")
-    residual_depth_rail: float | None = quantity("residual_depth_rail_mm")
-    residual_depth_wheel: float | None = quantity("residual_depth_wheel_mm")
+    residual_depth_rail: float | None = quantity(
+        "residual_depth_rail_mm", "mm", column="residual depth rail"
+    )
+    residual_depth_wheel: float | None = quantity(
+        "residual_depth_wheel_mm", "mm", column="residual depth wheel"
+    )
     residual_von_mises_max: float | None = quantity("residual_von_mises_max_MPa")
     elastic_p0_over_k: float = quantity("elastic_p0_over_k")
 

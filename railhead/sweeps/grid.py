@@ -54,7 +54,8 @@ class ParameterGrid:
 
     def label(self, number: int) -> str:
         """Keys, units and values of scene `number` as text, e.g. "load [N] = 25000.0"."""
-        pairs = (f"{column(key)} = {value}" for key, value in self.values(number).items())
+        values = self.values(number).items()
+        pairs = (f"{column(key)} = {shown(key, value)}" for key, value in values)
         return ", ".join(pairs) or "the scene"
 
     def refuse_duplicates(self) -> None:
@@ -69,8 +70,16 @@ class ParameterGrid:
 
 
 def column(key: str) -> str:
-    """Header of a table column with the values of a dotted key: key and base unit, "load [N]"."""
-    return f"{key} [{unit(key)}]" if unit(key) else key
+    """Header of a table column with the values of a dotted key: key and unit, "load [N]"."""
+    shown = {"rad": "mrad"}.get(unit(key), unit(key))
+    return f"{key} [{shown}]" if shown else key
+
+
+def shown(key: str, value: object) -> object:
+    """A value (base unit) of a dotted key in the unit of its column."""
+    if unit(key) == "rad" and isinstance(value, float):
+        return float(f"{1e3 * value:.12g}")
+    return value
 
 
 def parse_values(texts: Sequence[str]) -> dict[str, list[object]]:

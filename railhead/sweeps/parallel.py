@@ -95,12 +95,17 @@ class ParallelSweep:
 class Outcome:
     """What became of a sweep.
 
-    status: of each scene by number, "passed" or why not.
+    rows: of sweep.csv, cells by column header.
     failures: a line for each picture that could not be drawn.
     """
 
-    status: dict[int, str]
+    rows: list[Row]
     failures: list[str]
+
+    @property
+    def status(self) -> dict[int, str]:
+        """By number of the scene, "passed" or why not."""
+        return {number: row[sweep_table.CHECKS] for number, row in enumerate(self.rows)}
 
 
 def run(
@@ -244,8 +249,8 @@ def _write(
     for number in faults.keys() - done:
         rows[number] = sweep_table.row(sweep.values(number), {"fault": faults[number]})
     _write_table(sweep, rows)
-    table = [row for _, row in sorted(rows.items())]
-    status = {number: row[sweep_table.CHECKS] for number, row in enumerate(table)}
+    outcome = Outcome([row for _, row in sorted(rows.items())], failures)
+    table, status = outcome.rows, outcome.status
     for name in store.SERIES if sweep.vtu else ():
         files = {
             sweep.times[number]: f"{store.vtu_folder(Path(), number)}/{name}.vtu"
@@ -268,7 +273,7 @@ def _write(
                 draw(columns, table, path=folder / name, y=y_label, title=title)
     with result_folder.attempt(failures, folder, folder):
         result_folder.stamp(folder)
-    return Outcome(status, failures)
+    return outcome
 
 
 def _values(scene: Scene, keys: Iterable[str]) -> dict[str, object]:

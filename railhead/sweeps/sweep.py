@@ -8,44 +8,37 @@ from typing import TYPE_CHECKING, Any
 
 from railhead.results import table_file
 from railhead.results.result import Result
-from railhead.run import quantities, refinement
+from railhead.run import refinement
 from railhead.scene.scene import SceneError
-from railhead.sweeps import runner
+from railhead.sweeps import runner, sweep_table
 from railhead.sweeps.grid import ParameterGrid
 
 if TYPE_CHECKING:
     from railhead.scene.scene import Scene
 
+Outcome = Result | Exception
+
 
 class Sweep(list[Result]):
-    """List of the results of all combinations, the last key changing fastest.
+    """List of the results of all combinations that were solved, the last key changing fastest.
 
     keys: dotted keys whose values change.
     """
 
-    def __init__(self, results: Iterable[Result], keys: Sequence[str]) -> None:
-        """results: in the order of combinations; keys: dotted keys whose values change."""
-        super().__init__(results)
-        self.keys = list(keys)
+    def __init__(self, outcomes: Sequence[Outcome], grid: ParameterGrid) -> None:
+        """outcomes: result or error of each scene of the grid."""
+        super().__init__(each for each in outcomes if isinstance(each, Result))
+        self.keys = list(grid.keys)
+        self._rows = [
+            sweep_table.row(grid.values(number), sweep_table.record(outcome))
+            for number, outcome in enumerate(outcomes)
+        ]
 
     def rows(self) -> list[dict[str, Any]]:
-        """A table with a row for each result, cells by column name.
-
-        Columns: the changed values by key; `passed`; `unknowns`; the quantities with an error
-            estimate by their names in summary.json (None where nothing touches); `bound_<name>`,
-            their relative error bounds (None where there is none).
+        """The table of `railhead sweep`: a row for each combination, cells by column header
+        (docs/sweeps.md). A combination that could not be solved has the reason in "checks".
         """
-        return [self._row(result) for result in self]
-
-    def _row(self, result: Result) -> dict[str, Any]:
-        """The row of one result, cells by column name."""
-        summary = result.as_dict()
-        changed = {key: result.plan.scene.value(key) for key in self.keys}
-        verdict = {"passed": result.passed, "unknowns": summary["cost"]["dofs"]}
-        known = quantities.numeric_values(summary["result"])
-        values = {name: known.get(name) for name in quantities.ESTIMATED}
-        bounds = {f"bound_{name}": summary["accuracy"]["bound"].get(name) for name in values}
-        return changed | verdict | values | bounds
+        return self._rows
 
     def to_csv(self, path: str | Path) -> None:
         """Write the rows as comma-separated values, in UTF-8 with a byte order mark."""
@@ -72,19 +65,17 @@ def sweep(
     quiet: whether no progress is shown on standard error.
     values: lists of values by key: ``load=["25 kN", "50 kN"]``.
     All scenes are planned before the first is solved; those that differ in their load alone share a
-    mesh. Raises SceneError for a wrong scene, MeshError where gmsh fails.
+    mesh. Raises SceneError for a wrong scene, before any is solved.
     """
     grid = ParameterGrid.combine(scene, _lists(over, values))
-    results: dict[int, Result] = {}
+    outcomes: dict[int, Outcome] = {}
     with refinement.show_progress(quiet=quiet) as progress:
         for group in runner.group_by_mesh(runner.plan_all(grid, progress)):
             scenes = {number: grid.scenes[number] for number in group}
-            for number, result in runner.solve_group(scenes, group, progress):
-                if isinstance(result, Exception):
-                    raise result
-                results[number] = result
-                progress.jobs(len(results), len(grid.scenes))
-    return Sweep([results[number] for number in sorted(results)], grid.keys)
+            for number, outcome in runner.solve_group(scenes, group, progress):
+                outcomes[number] = outcome
+                progress.jobs(len(outcomes), len(grid.scenes))
+    return Sweep([outcomes[number] for number in sorted(outcomes)], grid)
 
 
 def _lists(

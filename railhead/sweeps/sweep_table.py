@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from railhead.results.result import Result
 from railhead.run import quantities
-from railhead.sweeps.grid import column
+from railhead.sweeps.grid import column, shown
 
-CONTACT_ANGLE = "contact angle [rad]"
-OTHERS = {CONTACT_ANGLE: ("plan", "contact_angle_rad"), "unknowns": ("cost", "dofs")}
-"""Place in summary.json of the values of columns that are no quantities of the result."""
 COLUMNS = [each for each in quantities.QUANTITIES if each.column]
-CHECKS, PASSED = "checks", "passed"
+CHECKS, PASSED, WARNINGS = "checks", "passed", "warnings"
+FEW = 0.05  # an estimate beyond is counted in the verdict
 
 
 def record(result: Result | Exception) -> dict[str, Any]:
@@ -22,6 +22,7 @@ def record(result: Result | Exception) -> dict[str, Any]:
     fault: reason why there is no result, in one line; empty where there is one.
     summary: content of summary.json.
     outlines: outlines of the patches seen from above, lists of points x, y in mm.
+    wheelset: of a wheelset on a track, columns of both wheels' first contacts and their values.
     """
     if isinstance(result, Exception):
         return {"fault": " ".join(str(result).split())}
@@ -30,39 +31,75 @@ def record(result: Result | Exception) -> dict[str, Any]:
         for line in findings.patch.outlines:
             points = (findings.frame.place(float(x), float(s)) for x, s in line)
             outlines.append([[round(x, 4), round(y, 4)] for x, y, _ in points])
-    return {"fault": "", "summary": result.summary, "outlines": outlines}
+    table = {"fault": "", "summary": result.summary, "outlines": outlines}
+    placed = result.plan.contact.placed if result.plan.scene.rail.gauge else None
+    if placed is not None:
+        left, right = placed.left.touches[0], placed.right.touches[0]
+        table["wheelset"] = {
+            "rolling radius [mm]": right.radius,
+            "left rolling radius [mm]": left.radius,
+            "left contact angle [deg]": math.degrees(left.angle),
+            "left patch y [mm]": left.y,
+        }
+    return table
 
 
 def row(values: Mapping[str, object], record: Mapping[str, Any]) -> dict[str, Any]:
     """A row of sweep.csv: cells by column header.
 
     values: values of the changing keys by dotted key. Where Newton's method did not converge, or
-        there is no result, the row ends after the column `checks`. Raises LookupError, TypeError,
-        ValueError or AttributeError for data that is no record of a scene.
+        there is no result, the row ends after `checks` or `warnings`. Raises LookupError,
+        TypeError, ValueError or AttributeError for data that is no record of a scene.
     """
-    cells: dict[str, Any] = {column(key): value for key, value in values.items()}
+    cells: dict[str, Any] = {column(key): shown(key, value) for key, value in values.items()}
     cells[CHECKS] = status(record)
-    if record["fault"] or not record["summary"]["checks"]["converged"]:
+    if record["fault"]:
         return cells
     summary = record["summary"]
-    every = [each for each in COLUMNS if each.table != "friction"]
-    cells |= {each.header: each.value(summary["result"]) for each in every}
-    cells |= {name: summary[part][key] for name, (part, key) in OTHERS.items()}
-    point = summary["result"]["contact_point_mm"]
+    after = summary["effects_after"].items()
+    told = [f"{name}: {each['why']}" for name, each in after if each["needed"] or each["notable"]]
+    cells[WARNINGS] = "; ".join(told)
+    if not summary["checks"]["converged"]:
+        return cells
+    result, bound = summary["result"], summary["accuracy"]["bound"]
+    cells |= {each.header: each.value(result) for each in COLUMNS if each.path[0] in result}
+    # Of several patches the most loaded one is the first, as for a, b and its place.
+    patches = result["patches"]
+    angle = (patches[0] if patches else summary["plan"])["contact_angle_rad"]
+    cells |= {"contact angle [deg]": math.degrees(angle), **record.get("wheelset", {})}
+    point = result["contact_point_mm"]
     cells |= {f"patch {axis} [mm]": value for axis, value in zip("xyz", point, strict=True)}
-    patches = summary["result"]["patches"]
-    cells["patches"] = max(1, len(patches))
-    if patches:  # the most loaded one is the first, as for a, b and its place
-        cells[CONTACT_ANGLE] = patches[0]["contact_angle_rad"]
-    friction = summary["result"].get("friction") or {}
-    cells |= {each.header: friction[each.key] for each in COLUMNS if each.key in friction}
-    bound = summary["accuracy"]["bound"]
+    cells |= {"patches": max(1, len(patches)), "unknowns": summary["cost"]["dofs"]}
     cells |= {
         f"{each.column.removeprefix('found ')} estimate": bound.get(each.key)
         for each in COLUMNS
         if each.estimated
     }
     return cells | {"program": f"railhead {summary['railhead']}", "date": summary["date"]}
+
+
+def verdict(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Lines that say of all rows what a run says of one: whether the checks hold, largest pressures
+    with their estimates, and warnings, counted by kind.
+    """
+    failed = sum(row[CHECKS] != PASSED for row in rows)
+    lines = [f"{len(rows)} combinations, {f'{failed} not passed' if failed else 'all passed'}"]
+    if solved := [row for row in rows if row.get("p_max [MPa]") is not None]:
+        pressures = [row["p_max [MPa]"] for row in solved]
+        known = [row["p_max estimate"] for row in solved if row["p_max estimate"] is not None]
+        text = f"largest pressure {min(pressures):.5g} to {max(pressures):.5g} MPa"
+        if known:
+            large = sum(each > FEW for each in known)
+            text += f", estimated within {min(known):.2%} to {max(known):.2%}"
+            text += f" ({large} of them beyond {FEW:.0%})" if large else ""
+        lines.append(text + f"; {len(solved) - len(known)} without an estimate")
+    kinds = Counter(
+        part.partition(":")[0] for row in rows for part in row.get(WARNINGS, "").split("; ") if part
+    )
+    return lines + [
+        f"{kind}: a warning in {count} of {len(rows)} (column {WARNINGS})"
+        for kind, count in kinds.items()
+    ]
 
 
 def status(record: Mapping[str, Any]) -> str:

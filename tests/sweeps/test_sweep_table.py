@@ -1,18 +1,24 @@
 """Rows of sweep.csv."""
 
+import math
 from pathlib import Path
 
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+
+from railhead.postprocess.plots import sweep as plots
 from railhead.sweeps import store, sweep_table
 
 
 def test_the_angle_of_a_row_is_that_of_its_patch(swept: Path) -> None:
     """Of several patches the most loaded one, which need not be where the plan saw the first."""
     kept = store.read(swept, 0)
-    planned = sweep_table.row({}, kept)["contact angle [rad]"]
-    assert planned == kept["summary"]["plan"]["contact_angle_rad"]
+    planned = sweep_table.row({}, kept)["contact angle [deg]"]
+    assert planned == math.degrees(kept["summary"]["plan"]["contact_angle_rad"])
     kept["summary"]["result"]["patches"] = [{"contact_angle_rad": 0.1}, {"contact_angle_rad": 0.3}]
     line = sweep_table.row({}, kept)
-    assert line["contact angle [rad]"] == 0.1 and line["patches"] == 2
+    assert line["contact angle [deg]"] == math.degrees(0.1) and line["patches"] == 2
 
 
 def test_a_row_holds_what_its_columns_say() -> None:
@@ -24,7 +30,7 @@ def test_a_row_holds_what_its_columns_say() -> None:
     forces = (
         "force_along_N", "force_across_N", "moment_Nmm", "limit_N", "creepage_along",
         "creepage_across", "spin_per_mm", "shift_along_mm", "shift_across_mm", "stick_share",
-        "t_gamma_N",
+        "t_gamma_N", "t_gamma_over_area_MPa", "surface_fatigue_index", "shakedown",
     )  # fmt: skip
     bounds = ("max_MPa", "area_mm2", "a_mm", "b_mm", "tau_max_MPa", "approach_mm")
     result = {
@@ -34,22 +40,63 @@ def test_a_row_holds_what_its_columns_say() -> None:
         "friction": {key: 20.0 + i for i, key in enumerate(forces)},
     }  # fmt: skip
     summary = {
-        "railhead": "0", "date": "now", "result": result,
+        "railhead": "0", "date": "now",
+        "effects_after": {
+            "plasticity": {"needed": False, "notable": True, "why": "yields"},
+            "heat": {"needed": False, "notable": False, "why": "cold"},
+        }, "result": result,
         "checks": {"converged": True, "passed": True},
         "plan": {"contact_angle_rad": 17.0}, "cost": {"dofs": 15},
         "accuracy": {"bound": {key: 40.0 + i for i, key in enumerate(bounds)}},
     }  # fmt: skip
-    assert sweep_table.row({"load": 16.0}, {"fault": "", "summary": summary}) == {
-        "load [N]": 16.0, "checks": "passed", "p_max [MPa]": 1.0, "p_mean [MPa]": 2.0,
+    record = {"fault": "", "summary": summary, "wheelset": {"left contact angle [deg]": 3.0}}
+    assert sweep_table.row({"load": 16.0, "wheelset.yaw": 0.0015}, record) == {
+        "load [N]": 16.0, "wheelset.yaw [mrad]": 1.5,
+        "checks": "passed", "p_max [MPa]": 1.0, "p_mean [MPa]": 2.0,
         "area [mm2]": 3.0, "a [mm]": 4.0, "b [mm]": 5.0, "tau_max [MPa]": 6.0,
         "tau_max depth [mm]": 7.0, "tau_max body": "rail", "von_mises_max [MPa]": 8.0,
-        "found approach [mm]": 9.0, "found load [N]": 10.0, "contact angle [rad]": 14.0,
+        "found approach [mm]": 9.0, "found load [N]": 10.0,
+        "contact angle [deg]": math.degrees(14.0),
         "unknowns": 15, "patch x [mm]": 11.0, "patch y [mm]": 12.0, "patch z [mm]": 13.0,
         "patches": 2, "force along [N]": 20.0, "force across [N]": 21.0, "moment [N mm]": 22.0,
         "mu N [N]": 23.0, "creepage along": 24.0, "creepage across": 25.0, "spin [1/mm]": 26.0,
         "shift along [mm]": 27.0, "shift across [mm]": 28.0, "stick share": 29.0,
-        "T-gamma [N]": 30.0, "p_max estimate": 40.0, "area estimate": 41.0, "a estimate": 42.0,
+        "T-gamma [N]": 30.0, "T-gamma/area [N/mm2]": 31.0, "surface fatigue index": 32.0,
+        "shakedown": 33.0, "axle": None, "wear number [N]": None, "wear regime": None, "p0/k": None,
+        "warnings": "plasticity: yields", "left contact angle [deg]": 3.0,
+        "p_max estimate": 40.0, "area estimate": 41.0, "a estimate": 42.0,
         "b estimate": 43.0, "tau_max estimate": 44.0, "approach estimate": 45.0,
         "tau_max depth estimate": None, "von_mises_max estimate": None, "program": "railhead 0",
         "date": "now",
     }  # fmt: skip
+
+
+def test_a_sweep_says_what_a_run_says() -> None:
+    """Fifty combinations that passed with estimates of 16 to 43 %, and bodies that would yield."""
+    rows = [
+        {"checks": "passed", "p_max [MPa]": 900.0, "p_max estimate": 0.003, "warnings": ""},
+        {"checks": "passed", "p_max [MPa]": 6400.0, "p_max estimate": 0.43,
+         "warnings": "plasticity: R260 would yield; heat: 200 K"},
+        {"checks": "FAILED: a", "p_max [MPa]": 3e3, "p_max estimate": None,
+         "warnings": "plasticity: R260 would yield"},
+        {"checks": "NOT SOLVED: gmsh"},
+    ]  # fmt: skip
+    assert sweep_table.verdict(rows) == [
+        "4 combinations, 2 not passed",
+        "largest pressure 900 to 6400 MPa, estimated within 0.30% to 43.00% (1 of them beyond 5%); "
+        "1 without an estimate",
+        "plasticity: a warning in 2 of 4 (column warnings)",
+        "heat: a warning in 1 of 4 (column warnings)",
+    ]
+
+
+def test_bars_are_estimates(tmp_path: Path, monkeypatch) -> None:
+    drawn = []
+    monkeypatch.setattr(Axes, "errorbar", lambda self, x, y, error, **_: drawn.append((y, error)))
+    rows = [
+        {"load [N]": load, "checks": "passed", "p_max [MPa]": 100.0, "p_max estimate": bound}
+        for load, bound in ((1.0, 0.1), (2.0, None))
+    ]
+    plots.curves(["load [N]"], rows, tmp_path / "a.png", "y, mm")
+    assert drawn[0][1][0] == pytest.approx(10.0) and np.isnan(drawn[0][1][1])
+    assert np.isnan(drawn[1][1]).all()
