@@ -60,17 +60,15 @@ def restart(ranks: int, arguments: Sequence[str]) -> NoReturn:
     Raises SceneError for more ranks than processors, without mpirun, and without free disk space
     for the files of mpirun.
     """
-    processors = psutil.cpu_count() or 1
-    if ranks > processors:
-        raise SceneError("--ranks", f"{ranks} is not allowed; give at most {processors}")
-    if shutil.which("mpirun") is None:
-        raise SceneError("--ranks", f"{ranks} is not allowed without mpirun, which was not found")
-    if not _has_space():
-        place = f"{tempfile.gettempdir()}; free some, or name another folder by TMPDIR"
-        text = (
-            f"{ranks} is not allowed with less than {TEMPORARY_BYTES / 1e6:.0f} MB free in {place}"
-        )
-        raise SceneError("--ranks", text)
+    processors, needed = psutil.cpu_count() or 1, f"{TEMPORARY_BYTES / 1e6:.0f} MB"
+    place = f"{tempfile.gettempdir()}; free some, or name another folder by TMPDIR"
+    for wrong, why in (
+        (ranks > processors, f"; give at most {processors}"),
+        (shutil.which("mpirun") is None, " without mpirun, which was not found"),
+        (not _has_space(), f" with less than {needed} free in {place}"),
+    ):
+        if wrong:
+            raise SceneError("--ranks", f"{ranks} is not allowed{why}")
     launcher, environment = under_mpirun(ranks, os.environ)
     environment["TMPDIR"] = tempfile.gettempdir()
     environment.setdefault("TTY_COMPATIBLE", str(int(sys.stdout.isatty())))

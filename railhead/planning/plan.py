@@ -216,12 +216,11 @@ class Plan:
     @property
     def planes(self) -> tuple[tuple[int, tuple[float, float, float]], ...]:
         """Facet tag and unit normal (x, y, z) of each symmetry plane in use, x first."""
-        planes = []
-        if self.half_x or self.contact.revolved:
-            planes.append((SYMMETRY_X, (1.0, 0.0, 0.0)))
-        if self.half_y:
-            planes.append((SYMMETRY_Y, (0.0, 1.0, 0.0)))
-        return tuple(planes)
+        planes = (
+            (self.half_x or self.contact.revolved, SYMMETRY_X, (1.0, 0.0, 0.0)),
+            (self.half_y, SYMMETRY_Y, (0.0, 1.0, 0.0)),
+        )
+        return tuple((tag, normal) for used, tag, normal in planes if used)
 
     @property
     def slave(self) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 
 MIN_STRESS, MAX_STRESS = 1e-6, 1e9  # MPa
 
@@ -46,16 +47,19 @@ def _check(
     points before it. path, number: file and line, for the message.
     """
     strain, stress = point
-    problem = ""
-    if not before and strain != 0:
-        problem = f"the first plastic strain is {strain:g}; give 0"
-    elif before and not before[-1][0] < strain < float("inf"):
-        problem = f"plastic strain {strain:g} does not grow; give ascending ones"
-    elif not MIN_STRESS <= stress <= MAX_STRESS:
-        problem = (
-            f"stress {stress:g} is not allowed; give one from {MIN_STRESS:g} to {MAX_STRESS:g} MPa"
-        )
-    elif before and stress < before[-1][1]:
-        problem = f"stress {stress:g} falls; give one that does not"
-    if problem:
-        raise ValueError(f"{path}, line {number}: {problem}")
+    last_strain, last_stress = before[-1] if before else (-math.inf, -math.inf)
+    allowed = f"give one from {MIN_STRESS:g} to {MAX_STRESS:g} MPa"
+    for wrong, problem in (
+        (not before and strain != 0, f"the first plastic strain is {strain:g}; give 0"),
+        (
+            not last_strain < strain < math.inf,
+            f"plastic strain {strain:g} does not grow; give ascending ones",
+        ),
+        (
+            not MIN_STRESS <= stress <= MAX_STRESS,
+            f"stress {stress:g} is not allowed; {allowed}",
+        ),
+        (stress < last_stress, f"stress {stress:g} falls; give one that does not"),
+    ):
+        if wrong:
+            raise ValueError(f"{path}, line {number}: {problem}")

@@ -28,6 +28,7 @@ from railhead.scene.sections import (
     Solver,
     Wheel,
     Wheelset,
+    refuse_first,
 )
 from railhead.scene.units import show
 
@@ -141,36 +142,42 @@ class Scene(Section):
     effects: Effects = Effects()
 
     @model_validator(mode="after")
-    def _load_or_approach(self) -> Self:
-        """Raise SceneError unless exactly one of load and approach is given."""
-        if self.load is None and self.approach is None:
-            raise SceneError("load, approach", "neither is given; give exactly one of them")
-        if self.load is not None and self.approach is not None:
-            both = f"({self.load:.12g}, {self.approach:.12g})"
-            raise SceneError("load, approach", f"both are given {both}; give exactly one of them")
-        return self
-
-    @model_validator(mode="after")
-    def _size_or_accuracy(self) -> Self:
-        """Raise SceneError where mesh.patch_size is given beside accuracy or budget."""
-        if self.mesh.patch_size is not None and (self.accuracy or self.budget):
-            other = "accuracy" if self.accuracy else "budget"
-            raise SceneError(
-                f"mesh.patch_size, {other}",
-                f"both are given; {other} chooses the patch size, give one of them",
-            )
-        return self
-
-    @model_validator(mode="after")
-    def _shifted_or_rolling(self) -> Self:
-        """Raise SceneError where rolling is prescribed beside a force of [friction], or
-        friction.cycle is true without such a force.
+    def _keys_of_several_tables(self) -> Self:
+        """Raise SceneError for the first rule that is broken: exactly one of load and approach; a
+        patch size or an accuracy or budget; rolling or a force of [friction], which a cycle needs;
+        a body that deforms.
         """
         friction, rolling = self.friction, self.rolling
-        if rolling.prescribed and (friction.force_along or friction.force_across):
-            raise SceneError("rolling", "is not allowed beside a force of [friction]; give one")
-        if friction.cycle and not (friction.force_along or friction.force_across):
-            raise SceneError("friction.cycle", "true is not allowed without a force of [friction]")
+        shifted = friction.force_along or friction.force_across
+        neither = self.load is None and self.approach is None
+        both = self.load is not None and self.approach is not None
+        values = f"({self.load or 0:.12g}, {self.approach or 0:.12g})"
+        other = "accuracy" if self.accuracy else "budget"
+        sized = self.mesh.patch_size is not None and (self.accuracy or self.budget)
+        refuse_first(
+            (neither, "load, approach", "neither is given; give exactly one of them"),
+            (both, "load, approach", f"both are given {values}; give exactly one of them"),
+            (
+                sized,
+                f"mesh.patch_size, {other}",
+                f"both are given; {other} chooses the patch size, give one of them",
+            ),
+            (
+                rolling.prescribed and shifted,
+                "rolling",
+                "is not allowed beside a force of [friction]; give one",
+            ),
+            (
+                friction.cycle and not shifted,
+                "friction.cycle",
+                "true is not allowed without a force of [friction]",
+            ),
+            (
+                all(math.isinf(body.young_modulus) for body in self.bodies.values()),
+                "rail.young_modulus, wheel.young_modulus",
+                "both are inf (rigid); make at least one of them finite",
+            ),
+        )
         return self
 
     @property
@@ -201,14 +208,6 @@ class Scene(Section):
             sideways = rolling.creepage_across or rolling.force_across or rolling.spin
             return True, bool(sideways or rolling.from_wheelset)
         return bool(friction.force_along), bool(friction.force_across)
-
-    @model_validator(mode="after")
-    def _one_body_deforms(self) -> Self:
-        """Raise SceneError where both bodies are rigid."""
-        if math.isinf(self.rail.young_modulus) and math.isinf(self.wheel.young_modulus):
-            keys = "rail.young_modulus, wheel.young_modulus"
-            raise SceneError(keys, "both are inf (rigid); make at least one of them finite")
-        return self
 
     @model_validator(mode="after")
     def _half_space_is_a_point_or_line_contact(self) -> Self:

@@ -36,6 +36,13 @@ class SceneError(ValueError):
         return f"{key}: {self.text}"
 
 
+def refuse_first(*rules: tuple[object, str, str]) -> None:
+    """Raise SceneError(key, text) for the first rule (broken, key, text) that is broken."""
+    for broken, key, text in rules:
+        if broken:
+            raise SceneError(key, text)
+
+
 class Section(BaseModel):
     """Base class of the tables of a scene: a frozen pydantic model without unknown keys.
 

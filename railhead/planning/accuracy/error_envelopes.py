@@ -106,14 +106,12 @@ class Family:
 
     def holds(self, setting: Setting) -> bool:
         """Whether every field of the setting lies within what was calibrated."""
-        for name, value in asdict(setting).items():
-            allowed = self.where[name]
-            if isinstance(value, float):
-                if not allowed[0] <= value <= allowed[1]:
-                    return False
-            elif value not in allowed:
-                return False
-        return True
+        return all(
+            self.where[name][0] <= value <= self.where[name][1]
+            if isinstance(value, float)
+            else value in self.where[name]
+            for name, value in asdict(setting).items()
+        )
 
     @property
     def across(self) -> Family:

@@ -10,6 +10,7 @@ from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.references import closed_forms
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import Scene, SceneError
+from railhead.scene.sections import refuse_first
 from railhead.theory.elastic import hertz
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.friction import kalker
@@ -144,14 +145,22 @@ def _fits_the_section(context: Context) -> None:
     """
     scene, plane = context.scene, context.contact.plane
     along, across = scene.asymmetric_friction
-    table = "rolling" if scene.rolling.prescribed else "friction"
-    if plane == "yz" and scene.rolling.prescribed:
-        raise SceneError("rolling", "is not allowed: the scene is a section across the rail")
-    if plane == "yz" and along:
-        raise SceneError(
-            f"{table}", "along the rail is not allowed: the scene is a section across it"
-        )
-    if plane == "xz" and across:
-        raise SceneError(
-            f"{table}", "across the rail is not allowed: the scene is a section along it"
-        )
+    rolls = scene.rolling.prescribed
+    table = "rolling" if rolls else "friction"
+    refuse_first(
+        (
+            plane == "yz" and rolls,
+            "rolling",
+            "is not allowed: the scene is a section across the rail",
+        ),
+        (
+            plane == "yz" and along,
+            table,
+            "along the rail is not allowed: the scene is a section across it",
+        ),
+        (
+            plane == "xz" and across,
+            table,
+            "across the rail is not allowed: the scene is a section along it",
+        ),
+    )
