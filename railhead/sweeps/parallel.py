@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
@@ -267,6 +267,7 @@ def _write(
             store.read(folder, number).get("outlines", []) if number in done else []
             for number in status
         ]
+        drawings: tuple[Callable[..., None], ...]
         drawings = plots.curves, partial(plots.patches, outlines=outlines)
         for name, draw in zip(store.PICTURES, drawings, strict=True):
             with result_folder.attempt(failures, folder / name, folder):

@@ -185,7 +185,7 @@ def _read(
         raise _refused(path, table, points, error) from None
     except ValueError as error:
         raise ValueError(f"{path.name} {error}") from None
-    warnings = ()
+    warnings: tuple[str, ...] = ()
     if wave := outliers.wave(smoothed, *inner(profile)):
         angle, place = wave
         text = f"WARNING: it bends by {angle:.0f} deg and back within {outliers.WAVE:g} mm at y = "

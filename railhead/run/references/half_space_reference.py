@@ -7,7 +7,7 @@ from typing import Any
 from railhead.meshing.tags import RAIL
 from railhead.planning.references import boundary_elements
 from railhead.postprocess import compare
-from railhead.postprocess.patch import body_motion as bodily
+from railhead.postprocess.patch import body_motion
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.references.allowance import allowance
 from railhead.theory.bem.boundary_element import Solution
@@ -61,6 +61,6 @@ def motion(solved: MeshSolution) -> tuple[float, float]:
     angle = aside = 0.0
     for tag in solved.plan.deformable:
         sign = 1.0 if tag == RAIL else -1.0
-        turned, moved = bodily.motion(fields, tag, found.patch.each, solved.solution.load)
+        turned, moved = body_motion.motion(fields, tag, found.patch.each, solved.solution.load)
         angle, aside = angle + sign * turned, aside - sign * moved
     return angle, aside - angle * found.patch.each[0].centre[2]

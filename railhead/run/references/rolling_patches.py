@@ -1,4 +1,4 @@
-"""Patches of half-spaces as a motion shears them: pressures, and rigid slips of motions of 1."""
+"""Pressed patches of half-spaces, and their rigid slip at unit creepages and unit spin."""
 
 from __future__ import annotations
 
