@@ -13,6 +13,7 @@ import textwrap
 import time
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import redirect_stdout
+from datetime import timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +27,7 @@ from railhead.scene.scene import Scene, SceneError
 if TYPE_CHECKING:
     from railhead.cli.examine_profile import ExaminedProfile
     from railhead.cli.locate import Location
+    from railhead.sweeps.grid import ParameterGrid
 
 SOLVED, CHECK_FAILED, WRONG_INPUT = 0, 1, 2  # exit statuses
 PROCESSES = click.IntRange(1)
@@ -33,6 +35,18 @@ PROCESSES.name = "number of processes; give a whole number from 1 on"
 SERIAL = ("list", "plan", "locate", "profile")  # commands of which MPI prints one copy
 
 
+_over = click.option(
+    "--over",
+    "lists",
+    multiple=True,
+    metavar="KEY=VALUES",
+    help="Values of a key: 25kN,50kN or first:last:step, 0:10:0.5mm.",
+)
+_over_file = click.option(
+    "--over-file",
+    type=click.Path(path_type=Path),
+    help="Rows of values: a .csv file, its first line keys.",
+)
 _force = click.option("--force", is_flag=True, help="Replace another result in --out.")
 _set = click.option(
     "--set", "assignments", multiple=True, metavar="KEY=VALUE", help="Change a key of the scene."
@@ -101,6 +115,20 @@ def railhead(context: click.Context) -> None:
         context.with_resource(redirect_stdout(io.StringIO()))
 
 
+def _grid(scene: Scene, lists: Sequence[str], over_file: Path | None) -> ParameterGrid:
+    """The combinations of --over and of the rows of --over-file. Raises SceneError for wrong ones,
+    and where neither is given.
+    """
+    from railhead.sweeps.grid import ParameterGrid, parse_values, read_rows
+
+    if not lists and over_file is None:
+        raise SceneError("--over", "is missing; give it, or --over-file")
+    rows = [] if over_file is None else read_rows(over_file)
+    grid = ParameterGrid.combine(scene, parse_values(lists), rows)
+    grid.refuse_duplicates()
+    return grid
+
+
 @railhead.command("list")
 def list_cases() -> None:
     """List the cases that ship."""
@@ -112,13 +140,39 @@ def list_cases() -> None:
 @railhead.command()
 @_takes_scene
 @click.option("--accuracy", help="Asked accuracy, e.g. 1%.")
+@_over
+@_over_file
 @click.option("--json", "as_json", is_flag=True, help="Print the plan as JSON and nothing else.")
-def plan(scene: Scene, accuracy: str | None, as_json: bool) -> None:
-    """Say what would be simulated and what it costs; solve nothing."""
+def plan(
+    scene: Scene,
+    accuracy: str | None,
+    lists: Sequence[str],
+    over_file: Path | None,
+    as_json: bool,
+) -> None:
+    """Say what would be simulated and what it costs, of a sweep in all; solve nothing."""
     from railhead import api
     from railhead.results import result_folder
     from railhead.results.report import terminal
 
+    if lists or over_file:
+        from railhead.run import refinement
+        from railhead.sweeps import runner, worker_pool
+
+        grid = _grid(api.with_accuracy(scene, accuracy, None), lists, over_file)
+        with refinement.show_progress(quiet=as_json) as progress:
+            found = runner.forecast(grid, worker_pool.workers(1), progress)
+        if as_json:
+            click.echo(result_folder.to_json(found), nl=False)
+            return
+        count, sizes = found["combinations"], found["unknowns"]
+        duration = timedelta(seconds=round(found["seconds"]))
+        click.echo(f"{count} combinations on {found['meshes']} meshes")
+        cost = f"{min(sizes)} to {max(sizes)} unknowns, {duration} on {found['processes']} cores"
+        click.echo(f"predicted: {cost}")
+        for name, number in found["effects"].items():
+            click.echo(f"{name}: on in {'all' if number == count else number}")
+        return
     planned = api.plan(scene, accuracy=accuracy, quiet=as_json)
     if as_json:
         click.echo(result_folder.to_json(planned.plan.to_dict()), nl=False)
@@ -230,14 +284,8 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
 
 @railhead.command()
 @_takes_scene
-@click.option(
-    "--over",
-    "lists",
-    multiple=True,
-    required=True,
-    metavar="KEY=VALUES",
-    help="Values of a key: 25kN,50kN or first:last:step, 0:10:0.5mm.",
-)
+@_over
+@_over_file
 @click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<case>_sweep].")
 @_force
 @click.option("--resume", is_flag=True, help="Refuse a folder that holds no part of this sweep.")
@@ -247,6 +295,7 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
 def sweep(
     scene: Scene,
     lists: Sequence[str],
+    over_file: Path | None,
     out: Path | None,
     force: bool,
     resume: bool,
@@ -256,10 +305,8 @@ def sweep(
 ) -> int:
     """Solve a case for every combination of values, side by side."""
     from railhead.results import result_folder
-    from railhead.sweeps.grid import ParameterGrid, parse_values
 
-    grid = ParameterGrid.combine(scene, parse_values(lists))
-    grid.refuse_duplicates()
+    grid = _grid(scene, lists, over_file)
     folder = out if out is not None else Path("results") / f"{scene.name}_sweep"
     result_folder.check_folder(folder)
 

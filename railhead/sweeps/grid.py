@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import csv
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from itertools import product
 from math import prod
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from railhead.scene.scene import SceneError, assignment, checked, unit
@@ -27,26 +29,39 @@ class ParameterGrid:
     base: the scene before any of the values is set.
     keys: dotted keys whose values change.
     scenes: one for each combination of values; the last key changes fastest.
+    listed: whether they are rows of a table, not all combinations of the values of each key.
     """
 
     base: Scene
     keys: list[str]
     scenes: list[Scene]
+    listed: bool = False
 
     @classmethod
-    def combine(cls, scene: Scene, lists: Mapping[str, Sequence[object]]) -> ParameterGrid:
-        """Grid of all combinations of lists of values by dotted key. Raises SceneError for a wrong
-        key or value and for more than MAX_COMBINATIONS.
+    def combine(
+        cls,
+        scene: Scene,
+        lists: Mapping[str, Sequence[object]],
+        rows: Sequence[Mapping[str, object]] = (),
+    ) -> ParameterGrid:
+        """Grid of all combinations of lists of values by dotted key.
+
+        rows: values by dotted key, each combined with all of the lists.
+        Raises SceneError for a wrong key or value, a key in both and more than MAX_COMBINATIONS.
         """
-        total = prod(map(len, lists.values()))
+        first = rows[0] if rows else {}
+        for key in first.keys() & lists.keys():
+            raise SceneError(key, "is given with --over and in --over-file; give one of them")
+        total = max(len(rows), 1) * prod(map(len, lists.values()))
         if total > MAX_COMBINATIONS:
             text = f"makes {total} combinations; give at most {MAX_COMBINATIONS}"
             raise SceneError("--over", text)
         scenes = [
-            checked(scene).replace(**dict(zip(lists, values, strict=True)))
+            checked(scene).replace(**row, **dict(zip(lists, values, strict=True)))
+            for row in rows or ({},)
             for values in product(*lists.values())
         ]
-        return cls(base=scene, keys=list(lists), scenes=scenes)
+        return cls(base=scene, keys=[*first, *lists], scenes=scenes, listed=bool(rows))
 
     def values(self, number: int) -> dict[str, object]:
         """Values of the changing keys in scene `number` by dotted key, in base units."""
@@ -102,6 +117,33 @@ def parse_values(texts: Sequence[str]) -> dict[str, list[object]]:
         _check_units(key, items)
         lists[key] = [assignment(f"{key}={item}")[1] for item in items]
     return lists
+
+
+def read_rows(path: Path) -> list[dict[str, object]]:
+    """Rows of values by dotted key from a table of comma-separated values (or semicolons).
+
+    The first line names the keys, each with a unit in brackets where the numbers below have none,
+    "wheelset.shift [mm]". Raises SceneError for a file that is no such table.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "is no UTF-8 text"
+        raise SceneError("--over-file", f"{str(path)!r}: {reason}; give a .csv file") from None
+    split = ";" if lines and ";" in lines[0] else ","
+    table = [[cell.strip() for cell in line] for line in csv.reader(lines, delimiter=split) if line]
+    heads = [head.rstrip("]").partition(" [") for head in (table[0] if table else ())]
+    if len(table) < 2 or len({key for key, _, _ in heads}) < len(heads):
+        text = f"{str(path)!r} is no table; give a line of different keys and lines of values"
+        raise SceneError("--over-file", text)
+    rows = []
+    for number, line in enumerate(table[1:], 2):
+        if len(line) != len(heads) or not all(line):
+            text = f"line {number} of {str(path)!r} has no {len(heads)} values; give one a key"
+            raise SceneError("--over-file", text)
+        texts = (f"{key}={cell}{of}" for (key, _, of), cell in zip(heads, line, strict=True))
+        rows.append(dict(map(assignment, texts)))
+    return rows
 
 
 def _expand(key: str, item: str) -> Iterator[str]:

@@ -62,7 +62,9 @@ class ParallelSweep:
         """
         scenes, keys = self.grid.scenes, self.grid.keys
         at = places(self.files)
-        over = {key: list(dict.fromkeys(each.value(key) for each in scenes)) for key in keys}
+        over = {key: [each.value(key) for each in scenes] for key in keys}
+        if not self.grid.listed:
+            over = {key: list(dict.fromkeys(values)) for key, values in over.items()}
         over = {key: [at.get(str(value), value) for value in over[key]] for key in keys}
         return {
             "railhead": version("railhead"),
@@ -260,8 +262,11 @@ def _write(
         export.series(files, folder / f"{name}.pvd")
     for name in store.PICTURES:
         (folder / name).unlink(missing_ok=True)
-    if pictures and 1 <= len(grid.keys) <= 2:
-        columns = [column(key) for key in grid.keys]
+    columns = [column(key) for key in grid.keys]
+    if grid.listed and len(columns) > 1:
+        columns = ["combination"]
+        table = [{**row, "combination": number} for number, row in enumerate(table, 1)]
+    if pictures and 1 <= len(columns) <= 2:
         title = f"sweep of {grid.scenes[0].name} over {' and '.join(grid.keys)}"
         outlines: list[Any] = [
             store.read(folder, number).get("outlines", []) if number in done else []

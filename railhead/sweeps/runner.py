@@ -9,8 +9,10 @@ from the solution of the load before it takes two to three times the steps.
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 from mpi4py import MPI
 
@@ -68,6 +70,25 @@ def group_by_mesh(plans: Sequence[Plan]) -> list[list[int]]:
                 groups.append(group := [])
             group.append(number)
     return groups
+
+
+def forecast(grid: ParameterGrid, workers: int, progress: Progress) -> dict[str, Any]:
+    """What a sweep is predicted to take, as plain data: "combinations", "meshes", "unknowns" (of
+    each), "seconds" of the whole sweep, and "effects", the number of combinations by name of the
+    effects that are on. workers: number of processes. Loads that share a mesh are counted as if
+    each had its own. Raises SceneError for a scene that makes no contact problem.
+    """
+    plans = plan_all(grid, progress)
+    seconds = [plan.seconds for plan in plans]
+    on = Counter(name for plan in plans for name, effect in plan.effects.items() if effect.on)
+    return {
+        "combinations": len(plans),
+        "meshes": len(group_by_mesh(plans)),
+        "unknowns": [plan.unknowns for plan in plans],
+        "seconds": max(sum(seconds) / workers, *seconds),
+        "processes": workers,
+        "effects": dict(on),
+    }
 
 
 def _mesh_key(number: int, plan: Plan) -> str:

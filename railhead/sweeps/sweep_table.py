@@ -92,7 +92,8 @@ def verdict(rows: Sequence[Mapping[str, Any]]) -> list[str]:
             large = sum(each > FEW for each in known)
             text += f", estimated within {min(known):.2%} to {max(known):.2%}"
             text += f" ({large} of them beyond {FEW:.0%})" if large else ""
-        lines.append(text + f"; {len(solved) - len(known)} without an estimate")
+        missing = len(solved) - len(known)
+        lines.append(text + (f"; {missing} without an estimate" if missing else ""))
     kinds = Counter(
         part.partition(":")[0] for row in rows for part in row.get(WARNINGS, "").split("; ") if part
     )

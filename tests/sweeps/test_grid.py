@@ -1,10 +1,13 @@
 """Which combinations a sweep has, and what is refused."""
 
+import json
+
 import pytest
 from sweep_command import refused, sweep
 
 import railhead as rh
-from railhead.sweeps.grid import ParameterGrid, parse_values
+from railhead.cli import commands
+from railhead.sweeps.grid import ParameterGrid, parse_values, read_rows
 
 SHIFTS = "wheelset.shift=0:10:0.5mm"
 
@@ -61,3 +64,48 @@ def test_wrong_combinations_are_one_line(capsys, tmp_path) -> None:
     (tmp_path / "mine" / "notes").write_text("kept")
     assert sweep(case, "--over", "load=1kN", "--out", str(tmp_path / "mine")) == 2
     assert "holds 'notes'" in capsys.readouterr().err
+
+
+def test_rows_of_a_file_are_combinations(tmp_path, capsys) -> None:
+    """As measured along a track; units in the first line or beside the numbers."""
+    file = tmp_path / "positions.csv"
+    file.write_text("wheelset.shift [mm];wheelset.yaw\n1.5;2 mrad\n\n-3;0\n", encoding="utf-8-sig")
+    grid = ParameterGrid.combine(rh.find("s1002_60e1"), {"load": ["1kN", "2kN"]}, read_rows(file))
+    found = [tuple(grid.values(number).values()) for number in range(4)]
+    assert found == [(1.5, 0.002, 1e3), (1.5, 0.002, 2e3), (-3, 0, 1e3), (-3, 0, 2e3)]
+    assert grid.listed and grid.keys == ["wheelset.shift", "wheelset.yaw", "load"]
+
+
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        ("load,load\n1,2\n", "is no table"),
+        ("load\n", "is no table"),
+        ("", "is no table"),
+        ("load\n1,2\n", "line 2 of "),
+        ("load\n3mm\n", "load: '3mm' is not a force"),
+        ("load [mm]\n3\n", "load: '3mm' is not a force"),
+        ("speed\n3\n", "speed: unknown key"),
+        ("load\n1kN\n1000\n", "gives load=1000.0 twice"),
+        (None, "No such file"),
+    ],
+)
+def test_wrong_rows_are_one_line(text: str | None, said: str, capsys, tmp_path) -> None:
+    file = tmp_path / "rows.csv"
+    if text is not None:
+        file.write_text(text)
+    line = refused(capsys, tmp_path / "out", "s1002_60e1", "--over-file", str(file))
+    assert line.startswith("railhead: ") and said in line
+
+
+def test_a_sweep_is_planned_without_solving(capsys) -> None:
+    for more in ((), ("--json",)):
+        with pytest.raises(SystemExit) as ended:
+            commands.main(["plan", "long_roller", "--over", "load=50kN,80kN", *more])
+        assert not ended.value.code
+    text, found = capsys.readouterr().out.split("{", 1)
+    assert text.startswith("2 combinations on 1 meshes\n") and "plane_strain: on in all" in text
+    plans = [rh.plan(rh.find("long_roller").replace(load=load)).plan for load in (50e3, 80e3)]
+    numbers = json.loads("{" + found)
+    assert numbers["unknowns"] == [each.unknowns for each in plans]
+    assert max(each.seconds for each in plans) <= numbers["seconds"] < 10
