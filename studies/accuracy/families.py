@@ -4,8 +4,6 @@ A family is a set of scenes whose errors behave alike: the same cells, contact l
 patch. The truth of half-spaces is exact Hertz; of real profiles the same scene on a fine mesh.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -26,6 +24,7 @@ from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic.hertz import point_contact
 
 Make = Callable[[np.random.Generator], list[str]]
+BODIES = ("rail", "wheel")
 HALF_SPACE = {"rail": {"profile": "arc", "crown_radius": 300, "extent": "half-space"}}
 INCOMPRESSIBLE = (0.4, 0.4999)  # Poisson's ratios of a family of its own; those of ...
 SHALLOW = 0.12  # Poisson's ratio below which the largest stresses of long ellipses lie so near to
@@ -76,20 +75,18 @@ DEFAULT: dict[str, Sequence[Any]] = {
 def materials(rng: np.random.Generator, low: float = 0.0, high: float = 0.4) -> list[str]:
     """E ratio 1e-3 to 1e3, one body in five rigid; the larger Poisson's ratio from low to high, in
     one scene of four the highest."""
-    largest = high if rng.random() < 0.25 else rng.uniform(low, high)
-    ratios = [largest, rng.uniform(0.0, high)]
+    ratios = [high if rng.random() < 0.25 else rng.uniform(low, high), rng.uniform(0.0, high)]
     rng.shuffle(ratios)
-    keys = [
-        f"{body}.poisson_ratio={nu!r}" for body, nu in zip(("rail", "wheel"), ratios, strict=True)
-    ]
-    soft = ("rail", "wheel")[int(rng.random() < 0.5)]
+    soft, other = BODIES[::-1] if rng.random() < 0.5 else BODIES
     if rng.random() < 0.2:
-        other = "wheel" if soft == "rail" else "rail"
-        keys = [key for key in keys if not key.startswith(other)]
-        keys = [f"{soft}.poisson_ratio={max(ratios)!r}", f"{other}.young_modulus=inf"]
-    else:
-        keys.append(f"{soft}.young_modulus={207e3 * 10 ** rng.uniform(-3, 0)!r}")
-    return keys
+        return [f"{soft}.poisson_ratio={max(ratios)!r}", f"{other}.young_modulus=inf"]
+    modulus = f"{soft}.young_modulus={207e3 * 10 ** rng.uniform(-3, 0)!r}"
+    return [*poisson(ratios), modulus]
+
+
+def poisson(ratios: Sequence[float]) -> list[str]:
+    """Poisson's ratios of rail and wheel."""
+    return [f"{body}.poisson_ratio={nu!r}" for body, nu in zip(BODIES, ratios, strict=True)]
 
 
 def shallow(rng: np.random.Generator) -> list[str]:
@@ -97,8 +94,7 @@ def shallow(rng: np.random.Generator) -> list[str]:
     keys = [key for key in materials(rng) if "poisson" not in key]
     ratios = [rng.uniform(0.0, SHALLOW), rng.uniform(0.0, 0.4)]
     rng.shuffle(ratios)
-    names = ("rail", "wheel")
-    return keys + [f"{name}.poisson_ratio={nu!r}" for name, nu in zip(names, ratios, strict=True)]
+    return keys + poisson(ratios)
 
 
 def ellipse(rng: np.random.Generator, *, longest: float = 10.0) -> list[str]:
@@ -149,20 +145,11 @@ def roller(rng: np.random.Generator) -> list[str]:
     load = f"load={radius * 10 ** rng.uniform(1, 2.5)!r}"
     if rng.random() < 0.5:
         share = rng.uniform(0.1, 0.9)
-        return [
-            "wheel.rolling_radius=inf",
-            "wheel.profile=arc",
-            f"rail.length={length!r}",
-            load,
-            f"rail.crown_radius={radius / share!r}",
-            f"wheel.transverse_radius={radius / (1 - share)!r}",
-        ]
-    return [
-        "rail.crown_radius=inf",
-        f"wheel.rolling_radius={radius!r}",
-        f"rail.width={length!r}",
-        load,
-    ]
+        arcs = [f"rail.crown_radius={radius / share!r}", f"rail.length={length!r}"]
+        arcs += ["wheel.profile=arc", f"wheel.transverse_radius={radius / (1 - share)!r}"]
+        return ["wheel.rolling_radius=inf", *arcs, load]
+    wheel = f"wheel.rolling_radius={radius!r}"
+    return ["rail.crown_radius=inf", wheel, f"rail.width={length!r}", load]
 
 
 def lines(rng: np.random.Generator) -> list[str]:

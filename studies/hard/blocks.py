@@ -1,7 +1,5 @@
 """Hard cases solved directly on two blocks: starts, invariances, paths, poor meshes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -18,7 +16,7 @@ from railhead.postprocess.findings import Findings, Frame
 from railhead.results.checks import BALANCE_TOLERANCE, NOISE_LIMIT
 from railhead.solver.compat import cell_nodes
 from railhead.solver.contact import ContactModel
-from railhead.solver.fields import Fields, gather
+from railhead.solver.fields import gather
 from railhead.solver.interface.jumps import Gap
 from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.material.elasticity import Material
@@ -66,27 +64,19 @@ class Solved:
     solution: Solution
     load: float
 
-    @property
-    def balance(self) -> float:
-        """Relative force imbalance at the interface and at the support."""
-        found = self.solution
-        return max(abs(found.load / self.load - 1), abs(found.reaction / self.load - 1))
-
-    def fields(self) -> Fields:
-        """As plain arrays."""
-        fields = gather(self.model, self.solution)
-        assert fields is not None
-        return fields
-
     def findings(self) -> Findings:
         """What is read out of it."""
-        return read.findings(self.fields(), Frame((0.0, 0.0, 0.0), 0.0))
+        fields = gather(self.model, self.solution)
+        assert fields is not None
+        return read.findings(fields, Frame((0.0, 0.0, 0.0), 0.0))
 
     @property
     def failed(self) -> tuple[str, ...]:
         """Checks that a solution without a scene can fail, as `results.checks` names them."""
-        failed = [] if self.solution.newton.converged else ["converged"]
-        return (*failed, *([] if self.balance < BALANCE_TOLERANCE else ["force_balance"]))
+        found, load = self.solution, self.load
+        off = max(abs(found.load / load - 1), abs(found.reaction / load - 1))
+        passed = {"converged": found.newton.converged, "force_balance": off < BALANCE_TOLERANCE}
+        return tuple(name for name, holds in passed.items() if not holds)
 
     def measured(
         self, deviation: float, limit: float, name: str, findings: Findings | None = None
@@ -198,35 +188,28 @@ def against_matched(
     """Meshes of sizes h and ratio * h: approach and largest pressure of a matched mesh of size
     `fine` (mm) are the reference."""
     found = solve(*block_pairs.two_blocks(h=h, ratio=ratio, **changes), near())
-    reference = solve(*block_pairs.two_blocks(h=fine), near())
-    findings, exact = found.findings(), reference.findings()
-    return found.measured(
-        max(
-            abs(found.solution.approach / reference.solution.approach - 1),
-            abs(findings.patch.max_pressure / exact.patch.max_pressure - 1),
-        ),
-        limit,
-        "max_MPa, approach_mm",
-        findings,
+    return against(solve(*block_pairs.two_blocks(h=fine), near()), found, limit)
+
+
+def against(good: Solved, found: Solved, limit: float) -> Measured:
+    """Approach and largest pressure of a solution against those of a good one."""
+    findings, exact = found.findings(), good.findings()
+    deviation = max(
+        abs(found.solution.approach / good.solution.approach - 1),
+        abs(findings.patch.max_pressure / exact.patch.max_pressure - 1),
     )
+    return found.measured(deviation, limit, "max_MPa, approach_mm", findings)
 
 
 def slivers(quality: float, count: int, limit: float) -> Measured:
     """`count` cells at the contact face squashed to a scaled Jacobian: the regular mesh is the
     reference for approach and largest pressure."""
     made, setup = block_pairs.two_blocks(h=1.0)
-    good = solve(made, setup, near())
+    good = solve(*block_pairs.two_blocks(h=1.0), near())
     squashed = squash(made, setup.fixed, quality, count)
-    found = solve(made, setup, near())
-    findings = found.findings()
-    deviation = max(
-        abs(found.solution.approach / good.solution.approach - 1),
-        abs(findings.patch.max_pressure / good.findings().patch.max_pressure - 1),
-    )
-    measured = found.measured(deviation, limit, "max_MPa, approach_mm", findings)
-    if squashed < count:
-        measured = replace(measured, deviations={})
-    return replace(measured, remark=f"{squashed} cells squashed")
+    measured = against(good, solve(made, setup, near()), limit)
+    deviations = measured.deviations if squashed == count else {}
+    return replace(measured, deviations=deviations, remark=f"{squashed} cells squashed")
 
 
 def squash(made: ContactMesh, body: ContactBody, quality: float, count: int) -> int:
@@ -314,13 +297,11 @@ def line_contact(cell: str, h: float, limit: float, radius: float = 500.0) -> Me
         materials=(soft, soft),
         gap=ParabolicGap(0.0, 1 / radius, 1),
     )
-    model, found = None, []
+    model, found = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup), []
+    y, w = model.interface.points[:, 1], model.interface.weights
     for b in half_widths:
         per_length = np.pi * 0.5 * soft.young_modulus * b**2 / (4 * radius)
         load = float(per_length * 4.0 * h)
-        if model is None:
-            model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
-        y, w = model.interface.points[:, 1], model.interface.weights
         solved = Solved(model, model.solve(load=load, active=y < b), load)
         p = solved.solution.pressure
         half = y < 0.5 * b

@@ -4,8 +4,6 @@ A quantity may deviate by ESTIMATE_FACTOR times its own estimate, by `limit` whe
 by what the reference itself does not know.
 """
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import json
@@ -41,7 +39,6 @@ from railhead.run.refinement import Ending
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic import indentation
 from railhead.theory.elastic.hertz import Ellipse
-from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction import carter, cattaneo
 from studies.hard.case import Deviation, Measured
 from studies.hard.fuzz.random_scenes import Seeded, plans, runnable, scene
@@ -52,6 +49,7 @@ HALF_SPACE = (*PATCH, "approach_mm")
 LIMIT = 0.01  # of a quantity without an estimate
 SINGLE, SEVERAL = 0.015, 0.03  # of the largest pressure, by number of patches
 SAME = 1e-6  # what solutions to 1e-8 of the force may differ by
+FORCES = ("force_along_N", "force_across_N")
 TRACES = ("OMPI_", "PMIX_", "ORTE_", "OPAL_")  # variables that mpirun refuses
 # Within these an independent program's spheres are met (tests/verification/test_plasticity.py).
 PLASTIC = {"approach_mm": 0.012, "area_mm2": 0.03, "max_MPa": 0.04, "strain_max": 0.08}
@@ -225,9 +223,10 @@ def first_yield(scene: Scene) -> float:
 
 
 def plastic(summary: Summary) -> dict[str, float]:
-    """The judged quantities of a body that yields, by name."""
-    found = numeric_values(summary["result"]) | summary["result"]["plastic"]
-    return {name: found[name] for name in PLASTIC}
+    """The judged quantities of a body that yields, by name; empty where none does."""
+    found = summary["result"] or {}
+    values = numeric_values(found) | found["plastic"] if "plastic" in found else {}
+    return {name: values[name] for name in PLASTIC if values}
 
 
 def plastic_measured(
@@ -235,11 +234,11 @@ def plastic_measured(
 ) -> Measured:
     """A scene that yields against reference values."""
     result = pipeline.run(scene)
-    if "plastic" not in (result.summary["result"] or {}):
+    if not (found := plastic(result.summary)):
         return Measured(failed=("no plastic answer", *result.summary["checks"]["failed"]))
-    found, other = plastic(result.summary), reference()
     return measure(
-        result, {name: Deviation(off(found[name], other[name]), limits[name]) for name in other}
+        result,
+        {k: Deviation(off(found[k], value), limits[k]) for k, value in reference().items()},
     )
 
 
@@ -286,29 +285,26 @@ def friction(scene: Scene, reference: str) -> Measured:
     found = (result.summary["result"] or {}).get("friction")
     if found is None:
         return Measured(failed=("no friction", *result.summary["checks"]["failed"]))
-    limit = found["limit_N"]
-    share = found["force_along_N"] / limit
-    if reference == "cattaneo":
-        off_by = abs(found["stick_share"] - cattaneo.strip_stick_ratio(0.5))
-        return measure(result, {"stick_share": Deviation(off_by, STICK)})
+    limit, given = found["limit_N"], scene.friction
     if reference == "boundary elements":
-        other = result.summary["half_space_friction"][reference]
-        names = ("force_along_N", "force_across_N")
-        return measure(
-            result,
-            {name: Deviation(abs(found[name] - other[name]) / limit, SOLID) for name in names},
-        )
-    if reference == "carter":
-        assert isinstance(result.ellipse, LineContact)
-        creepage = float(scene.rolling.creepage_along or 0.0)
-        coefficient = float(scene.friction.coefficient)
-        exact = carter.from_creepage(result.ellipse.strip, coefficient, creepage).share
-        allowed = FORCE
-    elif reference == "the given force":
-        exact, allowed = float(scene.friction.force_along or 0.0) / limit, 1e-6
-    else:
-        exact, allowed = SOFT, STICK
-    return measure(result, {"force_along_N": Deviation(abs(share - exact), allowed)})
+        other, names = result.summary["half_space_friction"][reference], FORCES
+        apart = {name: abs(found[name] - other[name]) / limit for name in names}
+        return measure(result, {name: Deviation(each, SOLID) for name, each in apart.items()})
+    share, line = found["force_along_N"] / limit, result.ellipse
+    creepage = float(scene.rolling.creepage_along or 0.0)
+    references = {
+        "cattaneo": ("stick_share", lambda: cattaneo.strip_stick_ratio(0.5), STICK),
+        "carter": (
+            "force_along_N",
+            lambda: carter.from_creepage(line.strip, given.coefficient, creepage).share,
+            FORCE,
+        ),
+        "the given force": ("force_along_N", lambda: (given.force_along or 0.0) / limit, 1e-6),
+        "other programs": ("force_along_N", lambda: SOFT, STICK),
+    }
+    name, exact, allowed = references[reference]
+    value = share if name == "force_along_N" else found[name]
+    return measure(result, {name: Deviation(abs(value - exact()), allowed)})
 
 
 def gauged(scene: Scene, rail: str, wear: Sequence[float], noise: float, folder: Path) -> Scene:

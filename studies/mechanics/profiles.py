@@ -9,7 +9,7 @@ import itertools
 import sys
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -37,12 +37,10 @@ UNITS = {"spacing": "mm", "noise": "um", "true_pressure": "MPa"}
 
 @dataclass(frozen=True)
 class Worn:
-    """A piece less depth exp(-((y - centre) / width)^2 / 2), mm."""
+    """A piece less depth exp(-((y - centre) / width)^2 / 2); wear: depth, centre, width in mm."""
 
     base: Piece
-    depth: float
-    centre: float
-    width: float
+    wear: tuple[float, float, float]
 
     @property
     def start(self) -> float:
@@ -56,20 +54,19 @@ class Worn:
 
     def derivative(self, y: Array, order: int) -> Array:
         """z (order 0), dz/dy (1) or d2z/dy2 (2)."""
-        u = (y - self.centre) / self.width
-        factor = (1.0, -u / self.width, (u**2 - 1) / self.width**2)[order]
-        return self.base.derivative(y, order) - self.depth * factor * np.exp(-(u**2) / 2)
+        depth, centre, width = self.wear
+        u = (y - centre) / width
+        factor = (1.0, -u / width, (u**2 - 1) / width**2)[order]
+        return self.base.derivative(y, order) - depth * factor * np.exp(-(u**2) / 2)
 
 
 @dataclass(frozen=True)
 class Case:
-    """`depth` mm worn off the rail or the wheel ('worn'), as `Worn`, and the keys of the scene."""
+    """What is worn off the rail or the wheel ('worn'), as `Worn`, and the keys of the scene."""
 
     name: str
     worn: str
-    depth: float
-    centre: float
-    width: float
+    wear: tuple[float, float, float]
     keys: tuple[str, ...]
 
     @property
@@ -81,17 +78,14 @@ class Case:
     def true(self) -> Pair:
         """The worn pair without noise."""
         pair = solid.pair(self.scene)
-        bodies = {"rail": pair.rail, "wheel": pair.wheel}
-        new = bodies[self.worn]
-        pieces = (Worn(piece, self.depth, self.centre, self.width) for piece in new.pieces)
-        bodies[self.worn] = Profile(new.name, tuple(pieces))
-        return Pair(bodies["rail"], bodies["wheel"], pair.rolling_radius)
+        new: Profile = getattr(pair, self.worn)
+        pieces = (Worn(piece, self.wear) for piece in new.pieces)
+        return replace(pair, **{self.worn: Profile(new.name, tuple(pieces))})
 
     def measured(self, folder: Path, spacing: float, noise: float, seed: int) -> Scene:
         """The scene with the points of a gauge in a file; spacing along the profile in mm, noise of
         the heights in um."""
-        pair = self.true()
-        profile = pair.rail if self.worn == "rail" else pair.wheel
+        profile: Profile = getattr(self.true(), self.worn)
         y = np.linspace(profile.domain[0] + EDGE, profile.domain[1] - EDGE, 40001)
         length = np.hypot(np.diff(y), np.diff(profile.height(y))).cumsum()
         y = np.interp(np.arange(0, length[-1], spacing), length, y[1:])
@@ -105,77 +99,59 @@ class Case:
 
 
 CASES: tuple[Case, ...] = (
-    Case("54E1 crown 1 mm, cylinder", "rail", 1.0, 0.0, 25.0, ()),
+    Case("54E1 crown 1 mm, cylinder", "rail", (1.0, 0.0, 25.0), ()),
     Case(
         "60E1 crown 3 mm, 1:40",
         "rail",
-        3.0,
-        0.0,
-        45.0,
+        (3.0, 0.0, 45.0),
         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=cone40"),
     ),
     Case(
         "54E1 crown 2 mm, 1:20",
         "rail",
-        2.0,
-        0.0,
-        30.0,
+        (2.0, 0.0, 30.0),
         ("rail.inclination=1:20", "wheel.profile=cone20"),
     ),
     Case(
         "54E1 corner 2 mm, S1002",
         "rail",
-        2.0,
-        -30.0,
-        10.0,
+        (2.0, -30.0, 10.0),
         ("wheel.profile=S1002", "wheelset.shift=4"),
     ),
     Case(
         "60E1 corner 3 mm, S1002",
         "rail",
-        3.0,
-        -31.0,
-        12.0,
+        (3.0, -31.0, 12.0),
         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002", "wheelset.shift=4"),
     ),
     Case(
         "60E1 corner 1 mm, in flange contact",
         "rail",
-        1.0,
-        -28.0,
-        8.0,
+        (1.0, -28.0, 8.0),
         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002", "wheelset.shift=6"),
     ),
     Case(
         "S1002 root 1 mm, in flange contact",
         "wheel",
-        1.0,
-        -38.0,
-        8.0,
+        (1.0, -38.0, 8.0),
         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002", "wheelset.shift=5"),
     ),
     Case(
         "S1002 root 2 mm, 60E1",
         "wheel",
-        2.0,
-        -36.0,
-        12.0,
+        (2.0, -36.0, 12.0),
         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002", "wheelset.shift=3"),
     ),
     Case(
         "S1002 tread hollow by 2 mm, 60E1",
         "wheel",
-        2.0,
-        0.0,
-        30.0,
+        (2.0, 0.0, 30.0),
         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002"),
     ),
     Case(
         "60E1 crown 1 mm, S1002 (conformal)",
         "rail",
-        1.0,
-        -5.0,
-        20.0,
+        (1.0, -5.0, 20.0),
         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002"),
     ),
 )

@@ -95,40 +95,23 @@ def derivative(function: Callable[[float], Array | float], at: float) -> Array:
 
 class Reduced(NamedTuple):
     """The two equations to which the thesis reduces its contact conditions once cos(s2w) = 0:
-    b2 s1w + b3 s2r = p2 and a2 s1w + a3 s2r = p1, where p1 = L a2 and p2 = L b2."""
+    b2 s1w + b3 s2r = p2 and a2 s1w + a3 s2r = p1, where p1 = L a2 and p2 = L b2.
+
+    numerator: of s2r in eq 4.31; s1w: solved from the two equations;
+    s1w_printed: by eq 4.33, nan where that is 0/0.
+    """
 
     a2: float
     a3: float
     b2: float
     b3: float
-    p1: float
-    p2: float
-
-    @property
-    def numerator(self) -> float:
-        """Numerator of s2r in eq 4.31."""
-        return self.a2 * self.p2 - self.b2 * self.p1
-
-    @property
-    def denominator(self) -> float:
-        """Denominator of s2r in eq 4.31; zero would leave s2r open."""
-        return self.a2 * self.b3 - self.a3 * self.b2
-
-    @property
-    def s1w(self) -> float:
-        """s1w, solved from the two equations."""
-        return (self.p1 * self.b3 - self.p2 * self.a3) / self.denominator
-
-    @property
-    def s1w_printed(self) -> float:
-        """s1w by eq 4.33."""
-        above = self.p1 * (self.a2 * self.b3 + self.a3 * self.b2)
-        above -= self.p1 * self.b2 * self.a3 + self.a3 * self.a2 * self.p2
-        return above / (self.a2 * self.denominator)
+    numerator: float
+    s1w: float
+    s1w_printed: float
 
 
 def reduced_equations(yaw: float, bank: float, half_axle: float) -> Reduced:
-    """Coefficients of eqs 4.23 and 4.25 as printed; half_axle: L in mm."""
+    """Coefficients of eqs 4.23 and 4.25 as printed, and what follows; half_axle: L in mm."""
     (m, A), (n, B) = _pair(yaw), _pair(bank)
     a2 = m * A * B**2 + m**2 * B * n - B * n
     b2 = A * B * m * n + m**2 * n**2 + B**2
@@ -136,7 +119,10 @@ def reduced_equations(yaw: float, bank: float, half_axle: float) -> Reduced:
     b3 -= m**3 * n**2 * B + m**2 * n**2 * B + m * B**3 + B * n**2
     a3 = 2 * m * A**2 * B**2 - A**2 * B**2 * n * m - m**3 * B**2 * n
     a3 += -(m**2) * B**2 * n + B**2 * m * n + n**3
-    return Reduced(a2, a3, b2, b3, half_axle * a2, half_axle * b2)
+    p1, p2, denominator = half_axle * a2, half_axle * b2, a2 * b3 - a3 * b2
+    s1w = (p1 * b3 - p2 * a3) / denominator
+    above = p1 * (a2 * b3 + a3 * b2) - (p1 * b2 * a3 + a3 * a2 * p2)
+    return Reduced(a2, a3, b2, b3, a2 * p2 - b2 * p1, s1w, above / (a2 * denominator or np.nan))
 
 
 def angle_coefficients(yaw: float, bank: float) -> tuple[float, float]:

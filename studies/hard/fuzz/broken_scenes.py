@@ -1,7 +1,5 @@
 """Random scene files that are wrong, or right at the edge of what a float can hold."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -75,16 +73,9 @@ POINTS = {
 }
 
 
-def _tables(source: Source) -> Tables:
-    return scene(source).model_dump(exclude_none=True)
-
-
 def _put(tables: Tables, key: str, value: Any) -> None:
-    section, dot, leaf = key.partition(".")
-    if dot:
-        tables.setdefault(section, {})[leaf] = value
-    else:
-        tables[section] = value
+    section, dot, leaf = key.rpartition(".")
+    (tables.setdefault(section, {}) if dot else tables)[leaf] = value
 
 
 def _keys() -> list[str]:
@@ -156,7 +147,7 @@ MUTATIONS: dict[str, Callable[[Source, Tables, Path], None]] = {
 def write(source: Source, file: Path) -> str:
     """Write a scene file and what it names beside it; returns what is wrong with it."""
     kind = source.choice([*MUTATIONS, "odd value", "extreme value", "extreme value", "bytes"])
-    tables = _tables(source)
+    tables = scene(source).model_dump(exclude_none=True)
     if kind in MUTATIONS:
         MUTATIONS[kind](source, tables, file.parent)
     try:
