@@ -236,13 +236,6 @@ def _change(one: Numbers, other: Numbers, name: str) -> float:
     return abs(one[name] / other[name] - 1) if other[name] else math.inf
 
 
-def next_resolution(n: float, error: float, accuracy: float) -> float:
-    """Elements per semi-axis of the mesh after one with n whose error missed the accuracy: by
-    first-order convergence, from 1.25 n to STEP n.
-    """
-    return n * min(max(1.1 * error / accuracy, 1.25), STEP)
-
-
 def estimate(meshes: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
     """Error estimates of the last of a scene's meshes by key, and the source of their mesh parts in
     words (rank 0).

@@ -160,7 +160,8 @@ def _next(meshes: list[MeshSolution], worst: float, wanted: float) -> tuple[floa
     if known is None or (len(meshes) > 1 and not math.isfinite(worst)):
         return error_envelopes.STEP * n, True
     if len(meshes) > 1:
-        wanted = estimates.next_resolution(n, worst, asked or worst)
+        # By first-order convergence, from 1.25 n to STEP n.
+        wanted = n * min(max(1.1 * worst / (asked or worst), 1.25), error_envelopes.STEP)
     else:
         if asked is not None and solved.plan.scene.budget is None:
             found = estimates.reading_errors(solved.findings) if solved.findings is not None else {}

@@ -12,13 +12,7 @@ from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.effects import assumptions
 from railhead.planning.effects.interface import friction, heat
 from railhead.planning.effects.material import deformable, mean_dilatation, plasticity
-from railhead.planning.effects.shape import (
-    far_field,
-    rail_section,
-    sections,
-    symmetry,
-    true_profile,
-)
+from railhead.planning.effects.shape import extent, rail_section, true_profile
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic.contacts import Hertz
@@ -42,15 +36,15 @@ class EffectRules:
 
 
 EFFECTS = {
-    "plane_strain": EffectRules(decide=sections.plane_strain),
-    "axisymmetry": EffectRules(decide=sections.axisymmetry, numerical_only=True),
-    "symmetry_x": EffectRules(decide=symmetry.along, numerical_only=True),
-    "symmetry_y": EffectRules(decide=symmetry.across, numerical_only=True),
+    "plane_strain": EffectRules(decide=extent.plane_strain),
+    "axisymmetry": EffectRules(decide=extent.axisymmetry, numerical_only=True),
+    "symmetry_x": EffectRules(decide=extent.symmetry_x, numerical_only=True),
+    "symmetry_y": EffectRules(decide=extent.symmetry_y, numerical_only=True),
     "deformable_rail": EffectRules(decide=partial(deformable.decide, "rail")),
     "deformable_wheel": EffectRules(decide=partial(deformable.decide, "wheel")),
     "true_profile": EffectRules(decide=true_profile.decide, check=true_profile.check),
     "rail_section": EffectRules(decide=rail_section.decide, check=rail_section.check),
-    "far_field": EffectRules(decide=far_field.decide),
+    "far_field": EffectRules(decide=extent.far_field),
     "mean_dilatation": EffectRules(decide=mean_dilatation.decide, numerical_only=True),
     "friction": EffectRules(decide=friction.decide, check=friction.check, beyond_half_spaces=True),
     "plasticity": EffectRules(
