@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from importlib import resources
 from typing import Any, Protocol
@@ -206,7 +206,7 @@ def rail_head(name: str, inclination: float = 0.0) -> Profile:
     segments = data("rails.json")[name]["half_section"][:3]
     top = np.array(segments[0]["start"])
     c, s = _cos_sin(inclination)
-    pieces: list[Piece] = []
+    pieces: list[Arc] = []
     for mirror in (-1, 1):
         for segment in segments[::mirror]:
             centre = (np.array(segment["centre"]) - top) * [mirror, 1]
@@ -216,8 +216,11 @@ def rail_head(name: str, inclination: float = 0.0) -> Profile:
             start, end = sorted(ends[:, 0] * c - ends[:, 1] * s)
             # Keep what still faces upwards.
             start, end = max(start, cy - 0.999 * radius), min(end, cy + 0.999 * radius)
-            pieces.append(Arc(start, end, cy, cz, radius, 1))
-    return Profile(name, tuple(_join(pieces)))
+            if mirror == 1 and segment is segments[0]:  # the other half of the crown's arc
+                pieces[-1] = replace(pieces[-1], end=end)
+            else:
+                pieces.append(Arc(start, end, cy, cz, radius, 1))
+    return Profile(name, tuple(pieces))
 
 
 def rolled(profile: Profile, slope: float) -> Profile:
@@ -265,19 +268,3 @@ def _cos_sin(slope: float) -> tuple[float, float]:
     """Cosine and sine of the angle whose tangent is the slope."""
     angle = math.atan(slope)
     return math.cos(angle), math.sin(angle)
-
-
-def _join(pieces: list[Piece]) -> list[Piece]:
-    """The pieces, in order, with neighbouring arcs of the same centre joined to one arc."""
-    joined: list[Piece] = []
-    for piece in pieces:
-        last = joined[-1] if joined else None
-        if (
-            isinstance(last, Arc)
-            and isinstance(piece, Arc)
-            and (abs(last.centre_y - piece.centre_y) + abs(last.centre_z - piece.centre_z) < 1e-9)
-        ):
-            joined[-1] = Arc(last.start, piece.end, last.centre_y, last.centre_z, last.radius, 1)
-        else:
-            joined.append(piece)
-    return joined

@@ -365,11 +365,8 @@ class ContactSystem:
         """
         choice = self.setup.linear
         if choice == "auto":
-            limit = linear.DIRECT_BELOW
-            if self.setup.degree == 1:
-                limit = LINEAR_DIRECT_BELOW
-            if self.setup.kinematics.dim == 2:
-                limit = SECTION_DIRECT_BELOW
+            limit = linear.DIRECT_BELOW if self.setup.degree > 1 else LINEAR_DIRECT_BELOW
+            limit = SECTION_DIRECT_BELOW if self.setup.kinematics.dim == 2 else limit
             choice = "direct" if self.unknowns < limit else "multigrid"
         if choice == "direct":
             return linear.Direct(problem)

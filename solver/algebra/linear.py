@@ -84,6 +84,12 @@ class Preconditioner(ABC):
         self.set_up(active)
         self.active = active
 
+    def start(self, operator: PETSc.Mat) -> PETSc.PC:
+        """New PETSc preconditioner of a matrix; both become the fields `pc` and `operator`."""
+        self.operator, self.pc = operator, PETSc.PC().create(operator.comm)
+        self.pc.setOperators(operator)
+        return self.pc
+
     @abstractmethod
     def set_up(self, active: Mask) -> None:
         """Make `pc` and `operator` for the tangent at these active points (n,) (collective)."""
@@ -96,11 +102,9 @@ class Direct(Preconditioner):
 
     def set_up(self, active: Mask) -> None:
         """Assemble and factorise the tangent at these active points (n,) (collective)."""
-        self.operator = self.problem.assembled_tangent(active)
-        self.pc = PETSc.PC().create(self.operator.comm)
-        self.pc.setOperators(self.operator)
-        factorise(self.pc, self.problem.law.symmetric)
-        self.pc.setUp()
+        pc = self.start(self.problem.assembled_tangent(active))
+        factorise(pc, self.problem.law.symmetric)
+        pc.setUp()
 
 
 class Algebraic(Preconditioner):
@@ -118,12 +122,11 @@ class Algebraic(Preconditioner):
         """Assemble the tangent at these active points (n,) and build the multigrid levels
         (collective).
         """
-        self.operator = self.problem.assembled_tangent(active)
-        near_nullspace(self.operator, self.rigid_modes)
-        self.pc = PETSc.PC().create(self.operator.comm)
-        self.pc.setOperators(self.operator)
-        self.pc.setType("gamg")
-        self.pc.setUp()
+        operator = self.problem.assembled_tangent(active)
+        near_nullspace(operator, self.rigid_modes)
+        pc = self.start(operator)
+        pc.setType("gamg")
+        pc.setUp()
 
 
 def factorise(pc: PETSc.PC, symmetric: bool) -> None:

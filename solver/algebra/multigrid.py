@@ -79,20 +79,18 @@ class PMultigrid(Preconditioner):
         solver (collective).
         """
         symmetric = self.problem.law.symmetric
-        self.operator = self.problem.tangent(active)
         self.coarse.fill(active)
         # A new one: PCMG keeps the residual operator of its first set-up.
-        self.pc = PETSc.PC().create(self.operator.comm)
-        self.pc.setOperators(self.operator)
-        self.pc.setType("mg")
-        self.pc.setMGLevels(2)
-        self.pc.setMGInterpolation(1, self.hierarchy.prolongation)
-        smoother = self.pc.getMGSmoother(1)
+        pc = self.start(self.problem.tangent(active))
+        pc.setType("mg")
+        pc.setMGLevels(2)
+        pc.setMGInterpolation(1, self.hierarchy.prolongation)
+        smoother = pc.getMGSmoother(1)
         smoother.setType("chebyshev")
         smoother.getPC().setType("jacobi")
         smoother.setTolerances(max_it=SMOOTHING_STEPS)
         smoother.setOperators(self.operator, self.operator)
-        solver = self.pc.getMGCoarseSolve()
+        solver = pc.getMGCoarseSolve()
         solver.setOperators(self.coarse.matrix, self.coarse.matrix)
         if not self.flexible:
             solver.setType("preonly")
@@ -109,7 +107,7 @@ class PMultigrid(Preconditioner):
             options["pc_gamg_threshold"] = GAMG_THRESHOLD
             options["pc_gamg_aggressive_coarsening"] = AGGRESSIVE_LEVELS
             solver.setFromOptions()
-        self.pc.setUp()
+        pc.setUp()
 
 
 class CoarseTangent:

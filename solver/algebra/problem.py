@@ -93,7 +93,7 @@ class ContactProblem:
         self.start_gap = gap + self.gap_per_approach * rigid_approach
 
     def shared(self) -> dict[str, Any]:
-        """Fields by name, for another problem with the same matrices and a force of its own."""
+        """Fields by name, for another problem with the same matrices and its own force vector."""
         own = {each.name: getattr(self, each.name) for each in fields(self) if each.init}
         return own | {"force": self.force.duplicate()}
 

@@ -117,9 +117,18 @@ def solve(
     depends on the cells. ValueError: an argument or gap out of range, no contact, no bounded patch,
     no convergence.
     """
-    window = (centre, half_size)
-    given = {"load": load, "approach": approach}
-    return _search(gap, contact_modulus, [window], flat, cells, tolerance, False, given).windows[0]
+    found = _search(
+        gap,
+        contact_modulus,
+        [(centre, half_size)],
+        flat,
+        load=load,
+        approach=approach,
+        cells=cells,
+        tolerance=tolerance,
+        split=False,
+    )
+    return found.windows[0]
 
 
 def solve_developed(
@@ -148,8 +157,17 @@ def solve_developed(
     tolerance: of the gap in the patch, over the largest displacement.
     ValueError: an argument or gap out of range, no contact, no bounded patch, no convergence.
     """
-    given = {"load": load, "approach": approach}
-    return _search(gap, contact_modulus, windows, angle, cells, tolerance, True, given)
+    return _search(
+        gap,
+        contact_modulus,
+        windows,
+        angle,
+        load=load,
+        approach=approach,
+        cells=cells,
+        tolerance=tolerance,
+        split=True,
+    )
 
 
 def flat(s: Array) -> Array:
@@ -162,18 +180,19 @@ def _search(
     contact_modulus: float,
     windows: Sequence[Window],
     angle: Angle,
+    *,
+    load: float | None,
+    approach: float | None,
     cells: int,
     tolerance: float,
     split: bool,
-    given: dict[str, float | None],
 ) -> Solution:
     """Solve on domains that are adapted until each suits its patch, first coarse, then with `cells`
     cells along each axis.
 
-    split: whether separate patches get domains of their own. given: {"load": N or None, "approach":
-        mm or None}. Other arguments and errors: `solve_developed`.
+    split: whether separate patches get domains of their own. Other arguments and errors are those
+        of `solve_developed`.
     """
-    load, approach = given["load"], given["approach"]
     if (load is None) == (approach is None):
         raise ValueError("give exactly one of load and approach")
     sizes = [size for _, half in windows for size in half]

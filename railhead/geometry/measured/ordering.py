@@ -10,7 +10,7 @@ LARGEST_GAP = 5.0  # mm between neighbours
 HEAD_DEPTH = 45.0  # mm below its top: what is deeper is web or foot
 ROUNDED = 0.01  # mm: stairs of heights that are higher make contacts that do not exist
 DISTINCT = 0.75  # share of different numbers among the points; with fewer they are rounded
-PASS = 20  # points from one end of a scan to the other, at least
+COARSE, TURNS = 20, 4  # of so many points of a scan there and back, few turn; of mixed ones many
 
 
 class PointError(ValueError):
@@ -47,11 +47,12 @@ def in_order(points: Array) -> Array:
     order = np.argsort(points[:, 0], kind="stable")
     way = points
     if chord_lengths(points[order])[-1] < chord_lengths(points)[-1]:
-        back = np.flatnonzero(np.diff(np.sign(np.diff(points[:, 0])))) + 1
+        coarse = np.arange(0, len(points), max(1, len(points) // COARSE))
+        turns = coarse[2:][np.diff(np.sign(np.diff(points[coarse, 0]))) != 0]
         mixed = np.mean(np.abs(np.diff(order)) > 1) > 0.5
-        if mixed and len(back) < len(points) / PASS:
+        if mixed and 1 <= len(turns) <= TURNS:
             text = "runs over the same place twice, at the latest here; give one pass"
-            raise PointError(text, points[back[-1]])
+            raise PointError(text, points[turns[-1]])
         way = points[order]
     y, z = way.T
     if closes(way):

@@ -119,13 +119,9 @@ def from_points(
     by y, and the longest part that faces upwards, as a profile of that name.
     wavelength: of waves that keep half of their height, mm, or None to choose by the noise.
     stretch: factor on the wavelengths.
-    Raises ValueError for too few points, points that are not finite, and a curve that faces nowhere
-    upwards. Raises PointError for a gap between points and where they run over the same place
-    twice.
+    Raises ValueError for too few points and a curve that faces nowhere upwards. Raises PointError
+    for a gap between points and where they run over the same place twice.
     """
-    points = np.asarray(points, dtype=float)
-    if not np.isfinite(points).all():
-        raise ValueError("holds points that are not finite; give finite numbers")
     smoothed = smoothing.smooth(ordering.in_order(points), wavelength, stretch)
     s = np.linspace(0, smoothed.length, max(2, math.ceil(smoothed.length / SAMPLE)) + 1)
     tangent = smoothed.curve(s, 1)
