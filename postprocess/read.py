@@ -7,20 +7,12 @@ from typing import TYPE_CHECKING
 from railhead.postprocess.findings import Findings, Frame
 from railhead.postprocess.friction import traction
 from railhead.postprocess.patch import patch, quality, section
-from railhead.postprocess.patch.patch import PressureMoments
 from railhead.postprocess.patch.separate_patches import separate_patches
 from railhead.postprocess.stress import bodies
 
 if TYPE_CHECKING:
     from railhead.solver.fields import Fields
     from railhead.solver.solution import FrictionSolution
-
-
-def moments(fields: Fields, frame: Frame) -> PressureMoments:
-    """Moments of the contact pressure in the contact frame: force, centre, semi-axes and their
-    deviation from Hertz, for bodies in space or for a section.
-    """
-    return (section if fields.kinematics.dim == 2 else patch).moments(fields, frame)
 
 
 def findings(

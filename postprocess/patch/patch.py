@@ -11,6 +11,12 @@ import numpy as np
 
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, AxisPressure, Frame, OnePatch, Patch
+from railhead.postprocess.patch.moments import (
+    HERTZIAN,
+    PressureMoments,
+    largest_pressure,
+    moments,
+)
 from railhead.postprocess.patch.outline import PatchShape, outline_shape
 from railhead.postprocess.patch.reconstruct import (
     ROUGHNESS,
@@ -27,43 +33,16 @@ from railhead.postprocess.patch.surface import Surfaces, recover_surfaces
 if TYPE_CHECKING:
     from railhead.solver.fields import Fields
 
-HERTZIAN = 0.02  # shape error below which the semi-axes are those of an ellipse
 ELLIPTIC = 0.01  # shape error up to which p^2 is that of Hertz's ellipsoid alone
 FOURTH_MOMENT_FACTOR = 9 / 8  # relative change of half lengths per deviation of fourth moments
 # deviation of the fourth moments of an exact ellipse, over (element size / half length)^2
 ELEMENT_SIZE_FACTOR = 0.07
 HIGHER_ORDER_FACTOR = 0.4  # error by terms of higher order, over the shape error
-PEAK_RADIUS = 0.6  # of the semi-axes: where p^2 is fitted for the largest pressure
 MEASURES = ("a", "b", "area", "max_pressure")
 AXIS_REACH, AXIS_POINTS = 1.25, 121  # pressure along x and s: in half lengths, either way
 CENTRED = 0.02  # of a half length: a peak nearer to the centre is taken to be at the centre
+Elliptic = tuple[tuple[float, float], tuple[float, float], float, dict[str, float]]
 ROUGHNESS_VARIATION = 100.0  # factor and divisor of the roughness: their change is the scatter
-
-
-@dataclass(frozen=True, kw_only=True)
-class PressureMoments:
-    """Moments of the computed contact pressure p in the contact frame.
-
-    force: normal force on the whole patch, images in symmetry planes included, N.
-    centre: (x, s) of the centre of pressure, mm.
-    a, b: semi-axes along x and s from second moments, mm; in a section both are its half width.
-    shape_error: largest relative deviation of the normalised third and fourth moments from those of
-        a semi-ellipsoid, <x^3> = 0, <x^4>/<x^2>^2 = 15/7 and <x^2 s^2>/(<x^2> <s^2>) = 5/7, where
-        <f> = int p f / int p. In a section the values are those of Hertz's pressure there.
-    fourth: the relative deviations of <x^4> and of <s^4>.
-    """
-
-    force: float
-    centre: tuple[float, float]
-    a: float
-    b: float
-    shape_error: float
-    fourth: tuple[float, float] = (0.0, 0.0)
-
-    @property
-    def hertzian(self) -> bool:
-        """Whether the shape error is below HERTZIAN, so that second moments give the semi-axes."""
-        return self.shape_error < HERTZIAN
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,80 +63,6 @@ class PatchReading:
     recovered_pressure: Array
     along: AxisPressure
     across: AxisPressure
-
-
-def moments(fields: Fields, frame: Frame) -> PressureMoments:
-    """Moments of the contact pressure p of bodies in space, x and s measured from the centre of
-    pressure.
-
-    The semi-axis along x is a = sqrt(5 int p x^2 / int p), and likewise b along s: exact for
-    Hertz's semi-ellipsoid. Where all points with pressure lie on a line the shape error is
-    infinite.
-    """
-    contact = fields.contact
-    weight = contact.weights * contact.pressure
-    total = weight.sum()
-    local = frame.local(contact.points)
-    x, s = local[:, 0], local[:, 1]
-    normals = np.abs(np.array(fields.mirrors).reshape(-1, 3))
-    cut_x, cut_y = bool(normals[:, 0].any()), bool(normals[:, 1].any())
-    xc = 0.0 if cut_x else float(weight @ x / total)
-    sc = 0.0 if cut_y else float(weight @ s / total)
-    x, s = x - xc, s - sc
-    xx, ss = float(weight @ x**2 / total), float(weight @ s**2 / total)
-    parts = 2 ** len(fields.mirrors)
-    if not xx * ss > 0:  # all points in a line
-        return PressureMoments(
-            force=parts * float(total),
-            centre=(xc, sc),
-            a=float(np.sqrt(5 * xx)),
-            b=float(np.sqrt(5 * ss)),
-            shape_error=np.inf,
-        )
-    deviations = [
-        weight @ x**4 / total / xx**2 / (15 / 7) - 1,
-        weight @ s**4 / total / ss**2 / (15 / 7) - 1,
-        weight @ (x**2 * s**2) / total / (xx * ss) / (5 / 7) - 1,
-        0.0 if cut_x else weight @ x**3 / total / xx**1.5,
-        0.0 if cut_y else weight @ s**3 / total / ss**1.5,
-    ]
-    return PressureMoments(
-        force=parts * float(total),
-        centre=(xc, sc),
-        a=float(np.sqrt(5 * xx)),
-        b=float(np.sqrt(5 * ss)),
-        shape_error=float(np.max(np.abs(deviations))),
-        fourth=(float(deviations[0]), float(deviations[1])),
-    )
-
-
-def largest_pressure(fields: Fields, frame: Frame, found: PressureMoments) -> float:
-    """Largest pressure, MPa: the maximum of a quadratic polynomial fitted to p^2 around the centre
-    of pressure.
-
-    found: moments that give the centre and the semi-axes. Points nearer to the centre than
-        PEAK_RADIUS of the semi-axes are used. Hertz's p^2 is such a polynomial. Where fewer than 24
-        points lie there, the largest computed pressure is returned.
-    """
-    contact = fields.contact
-    local = symmetry.vectors(frame.local(contact.points)[:, :2], fields.mirrors)
-    p = symmetry.repeated(contact.pressure, fields.mirrors)
-    weight = symmetry.repeated(contact.weights, fields.mirrors)
-    scaled = (local - found.centre) / np.array([found.a, found.b])
-    radius = np.hypot(*scaled.T)
-    near = (radius < PEAK_RADIUS) & (p > 0)
-    if near.sum() < 24:
-        return float(p.max())
-    x, s = scaled[near].T
-    basis = np.column_stack([np.ones_like(x), x, s, x * x, x * s, s * s])
-    root = np.sqrt(weight[near])
-    c = np.linalg.lstsq(basis * root[:, None], p[near] ** 2 * root, rcond=None)[0]
-    hessian = np.array([[2 * c[3], c[4]], [c[4], 2 * c[5]]])
-    if np.linalg.eigvalsh(hessian).max() < 0:
-        top = np.linalg.solve(hessian, -c[1:3])
-        if np.hypot(*top) < PEAK_RADIUS:
-            return float(np.sqrt(c[0] + 0.5 * c[1:3] @ top))
-    return float(np.sqrt(np.max(basis @ c)))
 
 
 def read(
@@ -240,28 +145,49 @@ class _Reading:
 def _reading(part: SeparatePatch, frame: Frame, facets: Array, *, parabolic: bool) -> _Reading:
     """Smooth p^2 and extents of one patch, in the frame given.
 
-    Up to a shape error of ELLIPTIC p^2 is that of Hertz's ellipsoid. From HERTZIAN on it is
-    reconstructed from the moments of the pressure. Between the two it is their weighted mean.
     facets: area of each contact facet, mm2. parabolic: whether Hertz's theory is exact.
     """
     fields, found = part.fields, moments(part.fields, frame)
     given = samples(fields, frame, facets)
-    share = general_shape_share(found.shape_error)
-    square, scatter = zero_squared_pressure(given), dict.fromkeys(MEASURES, 0.0)
-    if share > 0:
-        square, scatter = reconstruct_general_shape(given)
-    if share < 1:
+
+    def elliptic() -> Elliptic:
+        """The nearly elliptic patch by moments."""
         peak = largest_pressure(fields, frame, found)
         (a, b), (da, db) = nearly_elliptic(found, float(given.size.mean()), parabolic=parabolic)
         off = abs(found.force / (peak * 2 / 3 * np.pi * found.a * found.b) - 1)
-        other = {"a": da, "b": db, "area": da + db, "max_pressure": max(off, da)}
-        square = blend(square, ellipsoid(square, found.centre, (a, b), peak), share)
-        scatter = {key: share * scatter[key] + (1 - share) * other[key] for key in MEASURES}
+        errors = {"a": da, "b": db, "area": da + db, "max_pressure": max(off, da)}
+        return found.centre, (a, b), peak, errors
+
+    square, scatter = smooth_square(given, found.shape_error, elliptic)
     return _Reading(frame, square, outline_shape(square), scatter)
 
 
+def smooth_square(
+    given: Samples,
+    shape_error: float,
+    elliptic: Callable[[], Elliptic],
+    measure: Callable[[SquaredPressure], PatchShape] = outline_shape,
+) -> tuple[SquaredPressure, dict[str, float]]:
+    """Smooth p^2 of a patch, and relative uncertainties of a, b, area and max_pressure.
+
+    Up to a shape error of ELLIPTIC p^2 is that of Hertz's ellipsoid. From HERTZIAN on it is
+    reconstructed from the moments of the pressure. Between the two it is their weighted mean.
+    elliptic: function that gives the ellipsoid's centre (x, s) and semi-axes, mm, its largest
+    pressure, MPa, and its uncertainties. measure: function that measures the extents of a p^2.
+    """
+    share = general_shape_share(shape_error)
+    square, scatter = zero_squared_pressure(given), dict.fromkeys(MEASURES, 0.0)
+    if share > 0:
+        square, scatter = reconstruct_general_shape(given, measure)
+    if share < 1:
+        centre, semi, peak, errors = elliptic()
+        square = blend(square, ellipsoid(square, centre, semi, peak), share)
+        scatter = {key: share * scatter[key] + (1 - share) * errors[key] for key in MEASURES}
+    return square, scatter
+
+
 def reconstruct_general_shape(
-    given: Samples, measure: Callable[[SquaredPressure], PatchShape] = outline_shape
+    given: Samples, measure: Callable[[SquaredPressure], PatchShape]
 ) -> tuple[SquaredPressure, dict[str, float]]:
     """Smooth p^2 of a patch of any shape, and the uncertainty of its extents.
 

@@ -6,93 +6,27 @@ import numpy as np
 
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, AxisPressure, Frame, Patch, Surface
+from railhead.postprocess.patch.moments import (
+    PressureMoments,
+    coordinate,
+    largest_pressure,
+    moments,
+)
 from railhead.postprocess.patch.outline import PatchShape
 from railhead.postprocess.patch.patch import (
     FOURTH_MOMENT_FACTOR,
-    MEASURES,
-    PEAK_RADIUS,
+    Elliptic,
     PatchReading,
-    PressureMoments,
-    general_shape_share,
     nearly_elliptic,
-    reconstruct_general_shape,
+    smooth_square,
 )
-from railhead.postprocess.patch.reconstruct import (
-    Samples,
-    SquaredPressure,
-    blend,
-    ellipsoid,
-    zero_squared_pressure,
-)
+from railhead.postprocess.patch.reconstruct import Samples, SquaredPressure
 from railhead.postprocess.patch.surface import recover_surfaces
 from railhead.solver.fields import Fields
 
 ELEMENT_SIZE_FACTOR = 0.03  # of a section, see `patch`
 AXIS_POINTS = 61  # of the pressure along the contact line
 LINE_POINTS = 2000  # at which p^2 is evaluated to find its zeros and its maximum
-
-
-def coordinate(fields: Fields) -> int:
-    """Axis of the contact frame in the plane of a section, along which the pressure varies: 0 for
-    x, 1 for s. The coordinate along this axis is called t.
-    """
-    return int(np.argmax(np.abs(fields.kinematics.axes[0])))
-
-
-def moments(fields: Fields, frame: Frame) -> PressureMoments:
-    """Moments of the contact pressure p of a section; both semi-axes are its half width.
-
-    The half width is 2 sqrt(int p t^2 / int p) in plane strain and sqrt(5/2 int p r^2 / int p) for
-    a body of revolution, with t from the centre of pressure and r from the axis. Both are exact for
-    Hertz's pressure.
-    """
-    contact, revolved = fields.contact, fields.kinematics.revolved
-    axis = coordinate(fields)
-    weight = contact.weights * contact.pressure
-    total = float(weight.sum())
-    t = frame.local(contact.points)[:, axis]
-    middle = 0.0 if fields.mirrors else float(weight @ t / total)
-    t = t - middle
-    square = float(weight @ t**2 / total)
-    factor, fourth = (5 / 2, 10 / 7) if revolved else (4.0, 2.0)
-    deviations = [weight @ t**4 / total / square**2 / fourth - 1]
-    if not fields.mirrors:
-        deviations.append(weight @ t**3 / total / square**1.5)
-    w = float(np.sqrt(factor * square))
-    centre = (middle, 0.0) if axis == 0 else (0.0, middle)
-    parts = 1 if revolved else 2 ** len(fields.mirrors)
-    off = float(deviations[0])
-    return PressureMoments(
-        force=parts * total,
-        centre=centre,
-        a=w,
-        b=w,
-        shape_error=float(np.max(np.abs(deviations))),
-        fourth=(off, off),
-    )
-
-
-def largest_pressure(t: Array, pressure: Array, weights: Array, w: float, *, even: bool) -> float:
-    """Largest pressure, MPa, of a section: the maximum of a parabola fitted to p^2 near t = 0.
-
-    t (n,): coordinate of the contact points from the centre of pressure, mm. pressure (n,): MPa.
-        weights (n,): areas of the points, mm2. w: half width, mm. even: whether p is symmetric in
-        t. Points with |t| below PEAK_RADIUS half widths are used. Hertz's p^2 is a parabola. Of
-        fewer than six points the largest computed pressure is returned; where the parabola has no
-        maximum, its largest value at the points.
-    """
-    near = (np.abs(t) < PEAK_RADIUS * w) & (pressure > 0)
-    if near.sum() < 6:
-        return float(pressure.max())
-    x = t[near] / w
-    basis = np.column_stack([np.ones_like(x), x**2] + ([] if even else [x]))
-    root = np.sqrt(weights[near])
-    c = np.linalg.lstsq(basis * root[:, None], pressure[near] ** 2 * root, rcond=None)[0]
-    if c[1] >= 0:
-        return float(np.sqrt(np.max(basis @ c)))
-    top = 0.0 if even else float(np.clip(-c[2] / (2 * c[1]), -PEAK_RADIUS, PEAK_RADIUS))
-    shift = 0.0 if even else c[2] * top
-    return float(np.sqrt(c[0] + c[1] * top**2 + shift))
 
 
 def read(fields: Fields, frame: Frame, *, parabolic: bool = False) -> PatchReading:
@@ -105,18 +39,16 @@ def read(fields: Fields, frame: Frame, *, parabolic: bool = False) -> PatchReadi
     revolved, length = fields.kinematics.revolved, fields.kinematics.thickness
     found = moments(fields, frame)
     given = samples(fields, frame)
-    share = general_shape_share(found.shape_error)
-    square, scatter = zero_squared_pressure(given), dict.fromkeys(MEASURES, 0.0)
-    if share > 0:
-        square, scatter = reconstruct_general_shape(given, lambda each: _shape(each, fields))
-    if share < 1:
-        t = frame.local(contact.points)[:, axis] - found.centre[axis]
-        even = bool(fields.mirrors)
-        peak = largest_pressure(t, contact.pressure, contact.weights, found.a, even=even)
-        half, other = _ellipse(found, peak, float(given.size.mean()), fields, parabolic=parabolic)
-        ellipse = ellipsoid(square, (0.0, found.centre[axis]), (1.0, half), peak)
-        square = blend(square, ellipse, share)
-        scatter = {key: share * scatter[key] + (1 - share) * other[key] for key in MEASURES}
+
+    def elliptic() -> Elliptic:
+        """The patch with nearly Hertz's pressure, by moments. Only its second semi-axis counts."""
+        peak = largest_pressure(fields, frame, found)
+        half, errors = _ellipse(found, peak, float(given.size.mean()), fields, parabolic=parabolic)
+        return (0.0, found.centre[axis]), (1.0, half), peak, errors
+
+    square, scatter = smooth_square(
+        given, found.shape_error, elliptic, lambda each: _shape(each, fields)
+    )
     shape = _shape(square, fields)
     outlines = _outlines(_spans(square), axis, None if revolved else length)
     patch = Patch(

@@ -10,7 +10,7 @@ import numpy as np
 from railhead.meshing.tags import BODY_NAMES, other
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Findings
-from railhead.postprocess.patch.section import coordinate
+from railhead.postprocess.patch.moments import coordinate
 from railhead.postprocess.plots.diagrams import FE, HERTZ, exact_line, loaded, new_figure
 from railhead.postprocess.stress.gauss_points import stress_at_gauss_points
 from railhead.solver.fields import Fields

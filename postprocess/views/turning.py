@@ -12,7 +12,7 @@ import meshio
 import numpy as np
 
 from railhead.postprocess.findings import Array, Findings
-from railhead.postprocess.patch.section import coordinate
+from railhead.postprocess.patch.moments import coordinate
 from railhead.postprocess.views.camera import Camera, load_pyvista
 from railhead.postprocess.views.render import (
     EDGE,

@@ -102,7 +102,7 @@ def _drawings(
         6): at the nodes, MPa.
     """
     from railhead.postprocess import gallery
-    from railhead.postprocess.patch.section import coordinate
+    from railhead.postprocess.patch.moments import coordinate
     from railhead.postprocess.plots import plastic_plots, shakedown, traction_plots
     from railhead.postprocess.vtu import export
 

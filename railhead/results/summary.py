@@ -11,6 +11,7 @@ from railhead.planning.effects.material import plasticity
 from railhead.postprocess import compare
 from railhead.postprocess.friction import damage
 from railhead.results import checks
+from railhead.results.checks import second_method
 from railhead.results.result_folder import origin
 from railhead.run import estimates
 from railhead.run.mesh_solution import MeshSolution
@@ -53,7 +54,7 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
     judged = checks.run(solved, known, second, reached=reached)
     beside = rubbed if beyond or rubbed is None else {"scene": second}
     judged += checks.friction(solved, known, beside)
-    missing = checks.not_made(solved, judged, second, beside)
+    missing = second_method.not_made(solved, judged, second, beside)
     return {
         "case": scene.name,
         **origin(),

@@ -33,7 +33,7 @@ from railhead.run.progress import Progress
 from railhead.theory.elastic.contacts import Hertz
 
 if TYPE_CHECKING:
-    from railhead.postprocess.patch.patch import PressureMoments
+    from railhead.postprocess.patch.moments import PressureMoments
     from railhead.postprocess.stress.plastic import ResidualState
     from railhead.solver.contact import ContactModel
     from railhead.solver.fields import Fields
@@ -316,10 +316,10 @@ def _remesh_for_found_patch(plan: Plan, fields: Fields) -> Plan | None:
     """
     if not np.any(fields.contact.pressure > 0):
         return None
-    from railhead.postprocess import read
+    from railhead.postprocess.patch.moments import moments
 
     frame = plan.contact.frame
-    found = read.moments(fields, frame)
+    found = moments(fields, frame)
     x, s, a, b = plan.forecast.moments
     fits = all(1 / REMESH_RATIO < ratio < REMESH_RATIO for ratio in (found.a / a, found.b / b))
     beside = abs(found.centre[0] - x) / a, abs(found.centre[1] - s) / b

@@ -28,7 +28,7 @@ from railhead.planning import plan as planning
 from railhead.planning.references import boundary_elements
 from railhead.postprocess import compare
 from railhead.results import pipeline
-from railhead.results.checks import ESTIMATE_FACTOR
+from railhead.results.checks.check import ESTIMATE_FACTOR
 from railhead.results.summary import summarise
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress

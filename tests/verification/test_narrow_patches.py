@@ -10,8 +10,8 @@ from railhead.meshing.sizing import MAX_STRETCH
 from railhead.meshing.tags import CONTACT, WHEEL
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
-from railhead.postprocess import read
 from railhead.postprocess.findings import Frame
+from railhead.postprocess.patch.moments import moments
 from railhead.results.pipeline import run
 from railhead.run import build
 from railhead.run.mesh_solution import forecast_from_solution, mesh_and_solve
@@ -87,5 +87,5 @@ def test_a_mesh_around_a_found_needle_is_as_narrow_as_the_needle() -> None:
     plan = planned("hertz_ellipse", "rail.crown_radius=1.5").at_resolution(3.0)
     solved = mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_WORLD)
     frame = Frame(plan.contact.origin, plan.contact.touch.angle)
-    expected = forecast_from_solution(solved.fields, read.moments(solved.fields, frame), frame)
+    expected = forecast_from_solution(solved.fields, moments(solved.fields, frame), frame)
     assert expected.minor == pytest.approx(plan.forecast.minor, rel=0.1)

@@ -8,6 +8,7 @@ import pytest
 from painted import measured, painted
 
 from railhead.postprocess.findings import Array, Frame, Patch
+from railhead.postprocess.patch import moments as pressure
 from railhead.postprocess.patch import patch, quality, reconstruct
 from railhead.postprocess.patch.separate_patches import separate_patches
 from railhead.solver.fields import Fields
@@ -98,7 +99,7 @@ def test_numbers_do_not_jump_where_an_ellipse_becomes_another_shape() -> None:
             return 1 - x**2 / 4 - s**2 / 3 - power * s**4 / 9
 
         fields = painted(square, (2.6, 2.2), 0.3, 0.02, even=True)
-        shares.append(patch.general_shape_share(patch.moments(fields, FRAME).shape_error))
+        shares.append(patch.general_shape_share(pressure.moments(fields, FRAME).shape_error))
         read.append(_numbers(_read(fields)) / measured(square, (2.6, 2.2)))
     assert shares[0] == 0.0
     assert shares[-1] == 1.0
@@ -108,7 +109,7 @@ def test_numbers_do_not_jump_where_an_ellipse_becomes_another_shape() -> None:
 def test_an_ellipse_by_construction_is_read_by_its_moments() -> None:
     fields = painted(lambda x, s: 1 - x**2 / 4 - s**2 / 3, (2.6, 2.2), 0.3, 0.02)
     found = patch.read(fields, separate_patches(fields), FRAME, parabolic=True).patch
-    moments = patch.moments(fields, FRAME)
+    moments = pressure.moments(fields, FRAME)
     assert _numbers(found)[:3] == pytest.approx(
         [moments.a, moments.b, np.pi * moments.a * moments.b], rel=2e-5
     )
@@ -129,7 +130,7 @@ def test_a_patch_that_is_nearly_an_ellipse_is_read_as_it_is() -> None:
     read = []
     for seed in range(3):
         fields = painted(square, (2.6, 2.2), 0.1, 0.02, seed, even=True)
-        assert patch.moments(fields, FRAME).shape_error < patch.ELLIPTIC
+        assert pressure.moments(fields, FRAME).shape_error < patch.ELLIPTIC
         read.append(_numbers(_read(fields)) / exact - 1)
     assert np.abs(np.mean(read, axis=0)).max() < 0.003
 

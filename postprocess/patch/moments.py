@@ -1,0 +1,127 @@
+"""Moments and maximum of the computed contact pressure, in space and in a section."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations_with_replacement
+
+import numpy as np
+
+from railhead.postprocess import symmetry
+from railhead.postprocess.findings import Frame
+from railhead.solver.fields import Fields
+
+HERTZIAN = 0.02  # shape error below which the semi-axes are those of an ellipse
+PEAK_RADIUS = 0.6  # of the semi-axes: where p^2 is fitted for the largest pressure
+PEAK_POINTS = 4  # for each coefficient of that fit, at least
+
+
+@dataclass(frozen=True, kw_only=True)
+class PressureMoments:
+    """Moments of the computed contact pressure p in the contact frame.
+
+    force: normal force on the whole patch, images in symmetry planes included, N.
+    centre: (x, s) of the centre of pressure, mm.
+    a, b: semi-axes along x and s from second moments, mm; in a section both are its half width.
+    shape_error: largest relative deviation of the normalised third and fourth moments from those of
+        a semi-ellipsoid, <x^3> = 0, <x^4>/<x^2>^2 = 15/7 and <x^2 s^2>/(<x^2> <s^2>) = 5/7, where
+        <f> = int p f / int p. In a section the values are those of Hertz's pressure there.
+    fourth: the relative deviations of <x^4> and of <s^4>.
+    """
+
+    force: float
+    centre: tuple[float, float]
+    a: float
+    b: float
+    shape_error: float
+    fourth: tuple[float, float]
+
+    @property
+    def hertzian(self) -> bool:
+        """Whether the shape error is below HERTZIAN, so that second moments give the semi-axes."""
+        return self.shape_error < HERTZIAN
+
+
+def coordinate(fields: Fields) -> int:
+    """Axis of the contact frame in the plane of a section, along which the pressure varies: 0 for
+    x, 1 for s. The coordinate along this axis is called t.
+    """
+    return int(np.argmax(np.abs(fields.kinematics.axes[0])))
+
+
+def varying(fields: Fields) -> list[int]:
+    """Axes of the contact frame along which the pressure varies: 0 for x and 1 for s in space, one
+    of them in a section.
+    """
+    return [coordinate(fields)] if fields.kinematics.dim == 2 else [0, 1]
+
+
+def moments(fields: Fields, frame: Frame) -> PressureMoments:
+    """Moments of the contact pressure p, with coordinates from the centre of pressure.
+
+    A semi-axis is sqrt(f int p t^2 / int p) with f = 5 in space, 5/2 for the radius of a body of
+    revolution and 4 for the half width of a line contact: exact for Hertz's pressure. Where all
+    points with pressure lie on a line the shape error is infinite.
+    """
+    contact, axes = fields.contact, varying(fields)
+    weight = contact.weights * contact.pressure
+    total = weight.sum()
+    cut = np.abs(np.array(fields.mirrors).reshape(-1, 3)[:, axes]).any(axis=0)
+    t = frame.local(contact.points)[:, axes]
+    mean = np.where(cut, 0.0, weight @ t / total)
+    t = t - mean
+    square = weight @ t**2 / total
+    factor, fourth = (5.0, 15 / 7) if len(axes) == 2 else (4.0, 2.0)
+    if fields.kinematics.revolved:
+        factor, fourth = 5 / 2, 10 / 7
+    deviations, off = np.array([np.inf]), np.zeros(2)
+    if square.min() > 0:
+        off = np.broadcast_to(weight @ t**4 / total / square**2 / fourth - 1, 2)
+        third = np.where(cut, 0.0, weight @ t**3 / total / square**1.5)
+        mixed = weight @ t.prod(axis=1) ** 2 / total / square.prod() / (5 / 7) - 1
+        deviations = np.array([*off, *third, mixed if len(axes) == 2 else 0.0])
+    centre = np.zeros(2)
+    centre[axes] = mean
+    a, b = np.broadcast_to(np.sqrt(factor * square), 2)
+    images = 1 if fields.kinematics.revolved else 2 ** len(fields.mirrors)
+    return PressureMoments(
+        force=images * float(total),
+        centre=(float(centre[0]), float(centre[1])),
+        a=float(a),
+        b=float(b),
+        shape_error=float(np.abs(deviations).max()),
+        fourth=(float(off[0]), float(off[1])),
+    )
+
+
+def largest_pressure(fields: Fields, frame: Frame, found: PressureMoments) -> float:
+    """Largest pressure, MPa: the maximum of a quadratic polynomial fitted to p^2 around the centre
+    of pressure.
+
+    found: moments that give the centre and the semi-axes. Points nearer to the centre than
+        PEAK_RADIUS of the semi-axes are used. Hertz's p^2 is such a polynomial. Where fewer than
+        PEAK_POINTS points for each coefficient lie there, the largest computed pressure is
+        returned; where the polynomial has no maximum there, its largest value at the points.
+    """
+    contact, axes = fields.contact, varying(fields)
+    local = symmetry.vectors(frame.local(contact.points)[:, :2], fields.mirrors)
+    p = symmetry.repeated(contact.pressure, fields.mirrors)
+    weight = symmetry.repeated(contact.weights, fields.mirrors)
+    scaled = ((local - found.centre) / (found.a, found.b))[:, axes]
+    near = (np.linalg.norm(scaled, axis=1) < PEAK_RADIUS) & (p > 0)
+    x = scaled[near].T
+    pairs = list(combinations_with_replacement(range(len(axes)), 2))
+    basis = np.stack([np.ones(x.shape[1]), *x, *(x[i] * x[j] for i, j in pairs)], axis=1)
+    if len(basis) < PEAK_POINTS * basis.shape[1]:
+        return float(p.max())
+    root = np.sqrt(weight[near])
+    c = np.linalg.lstsq(basis * root[:, None], p[near] ** 2 * root, rcond=None)[0]
+    slope, hessian = c[1 : len(axes) + 1], np.zeros((len(axes), len(axes)))
+    for (i, j), value in zip(pairs, c[len(axes) + 1 :], strict=True):
+        hessian[i, j] += value
+        hessian[j, i] += value
+    if np.linalg.eigvalsh(hessian).max() < 0:
+        top = np.linalg.solve(hessian, -slope)
+        if np.linalg.norm(top) < PEAK_RADIUS:
+            return float(np.sqrt(c[0] + 0.5 * slope @ top))
+    return float(np.sqrt(np.max(basis @ c)))

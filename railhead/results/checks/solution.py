@@ -1,0 +1,250 @@
+"""Checks of a solution by itself: its equations, its mesh, its stresses, and what they mean.
+
+Each function yields the checks of one group as a table: value, limit, reason of the limit, advice.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from railhead.meshing.tags import BODY_NAMES
+from railhead.planning import effects
+from railhead.planning.accuracy.error_envelopes import RANGE
+from railhead.planning.sizing import LINEAR_REFINEMENT
+from railhead.results.checks.check import DEFAULT_TOLERANCE, FINER, Check, allowed, deviation
+from railhead.run.estimates import Estimate
+from railhead.run.mesh_solution import MeshSolution
+from railhead.scene import steels
+
+BALANCE_TOLERANCE = 1e-6  # relative: what equations solved to 1e-8 leave
+NOISE_LIMIT = 0.5  # relative L2: where half of the pressure is noise, none of it is an answer
+YIELD_LOAD_LIMIT = 110.0  # times the load of first yield
+SHEAR_OVER_PRESSURE = (0.2, 0.6)
+"""Largest shear stress over largest pressure: 0.266 to 0.488 in Hertz's ellipses of any axis ratio
+and Poisson's ratio (theory.elastic.subsurface), a quarter more room."""
+MISES_READING = 0.01  # relative: what reading two largest values apart from each other may cost
+STRAIN_LIMIT = 0.2
+"""p0/E*, which of a circle is 2/pi a/R and of a line a/(2 R): a sphere's patch then has 0.31 of its
+radius, and Tabor's representative strain 0.2 a/R (from memory) is 6 %. The limit is a choice."""
+STEEL_PRESSURE = {"line": 4000.0, "point": 4200.0}
+"""MPa, largest elastic pressure that leaves 1e-4 of the diameter in hardened bearing steel (ISO
+76:2006, 3.1 to 3.3)."""
+SHAPE_SENSITIVITY = 5.25
+"""What a fourth power in p^2 changes of the largest over the mean pressure, over the shape error,
+to first order: p^2 = (1 - r^2)(1 + c r^2) has c/5 and 4 c/105; a strip has c/8 and c/16."""
+SOLVER = (
+    "try solver.gamma_factor=1, solver.method=nitsche with solver.theta=1, a smaller "
+    "mesh.patch_size, or solver.linear=direct"
+)
+
+
+def equations(solved: MeshSolution) -> Iterator[Check]:
+    """Checks that what is called for was solved, and that the equations are fulfilled: effects,
+    Newton's method, balance of contact force, reaction and load, the given approach, a mesh that is
+    fine where the patch is, and unloading.
+    """
+    solution, load = solved.solution, solved.plan.scene.load
+    missing = effects.left_out(solved.plan.effects, solved.after)
+    why = "; ".join(f"{name}: {reason}" for name, reason in missing.items())
+    overrule = " ".join(f"--without {name}" for name in missing)
+    yield Check(
+        name="effects_left_out",
+        value=float(len(missing)),
+        limit=0.0,
+        source=why or "none that is called for",
+        advice=f"{overrule} accepts the answer without",
+    )
+    yield Check(
+        name="converged",
+        value=0.0 if solution.newton.converged and solved.result is not None else math.inf,
+        limit=0.0,
+        source=f"Newton's method: {solution.newton.reason}",
+        advice=SOLVER,
+    )
+    target = load if load is not None else solution.reaction
+    yield Check(
+        name="force_balance",
+        value=max(deviation(solution.load, target), deviation(solution.reaction, solution.load)),
+        limit=BALANCE_TOLERANCE,
+        source="equations solved to 1e-8",
+        advice=SOLVER,
+    )
+    yield Check(
+        name="approach_reached",
+        value=solved.approach_error,
+        limit=BALANCE_TOLERANCE,
+        source="the given approach",
+        advice="give the load in the place of the approach",
+    )
+    yield Check(
+        name="patch_settled",
+        value=0.0 if solved.mesh_fits_patch else 1.0,
+        limit=0.0,
+        source="the mesh is around the patch that was found",
+        advice="give mesh.patch_size, or a scene whose patch is not at an edge",
+    )
+    plastic = solution.plasticity
+    if plastic is not None and plastic.residual_state is not None:
+        last = plastic.newton_results[-1]
+        yield Check(
+            name="unloaded",
+            value=0.0 if last.converged else 1.0,
+            limit=0.0,
+            source=f"Newton's method without the load: {last.reason}",
+            advice=SOLVER,
+        )
+
+
+def resolution(solved: MeshSolution) -> Iterator[Check]:
+    """Checks of a solution in which the bodies touch: elements across the patch in the direction
+    that has fewer, noise of the pressure, overlap of the bodies, force that the elements' stresses
+    carry in each body, smooth stresses against those of the elements, and distance of the patch
+    from edges.
+    """
+    from railhead.postprocess.stress.flux import contact_force
+
+    found, fields, solution = solved.findings, solved.fields, solved.solution
+    assert found is not None and fields is not None
+    linear = LINEAR_REFINEMENT if solved.plan.order == 1 else 1.0
+    tolerance = max(DEFAULT_TOLERANCE, solved.plan.scene.accuracy or 0.0)
+    across = (max if solved.plan.section else min)(found.elements_across)
+    yield Check(
+        name="elements_across",
+        value=across,
+        limit=2 * RANGE[0] * linear,
+        source="with a third fewer the largest shear stress was 8 % off, "
+        "with linear cells the area",
+        advice=FINER,
+        at_least=True,
+    )
+    contact = fields.contact
+    touching = contact.facet_nodes[np.unique(contact.facet[contact.pressure > 0])]
+    nodes = int(np.unique(touching).size * 2 ** len(fields.mirrors))
+    fitted = tolerance * math.sqrt(nodes)
+    noisy = (
+        f"a fit over {nodes} nodes leaves one over their square root of it"
+        if fitted < NOISE_LIMIT
+        else "where half of the pressure is noise, none of it is an answer"
+    )
+    yield Check(
+        name="pressure_noise",
+        value=found.noise,
+        limit=min(fitted, NOISE_LIMIT),
+        source=noisy,
+        advice=FINER,
+    )
+    yield Check(
+        name="penetration",
+        value=solution.penetration / abs(solution.approach),
+        limit=tolerance,
+        source="overlap over approach: it enters pressure and area in proportion",
+        advice="give a larger solver.gamma_factor, or solver.method=nitsche",
+    )
+    for body in solved.plan.deformable:
+        yield Check(
+            name=f"flux_{BODY_NAMES[body]}",
+            value=deviation(-contact_force(fields, body)[2], solution.load),
+            limit=tolerance * linear,
+            source="the load; the elements' stresses are integrated around the patch",
+            advice=FINER,
+        )
+    yield Check(
+        name="stress_misfit",
+        value=found.misfit,
+        limit=tolerance * linear,
+        source="the elements' own stresses around the largest smooth ones, on the average",
+        advice=FINER,
+    )
+    yield Check(
+        name="edge_distance",
+        value=found.edge_distance,
+        limit=2 / across,
+        source="one element, over the smaller half length: at an edge the pressure has no bound",
+        advice="move the wheel, or give wider bodies",
+        at_least=True,
+    )
+
+
+def physics(solved: MeshSolution) -> Iterator[Check]:
+    """Checks of a solution in which the bodies touch: ratios of the largest stresses and pressure
+    without yield and friction, load over that of first yield, small strains, and a pressure that
+    steel bears, for bodies of which the softer one has at most the modulus of steel.
+    """
+    plan, result = solved.plan, solved.result
+    assert result is not None
+    elastic = (solved.elastic_reference or solved).result or result
+    stress, largest = elastic["stress"], result["pressure"]["max_MPa"]
+    yield from _between(
+        "shear_over_pressure",
+        stress["tau_max_MPa"] / elastic["pressure"]["max_MPa"],
+        SHEAR_OVER_PRESSURE,
+        "0.266 to 0.488 in Hertz's ellipses, and a quarter more room",
+    )
+    yield from _between(
+        "mises_over_shear",
+        stress["von_mises_max_MPa"] / stress["tau_max_MPa"],
+        (math.sqrt(3.0) * (1 - MISES_READING), 2.0 * (1 + MISES_READING)),
+        "von Mises stress over shear stress, sqrt(3) to 2 in any state, and what reading costs",
+    )
+    if solved.residual_state is not None:
+        yield Check(
+            name="load_over_first_yield",
+            value=solved.residual_state.load_over_first_yield,
+            limit=YIELD_LOAD_LIMIT,
+            source="as far as spheres of others go; strains are no longer small beyond",
+            advice="give a smaller load",
+        )
+    yield Check(
+        name="small_strain",
+        value=largest / plan.estimate.contact_modulus,
+        limit=STRAIN_LIMIT,
+        source="p0/E*: a sphere's representative strain is 6 % there",
+        advice="give a smaller load",
+    )
+    bodies = {"rail": plan.scene.rail, "wheel": plan.scene.wheel}
+    moduli = [bodies[BODY_NAMES[body]].young_modulus for body in plan.deformable]
+    if min(moduli) <= steels.STEEL_MODULI[1]:
+        yield Check(
+            name="pressure_of_steel",
+            value=largest,
+            limit=STEEL_PRESSURE["line" if plan.contact.line else "point"],
+            source="ISO 76: hardened bearing steel yields beyond",
+            advice="give a smaller load, or a yield_stress",
+        )
+
+
+def pressure_over_mean(solved: MeshSolution, estimates: Mapping[str, Estimate]) -> Iterator[Check]:
+    """Check of largest pressure, area and load against each other, where the pressure is a semi-
+    ellipsoid (3/2 of the mean) or a semi-ellipse (4/pi).
+    """
+    found, result = solved.findings, solved.result
+    if found is None or result is None or not found.hertzian:
+        return
+    line = solved.plan.setting.shape == "plane strain"
+    normal = solved.solution.load / math.cos(solved.plan.contact.touch.angle)
+    mean = normal / result["patch"]["area_mm2"]
+    peak = (4 / math.pi if line else 1.5) * mean
+    tolerance = sum(allowed(estimates, key) for key in ("max_MPa", "area_mm2"))
+    sensitivity = 1.0 if solved.plan.contact.half_space else 2.0 if line else SHAPE_SENSITIVITY
+    yield Check(
+        name="pressure_over_mean",
+        value=deviation(result["pressure"]["max_MPa"], peak),
+        limit=tolerance + sensitivity * found.shape_error,
+        source=f"{'4/pi' if line else '3/2'} of load over area; both estimates "
+        f"({tolerance:.2g}) and how far the pressure is from that shape",
+        advice=FINER,
+    )
+
+
+def _between(name: str, value: float, bounds: tuple[float, float], source: str) -> Iterator[Check]:
+    """Two checks of a value, for the upper and the lower bound; the name of the second one ends in
+    "_least".
+    """
+    low, high = bounds
+    yield Check(name=name, value=value, limit=high, source=source, advice=FINER)
+    yield Check(
+        name=f"{name}_least", value=value, limit=low, source=source, advice=FINER, at_least=True
+    )
