@@ -14,13 +14,13 @@ import zlib
 from collections.abc import Callable, Collection, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from datetime import UTC, datetime
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import psutil
 import tomli_w
 
-from railhead import __version__
 from railhead.run import process
 from railhead.scene.io import copy_files, portable
 from railhead.scene.scene import SceneError
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from railhead.scene.scene import Scene
 
 SUMMARY, SCENE = "summary.json", "scene.toml"
+VERSION = version("railhead")
 UNITS = "N, mm, MPa, rad, s"
 Attempt = Callable[[str], AbstractContextManager[None]]
 MANIFEST = ".railhead"  # names of the files in a result folder that are replaced by the next one
@@ -133,7 +134,7 @@ def scene_toml(command: str, scene: Scene) -> str:
     """Text of scene.toml beside a result: a comment line with command, version of the program, date
     and units, then the scene.
     """
-    return f"# railhead {command} {__version__}, {now()}; {UNITS}\n{tomli_w.dumps(portable(scene))}"
+    return f"# railhead {command} {VERSION}, {now()}; {UNITS}\n{tomli_w.dumps(portable(scene))}"
 
 
 @contextmanager
@@ -161,14 +162,14 @@ def result(
 
 def origin() -> dict[str, Any]:
     """Entries of summary.json that say where it is from: "railhead" (version), "date", "units"."""
-    return {"railhead": __version__, "date": now(), "units": UNITS}
+    return {"railhead": VERSION, "date": now(), "units": UNITS}
 
 
 def stamp(folder: Path) -> None:
     """Write version, date and units into the .png, .vtu and .pvd files of a folder, as text that
     viewers skip. OSError: a file cannot be written; it is unchanged then.
     """
-    note, part = f"railhead {__version__}, {now()}; {UNITS}".encode(), folder / ".stamp"
+    note, part = f"railhead {VERSION}, {now()}; {UNITS}".encode(), folder / ".stamp"
     for path in folder.iterdir():
         if path.suffix == ".png":  # after the header, which is 33 bytes
             data, chunk = path.read_bytes(), b"tEXtComment\0" + note
