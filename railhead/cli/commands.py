@@ -21,7 +21,7 @@ import click
 
 from railhead import __version__
 from railhead.run import process
-from railhead.scene import catalogue
+from railhead.scene import catalogue, mixed_units
 from railhead.scene.scene import Scene, SceneError
 
 if TYPE_CHECKING:
@@ -96,6 +96,8 @@ def _takes_scene(command: Callable[..., Any]) -> Any:
         switches = [f"effects.{name}=on" for name in switched_on]
         switches += [f"effects.{name}=off" for name in switched_off]
         scene = catalogue.find(case).replace([*assignments, *switches])
+        for question in mixed_units.questions(scene):
+            _say(question)
         return command(*arguments, scene=scene, **values)
 
     return _with_options(call, _scene_options)

@@ -32,16 +32,16 @@ CONTACT_ROWS = (
     ("wheel: y from the tape circle", "mm", "wheel_y_mm"),
     ("wheel: x ahead of the axle", "mm", "ahead_mm"),
     ("gap", "mm", "gap_mm"),
-    ("contact angle", "rad", "angle_rad"),
+    ("contact angle", "deg", "angle_rad"),
     ("rolling radius", "mm", "radius_mm"),
     ("rail: curvature across", "1/mm", "rail_curvature"),
     ("wheel: curvature along its circle", "1/mm", "wheel_curvature_along"),
     ("wheel: curvature across", "1/mm", "wheel_curvature_across"),
     ("relative curvature along", "1/mm", "relative_curvature_along"),
     ("relative curvature across", "1/mm", "relative_curvature_across"),
-    ("their axes turned by", "rad", "orientation_rad"),
+    ("their axes turned by", "deg", "orientation_rad"),
 )
-"""Label, unit and key of the rows of the table of contacts."""
+"""Label, shown unit and key of the rows of the table of contacts."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,9 @@ class Location:
         for name, _ in columns:
             table.add_column(name, justify="right")
         for label, unit, key in CONTACT_ROWS:
-            table.add_row(label, unit, *(f"{contact[key]:.6g}" for _, contact in columns))
+            factor = math.degrees(1) if unit == "deg" else 1.0
+            values = (factor * contact[key] for _, contact in columns)
+            table.add_row(label, unit, *(f"{round(each, 12) + 0.0:.6g}" for each in values))
         console.print(table)
         console.print(
             f"shift {scene.wheelset.shift:g} mm, yaw {1e3 * scene.wheelset.yaw:g} mrad: roll "

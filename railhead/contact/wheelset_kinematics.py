@@ -58,8 +58,8 @@ class WheelsetCreepage:
         return (
             f"creepage along {moves.along:.4g}, across {moves.across:.4g}, spin {moves.spin:.4g} "
             f"1/mm (radius {self.radius:.6g} mm on a {self.axle} axle, which turns by "
-            f"{self.turning:.6g} mm, {radius}; yaw {1e3 * self.yaw:.4g}, angle "
-            f"{1e3 * self.angle:.4g}, roll {1e3 * self.roll:.4g} mrad)"
+            f"{self.turning:.6g} mm, {radius}; yaw {1e3 * self.yaw:.4g}, roll "
+            f"{1e3 * self.roll:.4g} mrad, contact angle {np.degrees(self.angle):.4g} deg)"
         )
 
     def summary(self) -> dict[str, Any]:

@@ -13,6 +13,7 @@ Cell = float | str | None
 Row = dict[str, Cell]
 """Cells by column: "quantity", "unit", "FE" and what stands beside it; None where there is none."""
 
+ROUNDING = 1e-9  # of friction times load: a force below it is 0
 FIRST = ("quantity", "unit")
 RELATIVE = ("estimate", "FE - Hertz")
 """Columns of relative numbers."""
@@ -62,15 +63,20 @@ def friction(summary: Mapping[str, Any]) -> list[Row]:
     found = (summary["result"] or {}).get("friction") or {}
     others = (summary.get("half_space_friction") or {}).items()
     bound = summary["accuracy"]["bound"] | _unresolved(found)
-    still = found.get("resolution", {})
+    still, limit = found.get("resolution", {}), ROUNDING * found.get("limit_N", 0.0)
+    least = {"N": limit, "N mm": limit}  # of a moment over an arm of 1 mm
     return [
         {
             "quantity": each.label,
             "unit": each.unit,
-            "FE": _cell(found[each.key]),
+            "FE": _cell(found[each.key], least.get(each.unit, 0.0)),
             "estimate": bound.get(each.key),
-            "without creepage": _cell(still.get(each.key)),
-            **{name: _cell(of.get(each.key)) for name, of in others if "reason" not in of},
+            "without creepage": _cell(still.get(each.key), least.get(each.unit, 0.0)),
+            **{
+                name: _cell(of.get(each.key), least.get(each.unit, 0.0))
+                for name, of in others
+                if "reason" not in of
+            },
         }
         for each in quantities.rows("friction")
         if each.key in found
@@ -121,10 +127,10 @@ def everything(summary: Mapping[str, Any]) -> Iterator[Row]:
 
 
 def _cell(value: Any, least: float = 0.0) -> Cell:
-    """A number or a word of a table; a positive number below `least` (rounding) becomes 0."""
+    """A number or a word of a table; a number whose size is below `least` (rounding) becomes 0."""
     if value is None or isinstance(value, str):
         return value
-    return float(value) if not 0 < value < least else 0.0
+    return float(value) if abs(value) > least else 0.0
 
 
 def _relative(value: Cell, exact: Cell) -> float | None:

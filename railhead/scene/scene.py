@@ -45,13 +45,13 @@ NOMINAL_RADIUS = {"54E1": 300.0, "60E1": 300.0} | dict.fromkeys(
 _WORDS = ("name", "rail.profile", "wheel.profile")
 #: Longest name of a scene: folders are named after it, and their names have at most 255 bytes.
 MAX_NAME_BYTES = 100
-#: Setting the key on the left drops the one on the right, but for one value.
+#: Setting the key on the left drops the one on the right, but for some values.
 _DROPS = {
-    "load": ("approach", None),
-    "approach": ("load", None),
-    "rail.profile": ("rail.crown_radius", "arc"),
-    "wheel.profile": ("wheel.transverse_radius", "arc"),
-    "solver.method": ("solver.theta", "nitsche"),
+    "load": ("approach", (None, "none")),
+    "approach": ("load", (None, "none")),
+    "rail.profile": ("rail.crown_radius", ("arc",)),
+    "wheel.profile": ("wheel.transverse_radius", ("arc",)),
+    "solver.method": ("solver.theta", ("nitsche", "none")),
 }
 OTHER_NAMES = {"friction.tangential_load": "friction.force_along"}
 
@@ -294,7 +294,7 @@ class Scene(Section):
         drops = [
             _DROPS[key][0]
             for key, value in given.items()
-            if key in _DROPS and value != _DROPS[key][1]
+            if key in _DROPS and value not in _DROPS[key][1]
         ]
         data: dict[str, object] = self.model_dump()
         for key, value in (dict.fromkeys(drops) | given).items():

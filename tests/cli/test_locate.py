@@ -60,3 +60,10 @@ def test_measured_profiles_come_with_their_curvature(tmp_path, capsys) -> None:
 def test_what_cannot_be_located_is_refused_by_its_key(assignment: str, key: str) -> None:
     with pytest.raises(SceneError, match=key):
         located(assignment)
+
+
+def test_angles_are_printed_in_degrees(capsys) -> None:
+    with pytest.raises(SystemExit):
+        commands.main(["locate", "s1002_60e1", "--no-pictures"])
+    row = next(line for line in capsys.readouterr().out.splitlines() if "contact angle" in line)
+    assert row.split()[3:6] == ["│", "deg", "│"] and "1.3955" in row  # 0.0243564 rad

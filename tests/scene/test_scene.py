@@ -13,6 +13,7 @@ import pytest
 from pydantic import ValidationError
 from scene_keys import ARC_RAIL, ARC_WHEEL, HALF, scene
 
+import railhead as rh
 from railhead.scene import units
 from railhead.scene.scene import (
     Effects,
@@ -196,3 +197,9 @@ def test_units_of_keys() -> None:
              "rail.yield_stress": "MPa", "rail.inclination": "", "rolling.spin": "1/mm",
              "friction.tangential_load": "N", "no.key": ""}  # fmt: skip
     assert {key: unit(key) for key in known} == known
+
+
+def test_none_for_the_approach_leaves_the_load() -> None:
+    scene = rh.find("hertz_ellipse")
+    assert scene.replace(["approach=none"]) == scene
+    assert scene.replace(["solver.theta=-1", "solver.method=none"]).solver.theta == -1

@@ -89,5 +89,7 @@ def _row(key: str, value: Any, units: Units) -> Iterator[tuple[str, str]]:
     text = str(value)
     if isinstance(value, float):
         base = unit(key)
+        if base == "rad":
+            value, base = 1e3 * value, "mrad"
         text = f"{units.value(value, base):.6g} {units.unit(base)}".strip()
     yield key.replace(".", ": ").replace("_", " "), text

@@ -71,5 +71,5 @@ class Units:
 
 def brief(value: float) -> str:
     """Text of a number with four digits, without a power of ten up to 1e7."""
-    rounded = float(f"{value:.4g}")
+    rounded = float(f"{value:.4g}") + 0.0  # -0 is 0
     return f"{rounded:.0f}" if 1e4 <= abs(rounded) < 1e7 else f"{rounded:.4g}"

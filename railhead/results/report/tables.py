@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -34,8 +35,8 @@ def show_plan(plan: Plan, console: Console) -> None:
         table.add_row(name, _state(effect), effect.why, _cost(*plan.price(name)))
     console.print(table)
     lines = (
-        f"contact    y = {contact['y_mm']:.3f} mm, z = {contact['z_mm']:.3f} mm, "
-        f"angle {contact['angle_rad']:.4f} rad, relative radii "
+        f"contact    y = {rounded(contact['y_mm']):.3f} mm, z = {rounded(contact['z_mm']):.3f} mm, "
+        f"angle {rounded(math.degrees(contact['angle_rad'])):.3f} deg, relative radii "
         f"{contact['relative_radius_along_mm']:.4g} x "
         f"{contact['relative_radius_across_mm']:.4g} mm",
         f"Hertz      a = {hertz['a_mm']:.4g} mm, b = {hertz['b_mm']:.4g} mm, "
@@ -293,10 +294,15 @@ def show_failure(summary: dict[str, Any], console: Console) -> None:
         )
 
 
+def rounded(value: float, digits: int = 3) -> float:
+    """A number rounded to some decimal digits; a negative one that rounds to zero is 0, not -0."""
+    return round(value, digits) + 0.0
+
+
 def cell(name: str, value: Cell, unit: str, units: Units) -> str:
     """Text of a cell of column `name` in displayed units; unit: base unit of the value."""
     if value is None or isinstance(value, str):
         return value or ""
     if name in quantity_rows.RELATIVE:
-        return f"{value:.2%}" if name == "estimate" else f"{value:+.2%}"
+        return f"{value:.2%}" if name == "estimate" else f"{rounded(value, 4):+.2%}"
     return f"{units.value(value, unit):.5g}"

@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import math
 import os
 import subprocess
 import sys
@@ -13,7 +14,7 @@ from solved import solved
 
 import railhead as rh
 from railhead.results import quantity_rows, table_file
-from railhead.results.report import tables
+from railhead.results.report import labels, output_units, tables
 from railhead.results.report.output_units import Units
 from railhead.run import quantities
 
@@ -165,7 +166,7 @@ def test_the_plan_as_json_says_what_the_printed_one_says() -> None:
         assert effect["called_for"] in (True, False)
     assert f"{said['plan']['unknowns']} unknowns" in words
     assert f"a = {said['hertz']['a_mm']:.4g} mm" in words
-    assert f"angle {said['contact']['angle_rad']:.4f} rad" in words
+    assert f"angle {math.degrees(said['contact']['angle_rad']):.3f} deg" in words
     assert f"{said['mesh']['patch_size_mm']:.3g} mm in the patch" in words
     reachable = [row for row in said["prices"] if row["unknowns"] is not None]
     assert reachable and all(f"{row['unknowns']}" in words for row in reachable)
@@ -177,3 +178,18 @@ def test_a_wrong_plan_as_json_is_one_line() -> None:
     assert (done.returncode, done.stdout) == (2, "")
     (line,) = done.stderr.splitlines()
     assert "load: '3mm'" in line
+
+
+def test_zero_is_printed_as_0() -> None:
+    """Also what is a rounding of friction times load, and a number that rounds to -0."""
+    forces = {"limit_N": 7500.0, "force_across_N": -2.8e-8, "moment_Nmm": 3e-7, "spin_per_mm": -0.0}
+    summary = {"result": {"friction": forces}, "accuracy": {"bound": {}}}
+    rows = {row["quantity"]: row["FE"] for row in quantity_rows.friction(summary)}
+    assert [f"{value:g}" for value in rows.values()] == ["0", "0", "0"]
+    assert tables.cell("FE - Hertz", -1e-7, "", Units()) == "+0.00%"
+    assert f"{tables.rounded(-1e-9):.3f}" == "0.000" and output_units.brief(-0.0) == "0"
+
+
+def test_a_yaw_is_in_mrad_in_the_report() -> None:
+    scene = rh.find("s1002_60e1").replace(["wheelset.yaw=2 mrad"])
+    assert ("wheelset: yaw", "2 mrad") in labels.scene_rows(scene, Units())
