@@ -13,7 +13,7 @@ from tabulate import tabulate
 from railhead.cli.study import PAGE
 from railhead.run.quantities import numeric_values
 
-Row = Mapping[str, Any]
+Row = dict[str, Any]
 """One run, scene or mesh of a study, by the columns of its CSV (without units)."""
 COLUMNS = {
     "a": "a_mm",

@@ -130,7 +130,8 @@ def main(out: Path, *, quick: bool) -> None:
     """Write cells.json and twist.json, then calibrate.csv, laws.json and page.md, anew after each
     family; quick: three scenes of the cheap ones alone."""
     names = CHEAP if quick else [n for n, each in families.RECIPES.items() if each.resolutions]
-    records, laws = [], {"seed": SEED, "families": {}}
+    laws: dict[str, Any] = {"seed": SEED, "families": {}}
+    records: list[Row] = []
     for name, constants in () if quick else (("cells", measure_cells), ("twist", measure_twist)):
         _write(out / f"{name}.json", constants(), indent=2)
     for name in names:

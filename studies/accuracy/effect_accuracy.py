@@ -66,7 +66,7 @@ def series(name: str, progress: Progress, meshes: int | None) -> Iterator[Row]:
     exact = exact_values(scene)
     progress.stage(f"{name}: warm-up")
     solve(scene)
-    runs = []
+    runs: list[tuple[Any, ...]] = []
     for step in range(meshes or MESHES["section" if plan.section else "solid"]):
         n = COARSEST * RATIO**step
         progress.stage(f"{name}: {n:.3g} elements per semi-axis")

@@ -6,6 +6,7 @@ that they turn about (see `railhead.planning.references.rail_twist`).
 """
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -30,19 +31,17 @@ def measure_twist() -> dict[str, Any]:
     """{"centre_mm": below the crown, "compliance": {profile: C, 1/mm3}}, two digits each."""
     solutions = {profile: [solved(profile, slope) for slope in SLOPES] for profile in PROFILES}
     turns = {profile: [turn(each) for each in own] for profile, own in solutions.items()}
-    centre = two_digits(np.mean([depth for own in turns.values() for _, depth in own]))
+    centre = two_digits([depth for own in turns.values() for _, depth in own])
     return {
         "centre_mm": centre,
         "compliance": {
             profile: two_digits(
-                np.mean(
-                    [
-                        angle
-                        * each.plan.scene.rail.young_modulus
-                        / (-each.solution.load * lever(each.plan.contact, centre))
-                        for each, (angle, _) in zip(own, turns[profile], strict=True)
-                    ]
-                )
+                [
+                    angle
+                    * each.plan.scene.rail.young_modulus
+                    / (-each.solution.load * lever(each.plan.contact, centre))
+                    for each, (angle, _) in zip(own, turns[profile], strict=True)
+                ]
             )
             for profile, own in solutions.items()
         },
@@ -80,6 +79,7 @@ def turn(mesh_solution: MeshSolution) -> tuple[float, float]:
     return float(angle), float(-aside / angle)
 
 
-def two_digits(value: float | np.floating) -> float:
-    """Rounded to what the fit is worth."""
-    return round(float(value), 1 - math.floor(math.log10(abs(value))))
+def two_digits(values: Sequence[float]) -> float:
+    """The mean, rounded to what the fit is worth."""
+    mean = float(np.mean(values))
+    return round(mean, 1 - math.floor(math.log10(abs(mean))))

@@ -296,7 +296,13 @@ def friction(scene: Scene, reference: str) -> Measured:
         "cattaneo": ("stick_share", lambda: cattaneo.strip_stick_ratio(0.5), STICK),
         "carter": (
             "force_along_N",
-            lambda: carter.from_creepage(line.strip, given.coefficient, creepage).share,
+            lambda: (
+                carter.from_creepage(
+                    line.strip,  # type: ignore[union-attr]
+                    given.coefficient,
+                    creepage,
+                ).share
+            ),
             FORCE,
         ),
         "the given force": ("force_along_N", lambda: (given.force_along or 0.0) / limit, 1e-6),

@@ -13,7 +13,8 @@ from studies.mechanics import friction_changes as changes
 from studies.tables import Row, cells, groups
 
 METHODS = ("boundary elements", "FASTSIM", "linear theory")
-UNITS = {"spin": "per_mm"} | {
+UNITS = {"spin": "per_mm"} | dict.fromkeys(("built", "pressed", "condensed", "point"), "s")
+UNITS |= {
     f"{plain}{name}": unit
     for plain in ("", "plain_")
     for name, unit in (
@@ -24,7 +25,6 @@ UNITS = {"spin": "per_mm"} | {
         ("depth", "mm"),
     )
 }
-SECONDS = dict.fromkeys(("built", "pressed", "condensed", "point"), "s")
 LOOKS = {
     "railhead": (FE, "o"),
     "boundary elements": (HERTZ, "-"),
@@ -64,9 +64,8 @@ def main(out: Path, *, quick: bool) -> None:
     friction_axes.draw(out / "friction_axes.png")
     draw_sliding(slid, out / "creep_sliding.png")
     text = page(points, costs, left, slid)
-    tables.publish(out, text, SECONDS, creep_costs=costs)
-    tables.publish(out, text, UNITS, creep=points, creep_left_out=left)
-    tables.publish(out, text, creep_sliding=slid)
+    tables.publish(out, text, UNITS, creep=points, creep_costs=costs, creep_left_out=left)
+    tables.publish(out, text, creep_sliding=slid)  # over p0 and half widths: without units
 
 
 def page(

@@ -9,7 +9,7 @@ import itertools
 import sys
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -79,8 +79,9 @@ class Case:
         """The worn pair without noise."""
         pair = solid.pair(self.scene)
         new: Profile = getattr(pair, self.worn)
-        pieces = (Worn(piece, self.wear) for piece in new.pieces)
-        return replace(pair, **{self.worn: Profile(new.name, tuple(pieces))})
+        pieces = tuple(Worn(piece, self.wear) for piece in new.pieces)
+        bodies = {"rail": pair.rail, "wheel": pair.wheel, self.worn: Profile(new.name, pieces)}
+        return Pair(bodies["rail"], bodies["wheel"], pair.rolling_radius)
 
     def measured(self, folder: Path, spacing: float, noise: float, seed: int) -> Scene:
         """The scene with the points of a gauge in a file; spacing along the profile in mm, noise of

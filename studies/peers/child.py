@@ -16,7 +16,10 @@ def version(module) -> str:  # type: ignore[no-untyped-def]
     if not module.DEBIAN:
         return metadata.version(module.PIP[0].partition("==")[0])
     command = ["dpkg-query", "-W", "-f", "${Version}", module.DEBIAN[0]]
-    return subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout
+    found = subprocess.run(command, capture_output=True, text=True, check=False).stdout
+    if not found:
+        raise ModuleNotFoundError(f"no package {module.DEBIAN[0]}")
+    return found
 
 
 def main(code: str, job: str) -> None:

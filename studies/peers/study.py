@@ -75,8 +75,9 @@ def measured(
     for theirs, ours in zip_longest(zip_longest(*lists), own, fillvalue=()):
         for peer, chosen in zip(present, theirs, strict=False):
             if chosen is not None:
-                progress.stage(f"{peer.TITLE}: {chosen[0]}")
-                yield solve(peer, *chosen, case, files, work)
+                setting, run = chosen
+                progress.stage(f"{peer.TITLE}: {setting}")
+                yield solve(peer, setting, run, case, files, work)
         for setting, options in dict(ours).items():
             progress.stage(f"{OURS}: {setting}")
             yield _own(setting, options, work)
@@ -129,7 +130,7 @@ def _asked(peer: Peer, job: Mapping[str, Any] | None, work: Path) -> tuple[Any, 
     with tempfile.TemporaryDirectory(dir=work) as empty:
         folder = Path(empty)
         (folder / "job.json").write_text(json.dumps(job), encoding="utf-8")
-        command = [installing.python(peer, VENV), "-P", str(CHILD), peer.__file__, "job.json"]
+        command = [installing.python(peer, VENV), "-P", str(CHILD), str(peer.__file__), "job.json"]
         cost = running.run(command, folder)
         return json.loads((folder / "found.json").read_text(encoding="utf-8")), cost
 

@@ -184,7 +184,7 @@ def read_claims() -> list[Claim]:
     """All claims in the order of their numbers."""
     with (Path(__file__).parent / "data" / "claims.csv").open(newline="", encoding="utf-8") as file:
         rows = csv.DictReader(line for line in file if not line.startswith("#"))
-        return [Claim(**{**row, "id": int(row["id"])}) for row in rows]
+        return [Claim(int(row.pop("id")), **row) for row in rows]
 
 
 def _apart(one: ArrayLike, other: ArrayLike) -> float:

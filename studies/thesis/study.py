@@ -43,7 +43,7 @@ def _rows(claim: Claim, finding: Finding) -> list[dict[str, Any]]:
         "reference": claim.expected,
     }
     none = dict.fromkeys(("check", "thesis", "exact", "ours", "unit", "grade"), "")
-    checks = [
+    checks: list[dict[str, Any]] = [
         {
             "check": check.what,
             "thesis": check.thesis,

@@ -169,7 +169,7 @@ def test_each_code_is_whole_and_needs_one_kind_of_package() -> None:
         assert bool(each.PIP) != bool(each.DEBIAN)
         assert each.METHOD in ("finite elements", "boundary elements")
         for run in each.RUNS.values():
-            assert "mesh" not in run or run["mesh"][0] in blocks.FACES
+            assert "mesh" not in run or run["mesh"][:2] in (["hexahedron", 1], ["tetrahedron", 2])
         assert each.SETTINGS and each.RUNS and callable(each.solve)
 
 
