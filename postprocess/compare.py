@@ -13,8 +13,7 @@ from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.postprocess.stress import extremes
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.bem.patch import PatchSolution
-from railhead.theory.elastic.hertz import Ellipse
-from railhead.theory.elastic.line import LineContact
+from railhead.theory.elastic.contacts import Hertz
 
 PLACES = ("_point_mm", "_place_mm")  # ends of names of coordinates
 EXTENTS = 4e-3  # relative error of half extents of boundary elements, 128 cells on ellipses
@@ -61,34 +60,15 @@ def _one(patch: OnePatch, axis: DepthAxis) -> Quantities:
     }
 
 
-def from_hertz(
-    ellipse: Ellipse, poisson: Mapping[str, float], angle: float, origin: Place
-) -> Quantities:
-    """Quantities of Hertz's exact solution, nested and named as under "result" in summary.json.
-
-    poisson: Poisson's ratio by body name; the axis of the first body is shown. angle: contact
-        angle, rad; the load in the result is the vertical part of the normal force, and the
-        approach is vertical. origin: contact point, mm.
-    """
-    cosine = math.cos(angle)
-    return {
-        "load_N": ellipse.load * cosine,
-        "approach_mm": ellipse.approach / cosine,
-        "contact_point_mm": list(origin),
-        "patch": {"a_mm": ellipse.a, "b_mm": ellipse.b, "area_mm2": ellipse.area},
-        "pressure": {"max_MPa": ellipse.p0, "mean_MPa": ellipse.p_mean},
-        "stress": extremes.exact(ellipse, poisson, Frame(origin, angle)),
-    }
-
-
-def from_line(
-    contact: LineContact,
+def from_exact(
+    contact: Hertz,
     poisson: Mapping[str, float],
     angle: float,
     origin: Place,
     approach: float | None,
 ) -> Quantities:
-    """Quantities of the exact line contact, nested and named as under "result" in summary.json.
+    """Quantities of Hertz's exact solution for a point or a line contact, nested and named as under
+    "result" in summary.json.
 
     poisson: Poisson's ratio by body name; the axis of the first body is shown. angle: contact
         angle, rad; the load in the result is the vertical part of the normal force. origin: contact

@@ -20,7 +20,7 @@ class PatchShape:
     outlines: closed curves (k, 2) of (x, s), mm; a hole is a curve of its own. Empty for a section.
     area: enclosed by the outlines, without the holes, mm2.
     a, b: half lengths along x and along s, mm.
-    peak: largest pressure, MPa.
+    max_pressure: largest pressure, MPa.
     top: (x, s) of the largest pressure, mm; zeros for a section.
     """
 
@@ -28,7 +28,7 @@ class PatchShape:
     area: float
     a: float
     b: float
-    peak: float
+    max_pressure: float
     top: tuple[float, float] = (0.0, 0.0)
 
 
@@ -53,7 +53,7 @@ def outline_shape(square: SquaredPressure) -> PatchShape:
         area=float(area),
         a=float(a),
         b=float(b),
-        peak=float(np.sqrt(top)),
+        max_pressure=float(np.sqrt(top)),
         top=(float(x[column]), float(s[row])),
     )
 

@@ -86,7 +86,7 @@ def read(
     first, found = readings[0], moments(separate[0].fields, frame)
     areas = [each.shape.area * count for each, count in zip(readings, images, strict=True)]
     area = sum(areas)
-    highest = max(readings, key=lambda each: each.shape.peak)
+    highest = max(readings, key=lambda each: each.shape.max_pressure)
     scatter = first.scatter | {
         "area": float(np.average([each.scatter["area"] for each in readings], weights=areas)),
         "max_pressure": highest.scatter["max_pressure"],
@@ -96,7 +96,7 @@ def read(
         b=first.shape.b,
         centre=found.centre,
         area=area,
-        max_pressure=highest.shape.peak,
+        max_pressure=highest.shape.max_pressure,
         mean_pressure=moments(fields, frame).force / area,
         outlines=[
             _in_frame(line, each.frame, frame) for each in readings for line in each.shape.outlines
@@ -108,7 +108,7 @@ def read(
                 a=each.shape.a,
                 b=each.shape.b,
                 area=each.shape.area,
-                max_pressure=each.shape.peak,
+                max_pressure=each.shape.max_pressure,
                 share=part.share,
             )
             for part, each in zip(separate, readings, strict=True)
@@ -201,7 +201,11 @@ def reconstruct_general_shape(
     soft = reconstruct(given, ROUGHNESS / ROUGHNESS_VARIATION, square)
     if not (stiff.settled and square.settled and soft.settled):
         return square, dict.fromkeys(MEASURES, np.inf)
-    return square, relative_differences(measure(square), [measure(stiff), measure(soft)])
+    shape, *others = (measure(each) for each in (square, stiff, soft))
+    return square, {
+        name: max(abs(getattr(each, name) / getattr(shape, name) - 1) for each in others)
+        for name in MEASURES
+    }
 
 
 def general_shape_share(shape_error: float) -> float:
@@ -212,23 +216,6 @@ def general_shape_share(shape_error: float) -> float:
     shape_error: relative deviation of the moments from those of an ellipsoid.
     """
     return float(np.clip((shape_error - ELLIPTIC) / (HERTZIAN - ELLIPTIC), 0.0, 1.0))
-
-
-def relative_differences(shape: PatchShape, others: list[PatchShape]) -> dict[str, float]:
-    """Largest relative differences between one shape of a patch and others, by the names a, b, area
-    and max_pressure.
-    """
-
-    def largest(value: float, varied: list[float]) -> float:
-        """Largest of |other / value - 1| over the numbers in `varied`."""
-        return max(abs(other / value - 1) for other in varied)
-
-    return {
-        "a": largest(shape.a, [other.a for other in others]),
-        "b": largest(shape.b, [other.b for other in others]),
-        "area": largest(shape.area, [other.area for other in others]),
-        "max_pressure": largest(shape.peak, [other.peak for other in others]),
-    }
 
 
 def nearly_elliptic(

@@ -56,7 +56,7 @@ def read(fields: Fields, frame: Frame, *, parabolic: bool = False) -> PatchReadi
         b=shape.b,
         centre=found.centre,
         area=shape.area,
-        max_pressure=shape.peak,
+        max_pressure=shape.max_pressure,
         mean_pressure=found.force / shape.area,
         outlines=outlines,
         scatter=scatter,
@@ -126,11 +126,11 @@ def _shape(square: SquaredPressure, fields: Fields) -> PatchShape:
     peak = _pressure(square, np.linspace(*square.box[1], LINE_POINTS, dtype=np.float64)).max()
     if fields.kinematics.revolved:
         return PatchShape(
-            outlines=[], area=float(np.pi * half**2), a=half, b=half, peak=float(peak)
+            outlines=[], area=float(np.pi * half**2), a=half, b=half, max_pressure=float(peak)
         )
     area = float(length * sum(end - begin for begin, end in spans))
     semi = (half, length / 2) if axis == 0 else (length / 2, half)
-    return PatchShape(outlines=[], area=area, a=semi[0], b=semi[1], peak=float(peak))
+    return PatchShape(outlines=[], area=area, a=semi[0], b=semi[1], max_pressure=float(peak))
 
 
 def _ellipse(

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property
 
 import basix
 import numpy as np
@@ -52,119 +50,74 @@ Surfaces = tuple[Surface, Surface | None]
 """Of the slave and the master."""
 
 
-def _pieces(fields: Fields, facets: NDArray[np.int64]) -> NDArray[np.int64]:
-    """(t, 3) flat triangles through all nodes of facets (f, k), as the same node numbers; of a
-    section, lines (t, 2).
+def facing_facets(fields: Fields) -> NDArray[np.int64]:
+    """(f, k) nodes of the slave's contact facets of which all quadrature points face the other
+    body, as in `ContactFields.facet_nodes`.
     """
-    return np.concatenate([facets[:, each] for each in _TRIANGLES[fields.cell, fields.degree]])
+    return fields.contact.facet_nodes[_facing(fields)]
 
 
-@dataclass(frozen=True)
-class SurfaceRecovery:
-    """Consistent (L2) projection of values at quadrature points to the nodes of the slave's contact
-    facets.
+def _facing(fields: Fields) -> NDArray[np.bool_]:
+    """(f,) whether all quadrature points of a contact facet face the other body."""
+    contact = fields.contact
+    count = np.bincount(contact.facet, minlength=len(contact.facet_nodes))
+    return np.asarray(count == count.max())
 
-    Facets of which some quadrature points do not face the other body are left out.
 
-    fields: the solution, with its contact points and facets.
+def triangulated(
+    fields: Fields, facets: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Nodes (n,) of facets (f, k), ascending numbers in `Fields.points`, and flat triangles (t, 3)
+    through all of them, as rows of these nodes; of a section, lines (t, 2).
     """
+    nodes = np.unique(facets)
+    rows = np.searchsorted(nodes, facets)
+    pattern = _TRIANGLES[fields.cell, fields.degree]
+    return nodes, np.concatenate([rows[:, each] for each in pattern])
 
-    fields: Fields
 
-    @cached_property
-    def _members(self) -> NDArray[np.bool_]:
-        """(q,) whether each contact point lies on a facet all of whose quadrature points face the
-        other body.
-        """
-        contact = self.fields.contact
-        count = np.bincount(contact.facet, minlength=len(contact.facet_nodes))
-        return np.asarray(count[contact.facet] == count.max())
-
-    @cached_property
-    def _numbering(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Nodes (n,) of the facets that are used, as numbers in `Fields.points`, and for each facet
-        (f, k) the rows of its nodes among them, -1 for facets that are left out.
-        """
-        contact = self.fields.contact
-        used = np.unique(contact.facet[self._members])
-        nodes, local = np.unique(contact.facet_nodes[used], return_inverse=True)
-        table = np.full(contact.facet_nodes.shape, -1, dtype=np.int64)
-        table[used] = local.reshape(len(used), -1)
-        return nodes, table
-
-    @property
-    def nodes(self) -> NDArray[np.int64]:
-        """Nodes (n,) of the contact facets in use, as numbers in `Fields.points`, ascending."""
-        return self._numbering[0]
-
-    @cached_property
-    def triangles(self) -> NDArray[np.int64]:
-        """(t, 3) flat triangles through all nodes of the facets, as rows of `nodes`; of a section,
-        lines (t, 2).
-        """
-        table = self._numbering[1]
-        table = table[table[:, 0] >= 0]
-        return _pieces(self.fields, table)
-
-    @cached_property
-    def _basis(self) -> sp.csr_matrix:
-        """Values (q, n), sparse, of the shape functions of the nodes at the contact points that are
-        used.
-        """
-        fields, contact = self.fields, self.fields.contact
-        element = basix.create_element(
-            basix.ElementFamily.P,
-            getattr(basix.CellType, facet_type(fields.cell)),
-            fields.degree,
-            basix.LagrangeVariant.gll_warped,
-        )
-        phi = element.tabulate(0, contact.xi[self._members])[0][..., 0]
-        columns = self._numbering[1][contact.facet[self._members]]
-        rows = np.repeat(np.arange(len(phi)), phi.shape[1])
-        shape = (len(phi), len(self.nodes))
-        return sp.csr_matrix((phi.ravel(), (rows, columns.ravel())), shape=shape)
-
-    @cached_property
-    def _solver(self) -> tuple[sp.csr_matrix, object]:
-        """Weighted shape functions (n, q), sparse, and LU factors of the mass matrix M (n, n)."""
-        weighted = self._basis.T @ sp.diags(self.fields.contact.weights[self._members])
-        return weighted.tocsr(), splu((weighted @ self._basis).tocsc())
-
-    def project(self, values: Array) -> Array:
-        """Nodal values x (n,) of values (q,) at all contact points, from M x = int phi values dA,
-        with the shape functions phi and their mass matrix M = int phi phi^T dA.
-        """
-        weighted, factor = self._solver
-        solve = factor.solve  # type: ignore[attr-defined]
-        return np.asarray(solve(weighted @ values[self._members]))
+def project(fields: Fields, values: Array) -> Array:
+    """Nodal values x (n,) at the nodes of `facing_facets`, ascending, of values (q,) at all contact
+    points: the L2 projection M x = int phi values dA with the shape functions phi and their mass
+    matrix M = int phi phi^T dA, integrated over these facets.
+    """
+    contact, facets = fields.contact, facing_facets(fields)
+    members, nodes = _facing(fields)[contact.facet], np.unique(facets)
+    element = basix.create_element(
+        basix.ElementFamily.P,
+        getattr(basix.CellType, facet_type(fields.cell)),
+        fields.degree,
+        basix.LagrangeVariant.gll_warped,
+    )
+    phi = element.tabulate(0, contact.xi[members])[0][..., 0]
+    columns = np.searchsorted(nodes, contact.facet_nodes[contact.facet[members]])
+    rows = np.repeat(np.arange(len(phi)), phi.shape[1])
+    shape = (len(phi), len(nodes))
+    basis = sp.csr_matrix((phi.ravel(), (rows, columns.ravel())), shape=shape)
+    weighted = basis.T @ sp.diags(contact.weights[members])
+    return np.asarray(splu((weighted @ basis).tocsc()).solve(weighted @ values[members]))
 
 
 def recover_surfaces(fields: Fields, frame: Frame, pressure: Callable[[Array], Array]) -> Surfaces:
     """Points, pressure, gap and displacement on the contact surfaces of slave and master.
 
     pressure: function that gives the smooth pressure (n,), MPa, at points (n, 3) in space, mm; it
-        holds for both surfaces. The second entry is None where the master is rigid, or no facet
-        of it lies opposite the slave's.
+        holds for both surfaces. The second entry is None where the master is rigid.
     """
 
-    def surface(nodes: NDArray[np.int64], pieces: NDArray[np.int64], gap: Array) -> Surface:
-        """Fields on one surface. nodes (n,): numbers in `Fields.points`. pieces (t, 3): its
-        triangles, as rows of the nodes. gap (n,): mm.
-        """
+    def surface(facets: NDArray[np.int64], gap: Array) -> Surface:
+        """Fields on one surface. facets (f, k): nodes. gap (n,): at these nodes, mm."""
+        nodes, triangles = triangulated(fields, facets)
         points = fields.points[nodes]
-        local, moved = frame.local(points)[:, :2], fields.displacement[nodes]
         return Surface(
             points=points,
-            local=local,
-            triangles=pieces,
+            local=frame.local(points)[:, :2],
+            triangles=triangles,
             pressure=pressure(points),
             gap=gap,
-            displacement=moved,
+            displacement=fields.displacement[nodes],
         )
 
-    recovery, other = SurfaceRecovery(fields), fields.master_surface
-    own = surface(recovery.nodes, recovery.triangles, recovery.project(fields.contact.gap))
-    if other is None or not len(other.nodes):
-        return own, None
-    pieces = _pieces(fields, np.searchsorted(other.nodes, other.facet_nodes))
-    return own, surface(other.nodes, pieces, other.gap)
+    own = surface(facing_facets(fields), project(fields, fields.contact.gap))
+    other = fields.master_surface
+    return own, None if other is None else surface(other.facet_nodes, other.gap)

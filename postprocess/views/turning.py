@@ -126,20 +126,17 @@ def _hill(findings: Findings, contact: meshio.Mesh) -> tuple[Any, list[Any]]:
     pressed, free = split(surface, frame, patch)
     rim = np.abs(pressed["outside"]) < 1e-6 * np.ptp(patch.main)
     pressed["pressure"] = np.where(rim, 0.0, pressed["pressure"])
-    pressed.points = (
-        pressed.points + _raised(findings, pressed["pressure"])[:, None] * frame.axes[2]
-    )
+    long, wide = sorted(np.ptp(patch.main, axis=0), reverse=True)
+    size = float(wide if long > 6 * wide else long)  # not a tower
+    raised = _raised(findings, pressed["pressure"], size)
+    pressed.points = pressed.points + raised[:, None] * frame.axes[2]
     return pressed, [free]
 
 
-def _raised(findings: Findings, pressure: Array) -> Array:
-    """Height (n,) of the hill, mm, over points with pressure (n,) in MPa. At the largest pressure
-    it is HILL times the length of the patch; for a patch more than six times longer than wide,
-    HILL times its width.
+def _raised(findings: Findings, pressure: Array, size: float) -> Array:
+    """Height (n,) of the hill, mm, over points with pressure (n,) in MPa: HILL times `size` (mm) at
+    the largest pressure.
     """
-    main = findings.patch.main
-    across = np.ptp(main, axis=0)
-    size = float(across.min() if across.max() > 6 * across.min() else across.max())
     return np.asarray(HILL * size * pressure / findings.patch.max_pressure)
 
 
@@ -178,7 +175,7 @@ def _swept_hill(fields: Fields, findings: Findings) -> tuple[Any, list[Any]]:
     """
     frame, axis = findings.frame, coordinate(fields)
     line = (findings.along, findings.across)[axis]
-    raised = _raised_line(findings, line.pressure, axis)
+    raised = _raised(findings, line.pressure, 2 * (findings.patch.a, findings.patch.b)[axis])
     local = np.zeros((len(raised), 3))
     local[:, axis], local[:, 2] = line.coordinate, raised
     if fields.kinematics.revolved:
@@ -194,15 +191,6 @@ def _swept_hill(fields: Fields, findings: Findings) -> tuple[Any, list[Any]]:
     grid = load_pyvista().StructuredGrid(x, y, z)
     grid[PRESSURE] = np.broadcast_to(line.pressure, points.shape[:2])[None].ravel(order="F")
     return grid, []
-
-
-def _raised_line(findings: Findings, pressure: Array, axis: int) -> Array:
-    """Height (n,) of the hill of a section, mm, over points with pressure (n,) in MPa: HILL times
-    the width of the patch at the largest pressure. axis: 0 where the section runs along x, 1
-    along s.
-    """
-    half = (findings.patch.a, findings.patch.b)[axis]
-    return np.asarray(2 * HILL * half * pressure / findings.patch.max_pressure)
 
 
 def _view(

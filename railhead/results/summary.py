@@ -135,12 +135,14 @@ def _plastic(solved: MeshSolution) -> dict[str, Any]:
 
 def exact_quantities(solved: MeshSolution) -> dict[str, Any]:
     """Quantities of exact Hertz under the load of the solution, as "result" of summary.json."""
-    plan, ellipse, contact = solved.plan, solved.ellipse, solved.plan.contact
-    given = plan.poisson_ratios, contact.touch.angle, contact.origin
-    if isinstance(ellipse, Ellipse):
-        return compare.from_hertz(ellipse, *given)
-    approach = contact.exact_approach(ellipse)
-    return compare.from_line(ellipse, *given, approach)
+    contact, hertz = solved.plan.contact, solved.ellipse
+    angle = contact.touch.angle
+    approach = (
+        hertz.approach / math.cos(angle)
+        if isinstance(hertz, Ellipse)
+        else contact.exact_approach(hertz)
+    )
+    return compare.from_exact(hertz, solved.plan.poisson_ratios, angle, contact.origin, approach)
 
 
 def _trace(solved: MeshSolution) -> dict[str, Any]:

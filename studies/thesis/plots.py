@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, AxisPressure, DepthAxis, Findings, Surface
-from railhead.postprocess.patch.surface import SurfaceRecovery
+from railhead.postprocess.patch.surface import facing_facets, triangulated
 from railhead.postprocess.plots.diagrams import FE, GREY, HERTZ, closed_ellipse, new_figure
 from railhead.postprocess.stress.gauss_points import nodal_stress
 from railhead.solver.fields import Fields
@@ -45,8 +45,7 @@ class Sampled:
 
 def sample(fields: Fields, found: Findings) -> Sampled:
     """Read out of a solution cut at y = 0 what the pictures need."""
-    recovery = SurfaceRecovery(fields)
-    nodes = recovery.nodes
+    nodes, triangles = triangulated(fields, facing_facets(fields))
     stresses, points = nodal_stress(fields)[nodes], fields.points[nodes]
     values, local = principal(stresses), found.frame.local(points)[:, :2]
     still, moved = np.zeros(len(nodes)), fields.displacement[nodes]
@@ -55,7 +54,7 @@ def sample(fields: Fields, found: Findings) -> Sampled:
             Surface(
                 points=points,
                 local=local,
-                triangles=recovery.triangles,
+                triangles=triangles,
                 pressure=values[:, i],
                 gap=still,
                 displacement=moved,

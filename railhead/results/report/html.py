@@ -6,7 +6,7 @@ import base64
 import io
 import json
 import platform
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from PIL import Image
 
 from railhead.postprocess.findings import Findings
 from railhead.results import quantity_rows
+from railhead.results.quantity_rows import Row
 from railhead.results.report import labels, tables
 from railhead.results.report.output_units import Units
 from railhead.run import quantities
@@ -127,30 +128,41 @@ def answer_rows(summary: Mapping[str, Any], units: Units, found: Findings | None
         for name, shown in columns.items()
         if any(row[name] is not None for row in table)
     }
+    keys = [".".join(quantity.path) for quantity in quantities.rows("contact")]
     rows = []
-    for quantity, row in zip(quantities.rows("contact"), table, strict=True):
-        cells = []
-        for name in columns:
-            value = row[name]
-            text = tables.cell(name, value, quantity.unit, units)
-            cells.append(f"\u00b1 {text}" if name == "estimate" and text else names.get(text, text))
-        label, unit = quantity.label.strip(), units.unit(quantity.unit)
-        rows.append((label, unit, ".".join(quantity.path), cells))
+    for key, (label, unit, texts) in zip(keys, _texts(table, columns, units), strict=True):
+        cells = [
+            f"\u00b1 {text}" if name == "estimate" and text else names.get(text, text)
+            for name, text in zip(columns, texts, strict=True)
+        ]
+        rows.append((label, unit, key, cells))
     return {"columns": list(columns.values()), "rows": rows}
+
+
+def _texts(
+    rows: Sequence[Row], columns: Iterable[str], units: Units
+) -> list[tuple[str, str, list[str]]]:
+    """Label, displayed unit and cells as text of each row of a table, for the named columns."""
+    return [
+        (
+            str(row["quantity"]).strip(),
+            units.unit(str(row["unit"])),
+            [tables.cell(name, row.get(name), str(row["unit"]), units) for name in columns],
+        )
+        for row in rows
+    ]
 
 
 def _friction(summary: Mapping[str, Any], units: Units) -> dict[str, Any]:
     """Table of friction: {"columns": names, "rows": [(label, unit, cells as text)]}."""
     table = quantity_rows.friction(summary)
+    columns = [
+        name
+        for name in (table[0] if table else {})
+        if name not in quantity_rows.FIRST and any(row[name] is not None for row in table)
+    ]
     every = [*table, *quantity_rows.steel(summary)]
-    columns = [name for name in (table[0] if table else {}) if name not in quantity_rows.FIRST]
-    columns = [name for name in columns if any(row[name] is not None for row in table)]
-    rows = []
-    for row in every:
-        unit = str(row["unit"])
-        cells = [tables.cell(name, row.get(name), unit, units) for name in columns]
-        rows.append((str(row["quantity"]).strip(), units.unit(unit), cells))
-    return {"columns": columns, "rows": rows}
+    return {"columns": columns, "rows": _texts(every, columns, units)}
 
 
 def _checks(checks: Mapping[str, Any]) -> list[tuple[str, str, str, bool, str, str]]:
@@ -159,18 +171,11 @@ def _checks(checks: Mapping[str, Any]) -> list[tuple[str, str, str, bool, str, s
     """
     rows = []
     for name, (limit, reason) in checks["limits"].items():
-        value, plain = checks[name], name == "converged"
-        text = ("yes" if value else "no") if plain else f"{float(value):.3g}"
-        rows.append(
-            (
-                labels.check(name),
-                text,
-                "" if plain else f"{float(limit):.3g}",
-                name not in checks["failed"],
-                reason,
-                checks["advice"].get(name, ""),
-            )
-        )
+        texts = f"{float(checks[name]):.3g}", f"{float(limit):.3g}"
+        if name == "converged":
+            texts = "yes" if checks[name] else "no", ""
+        holds, advice = name not in checks["failed"], checks["advice"].get(name, "")
+        rows.append((labels.check(name), *texts, holds, reason, advice))
     return sorted(rows, key=lambda row: row[3])
 
 
