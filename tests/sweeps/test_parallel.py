@@ -35,10 +35,20 @@ def test_a_row_for_each_combination(swept: Path) -> None:
         assert float(row["found load [N]"]) == pytest.approx(float(row["load [N]"]))
 
 
-def test_combinations_with_a_mesh_of_their_own_are_single_runs(tmp_path: Path) -> None:
-    over = ("--over", "wheel.rolling_radius=420mm,460mm", "--no-pictures")
-    assert sweep(*ROLLER, *over, "--out", str(tmp_path / "out")) == 0
-    for row in rows(tmp_path / "out"):
+RADII = [420.0, 460.0]
+WITH_FILES = (*ROLLER, "--over", "wheel.rolling_radius=420mm,460mm", "--vtu", "--no-pictures")
+
+
+@pytest.fixture(scope="module")
+def radii(tmp_path_factory) -> Path:
+    """Two combinations, each with a mesh of its own and files for ParaView."""
+    out: Path = tmp_path_factory.mktemp("radii") / "out"
+    assert sweep(*WITH_FILES, "--out", str(out)) == 0
+    return out
+
+
+def test_combinations_with_a_mesh_of_their_own_are_single_runs(radii: Path) -> None:
+    for row in rows(radii):
         radius = float(row[KEYS["wheel.rolling_radius"]])
         scene = rh.find("long_roller").replace(["mesh.patch_size=0.4"])
         one = solved(scene.replace(wheel={"rolling_radius": radius}))
@@ -57,8 +67,8 @@ def test_one_group_of_loads_is_shared_among_idle_processes() -> None:
 
 
 def test_shared_loads_give_the_same_numbers(swept: Path, tmp_path: Path, monkeypatch) -> None:
-    """The mesh is made again in each process: three of them here, one a group in `swept`."""
-    monkeypatch.setattr(worker_pool, "workers", lambda ranks: 3)
+    """The mesh is made again in each process: two of them here, one a group in `swept`."""
+    monkeypatch.setattr(worker_pool, "workers", lambda ranks: 2)
     over = ("--over", "load=50kN,80kN,110kN", "--set", "wheel.rolling_radius=420mm")
     out = ("--no-pictures", "--out", str(tmp_path / "out"))
     assert sweep(*ROLLER, *over, *out) == 0
@@ -76,32 +86,27 @@ def steps(collection: Path) -> dict[float, Path]:
             for each in sets}  # fmt: skip
 
 
-def test_a_sweep_opens_as_time_steps(tmp_path: Path) -> None:
+def test_a_sweep_opens_as_time_steps(radii: Path) -> None:
     """Meshes that differ; what does not pass is left out, also after --resume."""
-    out, over = tmp_path / "out", ("--over", "wheel.rolling_radius=420mm,460mm,500mm", "--vtu")
-    command = (*ROLLER, *over, "--no-pictures", "--out", str(out))
-    assert sweep(*command) == 0
     for name in ("solution", "contact"):
-        reader = pyvista.PVDReader(out / f"{name}.pvd")
-        assert reader.time_values == [420.0, 460.0, 500.0]
-        files = steps(out / f"{name}.pvd")
+        reader = pyvista.PVDReader(radii / f"{name}.pvd")
+        assert reader.time_values == RADII
+        files = steps(radii / f"{name}.pvd")
         sizes = {pyvista.read(file).n_points for file in files.values()}
         assert len(sizes) > 1 or name == "contact"
-        for radius, file in files.items():
-            number = [420.0, 460.0, 500.0].index(radius)
-            top = float(rows(out)[number]["p_max [MPa]"])
+        for row, file in zip(rows(radii), files.values(), strict=True):
             if name == "contact":
+                top = float(row["p_max [MPa]"])
                 assert pyvista.read(file)["pressure"].max() == pytest.approx(top, rel=0.01)
-    fault = {"over": {"wheel.rolling_radius": 460.0}, "fault": "gmsh: no"}
-    (out / "records" / "00001.json").write_text(json.dumps(fault))
-    (out / "records" / "00002.json").unlink()
-    assert sweep(*command, "--resume") == 1
-    assert list(steps(out / "contact.pvd")) == [420.0, 500.0]
-    assert all(Path(file).is_file() for file in steps(out / "contact.pvd").values())
-    assert sorted(os.listdir(out)) == sorted(
+    fault = {"over": {"wheel.rolling_radius": 420.0}, "fault": "gmsh: no"}
+    (radii / "records" / "00000.json").write_text(json.dumps(fault))
+    (radii / "records" / "00001.json").unlink()
+    assert sweep(*WITH_FILES, "--out", str(radii), "--resume") == 1
+    assert list(steps(radii / "contact.pvd")) == [460.0]
+    assert all(Path(file).is_file() for file in steps(radii / "contact.pvd").values())
+    assert sorted(os.listdir(radii)) == sorted(
         [".railhead", "contact.pvd", "records", "solution.pvd", "sweep.csv", "sweep.json", "vtu"]
     )
-    assert sweep(*command, "--force") == 0  # again, in its place
 
 
 def test_files_for_paraview_are_part_of_what_was_asked(swept: Path, capsys) -> None:
@@ -140,8 +145,11 @@ def _nothing(*_: object) -> dict[int, str]:
     return {}
 
 
-def test_another_profile_under_the_same_name_is_another_sweep(capsys, tmp_path: Path) -> None:
+def test_another_profile_under_the_same_name_is_another_sweep(
+    capsys, tmp_path: Path, monkeypatch
+) -> None:
     """Else old numbers and new ones would stand in one table."""
+    monkeypatch.setattr(parallel, "_solve", _nothing)
     y = np.linspace(-30.0, 30.0, 121)
     file, out = tmp_path / "p.csv", tmp_path / "out"
     scene = tmp_path / "scene.toml"
@@ -149,7 +157,7 @@ def test_another_profile_under_the_same_name_is_another_sweep(capsys, tmp_path: 
     asked = (str(scene), "--over", "load=25kN,30kN", "--set", "mesh.patch_size=2mm", "--quiet",
              "--no-pictures", "--out", str(out))  # fmt: skip
     np.savetxt(file, np.column_stack([y, -(y**2) / 600]), delimiter=",")
-    assert sweep(*asked) in (0, 1)
+    assert sweep(*asked) == 1
     capsys.readouterr()
     np.savetxt(file, np.column_stack([y, -(y**2) / 400]), delimiter=",")
     assert sweep(*asked, "--resume") == 2
@@ -160,14 +168,11 @@ def test_another_profile_under_the_same_name_is_another_sweep(capsys, tmp_path: 
 def test_one_that_does_not_converge_leaves_the_others(tmp_path: Path, capsys) -> None:
     out = tmp_path / "out"
     over = ("--over", "solver.max_newton=1,30", "--no-pictures")
-    assert (
-        sweep("hertz_ellipse", "--set", "mesh.patch_size=1", "--quiet", *over, "--out", str(out))
-        == 1
-    )
+    assert sweep("two_cylinders", "--quiet", *over, "--out", str(out)) == 1
     one, other = rows(out)
     assert one["checks"].startswith("NOT CONVERGED: too many Newton steps")
     assert one["p_max [MPa]"] == "" and one["solver.max_newton"] == "1"
-    assert other["checks"] == "passed" and float(other["p_max [MPa]"]) > 700
+    assert other["checks"] == "passed" and float(other["p_max [MPa]"]) > 0
     assert "solver.max_newton = 1: NOT CONVERGED" in capsys.readouterr().err
 
 
@@ -260,17 +265,16 @@ def test_a_kill_loses_only_what_was_running(tmp_path: Path) -> None:
 def test_two_ranks_give_the_same_table(swept: Path, tmp_path: Path) -> None:
     """The first gives the work, the other does it."""
     done = subprocess.run(
-        ["mpirun", "--oversubscribe", "-n", "2", *COMMAND, *ROLLER, *SIX, "--no-pictures",
+        ["mpirun", "--oversubscribe", "-n", "2", *COMMAND, *ROLLER, *SIX[:2], "--no-pictures",
          "--out", str(tmp_path / "out")],
         env=outside.environment() | outside.ROOT, capture_output=True, text=True, timeout=300,
         check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    for one, two in zip(rows(swept), rows(tmp_path / "out"), strict=True):
-        assert one.keys() == two.keys()
-        for name, value in one.items():
-            if name == "date":
-                continue
+    for one, two in zip(rows(swept)[::2], rows(tmp_path / "out"), strict=True):
+        assert one.keys() - two.keys() == {KEYS["wheel.rolling_radius"]}
+        for name in two.keys() - {"date"}:
+            value = one[name]
             if name in ("checks", "warnings", "tau_max body", "program") or not value:
                 assert two[name] == value, name
             else:
