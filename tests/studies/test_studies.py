@@ -58,6 +58,7 @@ def cost(tmp_path_factory) -> tuple[subprocess.CompletedProcess[str], Path]:
     return done, folder / "cost"
 
 
+@pytest.mark.slow
 def test_load_sweep_writes_all_its_files_and_prints_its_page(sweep) -> None:
     done, folder = sweep
     assert done.returncode == 0, done.stderr
@@ -72,6 +73,7 @@ def test_load_sweep_writes_all_its_files_and_prints_its_page(sweep) -> None:
     assert "hertz_ellipse: 1000 N" in done.stderr
 
 
+@pytest.mark.slow
 def test_one_mesh_follows_hertz_over_all_loads(sweep) -> None:
     rows = read(sweep[1] / "load_sweep.csv")
     assert [row["load_N"] for row in rows] == pytest.approx([1e3, 5313.3, 28231, 150e3], rel=1e-4)
@@ -82,6 +84,7 @@ def test_one_mesh_follows_hertz_over_all_loads(sweep) -> None:
             assert abs(row[f"difference_{quantity}"]) < 0.003
 
 
+@pytest.mark.slow
 def test_fitted_exponents_are_hertz_s(sweep) -> None:
     rows = read(sweep[1] / "load_sweep.csv")
     named = [
@@ -93,6 +96,7 @@ def test_fitted_exponents_are_hertz_s(sweep) -> None:
         assert fitted[key] == pytest.approx(exact, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_a_further_load_needs_no_more_krylov_iterations(sweep) -> None:
     """The preconditioner follows the patch from 1 kN to 150 kN."""
     counts = [row["linear_iterations"] for row in read(sweep[1] / "load_sweep.csv")]

@@ -46,10 +46,11 @@ def test_broken_files_end_in_one_line(tmp_path: Path, content: bytes) -> None:
 
 
 # 2094: real bodies whose patch is an ellipse
-SEEDS = [*range(8), 2094, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(8, 40))]
+SEEDS = [0, 3, 5, 7, 2094]
+MORE = [pytest.param(seed, marks=pytest.mark.slow) for seed in range(40) if seed not in SEEDS]
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", [*SEEDS, *MORE])
 def test_a_fuzzed_scene_ends_well(seed: int) -> None:
     """Other seeds than the study's; five of eight are broken."""
     found = fuzz(seed, broken=seed % 8 < 5)

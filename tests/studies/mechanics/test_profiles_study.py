@@ -21,9 +21,9 @@ def within(row: study.Row) -> bool:
 @pytest.mark.parametrize(
     ("name", "noise"),
     [
-        ("54E1 crown 1 mm, cylinder", 2.0),
+        pytest.param("54E1 crown 1 mm, cylinder", 2.0, marks=pytest.mark.slow),
         ("54E1 crown 1 mm, cylinder", 10.0),
-        ("60E1 corner 1 mm, in flange contact", 10.0),
+        pytest.param("60E1 corner 1 mm, in flange contact", 10.0, marks=pytest.mark.slow),
     ],
 )
 def test_worn_profiles_give_the_true_pressure_and_area(name: str, noise: float) -> None:
@@ -51,6 +51,7 @@ def test_20_um_open_no_contact_that_is_not_there() -> None:
     assert row["more"] == 0
 
 
+@pytest.mark.slow
 def test_quick_study_writes_its_page(tmp_path) -> None:
     study.main(tmp_path, quick=True)
     assert {path.name for path in tmp_path.iterdir()} == {"page.md", "profiles.csv"}
