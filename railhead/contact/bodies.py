@@ -118,11 +118,6 @@ def _wheel(contact: Contact, reach: float, *, half: bool) -> Body:
             f"{deep:g} is not allowed; it must be smaller than wheel.rolling_radius "
             f"({wheel.rolling_radius:g})",
         )
-    section = outlines.block_section(
-        contact.pair.wheel, 0.0 if half else start, end, base, outwards=-1, half=half
-    )
-    below = np.array([0.0, -wheel.rolling_radius])
-    section = [curve.moved(np.eye(2), below) for curve in section]
     reach = wheel.segment_length / 2 if wheel.segment_length else reach
     reach = min(reach, 1.2 * wheel.rolling_radius)
     thinnest = reach / MOST_SLENDER * (2 if half else 1)
@@ -132,6 +127,11 @@ def _wheel(contact: Contact, reach: float, *, half: bool) -> Body:
             f"{end - start:g} is too thin a plate for a segment {2 * reach:g} mm long; give at "
             f"least {thinnest:g}, or a shorter wheel.segment_length",
         )
+    section = outlines.block_section(
+        contact.pair.wheel, 0.0 if half else start, end, base, outwards=-1, half=half
+    )
+    below = np.array([0.0, -wheel.rolling_radius])
+    section = [curve.moved(np.eye(2), below) for curve in section]
     pose = Pose(contact.pose.rotation @ about_axle(contact.touch.axle_angle), contact.pose.origin)
     return Body(WHEEL, section, reach, (0.0, wheel.rolling_radius), pose=pose)
 
