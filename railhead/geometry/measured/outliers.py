@@ -9,7 +9,7 @@ from railhead.geometry.measured.ordering import PointError, chord_lengths
 from railhead.geometry.measured.smoothing import Smoothed, turns
 
 Array = NDArray[np.float64]
-LEAST_OFFSET = 0.3  # mm that a refused point is away from the line of its neighbours, at least
+LEAST_OFFSET = 0.3  # mm from a refused point to either of its neighbours, at least
 BACK, ASIDE = 143.0, 60.0  # deg that the way turns at a refused point, and beside one at an end
 LONG = 2.0  # times the next step: the first or last step of a curve with a refused point at its end
 WAVE, STRIDE, BENT = 4.0, 0.1, 10.0  # mm, mm and deg: sound profiles bend to and fro by 2 to 4
@@ -17,9 +17,12 @@ WAVE, STRIDE, BENT = 4.0, 0.1, 10.0  # mm, mm and deg: sound profiles bend to an
 
 def refuse_outlier(points: Array) -> None:
     """Raises PointError where one of points (n, 2), mm, in the order of the curve, five at least,
-    is so far off its neighbours that the curve would turn back on itself.
-    Three times as far from their line as half their distance, the way turns by 143 deg (BACK). At
-    an end, a long step aside does the same.
+    is an outlier.
+
+    At an outlier the way through the points turns by more than 143 deg (BACK), more than 0.3 mm
+    (LEAST_OFFSET) away from both neighbours. It is then three times as far from the line through
+    its neighbours as half their distance. At either end a turn of 60 deg (ASIDE) suffices where the
+    end's step is twice as long (LONG) as the next one.
     """
     steps = np.diff(chord_lengths(points))
     angle = np.degrees(turns(points))

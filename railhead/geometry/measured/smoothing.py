@@ -120,7 +120,8 @@ def folded(points: Array) -> PointError:
 
 
 def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0) -> Smoothed:
-    """Smooth curve through points (n, 2) in mm that are in their order along it.
+    """Smooth curve through points (n, 2) in mm that are in their order along it; a point that
+    repeats the one before is left out.
     wavelength: of waves that keep half of their height, mm, everywhere; None: chosen by the noise,
         from place to place.
     stretch: factor on the wavelengths.
