@@ -31,19 +31,6 @@ PRINTED_B = (
 )  # mm, b from the numbers that chapter 5.3 prints
 
 
-def semi_ellipsoid(facts: Facts) -> Finding:
-    """Eq 4.34 carries the load: in r of the stretched ellipse, dA = 2 pi a b r dr."""
-    c = facts.ellipse
-    carried = quad(lambda r: 2 * math.pi * c.a * c.b * r * float(c.pressure(r * c.a, 0)), 0, 1)[0]
-    peak = 3 * c.load / (2 * math.pi * c.a * c.b)
-    return Finding(
-        [
-            number("load carried, N", carried, c.load),
-            number("p0, MPa", peak, c.p0, ours=facts.fe.get("p0")),
-        ]
-    )
-
-
 def semi_axes(facts: Facts) -> Finding:
     """Eqs 4.35 and 4.36 with exact m and n."""
     c, route = facts.ellipse, facts.route
@@ -139,7 +126,26 @@ RULES: dict[int, Rule] = {
         "Hertz covers any two quadratic surfaces; these are crossed cylinders. "
         "Exact here: boundary elements on the profiles.",
     ),
-    30: semi_ellipsoid,
+    # Eq 4.34 carries the load: in r of the stretched ellipse, dA = 2 pi a b r dr
+    30: lambda f: Finding(
+        [
+            number(
+                "load carried, N",
+                2
+                * math.pi
+                * f.ellipse.a
+                * f.ellipse.b
+                * quad(lambda r: r * float(f.ellipse.pressure(r * f.ellipse.a, 0)), 0, 1)[0],
+                f.ellipse.load,
+            ),
+            number(
+                "p0, MPa",
+                3 * f.ellipse.load / (2 * math.pi * f.ellipse.a * f.ellipse.b),
+                f.ellipse.p0,
+                ours=f.fe.get("p0"),
+            ),
+        ]
+    ),
     31: semi_axes,
     # K_4 >= 0, so theta ends at 90 degrees
     32: lambda f: Finding(

@@ -1,7 +1,6 @@
 """Claims 2 and 60 to 89: stresses, method, figures and conclusions (5.4 to 7)."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -98,70 +97,17 @@ def shear_plane(facts: Facts) -> Finding:
     return Finding([number("angle to s_3, deg", "45", math.degrees(best.x))])
 
 
-def surface_shear(facts: Facts) -> Finding:
-    """Largest shear at the centre of the patch."""
-    (s_x, s_z), tau = facts.printed_stress(0.0), facts.surface_shear
-    return Finding(
-        [number("tau at the centre", 0.0, tau, "MPa", facts.fe.get("tau_surface"))],
-        f"{tau / facts.ellipse.p0:.4f} p0; its own formulas give {(s_x - s_z) / 2:.2f} MPa.",
-    )
+def circle_difference(facts: Facts) -> float:
+    """|s_x - s_y| over p0 at the centre of a circular patch of the bodies' mean curvature."""
+    s_x, s_y, _ = subsurface.axis_stress(facts.circle, facts.poisson, 0.0)[0]
+    return abs(float(s_x - s_y)) / facts.circle.p0
 
 
-def shear_depth(facts: Facts) -> Finding:
-    """Depth of the largest shear."""
-    c, depth, ours = facts.ellipse, facts.extrema.tau_max_depth, facts.fe.get("tau_depth")
-    return Finding(
-        [
-            statement("below the surface", "yes", depth, depth > 0, "mm", ours),
-            number("depth", "2.17", depth, "mm", ours),
-        ],
-        f"{depth / c.a:.4f} a or {depth / c.b:.4f} b; eqs 5.2 and 5.3 have it at "
-        f"{facts.printed_shear[0] / A:.4f} a.",
-    )
-
-
-def shear_from_first_two(facts: Facts) -> Finding:
-    """Half of s_1 - s_2 where the shear is largest."""
-    s_x, s_y, _ = facts.stress(facts.extrema.tau_max_depth)
-    half, ours = abs(float(s_x - s_y)) / 2, facts.fe.get("tau_max")
-    return Finding(
-        [number("tau_max", half, facts.extrema.tau_max, "MPa", ours)],
-        "It is (s_1 - s_3)/2. With s_1 = s_2, as the thesis has it, its recipe would give 0.",
-    )
-
-
-def node_to_node(facts: Facts) -> Finding:
-    """Other approaches: boundary elements, and finite elements with non-matching meshes."""
-    off = abs(facts.boundary_element_p0 / facts.ellipse.p0 - 1)
-    ours = f"{facts.fe['p0_error']:.2g}" if facts.fe else None
-    what = "p0 without nodes in contact: off by"
-    return Finding(
-        [statement(what, "inappropriate", off, off > 0.01, ours=ours)],
-        "Exact here: boundary elements. Node-to-node contact needs matching meshes and forbids "
-        "sliding; surface-to-surface, mortar and Nitsche's method are standard.",
-    )
-
-
-def growth_of_the_point(facts: Facts) -> Finding:
-    """A circular patch of finite size."""
-    c = facts.circle
-    s_x, s_y, _ = subsurface.axis_stress(c, facts.poisson, 0.0)[0]
-    apart = abs(float(s_x - s_y)) / c.p0
-    return Finding(
-        [statement(f"s_x - s_y over p0, circle of {c.a:.2f} mm", "not 0", apart, apart > EXACT)],
-        "The ellipse parts them, not the size of the patch.",
-    )
-
-
-def pressure_with_depth(facts: Facts) -> Finding:
-    """s_z on the axis."""
+def falls_with_depth(facts: Facts) -> bool:
+    """Whether |s_z| falls all along the axis, down to five semi-axes."""
     depth = np.linspace(0, 5 * facts.ellipse.a, 101)
     s_z = subsurface.axis_stress(facts.ellipse, facts.poisson, depth)[:, 2]
-    falls = bool(np.all(np.diff(np.abs(s_z)) < 0))
-    ours = -facts.fe["s_z"] if facts.fe else None
-    return Finding(
-        [statement("|s_z| at the surface", "largest", float(-s_z[0]), falls, "MPa", ours)]
-    )
+    return bool(np.all(np.diff(np.abs(s_z)) < 0))
 
 
 def highest_in_the_outer_layer(facts: Facts) -> Finding:
@@ -180,14 +126,6 @@ def highest_in_the_outer_layer(facts: Facts) -> Finding:
     )
 
 
-def along_the_major_axis(facts: Facts) -> Finding:
-    """Fig 6.4."""
-    c = facts.ellipse
-    values = ", ".join(f"{c.pressure(share * c.a, 0):.1f}" for share in (0, 0.5, 1))
-    note = f"p0 sqrt(1 - x^2/a^2): {values} MPa at 0, a/2, a. Drawn above."
-    return Finding([], note, NO_PICTURE)
-
-
 def stress_with_depth(facts: Facts) -> Finding:
     """Fig 6.7: the formulas behind it over three semi-axes of depth."""
     depth = np.linspace(0, 3 * facts.ellipse.a, 61)
@@ -199,32 +137,6 @@ def stress_with_depth(facts: Facts) -> Finding:
         what = f"{name}: largest difference of the curves, of p0"
         checks.append(Check(what, float(value), 0.0, Grade.HOLDS if value <= EXACT else close))
     return Finding(checks, "Judged by the formulas: the picture is missing from the text.")
-
-
-def figure(note: Callable[[Ellipse], str], why: str = NO_PICTURE) -> Rule:
-    """The rule of a figure that cannot be judged; note: what it should show."""
-    return lambda f: Finding([], note(f.ellipse), why)
-
-
-def larger_ellipse(facts: Facts) -> Finding:
-    """Peak stress of a patch grown by the load."""
-    ratio = facts.under(2 * facts.ellipse.load).p0 / facts.ellipse.p0
-    return Finding(
-        [statement("p0 when the load doubles", "decreases", f"x {ratio:.3f}", ratio < 1)],
-        "Mistaken for the distance from the centre, with which the stresses do fall.",
-    )
-
-
-def uniform(facts: Facts) -> Finding:
-    """Mean over peak, and the edge."""
-    c, fe = facts.ellipse, facts.fe
-    ours, edge = fe["p_mean"] / fe["p0"] if fe else None, float(c.pressure(c.a, 0))
-    return Finding(
-        [
-            number("mean over largest pressure", 1.0, c.p_mean / c.p0, ours=ours),
-            statement("p / p0 on the edge", "finite", edge / c.p0, edge > 0),
-        ]
-    )
 
 
 def tensile_load(facts: Facts) -> Finding:
@@ -271,14 +183,58 @@ RULES: dict[int, Rule] = {
     62: formula(0, {"s_x": 0, "s_y": 1}),
     63: formula(1, {"s_z": 2}),
     64: shear_plane,
-    65: surface_shear,
-    66: shear_depth,
+    65: lambda f: Finding(
+        [number("tau at the centre", 0.0, f.surface_shear, "MPa", f.fe.get("tau_surface"))],
+        f"{f.surface_shear / f.ellipse.p0:.4f} p0; its own formulas give "
+        f"{(f.printed_stress(0.0)[0] - f.printed_stress(0.0)[1]) / 2:.2f} MPa.",
+    ),
+    66: lambda f: Finding(
+        [
+            statement(
+                "below the surface",
+                "yes",
+                f.extrema.tau_max_depth,
+                f.extrema.tau_max_depth > 0,
+                "mm",
+                f.fe.get("tau_depth"),
+            ),
+            number("depth", "2.17", f.extrema.tau_max_depth, "mm", f.fe.get("tau_depth")),
+        ],
+        f"{f.extrema.tau_max_depth / f.ellipse.a:.4f} a or "
+        f"{f.extrema.tau_max_depth / f.ellipse.b:.4f} b; eqs 5.2 and 5.3 have it at "
+        f"{f.printed_shear[0] / A:.4f} a.",
+    ),
     # The thesis draws it and does not print it
     67: lambda f: Finding(
         [number("tau_max", f.printed_shear[1], f.extrema.tau_max, "MPa", f.fe.get("tau_max"))]
     ),
-    68: shear_from_first_two,
-    69: node_to_node,
+    # Half of s_1 - s_2 where the shear is largest
+    68: lambda f: Finding(
+        [
+            number(
+                "tau_max",
+                abs(float(np.subtract(*f.stress(f.extrema.tau_max_depth)[:2]))) / 2,
+                f.extrema.tau_max,
+                "MPa",
+                f.fe.get("tau_max"),
+            )
+        ],
+        "It is (s_1 - s_3)/2. With s_1 = s_2, as the thesis has it, its recipe would give 0.",
+    ),
+    # Other approaches: boundary elements, and finite elements with non-matching meshes
+    69: lambda f: Finding(
+        [
+            statement(
+                "p0 without nodes in contact: off by",
+                "inappropriate",
+                abs(f.boundary_element_p0 / f.ellipse.p0 - 1),
+                abs(f.boundary_element_p0 / f.ellipse.p0 - 1) > 0.01,
+                ours=f"{f.fe['p0_error']:.2g}" if f.fe else None,
+            )
+        ],
+        "Exact here: boundary elements. Node-to-node contact needs matching meshes and forbids "
+        "sliding; surface-to-surface, mortar and Nitsche's method are standard.",
+    ),
     # Patch over radius at the true angle, 180 degrees
     70: lambda f: Finding(
         [
@@ -302,8 +258,30 @@ RULES: dict[int, Rule] = {
         ],
         "Rotational symmetry is needed.",
     ),
-    72: growth_of_the_point,
-    73: pressure_with_depth,
+    # A circular patch of finite size
+    72: lambda f: Finding(
+        [
+            statement(
+                f"s_x - s_y over p0, circle of {f.circle.a:.2f} mm",
+                "not 0",
+                circle_difference(f),
+                circle_difference(f) > EXACT,
+            )
+        ],
+        "The ellipse parts them, not the size of the patch.",
+    ),
+    73: lambda f: Finding(
+        [
+            statement(
+                "|s_z| at the surface",
+                "largest",
+                -float(f.stress(0.0)[2]),
+                falls_with_depth(f),
+                "MPa",
+                -f.fe["s_z"] if f.fe else None,
+            )
+        ]
+    ),
     74: highest_in_the_outer_layer,
     75: lambda f: Finding(
         [
@@ -318,7 +296,13 @@ RULES: dict[int, Rule] = {
         ],
         "Pau et al. name 600-800 MPa as the pressures of their tests, not as a limit.",
     ),
-    76: along_the_major_axis,
+    76: lambda f: Finding(
+        [],
+        "p0 sqrt(1 - x^2/a^2): "
+        + ", ".join(f"{f.ellipse.pressure(x * f.ellipse.a, 0):.1f}" for x in (0, 0.5, 1))
+        + " MPa at 0, a/2, a. Drawn above.",
+        NO_PICTURE,
+    ),
     # Eq 5.3 read along the radius instead of the depth
     77: lambda f: Finding(
         [
@@ -334,18 +318,47 @@ RULES: dict[int, Rule] = {
         "Eqs 5.2 and 5.3 are functions of the depth.",
     ),
     78: stress_with_depth,
-    79: figure(lambda c: f"p0 = {c.p0:.2f} MPa (F / 25 kN)^(1/3). Drawn above."),
-    80: figure(lambda c: f"a = {c.a:.4f} mm (F / 25 kN)^(1/3). Drawn above."),
-    81: figure(
-        lambda c: (
-            f"With the load, p0 = {c.p0 / c.a:.2f} MPa/mm a grows; at one load and shape, "
-            f"p0 = {c.p0 * c.a**2:.0f} N/a^2 falls. Both are drawn above."
-        ),
+    79: lambda f: Finding(
+        [], f"p0 = {f.ellipse.p0:.2f} MPa (F / 25 kN)^(1/3). Drawn above.", NO_PICTURE
+    ),
+    80: lambda f: Finding(
+        [], f"a = {f.ellipse.a:.4f} mm (F / 25 kN)^(1/3). Drawn above.", NO_PICTURE
+    ),
+    81: lambda f: Finding(
+        [],
+        f"With the load, p0 = {f.ellipse.p0 / f.ellipse.a:.2f} MPa/mm a grows; at one load and "
+        f"shape, p0 = {f.ellipse.p0 * f.ellipse.a**2:.0f} N/a^2 falls. Both are drawn above.",
         "the text does not say what changes the radius",
     ),
     82: lambda f: Finding([], not_computable="no quantity and no source are given"),
-    83: larger_ellipse,
-    84: uniform,
+    # Peak stress of a patch grown by the load
+    83: lambda f: Finding(
+        [
+            statement(
+                "p0 when the load doubles",
+                "decreases",
+                f"x {f.under(2 * f.ellipse.load).p0 / f.ellipse.p0:.3f}",
+                f.under(2 * f.ellipse.load).p0 < f.ellipse.p0,
+            )
+        ],
+        "Mistaken for the distance from the centre, with which the stresses do fall.",
+    ),
+    84: lambda f: Finding(
+        [
+            number(
+                "mean over largest pressure",
+                1.0,
+                f.ellipse.p_mean / f.ellipse.p0,
+                ours=f.fe["p_mean"] / f.fe["p0"] if f.fe else None,
+            ),
+            statement(
+                "p / p0 on the edge",
+                "finite",
+                float(f.ellipse.pressure(f.ellipse.a, 0)) / f.ellipse.p0,
+                f.ellipse.pressure(f.ellipse.a, 0) > 0,
+            ),
+        ]
+    ),
     85: lambda f: Finding(
         [number("mean pressure", "794.9", f.ellipse.p_mean, "MPa", f.fe.get("p_mean"))],
         "794.9 MPa is the peak; the mean is two thirds of it.",
