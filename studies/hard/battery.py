@@ -1,7 +1,5 @@
 """The hard cases of cases.toml; the study runs all of them, the tests those marked quick."""
 
-from __future__ import annotations
-
 import itertools
 import tomllib
 from collections.abc import Iterator, Mapping

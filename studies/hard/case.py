@@ -4,8 +4,6 @@ One rule for all: the run ends with status 0 and every judged quantity deviates 
 by no more than it promises. Or the case declares what fails, and then just that must happen.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Random valid scenes: one recipe for seeded numbers and for hypothesis."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Sequence

@@ -68,17 +68,11 @@ def curvature(s: float) -> float:
     return (c1 * (s - s0) - c0 * (s - s1)) / (s1 - s0)
 
 
-def spiral(facts: Facts) -> Finding:
-    """Eq 3.20, the integral of eq 3.19, with both exponents of its last term."""
-    (s0, s1, c0, c1), s = SPIRAL, 40.0
+def heading(s: float, exponent: int) -> float:
+    """Eq 3.20 in rad, with an exponent of its last term, at s from the start of the spiral."""
+    s0, s1, c0, c1 = SPIRAL
     ramp = (c1 / 2 * (s - s0) ** 2 - c0 / 2 * (s - s1) ** 2) / (s1 - s0)
-    printed, correct = (ramp + c0 / 2 * (s1 - s0) ** power for power in (2, 1))
-    what = "heading after 40 m of a 50 m spiral, rad"
-    return Finding(
-        [number(what, printed, correct, ours=quad(curvature, s0, s)[0])],
-        "The last term has the unit m instead of rad: its exponent must be 1. "
-        "Without effect in chapter 5, where C0 = 0.",
-    )
+    return ramp + c0 / 2 * (s1 - s0) ** exponent
 
 
 def off_tangent(name: str, index: int) -> Check:
@@ -135,20 +129,6 @@ def angle_coefficients(facts: Facts) -> Finding:
     )
 
 
-def wheel_angle(facts: Facts) -> Finding:
-    """Eq 4.30: height of the wheel's point at s2w = 90 degrees above its lowest one."""
-    high, low = (wheel(S1, angle)[2] for angle in (math.pi / 2, math.pi))
-    lowest = minimize_scalar(lambda angle: wheel(S1, angle)[2], bounds=(0, 2 * math.pi))
-    return Finding(
-        [
-            number("angle of the contact, deg", "90", 180.0, ours=math.degrees(lowest.x)),
-            number("height over the lowest point, mm", float(high - low), 0.0),
-        ],
-        "With the rail's normal in the place of a tangent, eq 4.27 asks the wheel's normal to be "
-        "level: a point at the height of the axle. The correct tangent gives sin(s2w) = 0.",
-    )
-
-
 def rail_position(facts: Facts) -> Finding:
     """Eqs 4.31 and 4.32 beside the wheel lowered on the real profile."""
     largest = max(abs(each.numerator) for each in REDUCED) / HALF_AXLE
@@ -168,16 +148,10 @@ def rail_position(facts: Facts) -> Finding:
     )
 
 
-def wheel_position(facts: Facts) -> Finding:
-    """Eq 4.33 at many angles; where yaw and bank are equal it is 0 / 0."""
-    found = [r.s1w_printed for r, pair in zip(REDUCED, ANGLES, strict=True) if pair[0] != pair[1]]
-    spread = float(np.ptp(found)) / HALF_AXLE
-    return Finding(
-        [statement("depends on the angles", "yes", f"L within {spread:.0e}", spread > 1e-6)],
-        "The same identity leaves s1w = L: the middle of the tread, whatever the angles.",
-    )
-
-
+LOWEST = minimize_scalar(lambda angle: wheel(S1, angle)[2], bounds=(0, 2 * math.pi))
+S1W = [r.s1w_printed for r, (yaw, bank) in zip(REDUCED, ANGLES, strict=True) if yaw != bank]
+SPREAD = float(np.ptp(S1W)) / HALF_AXLE
+"""Of s1w by eq 4.33 over all angles but equal ones, for which it is 0/0; over L."""
 RULES: dict[int, Rule] = {
     3: rotation("z", Z, eq.rotation(yaw=YAW)),
     4: rotation(
@@ -217,7 +191,19 @@ RULES: dict[int, Rule] = {
             )
         ]
     ),
-    11: spiral,
+    # Eq 3.20, the integral of eq 3.19, with both exponents of its last term
+    11: lambda f: Finding(
+        [
+            number(
+                "heading after 40 m of a 50 m spiral, rad",
+                heading(40.0, 2),
+                heading(40.0, 1),
+                ours=quad(curvature, SPIRAL[0], 40.0)[0],
+            )
+        ],
+        "The last term has the unit m instead of rad: its exponent must be 1. "
+        "Without effect in chapter 5, where C0 = 0.",
+    ),
     # Eq 3.21 against the columns of the matrix and against derivatives of the surface
     12: lambda f: Finding(
         [
@@ -319,7 +305,23 @@ RULES: dict[int, Rule] = {
         ]
     ),
     26: angle_coefficients,
-    27: wheel_angle,
+    # Eq 4.30, and the height of the wheel's point at s2w = 90 degrees above its lowest one
+    27: lambda f: Finding(
+        [
+            number("angle of the contact, deg", "90", 180.0, ours=math.degrees(LOWEST.x)),
+            number(
+                "height over the lowest point, mm",
+                float(wheel(S1, math.pi / 2)[2] - wheel(S1, math.pi)[2]),
+                0.0,
+            ),
+        ],
+        "With the rail's normal in the place of a tangent, eq 4.27 asks the wheel's normal to be "
+        "level: a point at the height of the axle. The correct tangent gives sin(s2w) = 0.",
+    ),
     28: rail_position,
-    29: wheel_position,
+    # Eq 4.33 at many angles
+    29: lambda f: Finding(
+        [statement("depends on the angles", "yes", f"L within {SPREAD:.0e}", SPREAD > 1e-6)],
+        "The same identity leaves s1w = L: the middle of the tread, whatever the angles.",
+    ),
 }

@@ -355,7 +355,7 @@ RULES: dict[int, Rule] = {
                 "p / p0 on the edge",
                 "finite",
                 float(f.ellipse.pressure(f.ellipse.a, 0)) / f.ellipse.p0,
-                f.ellipse.pressure(f.ellipse.a, 0) > 0,
+                bool(f.ellipse.pressure(f.ellipse.a, 0) > 0),
             ),
         ]
     ),
