@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 from petsc4py import PETSc
 
 from railhead.solver.algebra.contact_system import ContactSystem, LoadCase
@@ -58,10 +60,16 @@ class ContactModel(ContactSystem):
         progress: called with the number and the relative residual of each of Newton's steps.
         force: forces at the dofs that this process owns, in the order of `bulk.space`, N, for
             example an assembled body force.
-        Raises ValueError for a load under approach control or an approach under load control. A far
+        Raises ValueError for a negative or infinite load, for `active` of another shape or type,
+        for a load under approach control or an approach under load control. A far
         field takes a load beside the approach. A solution that did not converge is returned too:
         see `Solution.newton`.
         """
+        if not 0 <= load < math.inf:
+            raise ValueError(f"load must be finite and not negative, N, not {load!r}")
+        count = len(self.interface.points)
+        if np.shape(active) != (count,) or np.asarray(active).dtype != bool:
+            raise ValueError(f"active must be {count} booleans, one for each of interface.points")
         if approach and self.setup.load_control:
             raise ValueError("approach is unknown under load control; give a load")
         if load and not self.setup.load_control and self.setup.far_field is None:

@@ -121,3 +121,14 @@ def test_stress_operator_gives_the_normal_stress_of_a_uniform_strain(model) -> N
     lam, mu = model.setup.fixed.material.lame
     expected = lam * np.trace(strain) + 2 * mu * strain[2, 2]
     np.testing.assert_allclose((model.interface.stress * vec).array, expected, rtol=1e-9)
+
+
+def test_a_pull_and_a_wrong_start_are_refused(model) -> None:
+    """A load of -5000 N was solved with nothing to hold the bodies."""
+    every = np.ones(len(model.interface.points), dtype=bool)
+    for load in (-5000.0, np.inf, np.nan):
+        with pytest.raises(ValueError, match="load must be finite and not negative"):
+            model.solve(load=load, active=every)
+    for active in (every[1:], every[:, None], every.astype(float), np.flatnonzero(every), True):
+        with pytest.raises(ValueError, match=f"active must be {len(every)} booleans"):
+            model.solve(load=1.0, active=active)
