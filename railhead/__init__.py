@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from railhead.api import find, plan, solve
     from railhead.meshing.mesh import MeshError
-    from railhead.results.result import Result
+    from railhead.results.result import Result, load
     from railhead.scene.scene import (
         Effects,
         Friction,
@@ -27,12 +27,13 @@ if TYPE_CHECKING:
 __version__ = "0.3.0"
 __all__ = [
     "Effects", "Friction", "Mesh", "MeshError", "Rail", "Result", "Rolling", "Scene", "SceneError",
-    "Solver", "Sweep", "Wheel", "Wheelset", "find", "plan", "solve", "sweep",
+    "Solver", "Sweep", "Wheel", "Wheelset", "find", "load", "plan",
+    "solve", "sweep",
 ]  # fmt: skip
 _HOMES = dict.fromkeys(__all__, "railhead.scene.scene") | {
     "MeshError": "railhead.meshing.mesh",
     **dict.fromkeys(("find", "plan", "solve"), "railhead.api"),
-    "Result": "railhead.results.result",
+    **dict.fromkeys(("Result", "load"), "railhead.results.result"),
     **dict.fromkeys(("Sweep", "sweep"), "railhead.sweeps.sweep"),
 }
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from petsc4py import PETSc
 
@@ -129,3 +130,7 @@ class Solution:
     plasticity: PlasticSolution | None = None
     friction: FrictionSolution | None = None
     reference: Solution | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The attributes without the displacement, a PETSc vector, which cannot be pickled."""
+        return {**self.__dict__, "displacement": None}

@@ -1,12 +1,14 @@
 """What a script sees: the public names, their examples, and a host that is left alone."""
 
 import csv
+import pickle
 import re
 import subprocess
 import sys
 from importlib import metadata
 from pathlib import Path
 
+import numpy as np
 import pages
 import pytest
 from solved import solved
@@ -145,3 +147,40 @@ def test_what_is_no_scene_is_one_line(scene: object) -> None:
 def test_a_sweep_over_one_value_is_one_line(values: object) -> None:
     with pytest.raises(rh.SceneError, match="load: .* is not a list of values"):
         rh.sweep(rh.find("sphere_on_plane"), load=values)
+
+
+def test_a_result_can_be_pickled_and_loaded(tmp_path) -> None:
+    """Arrays and numbers stay; what dolfinx holds is said to be gone in one line."""
+    result = solved("long_roller", "friction.coefficient=0.3", "rolling.force_along=10kN",
+                    "mesh.patch_size=0.6")  # fmt: skip
+    copy = pickle.loads(pickle.dumps(result))
+    assert copy.as_dict() == result.as_dict() and copy.pressure == result.pressure
+    assert np.array_equal(copy.surface.pressure, result.surface.pressure)
+    assert np.array_equal(copy.tractions.traction, result.tractions.traction)
+    point = np.array([[0.0, 0.0, -1.0]])
+    assert np.array_equal(copy.stress_at(point), result.stress_at(point))
+    for name in ("displacement", "mesh"):
+        with pytest.raises(ValueError, match="pickled result has no dolfinx mesh"):
+            getattr(copy, name)
+    copy.save(tmp_path / "out", pictures=False)
+    loaded = rh.load(tmp_path / "out")
+    assert loaded.pressure == result.pressure and loaded.friction == result.friction
+    assert loaded.passed == result.passed and repr(loaded) == repr(result)
+    assert "largest pressure" in loaded._repr_html_()
+    with pytest.raises(ValueError, match="numbers only"):
+        print(loaded.surface)
+    for folder in (tmp_path, tmp_path / "none"):
+        with pytest.raises(rh.SceneError, match="holds no result of a run"):
+            rh.load(folder)
+
+
+def test_arrays_are_public() -> None:
+    result = solved("sphere_on_plane")
+    surface = result.surface
+    assert surface.pressure.max() == pytest.approx(result.pressure.max, rel=1e-3)
+    touching = surface.pressure > 0.1 * result.pressure.max
+    radius = np.linalg.norm(surface.points[touching], axis=1)
+    exact = result.hertz.pressure.max * np.sqrt(1 - (radius / result.hertz.patch.a) ** 2)
+    assert surface.pressure[touching] == pytest.approx(exact, rel=0.02)
+    assert abs(surface.gap[touching]).max() < 1e-3 * result.approach
+    assert result.tractions is None

@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
+from mpi4py import MPI
+
 from railhead.results.report import terminal
 from railhead.results.report.output_units import Units
 from railhead.run import quantities
 from railhead.run.mesh_solution import MeshSolution
+from railhead.scene.scene import SceneError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from rich.console import Console
 
     from railhead.planning.plan import Plan
-    from railhead.postprocess.findings import Findings
+    from railhead.postprocess.findings import Array, Findings, Surface
     from railhead.solver.fields import Fields
+    from railhead.solver.solution import FrictionSolution
     from railhead.theory.elastic.contacts import Hertz
 
 BOUND_NAMES = {each.key: each.bound for each in quantities.QUANTITIES}
@@ -29,7 +34,7 @@ class Result:
     """A solved scene. Numbers are the same on all MPI processes; fields and findings are on rank 0
     only.
 
-    mesh_solution: solution on the finest mesh.
+    solution: on the finest mesh; None of a result that was loaded.
     summary: content of summary.json.
 
     The properties `patch`, `pressure`, `stress`, `friction`, `plastic`, `load` and `approach` hold
@@ -37,7 +42,7 @@ class Result:
     errors. `railhead.run.quantities` describes each number.
     """
 
-    mesh_solution: MeshSolution
+    solution: MeshSolution | None
     summary: dict[str, Any]
 
     def __repr__(self) -> str:
@@ -131,16 +136,60 @@ class Result:
         return quantities.read(quantities.Answer, self.summary["result"])
 
     @property
+    def mesh_solution(self) -> MeshSolution:
+        """Solution on the finest mesh. ValueError: the result was loaded, and has numbers only."""
+        if self.solution is None:
+            raise ValueError("a loaded result has numbers only; solve the scene again for fields")
+        return self.solution
+
+    @property
     def mesh(self) -> Any:
-        """The dolfinx mesh of both bodies (of the modelled part, where there is symmetry)."""
+        """The dolfinx mesh of both bodies (of the modelled part, where there is symmetry).
+        ValueError: the result was pickled or loaded.
+        """
+        if self.mesh_solution.mesh is None:
+            raise ValueError("a pickled result has no dolfinx mesh; solve the scene again for it")
         return self.mesh_solution.mesh.mesh
 
     @property
     def displacement(self) -> Any:
-        """Displacement as a dolfinx Function on `mesh`, mm."""
+        """Displacement as a dolfinx Function on `mesh`, mm. ValueError: as of `mesh`."""
         from railhead.solver import compat
 
+        assert self.mesh is not None
         return compat.function(self.mesh_solution.space, self.mesh_solution.solution.displacement)
+
+    @property
+    def surface(self) -> Surface:
+        """Contact surface of the body that carries the contact points, at its n nodes: `points`
+        (n, 3), undeformed, mm; `pressure` (n,), MPa; `gap` (n,), mm; `displacement` (n, 3), mm;
+        `triangles` (t, 3), rows of the nodes, of a section lines (t, 2). Of a cut model the part
+        that was meshed. ValueError: nothing touches, or off rank 0.
+        """
+        if self.findings is None:
+            raise ValueError("there is no contact surface: nothing touches, or this is not rank 0")
+        return self.findings.surface
+
+    @property
+    def tractions(self) -> FrictionSolution | None:
+        """Friction at the n contact points: `points` (n, 3), mm; `pressure` (n,), MPa; `traction`
+        (n, 3) of the wheel on the rail, MPa; `slip` (n, 3) of the wheel over the rail, mm, rolling
+        without dimension; `sticks` (n,). None without friction.
+        """
+        return self.mesh_solution.solution.friction
+
+    def stress_at(self, points: Array, body: str | None = None) -> Array:
+        """Smooth stress (n, 6), components xx, yy, zz, xy, xz, yz in global axes, MPa, at points
+        (n, 3) of the undeformed bodies, mm; NaN outside of them.
+
+        body: "rail" or "wheel"; None: for each point the nearer one.
+        ValueError: points of another shape or not finite, a body that is rigid, or off rank 0.
+        """
+        from railhead.postprocess.stress import sampling
+
+        if self.fields is None:
+            raise ValueError("stresses are on rank 0 only")
+        return sampling.stress_at(self.fields, points, body)
 
     def save(
         self,
@@ -165,7 +214,8 @@ class Result:
         from railhead.results import files, result_folder
 
         problem: Exception | None = None
-        comm, out = self.mesh.comm, Path(folder)
+        comm = MPI.COMM_SELF if self.mesh_solution.mesh is None else self.mesh.comm
+        out = Path(folder)
         if comm.rank == 0:
             try:
                 result_folder.check_folder(out)
@@ -211,6 +261,19 @@ class Result:
         touches.
         """
         return self.mesh_solution.findings
+
+
+def load(folder: str | Path) -> Result:
+    """The result in a folder that `railhead run` or `Result.save` wrote: its numbers, checks and
+    tables, without fields. Raises SceneError for a folder without one.
+    """
+    try:
+        summary = json.loads((Path(folder) / "summary.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        summary = {}
+    if "checks" not in summary:
+        raise SceneError("load", f"{str(folder)!r} holds no result of a run; give its folder")
+    return Result(None, summary)
 
 
 @dataclass(frozen=True)

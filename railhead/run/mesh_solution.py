@@ -80,6 +80,10 @@ class MeshSolution:
     residual_state: ResidualState | None = None
     load_step_errors: Mapping[str, float] = field(default_factory=dict)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """The attributes without mesh and space of dolfinx, which cannot be pickled."""
+        return {**self.__dict__, "mesh": None, "space": None}
+
     @cached_property
     def ellipse(self) -> Hertz:
         """Exact Hertz under the load of the solution, an ellipse or a line contact."""

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from hashlib import blake2b
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -107,6 +108,10 @@ class NewtonResult:
     reason: str
     history: list[NewtonStep] = field(default_factory=list)
     stalled: bool = False
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The attributes without y, a PETSc vector, which cannot be pickled."""
+        return {**self.__dict__, "y": None}
 
     @property
     def converged(self) -> bool:
