@@ -37,7 +37,9 @@ def test_a_needle_meets_exact_hertz_at_two_thirds_of_the_unknowns() -> None:
     assert summary["cost"]["dofs"] < 100_000
 
 
-@pytest.mark.parametrize("choice", [(), ("wheelset.yaw=20 mrad",)])
+@pytest.mark.parametrize(
+    "choice", [pytest.param((), marks=pytest.mark.slow), ("wheelset.yaw=20 mrad",)]
+)
 def test_a_stretched_wheel_lies_on_its_exact_surface(choice: tuple[str, ...]) -> None:
     """Corner and middle nodes in the patch and as far again."""
     plan = planned("s1002_60e1", "wheelset.shift=9", "mesh.patch_size=0.2", *choice)
@@ -72,8 +74,9 @@ def test_a_round_patch_beside_a_long_one_keeps_its_elements_along_the_rail() -> 
     assert stretched.resolution == pytest.approx(plan.sizing.resolution)
 
 
-@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
-@pytest.mark.parametrize("radius", [60, 20, 5])
+@pytest.mark.parametrize(
+    "radius, cell", [(60, "tetrahedron"), (20, "hexahedron"), (5, "tetrahedron")]
+)
 def test_unknowns_of_stretched_meshes_are_foreseen(radius: float, cell: str) -> None:
     plan = planned("hertz_ellipse", f"rail.crown_radius={radius}", f"mesh.cell={cell}")
     plan = plan.at_resolution(plan.sizing.default_resolution / 2)
