@@ -49,6 +49,7 @@ class ContactModel(ContactSystem):
         max_steps: int = 30,
         progress: Callable[[int, float], None] = lambda step, residual: None,
         force: PETSc.Vec | None = None,
+        friction: FrictionMethod | None = None,
     ) -> Solution:
         """Solve one load case: press the bodies, then apply friction, then remove the load where
         the load path says so (collective).
@@ -60,6 +61,7 @@ class ContactModel(ContactSystem):
         progress: called with the number and the relative residual of each of Newton's steps.
         force: forces at the dofs that this process owns, in the order of `bulk.space`, N, for
             example an assembled body force.
+        friction: method for the tractions of a setup with friction; None: `condensed_friction`.
         Raises ValueError for a negative or infinite load, for `active` of another shape or type,
         for a load under approach control or an approach under load control. A far
         field takes a load beside the approach. A solution that did not converge is returned too:
@@ -86,8 +88,7 @@ class ContactModel(ContactSystem):
         response = self.response()
         solution = response.press(case)
         if self.setup.friction is not None and solution.newton.converged:
-            history = FrictionHistory(self, response, self.setup.friction, case, solution)
-            solution = history.solve()
+            solution = (friction or condensed_friction)(self, response, case, solution)
         solution = response.unload(solution)
         self.seconds["solve"] += time.perf_counter() - start
         return solution
@@ -100,3 +101,18 @@ class ContactModel(ContactSystem):
         if path is None or self.plastic_problem is None:
             return ElasticResponse(self)
         return PlasticResponse(self, self.plastic_problem, path)
+
+
+FrictionMethod = Callable[[ContactModel, ElasticResponse, LoadCase, Solution], Solution]
+"""From a model, the response of its bodies, the load case and the frictionless solution to the
+solution with friction."""
+
+
+def condensed_friction(
+    model: ContactModel, response: ElasticResponse, case: LoadCase, pressed: Solution
+) -> Solution:
+    """Solution with friction of a pressed contact by static condensation to its contact points
+    (collective).
+    """
+    assert model.setup.friction is not None
+    return FrictionHistory(model, response, model.setup.friction, case, pressed).solve()

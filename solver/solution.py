@@ -73,8 +73,7 @@ class FrictionSolution:
     coupling_iterations: number of times, over all load steps, that the tractions were solved on a
         linearised contact.
     rigid_slip: slip (n, 3) of rigid bodies with the same motion.
-    newton_history: relative residuals of the longest run of Newton's method on the tractions, see
-        `TangentialState.history`.
+    newton_steps: largest number of steps of Newton's method on the tractions.
     without_creepage: for rolling, the same contact at zero creepage and spin; otherwise None.
     """
 
@@ -92,7 +91,7 @@ class FrictionSolution:
     dissipated_energy: float
     coupling_iterations: int
     rigid_slip: Array
-    newton_history: tuple[float, ...]
+    newton_steps: int
     without_creepage: FrictionSolution | None = None
 
 

@@ -36,7 +36,7 @@ def friction_case(
         dissipated_energy=0.0,
         coupling_iterations=1,
         rigid_slip=none,
-        newton_history=(),
+        newton_steps=0,
     )
     return FrictionCase(
         solution=solution,

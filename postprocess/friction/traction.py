@@ -77,7 +77,7 @@ def quantities(
         **dict(zip(MOTION[rolling], found.rigid_motion, strict=True)),
         "stick_share": float(share),
         "traction_max_MPa": float(np.linalg.norm(found.traction, axis=1).max()),
-        "newton_steps": len(found.newton_history),
+        "newton_steps": found.newton_steps,
         "passes": found.coupling_iterations,
     }
     if cycle:

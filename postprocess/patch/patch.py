@@ -27,7 +27,7 @@ from railhead.postprocess.patch.reconstruct import (
     reconstruct,
     zero_squared_pressure,
 )
-from railhead.postprocess.patch.separate_patches import SeparatePatch
+from railhead.postprocess.patch.separate_patches import SeparatePatch, separate_patches
 from railhead.postprocess.patch.surface import Surfaces, recover_surfaces
 
 if TYPE_CHECKING:
@@ -184,6 +184,67 @@ def smooth_square(
         square = blend(square, ellipsoid(square, centre, semi, peak), share)
         scatter = {key: share * scatter[key] + (1 - share) * errors[key] for key in MEASURES}
     return square, scatter
+
+
+@dataclass(frozen=True, kw_only=True)
+class SmoothPatch:
+    """Smooth pressure of one patch in its own tangent plane.
+
+    frame: tangent plane, with its origin at the centre of pressure.
+    centre, half: (x, s) of the middle between the ends of the patch, and its half lengths along x
+        and s, mm.
+    force: normal force on the patch, images included, N.
+    mirrors: unit normals (3,) of the symmetry planes that the patch meets.
+    square: smooth p^2.
+    """
+
+    frame: Frame
+    centre: tuple[float, float]
+    half: tuple[float, float]
+    force: float
+    mirrors: tuple[Array, ...]
+    square: SquaredPressure
+
+    def pressure(self, frame: Frame, at: Array) -> Array:
+        """Smooth pressure (n,), MPa, at points (x, s) (n, 2) of the plane of a frame, mm."""
+        x, s = _in_frame(at, frame, self.frame).T
+        return np.asarray(np.sqrt(np.maximum(self.square(x, s), 0.0)))
+
+
+def smooth_patches(fields: Fields, *, parabolic: bool) -> list[SmoothPatch]:
+    """Separate patches of a solid with their smooth pressure, most loaded first. parabolic: whether
+    Hertz's theory is exact.
+    """
+    contact, found = fields.contact, []
+    facets = np.bincount(contact.facet, contact.weights).astype(np.float64)
+    for part in separate_patches(fields):
+        square = _smooth(part.fields, part.frame, facets, parabolic=parabolic)
+        outline = np.concatenate(outline_shape(square).outlines)
+        low, high = outline.min(axis=0), outline.max(axis=0)
+        (x, s), (a, b) = (low + high) / 2, (high - low) / 2
+        found.append(
+            SmoothPatch(
+                frame=part.frame,
+                centre=(float(x), float(s)),
+                half=(float(a), float(b)),
+                force=part.force,
+                mirrors=tuple(np.array(plane) for plane in part.fields.mirrors),
+                square=square,
+            )
+        )
+    return found
+
+
+def _smooth(fields: Fields, frame: Frame, facets: Array, *, parabolic: bool) -> SquaredPressure:
+    """Smooth p^2 of one patch in a frame, as `_reading` has it. facets: area of each contact facet,
+    mm2. parabolic: whether Hertz's theory is exact.
+    """
+    found, given = moments(fields, frame), samples(fields, frame, facets)
+    share = general_shape_share(found.shape_error)
+    square = reconstruct(given) if share > 0 else zero_squared_pressure(given)
+    half, _ = nearly_elliptic(found, float(given.size.mean()), parabolic=parabolic)
+    peak = largest_pressure(fields, frame, found)
+    return blend(square, ellipsoid(square, found.centre, (half[0], half[1]), peak), share)
 
 
 def reconstruct_general_shape(

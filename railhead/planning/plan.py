@@ -307,9 +307,19 @@ class Plan:
         process.
         """
         more = prediction.LOAD_STEP * self.load_steps if self.effects["plasticity"].on else 0.0
-        if self.effects["friction"].on and not self.section:
-            more += prediction.FRICTION * self.unknowns / prediction.FRICTION_AT
-        return machine.correction() * self.cost.time(self.unknowns) * (1 + more)
+        beside = 0.0
+        if self.effects["friction"].on and not self.condenses:
+            more, beside = prediction.FRICTION, prediction.FRICTION_SECONDS
+        elif self.effects["friction"].on and not self.section:
+            more += prediction.CONDENSING * self.unknowns / prediction.CONDENSING_AT
+        return machine.correction() * (self.cost.time(self.unknowns) * (1 + more) + beside)
+
+    @property
+    def condenses(self) -> bool:
+        """Whether friction, where it acts, needs factors of the bodies: in sections, with unlike
+        materials, and where bodies yield.
+        """
+        return self.section or friction.unlike(self.scene) or self.effects["plasticity"].on
 
     @property
     def cost(self) -> prediction.Cost:
@@ -328,7 +338,7 @@ class Plan:
         if self.effects["plasticity"].on:
             each += prediction.YIELD_BYTES
         if self.effects["friction"].on:
-            each += prediction.FRICTION_BYTES
+            each += prediction.CONDENSING_BYTES if self.condenses else prediction.FRICTION_BYTES
         return prediction.BASE_BYTES + each * self.unknowns
 
     @property

@@ -153,9 +153,10 @@ def mesh_and_solve(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> MeshS
         progress.stage("assembling")
         model = build.model(plan, mesh)
         clock.lap("assemble")
-        solved, better = _solve_unread(mesh, model, plan, progress, clock, comm)
+        last = attempt == MAX_MESHES
+        solved, better = _solve_unread(mesh, model, plan, progress, clock, comm, last=last)
         model.release()
-        if better is None or attempt == MAX_MESHES or not solved.solution.newton.converged:
+        if better is None or last or not solved.solution.newton.converged:
             break
         plan = better
     progress.stage("reading the result")
@@ -170,7 +171,7 @@ def solve_on_mesh(
     """Solve the load of a plan without yield and friction on a mesh that exists; collective. None
     where Newton's method does not converge or the patch is not where the mesh is fine."""
     clock = _Clock()
-    solved, better = _solve_unread(mesh, model, plan, progress, clock, comm)
+    solved, better = _solve_unread(mesh, model, plan, progress, clock, comm, last=True)
     if better is not None or not solved.solution.newton.converged:
         return None
     solved = _read(solved)
@@ -185,14 +186,21 @@ def _solve_unread(
     progress: Progress,
     clock: _Clock,
     comm: MPI.Intracomm,
+    *,
+    last: bool,
 ) -> tuple[MeshSolution, Plan | None]:
     """Solve a plan on a mesh (collective): the solution, of which findings and result are not read
-    yet, and the plan of a mesh that fits the patch; None where this mesh does.
+    yet, and the plan of a mesh that fits the patch; None where this mesh does. last: whether
+    friction of solids is solved also where the mesh does not fit the patch.
     """
     from railhead.solver.fields import gather
 
+    def misplaced(fields: Fields) -> bool:
+        """Whether the patch lies where the mesh is not fine."""
+        return not last and _remesh_for_found_patch(plan, fields) is not None
+
     progress.stage(f"solving {model.unknowns} unknowns")
-    solution = solve(plan, model, progress.newton)
+    solution = solve(plan, model, progress.newton, stage=progress.stage, misplaced=misplaced)
     clock.lap("solve")
     fields = gather(model, solution)
     better = comm.bcast(None if fields is None else _remesh_for_found_patch(plan, fields))
@@ -270,16 +278,31 @@ def _residual_state(
 
 
 def solve(
-    plan: Plan, model: ContactModel, progress: Callable[[int, float], None] = lambda *_: None
+    plan: Plan,
+    model: ContactModel,
+    progress: Callable[[int, float], None] = lambda *_: None,
+    *,
+    stage: Callable[[str], None] = lambda name: None,
+    misplaced: Callable[[Fields], bool] = lambda fields: False,
 ) -> Solution:
     """Solve for the scene's load or approach, starting from the contact points of the forecast
     patch; collective.
 
-    progress: called with number and relative residual of each Newton step. Between half-spaces the
-        far field is that of a load. A given approach is then met by secants in the logarithms of
-        load and approach, from load ~ approach^1.5 (Hertz).
+    progress: called with number and relative residual of each Newton step. stage: called with the
+        name of each stage of friction. misplaced: whether a patch needs another mesh, so that
+        friction of solids is left out.
+    Between half-spaces the far field is that of a load. A given approach is then met by secants in
+    the logarithms of load and approach, from load ~ approach^1.5 (Hertz).
     """
+    from railhead.run import solid_friction
+
     scene = plan.scene
+    tractions = partial(
+        solid_friction.apply,
+        stage=stage,
+        parabolic=plan.contact.half_space,
+        misplaced=misplaced,
+    )
 
     def at(load: float, approach: float = 0.0) -> Solution:
         """The solution under a load (N) or, without load control, an approach (mm)."""
@@ -289,6 +312,7 @@ def solve(
             active=plan.forecast.touching(model.setup.kinematics.lift(model.interface.points)),
             max_steps=scene.solver.max_newton,
             progress=progress,
+            friction=tractions,
         )
 
     if scene.load is not None:

@@ -22,7 +22,7 @@ two edges, whose noise is a seventh.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
@@ -34,11 +34,11 @@ from railhead.solver import compat
 from railhead.solver.algebra.contact_system import ContactSystem
 from railhead.solver.algebra.linear import factorise
 from railhead.solver.algebra.problem import Mask
+from railhead.solver.interface.surface_response import far_field, rows, rows_at, surface_tangents
 from railhead.solver.material.response import ElasticResponse
 from railhead.solver.setup import FrictionSettings
 from railhead.solver.solution import Solution
 from railhead.solver.space.cells import Array, Index
-from railhead.solver.space.facets import FacetSet
 from railhead.solver.space.operators import assemble_rows, select_rows, vector
 from railhead.solver.space.pairing import pair
 
@@ -124,6 +124,7 @@ class StaticCondensation:
     own: numbers (p,) of these points among this rank's contact points.
     slave, master: contact facets of all ranks; master None: a rigid body.
     sign: sign of the slave's stress in the trial traction: -1 where the slave is the wheel, else 1.
+    far_field: displacement of the supported faces under 1 N along and across, see `far_field`.
     normals: (p, c) outward normals of the slave at these points.
     x: position (p, c) of these points, mm.
     tangents: (p, k, c) unit tangents at these points.
@@ -156,6 +157,7 @@ class StaticCondensation:
         self.slave = interface.slave.gathered(self.comm)
         self.master = None if interface.master is None else interface.master.gathered(self.comm)
         self.sign = -1.0 if setup.slave == setup.moving.tag else 1.0
+        self.far_field = far_field(system, settings)
         self.normals, self.x = interface.normals[self.own], interface.points[self.own]
         self.tangents = surface_tangents(self.sign * self.normals)
         before = self.size * (self.comm.exscan(len(self.own)) or 0)
@@ -291,18 +293,6 @@ class StaticCondensation:
         return self.response.plastic_shear_stress(self.own, self.tangents, self.normals)
 
     @cached_property
-    def far_field(self) -> list[PETSc.Vec]:
-        """Displacement of the supported faces under 1 N along the rail and, in a solid, under 1 N
-        across it: vectors on all dofs, mm/N; empty where the bodies end at their supports.
-        """
-        system, field = self.system, self.settings.far_field
-        if field is None:
-            return []
-        ways = range(system.setup.kinematics.dim - 1)
-        fields = [system.support_field(partial(field, way)) for way in ways]
-        return [vector(system.reduction.matrix, values) for values in fields]
-
-    @cached_property
     def _far_field_response(self) -> list[tuple[PETSc.Vec, PETSc.Vec]]:
         """For each far field of 1 N, the displacement of both bodies that it causes while the
         active set stays, mm/N: on all dofs, and the part of the free unknowns alone.
@@ -373,9 +363,7 @@ class StaticCondensation:
             facet, xi = pair(at, self.normals, surface)
             if np.any(facet < 0):
                 raise ValueError("a surface ends upstream of the patch")
-            phi, _ = surface.basis(facet, surface.reference(facet, xi))
-            values = sign * phi[:, None, :, None] * self.tangents[:, :, None, :]
-            blocks.append(self._block(surface, facet, values))
+            blocks.append(rows_at(surface, facet, xi, sign * self.tangents))
         return self._rows(blocks)
 
     def _shear(self) -> PETSc.Mat:
@@ -389,17 +377,7 @@ class StaticCondensation:
         along = np.einsum("pdc,pkc->pkd", gradient, t)[..., None] * n[:, None, None, :]
         normal = np.einsum("pdc,pc->pd", gradient, n)[:, None, :, None] * t[:, :, None, :]
         values = slave.lame[facet, 1][:, None, None, None] * (along + normal)
-        return self._rows([self._block(slave, facet, values)])
-
-    def _block(self, surface: FacetSet, facet: Index, values: Array) -> tuple[Index, Array]:
-        """Dofs and coefficients of matrix rows, one row a point and tangent, each (n k, nodes, c).
-
-        facet: facet of `surface` that each point lies on (n,).
-        values: coefficients (n, k, nodes, c) of the nodes of these facets.
-        """
-        dim = self.tangents.shape[2]
-        dofs = dim * surface.dofs[facet][:, :, None] + np.arange(dim)
-        return np.repeat(dofs, self.size, axis=0), values.reshape(-1, *values.shape[2:])
+        return self._rows([rows(slave, facet, values)])
 
     def _rows(self, blocks: list[tuple[Index, Array]]) -> PETSc.Mat:
         """Distributed matrix on all dofs, with a row for each point and tangent of this rank;
@@ -439,18 +417,3 @@ class StaticCondensation:
     def _all(self, values: NDArray[Entry]) -> NDArray[Entry]:
         """Array with the rows of all ranks in their order, on every rank (collective)."""
         return np.concatenate(self.comm.allgather(values))
-
-
-def surface_tangents(normals: Array) -> Array:
-    """Unit tangents (n, k, c) of a surface: the x axis projected on the tangent plane and, with
-    three coordinates, the normal times that tangent (cross product).
-
-    normals: unit normals (n, c), out of the rail.
-    """
-    along = np.zeros_like(normals)
-    along[:, 0] = 1.0
-    along -= normals[:, :1] * normals
-    along /= np.linalg.norm(along, axis=1)[:, None]
-    if normals.shape[1] == 2:
-        return along[:, None]
-    return np.stack([along, np.cross(normals, along)], axis=1)

@@ -49,7 +49,7 @@ class FrictionHistory:
     dissipated_energy: work of friction since then, N mm.
     coupling_iterations: number of solves for the tractions so far.
     step_results: force along and across (N) and rigid motion along and across, (4,) for each step.
-    newton_history: longest history of Newton's method on the tractions.
+    newton_steps: largest number of steps of Newton's method on the tractions.
     tangential_state: tractions and slip of the last solve.
     Raises ValueError when rolling and a surface ends upstream of the patch.
     """
@@ -79,7 +79,7 @@ class FrictionHistory:
         self.full_force_reached = False
         self.dissipated_energy, self.coupling_iterations = 0.0, 0
         self.step_results: list[Array] = []
-        self.newton_history: tuple[float, ...] = ()
+        self.newton_steps = 0
 
     def solve(self) -> Solution:
         """Solution after all load steps, or after the first that does not converge. Its field
@@ -126,7 +126,7 @@ class FrictionHistory:
             )
             self.motion[self.free_modes] = state.motion
             self.coupling_iterations += 1
-            self.newton_history = max(self.newton_history, state.history, key=len)
+            self.newton_steps = max(self.newton_steps, len(state.history))
             difference = state.nodal - self.nodal
             change = float(np.abs(difference).max()) / friction.largest_bound
             if change <= COUPLING_TOLERANCE or not state.converged:
@@ -264,7 +264,7 @@ class FrictionHistory:
             dissipated_energy=self.dissipated_energy,
             coupling_iterations=self.coupling_iterations,
             rigid_slip=contact.in_space(np.tensordot(motion, self.rigid_slip, axes=1)),
-            newton_history=self.newton_history,
+            newton_steps=self.newton_steps,
         )
 
 

@@ -86,14 +86,14 @@ def page(
             [
                 {
                     **c,
-                    "condensing": c["condensed"] / c["pressed"],
+                    "sampling": c["sampled"] / c["pressed"],
                     "each": c["point"] / c["pressed"],
-                    "all": 1 + (c["condensed"] + c["point"]) / (c["built"] + c["pressed"]),
+                    "all": 1 + (c["sampled"] + c["point"]) / (c["built"] + c["pressed"]),
                 }
                 for c in costs
             ],
-            *("{case}", "{model}", "{unknowns}", "{points}"),
-            *("{condensing:.1f}", "{each:.2f}", "{all:.1f}"),
+            *("{case}", "{model}", "{unknowns}"),
+            *("{sampling:.1f}", "{each:.2f}", "{all:.1f}"),
         ),
         left=[
             (
@@ -124,7 +124,6 @@ def _forces(points: Sequence[Row]) -> tuple[list[tuple], dict[str, float]]:
                 *(f"{value:g}" for value in motion),
                 *(text.replace("-0.0000", "0.0000") for text in forces),
                 ", ".join(f"{p['stick']:.2f}" for p in own[:2]),
-                own[0]["steps"],
             )
         )
     return rows, worst

@@ -12,12 +12,11 @@ from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
 from railhead.planning.references import closed_forms
 from railhead.run import build
+from railhead.run import solid_friction as friction
 from railhead.run.references import equal_ellipses, rolling_patches
 from railhead.scene import catalogue
 from railhead.solver.algebra.contact_system import LoadCase
-from railhead.solver.interface.condensation import StaticCondensation
-from railhead.solver.interface.coulomb import CoulombContact
-from railhead.solver.interface.friction_history import rigid_slip_modes
+from railhead.solver.fields import gather
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction
 
@@ -42,7 +41,7 @@ PROFILES = (
 
 @dataclass(frozen=True)
 class Curve:
-    """Motions of one condensed model; resolution: elements a semi-axis, None as planned; shift of
+    """Motions of one model; resolution: elements a semi-axis, None as planned; shift of
     the wheelset, mm."""
 
     name: str
@@ -66,10 +65,11 @@ QUICK = (Curve("hertz_ellipse", ALONG[2:5:2], COARSE),)
 
 Point = dict[str, Any]
 """Forces over mu N of a case at a motion (along, across, spin), by a method (by); stick: share of
-the patch; steps: of Newton's method."""
+the patch."""
 Cost = dict[str, Any]
-"""Of a curve: unknowns, contact points, and processor seconds of assembly (gmsh is a process of
-its own), of pressing without friction, of condensing and, on the average, of a point."""
+"""Of a curve: unknowns, and processor seconds of assembly (gmsh is a process of its own), of
+pressing without friction, of sampling what finite bodies add and, on the average, of a point with
+its own pressing."""
 
 
 def rolled(curve: Curve) -> tuple[list[Point], Cost]:
@@ -77,32 +77,34 @@ def rolled(curve: Curve) -> tuple[list[Point], Cost]:
     plan = _plan(curve)
     clock = [time.process_time()]
     model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
-    settings, response = model.setup.friction, model.response()
+    settings = model.setup.friction
     assert settings is not None
     clock.append(time.process_time())
-    touching = plan.forecast.touching(model.setup.kinematics.lift(model.interface.points))
-    pressed = response.press(LoadCase(load=plan.scene.load or 0.0, active=touching))
+    touching = plan.forecast.touching(model.interface.points)
+    case = LoadCase(load=plan.scene.load or 0.0, active=touching)
+    pressed = model.press(case)
     clock.append(time.process_time())
-    contact = StaticCondensation(model, response, settings, pressed).condense(pressed)
+    smooth = friction.shared_patches(
+        model, gather(model, pressed), parabolic=plan.contact.half_space
+    )
+    solid = friction.SolidFriction(model, settings, pressed, smooth, lambda name: None)
+    solid.sample()
     clock.append(time.process_time())
-    problem, rigid = CoulombContact(contact, COEFFICIENT), rigid_slip_modes(settings, contact)
-    area, found, points = contact.area, None, []
-    limit = COEFFICIENT * float(area @ np.maximum(contact.pressure, 0.0))
+    points = []
+    limit = COEFFICIENT * sum(each.force for each in smooth)
     for motion in curve.motions:
-        slip = np.tensordot(motion.motion, rigid, axes=1)
-        found = problem.solve(slip, rigid[:0], np.zeros((0, 4)), start=found)
-        along, across = (float(contact.force(axis) @ found.nodal) for axis in settings.axes[:2])
-        forces = along / limit, 0.0 if plan.half_y else across / limit
-        stick = float(area[found.sticks].sum() / area[contact.active].sum())
-        points.append(_point(curve, motion, "railhead", *forces, stick, len(found.history)))
+        solid.press_again(case, solid.tractions(motion))
+        found = solid.tractions(motion)
+        along, across, _ = np.sum([each.forces for each in found], axis=0) / limit
+        sticks, touches = np.sum([each.areas for each in found], axis=0)
+        points.append(_point(curve, motion, "railhead", along, across, float(sticks / touches)))
     spent = np.diff([*clock, time.process_time()])
     spent[3] /= len(curve.motions)
     cost = {
         "case": curve.case,
         "model": "half" if plan.half_y else "whole",
         "unknowns": model.unknowns,
-        "points": len(contact.points),
-        **dict(zip(("built", "pressed", "condensed", "point"), spent.tolist(), strict=True)),
+        **dict(zip(("built", "pressed", "sampled", "point"), spent.tolist(), strict=True)),
     }
     return [*points, *_others(plan, curve)], cost
 
@@ -114,7 +116,6 @@ def _point(
     along: float,
     across: float,
     stick: float | None,
-    steps: int | None = None,
 ) -> Point:
     return {
         "case": curve.case,
@@ -125,7 +126,6 @@ def _point(
         "force_along": along,
         "force_across": across,
         "stick": stick,
-        "steps": steps,
     }
 
 

@@ -21,7 +21,11 @@ class Tractions:
     """Solver of Coulomb's law in the cells (nx, ny) of a patch: |q| <= g everywhere and q = g s/|s|
     where the slip s = w - C q is not zero. q: tractions, MPa; g: bound, MPa, 0 outside of the
     patch; w: slip without tractions; C: influence.
+
+    steps: number of Newton's steps in the last solve.
     """
+
+    steps: int = 0
 
     def __init__(self, influence: TractionInfluence, bound: Array) -> None:
         """influence: C; bound: g (nx, ny), MPa. ValueError: g is not above 0 anywhere."""
@@ -45,7 +49,7 @@ class Tractions:
         inside = np.where(self._bound > 0, 1.0, 0.0)
         q = self._newton(still, inside, inside * self._step * slip) if guess is None else guess
         before = still
-        for _ in range(STEPS):
+        for self.steps in range(STEPS):
             z = q + self._step * (slip - self._influence(q))
             ratio = self._ratio(z)
             projected = ratio * z

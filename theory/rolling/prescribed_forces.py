@@ -20,20 +20,25 @@ def solve_for_forces(
     *,
     along: float | None = None,
     across: float | None = None,
+    start: Sequence[TangentialSolution] | None = None,
 ) -> list[TangentialSolution]:
     """Tractions of patches that share one rigid motion and together carry prescribed forces.
 
     along, across: prescribed force of all patches, N; None where the creepage is prescribed.
     creepage: prescribed motion; where a force is prescribed, its component is an unknown.
-    The forces are met to 1e-6 mu N by Newton's method from full stick. The force is concave in its
+    start: solutions of similar patches with the same forces, at whose motion Newton's method
+        begins; None: no motion, where all sticks.
+    The forces are met to 1e-6 mu N. The force is concave in its
     creepage, and a step that does not reduce the residual is halved. ValueError: forces of mu N or
     more, or no convergence.
     """
     goals = {k: force for k, force in enumerate((along, across)) if force is not None}
     free, target = list(goals), np.array(list(goals.values()))
     values = np.array(astuple(creepage))
-    values[free] = 0.0
-    now = [body.solve(Creepage(*values)) for body in bodies]
+    values[free] = 0.0 if start is None else np.array(astuple(start[0].creepage))[free]
+    begins: Sequence[TangentialSolution | None] = start or [None] * len(bodies)
+    motion = Creepage(*values)
+    now = [body.solve(motion, begin) for body, begin in zip(bodies, begins, strict=True)]
     limit = sum(each.limit for each in now)
     if not np.linalg.norm(target) < limit:
         raise ValueError(f"the force must be below mu N = {limit} N, got {target}")

@@ -17,6 +17,7 @@ Lengths in mm, forces in N, stresses in MPa, spin in 1/mm.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,6 +64,7 @@ class TangentialSolution:
     creepage: the rigid motion.
     traction: of the wheel on the rail along x and y, (2, nx, ny), MPa.
     slip: of the wheel over the rail, (2, nx, ny); dimensionless in rolling, mm of a shift.
+    steps: number of Newton's steps that found the tractions.
     """
 
     x: Array
@@ -72,6 +74,7 @@ class TangentialSolution:
     creepage: Creepage
     traction: Array
     slip: Array
+    steps: int = 0
 
     @property
     def forces(self) -> tuple[float, float, float]:
@@ -128,6 +131,8 @@ class HalfSpaceFriction:
         rolling: bool,
         modes: Array | None = None,
         settled: Array | None = None,
+        drawn: Array | None = None,
+        added: Callable[[Array], Array] | None = None,
     ) -> None:
         """x (nx,), y (ny,): cell centres, evenly spaced, mm.
         pressure: (nx, ny), MPa, 0 outside of the patch; it does not change.
@@ -138,6 +143,9 @@ class HalfSpaceFriction:
             mode; None: a plane about x = y = 0.
         settled: pressure (nx, ny) before a shift, MPa; the slip that this pressure causes where
             materials differ does not count. None: zero.
+        drawn: reduction of the slip (2, nx, ny) by other causes; None: zero.
+        added: reduction of the slip (2, nx, ny) by tractions (2, nx, ny) beside that of
+            half-spaces, linear; None: zero.
         ValueError: a shape or value out of range.
         """
         if pressure.shape != (x.size, y.size) or min(pressure.shape) < 2 or not pressure.min() >= 0:
@@ -145,14 +153,14 @@ class HalfSpaceFriction:
         if not 0 < friction < np.inf:
             raise ValueError(f"friction must be positive and finite, got {friction}")
         self._x, self._y, self._bound = x, y, friction * pressure
-        self._influence = TractionInfluence(x, y, pair, rolling=rolling)
+        self._influence = TractionInfluence(x, y, pair, rolling=rolling, added=added)
         self._tractions = Tractions(self._influence, self._bound)
         inside = np.where(pressure > 0, 1.0, 0.0)
         self._modes = inside * (plane_modes(x, y) if modes is None else modes)
-        self._drawn: Array = np.zeros((2, *pressure.shape))
+        self._drawn: Array = np.zeros((2, *pressure.shape)) if drawn is None else inside * drawn
         if pair.mismatch:
             changed = pressure if settled is None else pressure - settled
-            self._drawn = inside * self._influence.of_pressure(changed)
+            self._drawn = self._drawn + inside * self._influence.of_pressure(changed)
 
     @classmethod
     def hertz(
@@ -207,7 +215,14 @@ class HalfSpaceFriction:
         traction = self._tractions.solve(slip, TOLERANCE, guess)
         left = np.where(self._bound > 0, slip - self._influence(traction), 0)
         return TangentialSolution(
-            self._x, self._y, self._modes, self._bound, creepage, traction, left
+            self._x,
+            self._y,
+            self._modes,
+            self._bound,
+            creepage,
+            traction,
+            left,
+            self._tractions.steps,
         )
 
 

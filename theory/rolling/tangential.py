@@ -73,11 +73,20 @@ class TractionInfluence:
         along x, and along y by traction along y.
     """
 
-    def __init__(self, x: Array, y: Array, pair: Pair, *, rolling: bool) -> None:
+    def __init__(
+        self,
+        x: Array,
+        y: Array,
+        pair: Pair,
+        *,
+        rolling: bool,
+        added: Callable[[Array], Array] | None = None,
+    ) -> None:
         """x (nx,), y (ny,): cell centres, evenly spaced and at least two an axis, mm; pair:
-        materials; rolling: whether slips are per rolled length.
+        materials; rolling: whether slips are per rolled length; added: reduction of the slip by
+        tractions beside that of half-spaces, linear; None: zero.
         """
-        self._size, self._pair = (x.size, y.size), pair
+        self._size, self._pair, self._added = (x.size, y.size), pair, added
         self._padded = tuple(next_fast_len(2 * n, real=True) for n in self._size)
         self._steps = float(x[1] - x[0]), float(y[1] - y[0])
         upstream, self._scale = (ROLLING, 1 / self._steps[0]) if rolling else (SHIFT, 1.0)
@@ -91,7 +100,8 @@ class TractionInfluence:
         xx, xy, yy = self._spectra
         along, across = rfft2(traction, self._padded)
         moved = np.array([xx * along + xy * across, xy * along + yy * across])
-        return self._within(moved)
+        own = self._within(moved)
+        return own if self._added is None else own + self._added(traction)
 
     def of_pressure(self, pressure: Array) -> Array:
         """Reduction of the slip (2, nx, ny) by a pressure (nx, ny), MPa, where materials differ:

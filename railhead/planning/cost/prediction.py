@@ -17,10 +17,14 @@ SMALL = 30_000  # unknowns above which the seconds of an unknown grow
 # run: 0.8 to 1.3 were measured on a solid of 10 000 to 48 000 unknowns and on a section.
 LOAD_STEP = 1.1
 YIELD_BYTES = 6_000  # more bytes per unknown with yield: 4 500 to 5 500 were measured
-# Additional time with friction over that of an elastic run at FRICTION_AT unknowns, in proportion
-# to them: 4 to 17 were measured from 28 000 to 140 000 unknowns.
-FRICTION, FRICTION_AT = 5.5, 46_000
-FRICTION_BYTES = 26_000  # more bytes per unknown with friction: 13 000 to 24 000 were measured
+# Additional time with friction of like solids over that of an elastic run, and seconds beside it
+# for boundary elements.
+FRICTION, FRICTION_SECONDS = 1.5, 2.0
+FRICTION_BYTES = 3_000  # more bytes per unknown with it: up to 1 700 were measured
+# Additional time with condensed friction over that of an elastic run at CONDENSING_AT unknowns, in
+# proportion to them: 4 to 17 were measured from 28 000 to 140 000 unknowns.
+CONDENSING, CONDENSING_AT = 5.5, 46_000
+CONDENSING_BYTES = 26_000  # more bytes per unknown with it: 13 000 to 24 000 were measured
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ def test_the_study_writes_its_tables_its_pictures_and_its_page(tmp_path) -> None
     for one, other in zip(own, exact, strict=True):
         assert abs(one - other) < 0.02
     (cost,) = rows(folder / "creep_costs.csv")
-    assert float(cost["condensed_s"]) > float(cost["point_s"]) > 0
+    assert float(cost["sampled_s"]) > 0 and float(cost["point_s"]) > 0
     (left,) = rows(folder / "creep_left_out.csv")
     assert float(left["pressure_MPa"]) == pytest.approx(float(left["plain_pressure_MPa"]), rel=0.01)
     assert float(left["von_mises_MPa"]) > 1.01 * float(left["plain_von_mises_MPa"])
@@ -52,10 +52,9 @@ def test_the_page_says_the_largest_distance_and_ratios() -> None:
         "force_along",
         "force_across",
         "stick",
-        "steps",
     )
     points = [
-        dict(zip(names, ("made_up", 1e-3, 0.0, 0.0, by, force, across, 0.5, 7), strict=True))
+        dict(zip(names, ("made_up", 1e-3, 0.0, 0.0, by, force, across, 0.5), strict=True))
         for by, force, across in (
             ("railhead", 0.5, 0.03),
             ("boundary elements", 0.54, 0.0),
@@ -63,8 +62,8 @@ def test_the_page_says_the_largest_distance_and_ratios() -> None:
             ("linear theory", 0.9, 0.0),
         )
     ]
-    cost = {"case": "made_up", "model": "half", "unknowns": 10, "points": 5}
-    cost |= {"built": 1.0, "pressed": 2.0, "condensed": 6.0, "point": 0.5}
+    cost = {"case": "made_up", "model": "half", "unknowns": 10}
+    cost |= {"built": 1.0, "pressed": 2.0, "sampled": 6.0, "point": 0.5}
     slid = [
         {"case": "made_up", "coefficient": mu, "by": by, "von_mises": stress, "depth": 0.1}
         for mu in (0.0, 0.2, 0.4)
@@ -73,6 +72,6 @@ def test_the_page_says_the_largest_distance_and_ratios() -> None:
     text = creep.page(points, [cost], [], slid)
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines()]
     assert ["made_up", "5 %", "1 %"] in rows
-    assert ["made_up", "half", "10", "5", "3.0", "0.25", "3.2"] in rows
+    assert ["made_up", "half", "10", "3.0", "0.25", "3.2"] in rows
     assert "above a coefficient of 0.300" in text
     assert changes.crossover(slid) == pytest.approx(0.3)

@@ -1,0 +1,528 @@
+"""Friction of elastic solids: half-spaces on a grid over each patch, and what finite bodies add.
+
+The slip of the wheel over the rail at a traction q is
+
+    rolling    slip = w - C' q - e0 - E q        C': minus the derivative of C along x
+    a shift    slip = w - C q + E q - (the slip at the end of the last load step)
+
+with the rigid slip w and the influence C of half-spaces (`theory.rolling`). The bodies' own
+response less that of half-spaces has a kernel that is smooth across the patch. So E q depends on
+the moments of q alone, and it is sampled by smooth tractions (`theory.rolling.smooth_tractions`):
+six linear solves a patch, with the preconditioner that pressing leaves. e0 is the derivative of the
+jump of the pressed surfaces. E of other patches is that of their last tractions. Then the bodies
+are pressed again under the tractions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from railhead.postprocess.patch.patch import SmoothPatch, smooth_patches
+from railhead.scene.scene import SceneError
+from railhead.solver.algebra.contact_system import LoadCase
+from railhead.solver.algebra.linear import StalledError
+from railhead.solver.contact import ContactModel, condensed_friction
+from railhead.solver.fields import Fields, gather
+from railhead.solver.interface.friction_history import NOT_CONVERGED
+from railhead.solver.interface.surface_response import SurfacePoints, SurfaceResponse
+from railhead.solver.material.response import ElasticResponse
+from railhead.solver.setup import FrictionSettings
+from railhead.solver.solution import FrictionSolution, Solution
+from railhead.theory.rolling.prescribed_forces import solve_for_forces
+from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, TangentialSolution
+from railhead.theory.rolling.smooth_tractions import SmoothTractions
+from railhead.theory.rolling.tangential import Pair, TractionInfluence, pair
+
+Array = NDArray[np.float64]
+Stage = Callable[[str], None]
+CELLS = 64  # of a patch, each way
+MARGIN = 1.04  # of the grid over the patch, which tractions may widen
+CELLS_PER_EDGE = 4  # of an element: larger cells act as point forces on the elements
+TURNS, TURN_TOLERANCE = 30, 1e-5  # of the tractions of several patches, over mu N
+PRESSINGS, PRESS_TOLERANCE = 8, 1e-3  # of tractions and pressure, over mu N
+LIKE = 1e-9  # |mismatch| of materials that is rounding
+LARGEST_CONDENSED = 150_000  # unknowns: 4 to 10 GB were measured at 135 000
+
+
+@dataclass(frozen=True, kw_only=True)
+class GridPatch:
+    """Grid over one patch in its tangent plane, and the smooth tractions around it.
+
+    patch: frame, symmetry planes and smooth pressure of the patch.
+    x, y: cell centres (CELLS,), mm, in the frame.
+    points: points of the surfaces below the cells, each divided by `divided` each way.
+    divided: parts of a cell's side.
+    modes: rigid slip (4, 2, nx, ny) along the tangents at the cells.
+    tangents: (nx, ny, 2, 3) unit tangents at the cells; zero where the surfaces end.
+    places: (nx, ny, 3) points of the slave below the cells, mm; zero where the surfaces end.
+    smooth: smooth tractions.
+    around: points of the surfaces below the cells of the smooth tractions.
+    """
+
+    patch: SmoothPatch
+    x: Array
+    y: Array
+    points: SurfacePoints
+    divided: int
+    modes: Array
+    tangents: Array
+    places: Array
+    smooth: SmoothTractions
+    around: SurfacePoints
+
+    @property
+    def cell(self) -> float:
+        """Area of a cell, mm2."""
+        return float((self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
+
+    def pressure(self, patch: SmoothPatch) -> Array:
+        """Pressure (nx, ny), MPa, of a state of the patch in the cells, with the force of the
+        patch.
+        """
+        at = np.stack(np.meshgrid(self.x, self.y, indexing="ij"), axis=-1).reshape(-1, 2)
+        pressure = patch.pressure(self.patch.frame, at).reshape(self.x.size, self.y.size)
+        pressure = np.where(self.tangents.any(axis=(2, 3)), pressure, 0.0)
+        return np.asarray(pressure * (patch.force / (self.cell * pressure.sum())))
+
+    def forces(self, traction: Array) -> Array:
+        """Forces (n, 2), N, at the places of `points`, of a traction (2, nx, ny), MPa."""
+        fine = traction.repeat(self.divided, axis=1).repeat(self.divided, axis=2)
+        return np.asarray(self.cell / self.divided**2 * fine.reshape(2, -1).T)
+
+
+class SolidFriction:
+    """Friction of a pressed contact of elastic solids of like materials, with its patches.
+
+    model: contact model.
+    settings: friction settings.
+    pressed: frictionless solution.
+    stage: called with what is being done.
+    pair: materials of both bodies.
+    response: response of the pressed bodies to tractions.
+    patches: grids over the patches.
+    pressures: pressure (nx, ny) of each patch, MPa.
+    steps: largest number of Newton's steps on the tractions.
+    """
+
+    def __init__(
+        self,
+        model: ContactModel,
+        settings: FrictionSettings,
+        pressed: Solution,
+        smooth: list[SmoothPatch],
+        stage: Stage,
+        *,
+        parabolic: bool = False,
+    ) -> None:
+        self.model, self.settings, self.pressed, self.stage = model, settings, pressed, stage
+        self._parabolic = parabolic
+        self.pair = materials(model)
+        self.response = SurfaceResponse(model, settings, pressed)
+        edge = self.response.edge
+        self.patches = [self._grid(patch, edge) for patch in smooth]
+        self.pressures = [
+            each.pressure(patch) for each, patch in zip(self.patches, smooth, strict=True)
+        ]
+        count = len(self.patches)
+        self._still = np.zeros((count, 6))
+        self._added = np.zeros((count, count, 6, 6))
+        self._coefficients = np.zeros((count, 6))
+        self.steps = 0
+
+    def _grid(self, patch: SmoothPatch, edge: float) -> GridPatch:
+        """Grid over a patch (collective). edge: mean length of an element's edges, mm."""
+        centre, half = patch.centre, patch.half
+        x, y = (
+            c + MARGIN * h * ((2 * np.arange(CELLS) + 1) / CELLS - 1)
+            for c, h in zip(centre, half, strict=True)
+        )
+        largest = edge / CELLS_PER_EDGE
+        divided = max(1, int(np.ceil(2 * MARGIN * max(half) / CELLS / largest)))
+        smooth = SmoothTractions(centre, half, largest)
+        cells = self._points(patch, x, y)
+        count = (x.size, y.size)
+        modes = np.einsum("mnc,nkc->nmk", self.settings.rigid_slip(cells.points), cells.tangents)
+        modes = cells.spread(np.nan_to_num(modes)).reshape(*count, 4, 2)
+        return GridPatch(
+            patch=patch,
+            x=x,
+            y=y,
+            points=self._points(patch, _divided(x, divided), _divided(y, divided)),
+            divided=divided,
+            modes=modes.transpose(2, 3, 0, 1),
+            tangents=cells.spread(cells.tangents).reshape(*count, 2, 3),
+            places=cells.spread(cells.points).reshape(*count, 3),
+            smooth=smooth,
+            around=self._points(patch, smooth.x, smooth.y),
+        )
+
+    def _points(self, patch: SmoothPatch, x: Array, y: Array) -> SurfacePoints:
+        """Points of the surfaces below the places of x (nx,) and y (ny,) in a patch's frame, mm."""
+        axes, origin = patch.frame.axes, np.array(patch.frame.origin)
+        at = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+        return self.response.at(origin + at @ axes[:2], axes[2], patch.mirrors)
+
+    def unsuited(self) -> str:
+        """Reason why smooth tractions do not represent what finite bodies add; empty if they do."""
+        for each in self.patches:
+            if len(each.patch.mirrors) < len(self.model.setup.planes):
+                return "a patch beside a symmetry plane"
+            inside = each.smooth.fields[0].ravel() > 0
+            if not each.around.met[inside].all():
+                return "a surface that ends within half a patch's length of the patch"
+            for other in self.patches:
+                at = each.patch.frame.local(other.around.points)
+                away = (at[:, :2] - each.smooth.centre) / each.smooth.half
+                near = np.linalg.norm(away, axis=1) < 1.0
+                if other is not each and (near & (np.abs(at[:, 2]) < max(each.smooth.half))).any():
+                    return "two patches within half their length of each other"
+        return ""
+
+    def sample(self) -> None:
+        """Sample what finite bodies add, by linear solves with smooth tractions (collective).
+        Raises StalledError where a linear solve fails.
+        """
+        rolling = self.settings.rolling
+        if rolling:
+            for number, each in enumerate(self.patches):
+                self._still[number] = self._read(each, self.pressed.displacement)
+        chosen = [
+            (source, power, way)
+            for source, each in enumerate(self.patches)
+            for power in range(3)
+            for way in range(2)
+            if _symmetric(power, way, each.patch.mirrors)
+        ]
+        for done, (source, power, way) in enumerate(chosen, 1):
+            self.stage(f"friction: response of the bodies, {done} of {len(chosen)}")
+            loaded = self.patches[source]
+            smooth = loaded.smooth
+            traction = np.zeros((2, smooth.x.size, smooth.y.size))
+            traction[way] = smooth.fields[power]
+            u = self.response.displacement(loaded.around, smooth.cell * traction.reshape(2, -1).T)
+            influence = TractionInfluence(smooth.x, smooth.y, self.pair, rolling=False)
+            for number, each in enumerate(self.patches):
+                more = influence(traction) if number == source else None
+                read = self._read(each, u, more)
+                self._added[number, source, :, 2 * power + way] = read if rolling else -read
+
+    def _read(self, patch: GridPatch, u: PETSc.Vec, more: Array | None = None) -> Array:
+        """Coefficients (6,) of the jump of a displacement over a patch or, when rolling, of its
+        derivative along x. more: (2, nx, ny) that is added to the jump first, mm.
+        """
+        smooth = patch.smooth
+        jump = patch.around.jumps(u).T.reshape(2, smooth.x.size, smooth.y.size)
+        jump = jump if more is None else jump + more
+        return smooth.read(jump, derivative=self.settings.rolling).ravel()
+
+    def tractions(
+        self,
+        creepage: Creepage,
+        forces: tuple[float | None, float | None] = (None, None),
+        *,
+        rest: list[Array] | None = None,
+        modes: float = 1.0,
+        start: list[TangentialSolution] | None = None,
+    ) -> list[TangentialSolution]:
+        """Tractions of all patches under one rigid motion. Raises ValueError where they do not
+        settle.
+
+        forces: prescribed force along and across, N; None where the motion is prescribed.
+        rest: slip (2, nx, ny) of each patch that no longer counts, mm; None: zero.
+        modes: factor on the rigid slip.
+        start: similar tractions to begin with.
+        """
+        along, across = forces
+        found: list[TangentialSolution] = []
+        for _ in range(TURNS):
+            drawn = self._drawn(rest)
+            bodies = [
+                HalfSpaceFriction(
+                    each.x,
+                    each.y,
+                    self.pressures[number],
+                    self.settings.coefficient,
+                    self.pair,
+                    rolling=self.settings.rolling,
+                    modes=modes * each.modes,
+                    drawn=drawn[number],
+                    added=each.smooth.response(self._added[number, number], each.x, each.y),
+                )
+                for number, each in enumerate(self.patches)
+            ]
+            before, begins = found, found or start or None
+            if along is None and across is None:
+                found = [
+                    body.solve(creepage, begins[number] if begins else None)
+                    for number, body in enumerate(bodies)
+                ]
+            else:
+                found = solve_for_forces(bodies, creepage, along=along, across=across, start=begins)
+            self.steps = max(self.steps, *(each.steps for each in found))
+            for number, (each, solved) in enumerate(zip(self.patches, found, strict=True)):
+                self._coefficients[number] = each.smooth.coefficients(
+                    each.x, each.y, solved.traction
+                ).ravel()
+            if len(bodies) == 1 or _change(found, before) <= TURN_TOLERANCE:
+                return found
+        raise ValueError("tractions of several patches do not settle")
+
+    def _drawn(self, rest: list[Array] | None) -> list[Array]:
+        """Reduction of the slip (2, nx, ny) of each patch by the pressed bodies and the tractions
+        of the other patches, and the slip `rest` that no longer counts.
+        """
+        out = []
+        for number, each in enumerate(self.patches):
+            known = self._still[number].copy()
+            for source, coefficients in enumerate(self._coefficients):
+                if source != number:
+                    known += self._added[number, source] @ coefficients
+            drawn = each.smooth.values(known.reshape(3, 2), each.x, each.y)
+            out.append(drawn if rest is None else drawn + rest[number])
+        return out
+
+    def press_again(self, case: LoadCase, found: list[TangentialSolution]) -> Solution:
+        """Solution of the bodies under tractions, with the load that these carry on inclined
+        surfaces; the pressures are those of this solution (collective).
+        """
+        force, resultant, carried = None, np.zeros(2), 0.0
+        for each, solved in zip(self.patches, found, strict=True):
+            forces = each.forces(solved.traction)
+            load = each.points.loads(forces)
+            total = each.points.resultant(forces)
+            resultant += self.settings.axes[:2] @ total
+            carried += float(total @ self.model.setup.direction)
+            force = load if force is None else force + load
+        if case.force is not None:
+            force = case.force if force is None else force + case.force
+        case = replace(case, force=force, support_displacement=self.response.far(resultant))
+        solution = self.model.press(case)
+        if solution.newton.converged:
+            smooth = shared_patches(
+                self.model, gather(self.model, solution), parabolic=self._parabolic
+            )
+            if len(smooth) == len(self.patches):
+                self.pressures = [
+                    each.pressure(patch) for each, patch in zip(self.patches, smooth, strict=True)
+                ]
+        return replace(solution, load=solution.load + carried)
+
+    def solve(self, case: LoadCase) -> Solution:
+        """Solution after all load steps, or after the first that does not converge (collective).
+
+        case: load case of the frictionless solution, with its active points.
+        """
+        settings, solution = self.settings, self.pressed
+        rest = None if settings.rolling else [np.zeros_like(p.modes[0]) for p in self.patches]
+        pressed_under: list[TangentialSolution] = []
+        steps: list[Array] = []
+        passes, energy, full = 0, 0.0, False
+        found: list[TangentialSolution] = []
+        for _, share in settings.load_steps:
+            given: list[float | None] = [None, None]
+            for index, force in settings.force_controlled:
+                given[index] = share * force
+            change = np.inf
+            for _ in range(PRESSINGS):
+                self.stage("friction: tractions")
+                try:
+                    found = self.tractions(
+                        Creepage(*settings.creepage),
+                        (given[0], given[1]),
+                        rest=rest,
+                        start=found,
+                    )
+                except ValueError:
+                    return self._failed(solution)
+                passes += 1
+                change = _change(found, pressed_under)
+                if change <= PRESS_TOLERANCE:
+                    break
+                self.stage("friction: pressing under the tractions")
+                solution = self.press_again(replace(case, active=solution.pressure > 0), found)
+                pressed_under = found
+                if not solution.newton.converged:
+                    return replace(solution, reference=self.pressed)
+            if change > PRESS_TOLERANCE:
+                return self._failed(solution)
+            if rest is not None:
+                rest = [before + each.slip for before, each in zip(rest, found, strict=True)]
+                if full:
+                    energy += sum(
+                        each.cell * float((each.traction * each.slip).sum()) for each in found
+                    )
+            full = full or share == 1
+            motion = found[0].creepage
+            described = self._described(found, motion)
+            steps.append(np.array([*described.force, motion.along, motion.across]))
+        described = replace(
+            described,
+            load_steps=np.array(steps),
+            dissipated_energy=energy,
+            coupling_iterations=passes,
+            newton_steps=self.steps,
+        )
+        if settings.rolling:
+            try:
+                still = self.tractions(Creepage(), modes=0.0)
+            except ValueError:
+                return self._failed(solution)
+            described = replace(described, without_creepage=self._described(still, Creepage()))
+        return replace(solution, reference=self.pressed, friction=described)
+
+    def _failed(self, solution: Solution) -> Solution:
+        """The solution, said not to have converged."""
+        newton = replace(solution.newton, reason=NOT_CONVERGED)
+        return replace(solution, newton=newton, reference=self.pressed)
+
+    def _described(self, found: list[TangentialSolution], motion: Creepage) -> FrictionSolution:
+        """Friction solution, with vectors in space, at the cells of the meshed part that touch."""
+        settings, setup = self.settings, self.model.setup
+        used, areas = [], []
+        for each, solved in zip(self.patches, found, strict=True):
+            inside = solved.bound > 0
+            for _, normal in setup.planes:
+                inside &= each.places @ np.array(normal) > 0
+            used.append(inside)
+            areas.append(np.full(inside.sum(), setup.parts * each.cell))
+
+        def joined(values: Callable[[GridPatch, TangentialSolution], Array]) -> Array:
+            """Values (n, ...) at the cells that are used, of an array (nx, ny, ...) a patch."""
+            pairs = zip(self.patches, found, used, strict=True)
+            return np.concatenate([values(each, solved)[inside] for each, solved, inside in pairs])
+
+        def in_space(values: Callable[[TangentialSolution], Array]) -> Array:
+            """Vectors in space (n, 3) of components (2, nx, ny) along the tangents."""
+            return joined(
+                lambda each, solved: np.einsum("kab,abkc->abc", values(solved), each.tangents)
+            )
+
+        bound = joined(lambda _, solved: solved.bound)
+        points = joined(lambda each, _: each.places)
+        traction = in_space(lambda solved: solved.traction)
+        weights, pressure = np.concatenate(areas), bound / settings.coefficient
+        total = weights @ traction
+        for _, normal in setup.planes:
+            total = total - np.array(normal) * (total @ np.array(normal))
+        along, across = settings.axes[:2] @ total
+        arm = points - np.array(settings.origin)
+        moment = float(weights @ np.cross(arm, traction) @ settings.axes[2])
+        return FrictionSolution(
+            points=points,
+            weights=weights,
+            pressure=pressure,
+            traction=traction,
+            slip=in_space(lambda solved: solved.slip),
+            sticks=np.linalg.norm(traction, axis=1) < (1 - 1e-6) * bound,
+            rigid_slip=in_space(lambda solved: np.tensordot(motion.motion, solved.modes, axes=1)),
+            rigid_motion=(motion.along, motion.across, motion.spin),
+            force=(float(along), float(across)),
+            moment=0.0 if setup.planes else moment,
+            friction_limit=float(settings.coefficient * (weights @ pressure)),
+            load_steps=np.zeros((0, 4)),
+            dissipated_energy=0.0,
+            coupling_iterations=0,
+            newton_steps=0,
+        )
+
+
+def apply(
+    model: ContactModel,
+    response: ElasticResponse,
+    case: LoadCase,
+    pressed: Solution,
+    *,
+    stage: Stage,
+    parabolic: bool,
+    misplaced: Callable[[Fields], bool],
+) -> Solution:
+    """Solution with friction of a pressed contact (collective): by half-spaces and what finite
+    bodies add where that represents the bodies, else by static condensation.
+
+    stage: called with what is being done. parabolic: whether Hertz's theory is exact. misplaced:
+        whether the patch of a solution needs another mesh; then the pressed solution is returned.
+    Raises SceneError for bodies with too many unknowns for condensation.
+    """
+    setup, settings = model.setup, model.setup.friction
+    assert settings is not None
+    if setup.kinematics.dim == 2:
+        return condensed_friction(model, response, case, pressed)
+    fields = gather(model, pressed)
+    if model.comm.bcast(fields is not None and misplaced(fields)):
+        return pressed
+    why = ""
+    if setup.load_path is not None:
+        why = "bodies that yield"
+    elif abs(materials(model).mismatch) > LIKE:
+        why = "bodies of unlike materials"
+    if not why:
+        smooth = shared_patches(model, fields, parabolic=parabolic)
+        friction = SolidFriction(model, settings, pressed, smooth, stage, parabolic=parabolic)
+        why = friction.unsuited()
+    if not why:
+        try:
+            friction.sample()
+        except StalledError as error:
+            newton = replace(pressed.newton, reason=f"friction: {error}")
+            return replace(pressed, newton=newton, reference=pressed)
+        return friction.solve(case)
+    if model.unknowns > LARGEST_CONDENSED:
+        text = f"is not allowed with {model.unknowns} unknowns and {why}"
+        raise SceneError(
+            "friction", f"{text}, at most {LARGEST_CONDENSED}; give a larger mesh.patch_size"
+        )
+    stage("friction: condensing the bodies to the contact points")
+    return condensed_friction(model, response, case, pressed)
+
+
+def materials(model: ContactModel) -> Pair:
+    """Combined constants of the wheel's and the rail's material for tangential contact."""
+    wheel, rail = model.setup.moving.material, model.setup.fixed.material
+    return pair(wheel.young_modulus, wheel.poisson_ratio, rail.young_modulus, rail.poisson_ratio)
+
+
+def shared_patches(
+    model: ContactModel, fields: Fields | None, *, parabolic: bool
+) -> list[SmoothPatch]:
+    """Patches with their smooth pressure, most loaded first, on all ranks (collective). fields: the
+    solution; None off rank 0.
+    """
+    found = None if fields is None else smooth_patches(fields, parabolic=parabolic)
+    shared: list[SmoothPatch] = model.comm.bcast(found)
+    return shared
+
+
+def _change(found: list[TangentialSolution], before: list[TangentialSolution]) -> float:
+    """Integral of the change of the tractions over that of their limit mu p; infinite where there
+    were none before.
+    """
+    if not before:
+        return np.inf
+    changed = sum(
+        one.cell * float(np.linalg.norm(one.traction - other.traction, axis=0).sum())
+        for one, other in zip(found, before, strict=True)
+    )
+    return changed / sum(each.limit for each in found)
+
+
+def _symmetric(power: int, way: int, mirrors: tuple[Array, ...]) -> bool:
+    """Whether the smooth traction of P = 1, u, v (power 0, 1, 2) along (way 0) or across (1) is its
+    own image in each symmetry plane.
+    """
+    for plane in mirrors:
+        axis = int(np.argmax(np.abs(plane)))
+        if (power == axis + 1) != (way == axis):
+            return False
+    return True
+
+
+def _divided(centres: Array, parts: int) -> Array:
+    """Centres of cells divided in a number of equal parts."""
+    step = centres[1] - centres[0]
+    inner = ((2 * np.arange(parts) + 1) / parts - 1) * step / 2
+    return np.asarray((centres[:, None] + inner).ravel())

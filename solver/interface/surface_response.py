@@ -1,0 +1,228 @@
+"""Response of a pressed contact of solids to tangential tractions at points of its surfaces.
+
+The tangential jump is J u = t . (u_wheel - u_rail), along two tangents t at each of n points.
+Forces f along the tangents there, of the wheel on the rail, act on the bodies as -J^T f. With the
+tangent stiffness A of the pressed contact, whose active set stays, they displace everything by
+
+    u = P y + u_far,    A y = -P^T (J^T f + K u_far)
+
+P is the map from free unknowns to dofs, u_far the displacement of the supported faces under the
+resultant of the forces, where the bodies are half-spaces.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from railhead.solver.algebra import linear
+from railhead.solver.algebra.contact_system import ContactSystem
+from railhead.solver.algebra.problem import Mask
+from railhead.solver.setup import FrictionSettings
+from railhead.solver.solution import Solution
+from railhead.solver.space.cells import Array, Index
+from railhead.solver.space.facets import FacetSet
+from railhead.solver.space.operators import assemble_rows, vector
+from railhead.solver.space.pairing import pair
+
+TOLERANCE = 1e-3  # relative, of the linear solves
+
+
+def surface_tangents(normals: Array) -> Array:
+    """Unit tangents (n, k, c) of a surface: the x axis projected on the tangent plane and, with
+    three coordinates, the normal times that tangent (cross product).
+
+    normals: unit normals (n, c), out of the rail.
+    """
+    along = np.zeros_like(normals)
+    along[:, 0] = 1.0
+    along -= normals[:, :1] * normals
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    if normals.shape[1] == 2:
+        return along[:, None]
+    return np.stack([along, np.cross(normals, along)], axis=1)
+
+
+def rows_at(surface: FacetSet, facet: Index, xi: Array, tangents: Array) -> tuple[Index, Array]:
+    """Matrix rows, see `rows`, of the displacement of a surface along k tangents at n points.
+
+    facet: facet of `surface` that each point lies on (n,). xi: coordinates (n, c - 1) there.
+    tangents: (n, k, c), with the sign that the displacement counts with.
+    """
+    phi, _ = surface.basis(facet, surface.reference(facet, xi))
+    return rows(surface, facet, phi[:, None, :, None] * tangents[:, :, None, :])
+
+
+def rows(surface: FacetSet, facet: Index, values: Array) -> tuple[Index, Array]:
+    """Global dofs and coefficients of matrix rows, each (n k, nodes, c): a row for each of k
+    tangents at n points.
+
+    facet: facet of `surface` that each point lies on (n,).
+    values: coefficients (n, k, nodes, c) of the nodes of the facets' cells.
+    """
+    size, dim = values.shape[1], values.shape[3]
+    dofs = dim * surface.dofs[facet][:, :, None] + np.arange(dim)
+    return np.repeat(dofs, size, axis=0), values.reshape(-1, *values.shape[2:])
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfacePoints:
+    """Points on the slave's surface, opposite which the other body's surface lies, the same on all
+    ranks. n counts the given places, m those that have such a point.
+
+    comm: communicator of the mesh.
+    met: (n,) whether a place has such a point.
+    points: (m, 3), mm; in a model cut at symmetry planes some may lie in the part left out.
+    tangents: (m, 2, 3) unit vectors: along the rail, and across it in the tangent plane.
+    jump: J, two rows a point, of which each rank holds a share.
+    images: number of symmetric parts of which one is meshed.
+    """
+
+    comm: MPI.Intracomm
+    met: Mask
+    points: Array
+    tangents: Array
+    jump: PETSc.Mat
+    images: int
+
+    def jumps(self, displacement: PETSc.Vec) -> Array:
+        """Tangential jump (n, 2), mm, of a displacement on all dofs; zero at places without a point
+        (collective).
+        """
+        values = np.concatenate(self.comm.allgather((self.jump * displacement).array))
+        return self.spread(values.reshape(-1, 2))
+
+    def spread(self, values: Array) -> Array:
+        """Values (n, ...) at all places from those at the points (m, ...), zero elsewhere."""
+        out = np.zeros((len(self.met), *values.shape[1:]))
+        out[self.met] = values
+        return out
+
+    def resultant(self, forces: Array) -> Array:
+        """Resultant in space (3,), N, of forces (n, 2) along the tangents, N."""
+        return np.einsum("mk,mkc->c", forces[self.met], self.tangents)
+
+    def loads(self, forces: Array) -> PETSc.Vec:
+        """Forces on the bodies, N, on all dofs, from forces (n, 2) along the tangents of the wheel
+        on the rail, N, of the whole model.
+        """
+        first, last = self.jump.getOwnershipRange()
+        out = self.jump.createVecRight()
+        own = -forces[self.met].ravel()[first:last] / self.images
+        self.jump.multTranspose(vector(self.jump, own), out)
+        return out
+
+
+class SurfaceResponse:
+    """Jumps of the contact surfaces, and their response to forces while the active set stays.
+
+    system: contact system of a solid.
+    settings: friction settings.
+    active: active set (n,) of the pressed contact on this rank.
+    slave, master: contact facets of all ranks; master None: a rigid body.
+    far_field: displacement of the supported faces under 1 N along and 1 N across the rail, on all
+        dofs, mm/N; empty where the bodies end at their supports.
+    """
+
+    def __init__(
+        self, system: ContactSystem, settings: FrictionSettings, pressed: Solution
+    ) -> None:
+        self.system, self.settings = system, settings
+        self.active = pressed.pressure > 0
+        self.slave = system.interface.slave.gathered(system.comm)
+        master = system.interface.master
+        self.master = None if master is None else master.gathered(system.comm)
+        self._sign = -1.0 if system.setup.slave == system.setup.moving.tag else 1.0
+        self.far_field = far_field(system, settings)
+
+    @property
+    def edge(self) -> float:
+        """Mean length of the edges of the facets that touch, of all ranks, mm (collective)."""
+        interface, comm = self.system.interface, self.system.comm
+        corners = interface.slave.vertices[np.unique(interface.facet[self.active])]
+        edges = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2)
+        total, count = (comm.allreduce(value) for value in (edges.sum(), edges.size))
+        return float(total / count)
+
+    def at(self, places: Array, normal: Array, mirrors: tuple[Array, ...]) -> SurfacePoints:
+        """Points of the surfaces at places (n, 3), mm, near the slave, which are followed along a
+        unit normal (3,) (collective).
+
+        mirrors: unit normals (3,) of the symmetry planes through the origin that the patch meets;
+            places behind one have the mirrored displacement of those before it.
+        """
+        flip = np.ones_like(places)
+        for plane in mirrors:
+            flip[places @ plane < 0] *= 1 - 2 * np.abs(plane)
+        before, normals = places * flip, np.broadcast_to(normal, places.shape) * flip
+        facet, xi = pair(before, normals, self.slave)
+        met = facet >= 0
+        on = self.slave.tangents(facet[met], xi[met])[0]
+        gap, normals = self.system.setup.gap(on)
+        kept = np.isfinite(gap)
+        if self.master is not None:
+            partner, eta = pair(on, normals, self.master)
+            kept &= partner >= 0
+            partner, eta = partner[kept], eta[kept]
+        met[met] = kept
+        facet, xi, flip, on, normals = facet[met], xi[met], flip[met], on[kept], normals[kept]
+        tangents = surface_tangents(self._sign * normals * flip)
+        comm, system = self.system.comm, self.system
+        count = len(facet)
+        own = np.arange(count * comm.rank // comm.size, count * (comm.rank + 1) // comm.size)
+        rows = (self._sign * tangents * flip[:, None])[own]
+        blocks = [rows_at(self.slave, facet[own], xi[own], -rows)]
+        if self.master is not None:
+            blocks.append(rows_at(self.master, partner[own], eta[own], rows))
+        total = system.reduction.matrix.getSize()[0]
+        return SurfacePoints(
+            comm=comm,
+            met=met,
+            points=on * flip,
+            tangents=tangents,
+            jump=assemble_rows(blocks, 2 * len(own), 3 * system.owned, total, comm),
+            images=2 ** len(mirrors),
+        )
+
+    def displacement(self, points: SurfacePoints, forces: Array) -> PETSc.Vec:
+        """Displacement on all dofs, mm, by forces (n, 2) along the tangents at the places of
+        `points`, of the wheel on the rail, N (collective). Raises StalledError where the linear
+        solve fails.
+        """
+        system, problem = self.system, self.system.problem
+        out = self.far(self.settings.axes[:2] @ points.resultant(forces))
+        load = points.loads(forces)
+        if out is None:
+            out = load.duplicate()
+            out.set(0.0)
+        else:
+            load.axpy(-1.0, system.reactions.forces(out))
+        rhs, y = problem.stiffness.vector(), problem.stiffness.vector()
+        system.reduction.matrix.multTranspose(load, rhs)
+        linear.solve(problem, system.preconditioner, self.active, rhs, y, TOLERANCE)
+        system.reduction.matrix.multAdd(y, out, out)
+        return out
+
+    def far(self, force: Array) -> PETSc.Vec | None:
+        """Displacement of the supported faces, on all dofs, mm, under a force (2,) along and across
+        the rail, N; None where the bodies end at their supports.
+        """
+        out = None
+        for value, field in zip(force, self.far_field, strict=False):
+            out = field * float(value) if out is None else out + field * float(value)
+        return out
+
+
+def far_field(system: ContactSystem, settings: FrictionSettings) -> list[PETSc.Vec]:
+    """Displacement of the supported faces under 1 N along the rail and, in a solid, under 1 N
+    across it: vectors on all dofs, mm/N; empty where the bodies end at their supports.
+    """
+    if settings.far_field is None:
+        return []
+    ways = range(system.setup.kinematics.dim - 1)
+    fields = [system.support_field(partial(settings.far_field, way)) for way in ways]
+    return [vector(system.reduction.matrix, values) for values in fields]

@@ -1,0 +1,104 @@
+"""Friction of solids: half-spaces, and what finite bodies add."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+import railhead as rh
+from railhead.planning import plan as planning
+from railhead.run import build, solid_friction
+from railhead.run.solid_friction import SolidFriction, shared_patches
+from railhead.scene.scene import SceneError
+from railhead.solver.algebra.contact_system import LoadCase
+from railhead.solver.fields import gather
+from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction
+from railhead.theory.rolling.tangential import TractionInfluence
+
+MU = 0.3
+
+
+def sampled(case: str, *keys: str) -> tuple[SolidFriction, LoadCase]:
+    """Friction of a coarse model of a case, sampled, with its load case."""
+    scene = rh.find(case).replace([f"friction.coefficient={MU}", *keys])
+    plan = planning.make(scene)
+    model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
+    assert model.setup.friction is not None and scene.load is not None
+    load = LoadCase(load=scene.load, active=plan.forecast.touching(model.interface.points))
+    pressed = model.press(load)
+    half_space = plan.contact.half_space
+    patches = shared_patches(model, gather(model, pressed), parabolic=half_space)
+    said: list[str] = []
+    friction = SolidFriction(
+        model, model.setup.friction, pressed, patches, said.append, parabolic=half_space
+    )
+    assert friction.unsuited() == ""
+    friction.sample()
+    assert said[-1] == f"friction: response of the bodies, {len(said)} of {len(said)}"
+    return friction, load
+
+
+@pytest.fixture(scope="module")
+def half_spaces() -> SolidFriction:
+    """R 420 x 300, 25 kN, on three elements a semi-axis; a whole model that rolls."""
+    keys = ("rolling.creepage_across=0.1%", "mesh.patch_size=1.2")
+    return sampled("hertz_ellipse", *keys)[0]
+
+
+@pytest.mark.parametrize(
+    "motion", [Creepage(0.0, 1e-3), Creepage(0.0, 0.0, 2e-4), Creepage(5e-4, -5e-4, 1e-4)]
+)
+def test_like_half_spaces_roll_as_under_hertz_s_pressure(half_spaces, motion) -> None:
+    """Boundary elements under the exact pressure; condensation was 0.03 of mu N off here."""
+    plan = rh.plan(rh.find("hertz_ellipse"), quiet=True).plan
+    exact = HalfSpaceFriction.hertz(plan.estimate, MU, half_spaces.pair, rolling=True)
+    other = exact.solve(motion)
+    (found,) = half_spaces.tractions(motion)
+    off = np.subtract(found.forces, other.forces)[:2] / other.limit
+    assert np.abs(off).max() < 0.003
+    assert found.stick_share == pytest.approx(other.stick_share, abs=0.01)
+
+
+def test_what_finite_bodies_add_is_what_tractions_do_to_them() -> None:
+    """A rail head and a wheel segment that are shifted across: the jump of the pressed bodies under
+    the tractions themselves, less that of half-spaces, beside what smooth tractions predict. Across
+    it is a third of the half-spaces' own. The rest is error of the mesh."""
+    keys = ("friction.force_across=3kN", "effects.plasticity=off", "mesh.patch_size=2")
+    friction, load = sampled("uic54_thesis", *keys)
+    (found,) = friction.tractions(Creepage(), (None, 3e3))
+    (grid,) = friction.patches
+    before = friction.pressed.displacement
+    after = friction.press_again(load, [found]).displacement
+    smooth = grid.smooth
+    own = grid.points.jumps(after - before).T.reshape(2, *grid.pressure(grid.patch).shape)
+    influence = TractionInfluence(grid.x, grid.y, friction.pair, rolling=False)(found.traction)
+    added = -smooth.response(friction._added[0, 0], grid.x, grid.y)(found.traction)
+    inside = found.bound > 0
+    measured, predicted = ((own + influence)[1, inside].mean(), added[1, inside].mean())
+    assert abs(predicted) > 0.2 * influence[1, inside].mean()
+    assert measured == pytest.approx(predicted, rel=0.05)
+
+
+def test_a_patch_that_smooth_tractions_do_not_suit_is_said_to_be_so(half_spaces) -> None:
+    def unsuited(*changes: dict) -> str:
+        friction = half_spaces
+        (patch,) = (each.patch for each in friction.patches)
+        patches = [replace(patch, **each) for each in changes]
+        return SolidFriction(
+            friction.model, friction.settings, friction.pressed, patches, friction.stage
+        ).unsuited()
+
+    assert unsuited({"centre": (30.0, 0.0)}).startswith("a surface that ends")
+    assert unsuited({}, {"centre": (5.0, 0.0)}).startswith("two patches")
+    assert unsuited({}) == ""
+
+
+def test_too_many_unknowns_for_condensation_are_one_line(monkeypatch) -> None:
+    monkeypatch.setattr(solid_friction, "LARGEST_CONDENSED", 1000)
+    keys = [f"friction.coefficient={MU}", "rolling.creepage_along=0.1%", "mesh.patch_size=2.6"]
+    scene = rh.find("hertz_ellipse").replace([*keys, "wheel.young_modulus=inf"])
+    with pytest.raises(SceneError) as refused:
+        rh.solve(scene, quiet=True)
+    assert "unlike materials, at most 1000" in str(refused.value)
+    assert "\n" not in str(refused.value)
