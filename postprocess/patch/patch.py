@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -209,6 +210,10 @@ class SmoothPatch:
         """Smooth pressure (n,), MPa, at points (x, s) (n, 2) of the plane of a frame, mm."""
         x, s = _in_frame(at, frame, self.frame).T
         return np.asarray(np.sqrt(np.maximum(self.square(x, s), 0.0)))
+
+    def nearest(self, others: list[SmoothPatch]) -> SmoothPatch:
+        """The one of other patches with the nearest centre of pressure."""
+        return min(others, key=lambda each: math.dist(each.frame.origin, self.frame.origin))
 
 
 def smooth_patches(fields: Fields, *, parabolic: bool) -> list[SmoothPatch]:

@@ -306,10 +306,9 @@ class SolidFriction:
             smooth = shared_patches(
                 self.model, gather(self.model, solution), parabolic=self._parabolic
             )
-            if len(smooth) == len(self.patches):
-                self.pressures = [
-                    each.pressure(patch) for each, patch in zip(self.patches, smooth, strict=True)
-                ]
+            if len(smooth) < len(self.patches):  # two have become one
+                return self._failed(solution)
+            self.pressures = [each.pressure(each.patch.nearest(smooth)) for each in self.patches]
         return replace(solution, load=solution.load + carried)
 
     def solve(self, case: LoadCase) -> Solution:

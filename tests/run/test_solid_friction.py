@@ -89,7 +89,7 @@ def test_a_patch_that_smooth_tractions_do_not_suit_is_said_to_be_so(half_spaces)
             friction.model, friction.settings, friction.pressed, patches, friction.stage
         ).unsuited()
 
-    assert unsuited({"centre": (30.0, 0.0)}).startswith("a surface that ends")
+    assert unsuited({"half": (25.0, 3.4)}).startswith("a surface that ends")
     assert unsuited({}, {"centre": (5.0, 0.0)}).startswith("two patches")
     assert unsuited({}) == ""
 
