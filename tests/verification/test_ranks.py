@@ -64,17 +64,24 @@ def test_same_numbers_on_several_ranks(ranks: int, mesh: tuple[str, ...], tmp_pa
 
 
 @pytest.mark.parametrize(
-    "keys",
+    ("case", "keys"),
     [
-        ("rolling.creepage_along=0.05%", "mesh.cell=hexahedron"),
-        ("friction.force_along=9900", "wheel.young_modulus=inf"),
+        (
+            "long_roller",
+            ("mesh.patch_size=0.5", "rolling.creepage_along=0.05%", "mesh.cell=hexahedron"),
+        ),
+        (
+            "long_roller",
+            ("mesh.patch_size=0.5", "friction.force_along=9900", "wheel.young_modulus=inf"),
+        ),
+        ("hertz_ellipse", ("mesh.patch_size=1.7", "rolling.creepage_along=0.05%")),
     ],
 )
-def test_friction_is_the_same_on_two_ranks(keys: tuple[str, ...], tmp_path) -> None:
-    """Rolling, of quadrilaterals, of which each rank has one body; and a rigid wheel whose patch
-    grows with friction."""
-    given = ("friction.coefficient=0.3", "mesh.patch_size=0.5", *keys)
-    one, two = pair(2, tmp_path, *given, case="long_roller")
+def test_friction_is_the_same_on_two_ranks(case: str, keys: tuple[str, ...], tmp_path) -> None:
+    """Rolling, of quadrilaterals, of which each rank has one body; a rigid wheel whose patch grows
+    with friction; and solids."""
+    given = ("friction.coefficient=0.3", *keys)
+    one, two = pair(2, tmp_path, *given, case=case)
     for key, value in one["result"]["friction"].items():
         if isinstance(value, float) and not key.endswith("depth_mm"):
             size = one["result"]["friction"]["limit_N"] if key.endswith("_N") else abs(value)
