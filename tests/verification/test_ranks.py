@@ -74,18 +74,19 @@ def test_same_numbers_on_several_ranks(ranks: int, mesh: tuple[str, ...], tmp_pa
             "long_roller",
             ("mesh.patch_size=0.5", "friction.force_along=9900", "wheel.young_modulus=inf"),
         ),
-        ("hertz_ellipse", ("mesh.patch_size=1.7", "rolling.creepage_along=0.05%")),
+        ("hertz_ellipse", ("mesh.patch_size=1.2", "rolling.creepage_along=0.05%")),
     ],
 )
 def test_friction_is_the_same_on_two_ranks(case: str, keys: tuple[str, ...], tmp_path) -> None:
     """Rolling, of quadrilaterals, of which each rank has one body; a rigid wheel whose patch grows
-    with friction; and solids."""
+    with friction; and solids, whose smooth tractions are solved to 1e-3."""
+    off = 1e-5 if case == "hertz_ellipse" else 1e-6
     given = ("friction.coefficient=0.3", *keys)
     one, two = pair(2, tmp_path, *given, case=case)
     for key, value in one["result"]["friction"].items():
         if isinstance(value, float) and not key.endswith("depth_mm"):
             size = one["result"]["friction"]["limit_N"] if key.endswith("_N") else abs(value)
-            assert abs(two["result"]["friction"][key] - value) <= 1e-6 * size, key
+            assert abs(two["result"]["friction"][key] - value) <= off * size, key
 
 
 def test_yield_is_the_same_on_two_ranks(tmp_path) -> None:
