@@ -213,10 +213,13 @@ def test_a_folder_that_is_no_result_is_left_alone(tmp_path, monkeypatch, capsys)
 
 
 def test_quiet_prints_nothing_and_an_earlier_result_is_replaced(tmp_path) -> None:
-    for _ in range(2):
-        done = railhead("run", "long_roller", "--quiet", "--no-pictures", cwd=tmp_path)
-        assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    summary = json.loads((tmp_path / "results" / "long_roller" / "summary.json").read_text())
+    folder = tmp_path / "results" / "long_roller"
+    solved("long_roller").save(folder, pictures=False)
+    before = (folder / "summary.json").stat().st_ino
+    done = railhead("run", "long_roller", "--quiet", "--no-pictures", cwd=tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert (folder / "summary.json").stat().st_ino != before
+    summary = json.loads((folder / "summary.json").read_text())
     assert summary["railhead"] == rh.__version__ and summary["units"] == "N, mm, MPa, rad, s"
     assert os.listdir(tmp_path / "results") == ["long_roller"]
 

@@ -3,11 +3,15 @@
 import csv
 import io
 import sys
+from collections.abc import Iterator
+from concurrent.futures import Future
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 from railhead.cli import commands
+from railhead.sweeps import worker_pool
 
 SIX = ("--over", "load=50kN,80kN,110kN", "--over", "wheel.rolling_radius=420mm,460mm")
 
@@ -18,6 +22,18 @@ COMMAND = [sys.executable, "-c", "from railhead.cli import main; main()", "sweep
 
 
 KEYS = {"load": "load [N]", "wheel.rolling_radius": "wheel.rolling_radius [mm]"}
+
+
+@contextmanager
+def one_after_the_other(ranks: int) -> Iterator[worker_pool.Submit]:
+    """As `worker_pool.submitting`, with jobs that are done at once in this process."""
+
+    def submit(*job) -> Future:
+        future: Future = Future()
+        future.set_result(worker_pool._attempt(*job))
+        return future
+
+    yield submit
 
 
 def sweep(*arguments: str) -> int:

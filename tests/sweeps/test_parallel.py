@@ -16,7 +16,7 @@ import outside
 import pytest
 import pyvista
 from solved import solved
-from sweep_command import COMMAND, KEYS, ROLLER, SIX, rows, sweep
+from sweep_command import COMMAND, KEYS, ROLLER, SIX, one_after_the_other, rows, sweep
 
 import railhead as rh
 from railhead.sweeps import parallel, store, worker_pool
@@ -43,7 +43,9 @@ WITH_FILES = (*ROLLER, "--over", "wheel.rolling_radius=420mm,460mm", "--vtu", "-
 def radii(tmp_path_factory) -> Path:
     """Two combinations, each with a mesh of its own and files for ParaView."""
     out: Path = tmp_path_factory.mktemp("radii") / "out"
-    assert sweep(*WITH_FILES, "--out", str(out)) == 0
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(worker_pool, "submitting", one_after_the_other)
+        assert sweep(*WITH_FILES, "--out", str(out)) == 0
     return out
 
 
@@ -86,7 +88,7 @@ def steps(collection: Path) -> dict[float, Path]:
             for each in sets}  # fmt: skip
 
 
-def test_a_sweep_opens_as_time_steps(radii: Path) -> None:
+def test_a_sweep_opens_as_time_steps(radii: Path, in_this_process) -> None:
     """Meshes that differ; what does not pass is left out, also after --resume."""
     for name in ("solution", "contact"):
         reader = pyvista.PVDReader(radii / f"{name}.pvd")
@@ -133,7 +135,9 @@ def loads(case: str, values: list[float], folder: Path) -> parallel.ParallelSwee
     return parallel.ParallelSweep(grid=grid, folder=folder)
 
 
-def test_a_record_that_goes_while_a_sweep_runs_is_said(tmp_path: Path, monkeypatch) -> None:
+def test_a_record_that_goes_while_a_sweep_runs_is_said(
+    tmp_path: Path, monkeypatch, in_this_process
+) -> None:
     task = loads("long_roller", [50e3, 80e3], tmp_path / "sweep")
     monkeypatch.setattr(parallel, "_solve", _nothing)
     found = parallel.run(task, pictures=False, quiet=True)
@@ -146,7 +150,7 @@ def _nothing(*_: object) -> dict[int, str]:
 
 
 def test_another_profile_under_the_same_name_is_another_sweep(
-    capsys, tmp_path: Path, monkeypatch
+    capsys, tmp_path: Path, monkeypatch, in_this_process
 ) -> None:
     """Else old numbers and new ones would stand in one table."""
     monkeypatch.setattr(parallel, "_solve", _nothing)
@@ -165,7 +169,9 @@ def test_another_profile_under_the_same_name_is_another_sweep(
     assert "holds another sweep, with scene.rail.profile input/" in line and "p.csv" in line
 
 
-def test_one_that_does_not_converge_leaves_the_others(tmp_path: Path, capsys) -> None:
+def test_one_that_does_not_converge_leaves_the_others(
+    tmp_path: Path, capsys, in_this_process
+) -> None:
     out = tmp_path / "out"
     over = ("--over", "solver.max_newton=1,30", "--no-pictures")
     assert sweep("two_cylinders", "--quiet", *over, "--out", str(out)) == 1
@@ -237,7 +243,7 @@ def test_what_has_no_memory_now_is_tried_again_by_resume(tmp_path: Path, monkeyp
 def test_a_kill_loses_only_what_was_running(tmp_path: Path) -> None:
     """SIGKILL after the first records; the same command leaves these as they are."""
     out = tmp_path / "out"
-    arguments = ["--over", "load=60:80:10kN", "--over", "wheel.rolling_radius=420mm,460mm",
+    arguments = ["--over", "load=60kN,80kN", "--over", "wheel.rolling_radius=420mm,460mm",
                  "--no-pictures", "--out", str(out)]  # fmt: skip
     started = subprocess.Popen([*COMMAND, *ROLLER, *arguments], stderr=subprocess.DEVNULL)
     while not store.done(out):
@@ -247,7 +253,7 @@ def test_a_kill_loses_only_what_was_running(tmp_path: Path) -> None:
     started.wait()
     time.sleep(1.0)  # processes of the sweep die with it
     done = {path.name: path.stat().st_mtime_ns for path in (out / "records").glob("[0-9]*")}
-    assert 1 <= len(done) < 6
+    assert 1 <= len(done) < 4
     stamp = json.loads((out / "records" / min(done)).read_text())
     stamp["summary"]["result"]["pressure"]["max_MPa"] = 1234.5  # to be found in the table
     (out / "records" / min(done)).write_text(json.dumps(stamp))
@@ -256,11 +262,12 @@ def test_a_kill_loses_only_what_was_running(tmp_path: Path) -> None:
     )
     assert solved.returncode == 0, solved.stderr
     found = rows(out)
-    assert len(found) == 6 and {row["checks"] for row in found} == {"passed"}
+    assert len(found) == 4 and {row["checks"] for row in found} == {"passed"}
     assert [row["p_max [MPa]"] for row in found].count("1234.5") == 1
     assert not list((out / "records").glob(".*"))
 
 
+@pytest.mark.slow
 @pytest.mark.system
 def test_two_ranks_give_the_same_table(swept: Path, tmp_path: Path) -> None:
     """The first gives the work, the other does it."""

@@ -51,12 +51,10 @@ def test_nafems_roller_is_converged_in_the_mesh(nafems) -> None:
 
 
 HALF_SPACES = {
-    "roller on block": ("roller_on_block", []),
     "long roller": ("long_roller", []),
     "two cylinders": ("two_cylinders", []),
     "quadrilaterals": ("long_roller", ["mesh.cell=hexahedron", "mesh.order=2"]),
     "penalty": ("long_roller", ["solver.method=penalty"]),
-    "theta 0": ("long_roller", ["solver.theta=0"]),
     "theta -1": ("long_roller", ["solver.theta=-1"]),
     "by approach": ("long_roller", ["approach=0.03"]),
     "rigid roller": ("long_roller", ["wheel.young_modulus=inf"]),
@@ -73,7 +71,7 @@ HALF_SPACES = {
         "wheel.poisson_ratio=0.4999"],
     ),
     **{f"circle at {nu}": ("sphere_on_plane", [f"wheel.poisson_ratio={nu}"])
-       for nu in (0.45, 0.495, 0.4999)},
+       for nu in (0.45, 0.4999)},
 }  # fmt: skip
 
 

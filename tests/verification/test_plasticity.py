@@ -140,6 +140,7 @@ def test_cycles_press_the_spot_as_often_as_asked() -> None:
     assert counts == [9, 25]
 
 
+@pytest.mark.slow
 def test_twenty_steps_of_unloading_leave_the_same_stress(monkeypatch) -> None:
     """Two steps down left 0.7 % more: they miss the yield as the patch begins to shrink."""
     left = []

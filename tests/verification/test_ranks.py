@@ -66,9 +66,10 @@ def test_same_numbers_on_several_ranks(ranks: int, mesh: tuple[str, ...], tmp_pa
 @pytest.mark.parametrize(
     ("case", "keys"),
     [
-        (
+        pytest.param(
             "long_roller",
-            ("mesh.patch_size=0.5", "rolling.creepage_along=0.05%", "mesh.cell=hexahedron"),
+            ("mesh.patch_size=0.5", "rolling.creepage_along=0.05%"),
+            marks=pytest.mark.slow,
         ),
         (
             "long_roller",
@@ -78,8 +79,8 @@ def test_same_numbers_on_several_ranks(ranks: int, mesh: tuple[str, ...], tmp_pa
     ],
 )
 def test_friction_is_the_same_on_two_ranks(case: str, keys: tuple[str, ...], tmp_path) -> None:
-    """Rolling, of quadrilaterals, of which each rank has one body; a rigid wheel whose patch grows
-    with friction; and solids, whose smooth tractions are solved to 1e-3."""
+    """Rolling; a rigid wheel whose patch grows with friction; and solids, whose smooth tractions
+    are solved to 1e-3."""
     off = 1e-5 if case == "hertz_ellipse" else 1e-6
     given = ("friction.coefficient=0.3", *keys)
     one, two = pair(2, tmp_path, *given, case=case)
@@ -89,11 +90,11 @@ def test_friction_is_the_same_on_two_ranks(case: str, keys: tuple[str, ...], tmp
             assert abs(two["result"]["friction"][key] - value) <= off * size, key
 
 
+@pytest.mark.slow
 def test_yield_is_the_same_on_two_ranks(tmp_path) -> None:
     """A sphere at twenty times its first-yield load, where contact points yield on one rank and not
     on the other, and what it leaves."""
-    keys = "wheel.yield_stress=20.2", "mesh.patch_size=0.3"
-    one, two = pair(2, tmp_path, *keys, case="sphere_on_plane")
+    one, two = pair(2, tmp_path, "wheel.yield_stress=20.2", case="sphere_on_plane")
     for part in ("patch", "pressure", "plastic"):
         for key, value in one["result"][part].items():
             if isinstance(value, float):
