@@ -101,16 +101,7 @@ SCENES = {
 }
 
 
-LONG = (
-    "axis ratio 10",
-    "100 N",
-    "1 MN",
-    "theta 0",
-    "soft wheel",
-    "rigid wheel",
-    "by approach",
-    "theta -1",
-)
+SHORT = "axis ratio 1/6", "concave wheel", "soft rail", "penalty"
 
 
 @pytest.mark.parametrize(

@@ -46,7 +46,6 @@ def test_mirrored_fields_are_those_of_a_whole_model(tmp_path: Path) -> None:
 def test_mirrored_friction_is_that_of_a_whole_model(tmp_path: Path) -> None:
     """Rolling along: slip and tractions along the rail are even across it, slip across is odd."""
     rolls = ("friction.coefficient=0.3", "rolling.creepage_along=0.1%")
-    rolls = (*rolls, "mesh.patch_size=2")
     half = saved(coarse(*rolls), tmp_path / "half")
     whole = saved(coarse(*rolls, "effects.symmetry_y=off"), tmp_path / "whole")
     one, other = (pv.read(folder / "traction.vtu") for folder in (half, whole))
