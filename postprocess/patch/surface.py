@@ -102,7 +102,8 @@ def recover_surfaces(fields: Fields, frame: Frame, pressure: Callable[[Array], A
     """Points, pressure, gap and displacement on the contact surfaces of slave and master.
 
     pressure: function that gives the smooth pressure (n,), MPa, at points (n, 3) in space, mm; it
-        holds for both surfaces. The second entry is None where the master is rigid.
+        holds for both surfaces. The second entry is None where the master is rigid, or no
+        facet of it faces the slave.
     """
 
     def surface(facets: NDArray[np.int64], gap: Array) -> Surface:
@@ -120,4 +121,6 @@ def recover_surfaces(fields: Fields, frame: Frame, pressure: Callable[[Array], A
 
     own = surface(facing_facets(fields), project(fields, fields.contact.gap))
     other = fields.master_surface
-    return own, None if other is None else surface(other.facet_nodes, other.gap)
+    if other is None or not len(other.facet_nodes):
+        return own, None
+    return own, surface(other.facet_nodes, other.gap)

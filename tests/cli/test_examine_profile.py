@@ -116,7 +116,7 @@ def test_command_draws_a_profile_and_says_its_wear(tmp_path, monkeypatch, capsys
     assert "MiniProf" in text and "mirrored" in text and "against 60E1" in text
     folder = tmp_path / "results" / "MBench_UIC60_v3_profile"
     assert {path.name for path in folder.iterdir()} == {
-        ".railhead", "profile.csv", "profile.png", "summary.json",
+        ".railhead", "input", "profile.csv", "profile.png", "scene.toml", "summary.json",
     }  # fmt: skip
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["standard"] == "60E1" and summary["wear"]["largest_mm"] < 0.1
