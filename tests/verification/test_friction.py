@@ -14,6 +14,7 @@ from solved import solved
 
 import railhead as rh
 from railhead.planning import plan as planning
+from railhead.postprocess import gallery
 from railhead.postprocess.friction.traction import quantities
 from railhead.run import build, mesh_solution, model_setup
 from railhead.scene.scene import SceneError
@@ -42,7 +43,7 @@ def friction(result: rh.Result) -> dict:
     return result.as_dict()["result"]["friction"]
 
 
-@pytest.mark.parametrize("entry", CARTER, ids=lambda entry: entry["id"])
+@pytest.mark.parametrize("entry", CARTER[::3], ids=lambda entry: entry["id"])
 def test_a_strip_that_rolls_is_carter_s(entry) -> None:
     creepage, share = entry["creepage_xi"], entry["Q_over_muP"]
     found = solved(roller(rolling={"creepage_along": creepage}))
@@ -53,7 +54,7 @@ def test_a_strip_that_rolls_is_carter_s(entry) -> None:
     assert answer["newton_steps"] <= 20
 
 
-@pytest.mark.parametrize("entry", CARTER[:2], ids=lambda entry: entry["id"])
+@pytest.mark.parametrize("entry", CARTER[1:3], ids=lambda entry: entry["id"])
 def test_a_given_force_needs_carter_s_creepage(entry) -> None:
     force = entry["Q_over_muP"] * MU * entry["load_N"]
     found = solved(roller(rolling={"force_along": force}))
@@ -383,10 +384,11 @@ def test_what_cannot_be_is_one_line(keys, line: str) -> None:
     assert line in str(refused.value) and "\n" not in str(refused.value)
 
 
-def test_the_files_show_stick_slip_and_tractions(tmp_path) -> None:
-    force = CARTER[0]["Q_over_muP"] * MU * CARTER[0]["load_N"]
+def test_the_files_show_stick_slip_and_tractions(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(gallery, "drawings", lambda *_: {})  # others than friction.png
+    force = CARTER[1]["Q_over_muP"] * MU * CARTER[1]["load_N"]
     found = solved(roller(rolling={"force_along": force}))
-    found.save(tmp_path / "out")
+    found.save(tmp_path / "out", report=False)
     points = meshio.read(tmp_path / "out" / "traction.vtu").point_data
     size = np.linalg.norm(points["traction"], axis=1)
     assert (size <= MU * points["pressure"] * (1 + 1e-9)).all()

@@ -21,9 +21,7 @@ def within(row: study.Row) -> bool:
 @pytest.mark.parametrize(
     ("name", "noise"),
     [
-        pytest.param("54E1 crown 1 mm, cylinder", 2.0, marks=pytest.mark.slow),
         ("54E1 crown 1 mm, cylinder", 10.0),
-        pytest.param("60E1 corner 1 mm, in flange contact", 10.0, marks=pytest.mark.slow),
     ],
 )
 def test_worn_profiles_give_the_true_pressure_and_area(name: str, noise: float) -> None:
