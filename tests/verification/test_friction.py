@@ -136,7 +136,7 @@ def test_a_shift_makes_bodies_yield_further() -> None:
 
 def test_unloaded_half_spaces_are_pulled_by_nothing() -> None:
     """What lies beyond them followed the shift, and is back where it was."""
-    keys = ("mesh.patch_size=4", "load=80kN", "friction.coefficient=0.3")
+    keys = ("mesh.patch_size=5.5", "load=80kN", "friction.coefficient=0.3")
     scene = rh.find("hertz_ellipse").replace([*keys, "friction.force_along=8kN"])
     plan = rh.plan(scene.replace(rail=STEEL), quiet=True).plan
     model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_SELF))

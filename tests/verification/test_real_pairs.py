@@ -9,7 +9,7 @@ from railhead.scene import catalogue
 
 def test_tread_and_gauge_corner_are_two_patches_of_the_right_size() -> None:
     """S1002 on 60E1, shifted by 5 mm: two tangent planes, 10 degrees apart."""
-    scene = SCENE.replace(["wheelset.shift=5", "mesh.patch_size=0.5", "effects.plasticity=off"])
+    scene = SCENE.replace(["wheelset.shift=5", "mesh.patch_size=0.6", "effects.plasticity=off"])
     summary = run(scene).summary
     assert summary["checks"]["passed"]
     result, half_space = summary["result"], summary["half_space"]
