@@ -209,7 +209,7 @@ def test_perfect_plasticity_bounds_the_stress(five: rh.Result) -> None:
 
 def test_far_beyond_first_yield_it_is_not_signed() -> None:
     """Strains are no longer small there, and nobody has compared it."""
-    found = rh.solve(pressed(200.0), quiet=True)
+    found = rh.solve(pressed(200.0, mesh={"patch_size": RADIUS}), quiet=True)
     assert "load_over_first_yield" in found.failed
     assert found.as_dict()["newton"]["reason"] == "residual below tolerance"
 

@@ -31,7 +31,7 @@ def both(gap: Gap, distance: float, angle: Callable[[Array], Array] = flat) -> S
     return solve_developed(gap, MODULUS, windows, angle, load=2 * LOAD, tolerance=1e-6)
 
 
-@pytest.mark.parametrize(("distance", "lift"), [(40, 0), (15, 0), (10, 0.01), (8, 0), (7, 0)])
+@pytest.mark.parametrize(("distance", "lift"), [(40, 0), (10, 0.01), (7, 0)])
 def test_windows_are_one_problem_in_a_plane(distance: float, lift: float) -> None:
     """Far apart and near, against one fine grid over both patches."""
     gap = bumps(distance, lift)
