@@ -131,10 +131,10 @@ class Plan:
             return _decided(self.scene.replace([f"effects.{name}={'off' if effect.on else 'on'}"]))
         return replace(self, effects={**self.effects, name: replace(effect, on=not effect.on)})
 
-    def turned_on(self, name: str, why: str) -> Plan:
-        """The plan with the named effect called for and on; why: the reason as a sentence."""
-        effect = replace(self.effects[name], called_for=True, on=True, why=why)
-        return replace(self, effects={**self.effects, name: effect})
+    def with_yield(self, why: str) -> Plan:
+        """The plan in which yield is called for and simulated; why: the reason as a sentence."""
+        effect = replace(self.effects["plasticity"], called_for=True, on=True, why=why)
+        return replace(self, effects={**self.effects, "plasticity": effect})
 
     def price(self, name: str) -> tuple[int, float]:
         """Unknowns and seconds that the present state of the named effect is predicted to cost more

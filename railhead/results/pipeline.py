@@ -31,7 +31,7 @@ def solve(plan: Plan, progress: Progress, comm: MPI.Intracomm = MPI.COMM_WORLD) 
     """
     levels, ending = refine(plan, progress, comm)
     if why := unplanned_yield(levels[-1], comm):
-        levels, ending = refine(plan.turned_on("plasticity", why), progress, comm)
+        levels, ending = refine(plan.with_yield(why), progress, comm)
     if comm.size == 1:
         _record_speed(levels)
     return result(levels, ending, comm)
