@@ -112,7 +112,7 @@ def test_a_patch_that_was_not_looked_for_is_found(monkeypatch: pytest.MonkeyPatc
     """The search starts at the first contact alone; the gauge corner then lies in the rail."""
     scene = MANCHESTER.replace(["wheelset.shift=5"])
     expected = solved(scene)
-    monkeypatch.setattr(boundary_elements, "START", 1e-3)
+    monkeypatch.setattr(boundary_elements, "FIRST_REACH", 1e-3)
     found = solved(scene)
     assert len(found.patches) == len(expected.patches) == 2
     assert found.max_pressure == pytest.approx(expected.max_pressure, rel=1e-3)
