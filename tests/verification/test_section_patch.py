@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dolfinx.mesh import compute_midpoints, exterior_facet_indices, meshtags
 from mpi4py import MPI
 
 from railhead.geometry import outlines, profiles
@@ -166,55 +165,3 @@ def test_direct_and_multigrid_agree_in_a_section(cell: str, which: Kinematics) -
         assert solution.newton.converged
         states.append(solution)
     assert states[0].approach == pytest.approx(states[1].approach, rel=1e-8)
-
-
-@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
-def test_half_a_section_is_the_whole_of_its_mirrored_mesh(cell: str) -> None:
-    """The same elements and their images without the plane of symmetry: the same to 1e-8."""
-    gap = ParabolicGap(1 / 200, 0.0, -1)
-    made, setup = two_blocks(cell, gap=gap)
-    _, half = solve(made, setup, load=300.0)
-    whole = mirrored(made)
-    _, full = solve(whole, replace(setup, planes=()), load=300.0)
-    assert full.newton.converged
-    assert full.approach == pytest.approx(half.approach, rel=1e-8)
-    assert full.load == pytest.approx(half.load, rel=1e-8)
-    assert np.sort(full.pressure)[::2] == pytest.approx(np.sort(half.pressure), abs=1e-6)
-
-
-def mirrored(made: mesh.ContactMesh) -> mesh.ContactMesh:
-    """A section at x >= 0 (straight cells) joined with its image."""
-    cells = compat.cell_nodes(made.mesh)
-    x = compat.node_points(made.mesh)
-    image = np.arange(len(x), 2 * len(x))
-    on_plane = np.abs(x[:, 0]) < 1e-9
-    image[on_plane] = np.flatnonzero(on_plane)
-    image[~on_plane] = len(x) + np.arange(np.sum(~on_plane))
-    points = np.concatenate([x, (x * [-1.0, 1.0])[~on_plane]])
-    shape = "triangle" if cells.shape[1] == 3 else "quadrilateral"
-    both = np.concatenate([cells, image[cells]])
-    built = compat.straight_mesh(MPI.COMM_WORLD, both, points, shape)
-    topology = built.topology
-    topology.create_connectivity(1, 2)
-    order = np.asarray(topology.original_cell_index)
-    tags = np.zeros(len(cells), dtype=np.int32)
-    for tag in (RAIL, WHEEL):
-        tags[made.cell_tags.find(tag)] = tag
-    cell_tags = meshtags(built, 2, np.arange(len(order), dtype=np.int32), np.tile(tags, 2)[order])
-    facets = exterior_facet_indices(topology)
-    middle = compute_midpoints(built, 1, facets)
-    kinds = np.zeros(len(facets), dtype=np.int32)
-    body = np.array([_body(built, cell_tags, facet) for facet in facets])
-    for tag, height in ((RAIL, -10.0), (WHEEL, 10.0)):
-        kinds[(body == tag) & (np.abs(middle[:, 1]) < 1e-9)] = CONTACT + tag
-        kinds[(body == tag) & (np.abs(middle[:, 1] - height) < 1e-9)] = SUPPORT + tag
-    order = np.argsort(facets)
-    return replace(
-        made, mesh=built, cell_tags=cell_tags,
-        facet_tags=meshtags(built, 1, facets[order], kinds[order]),
-    )  # fmt: skip
-
-
-def _body(built: object, cell_tags: object, facet: int) -> int:
-    cell = built.topology.connectivity(1, 2).links(facet)[0]
-    return int(cell_tags.values[np.flatnonzero(cell_tags.indices == cell)[0]])

@@ -2,13 +2,12 @@
 
 from itertools import islice
 
-import numpy as np
 import pytest
 
 from railhead.planning import plan as planning
 from railhead.planning.accuracy import error_envelopes
 from railhead.planning.references import rail_twist
-from studies.accuracy import calibrate, error_bounds, families
+from studies.accuracy import error_bounds, families
 from studies.accuracy import twist as measured
 
 
@@ -21,15 +20,6 @@ def test_every_calibrated_family_holds_its_own_scenes_and_no_foreign_ones() -> N
         assert all(parts[name] == parts[known.name] for name in found)
     odd = next(families.scenes("outside", 3))
     assert error_envelopes.family(planning.make(odd).setting) is None
-
-
-def test_an_envelope_lies_above_all_errors_and_follows_their_slope() -> None:
-    n = np.repeat([3.0, 6.0, 12.0], 20)
-    errors = 0.01 * (6 / n) ** 2 * np.random.default_rng(1).uniform(0.1, 1.0, n.size)
-    law = calibrate.envelope(n, errors)
-    assert law.order == pytest.approx(2.0, abs=0.3)
-    assert all(errors <= [law(each) for each in n])
-    assert law.value < 1.5 * 0.01
 
 
 def test_estimates_hold_in_random_sections() -> None:
