@@ -30,9 +30,11 @@ def _own_speed(tmp_path_factory: pytest.TempPathFactory) -> None:
     machine.cache_file = lambda: file
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The folders of long tests first: what is left at the end is short."""
-    items.sort(key=lambda item: LONG.isdisjoint(item.path.parts))
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """The folders of long tests first where several processes share them: what is left at the end
+    is short."""
+    if hasattr(config, "workerinput"):
+        items.sort(key=lambda item: LONG.isdisjoint(item.path.parts))
 
 
 @pytest.fixture(scope="session")
