@@ -129,8 +129,8 @@ class SolidFriction:
             each.pressure(patch) for each, patch in zip(self.patches, smooth, strict=True)
         ]
         count = len(self.patches)
-        self._still = np.zeros((count, 6))
-        self._added = np.zeros((count, count, 6, 6))
+        self._still = np.zeros((count, 20))
+        self._added = np.zeros((count, count, 20, 6))
         self._coefficients = np.zeros((count, 6))
         self.steps = 0
 
@@ -212,7 +212,7 @@ class SolidFriction:
                 self._added[number, source, :, 2 * power + way] = read if rolling else -read
 
     def _read(self, patch: GridPatch, u: PETSc.Vec, more: Array | None = None) -> Array:
-        """Coefficients (6,) of the jump of a displacement over a patch or, when rolling, of its
+        """Coefficients (20,) of the jump of a displacement over a patch or, when rolling, of its
         derivative along x. more: (2, nx, ny) that is added to the jump first, mm.
         """
         smooth = patch.smooth
@@ -282,7 +282,7 @@ class SolidFriction:
             for source, coefficients in enumerate(self._coefficients):
                 if source != number:
                     known += self._added[number, source] @ coefficients
-            drawn = each.smooth.values(known.reshape(3, 2), each.x, each.y)
+            drawn = each.smooth.values(known.reshape(-1, 2), each.x, each.y)
             out.append(drawn if rest is None else drawn + rest[number])
         return out
 

@@ -1,13 +1,13 @@
 """Smooth tractions over a patch, and smooth fields read from their effect in the weak form.
 
-With u, v the coordinates over the half lengths a, b of a patch and P = 1, u, v, the tractions are
+With u, v the coordinates over the half lengths a, b of a patch, the tractions are
 
-    P beta,    beta = (1 - (u^2 + v^2)/w^2)^2  within the ellipse u^2 + v^2 < w^2
+    P beta,    P = 1, u, v,    beta = (1 - (u^2 + v^2)/w^2)^2  within the ellipse u^2 + v^2 < w^2
 
 A traction q has the coefficients G^-1 int P q dA of the smooth one with the same moments, and a
-field d is read as e in span P, where
+field d is read as e in the span of all Q = u^i v^j with i + j <= 3, where
 
-    int beta P_i e dA = int beta P_i d dA,    or for e = dd/dx    = -int d(beta P_i)/dx d dA
+    int beta Q_i e dA = int beta Q_i d dA,    or for e = dd/dx    = -int d(beta Q_i)/dx d dA
 
 so that the error of a mesh in d enters as an integral. G_ij = int beta P_i P_j dA.
 """
@@ -22,6 +22,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 WIDTH = 1.5  # w; 2 gives the same forces to 0.001 of mu N, 1 does not
+POWERS = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)]  # of Q
+LINEAR = 3  # the first of them, P
 
 
 class SmoothTractions:
@@ -43,13 +45,14 @@ class SmoothTractions:
             for middle, each in zip(centre, half, strict=True)
         )
         basis = self._basis(self.x, self.y)
-        _, u, v = basis
+        u, v = basis[1:LINEAR]
         inside = np.maximum(1 - (u**2 + v**2) / WIDTH**2, 0.0)
-        self.fields = basis * inside**2
-        slopes = -4 * u / WIDTH**2 * inside * basis
-        slopes[1] += inside**2
+        self._tests = basis * inside**2
+        self.fields = self._tests[:LINEAR]
+        rates = np.stack([i * u ** max(i - 1, 0) * v**j for i, j in POWERS])
+        slopes = -4 * u / WIDTH**2 * inside * basis + rates * inside**2
         self._slopes = slopes / half[0]
-        self._gram = self.cell * np.einsum("iab,jab->ij", self.fields, basis)
+        self._gram = self.cell * np.einsum("iab,jab->ij", self._tests, basis)
 
     @property
     def cell(self) -> float:
@@ -57,44 +60,44 @@ class SmoothTractions:
         return float((self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
 
     def _basis(self, x: Array, y: Array) -> Array:
-        """P = 1, u, v (3, nx, ny) at x (nx,) and y (ny,), mm."""
+        """Q (10, nx, ny) at x (nx,) and y (ny,), mm; the first three are P."""
         u, v = ((t - c) / h for t, c, h in zip((x, y), self.centre, self.half, strict=True))
-        still = np.zeros((x.size, y.size))
-        return np.stack([still + 1, still + u[:, None], still + v])
+        return np.stack([u[:, None] ** i * v**j for i, j in POWERS])
 
     def coefficients(self, x: Array, y: Array, traction: Array) -> Array:
         """Coefficients (3, 2) of the smooth traction that has the moments of a traction (2, nx, ny)
         in the cells x (nx,), y (ny,): of P, by component; in the unit of the traction.
         """
         cell = (x[1] - x[0]) * (y[1] - y[0])
-        moments = cell * np.einsum("iab,kab->ik", self._basis(x, y), traction)
-        return np.asarray(np.linalg.solve(self._gram, moments))
+        linear = self._basis(x, y)[:LINEAR]
+        moments = cell * np.einsum("iab,kab->ik", linear, traction)
+        return np.asarray(np.linalg.solve(self._gram[:LINEAR, :LINEAR], moments))
 
     def read(self, field: Array, *, derivative: bool) -> Array:
-        """Coefficients (3, 2) of e in span P, by component, read from a field d (2, nx, ny) in the
+        """Coefficients (10, 2) of e in span Q, by component, read from a field d (2, nx, ny) in the
         cells; derivative: e is dd/dx, else d.
         """
-        tests = -self._slopes if derivative else self.fields
+        tests = -self._slopes if derivative else self._tests
         moments = self.cell * np.einsum("iab,kab->ik", tests, field)
         return np.asarray(np.linalg.solve(self._gram, moments))
 
     def response(self, matrix: Array, x: Array, y: Array) -> Callable[[Array], Array]:
         """Linear map from a traction (2, nx, ny) in the cells x (nx,), y (ny,) to a field (2, nx,
-        ny) in span P.
+        ny) in span Q.
 
-        matrix: (6, 6), from the coefficients (3, 2) of the smooth traction with the same moments to
-            those of the field, both flattened.
+        matrix: (20, 6), from the coefficients (3, 2) of the smooth traction with the same moments
+            to those of the field (10, 2), both flattened.
         """
 
         def field(traction: Array) -> Array:
             """The field (2, nx, ny) of a traction (2, nx, ny)."""
             known = matrix @ self.coefficients(x, y, traction).ravel()
-            return self.values(known.reshape(3, 2), x, y)
+            return self.values(known.reshape(-1, 2), x, y)
 
         return field
 
     def values(self, coefficients: Array, x: Array, y: Array) -> Array:
-        """Values (2, nx, ny) of the field in span P with coefficients (3, 2), at x (nx,) and y
+        """Values (2, nx, ny) of the field in span Q with coefficients (10, 2), at x (nx,) and y
         (ny,), mm.
         """
         return np.asarray(np.einsum("ik,iab->kab", coefficients, self._basis(x, y)))
