@@ -71,9 +71,10 @@ def test_same_numbers_on_several_ranks(ranks: int, mesh: tuple[str, ...], tmp_pa
             ("mesh.patch_size=0.5", "rolling.creepage_along=0.05%"),
             marks=pytest.mark.slow,
         ),
-        (
+        pytest.param(
             "long_roller",
             ("mesh.patch_size=0.5", "friction.force_along=9900", "wheel.young_modulus=inf"),
+            marks=pytest.mark.slow,
         ),
         ("hertz_ellipse", ("mesh.patch_size=1.2", "rolling.creepage_along=0.05%")),
     ],
