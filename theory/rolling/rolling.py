@@ -184,15 +184,6 @@ class HalfSpaceFriction:
         """
         return self._found(creepage, self._slip(creepage), start)
 
-    def solve_after(self, before: TangentialSolution, creepage: Creepage) -> TangentialSolution:
-        """Tractions at the total shift `creepage` (not an increment), which follows the solved
-        state `before`.
-
-        ValueError: the iterations do not converge.
-        """
-        settled = self._slip(before.creepage) - self._influence(before.traction)
-        return self._found(creepage, self._slip(creepage) - settled, before)
-
     def stiffness(self, found: TangentialSolution) -> Array:
         """Derivatives (2, 2) of the forces along and across by the creepages along and across, N
         (of a shift N/mm), at a solution of this patch.
