@@ -16,7 +16,7 @@ import argparse
 import random
 import shlex
 import sys
-from collections import defaultdict
+from collections import Counter, defaultdict
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -102,25 +102,26 @@ def main() -> None:
     data.read()
     lines = reached(data, taken)
     mutants = drawn(20 * asked.count, asked.seed, sorted(lines))
-    killed = survived = 0
+    outcomes: Counter[str] = Counter()
     for mutant in mutants:
         path, (line, _) = Path(mutant.module_path), mutant.start_pos
         tests = within(lines[path][line], taken)
         if not tests:
             continue
-        command = shlex.join([sys.executable, *["-m", "pytest", "-x", "-q", "-n", "0"], *tests])
+        command = shlex.join([sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", *tests])
         result = mutate_and_test([mutant], command, LIMIT)
         if result.test_outcome == TestOutcome.INCOMPETENT:
             continue
         survives = result.test_outcome == TestOutcome.SURVIVED
-        killed, survived = killed + (not survives), survived + survives
-        print(f"{'SURVIVED' if survives else 'killed'} {path}:{line} {mutant.operator_name}, "
+        outcome = "survives" if survives else "hangs" if result.output == "timeout" else "killed"
+        outcomes[outcome] += 1
+        print(f"{outcome} {path}:{line} {mutant.operator_name}, "
               f"{len(tests)} of {len(lines[path][line])} tests", flush=True)  # fmt: skip
         if survives:
             print(result.diff, flush=True)
-        if killed + survived == asked.count:
+        if outcomes.total() == asked.count:
             break
-    print(f"{killed} of {killed + survived} mutants are killed")
+    print(dict(outcomes))
 
 
 if __name__ == "__main__":
