@@ -123,11 +123,11 @@ def test_disk_full(tmp_path: Path) -> None:
     folder = tmp_path / "result"
     make(folder, OLD)
     done = subprocess.run(
-        [sys.executable, "-c", SMALL_FILES, "run", *CASE, str(folder)], capture_output=True,
-        text=True, check=False,
+        [sys.executable, "-c", SMALL_FILES, "run", "--force", *CASE, str(folder)],
+        capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 1
-    assert done.stderr.strip().splitlines() == ["railhead: NOT WRITTEN: File too large"]
+    assert done.stderr.strip().splitlines() == [f"railhead: NOT WRITTEN: {folder}: File too large"]
     assert content(folder) == OLD
     assert os.listdir(tmp_path) == ["result"]
 
