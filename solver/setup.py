@@ -106,6 +106,7 @@ class Setup:
     far_field: displacement prescribed at both supports beside the rigid motion; None: zero.
     load_control: True: the load is prescribed and the approach unknown; False: the reverse.
     linear: method for linear systems, one of `LINEAR_SOLVERS`.
+    tolerance: of Newton's method, residual over the contact force.
     kinematics: meaning of the mesh coordinates: a solid, plane strain, or a section that is
         revolved.
     load_path: load history of bodies that may yield; None: all bodies stay elastic.
@@ -125,6 +126,7 @@ class Setup:
     far_field: FarField | None = None
     load_control: bool = True
     linear: str = "auto"
+    tolerance: float = 1e-8
     kinematics: Kinematics = SOLID
     load_path: LoadPath | None = None
     friction: FrictionSettings | None = None

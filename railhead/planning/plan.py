@@ -33,6 +33,8 @@ from railhead.theory.elastic.contacts import Hertz
 PRICED_ACCURACIES = (0.05, 0.01, 0.002)  # accuracies whose cost a plan predicts
 SECTION_PER_TURN = 5  # elements on a full turn of a fillet of a whole rail (4: 3 % less twist)
 SECTION_CELLS = 8.5  # cells of web and foot for each mm of a whole rail (measured)
+TOLERANCE_SHARE = 0.02  # of an error envelope of the mesh: the residual adds 4 % to it at most
+UNSIGNED_TOLERANCE = 1e-6  # of Newton's method where no error of the mesh is known
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -295,6 +297,19 @@ class Plan:
             half = bodies.rail_reach(self.contact, self.reach, whole_section=True)
             cells += SECTION_CELLS * 2 * half
         return int(share * cells * prediction.unknowns_per_cell("solid", cell, self.order))
+
+    @property
+    def newton_tolerance(self) -> float:
+        """Tolerance of Newton's method, residual over the contact force: that of the scene, else
+        TOLERANCE_SHARE of the smallest error envelope on this mesh; UNSIGNED_TOLERANCE where no
+        envelope holds.
+        """
+        family, n = self.family, self.forecast.minor / self.patch_size
+        if self.scene.solver.tolerance is not None:
+            return self.scene.solver.tolerance
+        if family is None:
+            return UNSIGNED_TOLERANCE
+        return TOLERANCE_SHARE * min(family.mesh(name, n) for name in family.laws)
 
     @property
     def seconds(self) -> float:

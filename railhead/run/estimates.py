@@ -7,6 +7,7 @@ The estimate of a quantity is the sum of
     contact_law   the overlap that the law lets through, over the approach, times its effect
     left_out      what effects left out by the plan add
     geometry      contact points off the exact surface, over the smaller semi-axis
+    algebraic     the residual of Newton's method, with what it moves a quantity by at most
     profile       what the noise of measured profiles hides (`planning.accuracy.uncertainty`)
 
 Estimates are relative to the value, those of forces by friction to mu N. An accuracy that a scene
@@ -34,6 +35,9 @@ if TYPE_CHECKING:
 
 # Error over the change between two meshes a step apart; first order leaves 1/(STEP - 1) = 1.67.
 SCATTER_FACTOR = 2.0
+# Relative error of any quantity over the residual of Newton's method: 1.13 at most, measured at a
+# tolerance of 1e-3 (tests/solver/algebra/test_tolerance.py).
+RESIDUAL_FACTOR = 2.0
 RIDGE_STRESS_FACTOR = 2.0
 """Uncertainty of the largest stresses below a ridge of the pressure, over that of the ridge: chosen
 on the scenes of seed 1, of which one alone makes three quarters of the law if it is 1."""
@@ -50,6 +54,7 @@ class Estimate:
     left_out: effect of what the plan leaves out.
     geometry: distance of contact points from the exact surface, over the smaller semi-axis.
     load_steps: error of the load steps where bodies yield.
+    algebraic: effect of the residual that Newton's method leaves.
     profile: effect of the noise of measured profiles.
     flatness: where the quantity is the depth of a maximum, half the range of depths in which values
         are close to that maximum, over its depth; None for other quantities.
@@ -61,6 +66,7 @@ class Estimate:
     left_out: float
     geometry: float
     load_steps: float = 0.0
+    algebraic: float = 0.0
     profile: float = 0.0
     flatness: float | None = None
 
@@ -269,6 +275,7 @@ def estimate(meshes: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
             left_out=solved.plan.omission_error,
             geometry=solved.off_surface / min(solved.plan.zone),
             load_steps=meshes[0].load_step_errors.get(name, 0.0) * steps,
+            algebraic=RESIDUAL_FACTOR * (solved.solution.newton.residual or 0.0),
             profile=solved.plan.profile_error,
             flatness=scale.get(name),
         )

@@ -64,6 +64,7 @@ def setup(plan: Plan) -> Setup:
         far_field=partial(hertz_far_field, scene, contact, made) if far else None,
         load_control=scene.load is not None or far,
         linear=scene.solver.linear,
+        tolerance=plan.newton_tolerance,
         kinematics=kinematics,
         load_path=path if on["plasticity"].on else None,
         friction=_friction(plan) if rubs else None,

@@ -325,6 +325,8 @@ class Solver(Section):
     gamma_factor: factor on the default stabilisation of Nitsche's method or on the default penalty.
     linear: solver of linear systems: "direct", "multigrid", or "auto", which leaves the choice to
         the plan.
+    tolerance: of Newton's method, residual over the contact force, 1e-10 to 1e-3. None: a share of
+        the expected error of the mesh.
     max_newton: largest number of steps of Newton's method, 1 to 200.
     """
 
@@ -332,6 +334,7 @@ class Solver(Section):
     theta: units.Theta | None = None
     gamma_factor: units.Factor = 1.0
     linear: Literal["auto", "direct", "multigrid"] = "auto"
+    tolerance: units.Tolerance | None = None
     max_newton: units.Iterations = 30
 
     @model_validator(mode="after")

@@ -30,7 +30,6 @@ from railhead.solver.space.cells import Array, Bulk, quadrature_degree
 from railhead.solver.space.facets import FacetSet
 from railhead.solver.space.operators import vector
 
-NEWTON_TOLERANCE = 1e-8  # residual over the contact force
 STAGE_TOLERANCE = 0.1  # residual over the contact force for the softer laws before a stiff one
 LINEAR_DIRECT_BELOW = 80_000  # unknowns of linear cells; multigrid is slow on stretched ones
 SECTION_DIRECT_BELOW = 200_000  # unknowns of a plane section, whose factors stay sparse
@@ -279,7 +278,7 @@ class ContactSystem:
                     preconditioner,
                     active,
                     result.y if result and result.converged else None,
-                    rtol=NEWTON_TOLERANCE if last else STAGE_TOLERANCE,
+                    rtol=self.setup.tolerance if last else STAGE_TOLERANCE,
                     max_steps=case.max_steps,
                     progress=case.progress,
                 )
@@ -292,7 +291,54 @@ class ContactSystem:
             active = result.pressure > 0
             compat.collect(self.comm)
         assert result is not None
+        if result.converged:
+            self._balance(result)
         return replace(result, history=history)
+
+    def _balance(self, result: newton.NewtonResult) -> None:
+        """Add translations of the bodies along the approach to a state, so that its forces balance
+        to rounding at any tolerance of Newton's method (collective).
+
+        With the translations T, the residual R and the tangent K_A at the active set of the state,
+        y <- y - T (T^T K_A T)^-1 T^T R.
+        """
+        problem = self.problem
+        residual = problem.residual(result.y, result.pressure)
+        tangent = problem.tangent(result.pressure > 0)
+        forces = [tangent * motion for motion in self._translations]
+        matrix = [[motion.dot(force) for force in forces] for motion in self._translations]
+        unbalanced = [motion.dot(residual) for motion in self._translations]
+        for motion, length in zip(
+            self._translations, np.linalg.solve(matrix, unbalanced), strict=True
+        ):
+            result.y.axpy(-length, motion)
+        result.pressure[:] = np.maximum(problem.indicator(result.y), 0.0)
+
+    @cached_property
+    def _translations(self) -> list[PETSc.Vec]:
+        """Unit translation along the approach of each body in the free unknowns; supports stay. A
+        rigid body moves by the approach, and has none where the approach is prescribed.
+        """
+        space, reduction = self.bulk.space, self.reduction
+        scale = reduction.norms()
+        scale.array[:] = np.where(scale.array > 0, scale.array, 1.0)
+        motions = []
+        for tag in self.materials:
+            full, motion = reduction.matrix.createVecLeft(), reduction.matrix.createVecRight()
+            dofs = fem.locate_dofs_topological(
+                space, space.mesh.topology.dim, self.cell_tags.find(tag)
+            )
+            full.array.reshape(self.owned, -1)[dofs[dofs < self.owned]] = self.setup.push
+            reduction.matrix.multTranspose(full, motion)
+            motion.pointwiseDivide(motion, scale)
+            motions.append(motion)
+        if reduction.rigid_approach:
+            motion = reduction.matrix.createVecRight()
+            motion.set(0.0)
+            if reduction.approach >= 0:
+                motion.array[reduction.approach] = 1.0
+            motions.append(motion)
+        return motions
 
     def _carried(self, pressure: Array) -> float:
         """Resultant of the pressure (n,), MPa, on the moving body against the direction of the

@@ -9,7 +9,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from railhead.solver.algebra import linear, newton
-from railhead.solver.algebra.contact_system import NEWTON_TOLERANCE, ContactSystem, LoadCase
+from railhead.solver.algebra.contact_system import ContactSystem, LoadCase
 from railhead.solver.algebra.newton import NewtonResult
 from railhead.solver.algebra.problem import Mask
 from railhead.solver.material.hardening import History
@@ -128,7 +128,7 @@ class LoadStepping:
             self.preconditioner,
             self.active,
             y,
-            rtol=NEWTON_TOLERANCE if share in REPORTED_SHARES else STEP_TOLERANCE,
+            rtol=system.setup.tolerance if share in REPORTED_SHARES else STEP_TOLERANCE,
             max_steps=case.max_steps,
             progress=case.progress,
         )

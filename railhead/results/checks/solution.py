@@ -19,7 +19,7 @@ from railhead.run.estimates import Estimate
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene import steels
 
-BALANCE_TOLERANCE = 1e-6  # relative: what equations solved to 1e-8 leave
+BALANCE_TOLERANCE = 1e-6  # relative; forces balance to rounding, an approach to this
 NOISE_LIMIT = 0.5  # relative L2: where half of the pressure is noise, none of it is an answer
 YIELD_LOAD_LIMIT = 110.0  # times the load of first yield
 SHEAR_OVER_PRESSURE = (0.2, 0.6)
@@ -69,7 +69,7 @@ def equations(solved: MeshSolution) -> Iterator[Check]:
         name="force_balance",
         value=max(deviation(solution.load, target), deviation(solution.reaction, solution.load)),
         limit=BALANCE_TOLERANCE,
-        source="equations solved to 1e-8",
+        source="the rigid motions' equations solved to rounding",
         advice=SOLVER,
     )
     yield Check(
