@@ -14,7 +14,7 @@ SCENES = [
     ("two_cylinders",),
     ("hertz_ellipse", "mesh.patch_size=1", "wheel.young_modulus=inf"),
     ("hertz_ellipse", "mesh.patch_size=1", "load=none", "approach=0.05"),
-    ("two_cylinders", "solver.method=penalty"),
+    ("hertz_ellipse", "mesh.patch_size=1", "solver.method=penalty"),
 ]
 
 
