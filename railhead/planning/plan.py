@@ -34,6 +34,7 @@ PRICED_ACCURACIES = (0.05, 0.01, 0.002)  # accuracies whose cost a plan predicts
 SECTION_PER_TURN = 5  # elements on a full turn of a fillet of a whole rail (4: 3 % less twist)
 SECTION_CELLS = 8.5  # cells of web and foot for each mm of a whole rail (measured)
 TOLERANCE_SHARE = 0.02  # of an error envelope of the mesh: the residual adds 4 % to it at most
+LARGEST_TOLERANCE = 1e-3  # of Newton's method on meshes whose envelopes are larger than the values
 UNSIGNED_TOLERANCE = 1e-6  # of Newton's method where no error of the mesh is known
 
 
@@ -301,15 +302,16 @@ class Plan:
     @property
     def newton_tolerance(self) -> float:
         """Tolerance of Newton's method, residual over the contact force: that of the scene, else
-        TOLERANCE_SHARE of the smallest error envelope on this mesh; UNSIGNED_TOLERANCE where no
-        envelope holds.
+        TOLERANCE_SHARE of the smallest error envelope on this mesh, at most LARGEST_TOLERANCE;
+        UNSIGNED_TOLERANCE where no envelope holds.
         """
         family, n = self.family, self.forecast.minor / self.patch_size
         if self.scene.solver.tolerance is not None:
             return self.scene.solver.tolerance
         if family is None:
             return UNSIGNED_TOLERANCE
-        return TOLERANCE_SHARE * min(family.mesh(name, n) for name in family.laws)
+        smallest = min(family.mesh(name, n) for name in family.laws)
+        return min(TOLERANCE_SHARE * smallest, LARGEST_TOLERANCE)
 
     @property
     def seconds(self) -> float:

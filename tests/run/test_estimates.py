@@ -143,7 +143,8 @@ def test_every_default_run_carries_estimates_whose_parts_add_up() -> None:
     assert found["asked"] is None and found["reached"] is None
     assert set(found["bound"]) == set(quantities.numeric_values(summary["result"]))
     for name, parts in found["parts"].items():
-        assert set(parts) == {"mesh", "reading", "contact_law", "left_out", "geometry"}
+        known = {"mesh", "reading", "contact_law", "left_out", "geometry", "algebraic"}
+        assert set(parts) == known
         assert sum(parts.values()) == pytest.approx(found["bound"][name])
         assert parts["mesh"] > 0
     assert "NaN" not in result_folder.to_json(summary)
