@@ -14,7 +14,7 @@ from studies.accuracy import twist as measured
 def test_every_calibrated_family_holds_its_own_scenes_and_no_foreign_ones() -> None:
     parts = {part: name for name in families.RECIPES for part in families.parts(name)}
     for known in error_envelopes.families():
-        drawn = islice(families.scenes(parts[known.name], 3), 3)
+        drawn = islice(families.scenes(parts[known.name], 3), 6)
         found = {error_envelopes.family(planning.make(scene).setting).name for scene in drawn}
         assert known.name in found
         assert all(parts[name] == parts[known.name] for name in found)
