@@ -117,8 +117,7 @@ def test_units_that_nobody_says_are_not_taken_for_others(unit: float) -> None:
             orientation.in_mm(table(points / unit), body, "auto")
 
 
-@pytest.mark.parametrize("unit", [10.0, 304.8], ids=["cm", "ft"])
-@pytest.mark.parametrize("half", [13.0, 18.0])
+@pytest.mark.parametrize("half, unit", [(13.0, 304.8), (18.0, 10.0)], ids=["ft", "cm"])
 def test_a_narrow_crown_is_no_head_in_inches(unit: float, half: float) -> None:
     y = np.arange(-half, half, 0.25)
     points = np.column_stack([y, profiles.rail_head("60E1").height(y)])
