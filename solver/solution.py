@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from petsc4py import PETSc
+if TYPE_CHECKING:  # half-spaces have such solutions, too, without a solver
+    from petsc4py import PETSc
 
-from railhead.solver.algebra.newton import NewtonResult
-from railhead.solver.algebra.problem import Mask
-from railhead.solver.space.cells import Array
+    from railhead.solver.algebra.newton import NewtonResult
+    from railhead.solver.algebra.problem import Mask
+    from railhead.solver.space.cells import Array
 
 
 @dataclass(frozen=True)

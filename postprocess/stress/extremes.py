@@ -68,13 +68,13 @@ def exact(contact: Hertz, poisson: Mapping[str, float], frame: Frame) -> dict[st
         frame. Largest stresses lie on the axis: for no axis ratio from 1 to 1/30, nor a strip, and
         no Poisson's ratio from 0 to 0.4999, does a fine grid beside the axis have more.
     """
-    bodies = {body: _exact(contact, body, nu, frame) for body, nu in poisson.items()}
+    bodies = {body: exact_largest(contact, body, nu, frame) for body, nu in poisson.items()}
     shown, nu = next(iter(poisson.items()))
     surface = contacts.axis_stress(contact, nu, 0.0)[0]
     return quantities(bodies, _below(shown, bodies[shown]), surface)
 
 
-def _exact(contact: Hertz, body: str, poisson: float, frame: Frame) -> Largest:
+def exact_largest(contact: Hertz, body: str, poisson: float, frame: Frame) -> Largest:
     """Largest shear and von Mises stress of an exact Hertz contact, on the axis in the body with
     this name and Poisson's ratio.
     """

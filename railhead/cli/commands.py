@@ -60,6 +60,7 @@ _scene_options = (
     click.option(
         "--without", "switched_off", multiple=True, metavar="NAME", help="Leave this effect out."
     ),
+    click.option("--fast", is_flag=True, help="Half-spaces: --without finite_bodies."),
 )
 _report_options = (
     click.option(
@@ -77,8 +78,8 @@ def _with_options(command: Callable[..., Any], options: Iterable[Callable[[Any],
 
 
 def _takes_scene(command: Callable[..., Any]) -> Any:
-    """The command with the argument CASE and the options --set, --with and --without, which it gets
-    as one argument `scene`. Raises SceneError for a wrong case, key, value or effect.
+    """The command with the argument CASE and the options --set, --with, --without and --fast, which
+    it gets as one argument `scene`. Raises SceneError for a wrong case, key, value or effect.
     """
 
     @functools.wraps(command)
@@ -88,9 +89,11 @@ def _takes_scene(command: Callable[..., Any]) -> Any:
         assignments: Sequence[str],
         switched_on: Sequence[str],
         switched_off: Sequence[str],
+        fast: bool,
         **values: Any,
     ) -> Any:
         """The command with a scene in the place of the options that change it."""
+        switched_off = [*switched_off, *(["finite_bodies"] if fast else [])]
         for name in set(switched_on) & set(switched_off):
             raise SceneError(f"effects.{name}", "given with --with and --without; give one of them")
         switches = [f"effects.{name}=on" for name in switched_on]
@@ -240,7 +243,7 @@ def run(
     quiet = quiet or as_json
     with refinement.show_progress(quiet=quiet, since=start) as progress:
         result = pipeline.solve(planned, progress)
-    first, problem = result.mesh.comm.rank == 0, None
+    first, problem = result.comm.rank == 0, None
     with refinement.show_progress(quiet=quiet, since=start) as progress:
         progress.stage("writing files" + ("" if no_pictures else " and pictures"))
         try:
@@ -309,6 +312,8 @@ def sweep(
     from railhead.results import result_folder
 
     grid = _grid(scene, lists, over_file)
+    if vtu and any(each.effects.finite_bodies == "off" for each in grid.scenes):
+        raise SceneError("--vtu", "half-spaces have no bodies to write; leave out --vtu or --fast")
     folder = out if out is not None else Path("results") / f"{scene.name}_sweep"
     result_folder.check_folder(folder)
 

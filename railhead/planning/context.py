@@ -9,7 +9,7 @@ from typing import Any
 
 from railhead.contact.dimension import Dimension
 from railhead.contact.solid import Contact
-from railhead.planning.references import boundary_elements, closed_forms
+from railhead.planning.references import boundary_elements, closed_forms, rail_twist
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.theory.bem import grid_stress
 from railhead.theory.bem.boundary_element import Solution
@@ -92,6 +92,15 @@ class Context:
         return boundary_elements.solve(self.contact, self.hertz, self.scene.load)
 
     @cached_property
+    def twist_change(self) -> float:
+        """Relative change of the largest pressure or of the area as the load twists the rail.
+        Raises ValueError where boundary elements cannot tell.
+        """
+        angle = rail_twist.twist(self.contact, self.hertz)
+        aside = rail_twist.CENTRE * angle
+        return rail_twist.change(self.contact, self.boundary_elements, angle, aside)
+
+    @cached_property
     def hertzian(self) -> bool:
         """Whether exact Hertz gives the patch: always between half-spaces and in sections, else
         where the exact gap over the patch is Hertz's parabola.
@@ -120,7 +129,17 @@ class Context:
         """
         if isinstance(self.elastic, str):
             return contacts.axis_extrema(self.hertz, poisson).von_mises_max
-        return max(grid_stress.largest_von_mises(each, poisson) for each in self.elastic.patches)
+        if poisson not in self._largest:
+            patches = self.elastic.patches
+            self._largest[poisson] = max(
+                grid_stress.largest_von_mises(each, poisson) for each in patches
+            )
+        return self._largest[poisson]
+
+    @cached_property
+    def _largest(self) -> dict[float, float]:
+        """Largest von Mises stress (MPa) below the boundary elements by Poisson's ratio."""
+        return {}
 
     @property
     def accuracy(self) -> float:

@@ -98,9 +98,15 @@ class Plan:
     @property
     def family(self) -> Family | None:
         """Family whose error laws hold for this plan; None with yield or friction, for which no
-        laws were measured, and where no family fits.
+        laws were measured, for half-spaces, and where no family fits.
         """
-        return error_envelopes.family(self.setting) if self.is_elastic_frictionless else None
+        meshed = self.is_elastic_frictionless and not self.by_half_spaces
+        return error_envelopes.family(self.setting) if meshed else None
+
+    @property
+    def by_half_spaces(self) -> bool:
+        """Whether half-spaces answer, by boundary elements or exact Hertz, without a mesh."""
+        return not self.effects["finite_bodies"].on
 
     @property
     def is_elastic_frictionless(self) -> bool:
@@ -284,7 +290,11 @@ class Plan:
 
     @cached_property
     def unknowns(self) -> int:
-        """Predicted number of unknowns, from the density of elements and the symmetry planes."""
+        """Predicted number of unknowns, from the density of elements and the symmetry planes; 0 of
+        half-spaces.
+        """
+        if self.by_half_spaces:
+            return 0
         cell = self.scene.mesh.cell
         share = 0.5 ** (self.half_x + self.half_y)
         if self.section:
@@ -323,6 +333,8 @@ class Plan:
         """Predicted seconds for one mesh, with load steps and friction, without the start of the
         process.
         """
+        if self.by_half_spaces:
+            return prediction.BOUNDARY_ELEMENTS[self.effects["friction"].on]
         more = prediction.LOAD_STEP * self.load_steps if self.effects["plasticity"].on else 0.0
         beside = 0.0
         if self.effects["friction"].on and not self.condenses:

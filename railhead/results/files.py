@@ -14,7 +14,9 @@ from railhead.results import quantity_rows, table_file
 from railhead.results.report.output_units import Units
 from railhead.results.result_folder import result
 from railhead.results.subject import subject
+from railhead.run.half_spaces import HalfSpaceSolution, Solved
 from railhead.run.mesh_solution import MeshSolution
+from railhead.theory.elastic.line import LineContact
 
 if TYPE_CHECKING:
     import meshio
@@ -27,7 +29,7 @@ TABLE = "result.csv"
 
 
 def write(
-    solved: MeshSolution,
+    solved: Solved,
     summary: dict[str, Any],
     folder: Path,
     *,
@@ -51,9 +53,13 @@ def write(
         found = _titled(solved)
         with attempt("*.vtu"):
             stresses = write_grids(solved, work, whole=whole)
-        if pictures and found is not None and stresses is not None:
+        if pictures and found is not None:
             with attempt("*.png"):
-                grids, drawings = _drawings(solved, summary["result"], found, stresses)
+                drawings: dict[str, Drawing] = {}
+                if isinstance(solved, HalfSpaceSolution):
+                    drawings = _diagrams(solved, found)
+                elif stresses is not None:
+                    grids, drawings = _drawings(solved, summary["result"], found, stresses)
                 for name, draw in drawings.items():
                     with attempt(name):
                         draw(work / name)
@@ -64,33 +70,52 @@ def write(
                 html.write(solved, summary, report, work, found, grids)
 
 
-def _titled(solved: MeshSolution) -> Findings | None:
+def _titled(solved: Solved) -> Findings | None:
     """Findings with the whole contact surface, the title and the notes of pictures; None where
     nothing touches.
     """
-    if solved.findings is None or solved.fields is None:
+    if solved.findings is None:
         return None
-    surface = symmetry.surface(solved.findings.surface, solved.fields.mirrors)
+    surface = solved.findings.surface
+    if solved.fields is not None:
+        surface = symmetry.surface(surface, solved.fields.mirrors)
     after = solved.after.items()
     needed = tuple(f"{name.replace('_', ' ')}: {each.why}" for name, each in after if each.needed)
-    words = subject(solved.plan, solved.solution.load)
+    words = subject(solved.plan, solved.load)
     return replace(solved.findings, surface=surface, notes=needed, subject=words)
 
 
-def write_grids(solved: MeshSolution, folder: Path, *, whole: bool = False) -> Array | None:
+def write_grids(solved: Solved, folder: Path, *, whole: bool = False) -> Array | None:
     """Write the files for ParaView into a folder; returns the stresses at the nodes (n, 6), columns
-    xx, yy, zz, xy, xz, yz, MPa. None, and no files, where nothing touches or off rank 0. whole:
-    with the mirror images of what symmetry left out.
+    xx, yy, zz, xy, xz, yz, MPa. None, and no files, where nothing touches, off rank 0, and of
+    half-spaces. whole: with the mirror images of what symmetry left out.
     """
+    if not isinstance(solved, MeshSolution) or solved.fields is None or solved.findings is None:
+        return None
     from railhead.postprocess.stress import gauss_points
     from railhead.postprocess.vtu import files
 
     found, fields, residual = solved.findings, solved.fields, solved.unloaded_fields
-    if fields is None or found is None:
-        return None
     stresses = gauss_points.nodal_stress(fields)
     files.write(fields, stresses, found, residual, solved.solution.friction, folder, whole=whole)
     return stresses
+
+
+def _diagrams(solved: HalfSpaceSolution, found: Findings) -> dict[str, Drawing]:
+    """Pictures of a solution by half-spaces, by file name. found: with the title and the notes."""
+    from railhead.postprocess.plots import diagrams, traction_plots
+
+    exact = solved.ellipse if len(found.patch.each) < 2 else None
+    if isinstance(exact, LineContact):
+        every: dict[str, Drawing] = {"pressure.png": partial(diagrams.pressure, found, exact)}
+    else:
+        every = {"patch.png": partial(diagrams.patch, found, exact)}
+    if solved.friction is not None:
+        coefficient = solved.plan.scene.friction.coefficient
+        every["friction.png"] = partial(
+            traction_plots.draw, solved.friction, found, coefficient, planes=()
+        )
+    return every
 
 
 def _drawings(

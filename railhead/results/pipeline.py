@@ -7,8 +7,10 @@ from mpi4py import MPI
 from railhead.planning import plan as planning
 from railhead.planning.cost import machine
 from railhead.planning.plan import Plan
+from railhead.results import half_spaces as half_space_summary
 from railhead.results.result import Result
 from railhead.results.summary import summarise
+from railhead.run import half_spaces
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
 from railhead.run.refinement import Ending, refine, unplanned_yield
@@ -26,9 +28,12 @@ def run(
 
 def solve(plan: Plan, progress: Progress, comm: MPI.Intracomm = MPI.COMM_WORLD) -> Result:
     """Solve a plan; collective. Where bodies yield that were planned as elastic, solve again with
-    yield. Raises SceneError for a mesh that does not fit into the memory, MeshError where gmsh
-    fails.
+    yield. Without finite bodies half-spaces are solved. Raises SceneError for a mesh that does not
+    fit into the memory, MeshError where gmsh fails.
     """
+    if plan.by_half_spaces:
+        solved = half_spaces.solve(plan, progress)
+        return Result(solved, half_space_summary.summarise(solved))
     levels, ending = refine(plan, progress, comm)
     if why := unplanned_yield(levels[-1], comm):
         levels, ending = refine(plan.with_yield(why), progress, comm)

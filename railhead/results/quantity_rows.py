@@ -11,11 +11,13 @@ from railhead.run.quantities import Quantity
 
 Cell = float | str | None
 Row = dict[str, Cell]
-"""Cells by column: "quantity", "unit", "FE" and what stands beside it; None where there is none."""
+"""Cells by column: "quantity", "unit", "FE" and what stands beside it; None where there is none.
+Where half-spaces are the answer, "FE" is "half-spaces"."""
 
 ROUNDING = 1e-9  # of friction times load: a force below it is 0
 FIRST = ("quantity", "unit")
-RELATIVE = ("estimate", "FE - Hertz")
+ANSWERS = ("FE", "half-spaces")
+RELATIVE = ("estimate", *(f"{name} - Hertz" for name in ANSWERS))
 """Columns of relative numbers."""
 
 
@@ -32,7 +34,15 @@ def contact(summary: Mapping[str, Any]) -> list[Row]:
     """
     if summary["result"] is None:
         return []
-    return [_compared(summary, each) for each in quantities.rows("contact")]
+    return [_named(summary, _compared(summary, each)) for each in quantities.rows("contact")]
+
+
+def _named(summary: Mapping[str, Any], row: Row) -> Row:
+    """A row in whose columns "FE" is the name of the method of the answer."""
+    if summary.get("method", ANSWERS[0]) != ANSWERS[1]:
+        return row
+    beside = {key: value for key, value in row.items() if key != "half-space"}
+    return {key.replace(*ANSWERS): value for key, value in beside.items()}
 
 
 def _compared(summary: Mapping[str, Any], quantity: Quantity) -> Row:
@@ -65,7 +75,7 @@ def friction(summary: Mapping[str, Any]) -> list[Row]:
     bound = summary["accuracy"]["bound"] | _unresolved(found)
     still, limit = found.get("resolution", {}), ROUNDING * found.get("limit_N", 0.0)
     least = {"N": limit, "N mm": limit}  # of a moment over an arm of 1 mm
-    return [
+    rows: list[Row] = [
         {
             "quantity": each.label,
             "unit": each.unit,
@@ -81,13 +91,14 @@ def friction(summary: Mapping[str, Any]) -> list[Row]:
         for each in quantities.rows("friction")
         if each.key in found
     ]
+    return [_named(summary, row) for row in rows]
 
 
 def steel(summary: Mapping[str, Any]) -> list[Row]:
     """Rows of the effects of pressure and tractions on the steel."""
     found = (summary["result"] or {}).get("friction") or {}
     unresolved = _unresolved(found)
-    return [
+    rows: list[Row] = [
         {
             "quantity": each.label,
             "unit": each.unit,
@@ -97,6 +108,7 @@ def steel(summary: Mapping[str, Any]) -> list[Row]:
         for each in quantities.rows("steel")
         if each.key in found
     ]
+    return [_named(summary, row) for row in rows]
 
 
 def _unresolved(friction: Mapping[str, Any]) -> dict[str, Cell]:
@@ -120,7 +132,7 @@ def everything(summary: Mapping[str, Any]) -> Iterator[Row]:
         label = str(row["quantity"])
         name = f"{above}: {label.strip()}" if label.startswith(" ") else label
         above = above if label.startswith(" ") else label
-        named: Row = {"value" if key == "FE" else key: value for key, value in row.items()}
+        named: Row = {"value" if key in ANSWERS else key: value for key, value in row.items()}
         yield {**named, "quantity": name}
     yield {"quantity": "program", "value": f"railhead {summary['railhead']}"}
     yield {"quantity": "date", "value": summary["date"]}

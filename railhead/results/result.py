@@ -13,6 +13,7 @@ from mpi4py import MPI
 from railhead.results.report import terminal
 from railhead.results.report.output_units import Units
 from railhead.run import quantities
+from railhead.run.half_spaces import Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene.scene import SceneError
 
@@ -34,15 +35,15 @@ class Result:
     """A solved scene. Numbers are the same on all MPI processes; fields and findings are on rank 0
     only.
 
-    solution: on the finest mesh; None of a result that was loaded.
+    solution: on the finest mesh, or by half-spaces; None of a result that was loaded.
     summary: content of summary.json.
 
     The properties `patch`, `pressure`, `stress`, `friction`, `plastic`, `load` and `approach` hold
-    numbers of finite elements, `hertz` the same of exact Hertz, `estimate` bounds of relative
+    numbers of that solution, `hertz` the same of exact Hertz, `estimate` bounds of relative
     errors. `railhead.run.quantities` describes each number.
     """
 
-    solution: MeshSolution | None
+    solution: Solved | None
     summary: dict[str, Any]
 
     def __repr__(self) -> str:
@@ -130,17 +131,33 @@ class Result:
 
     @property
     def _answer(self) -> quantities.Answer:
-        """Quantities of finite elements. ValueError: nothing touches."""
+        """Quantities of the solution. ValueError: nothing touches."""
         if self.summary["result"] is None:
             raise ValueError("there is no result: nothing touches")
         return quantities.read(quantities.Answer, self.summary["result"])
 
     @property
     def mesh_solution(self) -> MeshSolution:
-        """Solution on the finest mesh. ValueError: the result was loaded, and has numbers only."""
+        """The solution on the finest mesh. ValueError: half-spaces answered, which have no mesh, or
+        the result was loaded.
+        """
+        if not isinstance(self.solved, MeshSolution):
+            raise ValueError("half-spaces have no mesh; effects.finite_bodies=auto solves bodies")
+        return self.solved
+
+    @property
+    def solved(self) -> Solved:
+        """The solution. ValueError: the result was loaded, and has numbers only."""
         if self.solution is None:
             raise ValueError("a loaded result has numbers only; solve the scene again for fields")
         return self.solution
+
+    @property
+    def comm(self) -> MPI.Intracomm:
+        """The MPI processes that share the result; those of half-spaces each have all of it."""
+        if not isinstance(self.solved, MeshSolution):
+            return MPI.COMM_WORLD
+        return MPI.COMM_SELF if self.solved.mesh is None else self.mesh.comm
 
     @property
     def mesh(self) -> Any:
@@ -214,8 +231,7 @@ class Result:
         from railhead.results import files, result_folder
 
         problem: Exception | None = None
-        comm = MPI.COMM_SELF if self.mesh_solution.mesh is None else self.mesh.comm
-        out = Path(folder)
+        comm, out = self.comm, Path(folder)
         if comm.rank == 0:
             try:
                 result_folder.check_folder(out)
@@ -223,7 +239,7 @@ class Result:
                     result_folder.refuse_other(out, "run", self.plan.scene)
                 shown = units or Units() if report and pictures else None
                 files.write(
-                    self.mesh_solution,
+                    self.solved,
                     self.summary,
                     out,
                     pictures=pictures,
@@ -243,24 +259,24 @@ class Result:
     @property
     def plan(self) -> Plan:
         """The plan of the finest mesh."""
-        return self.mesh_solution.plan
+        return self.solved.plan
 
     @property
     def ellipse(self) -> Hertz:
         """Exact Hertz under the same load, an ellipse or a line contact."""
-        return self.mesh_solution.ellipse
+        return self.solved.ellipse
 
     @property
     def fields(self) -> Fields | None:
-        """The solution as arrays; None off rank 0."""
-        return self.mesh_solution.fields
+        """The solution as arrays; None off rank 0, and of half-spaces."""
+        return self.solved.fields
 
     @property
     def findings(self) -> Findings | None:
         """Patch, pressure and stresses read from the solution; None off rank 0 and where nothing
         touches.
         """
-        return self.mesh_solution.findings
+        return self.solved.findings
 
 
 def load(folder: str | Path) -> Result:

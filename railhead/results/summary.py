@@ -14,6 +14,7 @@ from railhead.results import checks
 from railhead.results.checks import second_method
 from railhead.results.result_folder import origin
 from railhead.run import estimates
+from railhead.run.half_spaces import Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.references import half_space_reference, rolling_reference
 from railhead.run.refinement import Ending
@@ -57,10 +58,11 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
     missing = second_method.not_made(solved, judged, second, beside)
     return {
         "case": scene.name,
+        "method": "finite elements",
         **origin(),
         "scene": portable(scene),
         "plan": plan.summary(),
-        "result": solved.result and {**solved.result, **_more(solved)},
+        "result": solved.result and {**solved.result, **more(solved)},
         **({} if reference is None else {_reference_name(solved): reference.result}),
         "hertz": hertz,
         "half_space": profiles,
@@ -92,10 +94,15 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
             "ranks": solved.mesh.mesh.comm.size,
             "newton_iterations": len(newton.history),
             "linear_iterations": sum(step.linear_iterations for step in newton.history),
-            "peak_rss_MB": 1024e-6 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss,
+            "peak_rss_MB": peak_memory(),
             "seconds": _seconds(levels),
         },
     }
+
+
+def peak_memory() -> float:
+    """Largest memory of this process so far, MB."""
+    return 1024e-6 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
 def _reference_name(solved: MeshSolution) -> str:
@@ -105,7 +112,7 @@ def _reference_name(solved: MeshSolution) -> str:
     return "elastic" if solved.residual_state is not None else "frictionless"
 
 
-def _more(solved: MeshSolution) -> dict[str, Any]:
+def more(solved: Solved) -> dict[str, Any]:
     """Entries "plastic" and "friction" (and effects on the steel) of "result" in summary.json."""
     out: dict[str, Any] = {} if solved.residual_state is None else {"plastic": _plastic(solved)}
     if solved.result is not None and (found := solved.result.get("friction")):
@@ -124,16 +131,16 @@ def _more(solved: MeshSolution) -> dict[str, Any]:
     return out
 
 
-def _plastic(solved: MeshSolution) -> dict[str, Any]:
+def _plastic(solved: Solved) -> dict[str, Any]:
     """Entry "plastic" of "result" in summary.json: yield and the state after unloading."""
     scene, left, elastic = solved.plan.scene, solved.residual_state, solved.elastic_reference
     assert left is not None and elastic is not None and elastic.result is not None
     part = scene.rail if left.zone.body == "rail" else scene.wheel
-    shear = plasticity.hardening(part).initial_yield_stress / math.sqrt(3)
+    shear = plasticity.first_yield(part) / math.sqrt(3)
     return left.summary(elastic.result["pressure"]["max_MPa"], shear)
 
 
-def exact_quantities(solved: MeshSolution) -> dict[str, Any]:
+def exact_quantities(solved: Solved) -> dict[str, Any]:
     """Quantities of exact Hertz under the load of the solution, as "result" of summary.json."""
     contact, hertz = solved.plan.contact, solved.ellipse
     angle = contact.touch.angle

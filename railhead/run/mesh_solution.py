@@ -96,6 +96,11 @@ class MeshSolution:
         return self.plan.grading()
 
     @property
+    def load(self) -> float:
+        """Load on the wheel, N."""
+        return self.solution.load
+
+    @property
     def approach_error(self) -> float:
         """Relative deviation from the scene's approach; 0 where the scene has a load."""
         target = self.plan.scene.approach

@@ -15,13 +15,14 @@ from railhead.contact import wheelset_kinematics
 from railhead.contact.solid import Contact
 from railhead.meshing.tags import BODY_NAMES, CONTACT, RAIL, SUPPORT, WHEEL
 from railhead.planning.effects.interface import friction
-from railhead.planning.effects.material import plasticity
 from railhead.planning.patch.forecast import Zone
 from railhead.planning.plan import Plan
 from railhead.planning.references import closed_forms
 from railhead.scene.scene import Scene
+from railhead.scene.sections import BodySection
 from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.material.elasticity import Material
+from railhead.solver.material.hardening import Hardening
 from railhead.solver.setup import ContactBody, FrictionSettings, LoadPath, Setup
 from railhead.theory.elastic import contacts, halfspace
 
@@ -81,8 +82,19 @@ def materials(plan: Plan) -> dict[int, Material]:
         young = part.young_modulus if tag in plan.deformable else math.inf
         made[tag] = Material(young, part.poisson_ratio)
         if plan.effects["plasticity"].on and part.yields and math.isfinite(young):
-            made[tag] = replace(made[tag], hardening=plasticity.hardening(part))
+            made[tag] = replace(made[tag], hardening=hardening(part))
     return made
+
+
+def hardening(part: BodySection) -> Hardening:
+    """Hardening curve of a body that yields, from its yield stress and hardening modulus, or from
+    its curve, MPa.
+    """
+    share = part.kinematic_fraction or 0.0
+    if part.yield_stress is not None:
+        return Hardening.linear(part.yield_stress, part.hardening_modulus or 0.0, share)
+    strain, stress = zip(*part.curve, strict=True)
+    return Hardening(strain, stress, share)
 
 
 def _body(tag: int, material: Material) -> ContactBody:

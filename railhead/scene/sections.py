@@ -460,6 +460,7 @@ class Effects(Section):
     deformable_wheel: the wheel deforms; off: a rigid wheel.
     rail_section: web and foot of the rail are meshed, too.
     far_field: half-spaces around the meshed bodies.
+    finite_bodies: bodies that end where they end; off: half-spaces answer, by boundary elements.
     true_profile: real profiles; off: arcs with their radii at the contact.
     mean_dilatation: treatment of nearly incompressible materials.
     plasticity: bodies yield.
@@ -476,6 +477,7 @@ class Effects(Section):
     deformable_wheel: Switch = "auto"
     rail_section: Switch = "auto"
     far_field: Switch = "auto"
+    finite_bodies: Switch = "auto"
     true_profile: Switch = "auto"
     mean_dilatation: Switch = "auto"
     plasticity: Switch = "auto"

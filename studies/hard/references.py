@@ -26,6 +26,7 @@ from railhead.geometry import profiles
 from railhead.meshing.mesh import MeshError
 from railhead.planning import plan as planning
 from railhead.planning.references import boundary_elements
+from railhead.planning.references.allowance import allowance
 from railhead.postprocess import compare
 from railhead.results import pipeline
 from railhead.results.checks.check import ESTIMATE_FACTOR
@@ -33,8 +34,7 @@ from railhead.results.summary import summarise
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.run.quantities import numeric_values
-from railhead.run.references.allowance import allowance
-from railhead.run.references.half_space_reference import CELLS, motion
+from railhead.run.references.half_space_reference import CELLS, twist_change
 from railhead.run.refinement import Ending
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic import indentation
@@ -162,7 +162,10 @@ def half_space(scene: Scene, solution: MeshSolution) -> Summary:
     found = boundary_elements.solve(contact, plan.estimate, scene.load, 2 * CELLS)
     points, plane = boundary_elements.develop(contact).points, contact.touch.angle
     other = compare.from_half_space(found, points, plane)
-    return {**other, "allowance": allowance(plan, found, motion(solution))}
+    return {
+        **other,
+        "allowance": allowance(contact, plan.deformable, found, twist_change(solution)),
+    }
 
 
 @refusable

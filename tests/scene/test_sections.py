@@ -5,7 +5,7 @@ import pytest
 
 from railhead import Rail, Scene
 from railhead.planning import plan as planning
-from railhead.planning.effects.material.plasticity import hardening
+from railhead.run.model_setup import hardening
 from railhead.scene.sections import SceneError
 from railhead.scene.steels import by_name
 

@@ -1,12 +1,18 @@
-"""Stresses below a pressure given in the cells of a rectangular grid, in closed form.
+"""Stresses below pressure and tractions given in the cells of a rectangular grid, in closed form.
 
 A cell carries a constant pressure. Its potentials and their derivatives are sums of closed forms at
 its four corners (Love, Phil. Trans. R. Soc. A 228, 1929), and inner corners are shared: what counts
 at a corner is the mixed difference of the pressures around it. Lengths are in mm, stresses in MPa.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize
 
 from railhead.theory.bem.patch import PatchSolution
 from railhead.theory.elastic import subsurface
@@ -14,23 +20,45 @@ from railhead.theory.elastic import subsurface
 Array = NDArray[np.float64]
 PLACES = 3  # each way over the patch, below which the largest stress is looked for ...
 DEPTHS = 16  # ... from half a cell down to the patch's smaller half length, ...
+Invariant = Callable[[Array], Array]
+Moved = Callable[[Array], Array]
 SURFACE = 1e-3  # ... and so many cells below the surface
 
 
-def stress(patch: PatchSolution, poisson: float, points: Array) -> Array:
+def stress(
+    patch: PatchSolution, poisson: float, points: Array, traction: Array | None = None
+) -> Array:
     """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, tension positive, at points (n, 3), z <
     0, mm, below the pressure of a grid on a half-space.
 
-    X, Y, z are the distances of the n points from the m corners of cells, R = |(X, Y, z)|. The
-    derivatives of the potentials are sums over the corners, weighted by the pressure differences.
+    traction: (2, nx, ns), MPa, along x and s on the half-space; None: none.
+    """
+    total = _below_pressure(patch, poisson, points)
+    if traction is not None:
+        along = replace(patch, pressure=traction[0])
+        across = replace(patch, x=patch.s, s=patch.x, pressure=traction[1].T)
+        total += _below_traction(along, poisson, points)
+        turned = _below_traction(across, poisson, points[:, [1, 0, 2]])
+        total += turned[:, [1, 0, 2, 3, 5, 4]]
+    return total
+
+
+def _corners(patch: PatchSolution, points: Array) -> tuple[Array, Array, Array, Array, Array]:
+    """Distances X, Y (n, m), z (n, 1) and R = |(X, Y, z)| (n, m) of points (n, 3) from the m
+    corners of cells, mm, and the pressure differences (m,) at the corners, MPa. The derivatives of
+    the potentials are sums over the corners, weighted by these.
     """
     jumps = np.diff(np.diff(np.pad(patch.pressure, 1), axis=0), axis=1)
     i, j = np.nonzero(jumps)
-    strength = jumps[i, j]
     X = points[:, :1] - _edges(patch.x)[i]
     Y = points[:, 1:2] - _edges(patch.s)[j]
     z = -points[:, 2:]
-    R = np.sqrt(X**2 + Y**2 + z**2)
+    return X, Y, z, np.sqrt(X**2 + Y**2 + z**2), jumps[i, j]
+
+
+def _below_pressure(patch: PatchSolution, poisson: float, points: Array) -> Array:
+    """Stress (n, 6) at points (n, 3) by the pressure of a patch, as in `stress`."""
+    X, Y, z, R, strength = _corners(patch, points)
     over_y = _share(R, Y, X**2 + z**2) / R  # 1 / (R (R + Y))
     over_x = _share(R, X, Y**2 + z**2) / R
     xx, yy = (z * X * over_y) @ strength, (z * Y * over_x) @ strength
@@ -48,9 +76,37 @@ def stress(patch: PatchSolution, poisson: float, points: Array) -> Array:
     )
 
 
+def _below_traction(patch: PatchSolution, poisson: float, points: Array) -> Array:
+    """Stress (n, 6) at points (n, 3) by tractions q along x, which stand in the place of the
+    pressure of a patch, as in `stress`.
+
+    With F = int q ln(rho + z) dA and F1 = int q (z ln(rho + z) - rho) dA, z the depth, the
+    displacement is (2 F_z + 2 nu F1_xx - z F_xx, 2 nu F1_xy - z F_xy, (1 - 2 nu) F_x - z F_xz)/(4
+    pi G) (Johnson, Contact Mechanics, 3.2); F and F1 are harmonic.
+    """
+    X, Y, z, R, strength = _corners(patch, points)
+    beside, over_y = 1 / (R + z), _share(R, Y, X**2 + z**2)
+    F_xz, F_yz = -np.log(over_y), -np.log(_share(R, X, Y**2 + z**2))
+    F_xyy, F_xzz = Y * beside / R, z * over_y / R
+    columns = (
+        2 * F_xz + 2 * poisson * Y * beside + z * (F_xyy + F_xzz),
+        2 * poisson * (F_xz - Y * beside) - z * F_xyy,
+        -z * F_xzz,
+        F_yz - (2 * poisson + z / R) * X * beside,
+        np.arctan(X * Y / (z * R)) + X * F_xzz,  # the shears on horizontal planes change sign
+        z / R,
+    )
+    return np.column_stack([each @ strength for each in columns]) / (2 * np.pi)
+
+
 def largest_von_mises(patch: PatchSolution, poisson: float) -> float:
-    """Largest von Mises stress (MPa) below the pressure of a patch. Searched below PLACES x PLACES
-    places and below the cell of the largest pressure, at DEPTHS depths down to the smaller half
+    """Largest von Mises stress (MPa) below the pressure of a patch, at the places of `lattice`."""
+    return float(subsurface.von_mises(stress(patch, poisson, lattice(patch))).max())
+
+
+def lattice(patch: PatchSolution) -> Array:
+    """Places (n, 3) at which the largest stress below a patch is looked for, mm: below PLACES x
+    PLACES places and the cell of the largest pressure, at DEPTHS depths down to the smaller half
     length, and near the surface.
     """
     top = np.unravel_index(int(np.argmax(patch.pressure)), patch.pressure.shape)
@@ -64,8 +120,58 @@ def largest_von_mises(patch: PatchSolution, poisson: float) -> float:
     deepest = max(step, min(patch.half_extents))
     depth = np.append(SURFACE * step, np.geomspace(step / 2, deepest, DEPTHS))
     places = np.meshgrid(*lines, -depth, indexing="ij")
-    points = np.column_stack([each.ravel() for each in places])
-    return float(subsurface.von_mises(stress(patch, poisson, points)).max())
+    return np.column_stack([each.ravel() for each in places])
+
+
+def surface(patch: PatchSolution) -> Array:
+    """Places (n, 3) just below the surface of a patch, mm: below the last cell of each line of
+    cells along the rail, at the trailing edge, and below every fourth cell of every fourth line.
+    """
+    filled = patch.pressure > 0
+    chosen = np.zeros_like(filled)
+    chosen[::4, ::4] = True
+    chosen[filled.argmax(axis=0), np.arange(patch.s.size)] = True
+    i, j = np.nonzero(chosen & filled)
+    depth = SURFACE * (patch.x[1] - patch.x[0])
+    return np.column_stack([patch.x[i], patch.s[j], np.full(i.size, -depth)])
+
+
+def peaks(
+    patch: PatchSolution, poisson: float, traction: Array | None = None
+) -> list[tuple[Array, float]]:
+    """Largest shear and largest von Mises stress (MPa), each with its place (3,), mm, below the
+    pressure and the tractions of a patch.
+
+    Each is the largest at the places of `lattice` and, with tractions, `surface`; then uphill by
+    the simplex method of Nelder and Mead. A place less deep than half a cell stays, and none is led
+    to: nearer to the surface the stress is that of the cells.
+    """
+    places, least = lattice(patch), (patch.x[1] - patch.x[0]) / 2
+    if traction is not None:
+        places = np.vstack([places, surface(patch)])
+    known = stress(patch, poisson, places, traction)
+    steps = np.append(np.ptp(places[:, :2], axis=0) / (4 * PLACES), 0.1)
+    found = []
+    for invariant in (subsurface.max_shear, subsurface.von_mises):
+        values = invariant(known)
+        start, top = places[np.argmax(values)], float(values.max())
+
+        def moved(way: Array, start: Array = start) -> Array:
+            """The point (3,) at `way` (3,) steps in x, s and ln(depth) from the start."""
+            x, s = start[:2] + way[:2] * steps[:2]
+            return np.array([x, s, min(start[2] * np.exp(way[2] * steps[2]), -least)])
+
+        def lower(way: Array, invariant: Invariant = invariant, moved: Moved = moved) -> float:
+            """Minus the invariant (MPa) there."""
+            return -float(invariant(stress(patch, poisson, moved(way)[None], traction))[0])
+
+        if -start[2] >= least:
+            simplex = np.vstack([np.zeros(3), np.eye(3)])
+            options = {"initial_simplex": simplex, "xatol": 0.05, "fatol": 1e-4 * top}
+            best = minimize(lower, np.zeros(3), method="Nelder-Mead", options=options)
+            start, top = moved(best.x), -float(best.fun)
+        found.append((start, top))
+    return found
 
 
 def _edges(centres: Array) -> Array:

@@ -107,6 +107,29 @@ class PatchSolution(Grid):
         return a, b * float(np.cos(self.angle[across[0] : across[-1] + 1] - plane).mean())
 
     @property
+    def outline(self) -> Array:
+        """Closed curve (k, 2) of (x, s), mm, around a single patch: the ends of its chords along x,
+        and between them its outermost ends along s. Holes are left out.
+        """
+        filled = np.flatnonzero(self.pressure.any(axis=0))
+        columns = np.nonzero(self.pressure)[1]
+        upper, lower = _edges(self.pressure)
+        high = np.array([upper[columns == j].max() for j in filled])
+        low = np.array([lower[columns == j].min() for j in filled])
+        top, bottom = _edges(self.pressure.T)
+        across = np.concatenate([[bottom.min()], filled, [top.max()]])
+        high, low = (
+            np.concatenate([[middle[0]], side, [middle[-1]]])
+            for middle, side in (((high + low) / 2, high), ((high + low) / 2, low))
+        )
+        along = np.concatenate([low, high[::-1], low[:1]])
+        around = np.concatenate([across, across[::-1], across[:1]])
+        ends = [
+            axis[0] + (axis[1] - axis[0]) * k for axis, k in ((self.x, along), (self.s, around))
+        ]
+        return np.column_stack(ends)
+
+    @property
     def max_pressure(self) -> float:
         """Largest pressure, MPa: the peak of parabolas in x and in s through p^2 of the highest
         cell and its two neighbours. A direction in which one neighbour has no pressure is left

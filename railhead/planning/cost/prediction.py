@@ -26,6 +26,8 @@ FRICTION_BYTES = 3_000  # more bytes per unknown with it: up to 1 700 were measu
 CONDENSING, CONDENSING_AT = 5.5, 46_000
 CONDENSING_BYTES = 26_000  # more bytes per unknown with it: 13 000 to 24 000 were measured
 
+BOUNDARY_ELEMENTS = {False: 0.5, True: 2.0}  # seconds of half-spaces, without and with friction
+
 
 @dataclass(frozen=True)
 class Cost:

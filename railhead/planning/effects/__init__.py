@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from railhead.contact.dimension import Dimension
@@ -12,7 +12,7 @@ from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.effects import assumptions
 from railhead.planning.effects.interface import friction, heat
 from railhead.planning.effects.material import deformable, mean_dilatation, plasticity
-from railhead.planning.effects.shape import extent, rail_section, true_profile
+from railhead.planning.effects.shape import extent, finite_bodies, rail_section, true_profile
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic.contacts import Hertz
@@ -27,25 +27,33 @@ class EffectRules:
         the solution; gives None where it does not apply.
     numerical_only: the exact answer is the same with and without the effect.
     beyond_half_spaces: half-space references beside the result lack the effect too.
+    of_bodies: the effect is one of finite bodies. Without them it is off, and the estimate of the
+        answer covers it.
     """
 
     decide: Callable[[Context], Effect]
     check: Callable[[Context, Effect, Findings], PostSolveVerdict | None] = lambda *_: None
     numerical_only: bool = False
     beyond_half_spaces: bool = False
+    of_bodies: bool = False
 
 
 EFFECTS = {
     "plane_strain": EffectRules(decide=extent.plane_strain),
     "axisymmetry": EffectRules(decide=extent.axisymmetry, numerical_only=True),
-    "symmetry_x": EffectRules(decide=extent.symmetry_x, numerical_only=True),
-    "symmetry_y": EffectRules(decide=extent.symmetry_y, numerical_only=True),
+    "symmetry_x": EffectRules(decide=extent.symmetry_x, numerical_only=True, of_bodies=True),
+    "symmetry_y": EffectRules(decide=extent.symmetry_y, numerical_only=True, of_bodies=True),
     "deformable_rail": EffectRules(decide=partial(deformable.decide, "rail")),
     "deformable_wheel": EffectRules(decide=partial(deformable.decide, "wheel")),
     "true_profile": EffectRules(decide=true_profile.decide, check=true_profile.check),
-    "rail_section": EffectRules(decide=rail_section.decide, check=rail_section.check),
-    "far_field": EffectRules(decide=extent.far_field),
-    "mean_dilatation": EffectRules(decide=mean_dilatation.decide, numerical_only=True),
+    "rail_section": EffectRules(
+        decide=rail_section.decide, check=rail_section.check, of_bodies=True
+    ),
+    "far_field": EffectRules(decide=extent.far_field, of_bodies=True),
+    "finite_bodies": EffectRules(decide=finite_bodies.decide, of_bodies=True),
+    "mean_dilatation": EffectRules(
+        decide=mean_dilatation.decide, numerical_only=True, of_bodies=True
+    ),
     "friction": EffectRules(decide=friction.decide, check=friction.check, beyond_half_spaces=True),
     "plasticity": EffectRules(
         decide=plasticity.decide, check=plasticity.check, beyond_half_spaces=True
@@ -69,6 +77,8 @@ def decide(
     context = Context(scene, dimension, contact, hertz, found)
     for name, effect in EFFECTS.items():
         found[name] = effect.decide(context).forced(name, scene.effects.state(name))
+    if not found["finite_bodies"].on:
+        found |= {name: _without_bodies(name, found[name]) for name in EFFECTS}
     bodies = ("deformable_rail", "deformable_wheel")
     if not any(found[name].on for name in bodies):
         rigid = next(name for name in bodies if found[name].override)
@@ -78,14 +88,31 @@ def decide(
     return context, found
 
 
+def _without_bodies(name: str, effect: Effect) -> Effect:
+    """The named effect where finite bodies are off. Raises SceneError for an effect of bodies that
+    a person switched on.
+    """
+    if not EFFECTS[name].of_bodies or not effect.on:
+        return effect
+    if effect.override:
+        text = "'on' is not allowed: finite_bodies is off; give auto or off"
+        raise SceneError(f"effects.{name}", text)
+    why = f"{effect.why}; off by effects.finite_bodies"
+    return replace(effect, on=False, override=True, why=why)
+
+
 def overruled(effects: Mapping[str, Effect]) -> list[str]:
     """Names of the effects by which a person chose another problem than the scene calls for;
-    numerical effects do not count.
+    numerical effects, and those that the estimate of half-spaces covers, do not count.
     """
+    covered = not effects["finite_bodies"].on
     return [
         name
         for name, each in effects.items()
-        if each.override and each.called_for != each.on and not EFFECTS[name].numerical_only
+        if each.override
+        and each.called_for != each.on
+        and not EFFECTS[name].numerical_only
+        and not (covered and EFFECTS[name].of_bodies)
     ]
 
 

@@ -34,18 +34,21 @@ def inside_the_bodies(context: Context, found: Findings) -> PostSolveVerdict | N
     """Verdict on the distance from the patch to the nearest edge of a tread or head, where a stress
     peak arises that no profile shows; None without profiles across the rail.
     """
-    scene, contact = context.scene, context.contact
-    if not contact.cross_profiles:
+    if not context.contact.cross_profiles:
         return None
     cosine, patch = math.cos(found.frame.angle), found.patch
     middle, reach = found.frame.origin[1] + patch.centre[1] * cosine, EDGE * patch.b * cosine
-    width = scene.wheel.width or math.inf
-    ends = [end + shift for _, profile, shift in contact.cross_profiles for end in profile.domain]
-    ends += [contact.touch.y - width / 2, contact.touch.y + width / 2]
-    room = min(abs(end - middle) for end in ends)
+    room = min(abs(end - middle) for end in edges(context))
     near = bool(room < reach)
     text = f"{room:.1f} mm from the middle of the patch to the nearest edge, b = {patch.b:.2f} mm"
     return PostSolveVerdict(near, f"{text}: the edge carries load" if near else text)
+
+
+def edges(context: Context) -> list[float]:
+    """y of the ends of both profiles and of the tread's width, mm."""
+    contact, width = context.contact, context.scene.wheel.width or math.inf
+    ends = [end + shift for _, profile, shift in contact.cross_profiles for end in profile.domain]
+    return [*ends, contact.touch.y - width / 2, contact.touch.y + width / 2]
 
 
 def thick_bodies(context: Context, found: Findings) -> PostSolveVerdict | None:

@@ -35,11 +35,12 @@ def lever(contact: Contact, centre: float = CENTRE) -> float:
 
 def twist(contact: Contact, ellipse: Hertz) -> float:
     """Rotation of the rail head, rad, positive towards the middle of the track, under the Hertz
-    load of the contact.
+    load of the contact. A measured rail is taken for the softer one of the standard rails.
     """
     moment = -ellipse.load * math.cos(contact.touch.angle) * lever(contact)
     rail = contact.scene.rail
-    return COMPLIANCE[rail.profile] * moment / rail.young_modulus
+    compliance = COMPLIANCE.get(rail.profile, max(COMPLIANCE.values()))
+    return compliance * moment / rail.young_modulus
 
 
 def twisted(contact: Contact, angle: float, aside: float) -> Contact:

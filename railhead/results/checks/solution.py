@@ -16,6 +16,7 @@ from railhead.planning.accuracy.error_envelopes import RANGE
 from railhead.planning.sizing import LINEAR_REFINEMENT
 from railhead.results.checks.check import DEFAULT_TOLERANCE, FINER, Check, allowed, deviation
 from railhead.run.estimates import Estimate
+from railhead.run.half_spaces import Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene import steels
 
@@ -47,16 +48,7 @@ def equations(solved: MeshSolution) -> Iterator[Check]:
     fine where the patch is, and unloading.
     """
     solution, load = solved.solution, solved.plan.scene.load
-    missing = effects.left_out(solved.plan.effects, solved.after)
-    why = "; ".join(f"{name}: {reason}" for name, reason in missing.items())
-    overrule = " ".join(f"--without {name}" for name in missing)
-    yield Check(
-        name="effects_left_out",
-        value=float(len(missing)),
-        limit=0.0,
-        source=why or "none that is called for",
-        advice=f"{overrule} accepts the answer without",
-    )
+    yield left_out(solved)
     yield Check(
         name="converged",
         value=0.0 if solution.newton.converged and solved.result is not None else math.inf,
@@ -96,6 +88,20 @@ def equations(solved: MeshSolution) -> Iterator[Check]:
             source=f"Newton's method without the load: {last.reason}",
             advice=SOLVER,
         )
+
+
+def left_out(solved: Solved) -> Check:
+    """Check of the number of effects that are called for, not simulated and not overruled: none."""
+    missing = effects.left_out(solved.plan.effects, solved.after)
+    why = "; ".join(f"{name}: {reason}" for name, reason in missing.items())
+    overrule = " ".join(f"--without {name}" for name in missing)
+    return Check(
+        name="effects_left_out",
+        value=float(len(missing)),
+        limit=0.0,
+        source=why or "none that is called for",
+        advice=f"{overrule} accepts the answer without",
+    )
 
 
 def resolution(solved: MeshSolution) -> Iterator[Check]:
@@ -168,7 +174,7 @@ def resolution(solved: MeshSolution) -> Iterator[Check]:
     )
 
 
-def physics(solved: MeshSolution) -> Iterator[Check]:
+def physics(solved: Solved) -> Iterator[Check]:
     """Checks of a solution in which the bodies touch: ratios of the largest stresses and pressure
     without yield and friction, load over that of first yield, small strains, and a pressure that
     steel bears, for bodies of which the softer one has at most the modulus of steel.

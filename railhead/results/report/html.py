@@ -21,7 +21,7 @@ from railhead.results.quantity_rows import Row
 from railhead.results.report import labels, tables
 from railhead.results.report.output_units import Units
 from railhead.run import quantities
-from railhead.run.mesh_solution import MeshSolution
+from railhead.run.half_spaces import HalfSpaceSolution, Solved
 
 NAME = "report.html"
 LARGE = 300_000  # bytes
@@ -49,7 +49,7 @@ PACKAGES = (
 
 
 def write(
-    solved: MeshSolution,
+    solved: Solved,
     summary: dict[str, Any],
     units: Units,
     folder: Path,
@@ -70,7 +70,7 @@ def write(
 
 
 def render(
-    solved: MeshSolution,
+    solved: Solved,
     summary: dict[str, Any],
     units: Units,
     folder: Path,
@@ -116,17 +116,18 @@ def answer_rows(summary: Mapping[str, Any], units: Units, found: Findings | None
     names = found.subject.names
     columns = {
         "FE": "finite elements",
+        "half-spaces": "half-spaces",
         "estimate": "within",
         "half-space": "half-spaces",
         "Hertz": "exact Hertz",
     }
     if kind := quantity_rows.reference_name(summary):
-        columns[f"{kind} FE"] = f"{kind}, finite elements"
+        columns |= {f"{kind} {name}": f"{kind}, {columns[name]}" for name in quantity_rows.ANSWERS}
     table = quantity_rows.contact(summary)
     columns = {
         name: shown
         for name, shown in columns.items()
-        if any(row[name] is not None for row in table)
+        if any(row.get(name) is not None for row in table)
     }
     keys = [".".join(quantity.path) for quantity in quantities.rows("contact")]
     rows = []
@@ -180,11 +181,13 @@ def _checks(checks: Mapping[str, Any]) -> list[tuple[str, str, str, bool, str, s
 
 
 def _views(
-    solved: MeshSolution, found: Findings | None, grids: tuple[meshio.Mesh, meshio.Mesh] | None
+    solved: Solved, found: Findings | None, grids: tuple[meshio.Mesh, meshio.Mesh] | None
 ) -> tuple[list[dict[str, Any]], str, str]:
     """Interactive views, the data of their viewer as JSON, and the reason why there are none (else
     empty).
     """
+    if isinstance(solved, HalfSpaceSolution):
+        return [], "", "half-spaces have no bodies to show"
     if found is None or grids is None or solved.fields is None:
         return [], "", "nothing touches"
     try:

@@ -46,13 +46,17 @@ def show_plan(plan: Plan, console: Console) -> None:
         f"solver     {solver['method']}, linear {solver['linear']}",
         f"predicted  {plan.unknowns} unknowns, {plan.seconds:.1f} s",
     )
+    if plan.by_half_spaces:
+        answer = f"answer     by half-spaces, without a mesh; predicted {plan.seconds:.1f} s"
+        lines = (*lines[:2], answer)
     for line in (*lines, *profile_lines(plan.profiles)):
         terminal.labelled(console, line)
     if plan.uncertainty:
         terminal.labelled(console, _uncertainty_line(vars(plan.uncertainty)))
     if plan.forecast.reason:
         console.print(f"The patch is forecast as Hertz's: {plan.forecast.reason}.", markup=False)
-    _show_prices(said["prices"], console)
+    if not plan.by_half_spaces:
+        _show_prices(said["prices"], console)
 
 
 def profile_lines(profiles: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
@@ -180,6 +184,13 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAUL
         if after["needed"] or after["notable"]:
             console.print(f"{name}: {after['why']}", markup=False, highlight=False)
     checks, cost = summary["checks"], summary["cost"]
+    if summary.get("method") == "half-spaces":
+        console.print(
+            f"Half-spaces, {cost['seconds']['total']:.1f} s: no bodies, no mesh, no .vtu files. "
+            "Estimates are what finite bodies would change; other numbers have none.",
+            highlight=False,
+        )
+        return
     console.print(
         f"{cost['dofs']} unknowns, {cost['newton_iterations']} Newton steps, "
         f"{cost['linear_iterations']} Krylov iterations, {cost['seconds']['total']:.1f} s, "

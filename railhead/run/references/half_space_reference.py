@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from railhead.meshing.tags import RAIL
-from railhead.planning.references import boundary_elements
+from railhead.planning.references import boundary_elements, rail_twist
+from railhead.planning.references.allowance import allowance
 from railhead.postprocess import compare
 from railhead.postprocess.patch import body_motion
 from railhead.run.mesh_solution import MeshSolution
-from railhead.run.references.allowance import allowance
 from railhead.theory.bem.boundary_element import Solution
 
 CELLS = 128
@@ -42,12 +42,24 @@ def half_space(solved: MeshSolution, solution: Solution | str | None) -> dict[st
     points, plane = boundary_elements.develop(contact).points, contact.touch.angle
     quantities = compare.from_half_space(solution, points, plane)
     try:
-        allowed = allowance(solved.plan, solution, motion(solved))
+        twist = twist_change(solved)
     except ValueError as error:
         return {**quantities, "allowance": {"reason": f"twist: {error}"}}
+    allowed = allowance(contact, solved.plan.deformable, solution, twist)
     if found.hertzian:  # half lengths are those of ellipses
         allowed |= dict.fromkeys(("a_mm", "b_mm"), allowed["area_mm2"])
     return {**quantities, "allowance": allowed}
+
+
+def twist_change(solved: MeshSolution) -> float:
+    """Relative change of the pressure by the rotation and the movement of the bodies in the
+    solution (rank 0); 0 for a contact that is symmetric about y = 0. Raises ValueError where it
+    cannot be computed.
+    """
+    contact, moved = solved.plan.contact, motion(solved)
+    if contact.why_asymmetric_in_y() is None:
+        return 0.0
+    return rail_twist.change(contact, solved.plan.context.boundary_elements, *moved)
 
 
 def motion(solved: MeshSolution) -> tuple[float, float]:

@@ -70,8 +70,27 @@ def decide(context: Context) -> Effect:
             "1 is not allowed with friction: on linear tetrahedra and triangles forces are 0.03 to "
             "0.14 mu N off; give 2",
         )
-    refused = {} if coefficient else {"on": "friction.coefficient is 0"}
-    return Effect(called, called, why, refused)
+    if not coefficient:
+        return Effect(called, called, why, {"on": "friction.coefficient is 0"})
+    if called and (missing := _beyond_half_spaces(context)):
+        return Effect(True, False, f"{why}; {missing}", {"on": missing})
+    return Effect(called, called, why)
+
+
+def _beyond_half_spaces(context: Context) -> str:
+    """Reason why half-spaces cannot answer the friction of a scene where finite bodies are off;
+    empty where they can: bodies that roll, and solid half-spaces of one material under a force.
+    """
+    scene, contact = context.scene, context.contact
+    if context.decided["finite_bodies"].on or scene.rolling.prescribed:
+        return ""
+    if grows(scene):
+        return "half-spaces do not follow unlike bodies that slip while the patch grows"
+    if scene.friction.cycle:
+        return "half-spaces do not follow a cycle of forces"
+    if contact.half_space and not contact.plane:
+        return ""
+    return "the shift of bodies that end, or of a line, depends on where they are held"
 
 
 def grows(scene: Scene) -> bool:

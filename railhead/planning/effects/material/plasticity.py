@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.effects.interface import friction
@@ -15,11 +14,9 @@ from railhead.scene.sections import BodySection
 from railhead.theory.elastic import indentation
 from railhead.theory.friction import sliding
 
-if TYPE_CHECKING:
-    from railhead.solver.material.hardening import Hardening
-
 STEPS = 4  # load steps after first yield: the centre pressure is within 1.5 % of many steps
 LINE_STEPS = 16  # the same for a line, where four steps make the strain 20 % too large
+HALF_SPACES = "half-spaces are solved elastically; effects.plasticity=off accepts that"
 DEFAULT_STEEL = "R260"  # rail steel whose yield a scene without a steel is compared with
 
 
@@ -27,9 +24,9 @@ def decide(context: Context) -> Effect:
     """Whether yield is simulated: called for where the largest elastic von Mises stress passes the
     yield stress of a deformable body.
 
-    The state 'on' is refused where no deformable body has a yield stress, and with friction where
-    bodies roll or differ in material. SceneError: linear cells where a body yields and plasticity
-    is not 'off'.
+    The state 'on' is refused where no deformable body has a yield stress, without finite bodies,
+    and with friction where bodies roll or differ in material. SceneError: linear cells where a body
+    yields and plasticity is not 'off'.
     """
     scene = context.scene
     stresses = {
@@ -52,7 +49,10 @@ def decide(context: Context) -> Effect:
     if yields:
         why += _expected(context, over ** (2 if context.contact.line else 3))
     refused = {} if stresses else {"on": "no body that deforms has a yield stress"}
-    if stresses and context.decided["friction"].on:
+    if stresses and not context.decided["finite_bodies"].on:
+        refused = {"on": HALF_SPACES}
+        why += f"; {HALF_SPACES}" if yields else ""
+    elif stresses and context.decided["friction"].on:
         grows = friction.grows(scene)
         if scene.rolling.prescribed or grows:
             what = "unlike bodies are pressed" if grows else "rolling is solved"
@@ -88,19 +88,6 @@ def check(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict
     return PostSolveVerdict(yields, why + cost)
 
 
-def hardening(part: BodySection) -> Hardening:
-    """Hardening curve of a body that yields, from its yield stress and hardening modulus, or from
-    its curve, MPa.
-    """
-    from railhead.solver.material.hardening import Hardening
-
-    share = part.kinematic_fraction or 0.0
-    if part.yield_stress is not None:
-        return Hardening.linear(part.yield_stress, part.hardening_modulus or 0.0, share)
-    strain, stress = zip(*part.curve, strict=True)
-    return Hardening(strain, stress, share)
-
-
 def shear_yield(context: Context) -> float | None:
     """Yield stress in shear, yield / sqrt(3), of the weaker body that deforms, MPa; None where no
     body has a yield stress.
@@ -111,7 +98,7 @@ def shear_yield(context: Context) -> float | None:
 
 def first_yield(part: BodySection) -> float:
     """Yield stress of a body that yields, before any hardening, MPa."""
-    return hardening(part).initial_yield_stress
+    return float(part.curve[0][1] if part.yield_stress is None else part.yield_stress)
 
 
 def _yielding(context: Context) -> dict[str, Rail | Wheel]:

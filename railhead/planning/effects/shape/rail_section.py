@@ -80,9 +80,7 @@ def _twists(context: Context) -> tuple[bool, str]:
     angle, limit = rail_twist.twist(contact, context.hertz), context.accuracy
     text = f"the load twists it by {1e3 * angle:.2g} mrad"
     try:
-        change = rail_twist.change(
-            contact, context.boundary_elements, angle, rail_twist.CENTRE * angle
-        )
+        change = context.twist_change
     except ValueError as error:
         return True, f"{text}: what that changes cannot be judged ({error})"
     side = "above" if change > limit else "below"

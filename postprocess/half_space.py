@@ -1,0 +1,309 @@
+"""Findings of half-spaces: from exact Hertz, or from the pressure of boundary elements."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from railhead.postprocess.findings import (
+    Array,
+    AxisPressure,
+    DepthAxis,
+    Findings,
+    Frame,
+    Largest,
+    OnePatch,
+    Patch,
+    Peak,
+    Place,
+    Surface,
+)
+from railhead.postprocess.friction.traction import unread_peak
+from railhead.postprocess.stress import extremes
+from railhead.theory.bem import grid_stress
+from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.bem.patch import PatchSolution
+from railhead.theory.elastic import contacts
+from railhead.theory.elastic.contacts import Hertz
+from railhead.theory.elastic.line import LineContact
+
+if TYPE_CHECKING:
+    from railhead.solver.solution import FrictionSolution
+
+Points = Callable[[Array, Array], Array]
+DEEP = 3.0  # smaller half lengths: end of the axes below the patches
+DEPTHS = 61  # points on each of them
+LINES = 65  # of the grid on which an exact pressure is drawn, each way
+HERTZIAN = 0.02  # relative: moments of an ellipsoid
+
+
+def of_hertz(
+    hertz: Hertz, frame: Frame, poisson: Mapping[str, float], *, section: bool
+) -> Findings:
+    """Findings of exact Hertz. poisson: Poisson's ratio by body. section: whether the contact is
+    one of a section, which has no separate patches.
+    """
+    a, b = hertz.a, hertz.b
+    turn = np.linspace(0, 2 * np.pi, 181)
+    outline = np.column_stack([a * np.cos(turn), b * np.sin(turn)])
+    if isinstance(hertz, LineContact):
+        outline = np.array([[a, b], [-a, b], [-a, -b], [a, -b], [a, b]])
+    ticks = np.linspace(-1.05, 1.05, LINES)
+    along, across = ticks * a, ticks * b
+    one = OnePatch(
+        centre=frame.place(0.0, 0.0),
+        angle=frame.angle,
+        a=a,
+        b=b,
+        area=hertz.area,
+        max_pressure=hertz.p0,
+        share=1.0,
+    )
+    depth = np.linspace(0, DEEP * min(contacts.half_lengths(hertz)), DEPTHS)
+
+    def below(body: str, nu: float) -> DepthAxis:
+        """Stresses on the axis below the patch in a body with a Poisson's ratio."""
+        normal = contacts.axis_stress(hertz, nu, depth)
+        return DepthAxis(body, depth, np.hstack([normal, 0 * normal]), _line(frame, body))
+
+    x, s = np.meshgrid(along, across, indexing="ij")
+    local = np.column_stack([x.ravel(), s.ravel()])
+    return Findings(
+        frame=frame,
+        patch=Patch(
+            a=a,
+            b=b,
+            centre=(0.0, 0.0),
+            area=hertz.area,
+            max_pressure=hertz.p0,
+            mean_pressure=hertz.p_mean,
+            outlines=[outline],
+            each=() if section else (one,),
+        ),
+        surface=_surface(
+            [frame.origin + np.column_stack([local, 0 * local[:, 0]]) @ frame.axes],
+            [hertz.pressure(x, s)],
+            [np.full_like(x, np.nan)],
+            frame,
+        ),
+        depth={body: below(body, nu) for body, nu in poisson.items()},
+        along=AxisPressure(along, hertz.pressure(along, 0 * along)),
+        across=AxisPressure(across, hertz.pressure(0 * across, across)),
+        shape_error=0.0,
+        hertzian=True,
+        largest={
+            body: extremes.exact_largest(hertz, body, nu, frame) for body, nu in poisson.items()
+        },
+    )
+
+
+def of_boundary_elements(
+    solution: Solution,
+    values: Mapping[str, Any],
+    points: Points,
+    frame: Frame,
+    poisson: Mapping[str, float],
+) -> Findings:
+    """Findings of boundary elements on a developed surface. Stresses are those below the coarser
+    grid of the solution.
+
+    values: quantities of the solution, by `compare.from_half_space`. points: maps x, s (n,) to
+        points (n, 3) on the surface, mm. frame: axes at the first contact. poisson: Poisson's ratio
+        by body.
+    """
+    each = tuple(
+        OnePatch(
+            centre=tuple(one["centre_mm"]),
+            angle=one["contact_angle_rad"],
+            a=one["a_mm"],
+            b=one["b_mm"],
+            area=one["area_mm2"],
+            max_pressure=one["max_MPa"],
+            share=one["load_share"],
+        )
+        for one in values["patches"]
+    )
+    main = solution.patches[0]
+    if len(each) > 1:
+        frame = Frame(each[0].centre, each[0].angle)
+    error = _shape_error(main)
+    i, j = np.unravel_index(int(np.argmax(main.pressure)), main.pressure.shape)
+    lines = [points(main.x, np.full_like(main.x, main.s[j]))]
+    lines += [points(np.full_like(main.s, main.x[i]), main.s)]
+    along, across = (frame.local(line)[:, axis] for axis, line in enumerate(lines))
+    x, s, _ = frame.local(np.array([each[0].centre]))[0]
+    coarse = solution.coarse or solution
+    axes = [
+        {body: _below(coarse.windows, patch, points, body, nu) for body, nu in poisson.items()}
+        for patch in solution.patches[: len(each)]
+    ]
+    shown = next(iter(poisson))
+    return Findings(
+        frame=frame,
+        patch=Patch(
+            a=values["patch"]["a_mm"],
+            b=values["patch"]["b_mm"],
+            centre=(float(x), float(s)),
+            area=values["patch"]["area_mm2"],
+            max_pressure=solution.max_pressure,
+            mean_pressure=values["pressure"]["mean_MPa"],
+            outlines=[frame.local(points(*one.outline.T))[:, :2] for one in solution.patches],
+            each=each,
+        ),
+        surface=_surface(
+            [_centres(window, points) for window in solution.windows],
+            [window.pressure for window in solution.windows],
+            [window.gap for window in solution.windows],
+            frame,
+        ),
+        depth=axes[0],
+        also=tuple(axis[shown] for axis in axes[1:]),
+        along=AxisPressure(along, main.pressure[:, j], float(across[j])),
+        across=AxisPressure(across, main.pressure[i], float(along[i])),
+        shape_error=error,
+        hertzian=error < HERTZIAN and len(each) < 2,
+        largest=largest(coarse.windows, points, poisson),
+    )
+
+
+def with_tractions(
+    found: Findings,
+    windows: Sequence[PatchSolution],
+    points: Points,
+    poisson: Mapping[str, float],
+    tractions: Sequence[Array],
+    friction: FrictionSolution,
+) -> Findings:
+    """Findings with the stresses of tractions, too. windows, points, poisson, tractions: as in
+    `largest`. friction: the solution with these tractions.
+    """
+    parts = [part for window in windows for part in window.separate()]
+    parts = sorted(parts, key=lambda part: -part.force)[: 1 + len(found.also)]
+    axes = [
+        {body: _below(windows, part, points, body, nu, tractions) for body, nu in poisson.items()}
+        for part in parts
+    ]
+    cells = min(
+        half / (axis[1] - axis[0])
+        for half, axis in zip(parts[0].half_extents, (parts[0].x, parts[0].s), strict=True)
+    )
+    return replace(
+        found,
+        largest=largest(windows, points, poisson, tractions),
+        depth=axes[0],
+        also=tuple(axis[found.axis.body] for axis in axes[1:]),
+        unread_peak=unread_peak(friction, cells),
+    )
+
+
+def largest(
+    windows: Sequence[PatchSolution],
+    points: Points,
+    poisson: Mapping[str, float],
+    tractions: Sequence[Array] | None = None,
+) -> dict[str, Largest]:
+    """Largest stresses by body below windows that do not overlap, each by its own pressure.
+
+    points: maps x, s (n,) to points (n, 3) on the surface, mm. poisson: Poisson's ratio by body.
+    tractions: of the wheel on the rail along x and s in each window, (2, nx, ns), MPa.
+    """
+    searched: dict[tuple[float, float], list[list[tuple[Array, float]]]] = {}
+    found = {}
+    for body, nu in poisson.items():
+        into = -1.0 if body == "rail" else 1.0
+        drag = 0.0 if tractions is None else -into  # the wheel is dragged the other way
+        if (nu, drag) not in searched:
+            sheared = [None] * len(windows) if tractions is None else [drag * q for q in tractions]
+            searched[nu, drag] = [
+                grid_stress.peaks(window, nu, traction)
+                for window, traction in zip(windows, sheared, strict=True)
+                if window.pressure.any()
+            ]
+        both = []
+        for peaks in zip(*searched[nu, drag], strict=True):
+            number = max(range(len(peaks)), key=lambda k: peaks[k][1])
+            (x, s, z), value = peaks[number]
+            angle = float(np.interp(s, windows[number].s, windows[number].angle))
+            at = points(np.array([x]), np.array([s]))[0]
+            at = at - into * z * np.array([0.0, -math.sin(angle), math.cos(angle)])
+            both.append(Peak(value, -float(z), (float(at[0]), float(at[1]), float(at[2]))))
+        found[body] = Largest(*both)
+    return found
+
+
+def _below(
+    windows: Sequence[PatchSolution],
+    patch: PatchSolution,
+    points: Points,
+    body: str,
+    poisson: float,
+    tractions: Sequence[Array] | None = None,
+) -> DepthAxis:
+    """Stresses in a body on the axis below the centre of pressure of a patch, by pressure and
+    tractions of that window of `windows` which is nearest.
+    """
+    x, s = patch.centroid
+    away = [math.hypot(each.x.mean() - x, each.s.mean() - s) for each in windows]
+    nearest, sign = int(np.argmin(away)), 1.0 if body == "rail" else -1.0
+    window, traction = windows[nearest], None if tractions is None else sign * tractions[nearest]
+    least = grid_stress.SURFACE * (window.x[1] - window.x[0])
+    depth = np.linspace(0, DEEP * min(patch.half_extents), DEPTHS).clip(least)
+    places = np.column_stack([np.full(DEPTHS, x), np.full(DEPTHS, s), -depth])
+    stress = grid_stress.stress(window, poisson, places, traction)
+    stress[:, 4:] *= sign  # the wheel is the mirror image
+    at = points(np.array([x]), np.array([s]))[0]
+    return DepthAxis(body, depth, stress, _line(Frame((at[0], at[1], at[2]), patch.plane), body))
+
+
+def _line(frame: Frame, body: str) -> tuple[Place, Place]:
+    """Origin of a frame, mm, and the unit vector along its normal into a body."""
+    into = frame.axes[2] * (-1.0 if body == "rail" else 1.0)
+    return frame.place(0.0, 0.0), (float(into[0]), float(into[1]), float(into[2]))
+
+
+def _centres(window: PatchSolution, points: Points) -> Array:
+    """Points (nx ns, 3) on the surface, mm, at the centres of the cells of a window."""
+    x, s = np.meshgrid(window.x, window.s, indexing="ij")
+    return points(x.ravel(), s.ravel())
+
+
+def _surface(
+    points: Sequence[Array], pressure: Sequence[Array], gap: Sequence[Array], frame: Frame
+) -> Surface:
+    """Fields on grids of cells: of each grid points (nx ns, 3), pressure and gap (nx, ns). Points
+    beyond the profile are left out; displacements are not known.
+    """
+    triangles, start = [], 0
+    for each in pressure:
+        number = start + np.arange(each.size).reshape(each.shape)
+        corners = number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
+        one, two, three, four = (corner.ravel() for corner in corners)
+        triangles += [np.column_stack([one, two, three]), np.column_stack([one, three, four])]
+        start += each.size
+    place, known = np.concatenate(points), np.concatenate(triangles)
+    known = known[np.isfinite(place[known]).all(axis=(1, 2))]
+    return Surface(
+        points=place,
+        local=frame.local(place)[:, :2],
+        triangles=known,
+        pressure=np.concatenate([each.ravel() for each in pressure]),
+        gap=np.concatenate([each.ravel() for each in gap]),
+        displacement=np.full_like(place, np.nan),
+    )
+
+
+def _shape_error(patch: PatchSolution) -> float:
+    """Largest relative deviation of the third and fourth moments of a pressure along x and s from
+    those of a semi-ellipsoid: 0 and 15/7 of the squared second moment.
+    """
+    errors = [0.0]
+    sums = patch.pressure.sum(axis=1), patch.pressure.sum(axis=0)
+    for t, weights in zip((patch.x, patch.s), sums, strict=True):
+        away = t - np.average(t, weights=weights)
+        second, third, fourth = (np.average(away**k, weights=weights) for k in (2, 3, 4))
+        errors += [abs(third) / second**1.5, abs(fourth / second**2 * 7 / 15 - 1)]
+    return float(max(errors))

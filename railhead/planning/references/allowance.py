@@ -1,0 +1,195 @@
+"""By how much finite elements and half-space boundary elements may differ, both being right.
+
+Relative, for the largest pressure and the area, in named parts from the geometry alone:
+size        the curvature that held and free faces of the bodies add (theory.elastic)
+conformity  1 - cos of half the range of the normals in the patch, on the rail and, by the slope of
+            the gap, on the wheel: what a developed plane neglects
+share       of several patches: their compliances differ by where the bodies end, and with them the
+            loads they carry (F ~ d^(3/2), p ~ F^(1/3), area ~ F^(2/3))
+twist       the change by the rotation and the movement aside of the bodies where they touch
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.contact import bodies
+from railhead.contact.solid import Contact
+from railhead.meshing.tags import BODY_NAMES, RAIL
+from railhead.planning.references import boundary_elements, closed_forms
+from railhead.planning.references.boundary_elements import Developed
+from railhead.postprocess.patch.separate_patches import SMALLEST
+from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.elastic import finite_bodies
+from railhead.theory.elastic.hertz import Ellipse
+
+Array = NDArray[np.float64]
+
+
+Allowance = dict[str, float]
+"""Relative difference allowed between finite elements and half-spaces: parts by name, and their
+"total"."""
+
+
+def added_stress(contact: Contact, deformable: Sequence[int], solved: Solution | Ellipse) -> float:
+    """Stress, MPa, that held and free faces of the bodies add below a patch under a force F: F/(2
+    pi H^2) of a face held at the depth H, half of that of an edge at the distance H, as
+    Boussinesq's stresses fall. The face that adds most counts. Arguments: as in `allowance`.
+    """
+    surface = boundary_elements.develop(contact)
+    around = _bodies(contact, deformable, surface)
+    return max(
+        patch.force / (2 * math.pi * square)
+        for patch in _patches(surface, solved)
+        for body in around
+        for square in (body.depth**2, *(2 * (end - patch.s) ** 2 for end in body.ends))
+    )
+
+
+@dataclass(frozen=True)
+class _Body:
+    """A deformable body of finite size.
+
+    weight: its share of the compliance of both bodies.
+    poisson: Poisson's ratio.
+    depth: distance from the contact to the held face, mm.
+    ends: positions s of its free edges on the developed rail, mm.
+    """
+
+    weight: float
+    poisson: float
+    depth: float
+    ends: tuple[float, float]
+
+    def curvature(self, s: float) -> float:
+        """Curvature of the surface at s (mm) that held and free faces add under a force F, over
+        F/(pi E*), 1/mm^3.
+        """
+        edges = sum(finite_bodies.free_edge(abs(s - end), self.poisson) for end in self.ends)
+        return self.weight * (finite_bodies.held_below(self.depth, self.poisson) + edges)
+
+    def between(self, s: Array) -> Array:
+        """Displacement of places s (n,), mm, by unit forces at the same places through the images
+        at free edges and held face, over F/(pi E*): a matrix (n, n), 1/mm. A displacement common
+        to all places is left out.
+        """
+        psi = finite_bodies.image(self.poisson)
+        apart = [abs(s - end) for end in self.ends]
+        edges = sum(psi / (distance[:, None] + distance) for distance in apart)
+        below = finite_bodies.held_below(self.depth, self.poisson) * (s[:, None] - s) ** 2 / 2
+        return np.asarray(self.weight * (edges + below))
+
+
+class _Patch(NamedTuple):
+    """A patch of half-spaces on the developed surface of the rail.
+
+    force: N. area: mm2. s: of its centre, mm. half_extents: along the rail and across it, mm.
+    normals: range of the angles of the rail's normals in it, rad.
+    """
+
+    force: float
+    area: float
+    s: float
+    half_extents: tuple[float, float]
+    normals: float
+
+
+def allowance(
+    contact: Contact, deformable: Sequence[int], solved: Solution | Ellipse, twist: float
+) -> dict[str, Allowance]:
+    """Allowed relative differences by "max_MPa" and "area_mm2", of a solid contact of profiles.
+
+    deformable: tags of the bodies that deform. solved: its half-space solution, or exact Hertz.
+    twist: relative change by the rotation and the movement of the bodies.
+    """
+    surface = boundary_elements.develop(contact)
+    patches = _patches(surface, solved)
+    around = _bodies(contact, deformable, surface)
+    size = max(_size(patch, around) for patch in patches)
+    conformity = max(_conformity(patch, solved.contact_modulus) for patch in patches)
+    shift = _shares(patches, around)
+    areas = np.array([patch.area for patch in patches])
+    common = {"size": size, "conformity": conformity}
+    shares = {
+        "max_MPa": float(shift.max()) / 3,
+        "area_mm2": float(2 / 3 * shift @ areas / areas.sum()),
+    }
+    allowed = {}
+    for key, share in shares.items():
+        parts = {**common, "share": share, "twist": twist}
+        allowed[key] = {**parts, "total": sum(parts.values())}
+    return allowed
+
+
+def _patches(surface: Developed, solved: Solution | Ellipse) -> list[_Patch]:
+    """The patches of a half-space solution but those with less than SMALLEST of the force, or
+    Hertz's patch at s = 0.
+    """
+    if isinstance(solved, Ellipse):
+        ends = surface.angle(np.array([-solved.b, solved.b]))
+        half = solved.a, solved.b
+        return [_Patch(solved.load, solved.area, 0.0, half, float(np.ptp(ends)))]
+    return [
+        _Patch(
+            each.force,
+            each.area,
+            each.centroid[1],
+            each.half_extents,
+            float(np.ptp(each.angle[each.pressure.any(axis=0)])),
+        )
+        for each in solved.patches
+        if each.force > SMALLEST * solved.force
+    ]
+
+
+def _bodies(contact: Contact, deformable: Sequence[int], surface: Developed) -> list[_Body]:
+    """The deformable bodies of a contact, by their tags, with the developed surface of the rail."""
+    scene, touch = contact.scene, contact.touch
+    modulus = closed_forms.contact_modulus(scene)
+    found = []
+    for tag in deformable:
+        part = scene.bodies[BODY_NAMES[tag]]
+        weight = modulus / closed_forms.plane_strain_modulus(scene, tag)
+        if tag == RAIL:
+            ends = float(surface.s[0]), float(surface.s[-1])
+        else:
+            low, high = contact.profiles["wheel"][0].domain
+            half = (scene.wheel.width or math.inf) / 2
+            ends = max(low - touch.wheel_y, -half), min(high - touch.wheel_y, half)
+        found.append(_Body(weight, part.poisson_ratio, bodies.depth(scene, tag), ends))
+    return found
+
+
+def _size(patch: _Patch, around: list[_Body]) -> float:
+    """Relative change of the largest pressure of a patch by held and free faces of the bodies."""
+    curvature = sum(body.curvature(patch.s) for body in around)
+    return finite_bodies.change(curvature, *patch.half_extents)
+
+
+def _conformity(patch: _Patch, contact_modulus: float) -> float:
+    """Sum of 1 - cos of three slopes: half the range of the normals in a patch, and the slopes of
+    the gap at its ends along and across.
+    """
+    a, b = patch.half_extents
+    unit = patch.force / (math.pi * contact_modulus)
+    along, across = (unit * each for each in finite_bodies.own_curvatures(a, b))
+    return sum(1 - math.cos(slope) for slope in (patch.normals / 2, a * along, b * across))
+
+
+def _shares(patches: list[_Patch], around: list[_Body]) -> Array:
+    """Relative change (n,) of the force on each of n patches by held and free faces, the sum of
+    forces being fixed: force changes by 3/2 of the relative change of its compression.
+    """
+    force = np.array([patch.force for patch in patches])
+    if len(patches) == 1:
+        return np.zeros(1)
+    s = np.array([patch.s for patch in patches])
+    rest = sum(body.between(s) @ force for body in around)
+    stiffness = [1.5 / finite_bodies.own_approach(*patch.half_extents) for patch in patches]
+    return np.asarray(np.abs(rest - np.average(rest, weights=stiffness)) * stiffness / force)

@@ -1,0 +1,179 @@
+"""Half-spaces answer in the place of finite bodies: beside exact Hertz, finite elements, Kalker."""
+
+import csv
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import railhead as rh
+from railhead.cli.commands import railhead
+from railhead.results.result import Result
+from railhead.run import quantities
+from railhead.theory.elastic import hertz
+from railhead.theory.friction import kalker
+from railhead.theory.rolling.rolling import Creepage
+
+FAST = "effects.finite_bodies=off"
+BLOCK = ["rail.profile=arc", "rail.crown_radius=300", "rail.depth=150", "wheel.rim_depth=150"]
+
+
+def fast(case: str, *assignments: str) -> Result:
+    return rh.solve(rh.find(case).replace([FAST, *assignments]), quiet=True)
+
+
+def values(result: Result) -> dict[str, float]:
+    return quantities.numeric_values(result.as_dict()["result"])
+
+
+@pytest.mark.parametrize("case", ["hertz_ellipse", "long_roller"])
+def test_half_spaces_between_half_spaces_are_exact_hertz(case: str) -> None:
+    result = fast(case, *(["rail.extent=half-space"] if case == "long_roller" else []))
+    assert result.passed, result.failed
+    exact = quantities.numeric_values(result.as_dict()["hertz"])
+    assert values(result) == pytest.approx(exact, rel=1e-3)
+    assert result.as_dict()["cost"]["dofs"] == 0
+
+
+@pytest.mark.parametrize(
+    ("case", "assignments", "solved"),
+    [
+        (
+            "uic54_22t5_axle",
+            ["effects.plasticity=off"],
+            {
+                "max_MPa": (1303.28, 0.0038),
+                "area_mm2": (126.859, 0.0068),
+                "tau_max_MPa": (418.614, 0.0012),
+                "von_mises_max_MPa": (812.470, 0.0012),
+            },
+        ),
+        (
+            "uic54_thesis",
+            [*BLOCK, "rail.width=30", "wheel.width=30"],
+            {"max_MPa": (794.29, 0.0038), "tau_max_MPa": (256.49, 0.0012)},
+        ),
+        (
+            "uic54_thesis",
+            [*BLOCK, "rail.width=140", "wheel.rim_depth=20"],
+            {"max_MPa": (796.14, 0.0041), "von_mises_max_MPa": (499.13, 0.0012)},
+        ),
+    ],
+)
+def test_half_spaces_are_within_their_estimate_of_finite_elements(
+    case: str, assignments: list[str], solved: dict[str, tuple[float, float]]
+) -> None:
+    """Finite elements: value and own estimate of default runs. Between edges 15 mm away or on a rim
+    of 20 mm they have 2 % more shear stress, or 1.5 % more von Mises stress."""
+    result = fast(case, *assignments)
+    assert result.passed, result.failed
+    bound, found = result.as_dict()["accuracy"]["bound"], values(result)
+    for key, (value, own) in solved.items():
+        assert found[key] == pytest.approx(value, rel=bound[key] + own), key
+        assert bound[key] < 0.04
+
+
+def test_yield_that_is_called_for_and_left_out_is_a_failed_check() -> None:
+    result = fast("uic54_22t5_axle")
+    assert result.failed == ["effects_left_out"]
+    assert "--without plasticity" in result.as_dict()["checks"]["advice"]["effects_left_out"]
+
+
+ROLLS = ("friction.coefficient=0.3", "mesh.patch_size=0.9")
+
+
+def linear(result: Result, scene: rh.Scene) -> Any:
+    """Forces over mu N by Kalker's linear theory."""
+    ellipse = result.ellipse
+    assert isinstance(ellipse, hertz.Ellipse)
+    known = kalker.coefficients(ellipse.a / ellipse.b, scene.rail.poisson_ratio)
+    shear = scene.rail.young_modulus / (2 * (1 + scene.rail.poisson_ratio))
+    rolling = scene.rolling
+    moved = Creepage(rolling.creepage_along or 0, rolling.creepage_across or 0, rolling.spin)
+    return np.array(known.forces(ellipse.a, ellipse.b, shear, moved))[:2] / (0.3 * ellipse.load)
+
+
+@pytest.mark.parametrize("motion", ["creepage_along=2e-5", "spin=2e-6"])
+def test_small_creepage_makes_the_forces_of_the_linear_theory(motion: str) -> None:
+    result = fast("hertz_ellipse", *ROLLS, f"rolling.{motion}")
+    found = result.friction
+    assert found is not None and result.passed, result.failed
+    shares = np.array([found.force_along, found.force_across]) / found.limit
+    assert shares == pytest.approx(linear(result, result.plan.scene), abs=0.03 * max(abs(shares)))
+
+
+def test_the_creepage_of_a_small_force_is_that_of_the_linear_theory() -> None:
+    result = fast("hertz_ellipse", *ROLLS, "rolling.force_along=50N")
+    found = result.friction
+    assert found is not None and found.creepage_along is not None
+    assert found.force_along == pytest.approx(50, rel=1e-3)
+    moved = result.plan.scene.replace(
+        [f"rolling.creepage_along={found.creepage_along}", "rolling.force_along=none"]
+    )
+    assert linear(result, moved)[0] * found.limit == pytest.approx(50, rel=0.03)
+
+
+def test_a_shift_of_half_spaces_is_cattaneo_and_mindlins() -> None:
+    result = fast("hertz_ellipse", *ROLLS, "friction.force_along=3kN")
+    assert result.friction is not None and result.friction.force_along == pytest.approx(3000)
+    share = 3000 / result.friction.limit
+    stick = (1 - share) ** (2 / 3)
+    assert result.friction.stick_share == pytest.approx(stick, abs=0.03)
+
+
+def test_an_accuracy_that_half_spaces_miss_is_a_failed_check() -> None:
+    assert fast("uic54_thesis", "accuracy=1%").passed
+    assert fast("uic54_thesis", "accuracy=0.05%").failed == ["accuracy"]
+
+
+@pytest.mark.parametrize(
+    ("case", "assignments", "words"),
+    [
+        ("roller_on_block", [], "half-spaces know no section of bodies that end"),
+        ("uic54_thesis", ["approach=0.05mm"], "depends on where they are held"),
+        ("uic54_thesis", ["budget=5s"], "whatever the budget"),
+        ("uic54_thesis", ["effects.rail_section=on"], "finite_bodies is off"),
+    ],
+)
+def test_what_half_spaces_cannot_answer_is_refused(
+    case: str, assignments: list[str], words: str
+) -> None:
+    with pytest.raises(rh.SceneError, match=words):
+        fast(case, *assignments)
+
+
+def test_friction_that_half_spaces_cannot_answer_is_left_out() -> None:
+    result = fast("uic54_thesis", "friction.coefficient=0.3", "friction.force_along=3kN")
+    assert result.failed == ["effects_left_out"] and result.friction is None
+    assert "depends on where they are held" in str(result.as_dict()["checks"]["limits"])
+
+
+def test_half_spaces_have_neither_mesh_nor_displacement() -> None:
+    result = fast("hertz_ellipse")
+    for name in ("mesh", "displacement"):
+        with pytest.raises(ValueError, match="half-spaces have no mesh"):
+            getattr(result, name)
+
+
+def test_the_option_fast_is_without_finite_bodies(tmp_path: Path) -> None:
+    words = ["uic54_thesis", "--no-pictures", "--quiet", "--out"]
+    for name, option in (("a", ["--fast"]), ("b", ["--without", "finite_bodies"])):
+        done = CliRunner().invoke(railhead, ["run", *words, str(tmp_path / name), *option])
+        assert done.exit_code == 0, done.output
+    tables = [(tmp_path / name / "result.csv").read_text("utf-8-sig") for name in "ab"]
+    assert tables[0] == tables[1]
+    rows = {row["quantity"]: row for row in csv.DictReader(tables[0].splitlines())}
+    row = rows["largest pressure"]
+    assert float(row["value"]) == pytest.approx(794.0, rel=2e-3)
+    assert float(row["half-spaces - Hertz"]) == pytest.approx(0, abs=2e-3)
+    assert 0 < float(row["estimate"]) < 5e-3 and "FE" not in row
+
+
+def test_a_sweep_of_half_spaces_has_the_columns_of_any_other() -> None:
+    scene = rh.find("s1002_60e1").replace([FAST])
+    table = rh.sweep(scene, {"wheelset.shift": [0, 4]}, quiet=True).rows()
+    assert [row["passed"] for row in table] == [True, True]
+    assert table[0]["bound_max_MPa"] and table[0]["unknowns"] == 0
+    assert table[1]["max_MPa"] == pytest.approx(681.9, rel=1e-3)
