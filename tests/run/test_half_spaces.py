@@ -163,7 +163,7 @@ def test_the_option_fast_is_without_finite_bodies(tmp_path: Path) -> None:
         done = CliRunner().invoke(railhead, ["run", *words, str(tmp_path / name), *option])
         assert done.exit_code == 0, done.output
     tables = [(tmp_path / name / "result.csv").read_text("utf-8-sig") for name in "ab"]
-    assert tables[0] == tables[1]
+    assert tables[0].splitlines()[:-1] == tables[1].splitlines()[:-1]  # the last one is the date
     rows = {row["quantity"]: row for row in csv.DictReader(tables[0].splitlines())}
     row = rows["largest pressure"]
     assert float(row["value"]) == pytest.approx(794.0, rel=2e-3)
@@ -174,6 +174,6 @@ def test_the_option_fast_is_without_finite_bodies(tmp_path: Path) -> None:
 def test_a_sweep_of_half_spaces_has_the_columns_of_any_other() -> None:
     scene = rh.find("s1002_60e1").replace([FAST])
     table = rh.sweep(scene, {"wheelset.shift": [0, 4]}, quiet=True).rows()
-    assert [row["passed"] for row in table] == [True, True]
-    assert table[0]["bound_max_MPa"] and table[0]["unknowns"] == 0
-    assert table[1]["max_MPa"] == pytest.approx(681.9, rel=1e-3)
+    assert [row["checks"] for row in table] == ["passed", "passed"]
+    assert table[0]["p_max estimate"] and table[0]["unknowns"] == 0
+    assert table[1]["p_max [MPa]"] == pytest.approx(681.9, rel=1e-3)

@@ -7,6 +7,7 @@ from railhead.theory.bem import boundary_element, grid_stress
 from railhead.theory.bem.patch import PatchSolution
 from railhead.theory.elastic import subsurface
 from railhead.theory.elastic.hertz import Ellipse, point_contact
+from railhead.theory.friction import sliding
 
 MODULUS, LOAD = 1.1e5, 4e4
 
@@ -61,3 +62,20 @@ def test_stress_is_in_equilibrium_and_free_beside_the_patch() -> None:
     plane = np.array([[x + a, s + b, -4 * step] for a in u for b in u])
     force = -grid_stress.stress(cell, 0.3, plane)[:, 2].sum() * step**2
     assert force == pytest.approx(cell.force, rel=0.01)
+
+
+@pytest.mark.parametrize("across", [False, True])
+def test_stress_below_tractions_is_that_of_a_sliding_ellipse(across: bool) -> None:
+    """`theory.friction.sliding` sums plane waves."""
+    slides = point_contact(1 / 300, 1 / 500, 115e3, 50e3)  # along its own x
+    a, b = (slides.b, slides.a) if across else (slides.a, slides.b)
+    ticks = 1.02 * ((2 * np.arange(64) + 1) / 64 - 1)
+    x, s = a * ticks, b * ticks
+    pressure = slides.p0 * np.sqrt(np.maximum(1 - (x[:, None] / a) ** 2 - (s / b) ** 2, 0))
+    patch = PatchSolution(x, s, 0 * s, pressure, 0 * pressure, 0.0)
+    traction = 0.4 * np.array([0 * pressure, pressure] if across else [pressure, 0 * pressure])
+    points = np.array([[0.3 * a, 0.2 * b, -0.3 * a], [0, 0, -0.5 * b], [-0.5 * a, -0.4 * b, -1.0]])
+    found = grid_stress.stress(patch, 0.3, points, traction)
+    turn, columns = ([1, 0, 2], [1, 0, 2, 3, 5, 4]) if across else ([0, 1, 2], [0, 1, 2, 3, 4, 5])
+    exact = sliding.stress(slides, 0.4, 0.3, points[:, turn])[:, columns]
+    assert found == pytest.approx(exact, abs=1e-3 * slides.p0)
