@@ -231,7 +231,7 @@ def largest(
             at = points(np.array([x]), np.array([s]))[0]
             at = at - into * z * np.array([0.0, -math.sin(angle), math.cos(angle)])
             both.append(Peak(value, -float(z), (float(at[0]), float(at[1]), float(at[2]))))
-        found[body] = Largest(*both)
+        found[body] = Largest(both[0], both[1])
     return found
 
 

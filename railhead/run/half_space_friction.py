@@ -173,7 +173,7 @@ def _at_points(
         dissipated_energy=0.0,
         coupling_iterations=0,
         rigid_slip=rigid_slip,
-        newton_history=(),
+        newton_steps=0,
     )
 
 

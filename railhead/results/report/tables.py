@@ -34,7 +34,7 @@ def show_plan(plan: Plan, console: Console) -> None:
     for name, effect in plan.effects.items():
         table.add_row(name, _state(effect), effect.why, _cost(*plan.price(name)))
     console.print(table)
-    lines = (
+    lines: tuple[str, ...] = (
         f"contact    y = {rounded(contact['y_mm']):.3f} mm, z = {rounded(contact['z_mm']):.3f} mm, "
         f"angle {rounded(math.degrees(contact['angle_rad'])):.3f} deg, relative radii "
         f"{contact['relative_radius_along_mm']:.4g} x "
