@@ -36,7 +36,8 @@ def compare(repeats: int, patch_size: float = 0.25) -> list[dict[str, Any]]:
     """The same contact by way of the plan with all optional effects off (route), and without a
     plan, in turn; median processor seconds of mesh, assembly and solve. patch_size: mm."""
     off = [f"effects.{name}=off" for name in OPTIONAL]
-    scene = catalogue.find(CASE).replace([f"mesh.patch_size={patch_size}", *off])
+    same = f"solver.tolerance={Setup.tolerance}"
+    scene = catalogue.find(CASE).replace([f"mesh.patch_size={patch_size}", same, *off])
     routes = {"plan, all optional effects off": _planned, "no plan": _unplanned}
     found: dict[str, list[dict[str, Any]]] = {name: [] for name in routes}
     for _ in range(1 + repeats):  # the first compiles
