@@ -92,12 +92,12 @@ def forecast(grid: ParameterGrid, workers: int, progress: Progress) -> dict[str,
 
 
 def _mesh_key(number: int, plan: Plan) -> str:
-    """Text that is equal for plans that may share a mesh: elastic and frictionless under given
-    loads, on one mesh, with the same scene but the load, the same effects and the same stretch
-    of elements.
+    """Text that is equal for plans that may share a mesh: with finite bodies, elastic and
+    frictionless under given loads, on one mesh, with the same scene but the load, the same effects
+    and the same stretch of elements.
     """
-    scene = plan.scene
-    if scene.load is None or scene.accuracy or scene.budget or not plan.is_elastic_frictionless:
+    scene, meshed = plan.scene, plan.is_elastic_frictionless and not plan.by_half_spaces
+    if scene.load is None or scene.accuracy or scene.budget or not meshed:
         return str(number)
     on = {name: effect.on for name, effect in plan.effects.items()}
     return json.dumps([scene.model_dump(exclude={"load"}), on, plan.grading().stretch])
