@@ -1,6 +1,7 @@
-"""Files and tests that pages name exist."""
+"""Files and tests that pages name exist; every room is installed."""
 
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -27,3 +28,14 @@ def test_every_test_that_holds_a_claim_exists_and_runs_by_default() -> None:
         before, found, _ = (ROOT / file).read_text(encoding="utf-8").partition(f"def {name}(")
         assert found, (name, file)
         assert "\n@pytest.mark.slow" not in before[before.rindex("\n\n\n") :], name
+
+
+def test_every_folder_of_modules_is_named_once_where_the_package_is_built() -> None:
+    """An older environment still finds a folder whose name was lost; a new one does not."""
+    setuptools = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
+    folders = [
+        ".".join([name, *module.parent.relative_to(ROOT / place).parts])
+        for name, place in setuptools["package-dir"].items()
+        for module in (ROOT / place).rglob("__init__.py")
+    ]
+    assert sorted(setuptools["packages"]) == sorted(folders)
