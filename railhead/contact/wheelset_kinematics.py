@@ -24,7 +24,7 @@ from railhead.contact.solid import Contact
 from railhead.geometry.surfaces import RailSurface, nearest
 from railhead.postprocess.findings import Frame
 from railhead.scene.scene import SceneError
-from railhead.theory.rolling.rolling import Creepage
+from railhead.theory.friction.rolling import Creepage
 
 KEY = "rolling.from_wheelset"
 Array = NDArray[np.float64]

@@ -19,9 +19,8 @@ from railhead.solver.solution import FrictionSolution
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.bem.patch import PatchSolution
 from railhead.theory.elastic.line import LineContact
-from railhead.theory.rolling import dissimilar
-from railhead.theory.rolling.prescribed_forces import solve_for_forces
-from railhead.theory.rolling.rolling import HalfSpaceFriction, TangentialSolution
+from railhead.theory.friction import rolling
+from railhead.theory.friction.rolling import HalfSpaceFriction, TangentialSolution, solve_for_forces
 
 Array = NDArray[np.float64]
 STUCK = 1e-6  # relative: a traction that is that much below its bound sticks
@@ -103,7 +102,7 @@ def _sheared(plan: Plan, patches: Sequence[Patch], longer: float) -> list[Tangen
         if len(patches) > 1 and not (along is None and across is None):
             raise ValueError(SEVERAL)
         return [
-            dissimilar.solve_dissimilar(
+            rolling.solve_dissimilar(
                 each.pressed,
                 pair,
                 coefficient,

@@ -5,9 +5,9 @@ The slip of the wheel over the rail at a traction q is
     rolling    slip = w - C' q - e0 - E q        C': minus the derivative of C along x
     a shift    slip = w - C q + E q - (the slip at the end of the last load step)
 
-with the rigid slip w and the influence C of half-spaces (`theory.rolling`). The bodies' own
+with the rigid slip w and the influence C of half-spaces (`theory.friction`). The bodies' own
 response less that of half-spaces has a kernel that is smooth across the patch. So E q depends on
-the moments of q alone, and it is sampled by smooth tractions (`theory.rolling.smooth_tractions`):
+the moments of q alone, and it is sampled by smooth tractions (`theory.friction.smooth_tractions`):
 six linear solves a patch, with the preconditioner that pressing leaves. e0 is the derivative of the
 jump of the pressed surfaces. E of other patches is that of their last tractions. Then the bodies
 are pressed again under the tractions.
@@ -33,10 +33,14 @@ from railhead.solver.interface.surface_response import SurfacePoints, SurfaceRes
 from railhead.solver.material.response import ElasticResponse
 from railhead.solver.setup import FrictionSettings
 from railhead.solver.solution import FrictionSolution, Solution
-from railhead.theory.rolling.prescribed_forces import solve_for_forces
-from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, TangentialSolution
-from railhead.theory.rolling.smooth_tractions import SmoothTractions
-from railhead.theory.rolling.tangential import Pair, TractionInfluence, pair
+from railhead.theory.friction.rolling import (
+    Creepage,
+    HalfSpaceFriction,
+    TangentialSolution,
+    solve_for_forces,
+)
+from railhead.theory.friction.smooth_tractions import SmoothTractions
+from railhead.theory.friction.tangential import Pair, TractionInfluence, pair
 
 Array = NDArray[np.float64]
 Stage = Callable[[str], None]

@@ -9,7 +9,7 @@ q, p and F are those of `solver.interface.condensation`, s is the rigid slip (ti
 and F^+ the L2 projection on the nodes. Tractions inside the disc stick, those on its border slip.
 Semismooth Newton's method starts where all points stick, and no point crosses the disc in one step:
 one that would slip the other way round sticks for a step. Without these two rules it does not
-converge. Conventions are those of `theory.rolling.rolling`.
+converge. Conventions are those of `theory.friction.rolling`.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ from railhead.run.quantities import numeric_values
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from railhead.theory.elastic.line import LineContact
-from railhead.theory.friction import carter
+from railhead.theory.friction import partial_slip
 from studies import tables
 from studies.mechanics import plasticity
 from studies.tables import Row
@@ -129,7 +129,7 @@ def exact_values(scene: Scene) -> dict[str, float]:
     exact = {"max_MPa": hertz.p0, "area_mm2": hertz.area}
     if friction and isinstance(hertz, LineContact):
         creepage = float(scene.rolling.creepage_along or 0.0)
-        exact["force"] = carter.from_creepage(
+        exact["force"] = partial_slip.Carter.from_creepage(
             hertz.strip, scene.friction.coefficient, creepage
         ).share
     return exact

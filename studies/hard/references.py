@@ -39,7 +39,7 @@ from railhead.run.refinement import Ending
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic import indentation
 from railhead.theory.elastic.hertz import Ellipse
-from railhead.theory.friction import carter, cattaneo
+from railhead.theory.friction import partial_slip
 from studies.hard.case import Deviation, Measured
 from studies.hard.fuzz.random_scenes import Seeded, plans, runnable, scene
 
@@ -296,11 +296,11 @@ def friction(scene: Scene, reference: str) -> Measured:
     share, line = found["force_along_N"] / limit, result.ellipse
     creepage = float(scene.rolling.creepage_along or 0.0)
     references = {
-        "cattaneo": ("stick_share", lambda: cattaneo.strip_stick_ratio(0.5), STICK),
+        "cattaneo": ("stick_share", lambda: partial_slip.strip_stick_ratio(0.5), STICK),
         "carter": (
             "force_along_N",
             lambda: (
-                carter.from_creepage(
+                partial_slip.Carter.from_creepage(
                     line.strip,  # type: ignore[union-attr]
                     given.coefficient,
                     creepage,

@@ -18,7 +18,7 @@ from railhead.scene import catalogue
 from railhead.solver.algebra.contact_system import LoadCase
 from railhead.solver.fields import gather
 from railhead.theory.elastic.hertz import Ellipse
-from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction
+from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
 
 COEFFICIENT = 0.3
 CELLS = 64  # each way, of the boundary elements

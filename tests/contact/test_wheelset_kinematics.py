@@ -19,7 +19,7 @@ from railhead.run.references.rolling_reference import solve_by_boundary_elements
 from railhead.scene.scene import SceneError
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.bem.patch import PatchSolution
-from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, TangentialSolution
+from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction, TangentialSolution
 
 FORCES = "force_along_N", "force_across_N"
 

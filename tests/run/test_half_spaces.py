@@ -14,7 +14,7 @@ from railhead.results.result import Result
 from railhead.run import quantities
 from railhead.theory.elastic import hertz
 from railhead.theory.friction import kalker
-from railhead.theory.rolling.rolling import Creepage
+from railhead.theory.friction.rolling import Creepage
 
 FAST = "effects.finite_bodies=off"
 BLOCK = ["rail.profile=arc", "rail.crown_radius=300", "rail.depth=150", "wheel.rim_depth=150"]

@@ -13,8 +13,8 @@ from railhead.run.solid_friction import SolidFriction, shared_patches
 from railhead.scene.scene import SceneError
 from railhead.solver.algebra.contact_system import LoadCase
 from railhead.solver.fields import gather
-from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction
-from railhead.theory.rolling.tangential import TractionInfluence
+from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
+from railhead.theory.friction.tangential import TractionInfluence
 
 MU = 0.3
 

@@ -1,11 +1,22 @@
-"""Wear regimes of wheel steel by the energy dissipated per rolled length, T-gamma."""
+"""What dissipated energy does to steel: wear regime by T-gamma, flash temperature by Blok.
+
+T-gamma is the energy dissipated per rolled length. Blok's formula is that of a band of heat that
+moves fast. Thermal constants of steel, and the case that they are tested on: Ertz and Knothe, Wear
+253 (2002) 498, as in examples/ertz_temperature.inp of github.com/eve70a/CONTACT.
+"""
 
 from __future__ import annotations
+
+import math
 
 #: T-gamma over the area of the patch, N/mm2: wheel R8T on rail UIC60 900A, twin discs. Lewis and
 #: Dwyer-Joyce, Proc. IMechE J 218 (2004), as in src/usfd of github.com/thiernodms/KPFASTSIMUSFD.
 TWIN_DISC = (10.4, 77.2)
 REGIMES = ("mild", "severe", "catastrophic")
+CONDUCTIVITY = 50.0  # W/(m K)
+DENSITY = 7850.0  # kg/m3
+SPECIFIC_HEAT = 450.0  # J/(kg K)
+MIDDLE = 3 * math.pi / 8  # of an ellipse: mean flux on its longest line over that of the patch
 
 
 def regime(value: float, limits: tuple[float, float]) -> str:
@@ -13,3 +24,22 @@ def regime(value: float, limits: tuple[float, float]) -> str:
     area. limits: the two values between the regimes, ascending, in the unit of `value`.
     """
     return REGIMES[sum(value >= limit for limit in limits)]
+
+
+def flash_temperature(
+    dissipated: float, area: float, half_length: float, speed: float, *, line: bool
+) -> float:
+    """Largest rise of the surface temperature, K: 1.13 (q/2) sqrt(2 a/v)/sqrt(k rho c), q the mean
+    heat flux on the longest line of the patch along the rail, k rho c the thermal constants of
+    steel.
+
+    dissipated: energy per rolled length, N.
+    area: of the patch, mm2.
+    half_length: a, half length of the patch along the rail, mm.
+    speed: v, m/s.
+    line: whether the contact is a line contact; else an ellipse.
+    The heat is distributed as the pressure; half of it flows into each body.
+    """
+    flux = dissipated * speed / (1e-6 * area) * (1.0 if line else MIDDLE)
+    effusivity = math.sqrt(CONDUCTIVITY * DENSITY * SPECIFIC_HEAT)
+    return 1.13 * flux / 2 * math.sqrt(2e-3 * half_length / speed) / effusivity

@@ -10,7 +10,7 @@ from railhead.meshing.tags import BODY_NAMES
 from railhead.planning.context import Context, PostSolveVerdict
 from railhead.planning.references import closed_forms
 from railhead.postprocess.findings import Findings
-from railhead.theory.elastic import finite_bodies
+from railhead.theory.elastic import halfspace
 
 SMALL = 0.1  # largest semi-axis over relative radius of a small patch
 DOUBTFUL = ": the comparison with Hertz is doubtful"
@@ -66,8 +66,8 @@ def thick_bodies(context: Context, found: Findings) -> PostSolveVerdict | None:
             continue
         weight = modulus / closed_forms.plane_strain_modulus(scene, tag)
         deep = bodies.depth(scene, tag)
-        curvature = weight * finite_bodies.held_below(deep, scene.bodies[body].poisson_ratio)
-        changes[body, deep] = finite_bodies.change(curvature, patch.a, patch.b)
+        curvature = weight * halfspace.held_below(deep, scene.bodies[body].poisson_ratio)
+        changes[body, deep] = halfspace.change(curvature, patch.a, patch.b)
     (body, deep), change = max(changes.items(), key=lambda each: each[1])
     thin = bool(change > limit)
     side = "above" if thin else "below"

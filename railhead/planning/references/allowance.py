@@ -26,7 +26,7 @@ from railhead.planning.references import boundary_elements, closed_forms
 from railhead.planning.references.boundary_elements import Developed
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.bem.boundary_element import Solution
-from railhead.theory.elastic import finite_bodies
+from railhead.theory.elastic import halfspace
 from railhead.theory.elastic.hertz import Ellipse
 
 Array = NDArray[np.float64]
@@ -71,18 +71,18 @@ class _Body:
         """Curvature of the surface at s (mm) that held and free faces add under a force F, over
         F/(pi E*), 1/mm^3.
         """
-        edges = sum(finite_bodies.free_edge(abs(s - end), self.poisson) for end in self.ends)
-        return self.weight * (finite_bodies.held_below(self.depth, self.poisson) + edges)
+        edges = sum(halfspace.free_edge(abs(s - end), self.poisson) for end in self.ends)
+        return self.weight * (halfspace.held_below(self.depth, self.poisson) + edges)
 
     def between(self, s: Array) -> Array:
         """Displacement of places s (n,), mm, by unit forces at the same places through the images
         at free edges and held face, over F/(pi E*): a matrix (n, n), 1/mm. A displacement common
         to all places is left out.
         """
-        psi = finite_bodies.image(self.poisson)
+        psi = halfspace.image(self.poisson)
         apart = [abs(s - end) for end in self.ends]
         edges = sum(psi / (distance[:, None] + distance) for distance in apart)
-        below = finite_bodies.held_below(self.depth, self.poisson) * (s[:, None] - s) ** 2 / 2
+        below = halfspace.held_below(self.depth, self.poisson) * (s[:, None] - s) ** 2 / 2
         return np.asarray(self.weight * (edges + below))
 
 
@@ -169,7 +169,7 @@ def _bodies(contact: Contact, deformable: Sequence[int], surface: Developed) -> 
 def _size(patch: _Patch, around: list[_Body]) -> float:
     """Relative change of the largest pressure of a patch by held and free faces of the bodies."""
     curvature = sum(body.curvature(patch.s) for body in around)
-    return finite_bodies.change(curvature, *patch.half_extents)
+    return halfspace.change(curvature, *patch.half_extents)
 
 
 def _conformity(patch: _Patch, contact_modulus: float) -> float:
@@ -178,7 +178,7 @@ def _conformity(patch: _Patch, contact_modulus: float) -> float:
     """
     a, b = patch.half_extents
     unit = patch.force / (math.pi * contact_modulus)
-    along, across = (unit * each for each in finite_bodies.own_curvatures(a, b))
+    along, across = (unit * each for each in halfspace.own_curvatures(a, b))
     return sum(1 - math.cos(slope) for slope in (patch.normals / 2, a * along, b * across))
 
 
@@ -191,5 +191,5 @@ def _shares(patches: list[_Patch], around: list[_Body]) -> Array:
         return np.zeros(1)
     s = np.array([patch.s for patch in patches])
     rest = sum(body.between(s) @ force for body in around)
-    stiffness = [1.5 / finite_bodies.own_approach(*patch.half_extents) for patch in patches]
+    stiffness = [1.5 / halfspace.own_approach(*patch.half_extents) for patch in patches]
     return np.asarray(np.abs(rest - np.average(rest, weights=stiffness)) * stiffness / force)

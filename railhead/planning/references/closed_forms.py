@@ -12,8 +12,8 @@ from railhead.scene.scene import NOMINAL_RADIUS, Scene, SceneError
 from railhead.theory.elastic import contacts, hertz
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.hertz import Ellipse
-from railhead.theory.rolling import tangential
-from railhead.theory.rolling.tangential import Pair
+from railhead.theory.friction import tangential
+from railhead.theory.friction.tangential import Pair
 
 CONTINUUM = 1e-6  # mm, least half length of a patch: some atoms
 LARGEST = 1e6  # mm, largest half length of a patch: no body is longer

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from railhead.run.references.rolling_patches import Patch
 from railhead.theory.friction import kalker
-from railhead.theory.friction.fastsim import fastsim as followed
 from railhead.theory.friction.kalker import Coefficients
-from railhead.theory.rolling.rolling import Creepage
-from railhead.theory.rolling.tangential import Pair
+from railhead.theory.friction.kalker import fastsim as followed
+from railhead.theory.friction.rolling import Creepage
+from railhead.theory.friction.tangential import Pair
 
 Array = NDArray[np.float64]
 SLENDER = 20.0  # largest axis ratio in the tables of the linear theory

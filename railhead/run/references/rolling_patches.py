@@ -17,7 +17,7 @@ from railhead.theory.bem import boundary_element
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.bem.patch import Grid, PatchSolution
 from railhead.theory.elastic.hertz import Ellipse, Strip
-from railhead.theory.rolling.rolling import plane_modes
+from railhead.theory.friction.rolling import plane_modes
 
 Array = NDArray[np.float64]
 LENGTH, WIDER = 1e4, 1.25  # of a strip over its half width; its grid over it, as tractions widen it

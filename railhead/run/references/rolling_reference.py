@@ -16,11 +16,14 @@ from railhead.run.references.rolling_patches import Patch
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import LineContact
-from railhead.theory.friction import carter, cattaneo
-from railhead.theory.rolling import dissimilar
-from railhead.theory.rolling.prescribed_forces import solve_for_forces
-from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction, TangentialSolution
-from railhead.theory.rolling.tangential import Pair
+from railhead.theory.friction import partial_slip, rolling
+from railhead.theory.friction.rolling import (
+    Creepage,
+    HalfSpaceFriction,
+    TangentialSolution,
+    solve_for_forces,
+)
+from railhead.theory.friction.tangential import Pair
 
 if TYPE_CHECKING:
     from railhead.solver.solution import FrictionSolution
@@ -102,10 +105,10 @@ def _strip(case: FrictionCase, line: LineContact) -> NumbersByMethod:
         return {"boundary elements": {key: numbers[key] for key in STRIP_KEYS if key in numbers}}
     if not case.rolling:
         share = float(np.hypot(*found.force) / found.friction_limit)
-        return {"Cattaneo": {"stick_share": cattaneo.strip_stick_ratio(min(share, 1.0))}}
+        return {"Cattaneo": {"stick_share": partial_slip.strip_stick_ratio(min(share, 1.0))}}
     if line.across:
         return {}
-    rolled = carter.from_creepage(strip, case.coefficient, found.rigid_motion[0])
+    rolled = partial_slip.Carter.from_creepage(strip, case.coefficient, found.rigid_motion[0])
     stick, force = rolled.stick_half_width / strip.b, rolled.share * found.friction_limit
     wear = force * found.rigid_motion[0]
     return {"Carter": {"force_along_N": force, "stick_share": stick, "t_gamma_N": wear}}
@@ -163,10 +166,10 @@ def _mindlin(case: FrictionCase, ellipse: Ellipse) -> dict[str, Any]:
     """
     found, pair = case.solution, case.pair
     force = min(float(np.hypot(*found.force)), found.friction_limit)
-    compliances = cattaneo.initial_compliance(
+    compliances = partial_slip.initial_compliance(
         ellipse.a, ellipse.b, pair.shear_modulus, pair.poisson
     )
-    ways = [cattaneo.CattaneoMindlin(found.friction_limit, each) for each in compliances]
+    ways = [partial_slip.CattaneoMindlin(found.friction_limit, each) for each in compliances]
     out = {"stick_share": ways[0].stick_ratio(force) ** 2}
     if case.half_space_shift and force:
         for way, part, known in zip(("along", "across"), found.force, ways, strict=True):
@@ -229,7 +232,7 @@ def _on_grid(case: FrictionCase, patches: Sequence[Patch]) -> Numbers:
         return solve_for_forces([body], Creepage(), along=along, across=across)[0]
 
     sheared = [
-        dissimilar.solve_dissimilar(
+        rolling.solve_dissimilar(
             each.pressed,
             case.pair,
             case.coefficient,

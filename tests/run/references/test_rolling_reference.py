@@ -22,9 +22,9 @@ from railhead.run.references.rolling_reference import (
     FrictionCase,
     solve_by_boundary_elements,
 )
-from railhead.theory.friction import cattaneo, kalker
-from railhead.theory.friction.fastsim import fastsim
-from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction
+from railhead.theory.friction import kalker, partial_slip
+from railhead.theory.friction.kalker import fastsim
+from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
 
 
 def ellipse(**wheel: float) -> planning.Plan:
@@ -61,11 +61,11 @@ def test_boundary_elements_shift_as_mindlin() -> None:
     given = shifted_or_rolled(plan, rolling=False, force=force)
     answer = solve_by_boundary_elements(given, lambda cells: hertz(plan, cells), (16, 32))
     size = math.hypot(*force)
-    compliances = cattaneo.initial_compliance(
+    compliances = partial_slip.initial_compliance(
         plan.estimate.a, plan.estimate.b, given.pair.shear_modulus, given.pair.poisson
     )
     for way, part, each in zip(("along", "across"), force, compliances, strict=True):
-        known = cattaneo.CattaneoMindlin(7500.0, each)
+        known = partial_slip.CattaneoMindlin(7500.0, each)
         assert answer[f"force_{way}_N"] == pytest.approx(part, abs=0.1)
         assert answer[f"shift_{way}_mm"] == pytest.approx(
             known.approach(size) * part / size, rel=0.02

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from friction_data import named
 
-from railhead.theory.friction.fastsim import fastsim
-from railhead.theory.friction.kalker import Coefficients, coefficients
-from railhead.theory.rolling.rolling import Creepage
+from railhead.theory.friction.kalker import Coefficients, coefficients, fastsim
+from railhead.theory.friction.rolling import Creepage
 
 SLOW = pytest.mark.slow
 QUICK = {"kalker_ab0.1_nu0", "kalker_ab0.1_nu0.3", "kalker_ab0.5_nu0.3", "kalker_ab1.251_nu0.3",

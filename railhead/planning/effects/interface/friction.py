@@ -14,7 +14,7 @@ from railhead.scene.sections import refuse_first
 from railhead.theory.elastic import hertz
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.friction import kalker
-from railhead.theory.rolling.rolling import Creepage
+from railhead.theory.friction.rolling import Creepage
 
 OMITTED = "not simulated: falling friction, third bodies, roughness, dynamics (docs/limits.md)"
 NO_MISMATCH = 1e-9  # largest |beta| that is taken for a rounding error

@@ -10,7 +10,7 @@ from railhead.postprocess.findings import Findings
 from railhead.scene import steels
 from railhead.theory.elastic import contacts
 from railhead.theory.elastic.line import LineContact
-from railhead.theory.friction.heat import flash_temperature
+from railhead.theory.friction.wear import flash_temperature
 
 HOT = 100.0  # K, least flash temperature that matters (a choice)
 UNKNOWN = "flash temperature not known for this material: the constants are those of steel"

@@ -17,18 +17,24 @@ Lengths in mm, forces in N, stresses in MPa, spin in 1/mm.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import astuple, dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from railhead.theory.bem.boundary_element import equilibrium
+from railhead.theory.bem.influence import Influence
+from railhead.theory.bem.patch import PatchSolution
 from railhead.theory.elastic.hertz import Ellipse
-from railhead.theory.rolling.coulomb import Tractions
-from railhead.theory.rolling.tangential import Pair, TractionInfluence
+from railhead.theory.friction.coulomb import Tractions
+from railhead.theory.friction.tangential import Pair, TractionInfluence
 
 Array = NDArray[np.float64]
 TOLERANCE = 1e-8  # of the tractions
+TURNS, TRACTION_CHANGE = 40, 1e-3  # between pressure and tractions; of the tractions, over mu N
+PRESSED = 1e-6  # of the displacement
+STEPS, FORCE_TOLERANCE = 40, 1e-6  # of Newton under prescribed forces; over mu N
 
 
 @dataclass(frozen=True)
@@ -224,3 +230,95 @@ def plane_modes(x: Array, y: Array) -> Array:
     still = np.zeros((x.size, y.size))
     turned = [still - y, still + x[:, None]]
     return np.array([[still + 1, still], [still, still + 1], turned, [still, still]])
+
+
+def solve_dissimilar(
+    patch: PatchSolution,
+    pair: Pair,
+    friction: float,
+    shear: Callable[[HalfSpaceFriction], TangentialSolution],
+    *,
+    rolling: bool,
+    modes: Array | None = None,
+) -> TangentialSolution:
+    """Tractions of a patch of different materials whose pressure depends on the tractions.
+
+    patch: the same contact without friction.
+    pair: materials.
+    friction: coefficient.
+    shear: solves for the tractions at a fixed pressure, e.g. `HalfSpaceFriction.solve`.
+    rolling: steady rolling; else one shift that begins from the pressed patch.
+    modes: rigid slip (4, 2, nx, ny) of unit creepages, unit spin and the fixed mode; None: a plane.
+    The contact modulus is G/(1 - nu) of the pair. ValueError: no convergence in 40 turns.
+    """
+    modulus = pair.shear_modulus / (1 - pair.poisson)
+    influence = TractionInfluence(patch.x, patch.s, pair, rolling=False)
+    pressed = Influence([patch], modulus)(patch.pressure.ravel()).reshape(patch.pressure.shape)
+    undeformed = patch.gap - pressed + patch.approach * patch.normals[0]
+    now, before = patch, np.zeros((2, *patch.pressure.shape))
+    for _ in range(TURNS):
+        body = HalfSpaceFriction(
+            now.x, now.s, now.pressure, friction, pair,
+            rolling=rolling, modes=modes, settled=None if rolling else patch.pressure,
+        )  # fmt: skip
+        found = shear(body)
+        changed = np.linalg.norm(found.traction - before, axis=0).sum() * found.cell
+        if not pair.mismatch or changed <= TRACTION_CHANGE * found.limit:
+            return found
+        gap, before = undeformed + influence.opening(found.traction), found.traction
+        (now,) = equilibrium([patch], [gap], modulus, patch.load, None, PRESSED, None)
+    raise ValueError(f"pressure and tractions still change after {TURNS} turns")
+
+
+def solve_for_forces(
+    bodies: Sequence[HalfSpaceFriction],
+    creepage: Creepage,
+    *,
+    along: float | None = None,
+    across: float | None = None,
+    start: Sequence[TangentialSolution] | None = None,
+) -> list[TangentialSolution]:
+    """Tractions of patches that share one rigid motion and together carry prescribed forces.
+
+    along, across: prescribed force of all patches, N; None where the creepage is prescribed.
+    creepage: prescribed motion; where a force is prescribed, its component is an unknown.
+    start: solutions of similar patches with the same forces, at whose motion Newton's method
+        begins; None: no motion, where all sticks.
+    The forces are met to 1e-6 mu N. The force is concave in its
+    creepage, and a step that does not reduce the residual is halved. ValueError: forces of mu N or
+    more, or no convergence.
+    """
+    goals = {k: force for k, force in enumerate((along, across)) if force is not None}
+    free, target = list(goals), np.array(list(goals.values()))
+    values = np.array(astuple(creepage))
+    values[free] = 0.0 if start is None else np.array(astuple(start[0].creepage))[free]
+    begins: Sequence[TangentialSolution | None] = start or [None] * len(bodies)
+    motion = Creepage(*values)
+    now = [body.solve(motion, begin) for body, begin in zip(bodies, begins, strict=True)]
+    limit = sum(each.limit for each in now)
+    if not np.linalg.norm(target) < limit:
+        raise ValueError(f"the force must be below mu N = {limit} N, got {target}")
+    missing = target - _forces(now)[free]
+    for _ in range(STEPS):
+        if np.linalg.norm(missing) <= FORCE_TOLERANCE * limit:
+            return now
+        pairs = zip(bodies, now, strict=True)
+        stiffness = np.sum([body.stiffness(each) for body, each in pairs], axis=0)
+        step = np.linalg.lstsq(stiffness[np.ix_(free, free)], missing, rcond=None)[0]
+        share = 1.0
+        while True:
+            trial = values.copy()
+            trial[free] += share * step
+            motion = Creepage(*trial)
+            then = [body.solve(motion, each) for body, each in zip(bodies, now, strict=True)]
+            left = target - _forces(then)[free]
+            if np.linalg.norm(left) < np.linalg.norm(missing) or share < 1e-6:
+                break
+            share /= 2
+        values, now, missing = trial, then, left
+    raise ValueError(f"no creepage found under the forces {target} N")
+
+
+def _forces(found: Sequence[TangentialSolution]) -> Array:
+    """Force along (N), force across (N) and moment (N mm) of all patches together, (3,)."""
+    return np.sum([each.forces for each in found], axis=0)

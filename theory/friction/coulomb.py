@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, gmres
 
-from railhead.theory.rolling.tangential import TractionInfluence
+from railhead.theory.friction.tangential import TractionInfluence
 
 Array = NDArray[np.float64]
 STEPS = 60  # of Newton's method; 4 to 16 are usual

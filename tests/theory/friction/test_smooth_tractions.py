@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from railhead.theory.rolling.smooth_tractions import SmoothTractions
+from railhead.theory.friction.smooth_tractions import SmoothTractions
 
 COEFFICIENTS = np.array([[1.0, -2.0], [0.5, 3.0], [-1.5, 0.25]])
 

@@ -8,9 +8,9 @@ import pytest
 from numpy.typing import NDArray
 
 from railhead.theory.elastic.halfspace import boussinesq_displacement
-from railhead.theory.friction.cattaneo import initial_compliance
-from railhead.theory.rolling.rolling import Creepage, HalfSpaceFriction
-from railhead.theory.rolling.tangential import Pair, TractionInfluence, pair
+from railhead.theory.friction.partial_slip import initial_compliance
+from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
+from railhead.theory.friction.tangential import Pair, TractionInfluence, pair
 
 Array = NDArray[np.float64]
 X, Y = 0.3 * np.arange(12), 0.2 * np.arange(9)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from railhead.theory.friction import heat
+from railhead.theory.friction import wear
 
 A, B, FORCE, FRICTION, SLIP, SPEED = 5.88, 10.54, 1e5, 0.3, 1 / 30, 30.0  # mm, N, 1, 1, m/s
 EFFUSIVITY = math.sqrt(50.0 * 7850.0 * 450.0)
@@ -24,7 +24,7 @@ def along_the_middle(flux: np.ndarray, t: np.ndarray) -> float:
 def test_an_ellipse_that_slips_everywhere() -> None:
     """Ertz and Knothe's case: 166.8 K by CONTACT (examples/ertz_temperature.ref_out)."""
     area = math.pi * A * B
-    rise = heat.flash_temperature(FRICTION * FORCE * SLIP, area, A, SPEED, line=False)
+    rise = wear.flash_temperature(FRICTION * FORCE * SLIP, area, A, SPEED, line=False)
     assert rise == pytest.approx(166.8, rel=0.1)
     t = np.linspace(-1, 1, 2001)
     flux = FRICTION * 1.5 * FORCE / (1e-6 * area) * SLIP * SPEED * np.sqrt(1 - t**2)
@@ -33,6 +33,6 @@ def test_an_ellipse_that_slips_everywhere() -> None:
 
 def test_a_band_of_even_heat() -> None:
     length = 70.0
-    rise = heat.flash_temperature(1000.0, 2 * A * length, A, SPEED, line=True)
+    rise = wear.flash_temperature(1000.0, 2 * A * length, A, SPEED, line=True)
     flux = np.full(3, 1000.0 * SPEED / (2e-6 * A * length))
     assert rise == pytest.approx(along_the_middle(flux, np.array([-1.0, 0.0, 1.0])), rel=0.003)

@@ -1,0 +1,96 @@
+"""Carter's rolling strip: reference numbers, force of the traction, both signs."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from friction_data import named
+
+from railhead.theory.elastic.hertz import Strip, contact_modulus, line_contact
+from railhead.theory.friction import partial_slip
+from railhead.theory.friction.partial_slip import Carter
+
+
+def strip_of(entry: dict[str, Any]) -> Strip:
+    modulus = contact_modulus(entry["E_MPa"], entry["nu"], entry["E_MPa"], entry["nu"])
+    return line_contact(1 / entry["R_relative_mm"], modulus, entry["load_N"] / entry["length_mm"])
+
+
+@pytest.mark.parametrize("entry", named("carter"))
+def test_reference_numbers(entry: dict[str, Any]) -> None:
+    strip = strip_of(entry)
+    rolled = Carter(strip, entry["mu"], entry["Q_over_muP"])
+    a = entry["half_width_a_mm"]
+    assert rolled.creepage == pytest.approx(entry["creepage_xi"], rel=1e-9)
+    assert rolled.stick_half_width / a == pytest.approx(entry["stick_half_width_over_a"], rel=1e-9)
+    centre = entry["stick_centre_over_a_towards_leading_edge"]
+    assert rolled.stick_centre / a == pytest.approx(centre, rel=1e-9)
+    back = Carter.from_creepage(strip, entry["mu"], entry["creepage_xi"])
+    assert back.share == pytest.approx(entry["Q_over_muP"], rel=1e-9)
+
+
+@pytest.mark.parametrize("share", [-1.0, -0.5, 0.3, 0.96])
+def test_the_traction_adds_up_to_the_force(share: float) -> None:
+    strip = line_contact(1 / 420, 1.1e5, 1500.0)
+    rolled = Carter(strip, 0.3, share)
+    x = strip.b * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 20001))
+    q = rolled.traction(x)
+    assert np.sum((q[1:] + q[:-1]) / 2 * np.diff(x)) == pytest.approx(share * 450.0, rel=1e-6)
+    assert np.abs(q).max() <= 0.3 * strip.p0 * (1 + 1e-12)
+    trailing = x < rolled.stick_centre - rolled.stick_half_width
+    np.testing.assert_allclose(q[trailing], np.sign(share) * 0.3 * strip.pressure(x[trailing]))
+    assert np.sign(rolled.creepage) == np.sign(share)
+
+
+def test_full_slip_and_more_than_the_limit() -> None:
+    strip = line_contact(1 / 420, 1.1e5, 1500.0)
+    assert Carter.from_creepage(strip, 0.3, 1.0).share == 1.0
+    assert Carter.from_creepage(strip, 0.3, -1.0).share == -1.0
+    with pytest.raises(ValueError):
+        Carter(strip, 0.3, 1.01)
+
+
+# Cattaneo and Mindlin: reference numbers, limits, histories.
+
+G, POISSON = 207000 / 2.6, 0.3
+
+
+@pytest.mark.parametrize("entry", named("mindlin_sphere"))
+def test_a_sphere(entry: dict[str, Any]) -> None:
+    limit = entry["mu"] * entry["P_N"]
+    along, across = partial_slip.initial_compliance(entry["a_mm"], entry["a_mm"], G, POISSON)
+    known, Q = partial_slip.CattaneoMindlin(limit, along), entry["Q_over_muP"] * limit
+    assert along == pytest.approx(across, rel=1e-14)
+    assert along == pytest.approx(entry["initial_tangential_compliance_mm_per_N"], rel=1e-12)
+    assert known.stick_ratio(Q) == pytest.approx(entry["stick_radius_over_a"], rel=1e-12)
+    assert known.approach(Q) == pytest.approx(entry["tangential_approach_mm"], rel=1e-12)
+
+
+@pytest.mark.parametrize("entry", named("mindlin_ellipse"))
+def test_an_ellipse_both_ways(entry: dict[str, Any]) -> None:
+    a, b, N = entry["a_mm"], entry["b_mm"], entry["P_N"]
+    compliance = partial_slip.initial_compliance(a, b, G, POISSON)[entry["direction"] == "y"]
+    known = partial_slip.CattaneoMindlin(entry["mu"] * N, compliance)
+    Q = entry["Q_over_muP"] * known.limit
+    stated = entry["initial_tangential_compliance_mm_per_N"]
+    assert compliance == pytest.approx(stated, rel=1e-9)
+    assert known.approach(Q) == pytest.approx(entry["tangential_approach_mm"], rel=1e-9)
+    assert known.stick_ratio(Q) == pytest.approx(entry["stick_axes_over_contact_axes"], rel=1e-12)
+
+
+@pytest.mark.parametrize("entry", named("cattaneo_strip"))
+def test_a_strip(entry: dict[str, Any]) -> None:
+    ratio = partial_slip.strip_stick_ratio(entry["Q_over_muP"])
+    assert ratio == pytest.approx(entry["stick_half_width_over_a"], rel=1e-12)
+
+
+def test_forces_out_of_range() -> None:
+    known = partial_slip.CattaneoMindlin(100.0, 1e-6)
+    for call in (
+        lambda: known.approach(101.0),
+        lambda: known.approach(-1.0),
+        lambda: partial_slip.strip_stick_ratio(1.1),
+        lambda: partial_slip.strip_stick_ratio(-0.1),
+    ):
+        with pytest.raises(ValueError):
+            call()

@@ -1,0 +1,140 @@
+"""Exact solutions of partial slip between like materials, as closed forms.
+
+Carter 1926: a line contact that rolls along +x and drives. x = 0 is the middle of the strip, x = +w
+its leading edge (Johnson, Contact Mechanics, 8.3). Creepage and force have one sign (see
+`theory.friction.rolling`). The strip has the half width w, load P and relative curvature 1/R.
+
+Cattaneo 1938, Mindlin 1949: a tangential force Q on a pressed contact that does not roll, with the
+traction along the force alone (its small part across is neglected: below 1 % in the displacement).
+Q grows from 0 at a constant load N; mu N is the limit (Mindlin and Deresiewicz 1953; Johnson, 7.2
+and 7.4). Forces are in N, lengths in mm.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import elliprd, elliprf
+
+from railhead.theory.elastic.hertz import Strip
+
+
+@dataclass(frozen=True)
+class Carter:
+    """Carter's rolling strip: the part from the leading edge x = w to x = w - 2c sticks.
+
+    strip: half width w, pressure and curvature.
+    friction: coefficient mu.
+    share: tangential force over mu times load, -1 to 1. ValueError: outside of that range.
+    """
+
+    strip: Strip
+    friction: float
+    share: float
+
+    def __post_init__(self) -> None:
+        """Raise ValueError where the share is outside -1..1."""
+        if not abs(self.share) <= 1:
+            raise ValueError(f"the force must be within mu P, got {self.share} of it")
+
+    @classmethod
+    def from_creepage(cls, strip: Strip, friction: float, creepage: float) -> Carter:
+        """The rolling strip of a prescribed creepage xi: share = 1 - (1 - |xi| R/(mu w))^2 with the
+        sign of xi, at most 1. R: relative radius; w: half width; mu: friction coefficient.
+        """
+        part = min(abs(creepage) / (friction * strip.b * strip.curvature), 1.0)
+        return cls(strip, friction, math.copysign(part * (2 - part), creepage))
+
+    @property
+    def creepage(self) -> float:
+        """Creepage mu w/R (1 - c/w) with the force's sign, R relative radius, w half width, c half
+        width that sticks. At full slip mu w/R, the smallest creepage of full slip.
+        """
+        full = self.friction * self.strip.b * self.strip.curvature
+        return math.copysign(full * self.stick_centre / self.strip.b, self.share)
+
+    @property
+    def stick_half_width(self) -> float:
+        """Half width c that sticks, w sqrt(1 - |share|), mm."""
+        return self.strip.b * math.sqrt(1 - abs(self.share))
+
+    @property
+    def stick_centre(self) -> float:
+        """x of the middle of the part that sticks, w - c, mm."""
+        return self.strip.b - self.stick_half_width
+
+    def traction(self, x: ArrayLike) -> NDArray[np.float64]:
+        """Traction mu p0 (sqrt(1 - x^2/w^2) - c/w sqrt(1 - (x - w + c)^2/c^2)), MPa, at x (mm),
+        with the force's sign; c is the half width that sticks.
+        """
+        beyond = self.stick_half_width**2 - (np.asarray(x) - self.stick_centre) ** 2
+        stuck = self.strip.p0 / self.strip.b * np.sqrt(np.maximum(beyond, 0))
+        sign = math.copysign(self.friction, self.share)
+        return np.asarray(sign * (self.strip.pressure(x) - stuck))
+
+
+def initial_compliance(
+    a: float, b: float, shear_modulus: float, poisson: float
+) -> tuple[float, float]:
+    """Tangential approach over force, mm/N, for a force along a and for one along b, of bodies that
+    stick on the whole ellipse.
+
+    a, b: semi-axes, mm; shear_modulus, poisson: G (MPa) and nu of both bodies. The traction Q/(2 pi
+        a b)/sqrt(1 - x^2/a^2 - y^2/b^2) shifts the ellipse as a whole by Q/(pi G a b) ((1 - nu) I +
+        nu I_x), where I and I_x integrate 1 and cos^2 over sqrt(cos^2/a^2 + sin^2/b^2) from 0 to
+        pi/2, here in Carlson's forms (Mindlin 1949); (2 - nu)/(4 G a) on a circle.
+    """
+    p, q = 1 / a**2, 1 / b**2
+    whole = elliprf(0, p, q)
+    parts = q / 3 * elliprd(0, p, q), p / 3 * elliprd(0, q, p)
+    scale = 1 / (math.pi * shear_modulus * a * b)
+    along, across = (scale * ((1 - poisson) * whole + poisson * part) for part in parts)
+    return float(along), float(across)
+
+
+@dataclass(frozen=True)
+class CattaneoMindlin:
+    """A Hertz ellipse under a tangential force without rolling: an inner ellipse sticks, the rest
+    slips.
+
+    limit: largest tangential force, friction coefficient times load, N.
+    compliance: tangential approach over force where the whole patch sticks, mm/N.
+    """
+
+    limit: float
+    compliance: float
+
+    def stick_ratio(self, force: float) -> float:
+        """Axes of the ellipse that sticks over those of the patch, (1 - Q/mu N)^(1/3), under a
+        force Q (N). ValueError: a force outside 0..mu N.
+        """
+        return math.cbrt(self._rest(force))
+
+    def approach(self, force: float) -> float:
+        """Tangential approach, mm, under a force (N) that increased from 0 (Johnson, 7.42).
+        ValueError: a force outside 0..mu N.
+        """
+        return self._scale * (1 - self._rest(force) ** (2 / 3))
+
+    @property
+    def _scale(self) -> float:
+        """Tangential approach at full slip, mm."""
+        return 1.5 * self.compliance * self.limit
+
+    def _rest(self, force: float) -> float:
+        """1 - Q/mu N for a force Q (N). ValueError: a force outside 0..mu N."""
+        if not 0 <= force <= self.limit:
+            raise ValueError(f"force must be within 0..mu N = {self.limit} N, got {force}")
+        return 1 - force / self.limit
+
+
+def strip_stick_ratio(share: float) -> float:
+    """Half width that sticks over the half width of a strip: sqrt(1 - share), share = Q/mu P (Q
+    tangential force, P load). ValueError: the share is outside 0..1.
+    """
+    if not 0 <= share <= 1:
+        raise ValueError(f"the share of mu P must be within 0..1, got {share}")
+    return math.sqrt(1 - share)

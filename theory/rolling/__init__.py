@@ -1,1 +1,0 @@
-"""Boundary elements of rolling half-spaces under tangential traction."""
