@@ -12,7 +12,7 @@ import pytest
 from hypothesis import settings
 
 from railhead.meshing import mesh
-from railhead.planning.cost import machine
+from railhead.planning import cost
 from railhead.solver.contact import ContactModel
 from railhead.solver.setup import Setup
 
@@ -27,7 +27,7 @@ def _own_speed(tmp_path_factory: pytest.TempPathFactory) -> None:
     """What runs of the tests take corrects no prediction of a person's runs."""
     file = tmp_path_factory.mktemp("cache") / "user" / "railhead" / "speed.json"
     file.parent.mkdir(parents=True)
-    machine.cache_file = lambda: file
+    cost.cache_file = lambda: file
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

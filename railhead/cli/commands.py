@@ -223,15 +223,15 @@ def run(
     from railhead import api
     from railhead.cli import launch
     from railhead.planning import budget as budgets
+    from railhead.planning import cost
     from railhead.planning import plan as planning
-    from railhead.planning.cost import machine
 
     start = time.perf_counter()
     scene = api.with_accuracy(scene, accuracy, budget)
     folder = _folder(out, scene.name, "run", scene, force=force)
     planned = planning.make(scene)
     if not process.under_mpi():
-        budgets.check_memory(planned, machine.free_memory())
+        budgets.check_memory(planned, cost.free_memory())
         count = ranks or launch.number_of_processes(planned)
         if count > 1:
             launch.restart(count, arguments)
@@ -476,9 +476,9 @@ def _refuse(text: str) -> int:
 
 def _not_written(error: OSError) -> int:
     """Print an error of writing files, a line for each file; returns exit status 1."""
-    from railhead.planning.cost import machine
+    from railhead.planning import cost
 
-    where, cache = str(error.filename or ""), machine.cache_file().parents[1]
+    where, cache = str(error.filename or ""), cost.cache_file().parents[1]
     hint = ""
     if where and (cache.is_relative_to(where) or Path(where).is_relative_to(cache)):
         hint = " (the cache of compiled forms; XDG_CACHE_HOME names another folder)"

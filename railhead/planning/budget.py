@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from railhead.planning.accuracy import error_envelopes
+from railhead.planning import error_envelopes
 from railhead.planning.plan import Plan
 from railhead.scene.scene import SceneError
 

@@ -14,16 +14,12 @@ from railhead.contact.solid import Contact
 from railhead.meshing.bodies import ELEMENTS_PER_TURN, Body, Options
 from railhead.meshing.sizing import Grading
 from railhead.meshing.tags import BODY_NAMES, RAIL, SYMMETRY_X, SYMMETRY_Y, WHEEL
-from railhead.planning import effects, sizing
-from railhead.planning.accuracy import error_envelopes, uncertainty
-from railhead.planning.accuracy.error_envelopes import Family, Setting
-from railhead.planning.accuracy.uncertainty import Uncertainty
+from railhead.planning import cost, effects, error_envelopes, sizing
 from railhead.planning.context import Context, Effect
-from railhead.planning.cost import machine, prediction
-from railhead.planning.effects.interface import friction
-from railhead.planning.effects.material import plasticity
-from railhead.planning.effects.shape.true_profile import one_radius
-from railhead.planning.patch.forecast import Forecast, forecast
+from railhead.planning.effects import interface, material
+from railhead.planning.effects.shape import one_radius
+from railhead.planning.error_envelopes import Family, Setting, Uncertainty
+from railhead.planning.forecast import Forecast, forecast
 from railhead.planning.references import closed_forms
 from railhead.planning.sizing import Sizing
 from railhead.scene.scene import Scene, SceneError
@@ -162,7 +158,7 @@ class Plan:
         """Relative error that measured profiles may hide; None where no profile is measured, for
         half-spaces, and in sections.
         """
-        return uncertainty.of_profiles(self.context)
+        return error_envelopes.of_profiles(self.context)
 
     @property
     def profile_error(self) -> float:
@@ -300,14 +296,14 @@ class Plan:
         if self.section:
             share *= len(self.deformable) * (0.5 if self.contact.revolved else 1.0)
             triangles = self.grading().predicted_triangles(self.reach)
-            each = prediction.unknowns_per_cell("section", cell, self.order)
+            each = cost.unknowns_per_cell("section", cell, self.order)
             return int(share * triangles * each)
         cells = self.grading().predicted_cells(self.reach, hexahedra=cell == "hexahedron")
         cells *= len(self.deformable)
         if self.with_foot:
             half = bodies.rail_reach(self.contact, self.reach, whole_section=True)
             cells += SECTION_CELLS * 2 * half
-        return int(share * cells * prediction.unknowns_per_cell("solid", cell, self.order))
+        return int(share * cells * cost.unknowns_per_cell("solid", cell, self.order))
 
     @property
     def newton_tolerance(self) -> float:
@@ -326,7 +322,7 @@ class Plan:
     @property
     def seconds(self) -> float:
         """Predicted seconds of the whole process with one mesh, pictures not included."""
-        return prediction.START + self.solving
+        return cost.START + self.solving
 
     @property
     def solving(self) -> float:
@@ -334,26 +330,26 @@ class Plan:
         process.
         """
         if self.by_half_spaces:
-            return prediction.BOUNDARY_ELEMENTS[self.effects["friction"].on]
-        more = prediction.LOAD_STEP * self.load_steps if self.effects["plasticity"].on else 0.0
+            return cost.BOUNDARY_ELEMENTS[self.effects["friction"].on]
+        more = cost.LOAD_STEP * self.load_steps if self.effects["plasticity"].on else 0.0
         beside = 0.0
         if self.effects["friction"].on and not self.condenses:
-            more, beside = prediction.FRICTION, prediction.FRICTION_SECONDS
+            more, beside = cost.FRICTION, cost.FRICTION_SECONDS
         elif self.effects["friction"].on and not self.section:
-            more += prediction.CONDENSING * self.unknowns / prediction.CONDENSING_AT
-        return machine.correction() * (self.cost.time(self.unknowns) * (1 + more) + beside)
+            more += cost.CONDENSING * self.unknowns / cost.CONDENSING_AT
+        return cost.correction() * (self.cost.time(self.unknowns) * (1 + more) + beside)
 
     @property
     def condenses(self) -> bool:
         """Whether friction, where it acts, needs factors of the bodies: in sections, with unlike
         materials, and where bodies yield.
         """
-        return self.section or friction.unlike(self.scene) or self.effects["plasticity"].on
+        return self.section or interface.unlike(self.scene) or self.effects["plasticity"].on
 
     @property
-    def cost(self) -> prediction.Cost:
+    def cost(self) -> cost.Cost:
         """Seconds and bytes per unknown of this kind of model, without yield and friction."""
-        return prediction.cost(
+        return cost.cost(
             self.scene.mesh.cell,
             self.order,
             section=self.section,
@@ -365,10 +361,10 @@ class Plan:
         """Predicted peak of the memory, bytes."""
         each = self.cost.bytes
         if self.effects["plasticity"].on:
-            each += prediction.YIELD_BYTES
+            each += cost.YIELD_BYTES
         if self.effects["friction"].on:
-            each += prediction.CONDENSING_BYTES if self.condenses else prediction.FRICTION_BYTES
-        return prediction.BASE_BYTES + each * self.unknowns
+            each += cost.CONDENSING_BYTES if self.condenses else cost.FRICTION_BYTES
+        return cost.BASE_BYTES + each * self.unknowns
 
     @property
     def seconds_of_two(self) -> float:
@@ -451,7 +447,7 @@ class Plan:
             "contact_angle_rad": self.contact.touch.angle,
             **(
                 {}
-                if (found := friction.wheelset_creepage(self.context)) is None
+                if (found := interface.wheelset_creepage(self.context)) is None
                 else {"wheelset": found.summary()}
             ),
             "forecast": {"hertzian": self.forecast.hertzian, "reason": self.forecast.reason},
@@ -504,7 +500,7 @@ def _decided(scene: Scene) -> Plan:
         patch_size=size,
         reach=sizing.reach(contact, predicted, expected),
         forecast=expected,
-        load_steps=plasticity.steps(context),
+        load_steps=material.steps(context),
     )
     if scene.mesh.patch_size:
         return plan

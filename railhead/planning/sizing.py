@@ -9,8 +9,7 @@ import numpy as np
 
 from railhead.contact.solid import Contact
 from railhead.meshing.sizing import Grading, suited_stretch
-from railhead.planning.patch.forecast import Forecast, Zone
-from railhead.planning.patch.ridges import ridges
+from railhead.planning.forecast import Forecast, Zone, ridges
 from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from mpi4py import MPI
 
+from railhead.planning import cost
 from railhead.planning import plan as planning
-from railhead.planning.cost import machine
 from railhead.planning.plan import Plan
 from railhead.results import half_spaces as half_space_summary
 from railhead.results.result import Result
@@ -53,6 +53,6 @@ def result(levels: list[MeshSolution], ending: Ending, comm: MPI.Intracomm) -> R
 def _record_speed(levels: list[MeshSolution]) -> None:
     """Record the measured seconds of elastic meshes for later predictions on this machine."""
     for level in levels:
-        if level.plan.is_elastic_frictionless and level.unknowns >= machine.LEAST_UNKNOWNS:
+        if level.plan.is_elastic_frictionless and level.unknowns >= cost.LEAST_UNKNOWNS:
             predicted = level.plan.cost.time(level.unknowns)
-            machine.record(sum(level.seconds.values()), predicted)
+            cost.record(sum(level.seconds.values()), predicted)

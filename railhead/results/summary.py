@@ -7,7 +7,7 @@ import resource
 from typing import Any
 
 from railhead.planning import effects
-from railhead.planning.effects.material import plasticity
+from railhead.planning.effects import material
 from railhead.postprocess import compare
 from railhead.postprocess.friction import damage
 from railhead.results import checks
@@ -122,7 +122,7 @@ def more(solved: Solved) -> dict[str, Any]:
         stresses = damage.answers(
             solved.result,
             plan.scene.friction.coefficient,
-            plasticity.shear_yield(plan.context),
+            material.shear_yield(plan.context),
             poisson=min(plan.poisson_ratios.values()),
             rolling=rolling.prescribed,
             line=plan.contact.line,
@@ -136,7 +136,7 @@ def _plastic(solved: Solved) -> dict[str, Any]:
     scene, left, elastic = solved.plan.scene, solved.residual_state, solved.elastic_reference
     assert left is not None and elastic is not None and elastic.result is not None
     part = scene.rail if left.zone.body == "rail" else scene.wheel
-    shear = plasticity.first_yield(part) / math.sqrt(3)
+    shear = material.first_yield(part) / math.sqrt(3)
     return left.summary(elastic.result["pressure"]["max_MPa"], shear)
 
 

@@ -8,7 +8,7 @@ The estimate of a quantity is the sum of
     left_out      what effects left out by the plan add
     geometry      contact points off the exact surface, over the smaller semi-axis
     algebraic     the residual of Newton's method, with what it moves a quantity by at most
-    profile       what the noise of measured profiles hides (`planning.accuracy.uncertainty`)
+    profile       what the noise of measured profiles hides (`planning.error_envelopes`)
 
 Estimates are relative to the value, those of forces by friction to mu N. An accuracy that a scene
 wants is one of sizes and values. Of a place, the depth of the largest shear stress, it wants that
@@ -22,8 +22,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from railhead.planning.accuracy.error_envelopes import STEP, Family, drop_beside_maximum
-from railhead.planning.effects.material import plasticity
+from railhead.planning.effects import material
+from railhead.planning.error_envelopes import STEP, Family, drop_beside_maximum
 from railhead.postprocess.findings import RIVAL
 from railhead.postprocess.friction.traction import MOTION
 from railhead.run.quantities import QUANTITIES, SCATTER, numeric_values
@@ -266,7 +266,7 @@ def estimate(meshes: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
     largest = "tau_max_MPa"
     doubt = 2 * (parts.get(largest, 0.0) + values[-1][2].get(largest, 0.0))
     readings = reading_errors(solved.findings, max(RIVAL, doubt))
-    steps = plasticity.steps(solved.plan.context) / solved.plan.load_steps
+    steps = material.steps(solved.plan.context) / solved.plan.load_steps
     estimates = {
         name: Estimate(
             mesh=mesh,

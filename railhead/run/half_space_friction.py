@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.planning.effects.interface import friction
+from railhead.planning.effects import interface
 from railhead.planning.plan import Plan
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.run.references import equal_ellipses, rolling_patches
@@ -90,7 +90,7 @@ def _sheared(plan: Plan, patches: Sequence[Patch], longer: float) -> list[Tangen
         None if force is None else longer * force
         for force in (table.force_along, table.force_across)
     )
-    moves = friction.creepage(plan.context)
+    moves = interface.creepage(plan.context)
 
     def shear(bodies: Sequence[HalfSpaceFriction]) -> list[TangentialSolution]:
         """Tractions of some patches."""
@@ -98,7 +98,7 @@ def _sheared(plan: Plan, patches: Sequence[Patch], longer: float) -> list[Tangen
             return [body.solve(moves) for body in bodies]
         return solve_for_forces(bodies, moves, along=along, across=across)
 
-    if friction.unlike(scene):
+    if interface.unlike(scene):
         if len(patches) > 1 and not (along is None and across is None):
             raise ValueError(SEVERAL)
         return [
@@ -188,7 +188,7 @@ def _fastsim(plan: Plan, patches: Sequence[Patch], found: FrictionSolution) -> d
     lines and unlike bodies.
     """
     scene = plan.scene
-    if not scene.rolling.prescribed or plan.contact.line or friction.unlike(scene):
+    if not scene.rolling.prescribed or plan.contact.line or interface.unlike(scene):
         return {}
     pair = closed_forms.tangential_pair(scene)
     try:

@@ -13,9 +13,8 @@ import numpy as np
 
 from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
-from railhead.planning.effects import assumptions
-from railhead.planning.effects.interface.friction import unlike
-from railhead.planning.effects.shape import finite_bodies
+from railhead.planning.effects import assumptions, shape
+from railhead.planning.effects.interface import unlike
 from railhead.planning.plan import Plan
 from railhead.planning.references import boundary_elements
 from railhead.planning.references.allowance import added_stress
@@ -155,7 +154,7 @@ def _error_parts(
         exact = numeric_values(result)
         exact.pop(plan.contact.prescribed_length or "", None)
         return {key: {"exact": 0.0} for key in exact}
-    expected = finite_bodies.expected(plan.context)
+    expected = shape.half_space_errors(plan.context)
     like = dict.fromkeys(STRESSES, "max_MPa") | {"max_MPa": "max_MPa", "area_mm2": "area_mm2"}
     if hertzian:
         like |= {"a_mm": "area_mm2", "b_mm": "area_mm2"}

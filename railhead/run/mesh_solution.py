@@ -16,12 +16,11 @@ from scipy.spatial import cKDTree
 from railhead.geometry.surfaces import ExactGap
 from railhead.meshing.mesh import ContactMesh
 from railhead.meshing.sizing import Grading
-from railhead.planning import effects
-from railhead.planning.accuracy import error_envelopes
-from railhead.planning.accuracy.error_envelopes import Family
+from railhead.planning import effects, error_envelopes
 from railhead.planning.context import PostSolveVerdict
-from railhead.planning.effects.interface import friction
-from railhead.planning.patch.forecast import Forecast, Zone, touches_nearby
+from railhead.planning.effects import interface
+from railhead.planning.error_envelopes import Family
+from railhead.planning.forecast import Forecast, Zone, touches_nearby
 from railhead.planning.plan import Plan
 from railhead.planning.references import closed_forms
 from railhead.postprocess import compare
@@ -238,7 +237,7 @@ def _read(solved: MeshSolution) -> MeshSolution:
         return solved
     from railhead.postprocess import read
 
-    frame, unlike = plan.contact.frame, friction.unlike(plan.scene)
+    frame, unlike = plan.contact.frame, interface.unlike(plan.scene)
     elastic = solution.plasticity is None and not (unlike and solution.friction is not None)
     parabolic = plan.contact.half_space and elastic
     findings = read.findings(fields, frame, solution.friction, parabolic=parabolic)

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from railhead.contact import wheelset_kinematics
 from railhead.contact.solid import Contact
 from railhead.meshing.tags import BODY_NAMES, CONTACT, RAIL, SUPPORT, WHEEL
-from railhead.planning.effects.interface import friction
-from railhead.planning.patch.forecast import Zone
+from railhead.planning.effects import interface
+from railhead.planning.forecast import Zone
 from railhead.planning.plan import Plan
 from railhead.planning.references import closed_forms
 from railhead.scene.scene import Scene
@@ -107,7 +107,7 @@ def _friction(plan: Plan) -> FrictionSettings:
     scene, contact = plan.scene, plan.contact
     frame, rolling = contact.frame, scene.rolling
     given = rolling if rolling.prescribed else scene.friction
-    moves = friction.creepage(plan.context)
+    moves = interface.creepage(plan.context)
     known = [moves.along, moves.across, moves.spin]
     free = []
     for index, way in enumerate(("along", "across")):
@@ -138,7 +138,7 @@ def friction_steps(scene: Scene, *, line: bool, yields: bool) -> tuple[tuple[flo
 
     line: whether the contact is a line; yields: whether bodies yield.
     """
-    if not friction.grows(scene):
+    if not interface.grows(scene):
         grown = []
     else:
         power = 2 if line else 3  # of the load in the patch's length

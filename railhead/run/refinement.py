@@ -7,9 +7,7 @@ from dataclasses import dataclass, replace
 
 from mpi4py import MPI
 
-from railhead.planning import budget
-from railhead.planning.accuracy import error_envelopes
-from railhead.planning.cost import machine, prediction
+from railhead.planning import budget, cost, error_envelopes
 from railhead.planning.plan import Plan
 from railhead.planning.sizing import LINEAR_REFINEMENT
 from railhead.run import estimates, quantities
@@ -47,7 +45,7 @@ def refine(
     SceneError: the first mesh does not fit into the memory; a finer one that does not fit ends the
         sequence. MeshError: gmsh fails.
     """
-    budget.check_memory(plan, comm.bcast(machine.free_memory()))
+    budget.check_memory(plan, comm.bcast(cost.free_memory()))
     if plan.scene.one_mesh:
         return [mesh_and_solve(plan, progress, comm)], Ending(ONE_MESH)
     return _refine(plan, progress, comm)
@@ -174,9 +172,9 @@ def _obstacle(plan: Plan, spent: float) -> str:
     """Reason why the mesh of a plan is not solved (memory, or budget after `spent` seconds); empty
     if there is none.
     """
-    if not budget.fits(plan, machine.free_memory()):
+    if not budget.fits(plan, cost.free_memory()):
         return f"memory: the next mesh needs about {plan.memory / 1e9:.1f} GB"
     limit = plan.scene.budget
-    if limit is not None and spent and prediction.START + spent + plan.solving > limit:
+    if limit is not None and spent and cost.START + spent + plan.solving > limit:
         return f"budget: the next mesh needs about {plan.solving:.0f} s"
     return ""

@@ -17,9 +17,8 @@ from typing import Any
 from mpi4py import MPI
 
 from railhead.meshing.mesh import ContactMesh, MeshError
-from railhead.planning import budget
+from railhead.planning import budget, cost
 from railhead.planning import plan as planning
-from railhead.planning.cost import machine
 from railhead.planning.plan import Plan
 from railhead.results import pipeline
 from railhead.results.result import Result
@@ -136,7 +135,7 @@ def _assemble(
     where gmsh cannot mesh them or where they do not fit into the memory.
     """
     largest = plans[-1]
-    if not budget.fits(largest, comm.bcast(machine.free_memory())):
+    if not budget.fits(largest, comm.bcast(cost.free_memory())):
         return None
     # The patches set the smallest elements, the bodies of the largest load the largest: those of a
     # small load's own block, throughout a large load's, would be most of the mesh.

@@ -1,4 +1,4 @@
-"""Error envelopes from runs: planning/accuracy/data/laws.json, which estimates rest on."""
+"""Error envelopes from runs: planning/data/laws.json, which estimates rest on."""
 
 import json
 import sys
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from railhead.planning import plan as planning
-from railhead.planning.accuracy.error_envelopes import TURNED, ErrorEnvelope
+from railhead.planning.error_envelopes import TURNED, ErrorEnvelope
 from railhead.run import estimates
 from railhead.run.quantities import ESTIMATED
 from railhead.scene.scene import Scene

@@ -1,4 +1,4 @@
-"""Unknowns per predicted cell, from meshes: what `planning/cost/data/cells.json` holds.
+"""Unknowns per predicted cell, from meshes: what `planning/data/cells.json` holds.
 
 A prediction is the integral of the element density times one constant for each kind of cell, which
 holds gmsh's habits and the sharing of nodes. The constant is the geometric mean over the scenes.
@@ -9,8 +9,8 @@ from statistics import geometric_mean
 
 from mpi4py import MPI
 
+from railhead.planning import cost
 from railhead.planning import plan as planning
-from railhead.planning.cost import prediction
 from railhead.run import build
 from railhead.scene import catalogue
 
@@ -33,7 +33,7 @@ def measure_cells() -> dict[str, dict[str, dict[str, float]]]:
         for cell, order in itertools.product(("tetrahedron", "hexahedron"), (1, 2)):
             typed = (f"mesh.cell={cell}", f"mesh.order={order}")
             shares = [share(name, *changes, *typed) for name, changes in scenes]
-            constant = geometric_mean(shares) * prediction.unknowns_per_cell(kind, cell, order)
+            constant = geometric_mean(shares) * cost.unknowns_per_cell(kind, cell, order)
             found[kind].setdefault(cell, {})[str(order)] = round(constant, 3)
     return found
 

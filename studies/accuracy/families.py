@@ -14,8 +14,8 @@ from mpi4py import MPI
 from scipy.optimize import brentq
 
 from railhead.meshing.mesh import MeshError
+from railhead.planning import error_envelopes
 from railhead.planning import plan as planning
-from railhead.planning.accuracy import error_envelopes
 from railhead.results.summary import exact_quantities
 from railhead.run import quantities
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve

@@ -1,4 +1,4 @@
-"""How far a load beside the web twists a rail: what `planning/references/data/twist.json` holds.
+"""How far a load beside the web twists a rail: what `planning/data/twist.json` holds.
 
 The head of a metre of rail on a held foot is solved under a wheel at some inclinations. The
 rotation of its flanks at the wheel is C M / E, M the moment of the contact force about the centre

@@ -18,7 +18,7 @@ import numpy as np
 from railhead.contact import solid
 from railhead.geometry.placement import Pair
 from railhead.geometry.profiles import Array, Piece, Profile
-from railhead.planning.accuracy import uncertainty
+from railhead.planning import error_envelopes
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.scene.scene import Scene, SceneError
 from railhead.sweeps import worker_pool
@@ -185,7 +185,7 @@ def compared(case: Case, spacing: float, noise: float, seeds: int) -> Row:
             scene = case.measured(Path(folder), spacing, noise, seed)
             try:
                 found = solved(scene)
-                left = uncertainty.around(scene, found).relative
+                left = error_envelopes.around(scene, found).relative
             except (ValueError, SceneError):
                 more += 1
                 continue

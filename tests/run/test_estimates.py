@@ -7,10 +7,9 @@ import pytest
 from solved import solved
 
 import railhead as rh
+from railhead.planning import cost, error_envelopes
 from railhead.planning import plan as planning
-from railhead.planning.accuracy import error_envelopes
-from railhead.planning.accuracy.error_envelopes import ErrorEnvelope, Setting
-from railhead.planning.cost import machine
+from railhead.planning.error_envelopes import ErrorEnvelope, Setting
 from railhead.results import pipeline, result_folder
 from railhead.run import estimates, quantities
 from railhead.scene import catalogue
@@ -198,7 +197,7 @@ def test_a_scene_outside_all_families_has_no_estimate_by_default() -> None:
 
 
 def test_a_budget_buys_what_it_can_and_says_what_was_too_dear(monkeypatch) -> None:
-    monkeypatch.setattr(machine, "correction", lambda: 1.0)
+    monkeypatch.setattr(cost, "correction", lambda: 1.0)
     case = catalogue.find("long_roller")
     rich, poor = (pipeline.run(case.replace([f"budget={seconds}s"])).summary for seconds in (5, 1))
     assert rich["accuracy"]["asked"] is None and rich["checks"]["passed"]
@@ -212,7 +211,7 @@ def test_a_budget_buys_what_it_can_and_says_what_was_too_dear(monkeypatch) -> No
 
 
 def test_memory_is_guarded_before_the_next_mesh(monkeypatch) -> None:
-    monkeypatch.setattr(machine, "free_memory", lambda: 500_000_000)
+    monkeypatch.setattr(cost, "free_memory", lambda: 500_000_000)
     result = pipeline.run(catalogue.find("hertz_ellipse").replace(["accuracy=0.1%"]))
     assert not result.passed
     assert "memory" in result.summary["accuracy"]["reason"]
@@ -227,26 +226,26 @@ def test_price_grows_with_the_accuracy() -> None:
 
 
 def test_seconds_follow_what_runs_took_on_this_machine(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(machine, "cache_file", lambda: tmp_path / "railhead" / "speed.json")
+    monkeypatch.setattr(cost, "cache_file", lambda: tmp_path / "railhead" / "speed.json")
     plan = planning.make(catalogue.find("hertz_ellipse"))
     shipped = plan.solving
     for slower in (30.0, 2.0):
-        machine.record(slower, 1.0)
+        cost.record(slower, 1.0)
         assert plan.solving == shipped
-    machine.record(2.0, 1.0)
+    cost.record(2.0, 1.0)
     assert plan.solving == pytest.approx(2 * shipped)
-    for _ in range(machine.RUNS):
-        machine.record(0.5, 1.0)
+    for _ in range(cost.RUNS):
+        cost.record(0.5, 1.0)
     assert plan.solving == pytest.approx(0.5 * shipped)
-    machine.cache_file().write_text("broken")
+    cost.cache_file().write_text("broken")
     assert plan.solving == shipped
 
 
 def test_a_finished_run_is_recorded(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(machine, "cache_file", lambda: tmp_path / "speed.json")
-    monkeypatch.setattr(machine, "LEAST_UNKNOWNS", 100)
+    monkeypatch.setattr(cost, "cache_file", lambda: tmp_path / "speed.json")
+    monkeypatch.setattr(cost, "LEAST_UNKNOWNS", 100)
     pipeline.run(catalogue.find("long_roller"))
-    (ratio,) = machine._ratios()
+    (ratio,) = cost._ratios()
     assert 0.01 < ratio < 1000
 
 

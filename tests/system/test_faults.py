@@ -15,7 +15,7 @@ import pytest
 from mpi4py import MPI
 
 from railhead.cli import main
-from railhead.planning.cost import machine
+from railhead.planning import cost
 from railhead.results import result_folder
 from railhead.solver import compiling
 
@@ -163,7 +163,7 @@ def test_a_mesh_that_does_not_fit_into_memory_is_refused(key, tmp_path, capsys) 
 
 
 def test_memory_that_is_missing_ends_a_sequence(tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.setattr(machine, "free_memory", lambda: 400_000_000)
+    monkeypatch.setattr(cost, "free_memory", lambda: 400_000_000)
     with pytest.raises(SystemExit) as ended:
         main(["run", "hertz_ellipse", "--accuracy", "0.1%", "--no-pictures", "--json",
               "--out", str(tmp_path / "out")])  # fmt: skip

@@ -9,10 +9,7 @@ from functools import partial
 from railhead.contact.dimension import Dimension
 from railhead.contact.solid import Contact
 from railhead.planning.context import Context, Effect, PostSolveVerdict
-from railhead.planning.effects import assumptions
-from railhead.planning.effects.interface import friction, heat
-from railhead.planning.effects.material import deformable, mean_dilatation, plasticity
-from railhead.planning.effects.shape import extent, finite_bodies, rail_section, true_profile
+from railhead.planning.effects import assumptions, interface, material, shape
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic.contacts import Hertz
@@ -39,26 +36,30 @@ class EffectRules:
 
 
 EFFECTS = {
-    "plane_strain": EffectRules(decide=extent.plane_strain),
-    "axisymmetry": EffectRules(decide=extent.axisymmetry, numerical_only=True),
-    "symmetry_x": EffectRules(decide=extent.symmetry_x, numerical_only=True, of_bodies=True),
-    "symmetry_y": EffectRules(decide=extent.symmetry_y, numerical_only=True, of_bodies=True),
-    "deformable_rail": EffectRules(decide=partial(deformable.decide, "rail")),
-    "deformable_wheel": EffectRules(decide=partial(deformable.decide, "wheel")),
-    "true_profile": EffectRules(decide=true_profile.decide, check=true_profile.check),
+    "plane_strain": EffectRules(decide=shape.plane_strain),
+    "axisymmetry": EffectRules(decide=shape.axisymmetry, numerical_only=True),
+    "symmetry_x": EffectRules(decide=shape.symmetry_x, numerical_only=True, of_bodies=True),
+    "symmetry_y": EffectRules(decide=shape.symmetry_y, numerical_only=True, of_bodies=True),
+    "deformable_rail": EffectRules(decide=partial(material.decide_deformable, "rail")),
+    "deformable_wheel": EffectRules(decide=partial(material.decide_deformable, "wheel")),
+    "true_profile": EffectRules(decide=shape.decide_true_profile, check=shape.check_true_profile),
     "rail_section": EffectRules(
-        decide=rail_section.decide, check=rail_section.check, of_bodies=True
+        decide=shape.decide_rail_section, check=shape.check_rail_section, of_bodies=True
     ),
-    "far_field": EffectRules(decide=extent.far_field, of_bodies=True),
-    "finite_bodies": EffectRules(decide=finite_bodies.decide, of_bodies=True),
+    "far_field": EffectRules(decide=shape.far_field, of_bodies=True),
+    "finite_bodies": EffectRules(decide=shape.decide_finite_bodies, of_bodies=True),
     "mean_dilatation": EffectRules(
-        decide=mean_dilatation.decide, numerical_only=True, of_bodies=True
+        decide=material.decide_mean_dilatation, numerical_only=True, of_bodies=True
     ),
-    "friction": EffectRules(decide=friction.decide, check=friction.check, beyond_half_spaces=True),
+    "friction": EffectRules(
+        decide=interface.decide_friction, check=interface.check_friction, beyond_half_spaces=True
+    ),
     "plasticity": EffectRules(
-        decide=plasticity.decide, check=plasticity.check, beyond_half_spaces=True
+        decide=material.decide_plasticity, check=material.check_plasticity, beyond_half_spaces=True
     ),
-    "heat": EffectRules(decide=heat.decide, check=heat.check, beyond_half_spaces=True),
+    "heat": EffectRules(
+        decide=interface.decide_heat, check=interface.check_heat, beyond_half_spaces=True
+    ),
 }
 ASSUMPTIONS = {
     "small_patch": assumptions.small_patch,

@@ -20,7 +20,9 @@ from railhead.planning.references import boundary_elements, closed_forms
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.elastic.contacts import Hertz
 
-MEASURED = json.loads((Path(__file__).parent / "data" / "twist.json").read_text(encoding="utf-8"))
+MEASURED = json.loads(
+    (Path(__file__).parents[1] / "data" / "twist.json").read_text(encoding="utf-8")
+)
 COMPLIANCE: dict[str, float] = MEASURED["compliance"]  # twist times E over the moment, 1/mm3
 CENTRE: float = MEASURED["centre_mm"]  # depth of the centre of twist below the crown (67 to 76 mm)
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from railhead.meshing.tags import BODY_NAMES
 from railhead.planning import effects
-from railhead.planning.accuracy.error_envelopes import RANGE
+from railhead.planning.error_envelopes import RANGE
 from railhead.planning.sizing import LINEAR_REFINEMENT
 from railhead.results.checks.check import DEFAULT_TOLERANCE, FINER, Check, allowed, deviation
 from railhead.run.estimates import Estimate

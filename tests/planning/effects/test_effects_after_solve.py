@@ -12,8 +12,7 @@ from solved import solved
 from railhead.cli import commands
 from railhead.planning import effects
 from railhead.planning import plan as planning
-from railhead.planning.effects import assumptions
-from railhead.planning.effects.interface import heat
+from railhead.planning.effects import assumptions, interface
 from railhead.postprocess import gallery
 from railhead.results import pipeline
 from railhead.results.report import tables
@@ -194,7 +193,7 @@ def test_the_plan_says_what_tractions_and_heat_may_bring() -> None:
 
 def test_no_temperature_is_signed_of_a_body_that_is_no_steel() -> None:
     result = solved("long_roller", *HOT[:3], "wheel.young_modulus=3000", "mesh.patch_size=2")
-    assert result.summary["effects_after"]["heat"]["why"] == heat.UNKNOWN
+    assert result.summary["effects_after"]["heat"]["why"] == interface.UNKNOWN
 
 
 def test_half_spaces_check_the_elastic_answer_of_bodies_that_would_yield() -> None:

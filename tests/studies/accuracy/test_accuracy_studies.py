@@ -4,8 +4,8 @@ from itertools import islice
 
 import pytest
 
+from railhead.planning import error_envelopes
 from railhead.planning import plan as planning
-from railhead.planning.accuracy import error_envelopes
 from railhead.planning.references import rail_twist
 from studies.accuracy import error_bounds, families
 from studies.accuracy import twist as measured

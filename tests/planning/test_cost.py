@@ -2,8 +2,7 @@
 
 import pytest
 
-from railhead.planning import plan
-from railhead.planning.cost import machine
+from railhead.planning import cost, plan
 from railhead.scene import catalogue
 
 ROLLING = ("friction.coefficient=0.3", "rolling.creepage_along=0.001")
@@ -13,7 +12,7 @@ HEXAHEDRA = "mesh.cell=hexahedron"
 @pytest.fixture
 def reference(monkeypatch) -> None:
     """The machine that the costs were measured on."""
-    monkeypatch.setattr(machine, "correction", lambda: 1.0)
+    monkeypatch.setattr(cost, "correction", lambda: 1.0)
 
 
 @pytest.mark.parametrize(

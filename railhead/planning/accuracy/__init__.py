@@ -1,1 +1,0 @@
-"""Error envelopes over the resolution, and what measured profiles leave uncertain."""

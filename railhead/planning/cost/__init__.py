@@ -1,1 +1,0 @@
-"""Unknowns, seconds and memory of a plan, and the speed of this machine."""

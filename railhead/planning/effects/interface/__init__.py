@@ -1,1 +1,0 @@
-"""Effects of the surfaces: friction, and the heat that it makes."""

@@ -1,1 +1,0 @@
-"""Effects of the materials: deformable bodies, nearly incompressible ones, yield."""

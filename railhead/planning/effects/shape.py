@@ -1,0 +1,270 @@
+"""Effects of the bodies' shape: what is modelled of them, and which simplification holds.
+
+A section or one side of a plane of symmetry; blocks cut out of half-spaces; bodies of finite size
+or half-spaces; the whole rail or its head; the real profiles or one radius each.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from railhead.contact import dimension
+from railhead.contact.solid import Contact
+from railhead.geometry.outlines import head_depth
+from railhead.geometry.profiles import STANDARD_RAILS, Arc, Polynomial, osculating
+from railhead.meshing.tags import BODY_NAMES
+from railhead.planning.context import Context, Effect, PostSolveVerdict
+from railhead.planning.references import rail_twist
+from railhead.planning.references.allowance import Allowance, allowance
+from railhead.postprocess.findings import Findings
+from railhead.scene.scene import SceneError
+from railhead.theory.elastic.line import LineContact
+
+SECTION = "half-spaces know no section of bodies that end"
+APPROACH = "the approach of bodies that end depends on where they are held; with a load they answer"
+BUDGET = "half-spaces are solved once, whatever the budget"
+# Relative change of the largest shear stress over the stress at the cut over p0 (measured).
+STRESS_CHANGE = 0.25
+MARGIN = 1.1  # factor on the patch that must lie within one arc
+
+
+def plane_strain(context: Context) -> Effect:
+    """Plane strain is called for, and simulated, where the contact is a line."""
+    kind = context.dimension
+    refused = {} if kind.line else {"on": kind.plane_strain}
+    return Effect(kind.line, kind.line, kind.plane_strain, refused)
+
+
+def axisymmetry(context: Context) -> Effect:
+    """A meridian section is called for where both bodies, and their loads, are of revolution about
+    the contact normal; it is on where such a section was located.
+    """
+    called, why = dimension.circular(context.scene)
+    return Effect(called, context.contact.revolved, why)
+
+
+def symmetry_x(context: Context) -> Effect:
+    """Only x >= 0 is modelled where x = 0 is a plane of symmetry of the bodies and of the load;
+    friction along the rail prevents this.
+    """
+    why, slips = context.contact.why_asymmetric_in_x(), context.scene.asymmetric_friction[0]
+    straight = "the wheel stands straight: x = 0 mirrors bodies, materials and load"
+    return _symmetry(why or ("friction along the rail" if slips else ""), straight)
+
+
+def symmetry_y(context: Context) -> Effect:
+    """Only y >= 0 is modelled where both profiles are symmetric, the wheel stands in the middle,
+    and no friction acts across the rail.
+    """
+    why, slips = context.contact.why_asymmetric_in_y(), context.scene.asymmetric_friction[1]
+    mirrored = "profiles, materials and load mirror at y = 0"
+    return _symmetry(why or ("friction across the rail" if slips else ""), mirrored)
+
+
+def _symmetry(asymmetric: str, symmetric: str) -> Effect:
+    """Symmetry is used where the reason against it (`asymmetric`) is empty. symmetric: the reason
+    for it.
+    """
+    if asymmetric:
+        return Effect(False, False, asymmetric, {"on": asymmetric})
+    return Effect(True, True, symmetric)
+
+
+def far_field(context: Context) -> Effect:
+    """Half-spaces that continue beyond their meshed blocks are simulated where rail.extent is half-
+    space; for real bodies the effect is refused.
+    """
+    if context.contact.half_space:
+        return Effect(True, True, "rail.extent = half-space: what lies beyond the blocks deforms")
+    why = "the bodies end where they really end"
+    return Effect(False, False, why, {"on": f"rail.extent is {context.scene.rail.extent}"})
+
+
+def decide_finite_bodies(context: Context) -> Effect:
+    """Finite bodies are always called for and on; a person may switch them off. The reason says by
+    how much half-spaces would be off.
+
+    'off' is refused for sections of bodies that end, for a given approach of bodies that end, and
+    with a budget.
+    """
+    scene, contact = context.scene, context.contact
+    refused = {} if scene.budget is None else {"off": BUDGET}
+    if contact.half_space:
+        why = "the bodies are half-spaces: by their shape, half-spaces would miss nothing"
+        return Effect(True, True, why, refused)
+    if contact.plane:
+        return Effect(True, True, SECTION, {"off": SECTION})
+    if scene.load is None:
+        refused = {"off": APPROACH}
+    try:
+        pressure, area = (100 * each["total"] for each in half_space_errors(context).values())
+        why = f"half-spaces would be {pressure:.2g} % off in pressure, {area:.2g} % in area"
+    except ValueError as error:
+        why = f"by how much half-spaces would be off is not known ({error})"
+    return Effect(True, True, why, refused)
+
+
+def half_space_errors(context: Context) -> dict[str, Allowance]:
+    """Differences between half-spaces and finite bodies by "max_MPa" and "area_mm2", relative,
+    before anything is meshed: of exact Hertz where it gives the patch, else of boundary elements.
+    Raises ValueError where the twist of the rail leaves no contact that can be computed.
+    """
+    tags = [tag for tag, name in BODY_NAMES.items() if context.decided[f"deformable_{name}"].on]
+    solved = context.hertz if context.hertzian else context.boundary_elements
+    assert not isinstance(solved, LineContact)
+    return allowance(context.contact, tags, solved, _twist(context))
+
+
+def _twist(context: Context) -> float:
+    """Relative change of pressure or area by the twist of the rail; 0 for a block, a rigid rail, a
+    contact in the plane of symmetry, and where both bodies have one radius.
+    """
+    rail = context.scene.rail
+    still = rail.profile == "arc" or math.isinf(rail.young_modulus)
+    still |= context.contact.why_asymmetric_in_y() is None
+    still |= not context.decided["true_profile"].called_for
+    return 0.0 if still else context.twist_change
+
+
+def decide_rail_section(context: Context) -> Effect:
+    """Whole rail on its foot, for rail.extent = section, where the cut of the head changes the
+    stress, or where the twist of the rail brings another part of the profiles into contact.
+    Raises SceneError for extent section without a standard rail.
+    """
+    rail, hertz = context.scene.rail, context.hertz
+    extent, name = rail.extent, rail.profile
+    if context.contact.half_space:
+        why = "a half-space has neither web nor foot"
+        return Effect(False, False, why, {"on": why})
+    if name not in STANDARD_RAILS:
+        if extent == "section":
+            raise SceneError("rail.extent", "section needs rail.profile 54E1 or 60E1; give head")
+        why = f"rail.profile {name} has neither web nor foot"
+        return Effect(False, False, why, {"on": why})
+    if extent == "section":
+        return Effect(True, True, "rail.extent = section")
+    cut, why = _cut_matters(context, hertz.a, hertz.b)
+    twists, twist_text = _twists(context)
+    called = cut or twists
+    return Effect(called, called, f"{why}; {twist_text}")
+
+
+def check_rail_section(
+    context: Context, effect: Effect, found: Findings
+) -> PostSolveVerdict | None:
+    """Verdict whether the cut or the twist matters, with the patch of the solution; None where no
+    whole section can be had.
+    """
+    if "on" in effect.refused:
+        return None
+    cut, why = _cut_matters(context, found.patch.a, found.patch.b)
+    if effect.on or cut or not effect.called_for:
+        return PostSolveVerdict(cut and not effect.on, why)
+    twists, twist_text = _twists(context)
+    return PostSolveVerdict(twists, twist_text if twists else why)
+
+
+def _cut_matters(context: Context, a: float, b: float) -> tuple[bool, str]:
+    """Whether the stress at the cut of a rail head, over p0, exceeds what the accuracy allows, and
+    a sentence that says so.
+    a, b: semi-axes of the patch, mm.
+    The stress is Boussinesq's 3F/(2 pi H^2) below a point load over p0 = 3F/(2 pi a b), or
+    Flamant's 2F'/(pi H) below a line load over p0 = 2F'/(pi b), with H the depth of the cut
+    (Johnson, Contact Mechanics, 3.19, 4.26, 2.19 and 4.43).
+    """
+    depth, limit = head_depth(context.scene.rail.profile), context.accuracy / STRESS_CHANGE
+    ratio, name = (b / depth, "b/H") if context.contact.line else (a * b / depth**2, "ab/H^2")
+    side = "above" if ratio > limit else "below"
+    text = f"stress at the cut {depth:.1f} mm deep over p0: {name} = {ratio:.2g}"
+    return bool(ratio > limit), f"{text}, {side} {limit:.2g}"
+
+
+def _twists(context: Context) -> tuple[bool, str]:
+    """Whether pressure or area change by more than the accuracy as the load twists the rail, or may
+    do so, and a sentence that says so.
+    """
+    contact = context.contact
+    if contact.plane:
+        return False, "nothing twists in a section"
+    if not math.isfinite(context.scene.rail.young_modulus):
+        return False, "a rigid rail does not twist"
+    if not context.decided["true_profile"].called_for:
+        return False, "a twist changes nothing where both bodies have one radius"
+    angle, limit = rail_twist.twist(contact, context.hertz), context.accuracy
+    text = f"the load twists it by {1e3 * angle:.2g} mrad"
+    try:
+        change = context.twist_change
+    except ValueError as error:
+        return True, f"{text}: what that changes cannot be judged ({error})"
+    side = "above" if change > limit else "below"
+    return change > limit, f"{text}: pressure or area change by {change:.2g}, {side} {limit:g}"
+
+
+def decide_true_profile(context: Context) -> Effect:
+    """Real profiles are called for where the predicted patch, times 1.1 (MARGIN), comes near a
+    joint of two arcs of a profile, or the profile is no arc there; otherwise one radius each is
+    enough.
+    """
+    contact = context.contact
+    if not contact.cross_profiles:
+        why = "the section runs along the rail"
+        if contact.half_space and contact.plane != "xz":
+            why = "half-spaces have one radius each"
+        return Effect(False, False, why, {"on": why})
+    reach = MARGIN * context.hertz.b * math.cos(contact.touch.angle)
+    called, why = _leaves(contact, contact.touch.y - reach, contact.touch.y + reach)
+    return Effect(called, called, f"{MARGIN} times the predicted patch, {why}")
+
+
+def check_true_profile(
+    context: Context, effect: Effect, found: Findings
+) -> PostSolveVerdict | None:
+    """Verdict whether the patch of the solution leaves one arc of either body though its profile
+    was one radius; None where the effect cannot be on.
+    """
+    if "on" in effect.refused:
+        return None
+    centre, reach = found.patch.centre[1], found.patch.b
+    if found.patch.outlines:
+        across = np.concatenate(found.patch.outlines)[:, 1]
+        low, high = float(across.min()), float(across.max())
+    else:
+        low, high = centre - reach, centre + reach
+    cosine, y = math.cos(found.frame.angle), found.frame.origin[1]
+    leaves, why = _leaves(context.contact, y + low * cosine, y + high * cosine)
+    return PostSolveVerdict(leaves and not effect.on, f"the patch, {why}")
+
+
+def one_radius(contact: Contact) -> Contact:
+    """The contact with each profile replaced by its circle of curvature at the contact; half-spaces
+    and sections along the rail are unchanged.
+    """
+    if contact.pair is None or not contact.cross_profiles:
+        return contact
+    y = contact.touch.y
+    rail, wheel = (osculating(profile, y - shift) for _, profile, shift in contact.cross_profiles)
+    return replace(contact, pair=replace(contact.pair, rail=rail, wheel=wheel))
+
+
+def _leaves(contact: Contact, low: float, high: float) -> tuple[bool, str]:
+    """Whether the range low <= y <= high (mm) on the rail spans more than one arc of either body,
+    or a piece that is no arc, and a sentence that says so.
+    """
+    nearest, owner = math.inf, ""
+    for body, profile, shift in contact.cross_profiles:
+        piece = next(p for p in profile.pieces if p.end >= contact.touch.y - shift)
+        straight = isinstance(piece, Polynomial) and len(piece.coefficients) <= 2
+        if not (isinstance(piece, Arc) or straight):
+            return True, f"on the {body}'s {profile.name} where it is no arc"
+        for joint in profile.joints:
+            if abs(joint + shift - contact.touch.y) < abs(nearest - contact.touch.y):
+                nearest, owner = joint + shift, body
+    span = f"y = {low:.1f} to {high:.1f} mm"
+    if not owner:
+        return False, f"{span}, lies on one arc each"
+    crosses = bool(low < nearest < high)
+    verb = "crosses" if crosses else "ends before"
+    return crosses, f"{span}, {verb} the {owner}'s joint at y = {nearest:.1f} mm"

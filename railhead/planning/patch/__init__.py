@@ -1,1 +1,0 @@
-"""The contact patch that is expected, and ridges of its pressure."""
