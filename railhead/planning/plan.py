@@ -331,7 +331,9 @@ class Plan:
         """
         if self.by_half_spaces:
             return cost.BOUNDARY_ELEMENTS[self.effects["friction"].on]
-        more = cost.LOAD_STEP * self.load_steps if self.effects["plasticity"].on else 0.0
+        more = 0.0
+        if self.effects["plasticity"].on:
+            more = cost.LOAD_STEP[self.contact.line] * self.load_steps
         beside = 0.0
         if self.effects["friction"].on and not self.condenses:
             more, beside = cost.FRICTION, cost.FRICTION_SECONDS

@@ -19,7 +19,7 @@ from railhead.solver.space.cells import Array
 
 PREDICTOR_TOLERANCE = 1e-2  # of the linear solve that predicts the state under the next load
 REPORTED_SHARES = (1.0, 0.0)  # shares of the load whose solution is reported
-STEP_TOLERANCE = 1e-4  # Newton's at other shares: moves what is reported by less than 1e-6
+STEP_TOLERANCE = 1e-4  # Newton's at other shares: moves pressure and area by up to 1e-5
 SMALLEST_STEP = 1 / 32  # of a load step, below which it is cut no further
 
 
