@@ -23,7 +23,7 @@ STUDIES = {
         "error against time of every effect: yield, friction, real profiles; asked accuracies",
     ),
     "effects": (
-        "studies.cost.effects",
+        "studies.accuracy.effects",
         "each effect on and off: seconds, unknowns and change of the answer; off costs nothing",
     ),
     "error_bounds": (
@@ -31,7 +31,7 @@ STUDIES = {
         "estimates against true errors, 20 random scenes of each family",
     ),
     "fuzz": (
-        "studies.hard.fuzz.study",
+        "studies.hard.fuzz",
         "500 fuzzed scenes: no traceback, no abort, no wrong number with status 0",
     ),
     "hard_cases": (
@@ -55,11 +55,11 @@ STUDIES = {
         "noise of measured profiles: seeds, levels and spacings on worn rails and wheels",
     ),
     "ranks": (
-        "studies.cost.ranks",
+        "studies.accuracy.ranks",
         "one process against two, by parts of a run, and a forecast for more",
     ),
     "scaling": (
-        "studies.cost.scaling",
+        "studies.accuracy.scaling",
         "time and memory per unknown, contact against one linear elastic solve",
     ),
     "thesis": (

@@ -131,6 +131,6 @@ def cost(cell: str, order: int, *, section: bool, half_space: bool) -> Cost:
 
 def unknowns_per_cell(kind: str, cell: str, order: int) -> float:
     """Unknowns per predicted cell of a mesh; kind is 'solid' or 'section', cell and order are as
-    mesh.cell and mesh.order. Values were measured by `studies.accuracy.cells`.
+    mesh.cell and mesh.order. Values were measured by `studies.accuracy.calibrate`.
     """
     return float(CELLS[kind][cell][str(order)])

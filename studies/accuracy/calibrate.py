@@ -1,24 +1,41 @@
-"""Error envelopes from runs: planning/data/laws.json, which estimates rest on."""
+"""Constants in `planning/data` that plans and estimates rest on, from runs.
 
+laws.json: error envelopes by family.
+cells.json: unknowns per predicted cell. A prediction is the integral of the element density times
+    one constant for each kind of cell, which holds gmsh's habits and the sharing of nodes. The
+    constant is the geometric mean over the scenes.
+twist.json: how far a load beside the web twists a rail. The head of a metre of rail on a held foot
+    is solved under a wheel at some inclinations. The rotation of its flanks at the wheel is
+    C M / E, M the moment of the contact force about the centre that they turn about (see
+    `railhead.planning.references.rail_twist`).
+"""
+
+import itertools
 import json
+import math
 import sys
 from collections.abc import Mapping, Sequence
 from itertools import islice
 from pathlib import Path
+from statistics import geometric_mean
 from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 
+from railhead.planning import cost
 from railhead.planning import plan as planning
 from railhead.planning.error_envelopes import TURNED, ErrorEnvelope
-from railhead.run import estimates
+from railhead.planning.references.rail_twist import lever
+from railhead.run import build, estimates
+from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
+from railhead.run.progress import Progress
 from railhead.run.quantities import ESTIMATED
+from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from railhead.sweeps.worker_pool import attempts
 from studies import tables
 from studies.accuracy import families
-from studies.accuracy.cells import measure_cells
-from studies.accuracy.twist import measure_twist
 from studies.tables import Row, groups
 
 SEED = 1
@@ -158,3 +175,104 @@ def page(laws: dict[str, Any]) -> str:
         for key, (value, order) in entry["laws"].items()
     ]
     return tables.render("calibrate", seed=laws["seed"], rows=rows)
+
+
+Scenes = tuple[tuple[str, tuple[str, ...]], ...]
+SOLID: Scenes = (
+    ("hertz_ellipse", ()),
+    ("hertz_ellipse", ("rail.crown_radius=60",)),
+    ("hertz_ellipse", ("rail.crown_radius=10",)),
+    ("s1002_60e1", ()),
+    ("s1002_60e1", ("wheelset.shift=4",)),
+    ("uic54_thesis", ()),
+)
+FLAT: Scenes = (("long_roller", ()), ("roller_on_block", ()), ("sphere_on_plane", ()))
+
+
+def measure_cells() -> dict[str, dict[str, dict[str, float]]]:
+    """{"solid" or "section": {cell: {order: unknowns per predicted cell}}}."""
+    found: dict[str, dict[str, dict[str, float]]] = {"solid": {}, "section": {}}
+    for kind, scenes in (("solid", SOLID), ("section", FLAT)):
+        for cell, order in itertools.product(("tetrahedron", "hexahedron"), (1, 2)):
+            typed = (f"mesh.cell={cell}", f"mesh.order={order}")
+            shares = [share(name, *changes, *typed) for name, changes in scenes]
+            constant = geometric_mean(shares) * cost.unknowns_per_cell(kind, cell, order)
+            found[kind].setdefault(cell, {})[str(order)] = round(constant, 3)
+    return found
+
+
+def share(name: str, *changes: str) -> float:
+    """Unknowns of the mesh of a shipped case with changes over those that were predicted."""
+    plan = planning.make(catalogue.find(name).replace(changes))
+    mesh = build.generate(plan, plan.grading(), MPI.COMM_WORLD)  # holds the model's communicator
+    model = build.model(plan, mesh)
+    unknowns = model.unknowns
+    model.release()
+    return unknowns / plan.unknowns
+
+
+PROFILES = ("54E1", "60E1")
+SLOPES = ("0", "1:40", "1:10")  # off the tread's 1:20, where the force goes through the web
+FLANK: dict[str, Any] = {
+    "x": 25.0,
+    "y": 20.0,
+    "z": (-35.0, -15.0),
+}  # mm: nodes of the head beside the wheel
+
+
+def measure_twist() -> dict[str, Any]:
+    """{"centre_mm": below the crown, "compliance": {profile: C, 1/mm3}}, two digits each."""
+    solutions = {profile: [solved(profile, slope) for slope in SLOPES] for profile in PROFILES}
+    turns = {profile: [turn(each) for each in own] for profile, own in solutions.items()}
+    centre = two_digits([depth for own in turns.values() for _, depth in own])
+    return {
+        "centre_mm": centre,
+        "compliance": {
+            profile: two_digits(
+                [
+                    angle
+                    * each.plan.scene.rail.young_modulus
+                    / (-each.solution.load * lever(each.plan.contact, centre))
+                    for each, (angle, _) in zip(own, turns[profile], strict=True)
+                ]
+            )
+            for profile, own in solutions.items()
+        },
+    }
+
+
+def solved(profile: str, inclination: str) -> MeshSolution:
+    """A whole rail under half an axle."""
+    scene = catalogue.find("uic54_22t5_axle").replace(
+        [
+            f"rail.profile={profile}",
+            f"rail.inclination={inclination}",
+            "mesh.patch_size=5",
+            "effects.rail_section=on",
+            "effects.plasticity=off",
+        ]
+    )
+    return mesh_and_solve(planning.make(scene), Progress(quiet=True), MPI.COMM_WORLD)
+
+
+def turn(mesh_solution: MeshSolution) -> tuple[float, float]:
+    """Rotation of the head at the wheel, rad, and depth of the point below the crown that it turns
+    about, mm: u_y = c - angle z and u_z = d + angle y, fitted to its flanks."""
+    assert mesh_solution.fields is not None
+    points, moved = mesh_solution.fields.points, mesh_solution.fields.displacement
+    x, y, z = points.T
+    low, high = FLANK["z"]
+    flank = (np.abs(x) < FLANK["x"]) & (np.abs(y) > FLANK["y"]) & (z > low) & (z < high)
+    y, z, (_, across, up) = y[flank], z[flank], moved[flank].T
+    one, none = np.ones_like(y), np.zeros_like(y)
+    table = np.block(
+        [[one[:, None], none[:, None], -z[:, None]], [none[:, None], one[:, None], y[:, None]]]
+    )
+    aside, _, angle = np.linalg.lstsq(table, np.concatenate([across, up]), rcond=None)[0]
+    return float(angle), float(-aside / angle)
+
+
+def two_digits(values: Sequence[float]) -> float:
+    """The mean, rounded to what the fit is worth."""
+    mean = float(np.mean(values))
+    return round(mean, 1 - math.floor(math.log10(abs(mean))))

@@ -41,7 +41,7 @@ from railhead.theory.elastic import indentation
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.friction import partial_slip
 from studies.hard.case import Deviation, Measured
-from studies.hard.fuzz.random_scenes import Seeded, plans, runnable, scene
+from studies.hard.fuzz_scenes import Seeded, plans, runnable, scene
 
 Summary = Mapping[str, Any]
 PATCH = ("max_MPa", "area_mm2", "tau_max_MPa")

@@ -1,4 +1,5 @@
-"""The page and the picture of the study peers."""
+"""What codes found against exact Hertz at the force that each carries itself; the page and the
+picture of the study peers."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -7,15 +8,87 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from railhead.postprocess.plots.diagrams import FE, new_figure
-from studies import tables
-from studies.peers import running
+from railhead.run.quantities import numeric_values
+from railhead.theory.elastic import hertz, subsurface
+from studies import processes, tables
 from studies.peers.codes import Peer
-from studies.peers.reading import COSTS, ERRORS
 from studies.tables import Row, groups
 
 OURS = "railhead"
 TRAVEL = 0.04126  # mm of the far ends towards each other: close to 25 kN on these blocks
+LEAST = 0.15  # of the largest pressure: below it, pressures are no part of the fit
+ERRORS = ("p_max", "p_fit", "a", "b", "area", "approach", "tau_max")
+OWN = ("max_MPa", None, "a_mm", "b_mm", "area_mm2", "approach_mm", "tau_max_MPa")
+"""What ERRORS are in our own summary."""
+COSTS = ("seconds", "cpu_seconds", "peak_bytes")
+COLUMNS = (*COSTS, "unknowns", "iterations", "force", *(f"error_{name}" for name in ERRORS))
+UNITS = {"force": "N"}
+PANELS = {"error_p_max": "largest pressure", "error_area": "area of the patch"}
+COLOURS = ("#3b8f5a", "#c8502d", "#7b4fa3", "#b8860b", "#4fa3a3", "#777777", "#a3324f", "#5b6ee1")
+MARKERS = "osv^Dp<>"
+FLOOR = 1e-4  # relative; errors below it are chance, and drawn here
+
+
+def row(code: str, method: str, setting: str, found: Mapping[str, Any], failure: str = "") -> Row:
+    """One solve. Errors are relative, None where the code does not give the quantity or failed;
+    p_max is what the code gives, p_fit, a and b are of the ellipse fitted to its pressures (ours:
+    what the result says)."""
+    head = {"code": code, "method": method, "setting": setting}
+    return {**head, **{key: found.get(key) for key in COLUMNS}, "failure": failure}
+
+
+def fitted(x: ArrayLike, y: ArrayLike, pressure: ArrayLike) -> tuple[float, float, float]:
+    """p0 (MPa), a and b (mm) of p^2 = p0^2 (1 - (x/a)^2 - (y/b)^2), by least squares over points
+    with more than LEAST of the largest pressure. ValueError: they lie on no ellipse."""
+    x, y, p = (np.asarray(each, float) for each in (x, y, pressure))
+    high = p > LEAST * p.max(initial=0.0)
+    terms = np.column_stack([np.ones(high.sum()), -(x[high] ** 2), -(y[high] ** 2)])
+    (c, along, across), _, rank, _ = np.linalg.lstsq(terms, p[high] ** 2, rcond=None)
+    flat = 1e-9 * c  # rounding, where the pressure does not fall along an axis
+    if rank < 3 or c <= 0 or min(along * np.ptp(x) ** 2, across * np.ptp(y) ** 2) <= flat:
+        raise ValueError("its pressures lie on no ellipse")
+    return float(np.sqrt(c)), float(np.sqrt(c / along)), float(np.sqrt(c / across))
+
+
+def read(case: Mapping[str, float], found: Mapping[str, Any]) -> dict[str, Any]:
+    """Unknowns, iterations, force and errors, from what `solve` gave."""
+    modulus = hertz.contact_modulus(case["young"], case["poisson"], case["young"], case["poisson"])
+    curvatures = 1 / case["wheel_radius"], 1 / case["rail_radius"]
+    exact = hertz.point_contact(*curvatures, modulus, found["force"])
+    p_fit, a, b = fitted(found["x"], found["y"], found["pressure"])
+    shear = subsurface.axis_extrema(exact, case["poisson"]).tau_max
+    pairs = {
+        "p_max": (found["pressure_max"], exact.p0),
+        "p_fit": (p_fit, exact.p0),
+        "a": (a, exact.a),
+        "b": (b, exact.b),
+        "area": (a * b, exact.a * exact.b),
+        "approach": (found.get("approach"), exact.approach),
+        "tau_max": (found.get("tau_max"), shear),
+    }
+    return {key: found.get(key) for key in ("unknowns", "iterations", "force")} | {
+        f"error_{name}": None if value is None else value / right - 1
+        for name, (value, right) in pairs.items()
+    }
+
+
+def read_own(summary: Mapping[str, Any]) -> dict[str, Any]:
+    """The same from summary.json."""
+    result, exact = (numeric_values(summary[key]) for key in ("result", "hertz"))
+    return {
+        "unknowns": summary["cost"]["dofs"],
+        "iterations": summary["cost"]["newton_iterations"],
+        "force": summary["result"]["load_N"],
+        **{
+            f"error_{name}": result[key] / exact[key] - 1
+            for name, key in zip(ERRORS, OWN, strict=True)
+            if key
+        },
+    }
 
 
 def medians(runs: Sequence[Row]) -> list[Row]:
@@ -44,11 +117,11 @@ def page(
     return tables.render(
         "peers",
         ours=version("railhead"),
-        threads=running.THREADS,
+        threads=processes.THREADS,
         cores=os.cpu_count(),
         travel=TRAVEL,
         forces=(min(forces), max(forces)) if forces else None,
-        limit=f"{running.LIMIT:g}",
+        limit=f"{processes.LIMIT:g}",
         waited=median(waited) if waited else None,
         repeats=max(map(len, repeated), default=0),
         spread=max((max(each) / min(each) for each in repeated), default=1.0),
@@ -78,12 +151,6 @@ def _row(run: Row) -> tuple[Any, ...]:
         f"{run['peak_bytes'] / 1e6:.0f}",
         *("-" if error is None else f"{100 * error:+.2f}" for error in errors),
     )
-
-
-PANELS = {"error_p_max": "largest pressure", "error_area": "area of the patch"}
-COLOURS = ("#3b8f5a", "#c8502d", "#7b4fa3", "#b8860b", "#4fa3a3", "#777777", "#a3324f", "#5b6ee1")
-MARKERS = "osv^Dp<>"
-FLOOR = 1e-4  # relative; errors below it are chance, and drawn here
 
 
 def draw(runs: Sequence[Row], path: Path) -> None:

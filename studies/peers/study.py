@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,12 +12,11 @@ from typing import Any
 
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
-from studies import tables
-from studies.peers import blocks, reading, running
-from studies.peers import install as installing
+from studies import processes, tables
+from studies.peers import blocks, page
 from studies.peers.codes import Peer, peers
-from studies.peers.page import OURS, TRAVEL, draw
-from studies.peers.page import page as page_of
+from studies.peers.page import OURS, TRAVEL
+from studies.processes import Cost, FailedError
 from studies.tables import Row
 
 CASE = "hertz_ellipse"
@@ -29,14 +29,61 @@ OWN_RUNS: dict[str, list[str]] = {
 }
 REPEATS = 3  # of ours
 COARSE = {"coarse": ["--set", "mesh.patch_size=1.2"]}  # quick
-CHILD = running.ACCOUNT.with_name("child.py")
+CHILD = Path(__file__).with_name("child.py")
+DEBIAN_PYTHON = "/usr/bin/python3"
+APT = ["apt-get", "install", "-q", "-y", "--no-install-recommends"]
 Mesh = tuple[str, int, float]
 
 
 def install() -> None:
-    """Install all codes, those from PyPI in VENV; what fails is said and left out."""
+    """Install what each code needs: Debian's packages by apt-get, others by pip in VENV. What fails
+    is said and noted for `reason`, and the others follow."""
+    if not (VENV / "bin" / "python").exists():
+        _failure([sys.executable, "-m", "venv", "--clear", str(VENV)])
     with Progress(quiet=False) as progress:
-        installing.install(peers(), VENV, progress)
+        for peer in peers():
+            progress.stage(f"installing {peer.TITLE}")
+            _note(peer).unlink(missing_ok=True)
+            if not peer.DEBIAN:
+                why = _failure([python(peer), "-m", "pip", "install", "-q", *peer.PIP])
+            elif why := _failure(["dpkg", "-s", *peer.DEBIAN]):
+                why = _failure(["apt-get", "update", "-q"]) or _failure([*APT, *peer.DEBIAN])
+            if why:
+                _note(peer).write_text(f"{wanted(peer)}: {why}", encoding="utf-8")
+                print(f"railhead: not installed: {wanted(peer)}: {why}", file=sys.stderr)
+
+
+def python(peer: Peer) -> str:
+    """In which a code runs."""
+    return DEBIAN_PYTHON if peer.DEBIAN else str(VENV.absolute() / "bin" / "python")
+
+
+def reason(peer: Peer, said: str) -> str:
+    """Why a code that said so is not there, in one line: what its installation said, if it was
+    tried; else how it is installed."""
+    failed = _note(peer)
+    return failed.read_text(encoding="utf-8") if failed.exists() else f"{said} ({wanted(peer)})"
+
+
+def wanted(peer: Peer) -> str:
+    """The command that installs a code by hand."""
+    program = "apt-get" if peer.DEBIAN else "pip"
+    return f"{program} install {' '.join(peer.DEBIAN or peer.PIP)}"
+
+
+def _note(peer: Peer) -> Path:
+    """Where it is noted why a code could not be installed."""
+    return VENV / f"failed_{peer.TITLE}.txt"
+
+
+def _failure(command: Sequence[str]) -> str:
+    """Why a command failed, in one line; empty if it did not."""
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError as error:
+        return f"{command[0]}: {error.strerror}"
+    said = [line.strip() for line in done.stderr.splitlines() if line.strip()]
+    return (said or [f"status {done.returncode}"])[-1] if done.returncode else ""
 
 
 def main(out: Path, *, quick: bool) -> None:
@@ -50,12 +97,12 @@ def main(out: Path, *, quick: bool) -> None:
             progress.stage(f"{peer.TITLE}: version")
             try:
                 versions[peer.TITLE] = version(peer, Path(work))
-            except running.FailedError as error:
+            except FailedError as error:
                 absent[peer.TITLE] = str(error)
         present = [peer for peer in known if peer.TITLE in versions]
         runs = list(measured(present, Path(work), progress, quick=quick))
-    draw(runs, out / "peers.png")
-    tables.publish(out, page_of(runs, present, versions, absent), reading.UNITS, peers=runs)
+    page.draw(runs, out / "peers.png")
+    tables.publish(out, page.page(runs, present, versions, absent), page.UNITS, peers=runs)
 
 
 def measured(
@@ -84,13 +131,13 @@ def measured(
 
 
 def version(peer: Peer, work: Path) -> str:
-    """Of a code as it is installed; running.FailedError says why there is none."""
+    """Of a code as it is installed; FailedError says why there is none."""
     try:
-        if not Path(installing.python(peer, VENV)).exists():
-            raise running.FailedError("not installed")
+        if not Path(python(peer)).exists():
+            raise FailedError("not installed")
         return str(_asked(peer, None, work)[0])
-    except running.FailedError as error:
-        raise running.FailedError(installing.reason(peer, VENV, str(error))) from None
+    except FailedError as error:
+        raise FailedError(reason(peer, str(error))) from None
 
 
 def _case() -> dict[str, Any]:
@@ -120,18 +167,18 @@ def solve(
     mesh = str(files[tuple(run["mesh"])]) if "mesh" in run else None
     try:
         found, cost = _asked(peer, {"case": case, "mesh": mesh, "run": options}, work)
-        return reading.row(*head, cost | reading.read(case, found))
-    except (running.FailedError, ValueError) as error:
-        return reading.row(*head, {}, str(error))
+        return page.row(*head, cost | page.read(case, found))
+    except (FailedError, ValueError) as error:
+        return page.row(*head, {}, str(error))
 
 
-def _asked(peer: Peer, job: Mapping[str, Any] | None, work: Path) -> tuple[Any, running.Cost]:
+def _asked(peer: Peer, job: Mapping[str, Any] | None, work: Path) -> tuple[Any, Cost]:
     """What a code answers in a process of its own, in an empty folder."""
     with tempfile.TemporaryDirectory(dir=work) as empty:
         folder = Path(empty)
         (folder / "job.json").write_text(json.dumps(job), encoding="utf-8")
-        command = [installing.python(peer, VENV), "-P", str(CHILD), str(peer.__file__), "job.json"]
-        cost = running.run(command, folder)
+        command = [python(peer), "-P", str(CHILD), str(peer.__file__), "job.json"]
+        cost = processes.run(command, folder)
         return json.loads((folder / "found.json").read_text(encoding="utf-8")), cost
 
 
@@ -141,10 +188,10 @@ def _own(setting: str, options: Sequence[str], work: Path) -> Row:
     start = [sys.executable, "-c", "from railhead.cli import main; main()"]
     command = [*start, "run", CASE, "--no-pictures", "--out", "own", *options]
     try:
-        cost = running.run(command, work)
+        cost = processes.run(command, work)
         summary = json.loads((work / "own" / "summary.json").read_text(encoding="utf-8"))
-        return reading.row(*head, cost | reading.read_own(summary))
-    except running.FailedError as error:
-        return reading.row(*head, {}, str(error))
+        return page.row(*head, cost | page.read_own(summary))
+    except FailedError as error:
+        return page.row(*head, {}, str(error))
     finally:
         shutil.rmtree(work / "own", ignore_errors=True)

@@ -1,16 +1,40 @@
-"""The page of the study thesis: verdicts, pictures, and all claims by chapter."""
+"""The page of the study thesis: verdicts, and all claims by chapter; figures 6.1 to 6.10 of the
+thesis drawn again from its formulas, exact Hertz and finite elements."""
 
+import itertools
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from railhead.postprocess import symmetry
+from railhead.postprocess.findings import Array, AxisPressure, DepthAxis, Findings, Surface
+from railhead.postprocess.patch.surface import facing_facets, triangulated
+from railhead.postprocess.plots.diagrams import FE, GREY, HERTZ, closed_ellipse, new_figure
+from railhead.postprocess.stress.gauss_points import nodal_stress
+from railhead.solver.fields import Fields
 from railhead.theory.elastic import subsurface
 from railhead.theory.elastic.hertz import Ellipse
+from railhead.theory.elastic.subsurface import axis_stress, max_shear, principal, stress
 from studies.tables import render
 from studies.thesis.claims import CLOSE, CLOSE_CURVE, EXACT, Check, Claim, Finding, Verdict
-from studies.thesis.facts import INCLINATIONS, LOAD, P0, TREADS, WHEEL, YIELD, Facts
-from studies.thesis.runs import DEFAULT, HEXAHEDRA
+from studies.thesis.facts import (
+    INCLINATIONS,
+    LOAD,
+    P0,
+    TREADS,
+    WHEEL,
+    YIELD,
+    A,
+    Facts,
+    thesis_axis_stress,
+)
 
 CHAPTERS = {
     "1": "1 Introduction",
@@ -22,6 +46,7 @@ CHAPTERS = {
     "7": "7 Conclusions",
     "all": "All chapters",
 }
+DEFAULT, HEXAHEDRA = "quadratic tetrahedra, Nitsche", "linear hexahedra, penalty"
 Judged = tuple[Claim, Finding]
 CIRCLE_SHAKEDOWN = 4.7  # p0/k, circular patch
 STRIP_SHAKEDOWN = 4.0  # p0/k, line contact
@@ -139,3 +164,189 @@ def _strength(facts: Facts, runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]
         "strip": strip,
         "circle": circle,
     }
+
+
+LABELS = (r"$\sigma_1$", r"$\sigma_2$", r"$\sigma_3$", r"$\tau_{max}$")
+PLACES = ((0.08, -12, 6), (0.2, 12, -12), (0.3, 10, -14), (0.3, 10, 12))
+"""Of the labels: share of the curve, and offset in points."""
+MARKS: dict[str, Any] = {"color": FE, "lw": 0, "marker": "o", "ms": 4, "zorder": 3}
+ROUTES = (
+    ("finite elements", MARKS),
+    ("exact Hertz", {"color": HERTZ}),
+    ("thesis", {"color": GREY, "ls": "--"}),
+)
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """Finite-element stresses: principal ones on the patch (a Surface for each), nodal ones (k, 6)
+    along the radius (k,) mm on the surface, those on the axis; the pressure along x."""
+
+    patch: tuple[Surface, Surface, Surface]
+    radius: Array
+    along: Array
+    axis: DepthAxis
+    pressure: AxisPressure
+
+
+def sample(fields: Fields, found: Findings) -> Sampled:
+    """Read out of a solution cut at y = 0 what the pictures need."""
+    nodes, triangles = triangulated(fields, facing_facets(fields))
+    stresses, points = nodal_stress(fields)[nodes], fields.points[nodes]
+    values, local = principal(stresses), found.frame.local(points)[:, :2]
+    still, moved = np.zeros(len(nodes)), fields.displacement[nodes]
+    maps = [
+        symmetry.surface(
+            Surface(
+                points=points,
+                local=local,
+                triangles=triangles,
+                pressure=values[:, i],
+                gap=still,
+                displacement=moved,
+            ),
+            fields.mirrors,
+        )
+        for i in range(3)
+    ]
+    line = np.flatnonzero((np.abs(local[:, 1]) < 1e-6) & (local[:, 0] <= 1.5 * found.patch.a))
+    line = line[np.argsort(local[line, 0])]
+    return Sampled(
+        (maps[0], maps[1], maps[2]), local[line, 0], stresses[line], found.axis, found.along
+    )
+
+
+def patch(facts: Facts, fe: Sampled | None, path: Path) -> None:
+    """Figures 6.1 to 6.3: principal stresses on the patch; colours: finite elements, or exact
+    where there are none; lines: exact. The thesis has one value for each, at the centre."""
+    c = facts.ellipse
+    x, y = np.meshgrid(np.linspace(-1.3, 1.3, 131) * c.a, np.linspace(-1.3, 1.3, 131) * c.b)
+    points = np.column_stack((x.ravel(), y.ravel(), np.zeros(x.size)))
+    exact = principal(stress(c, facts.poisson, points)).reshape(*x.shape, 3)
+    printed = thesis_axis_stress(P0, A, facts.poisson, 0.0)[0]
+    with new_figure(path, 13.5, 3.8) as figure:
+        for i, axes in enumerate(figure.subplots(1, 3, sharey=True)):
+            levels = np.arange(-800, 101, 100) if i < 2 else np.arange(-800, 1, 100)
+            if fe is None:
+                bands = axes.contourf(x, y, exact[..., i], levels, cmap="YlOrRd_r", extend="both")
+            else:
+                s = fe.patch[i]
+                bands = axes.tricontourf(
+                    *s.local.T, s.triangles, s.pressure, levels, cmap="YlOrRd_r", extend="both"
+                )
+            axes.contour(
+                x, y, exact[..., i], levels, colors="black", linewidths=0.7, linestyles="solid"
+            )
+            axes.plot(*closed_ellipse(c).T, "--", color="black", lw=1.4)
+            axes.set(
+                xlabel="x, along the rail, mm", aspect="equal", xlim=(-5.6, 5.6), ylim=(-4.5, 4.5)
+            )
+            axes.set_title(
+                f"6.{i + 1}: {LABELS[i]}\ncentre: exact ${exact[65, 65, i]:.0f}$, "
+                f"thesis ${printed[i]:.0f}$ MPa",
+                fontsize=11,
+            )
+            figure.colorbar(bands, ax=axes, label="MPa", shrink=0.8)
+        figure.axes[0].set_ylabel("y, across the rail, mm")
+
+
+def lines(facts: Facts, fe: Sampled | None, path: Path) -> None:
+    """Figures 6.4 to 6.7: along the major radius on the surface, and against depth."""
+    c = facts.ellipse
+    t = 1.5 * c.a * np.sin(np.linspace(-1, 1, 241) * np.pi / 2)
+    zero = np.zeros_like(t)
+    surface = stress(c, facts.poisson, np.column_stack((t, zero, zero)))
+    mistaken = _diagonal(thesis_axis_stress(P0, A, facts.poisson, t))
+    depth = np.linspace(0, 3 * c.b, 241, dtype=np.float64)
+    with new_figure(path, 13.5, 5.6) as figure:
+        left, middle, right = figure.subplots(1, 3)
+        for values, look in ((surface[:, 2], 1), (mistaken[:, 2], 2)):
+            left.plot(t, values, **ROUTES[look][1])
+        if fe is not None:
+            left.plot(fe.pressure.coordinate, -fe.pressure.pressure, **MARKS)
+        left.set(title=r"6.4: $\sigma_3$ along the major radius", xlabel="x, mm")
+        half = t >= 0
+        _four(middle, t[half], surface[half], 1)
+        _four(middle, t[half], mistaken[half], 2)
+        _four(right, depth, _diagonal(axis_stress(c, facts.poisson, depth)), 1, True)
+        _four(right, depth, _diagonal(thesis_axis_stress(P0, A, facts.poisson, depth)), 2)
+        if fe is not None:
+            _four(middle, fe.radius, fe.along, 0)
+            _four(right, fe.axis.depth[::5], fe.axis.stress[::5], 0)
+        middle.set(title="6.5, 6.6: on the surface along the major radius", xlabel="x, mm")
+        right.set(title="6.7: below the centre", xlabel="depth, mm")
+        for axes in (left, middle, right):
+            axes.set_ylabel("stress, MPa")
+        for axes in (left, middle):
+            axes.axvline(c.a, color="black", lw=0.8, ls=":")
+        _legend(figure, fe is not None)
+
+
+def loads(facts: Facts, fe: Sequence[Mapping[str, float]], path: Path) -> None:
+    """Figures 6.8 to 6.10. fe: load (N), a (mm) and p0 (MPa) of each finite-element run."""
+    c = facts.ellipse
+    load = np.geomspace(1e3, 150e3, 61)
+    growth = np.cbrt(load / c.load)
+    with new_figure(path, 13.5, 4.8) as figure:
+        first, second, third = figure.subplots(1, 3)
+        for look, a, p0 in ((1, c.a, c.p0), (2, A, P0)):
+            first.plot(load / 1e3, p0 * growth, **ROUTES[look][1])
+            second.plot(load / 1e3, a * growth, **ROUTES[look][1])
+            third.plot(a * growth, p0 * growth, **ROUTES[look][1])
+        fixed = np.linspace(0.75, 2, 41) * c.a
+        third.plot(fixed, c.p0 * (c.a / fixed) ** 2, ":", color=HERTZ)
+        third.annotate(
+            "25 kN, bodies of other\nradii, same shape",
+            (1.6 * c.a, c.p0 / 2.56),
+            xytext=(-25, 30),
+            textcoords="offset points",
+            fontsize=9,
+        )
+        names = {
+            "load": "load, kN",
+            "p0": "largest pressure, MPa",
+            "a": "semi-axis a along the rail, mm",
+        }
+        for axes, title, x, y in (
+            (first, "6.8", "load", "p0"),
+            (second, "6.9", "load", "a"),
+            (third, "6.10", "a", "p0"),
+        ):
+            unit = 1e-3 if x == "load" else 1.0
+            axes.plot([row[x] * unit for row in fe], [row[y] for row in fe], **MARKS)
+            axes.set(title=title, xlabel=names[x], ylabel=names[y])
+        for axes, at in itertools.product((first, second), (25, 110.3)):
+            axes.axvline(at, color="black", lw=0.8, ls=":")
+        _legend(figure, bool(fe))
+
+
+def _four(axes: Axes, at: Array, stresses: Array, route: int, named: bool = False) -> None:
+    """Principal stresses and largest shear of stresses (k, 6); named: names beside the curves."""
+    curves = np.column_stack((principal(stresses), max_shear(stresses)))
+    axes.plot(at, curves, **ROUTES[route][1])
+    for i, (share, x, y) in enumerate(PLACES if named else ()):
+        row = int(share * len(at))
+        axes.annotate(
+            LABELS[i],
+            (at[row], curves[row, i]),
+            xytext=(x, y),
+            fontsize=13,
+            textcoords="offset points",
+            ha="center",
+            va="center",
+        )
+
+
+def _diagonal(normal: Array) -> Array:
+    """(n, 3) normal stresses -> (n, 6) without shear."""
+    return np.hstack((normal, np.zeros_like(normal)))
+
+
+def _legend(figure: Any, fe: bool) -> None:
+    shown = ROUTES if fe else ROUTES[1:]
+    figure.legend(
+        [Line2D([], [], **look) for _, look in shown],
+        [name for name, _ in shown],
+        loc="outside upper center",
+        ncols=3,
+    )

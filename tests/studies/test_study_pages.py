@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
-from studies.accuracy import accuracy_cost, calibrate, error_bounds
-from studies.cost import ranks as ranks_study
-from studies.cost import scaling
-from studies.hard import page as hard_page
+from studies.accuracy import accuracy_cost, calibrate, error_bounds, scaling
+from studies.accuracy import ranks as ranks_study
+from studies.hard import hard_cases as hard_page
 from studies.hard.case import Case, Deviation, Measured, Outcome
 from studies.tables import pareto, power_law, table
 

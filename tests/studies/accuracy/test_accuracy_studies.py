@@ -7,8 +7,8 @@ import pytest
 from railhead.planning import error_envelopes
 from railhead.planning import plan as planning
 from railhead.planning.references import rail_twist
+from studies.accuracy import calibrate as measured
 from studies.accuracy import error_bounds, families
-from studies.accuracy import twist as measured
 
 
 def test_every_calibrated_family_holds_its_own_scenes_and_no_foreign_ones() -> None:

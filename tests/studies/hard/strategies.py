@@ -5,7 +5,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from studies.hard.fuzz import random_scenes
+from studies.hard import fuzz_scenes
 
 
 class Drawn:
@@ -21,7 +21,7 @@ class Drawn:
         return self._draw(st.sampled_from(options))
 
 
-scenes = st.composite(lambda draw: random_scenes.scene(Drawn(draw)))()
+scenes = st.composite(lambda draw: fuzz_scenes.scene(Drawn(draw)))()
 
 keys = st.sampled_from(["load", "approach", "rail", "wheel", "wheel.profile", "mesh", "solver"])
 values = st.sampled_from(["25e3", "'25 kN'", "nan", "-inf", "1e308", "[]", "{}", "'S1002'", "true"])

@@ -8,8 +8,8 @@ import pytest
 from railhead.results.pipeline import run
 from railhead.run.quantities import numeric_values
 from railhead.scene import catalogue
-from studies.hard.battery import CASES, QUICK
 from studies.hard.case import Case, Deviation, Measured
+from studies.hard.hard_cases import CASES, QUICK
 from studies.hard.references import HALF_SPACE, against_hertz, deviations, resolved
 
 SCENE = catalogue.find("hertz_ellipse")

@@ -11,9 +11,9 @@ from strategies import broken_toml, scenes
 
 from railhead.cli import commands, main
 from railhead.scene.scene import Scene
-from studies.hard.fuzz import fuzz_scenes, study
-from studies.hard.fuzz.fuzz_scenes import ended, fuzz
-from studies.hard.fuzz.random_scenes import plans
+from studies.hard import fuzz as study
+from studies.hard.fuzz import ended, fuzz
+from studies.hard.fuzz_scenes import plans
 
 patient = settings(
     deadline=None,
@@ -117,4 +117,4 @@ def test_the_page_lists_faults_and_counts_outcomes() -> None:
     lost = ended(2, "odd value", fault="the process crashed")
     text = study.page([right, lost], [1.0, 2.0])
     assert "- odd value, seed 2: the process crashed" in text and "0.25" in text
-    assert fuzz_scenes.MOST <= 15_000
+    assert study.MOST <= 15_000

@@ -7,7 +7,7 @@ import pytest
 
 from railhead.cli import study
 from studies.mechanics import creep
-from studies.mechanics import friction_changes as changes
+from studies.mechanics import creep_runs as changes
 
 
 def rows(path: Path) -> list[dict[str, str]]:

@@ -14,7 +14,8 @@ from click.testing import CliRunner
 from railhead.cli import commands, study
 from railhead.results import result_folder
 from railhead.theory.elastic import hertz, subsurface
-from studies.peers import blocks, codes, install, page, reading, running
+from studies import processes
+from studies.peers import blocks, codes, page
 from studies.peers import study as peers_study
 from studies.peers.codes import calculix
 
@@ -75,22 +76,22 @@ def made_up(folder: Path, title: str, modules: str = "") -> ModuleType:
 
 def test_errors_are_against_hertz_at_the_force_that_a_run_carries() -> None:
     shear = subsurface.axis_extrema(exact(24e3), 0.3).tau_max
-    read = reading.read(CASE, found(tau_max=1.02 * shear))
+    read = page.read(CASE, found(tau_max=1.02 * shear))
     for name in ("p_max", "p_fit", "a", "b", "area"):
         assert read[f"error_{name}"] == pytest.approx(0, abs=1e-9)
     assert read["error_tau_max"] == pytest.approx(0.02)
     assert read["error_approach"] is None
-    off = reading.read(CASE, found(pressure_max=1.01 * exact(24e3).p0))
+    off = page.read(CASE, found(pressure_max=1.01 * exact(24e3).p0))
     assert off["error_p_max"] == pytest.approx(0.01)
 
 
 def test_a_fit_has_the_axes_in_their_order_and_refuses_what_is_no_ellipse() -> None:
     x, y = (grid.ravel() for grid in np.meshgrid(np.linspace(0, 3, 8), np.linspace(0, 2, 8)))
     p = 5 * np.sqrt(np.maximum(0, 1 - (x / 3) ** 2 - (y / 2) ** 2))
-    assert reading.fitted(x, y, p) == pytest.approx((5, 3, 2))
+    assert page.fitted(x, y, p) == pytest.approx((5, 3, 2))
     for flat in (np.ones_like(p), np.zeros_like(p), 1 + x):
         with pytest.raises(ValueError, match="no ellipse"):
-            reading.fitted(x, y, flat)
+            page.fitted(x, y, flat)
 
 
 def test_calculix_s_files_are_read(tmp_path) -> None:
@@ -140,26 +141,26 @@ def test_the_cost_is_of_the_process_and_what_it_waits_for(tmp_path) -> None:
     work = "import subprocess, sys; b = bytearray(80_000_000); b[::4096] = b'x' * len(b[::4096])"
     child = "import time; t = time.process_time()\nwhile time.process_time() < t + 0.3: pass"
     code = f"{work}; subprocess.run([sys.executable, '-c', {child!r}])"
-    cost = running.run([sys.executable, "-c", code], tmp_path)
+    cost = processes.run([sys.executable, "-c", code], tmp_path)
     assert 0.3 < cost["cpu_seconds"] < 3 and cost["seconds"] >= cost["cpu_seconds"] * 0.9
     assert 80e6 < cost["peak_bytes"] < 130e6
-    small = running.run([sys.executable, "-c", ""], tmp_path)
+    small = processes.run([sys.executable, "-c", ""], tmp_path)
     assert small["peak_bytes"] < 40e6  # not that of the test
 
 
 def test_a_failing_command_says_its_last_line_and_a_late_one_is_ended(tmp_path) -> None:
-    with pytest.raises(running.FailedError, match=r"^RuntimeError: singular matrix$"):
-        running.run([sys.executable, "-c", "raise RuntimeError('singular  matrix')"], tmp_path)
-    with pytest.raises(running.FailedError, match="not back after 1 s"):
-        running.run([sys.executable, "-c", "import time; time.sleep(60)"], tmp_path, limit=1.0)
+    with pytest.raises(processes.FailedError, match=r"^RuntimeError: singular matrix$"):
+        processes.run([sys.executable, "-c", "raise RuntimeError('singular  matrix')"], tmp_path)
+    with pytest.raises(processes.FailedError, match="not back after 1 s"):
+        processes.run([sys.executable, "-c", "import time; time.sleep(60)"], tmp_path, limit=1.0)
 
 
 def test_an_earlier_cost_is_not_that_of_a_command_that_never_ran(tmp_path) -> None:
-    running.run([sys.executable, "-c", ""], tmp_path)
-    with pytest.raises(running.FailedError, match="no-such-program"):
-        running.run(["no-such-program"], tmp_path)
-    with pytest.raises(running.FailedError, match="status -9"):
-        running.run([sys.executable, "-c", "import os; os.kill(os.getpid(), 9)"], tmp_path)
+    processes.run([sys.executable, "-c", ""], tmp_path)
+    with pytest.raises(processes.FailedError, match="no-such-program"):
+        processes.run(["no-such-program"], tmp_path)
+    with pytest.raises(processes.FailedError, match="status -9"):
+        processes.run([sys.executable, "-c", "import os; os.kill(os.getpid(), 9)"], tmp_path)
 
 
 def test_each_code_is_whole_and_needs_one_kind_of_package() -> None:
@@ -175,9 +176,9 @@ def test_each_code_is_whole_and_needs_one_kind_of_package() -> None:
 
 def test_the_page_has_medians_reasons_and_what_failed() -> None:
     fe, cost = "finite elements", {"peak_bytes": 2 * 10**8, "unknowns": 9, "force": 25e3}
-    errors = dict.fromkeys((f"error_{name}" for name in reading.ERRORS), 1e-4)
+    errors = dict.fromkeys((f"error_{name}" for name in page.ERRORS), 1e-4)
     own = [
-        reading.row(
+        page.row(
             page.OURS,
             fe,
             "default",
@@ -186,8 +187,8 @@ def test_the_page_has_medians_reasons_and_what_failed() -> None:
         )
         for s in (2.0, 9.0, 3.0)
     ]
-    other = reading.row("Code", fe, "1 mm", COST | reading.read(CASE, found()))
-    lost = reading.row("Code", fe, "0.1 mm", {}, "singular matrix")
+    other = page.row("Code", fe, "1 mm", COST | page.read(CASE, found()))
+    lost = page.row("Code", fe, "0.1 mm", {}, "singular matrix")
     text = page.page([own[0], other, own[1], lost, own[2]], [], {}, {"Gone": "no command gone"})
     row = next(line for line in text.splitlines() if line.startswith("| railhead | default"))
     assert [cell.strip() for cell in row.split("|")][3:9] == [
@@ -281,14 +282,14 @@ def test_what_cannot_be_installed_is_noted_and_the_others_follow(
         made.append(made_up(tmp_path, name))
         made[-1].PIP, made[-1].DEBIAN = (name,), ()
     made.append(made_up(tmp_path, "d"))
-    monkeypatch.setattr(install, "_failure", failure)
-    venv = tmp_path / "venv"
-    (venv / "bin").mkdir(parents=True)
-    (venv / "bin" / "python").touch()
-    with install.Progress(quiet=True) as progress:
-        install.install(made, venv, progress)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(peers_study, "_failure", failure)
+    monkeypatch.setattr(peers_study, "peers", lambda: made)
+    (peers_study.VENV / "bin").mkdir(parents=True)
+    (peers_study.VENV / "bin" / "python").touch()
+    peers_study.install()
     assert [command[-1] for command in asked] == ["a", "b", "c", "python3-numpy", "-q"]
-    assert [install.reason(code, venv, "no module") for code in made] == [
+    assert [peers_study.reason(code, "no module") for code in made] == [
         "no module (pip install a)",
         "pip install b: no such release",
         "no module (pip install c)",

@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from railhead.theory.elastic.hertz import Ellipse, contact_modulus, point_contact
-from studies.thesis.formulas import (
+from studies.thesis.facts import (
     TABLE_5_3,
     exact_coefficients,
     hertz_coefficients,

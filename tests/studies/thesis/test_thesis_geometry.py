@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studies.thesis import geometry
-from studies.thesis.rules.geometry import CONE, HALF_AXLE, RAIL_RADIUS, cone, crown, rail, wheel
+from studies.thesis.geometry import CONE, HALF_AXLE, RAIL_RADIUS, cone, crown, rail, wheel
 
 angles = st.floats(-1.2, 1.2)
 moderate = st.floats(0.02, 0.7)

@@ -12,12 +12,11 @@ from railhead.geometry import profiles, wheelset
 from railhead.geometry.placement import Pair
 from railhead.scene import catalogue
 from railhead.theory.elastic.hertz import point_contact
+from studies.thesis import geometry, hertz, stress, study
 from studies.thesis import geometry as thesis_geometry
-from studies.thesis import runs as thesis_runs
-from studies.thesis import study
+from studies.thesis import study as thesis_runs
 from studies.thesis.claims import Verdict
 from studies.thesis.facts import Facts
-from studies.thesis.rules import geometry, hertz, stress
 
 DIFFERENT: dict[int, Verdict] = {}
 """Claims whose computed verdict is not the reference's, with ours."""

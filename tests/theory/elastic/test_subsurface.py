@@ -18,7 +18,7 @@ from railhead.theory.elastic.subsurface import (
     stress,
     von_mises,
 )
-from studies.thesis.formulas import thesis_axis_stress
+from studies.thesis.facts import thesis_axis_stress
 
 CURVATURE_RATIOS = [1e-3, 0.1, 0.9, 1.0, 1 + 1e-9, 5.0]
 

@@ -16,8 +16,7 @@ from railhead.results import pipeline
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from railhead.solver import compat
-from studies import tables
-from studies.cost import alone
+from studies import processes, tables
 from studies.tables import Row
 
 SIZES = (0.4, 0.28, 0.22, 0.142, 0.112)  # mm in the patch of hertz_ellipse
@@ -55,7 +54,7 @@ def recorded(patch_size: float, ranks: int) -> Row:
     to the findings, start: what is none of the other parts. product: bytes of K that one process
     reads for one product; halo: bytes that it is sent for it (the mean of all)."""
     begin = time.time()
-    found = alone.measured("studies.cost.ranks", patch_size, ranks)
+    found = processes.measured("studies.accuracy.ranks", patch_size, ranks)
     whole, parts = found["end"] - begin, {name: found[name] for name in PARTS[1:]}
     return {
         "unknowns": found["dofs"],
@@ -134,4 +133,4 @@ def halo(unknowns: int, ranks: int) -> float:
 
 
 if __name__ == "__main__":
-    alone.answer(measure)
+    processes.answer(measure)

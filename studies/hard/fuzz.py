@@ -1,12 +1,15 @@
-"""One fuzzed scene: through the command line, and held against what is exact."""
+"""Does any scene break the program, or get a wrong number signed? Fuzzed scenes go through the
+command line, and results are held against what is exact."""
 
 import contextlib
 import io
 import itertools
 import json
 import os
+import sys
 import tempfile
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -16,9 +19,10 @@ from railhead.results.quantity_rows import reference_name
 from railhead.run import quantities
 from railhead.scene.io import read_scene, to_toml
 from railhead.scene.scene import SceneError
+from railhead.sweeps.worker_pool import attempts
+from studies import tables
 from studies.hard.case import Deviation
-from studies.hard.fuzz import broken_scenes
-from studies.hard.fuzz.random_scenes import FINE, Seeded, plans, wild
+from studies.hard.fuzz_scenes import FINE, Seeded, plans, wild, write
 from studies.hard.references import PATCH, against_boundary_elements, deviations
 
 MOST = 15_000  # predicted unknowns that are solved
@@ -62,7 +66,7 @@ def fuzz(seed: int, broken: bool) -> Fuzzed:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scene.toml"
         if broken:
-            kind = broken_scenes.write(Seeded(seed), file)
+            kind = write(Seeded(seed), file)
             return _judged(seed, kind, file, _affordable(file))
         file.write_text(valid(seed), encoding="utf-8")
         return _judged(seed, "valid", file, [])
@@ -171,3 +175,56 @@ def truth(summary: dict[str, Any]) -> tuple[str, dict[str, Deviation]]:
     if second is None or "reason" in second or "reason" in second["allowance"]:
         return "", {}
     return "boundary elements", against_boundary_elements(summary, second, DEFAULT_TOLERANCE)
+
+
+SCENES, SEED, SECONDS = 500, 2024, 180.0
+OUTCOMES = (0, 1, 2, None)  # status
+
+
+def main(out: Path, *, quick: bool) -> None:
+    """Write fuzz.csv and page.md; quick: 40 scenes."""
+    jobs = [(SEED + index, index % 2 == 1) for index in range(40 if quick else SCENES)]
+    found, seconds = [], []
+    done = attempts(fuzz, jobs, [SECONDS] * len(jobs))
+    for (seed, broken), attempt in zip(jobs, done, strict=True):
+        kind, fault = "broken" if broken else "valid", attempt.fault
+        row = attempt.value or ended(seed, kind, said=fault, fault=fault)
+        end = row["fault"] or f"status {row['status']}"
+        found.append(row)
+        seconds.append(attempt.seconds)
+        print(f"{len(found)} of {len(jobs)}: {row['kind']}, seed {seed}: {end}", file=sys.stderr)
+    tables.publish(out, page(found, seconds), fuzz=found)
+
+
+def page(found: Sequence[Fuzzed], seconds: Sequence[float]) -> str:
+    """Counts by kind and outcome, what must not happen, why results were refused."""
+    failed = Counter(
+        name for each in found if each["status"] == 1 for name in each["said"].split()[:1]
+    )
+    return tables.render(
+        "fuzz",
+        found=found,
+        seed=SEED,
+        most=MOST,
+        rows=[
+            _counts(kind, own)
+            for kind, own in (tables.groups(found, "kind") | {"all": found}).items()
+        ],
+        seconds=seconds,
+        failed=failed.most_common(),
+    )
+
+
+def _counts(kind: str, own: Sequence[Fuzzed]) -> list[Any]:
+    status = Counter(each["status"] for each in own)
+    solved = [each for each in own if each["status"] == 0 and each["deviation"] is not None]
+    shares = [each["deviation"] / each["allowed"] for each in solved if each["allowed"]]
+    return [
+        kind,
+        len(own),
+        *(status[key] for key in OUTCOMES),
+        sum(each["command"] == "plan" for each in own),
+        len(solved),
+        f"{max(shares):.2f}" if shares else "-",
+        sum(bool(each["fault"]) for each in own),
+    ]

@@ -16,8 +16,7 @@ from railhead.run import build, mesh_solution
 from railhead.scene import catalogue
 from railhead.solver.algebra import linear
 from railhead.solver.fields import gather
-from studies import tables
-from studies.cost import alone
+from studies import processes, tables
 from studies.tables import Row
 
 SIZES = (0.53, 0.4, 0.3, 0.22, 0.16, 0.142, 0.112)  # mm in the patch of hertz_ellipse
@@ -84,7 +83,7 @@ def main(out: Path, *, quick: bool) -> None:
     records = []
     for size in SIZES[: 2 if quick else None]:
         print(f"patch size {size:g} mm", file=sys.stderr)
-        records.append(alone.measured("studies.cost.scaling", size))
+        records.append(processes.measured("studies.accuracy.scaling", size))
     tables.publish(out, page(records), scaling=records)
 
 
@@ -117,4 +116,4 @@ def page(records: Sequence[Row]) -> str:
 
 
 if __name__ == "__main__":
-    alone.answer(measure)
+    processes.answer(measure)

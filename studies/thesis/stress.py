@@ -18,8 +18,7 @@ from studies.thesis.claims import (
     number,
     statement,
 )
-from studies.thesis.facts import LOAD, P0, WHEEL, YIELD, A, Facts
-from studies.thesis.formulas import thesis_axis_stress
+from studies.thesis.facts import LOAD, P0, WHEEL, YIELD, A, Facts, thesis_axis_stress
 
 CAPACITY = (600.0, 800.0)  # MPa, the range the thesis takes from Pau et al. (2002)
 NO_PICTURE = "the picture is missing from the text"

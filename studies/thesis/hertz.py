@@ -16,9 +16,11 @@ from studies.thesis.claims import (
     number,
     statement,
 )
-from studies.thesis.facts import LOAD, WHEEL, Facts
-from studies.thesis.formulas import (
+from studies.thesis.facts import (
+    LOAD,
     TABLE_5_3,
+    WHEEL,
+    Facts,
     exact_coefficients,
     hertz_coefficients,
     thesis_contact,

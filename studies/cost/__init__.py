@@ -1,1 +1,0 @@
-"""What a solve costs: time and memory by size, by processes, and by effect."""

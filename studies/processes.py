@@ -1,0 +1,93 @@
+"""Measurements in processes of their own: one command at a time, and what it costs.
+
+`python -I processes.py REPORT.json COMMAND...` runs a command and writes its cost as /usr/bin/time
+counts it, with all that it waits for. It must be a small process: the peak memory that the system
+counts for a new process begins with the memory of the one that starts it. So the head of this file
+imports nothing of railhead.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+LIMIT = 900.0  # seconds
+THREADS = 1
+LAST = 300  # characters of what a failing command said last
+LATE = 124  # status of `timeout` where it ended the command
+LIBRARIES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+Cost = dict[str, float]
+"""Of a whole process with all that it waits for: seconds by the clock and cpu_seconds of the
+processor, peak_bytes of memory of the largest."""
+
+
+class FailedError(RuntimeError):
+    """A command gave nothing; the text says why, in one line."""
+
+
+def run(command: Sequence[str], folder: Path, limit: float = LIMIT) -> Cost:
+    """Run a command in a folder, with THREADS threads for each library. FailedError: it takes
+    longer than `limit` (s) or its status is not 0."""
+    done = subprocess.run(
+        [sys.executable, "-I", __file__, "cost.json", "timeout", f"{limit:g}", *command],
+        cwd=folder,
+        env=os.environ | dict.fromkeys(LIBRARIES, str(THREADS)) | {"PYTHONWARNINGS": "ignore"},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        check=True,
+        text=True,
+        errors="replace",
+    )
+    cost: Cost = json.loads((folder / "cost.json").read_text(encoding="utf-8"))
+    if (status := cost.pop("status")) == LATE:
+        raise FailedError(f"not back after {limit:g} s")
+    if status:
+        lines = [" ".join(line.split()) for line in done.stdout.splitlines() if line.strip()]
+        raise FailedError((lines or [f"status {status}"])[-1][-LAST:])
+    return cost
+
+
+def measured(module: str, argument: float, ranks: int = 1) -> dict[str, Any]:
+    """What `python -m module argument` prints last, as JSON, started by mpirun for several ranks.
+
+    Raises CalledProcessError where the process fails.
+    """
+    from railhead.cli import launch
+
+    root = str(Path(__file__).parents[1])
+    single = os.environ | {"OMP_NUM_THREADS": "1", "PYTHONPATH": root}
+    launcher, environment = launch.under_mpirun(ranks, single)
+    command = [*launcher, sys.executable, "-m", module, str(argument)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
+    found: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    return found
+
+
+def answer(measure: Callable[[float], dict[str, Any] | None]) -> None:
+    """The other end of `measured`: print what `measure` returns for the argument of the command;
+    nothing where it returns None."""
+    if (found := measure(float(sys.argv[1]))) is not None:
+        print(json.dumps(found))
+
+
+def account(report: str, *command: str) -> None:
+    """Run a command and write its Cost and its exit status into the JSON file `report`."""
+    start = time.perf_counter()
+    process = subprocess.Popen(command, stdin=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    cost = {
+        "seconds": time.perf_counter() - start,
+        "cpu_seconds": usage.ru_utime + usage.ru_stime,
+        "peak_bytes": 1024 * usage.ru_maxrss,
+        "status": os.waitstatus_to_exitcode(status),
+    }
+    Path(report).write_text(json.dumps(cost), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    account(*sys.argv[1:])
