@@ -78,6 +78,12 @@ class LoadStepping:
         self.state: State = problem.bulk.history, problem.surface.history
         self.active: Mask = np.zeros(len(problem.area), dtype=bool)
 
+    def start(self, solution: Solution, share: float) -> None:
+        """Make an elastic solution the state that the first step starts from; share: its share of
+        the load case. Without one, the first iterations yield where the solution does not.
+        """
+        self.share, self.y, self.active = share, solution.newton.y, solution.newton.pressure > 0
+
     def repeat(self, case: LoadCase, state: State) -> Solution:
         """Solution of the step to the present share, from another history `state` and with another
         load case.

@@ -101,17 +101,19 @@ class PlasticResponse(ElasticResponse):
             return elastic
         self.problem.reset_history()
         self.stepping = stepping = LoadStepping(self.system, self.problem, case)
-        up = np.linspace(1 / over, 1.0, self.path.steps + 1)[1:]
-        stepping.active = predict_active_set(self.system, elastic.indicator, up[0])
+        first_yield, *up = np.linspace(1 / over, 1.0, self.path.steps + 1)
+        active = predict_active_set(self.system, elastic.indicator, first_yield)
+        first = super().press(replace(case.scaled(first_yield), active=active))
+        stepping.start(first, first_yield)
         result = stepping.solve_load_steps(up)
-        first = len(stepping.results)
+        loading_steps = len(stepping.results)
         for _ in range(self.path.cycles - 1):
             if result.converged and stepping.solve_load_steps(LOWERING).converged:
                 result = stepping.solve_load_steps(up)
         plasticity = PlasticSolution(
             load_over_first_yield=over,
             newton_results=tuple(stepping.results),
-            first_loading_steps=first,
+            first_loading_steps=loading_steps,
             indentation_depth={},
         )
         return replace(stepping.solution, reference=elastic, plasticity=plasticity)
