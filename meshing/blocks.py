@@ -11,9 +11,16 @@ import gmsh
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.meshing.bodies import Body, Options
+from railhead.meshing.bodies import (
+    BODY_NAMES,
+    CONTACT,
+    SUPPORT,
+    SYMMETRY_X,
+    SYMMETRY_Y,
+    Body,
+    Options,
+)
 from railhead.meshing.sizing import Grading
-from railhead.meshing.tags import BODY_NAMES, CONTACT, SUPPORT, SYMMETRY_X, SYMMETRY_Y
 
 Array = NDArray[np.float64]
 REPAIR_BELOW = 0.1  # quality of a curved tetrahedron that is straightened
@@ -32,7 +39,7 @@ def model(bodies: list[Body], grading: Grading, options: Options) -> Iterator[An
     bodies: the sections and how each is swept.
     grading: element size; in the plane 'xz' its coordinate across is replaced by x.
     options: type of the cells, degree, symmetry, plane.
-    The tags of the groups are those of `meshing.tags`. gmsh is closed when the context ends.
+    The tags of the groups are those of `meshing.bodies`. gmsh is closed when the context ends.
     """
     with _session() as gmsh_model:
         if options.plane == "xz":
@@ -106,7 +113,7 @@ def _name(tag: int, *, volume: bool) -> str:
     """Name of a physical group: 'rail' or 'wheel' for a body, and for faces 'symmetry_x',
     'symmetry_y' or the body's name with '_contact' or '_support'.
 
-    tag: number of the group, see `meshing.tags`.
+    tag: number of the group, see `meshing.bodies`.
     volume: whether the group holds a body, not faces.
     """
     if volume:

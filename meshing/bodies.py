@@ -1,11 +1,11 @@
-"""What is meshed: sections and how they are swept."""
+"""What is meshed: sections, how they are swept, and the numbers of bodies and faces in a mesh."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
 from railhead.geometry.outlines import Curve
-from railhead.geometry.pose import Pose, upright
+from railhead.geometry.placement import Pose, upright
 
 ELEMENTS_PER_TURN = 6  # on fillets
 
@@ -14,7 +14,7 @@ ELEMENTS_PER_TURN = 6  # on fillets
 class Body:
     """A section in the plane x = 0 that is swept along x, or about an axle.
 
-    tag: RAIL or WHEEL, see `meshing.tags`.
+    tag: RAIL or WHEEL, see `meshing.bodies`.
     section: closed chain of curves in the body's coordinates (y, z), mm.
     reach: length of the sweep to each side of the section, mm.
     axle: (z of the axle, radius at which `reach` is measured), mm: the sweep is a revolution; None:
@@ -53,3 +53,14 @@ class Options:
     def dim(self) -> int:
         """Number of coordinates of the mesh: 2 for a section, 3 for solids."""
         return 2 if self.plane else 3
+
+
+RAIL, WHEEL = 1, 2
+BODY_NAMES = {RAIL: "rail", WHEEL: "wheel"}
+CONTACT, SUPPORT = 10, 20  # facet tag of a body's face: CONTACT + RAIL and so on
+SYMMETRY_X, SYMMETRY_Y = 31, 32
+
+
+def other(tag: int) -> int:
+    """Tag of the other body: RAIL for WHEEL, and WHEEL for RAIL."""
+    return RAIL if tag == WHEEL else WHEEL

@@ -34,7 +34,7 @@ class ContactMesh:
     mesh: dolfinx mesh, mm.
     cell_tags: dolfinx MeshTags of the cells, RAIL or WHEEL.
     facet_tags: dolfinx MeshTags of the contact, support and symmetry facets, numbers as in
-        `meshing.tags`.
+        `meshing.bodies`.
     quality: quality of the worst cell, 1 ideal, 0 flat, see `blocks.qualities`.
     cells: number of cells of all ranks.
     """

@@ -11,9 +11,17 @@ from mpi4py import MPI
 from railhead.geometry import outlines, profiles
 from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing import mesh
-from railhead.meshing.bodies import Body, Options
+from railhead.meshing.bodies import (
+    CONTACT,
+    RAIL,
+    SUPPORT,
+    SYMMETRY_X,
+    SYMMETRY_Y,
+    WHEEL,
+    Body,
+    Options,
+)
 from railhead.meshing.sizing import Grading
-from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, SYMMETRY_Y, WHEEL
 from railhead.solver.material.elasticity import Material
 from railhead.solver.setup import ContactBody, Setup
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railhead.meshing.tags import RAIL
+from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import Array, Frame, OnePatch
 from railhead.theory.elastic.halfspace import boussinesq_displacement
 

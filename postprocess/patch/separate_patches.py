@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
-from railhead.meshing.tags import RAIL
+from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import Array, Frame
 
 if TYPE_CHECKING:

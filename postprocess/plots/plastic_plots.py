@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railhead.meshing.tags import BODY_NAMES, other
+from railhead.meshing.bodies import BODY_NAMES, other
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.patch.moments import coordinate

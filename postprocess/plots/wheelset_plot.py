@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railhead.geometry.placement import ContactPoint, Pair
-from railhead.geometry.wheelset import Placed, Side
+from railhead.geometry.placement import ContactPoint, Pair, Placed, Side
 from railhead.postprocess.findings import Array
 from railhead.postprocess.plots.diagrams import minus, new_figure
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from railhead.meshing.tags import BODY_NAMES
+from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import COLUMN, ROW, Array, DepthAxis, Frame, Largest, Peak
 from railhead.postprocess.patch.separate_patches import SeparatePatch
 from railhead.postprocess.stress import stick_border

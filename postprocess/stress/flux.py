@@ -5,7 +5,7 @@ from __future__ import annotations
 import basix
 import numpy as np
 
-from railhead.meshing.tags import RAIL
+from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import Array
 from railhead.postprocess.stress.gauss_points import stress_at_reference_point
 from railhead.postprocess.stress.solid import Solid

@@ -9,7 +9,7 @@ from typing import Any
 import basix
 import numpy as np
 
-from railhead.meshing.tags import BODY_NAMES
+from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import Array, Frame, Place
 from railhead.postprocess.stress.gauss_points import (
     reference_gauss_points,

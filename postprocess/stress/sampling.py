@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from railhead.meshing.tags import BODY_NAMES
+from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import COLUMN, ROW, Array
 from railhead.postprocess.stress.recovery import Recovery
 from railhead.solver.fields import Fields

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from railhead.meshing.tags import RAIL
+from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import COLUMN, ROW, Array
 from railhead.postprocess.stress.recovery import Recovery
 from railhead.postprocess.stress.solid import Solid

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from railhead.meshing.tags import BODY_NAMES
+from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.plots.diagrams import BANDS, mark_largest, new_figure
 

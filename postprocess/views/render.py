@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import griddata
 from scipy.spatial import cKDTree
 
-from railhead.meshing.tags import BODY_NAMES
+from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import Array, Findings, Frame, Patch
 from railhead.postprocess.plots.diagrams import FE, closed_ellipse, new_figure
 from railhead.postprocess.views.camera import Camera, load_pyvista

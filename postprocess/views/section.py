@@ -8,7 +8,7 @@ from typing import Any
 import meshio
 import numpy as np
 
-from railhead.meshing.tags import BODY_NAMES
+from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import Findings
 from railhead.postprocess.plots.diagrams import new_figure
 from railhead.postprocess.views.fringes import draw_fringes

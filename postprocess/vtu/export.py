@@ -11,7 +11,7 @@ import meshio
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.meshing.tags import RAIL
+from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import Array, Surface
 from railhead.solver.fields import Fields
 from railhead.solver.solution import FrictionSolution

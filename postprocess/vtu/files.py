@@ -7,7 +7,7 @@ from pathlib import Path
 
 import meshio
 
-from railhead.meshing.tags import other
+from railhead.meshing.bodies import other
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.stress.gauss_points import nodal_stress

@@ -12,8 +12,7 @@ import numpy as np
 from rich.console import Console
 
 from railhead.contact import solid
-from railhead.geometry.measured import standards
-from railhead.geometry.measured.extensions import BODY_BY_EXTENSION
+from railhead.geometry.measured import BODY_BY_EXTENSION, standards
 from railhead.geometry.measured.profile import Measured, smoothness
 from railhead.geometry.measured.standards import LaidStandard
 from railhead.results import result_folder, table_file

@@ -13,12 +13,11 @@ from rich.console import Console
 from rich.table import Table
 
 from railhead.contact import solid as geometry
-from railhead.geometry import wheelset
+from railhead.geometry import placement
 from railhead.geometry.measured import profile as measured
-from railhead.geometry.placement import ContactPoint, Pair, PlacementError
-from railhead.geometry.wheelset import Placed, Track
+from railhead.geometry.placement import ContactPoint, Pair, Placed, PlacementError, Track
 from railhead.results import result_folder
-from railhead.scene.io import portable
+from railhead.scene.catalogue import portable
 from railhead.scene.scene import Scene, SceneError
 
 CLEARANCE = 0.05  # mm, largest gap of a contact, of the size of elastic approaches
@@ -59,7 +58,7 @@ class Location:
 
     def summary(self) -> dict[str, Any]:
         """The content of summary.json: lengths in mm, angles in rad, curvatures in 1/mm."""
-        placed, (crest, _) = self.placed, wheelset.top(self.pair.rail)
+        placed, (crest, _) = self.placed, placement.top(self.pair.rail)
         return {
             "case": self.scene.name,
             "scene": portable(self.scene),
@@ -83,7 +82,7 @@ class Location:
         track = Track(scene.wheelset.back_to_back, scene.rail.gauge)
         for shift in shifts:
             try:
-                placed = wheelset.place(self.pair, track, shift, scene.wheelset.yaw, CLEARANCE)
+                placed = placement.place(self.pair, track, shift, scene.wheelset.yaw, CLEARANCE)
             except PlacementError:
                 continue
             positions.append((float(shift), placed))

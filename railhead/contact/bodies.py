@@ -10,9 +10,8 @@ import numpy as np
 
 from railhead.contact.solid import Contact
 from railhead.geometry import outlines, profiles
-from railhead.geometry.pose import Pose, about_axle
-from railhead.meshing.bodies import Body
-from railhead.meshing.tags import RAIL, WHEEL
+from railhead.geometry.placement import Pose, about_axle
+from railhead.meshing.bodies import RAIL, WHEEL, Body
 from railhead.scene.scene import Scene, SceneError
 
 HEAD_DEPTH = 50.0  # mm, of a block below a single-radius or measured crown

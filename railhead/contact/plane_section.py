@@ -16,12 +16,10 @@ from railhead.contact.bodies import bodies as solid_bodies
 from railhead.contact.dimension import Dimension
 from railhead.contact.solid import Contact
 from railhead.geometry import outlines, profiles
-from railhead.geometry.placement import Pair, parabolic_contact
-from railhead.geometry.pose import upright
+from railhead.geometry.placement import Pair, parabolic_contact, upright
 from railhead.geometry.profiles import Profile
 from railhead.geometry.surfaces import ExactGap, ParabolicGap, RailSurface, StraightTread
-from railhead.meshing.bodies import Body
-from railhead.meshing.tags import RAIL, WHEEL
+from railhead.meshing.bodies import RAIL, WHEEL, Body
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic import line
 from railhead.theory.elastic.contacts import Hertz

@@ -11,16 +11,22 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.geometry import placement, profiles, wheelset
+from railhead.geometry import placement, profiles
 from railhead.geometry.measured import profile as measured
 from railhead.geometry.measured.orientation import Orientation
 from railhead.geometry.measured.profile import Measured
-from railhead.geometry.placement import ContactPoint, Pair, PlacementError
-from railhead.geometry.pose import Pose, upright
+from railhead.geometry.placement import (
+    ContactPoint,
+    Pair,
+    Placed,
+    PlacementError,
+    Pose,
+    Track,
+    upright,
+)
 from railhead.geometry.profiles import Profile
 from railhead.geometry.surfaces import ExactGap, ParabolicGap, RailSurface, WheelSurface, along
-from railhead.geometry.wheelset import Placed, Track
-from railhead.meshing.tags import RAIL
+from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import Frame
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.scene.sections import is_profile_file
@@ -267,7 +273,7 @@ def place(scene: Scene, clearance: float = 0.0, both: Pair | None = None) -> tup
     both = both or pair(scene)
     wheelset_, track = scene.wheelset, Track(scene.wheelset.back_to_back, scene.rail.gauge)
     try:
-        return both, wheelset.place(both, track, wheelset_.shift, wheelset_.yaw, clearance)
+        return both, placement.place(both, track, wheelset_.shift, wheelset_.yaw, clearance)
     except PlacementError as error:
         text = f"{wheelset_.shift:g} mm: {error}; bring both wheels over their rails"
         raise SceneError("wheelset.shift", text) from None

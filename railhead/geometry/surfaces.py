@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.geometry.pose import Pose
+from railhead.geometry.placement import Pose
 from railhead.geometry.profiles import Profile
 
 Array = NDArray[np.float64]

@@ -11,9 +11,17 @@ from railhead.contact import bodies, dimension, plane_section
 from railhead.contact import solid as geometry
 from railhead.contact.plane_section import SectionContact
 from railhead.contact.solid import Contact
-from railhead.meshing.bodies import ELEMENTS_PER_TURN, Body, Options
+from railhead.meshing.bodies import (
+    BODY_NAMES,
+    ELEMENTS_PER_TURN,
+    RAIL,
+    SYMMETRY_X,
+    SYMMETRY_Y,
+    WHEEL,
+    Body,
+    Options,
+)
 from railhead.meshing.sizing import Grading
-from railhead.meshing.tags import BODY_NAMES, RAIL, SYMMETRY_X, SYMMETRY_Y, WHEEL
 from railhead.planning import cost, effects, error_envelopes, sizing
 from railhead.planning.context import Context, Effect
 from railhead.planning.effects import interface, material

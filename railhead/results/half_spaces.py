@@ -13,7 +13,7 @@ from railhead.results.checks import second_method, solution
 from railhead.results.checks.check import DEFAULT_TOLERANCE, Check, deviation
 from railhead.results.result_folder import origin
 from railhead.run.half_spaces import CELLS, HalfSpaceSolution
-from railhead.scene.io import portable
+from railhead.scene.catalogue import portable
 
 METHOD = "half-spaces"
 BODIES = "simulate finite bodies: leave out --fast, --without finite_bodies"

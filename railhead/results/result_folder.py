@@ -22,7 +22,7 @@ import psutil
 import tomli_w
 
 from railhead.run import process
-from railhead.scene.io import copy_files, portable
+from railhead.scene.catalogue import copy_files, portable
 from railhead.scene.scene import SceneError
 
 if TYPE_CHECKING:

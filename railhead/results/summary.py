@@ -18,7 +18,7 @@ from railhead.run.half_spaces import Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.references import half_space_reference, rolling_reference
 from railhead.run.refinement import Ending
-from railhead.scene.io import portable
+from railhead.scene.catalogue import portable
 from railhead.theory.elastic.hertz import Ellipse
 
 NO_SECTION = {"reason": "boundary elements know no section of bodies that end"}

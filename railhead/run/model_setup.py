@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from railhead.contact import wheelset_kinematics
 from railhead.contact.solid import Contact
-from railhead.meshing.tags import BODY_NAMES, CONTACT, RAIL, SUPPORT, WHEEL
+from railhead.meshing.bodies import BODY_NAMES, CONTACT, RAIL, SUPPORT, WHEEL
 from railhead.planning.effects import interface
 from railhead.planning.forecast import Zone
 from railhead.planning.plan import Plan

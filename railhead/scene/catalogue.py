@@ -1,14 +1,24 @@
-"""The cases that ship: modules of `railhead.cases` with a SCENE."""
+"""Scenes: the cases that ship (modules of `railhead.cases` with a SCENE), and TOML files."""
 
 from __future__ import annotations
 
 import ast
 import difflib
 import importlib
+import re
+import shutil
+import stat
+import tomllib
+import unicodedata
+from collections.abc import Iterable
+from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
-from railhead.scene.io import read_scene
-from railhead.scene.scene import Scene, SceneError
+import tomli_w
+
+from railhead.geometry.measured import EXTENSIONS
+from railhead.scene.scene import MAX_NAME_BYTES, Scene, SceneError
 
 
 def shipped() -> dict[str, str]:
@@ -38,3 +48,89 @@ def find(name: str | Path) -> Scene:
     raise SceneError(
         "case", f"{name!r} is unknown; {hint}give a .toml file or one of {', '.join(known)}"
     )
+
+
+INPUT = "input"  # folder in a result folder with the files that the scene names
+FILES = ("profile", "stress_strain")  # keys of a body whose values may be paths
+
+
+def _read_text(path: Path) -> str:
+    """The text of a UTF-8 file. Raises SceneError where the file is missing, unreadable or not
+    UTF-8.
+    """
+    try:
+        is_file = stat.S_ISREG(path.stat().st_mode)
+        text = path.read_text(encoding="utf-8-sig") if is_file else ""
+    except UnicodeDecodeError as error:
+        reason = f"byte {error.start} is not UTF-8; give a TOML file, which is UTF-8 text"
+        raise SceneError(str(path), reason) from None
+    except (FileNotFoundError, NotADirectoryError, ValueError):  # ValueError: a zero byte
+        raise SceneError(str(path), "no such file; give the path of a TOML file") from None
+    except OSError as error:
+        raise SceneError(str(path), f"cannot be read: {error.strerror}") from None
+    if not is_file:
+        raise SceneError(str(path), "not a file; give the path of a TOML file")
+    return text
+
+
+def _read_toml(path: Path) -> dict[str, Any]:
+    """Nested tables of a TOML file. Raises SceneError for an unreadable file or invalid TOML."""
+    try:
+        return tomllib.loads(_read_text(path))
+    except SceneError:
+        raise
+    except (ValueError, RecursionError) as error:
+        reason = " ".join(str(error).split())
+        raise SceneError(str(path), f"not valid TOML: {reason}") from None
+
+
+def read_scene(path: str | Path) -> Scene:
+    """The scene of a TOML file.
+
+    Without a key `name` the scene is named after the file, with _ for characters that names may not
+    have. Relative paths of its files start at the folder of the file.
+    Raises SceneError (one line), naming the file if it cannot be read, else the key.
+    """
+    path = Path(path)
+    data = _read_toml(path)
+    stem = unicodedata.normalize("NFC", path.stem)  # else an accent is a character of its own
+    short = re.sub(r"[^\w.-]", "_", stem).encode()[:MAX_NAME_BYTES].decode(errors="ignore")
+    data.setdefault("name", short)
+    for section in filter(lambda table: isinstance(table, dict), data.values()):
+        for key in FILES:
+            file = section.get(key)
+            if isinstance(file, str) and file.lower().endswith(EXTENSIONS):
+                section[key] = str(path.parent / file)
+    return Scene.from_mapping(data)
+
+
+def to_toml(scene: Scene) -> str:
+    """TOML text of a scene with every key that has a value, in N, mm and MPa. Reading the text
+    gives an equal scene.
+    """
+    return tomli_w.dumps(scene.model_dump(exclude_none=True))
+
+
+def places(files: Iterable[Path]) -> dict[str, str]:
+    """Where the copies of files lie in a result folder, by path: input/HASH/NAME, with the first
+    twelve digits of the file's SHA-256. OSError: a file cannot be read.
+    """
+    return {
+        str(path): f"{INPUT}/{sha256(path.read_bytes()).hexdigest()[:12]}/{path.name}"
+        for path in files
+    }
+
+
+def portable(scene: Scene) -> dict[str, Any]:
+    """Nested tables of the keys of a scene that have a value, with files as in a result folder."""
+    at, data = places(scene.files), scene.model_dump(exclude_none=True)
+    for body in (data["rail"], data["wheel"]):
+        body |= {key: at.get(body[key], body[key]) for key in FILES if key in body}
+    return data
+
+
+def copy_files(files: Iterable[Path], folder: Path) -> None:
+    """Copy files to their places in a result folder. OSError: one cannot be copied."""
+    for path, place in places(files).items():
+        (folder / place).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(path, folder / place)

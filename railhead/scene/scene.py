@@ -1,8 +1,8 @@
 """The scene: everything a person may say about a wheel on a rail, checked once, then frozen.
 
-A `Scene` is built in Python, from a mapping, or from a TOML file (`railhead.scene.io`). Lengths are
-in mm, forces in N, stresses in MPa; wherever a number is expected, a string with a unit is read as
-well. Every way of building one raises `SceneError`, whose text is one line.
+A `Scene` is built in Python, from a mapping, or from a TOML file (`railhead.scene.catalogue`).
+Lengths are in mm, forces in N, stresses in MPa; wherever a number is expected, a string with a unit
+is read as well. Every way of building one raises `SceneError`, whose text is one line.
 """
 
 import math

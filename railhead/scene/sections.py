@@ -11,8 +11,8 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_validator
 
-from railhead.geometry.measured.extensions import BODY_BY_EXTENSION, EXTENSIONS
-from railhead.scene import curves, steels, units
+from railhead.geometry.measured import BODY_BY_EXTENSION, EXTENSIONS
+from railhead.scene import steels, units
 from railhead.scene.units import show
 
 ALIASES = {"UIC54": "54E1", "UIC60": "60E1"}
@@ -139,12 +139,12 @@ def is_profile_file(profile: str) -> bool:
 
 def _curve(value: object) -> str:
     """The absolute path of a .csv file with a stress-strain curve. Raises ValueError (one line) for
-    a file that cannot be read or that holds no valid curve (`curves.read`).
+    a file that cannot be read or that holds no valid curve (`steels.read_curve`).
     """
     path = os.path.abspath(str(value))
     if not path.lower().endswith(".csv") or not _readable(path):
         raise ValueError(f"{show(value)} is not a readable .csv file; give one that exists")
-    curves.read(path)
+    steels.read_curve(path)
     return path
 
 
@@ -241,7 +241,7 @@ class BodySection(Section):
         if self.steel is not None:
             return ((0.0, steels.by_name()[self.steel].yield_stress),)
         if self.stress_strain is not None:
-            return tuple(curves.read(self.stress_strain))
+            return tuple(steels.read_curve(self.stress_strain))
         return ()
 
 

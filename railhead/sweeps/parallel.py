@@ -20,7 +20,7 @@ from railhead.results import files, result_folder, table_file
 from railhead.results.subject import shared_y
 from railhead.run import process, refinement
 from railhead.run.progress import Progress
-from railhead.scene.io import copy_files, places, portable
+from railhead.scene.catalogue import copy_files, places, portable
 from railhead.scene.scene import Scene, SceneError
 from railhead.sweeps import runner, store, sweep_table, worker_pool
 from railhead.sweeps.grid import ParameterGrid, column

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from railhead.results import result_folder
-from railhead.scene.io import INPUT
+from railhead.scene.catalogue import INPUT
 from railhead.scene.scene import SceneError
 
 REQUEST, RECORDS, VTU, TABLE = "sweep.json", "records", "vtu", "sweep.csv"

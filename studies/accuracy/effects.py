@@ -19,9 +19,8 @@ from mpi4py import MPI
 from railhead.geometry import outlines, profiles
 from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing import mesh
-from railhead.meshing.bodies import Body, Options
+from railhead.meshing.bodies import CONTACT, RAIL, SUPPORT, WHEEL, Body, Options
 from railhead.meshing.sizing import Grading
-from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, WHEEL
 from railhead.planning import plan as planning
 from railhead.results import pipeline
 from railhead.run import build, mesh_solution

@@ -17,7 +17,7 @@ from typing import Any
 from railhead.results.checks.check import DEFAULT_TOLERANCE
 from railhead.results.quantity_rows import reference_name
 from railhead.run import quantities
-from railhead.scene.io import read_scene, to_toml
+from railhead.scene.catalogue import read_scene, to_toml
 from railhead.scene.scene import SceneError
 from railhead.sweeps.worker_pool import attempts
 from studies import tables

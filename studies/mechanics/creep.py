@@ -10,8 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from railhead.geometry import profiles
-from railhead.geometry.placement import Pair
-from railhead.geometry.wheelset import Track, place
+from railhead.geometry.placement import Pair, Track, place
 from railhead.postprocess.plots.diagrams import FE, GREY, HERTZ, new_figure
 from studies import tables
 from studies.mechanics import creep_runs as changes

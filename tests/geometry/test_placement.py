@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from railhead.geometry import placement, profiles
-from railhead.geometry.placement import Pair
-from railhead.geometry.pose import Pose, turned, upright
+from railhead.geometry.placement import Pair, Pose, turned, upright
 from railhead.geometry.surfaces import ExactGap, ParabolicGap, RailSurface, WheelSurface, along
 
 PAIRS = [

@@ -5,8 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from railhead.geometry import profiles
-from railhead.geometry.placement import Pair, PlacementError
-from railhead.geometry.wheelset import Side, Track, gauge_face, place, top
+from railhead.geometry.placement import Pair, PlacementError, Side, Track, gauge_face, place, top
 
 RAIL = profiles.rail_head("60E1", 1 / 40)
 PAIR = Pair(RAIL, profiles.s1002(), 460.0)

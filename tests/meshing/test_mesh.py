@@ -11,9 +11,17 @@ from mpi4py import MPI
 
 from railhead.geometry import outlines, profiles
 from railhead.meshing import blocks, mesh
-from railhead.meshing.bodies import Body, Options
+from railhead.meshing.bodies import (
+    CONTACT,
+    RAIL,
+    SUPPORT,
+    SYMMETRY_X,
+    SYMMETRY_Y,
+    WHEEL,
+    Body,
+    Options,
+)
 from railhead.meshing.sizing import Grading
-from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, SYMMETRY_Y, WHEEL
 
 GRADING = Grading((0.0, 0.0, 0.0), 4.3, 3.5, 0.0, 1.2, coarsest=20.0)
 CELLS = ["tetrahedron", "hexahedron"]

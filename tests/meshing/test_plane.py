@@ -7,9 +7,17 @@ from mpi4py import MPI
 from railhead.geometry import outlines, profiles
 from railhead.geometry.surfaces import StraightTread
 from railhead.meshing import blocks, mesh
-from railhead.meshing.bodies import Body, Options
+from railhead.meshing.bodies import (
+    CONTACT,
+    RAIL,
+    SUPPORT,
+    SYMMETRY_X,
+    SYMMETRY_Y,
+    WHEEL,
+    Body,
+    Options,
+)
 from railhead.meshing.sizing import Grading
-from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, SYMMETRY_Y, WHEEL
 
 GRADING = Grading((0.0, 0.0, 0.0), 2.0, 2.0, 0.0, 0.4, coarsest=10.0)
 

@@ -5,7 +5,7 @@ import math
 import pytest
 from mpi4py import MPI
 
-from railhead.meshing.tags import RAIL, WHEEL
+from railhead.meshing.bodies import RAIL, WHEEL
 from railhead.planning import plan as planning
 from railhead.planning.references import boundary_elements
 from railhead.results import pipeline

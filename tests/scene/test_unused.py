@@ -10,7 +10,7 @@ import pytest
 
 from railhead.contact import dimension
 from railhead.contact.plane_section import SectionContact
-from railhead.meshing.tags import RAIL
+from railhead.meshing.bodies import RAIL
 from railhead.planning import plan
 from railhead.planning.references.closed_forms import hertz_contact
 from railhead.run import model_setup

@@ -8,8 +8,8 @@ from dolfinx import mesh as dmesh
 from mpi4py import MPI
 from scipy.spatial import cKDTree
 
+from railhead.meshing.bodies import CONTACT, SUPPORT
 from railhead.meshing.mesh import ContactMesh
-from railhead.meshing.tags import CONTACT, SUPPORT
 from railhead.solver import compat
 
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from railhead.geometry.surfaces import ParabolicGap
-from railhead.meshing.tags import RAIL, WHEEL
+from railhead.meshing.bodies import RAIL, WHEEL
 from railhead.solver import compat
 from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.material.elasticity import Material

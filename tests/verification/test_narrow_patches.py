@@ -6,8 +6,8 @@ from dolfinx import fem
 from mpi4py import MPI
 
 from railhead.meshing import mesh
+from railhead.meshing.bodies import CONTACT, WHEEL
 from railhead.meshing.sizing import MAX_STRETCH
-from railhead.meshing.tags import CONTACT, WHEEL
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
 from railhead.postprocess.findings import Frame

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from railhead.geometry.surfaces import ParabolicGap
-from railhead.meshing.tags import RAIL, WHEEL
+from railhead.meshing.bodies import RAIL, WHEEL
 from railhead.postprocess.stress import gauss_points
 from railhead.solver.contact import ContactModel
 from railhead.solver.fields import gather

@@ -10,9 +10,8 @@ from solved import solved
 from railhead.geometry import outlines, profiles
 from railhead.geometry.surfaces import ExactGap, RailSurface, StraightTread
 from railhead.meshing import mesh
-from railhead.meshing.bodies import Body, Options
+from railhead.meshing.bodies import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL, Body, Options
 from railhead.meshing.sizing import Grading
-from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from railhead.solver.contact import ContactModel

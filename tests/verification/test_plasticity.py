@@ -15,7 +15,7 @@ from mpi4py import MPI
 from solved import solved
 
 import railhead as rh
-from railhead.meshing.tags import RAIL
+from railhead.meshing.bodies import RAIL
 from railhead.planning import plan as planning
 from railhead.planning.context import Effect
 from railhead.planning.effects import EFFECTS

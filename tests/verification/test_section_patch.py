@@ -10,9 +10,8 @@ from mpi4py import MPI
 from railhead.geometry import outlines, profiles
 from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing import mesh
-from railhead.meshing.bodies import Body, Options
+from railhead.meshing.bodies import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL, Body, Options
 from railhead.meshing.sizing import Grading
-from railhead.meshing.tags import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL
 from railhead.postprocess.stress import gauss_points
 from railhead.solver import compat
 from railhead.solver.contact import ContactModel

@@ -1,1 +1,7 @@
-"""Measured profiles: from a file of points to a smooth profile in the axes of the project."""
+"""Measured profiles: from a file of points to a smooth profile in the axes of the project.
+
+Scenes read the extensions of the files from here, so nothing is imported.
+"""
+
+BODY_BY_EXTENSION = {".ban": "rail", ".whl": "wheel", ".prr": "rail", ".prw": "wheel"}
+EXTENSIONS = (".csv", ".txt", ".dat", ".asc", ".tsv", *BODY_BY_EXTENSION)

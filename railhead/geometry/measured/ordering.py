@@ -1,4 +1,7 @@
-"""Order of points along their curve, rounded coordinates, the head of a whole section."""
+"""Points before they are smoothed: their order along the curve, and the head of a whole section.
+
+Outliers, rounded coordinates and scans there and back are refused.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,9 @@ HEAD_DEPTH = 45.0  # mm below its top: what is deeper is web or foot
 ROUNDED = 0.01  # mm: stairs of heights that are higher make contacts that do not exist
 DISTINCT = 0.75  # share of different numbers among the points; with fewer they are rounded
 COARSE, TURNS = 20, 4  # of so many points of a scan there and back, few turn; of mixed ones many
+LEAST_OFFSET = 0.3  # mm from a refused point to either of its neighbours, at least
+BACK, ASIDE = 143.0, 60.0  # deg that the way turns at a refused point, and beside one at an end
+LONG = 2.0  # times the next step: the first or last step of a curve with a refused point at its end
 
 
 class PointError(ValueError):
@@ -29,6 +35,19 @@ def chord_lengths(points: Array) -> Array:
     for points in mm.
     """
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+
+
+def cross(one: Array, other: Array) -> Array:
+    """Cross products (n,) one_y other_z - one_z other_y of vectors (n, 2)."""
+    return np.asarray(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
+
+
+def turns(points: Array) -> Array:
+    """Angles (n - 2,) in rad by which the way through points (n, 2) turns at the inner ones, never
+    negative.
+    """
+    one, two = np.diff(points, axis=0)[:-1], np.diff(points, axis=0)[1:]
+    return np.asarray(np.arctan2(np.abs(cross(one, two)), np.einsum("nd,nd->n", one, two)))
 
 
 def closes(points: Array) -> bool:
@@ -96,3 +115,25 @@ def refuse_rounded(points: Array) -> None:
     if np.count_nonzero((same == 0) & (apart != 0)) > (1 - DISTINCT) * len(middle):
         text = "has rounded y: points at the same y have different heights; give more digits"
         raise PointError(text, middle[np.argmax((same == 0) & (apart != 0))])
+
+
+def refuse_outlier(points: Array) -> None:
+    """Raises PointError where one of points (n, 2), mm, in the order of the curve, five at least,
+    is an outlier.
+
+    At an outlier the way through the points turns by more than 143 deg (BACK), more than 0.3 mm
+    (LEAST_OFFSET) away from both neighbours. It is then three times as far from the line through
+    its neighbours as half their distance. At either end a turn of 60 deg (ASIDE) suffices where the
+    end's step is twice as long (LONG) as the next one.
+    """
+    steps = np.diff(chord_lengths(points))
+    angle = np.degrees(turns(points))
+    limit = np.full(len(angle), BACK)
+    limit[[0, -1]] = np.where(steps[[0, -1]] > LONG * steps[[1, -2]], ASIDE, BACK)
+    off = np.minimum(steps[1:], steps[:-1])
+    off[[0, -1]] = steps[[0, -1]]
+    off = np.where((angle > limit) & (off > LEAST_OFFSET), off, 0.0)
+    if off.any():
+        worst = int(np.argmax(off))
+        text = f"stands off its neighbours by {off[worst]:.2g} mm; delete it, or give more points"
+        raise PointError(text, points[worst + 1])

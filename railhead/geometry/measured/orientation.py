@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.geometry.measured import ordering, standards
+from railhead.geometry.measured.formats import Table
 from railhead.geometry.measured.ordering import PointError
 from railhead.geometry.measured.standards import LaidStandard
-from railhead.geometry.measured.tables import Table
 
 Array = NDArray[np.float64]
 MM_OF_UNIT = {"mm": 1.0, "m": 1000.0, "inch": 25.4, "cm": 10.0, "um": 1e-3, "ft": 304.8}

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
-from railhead.geometry.measured import formats, ordering, orientation, outliers, smoothing
+from railhead.geometry.measured import formats, ordering, orientation, smoothing
+from railhead.geometry.measured.formats import FormatError, Table
 from railhead.geometry.measured.ordering import PointError
 from railhead.geometry.measured.orientation import Orientation
 from railhead.geometry.measured.smoothing import Smoothed
-from railhead.geometry.measured.tables import FormatError, Table
 from railhead.geometry.profiles import Profile, Spline
 
 Array = NDArray[np.float64]
@@ -27,6 +27,7 @@ LOOSE = 1.0  # mm beyond half a step between points, or two usual ones: no curve
 CUT = 2.5  # mm across that undercut sides take of the width of a sound profile, at most
 FROM_SHAPE = Orientation()
 EDGE = 0.02  # share of the width at either end that reports leave out
+WAVE, STRIDE, BENT = 4.0, 0.1, 10.0  # mm, mm and deg: sound profiles bend to and fro by 2 to 4
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -182,9 +183,9 @@ def _read(
     except ValueError as error:
         raise ValueError(f"{path.name} {error}") from None
     warnings: tuple[str, ...] = ()
-    if wave := outliers.wave(smoothed, *inner(profile)):
-        angle, place = wave
-        text = f"WARNING: it bends by {angle:.0f} deg and back within {outliers.WAVE:g} mm at y = "
+    if found := wave(smoothed, *inner(profile)):
+        angle, place = found
+        text = f"WARNING: it bends by {angle:.0f} deg and back within {WAVE:g} mm at y = "
         text += f"{place[0]:.1f}, line {_line(table, points, place)}: taken for shape"
         warnings = (text,)
     remarks = (*remarks, *table.remarks, *warnings)
@@ -207,7 +208,7 @@ def _in_axes(
     try:
         points, unit = orientation.in_mm(table, body, given.unit)
         listed = points
-        outliers.refuse_outlier(ordering.in_order(points))
+        ordering.refuse_outlier(ordering.in_order(points))
         points, done = orientation.oriented(points, body, given)
         listed = points
         kept = ordering.head(points) if body == "rail" else points
@@ -231,6 +232,21 @@ def _line(table: Table, points: Array, place: Array) -> int:
     the place.
     """
     return table.lines[int(np.argmin(np.abs(points - place).max(axis=1)))]
+
+
+def wave(smoothed: Smoothed, start: float, end: float) -> tuple[float, Array] | None:
+    """Largest angle (deg) by which the curve bends one way and back within 4 mm (WAVE), between y =
+    start and y = end (mm), and its place (2,); None where no angle is larger than 10 deg (BENT).
+    """
+    s = np.arange(0.0, smoothed.length, STRIDE)
+    dy, dz = smoothed.curve(s, 1).T
+    angle, curve = np.degrees(np.unwrap(np.arctan2(dz, dy))), smoothed.curve(s)
+    angles = np.lib.stride_tricks.sliding_window_view(angle, round(WAVE / STRIDE) + 1)
+    back = np.ptp(angles, axis=1) - np.abs(angles[:, -1] - angles[:, 0])
+    middle = curve[round(WAVE / STRIDE) // 2 :][: len(back)]
+    back = np.where((middle[:, 0] > start) & (middle[:, 0] < end), back, 0.0)
+    worst = int(np.argmax(back))
+    return (float(back[worst]), middle[worst]) if back[worst] > BENT else None
 
 
 @dataclass(frozen=True)

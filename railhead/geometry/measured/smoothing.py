@@ -22,7 +22,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.ndimage import gaussian_filter1d, median_filter
 from scipy.sparse import csr_array, diags
 
-from railhead.geometry.measured.ordering import LARGEST_GAP, PointError, chord_lengths
+from railhead.geometry.measured.ordering import LARGEST_GAP, PointError, chord_lengths, cross, turns
 
 Array = NDArray[np.float64]
 LEAST_POINTS = 12
@@ -80,7 +80,7 @@ class Smoothed:
         """
         one, two = np.diff(self.points, axis=0)[:-1], np.diff(self.points, axis=0)[1:]
         sides = [np.linalg.norm(side, axis=1) for side in (one, two, one + two)]
-        return np.asarray(-2 * _cross(one, two) / np.prod(sides, axis=0))
+        return np.asarray(-2 * cross(one, two) / np.prod(sides, axis=0))
 
 
 def noise(points: Array) -> Array:
@@ -98,19 +98,11 @@ def noise(points: Array) -> Array:
     weights /= np.linalg.norm(weights, axis=1)[:, None]
     difference = np.einsum("nk,nkd->nd", weights, points[windows])
     chord = points[windows[:, -1]] - points[windows[:, 0]]
-    across = _cross(chord, difference) / np.linalg.norm(chord, axis=1)
+    across = cross(chord, difference) / np.linalg.norm(chord, axis=1)
     sigma = median_filter(np.abs(across), min(len(across), MEDIAN), mode="reflect") / NORMAL
     sigma = gaussian_filter1d(sigma, MEDIAN / 4, mode="nearest")
     ends = (DIFFERENCE - DIFFERENCE // 2, DIFFERENCE // 2)
     return np.maximum(np.pad(sigma, ends, mode="edge"), LEAST_NOISE)
-
-
-def turns(points: Array) -> Array:
-    """Angles (n - 2,) in rad by which the way through points (n, 2) turns at the inner ones, never
-    negative.
-    """
-    one, two = np.diff(points, axis=0)[:-1], np.diff(points, axis=0)[1:]
-    return np.asarray(np.arctan2(np.abs(_cross(one, two)), np.einsum("nd,nd->n", one, two)))
 
 
 def folded(points: Array) -> PointError:
@@ -256,11 +248,6 @@ class _Fit:
         return np.asarray(self.basis.T @ self.basis)
 
 
-def _cross(one: Array, other: Array) -> Array:
-    """Cross products (n,) one_y other_z - one_z other_y of vectors (n, 2)."""
-    return np.asarray(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
-
-
 def _frame(curve: BSpline, s: Array) -> tuple[Array, Array]:
     """Unit tangents (n, 2) and left normals (n, 2) of a curve at arc lengths s (n,) in mm."""
     tangent = curve(s, 1)
@@ -278,7 +265,7 @@ def _curvature(curve: BSpline, s: Array) -> Array:
     right.
     """
     first, second = curve(s, 1), curve(s, 2)
-    return np.asarray(-_cross(first, second) / np.linalg.norm(first, axis=1) ** 3)
+    return np.asarray(-cross(first, second) / np.linalg.norm(first, axis=1) ** 3)
 
 
 def _lengths(curve: BSpline, s: Array, points: Array) -> Array:

@@ -6,7 +6,7 @@ import math
 
 from railhead.contact import bodies
 from railhead.geometry.profiles import STANDARD_RAILS
-from railhead.meshing.tags import BODY_NAMES
+from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning.context import Context, PostSolveVerdict
 from railhead.planning.references import closed_forms
 from railhead.postprocess.findings import Findings

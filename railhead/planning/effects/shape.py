@@ -15,7 +15,7 @@ from railhead.contact import dimension
 from railhead.contact.solid import Contact
 from railhead.geometry.outlines import head_depth
 from railhead.geometry.profiles import STANDARD_RAILS, Arc, Polynomial, osculating
-from railhead.meshing.tags import BODY_NAMES
+from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.references import rail_twist
 from railhead.planning.references.allowance import Allowance, allowance

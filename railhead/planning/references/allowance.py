@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from railhead.contact import bodies
 from railhead.contact.solid import Contact
-from railhead.meshing.tags import BODY_NAMES, RAIL
+from railhead.meshing.bodies import BODY_NAMES, RAIL
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.planning.references.boundary_elements import Developed
 from railhead.postprocess.patch.separate_patches import SMALLEST

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from railhead.contact.solid import Contact
-from railhead.meshing.tags import BODY_NAMES
+from railhead.meshing.bodies import BODY_NAMES
 from railhead.scene.scene import NOMINAL_RADIUS, Scene, SceneError
 from railhead.theory.elastic import contacts, hertz
 from railhead.theory.elastic.contacts import Hertz

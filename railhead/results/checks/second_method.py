@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from railhead.meshing.tags import BODY_NAMES
+from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import Frame
 from railhead.results.checks.check import (
     DEFAULT_TOLERANCE,

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from railhead.meshing.tags import BODY_NAMES
+from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning import effects
 from railhead.planning.error_envelopes import RANGE
 from railhead.planning.sizing import LINEAR_REFINEMENT

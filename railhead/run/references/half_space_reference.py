@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from railhead.meshing.tags import RAIL
+from railhead.meshing.bodies import RAIL
 from railhead.planning.references import boundary_elements, rail_twist
 from railhead.planning.references.allowance import allowance
 from railhead.postprocess import compare

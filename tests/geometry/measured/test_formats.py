@@ -8,7 +8,7 @@ import pytest
 from railhead.geometry import profiles
 from railhead.geometry.measured import formats
 from railhead.geometry.measured import profile as measured
-from railhead.geometry.measured.tables import FormatError
+from railhead.geometry.measured.formats import FormatError
 
 DATA = Path(__file__).parents[1] / "data"
 BAN, PRW = DATA / "MBench_UIC60_v3.ban", DATA / "MBench_S1002_v3.prw"

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from railhead.geometry import outlines, profiles
-from railhead.geometry.measured import ordering, orientation, outliers, standards
+from railhead.geometry.measured import ordering, orientation, standards
+from railhead.geometry.measured.formats import Table
 from railhead.geometry.measured.ordering import PointError
 from railhead.geometry.measured.orientation import Orientation
-from railhead.geometry.measured.tables import Table
 
 
 def head() -> np.ndarray:
@@ -38,7 +38,7 @@ def turned(points: np.ndarray, body: str = "rail", **given: str) -> tuple[np.nda
     """As profiles are read, from a table that states no unit."""
     orient = Orientation(**given)
     points, unit = orientation.in_mm(table(points), body, orient.unit)
-    outliers.refuse_outlier(ordering.in_order(points))
+    ordering.refuse_outlier(ordering.in_order(points))
     found, done = orientation.oriented(points, body, orient)
     ordering.refuse_rounded(ordering.in_order(found))
     return found, ", ".join([unit, *done])

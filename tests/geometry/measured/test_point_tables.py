@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from railhead.geometry.measured import formats
-from railhead.geometry.measured.tables import FormatError
+from railhead.geometry.measured.formats import FormatError
 
 Y = np.linspace(-35, 35, 15)
 Z = -(Y**2) / 600

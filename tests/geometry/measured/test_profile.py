@@ -9,9 +9,9 @@ import pytest
 from railhead.geometry import outlines, profiles
 from railhead.geometry.measured import profile as measured
 from railhead.geometry.measured import smoothing, standards
+from railhead.geometry.measured.formats import FormatError
 from railhead.geometry.measured.orientation import Orientation
 from railhead.geometry.measured.profile import Measured
-from railhead.geometry.measured.tables import FormatError
 
 
 def arc(radius: float, angle: float, spacing: float) -> np.ndarray:

@@ -6,8 +6,8 @@ import pytest
 from railhead.geometry import outlines, profiles
 from railhead.geometry.measured import profile as measured
 from railhead.geometry.measured import standards
+from railhead.geometry.measured.formats import FormatError
 from railhead.geometry.measured.profile import Measured
-from railhead.geometry.measured.tables import FormatError
 
 
 def even(points: np.ndarray, spacing: float) -> np.ndarray:

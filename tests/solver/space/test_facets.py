@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from railhead.geometry.surfaces import ParabolicGap
-from railhead.meshing.tags import CONTACT, RAIL, WHEEL
+from railhead.meshing.bodies import CONTACT, RAIL, WHEEL
 from railhead.solver.contact import ContactModel
 from railhead.solver.interface import jumps
 from railhead.solver.interface.laws import ContactLaw

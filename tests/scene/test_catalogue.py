@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from railhead.scene import unused
-from railhead.scene.io import read_scene, to_toml
+from railhead.scene.catalogue import read_scene, to_toml
 from railhead.scene.scene import Effects, Scene, SceneError
 
 reusing_the_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
