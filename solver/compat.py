@@ -1,12 +1,19 @@
-"""Everything that differs between dolfinx versions (0.5.2, 0.9, 0.11), and nothing else.
+"""What differs between dolfinx versions (0.5.2, 0.9, 0.11), and safe use of their disk cache.
 
 No other module asks for a version. Tested with those of Debian 12, Debian 13 and sid.
+
+Compiled forms are cached: ffcx takes the C file NAME.c for a lock, which NAME.c.cached releases,
+and gives up after ten seconds. A process that is killed while it compiles leaves that lock. The
+lock of this module is released by the system whatever ends a process. So the process that holds it
+knows that no other one of this program compiles, and removes C files that were left.
 """
 
 from __future__ import annotations
 
+import fcntl
+import logging
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +26,9 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from railhead.solver import compiling
-
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 _OLD = VERSION < (0, 8)
+LOCK = "railhead.lock"
 
 
 def model_to_mesh(model: Any, comm: MPI.Comm, dim: int = 3) -> tuple[Any, Any, Any]:
@@ -43,6 +49,41 @@ def model_to_mesh(model: Any, comm: MPI.Comm, dim: int = 3) -> tuple[Any, Any, A
 
 
 @contextmanager
+def alone(comm: MPI.Comm, folder: Path) -> Iterator[None]:
+    """Context in which no other process of this program compiles into a cache folder; other
+    processes wait. C files that killed processes left unfinished there are removed.
+
+    comm: ranks that compile together; only rank 0 takes the lock. folder: cache folder.
+    An error on rank 0 is raised on all ranks. A folder that cannot be written to is left as it is.
+    dolfinx 0.5 and setuptools log each form at INFO; such messages are suppressed in the context.
+    """
+    disabled = logging.root.manager.disable
+    with ExitStack() as held:
+        held.callback(logging.disable, disabled)
+        logging.disable(max(disabled, logging.INFO))
+        refused: OSError | None = None
+        if comm.rank == 0:
+            try:
+                folder.mkdir(parents=True, exist_ok=True)
+                lock = held.enter_context(open(folder / LOCK, "w"))
+                fcntl.flock(lock, fcntl.LOCK_EX)
+                for source in folder.glob("libffcx_*.c"):
+                    if not source.with_suffix(".c.cached").exists():
+                        source.unlink(missing_ok=True)
+            except OSError as error:
+                refused = error
+        problem: Exception | None = None
+        try:
+            yield
+        except Exception as error:
+            problem = error
+        # Of several ranks dolfinx tells a RuntimeError only.
+        cause = problem if isinstance(problem, OSError) else problem and refused
+        if problem := comm.bcast(cause) or problem:
+            raise problem
+
+
+@contextmanager
 def _compiling(mesh: Any, **options: Any) -> Iterator[dict[str, Any]]:
     """Context in which this process alone compiles forms and elements; yields keywords for dolfinx.
 
@@ -52,7 +93,7 @@ def _compiling(mesh: Any, **options: Any) -> Iterator[dict[str, Any]]:
     """
     chosen = jit.get_parameters() if _OLD else jit.get_options()
     folder = Path(chosen["cache_dir"]) / "railhead"
-    with compiling.alone(mesh.comm, folder):
+    with alone(mesh.comm, folder):
         yield {"jit_params" if _OLD else "jit_options": {"cache_dir": folder, **options}}
 
 

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
-from railhead.solver.algebra.contact_system import ContactSystem, LoadCase
 from railhead.solver.algebra.problem import Mask
-from railhead.solver.interface.friction_history import FrictionHistory
-from railhead.solver.material.response import ElasticResponse, PlasticResponse, plastic_problem
+from railhead.solver.contact_system import ContactSystem, LoadCase
+from railhead.solver.friction.history import FrictionHistory
+from railhead.solver.plasticity.response import ElasticResponse, PlasticResponse, plastic_problem
 from railhead.solver.setup import Setup
 from railhead.solver.solution import Solution
 

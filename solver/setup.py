@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.solver.interface.jumps import Gap
-from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.material.elasticity import Material
 from railhead.solver.space.cells import Array
+from railhead.solver.space.interface import ContactLaw, Gap
 from railhead.solver.space.kinematics import SOLID, Kinematics
 
 LINEAR_SOLVERS = ("auto", "direct", "multigrid")

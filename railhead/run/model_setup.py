@@ -20,10 +20,10 @@ from railhead.planning.plan import Plan
 from railhead.planning.references import closed_forms
 from railhead.scene.scene import Scene
 from railhead.scene.sections import BodySection
-from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
 from railhead.solver.setup import ContactBody, FrictionSettings, LoadPath, Setup
+from railhead.solver.space.interface import ContactLaw
 from railhead.theory.elastic import contacts, halfspace
 
 Array = NDArray[np.float64]

@@ -24,13 +24,13 @@ from petsc4py import PETSc
 
 from railhead.postprocess.patch.patch import SmoothPatch, smooth_patches
 from railhead.scene.scene import SceneError
-from railhead.solver.algebra.contact_system import LoadCase
 from railhead.solver.algebra.linear import StalledError
 from railhead.solver.contact import ContactModel, condensed_friction
+from railhead.solver.contact_system import LoadCase
 from railhead.solver.fields import Fields, gather
-from railhead.solver.interface.friction_history import NOT_CONVERGED
-from railhead.solver.interface.surface_response import SurfacePoints, SurfaceResponse
-from railhead.solver.material.response import ElasticResponse
+from railhead.solver.friction.history import NOT_CONVERGED
+from railhead.solver.friction.surface_response import SurfacePoints, SurfaceResponse
+from railhead.solver.plasticity.response import ElasticResponse
 from railhead.solver.setup import FrictionSettings
 from railhead.solver.solution import FrictionSolution, Solution
 from railhead.theory.friction.rolling import (

@@ -1,1 +1,1 @@
-"""Contact system and contact problem, Newton's method, linear solvers, preconditioners."""
+"""Contact problem in the free unknowns, Newton's method, linear solvers, preconditioners."""

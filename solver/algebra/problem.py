@@ -20,12 +20,10 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from railhead.solver.algebra.reactions import SupportReactions
-from railhead.solver.algebra.stiffness import Stiffness
-from railhead.solver.interface.jumps import Interface
-from railhead.solver.interface.laws import ContactLaw
+from railhead.solver.algebra.stiffness import Stiffness, SupportReactions
 from railhead.solver.space.cells import Array
 from railhead.solver.space.constraints import Reduction, petsc_matrix
+from railhead.solver.space.interface import ContactLaw, Interface
 from railhead.solver.space.operators import add_transposed, vector, weighted_product
 
 Mask = NDArray[np.bool_]

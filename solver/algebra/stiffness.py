@@ -1,7 +1,12 @@
-"""Stiffness P^T K P of the free unknowns: blocks of a node, and the approach as a border.
+"""Stiffness P^T K P of the free unknowns, and reactions at the supports.
 
 A product with whole blocks costs two thirds of one with single entries. The approach couples all
 nodes beside the hub. That fits into no block and is kept as a vector.
+
+Of the unreduced stiffness K only the rows K_s at the supported dofs s are kept:
+
+    forces     K u0 = K_s^T u0_s    for a u0 that is zero elsewhere (K is symmetric)
+    reactions  (K u)_s = K_s u
 """
 
 from __future__ import annotations
@@ -9,9 +14,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from railhead.solver.space.constraints import Reduction
+from railhead.solver.space.operators import select_rows
 
 DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
 
@@ -180,3 +187,38 @@ def _rotated(full: PETSc.Mat, p: PETSc.Mat, free: PETSc.Vec) -> PETSc.Mat:
     turned = full.convert("aij").ptap(nodes)
     turned.setBlockSize(size)
     return turned.convert("baij")
+
+
+@dataclass(frozen=True)
+class SupportReactions:
+    """Rows of the stiffness matrix on all dofs that belong to the nodes of fixed faces and hub.
+
+    rows: local numbers (k,) of the dofs that the rows belong to.
+    matrix: the rows, distributed, N/mm.
+    """
+
+    rows: NDArray[np.int64]
+    matrix: PETSc.Mat
+
+    @classmethod
+    def of(cls, stiffness: PETSc.Mat, nodes: NDArray[np.bool_], size: int = 3) -> SupportReactions:
+        """Rows of a symmetric stiffness matrix for the marked nodes (n,) of this rank, with `size`
+        dofs each (collective).
+        """
+        local = np.flatnonzero(np.repeat(nodes, size))
+        return cls(local, select_rows(stiffness, local))
+
+    def forces(self, prescribed: PETSc.Vec) -> PETSc.Vec:
+        """Forces on all dofs, N, that hold a displacement (mm, on all dofs) which is zero off the
+        supported nodes: the stiffness times that displacement.
+        """
+        held, out = self.matrix.createVecLeft(), prescribed.duplicate()
+        held.array[:] = prescribed.array[self.rows]
+        self.matrix.multTranspose(held, out)
+        return out
+
+    def at(self, displacement: PETSc.Vec) -> NDArray[np.float64]:
+        """Elastic forces at the k supported dofs of this rank, N: the stiffness times a
+        displacement on all dofs, mm.
+        """
+        return np.array((self.matrix * displacement).array)

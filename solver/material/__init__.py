@@ -1,1 +1,1 @@
-"""Materials: elasticity, hardening, plastic strain, and how bodies respond to a load case."""
+"""Materials: elastic constants, stiffness matrix, flow curves and radial return."""

@@ -1,1 +1,1 @@
-"""The discrete space: kinematics, cells, facets, pairing of the surfaces, constraints."""
+"""The discrete space: kinematics, cells, facets, supports, the contact interface."""

@@ -17,11 +17,10 @@ from railhead.results.checks.solution import BALANCE_TOLERANCE, NOISE_LIMIT
 from railhead.solver.compat import cell_nodes
 from railhead.solver.contact import ContactModel
 from railhead.solver.fields import gather
-from railhead.solver.interface.jumps import Gap
-from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.material.elasticity import Material
 from railhead.solver.setup import ContactBody, Setup
 from railhead.solver.solution import Solution
+from railhead.solver.space.interface import ContactLaw, Gap
 from studies.hard.case import Deviation, Measured
 
 Array = NDArray[np.float64]

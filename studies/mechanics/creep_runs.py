@@ -18,7 +18,7 @@ from railhead.run import build
 from railhead.run import solid_friction as friction
 from railhead.run.references import equal_ellipses, rolling_patches
 from railhead.scene import catalogue
-from railhead.solver.algebra.contact_system import LoadCase
+from railhead.solver.contact_system import LoadCase
 from railhead.solver.fields import gather
 from railhead.theory.elastic.contacts import Hertz, half_lengths
 from railhead.theory.elastic.hertz import Ellipse

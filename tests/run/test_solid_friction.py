@@ -11,7 +11,7 @@ from railhead.planning import plan as planning
 from railhead.run import build, solid_friction
 from railhead.run.solid_friction import SolidFriction, shared_patches
 from railhead.scene.scene import SceneError
-from railhead.solver.algebra.contact_system import LoadCase
+from railhead.solver.contact_system import LoadCase
 from railhead.solver.fields import gather
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
 from railhead.theory.friction.tangential import TractionInfluence

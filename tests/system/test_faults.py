@@ -17,7 +17,7 @@ from mpi4py import MPI
 from railhead.cli import main
 from railhead.planning import cost
 from railhead.results import result_folder
-from railhead.solver import compiling
+from railhead.solver import compat
 
 pytestmark = pytest.mark.system
 SMALL_FILES = """
@@ -114,8 +114,8 @@ def test_a_compilation_that_was_killed_is_not_waited_for(tmp_path: Path) -> None
     """ffcx would wait ten seconds for what nobody ends, and fail."""
     for name in ("libffcx_done.c", "libffcx_done.c.cached", "libffcx_killed.c"):
         (tmp_path / name).touch()
-    with compiling.alone(MPI.COMM_SELF, tmp_path):
-        left = {path.name for path in tmp_path.iterdir()} - {compiling.LOCK}
+    with compat.alone(MPI.COMM_SELF, tmp_path):
+        left = {path.name for path in tmp_path.iterdir()} - {compat.LOCK}
     assert left == {"libffcx_done.c", "libffcx_done.c.cached"}
 
 

@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing.bodies import RAIL, WHEEL
 from railhead.solver import compat
-from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.material.elasticity import Material
+from railhead.solver.space.interface import ContactLaw
 
 LAWS = [ContactLaw("nitsche", 1), ContactLaw("nitsche", -1), ContactLaw("penalty")]
 

@@ -10,8 +10,8 @@ from railhead.meshing.bodies import RAIL, WHEEL
 from railhead.postprocess.stress import gauss_points
 from railhead.solver.contact import ContactModel
 from railhead.solver.fields import gather
-from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.material.elasticity import Material, assemble
+from railhead.solver.space.interface import ContactLaw
 
 SOFT = Material(1000.0, 0.0)
 FLAT = ParabolicGap(0.0, 0.0, 1)

@@ -22,9 +22,9 @@ from railhead.planning.effects import EFFECTS
 from railhead.postprocess import gallery
 from railhead.run import build, mesh_solution, quantities
 from railhead.solver.algebra import linear
-from railhead.solver.algebra.contact_system import LoadCase
 from railhead.solver.contact import ContactModel
-from railhead.solver.material import load_stepping, response
+from railhead.solver.contact_system import LoadCase
+from railhead.solver.plasticity import response
 from railhead.solver.solution import Solution
 
 REFERENCE = json.loads(
@@ -98,7 +98,7 @@ def test_a_load_step_whose_start_stalls_begins_from_the_last_one(five, monkeypat
     stalls, solve = [], linear.solve
 
     def stalling(*given: Any, **named: Any) -> int:
-        if given[5:] == (load_stepping.PREDICTOR_TOLERANCE,):
+        if given[5:] == (response.PREDICTOR_TOLERANCE,):
             stalls.append(1)
             raise linear.StalledError(1, "the linear solver stalls")
         return solve(*given, **named)

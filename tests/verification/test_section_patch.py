@@ -16,9 +16,9 @@ from railhead.postprocess.stress import gauss_points
 from railhead.solver import compat
 from railhead.solver.contact import ContactModel
 from railhead.solver.fields import gather
-from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.material.elasticity import Material, assemble
 from railhead.solver.setup import ContactBody, Setup
+from railhead.solver.space.interface import ContactLaw
 from railhead.solver.space.kinematics import Kinematics
 
 XZ = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])

@@ -18,8 +18,7 @@ from railhead.postprocess.plots import diagrams, plastic_plots, shakedown, sweep
 from railhead.postprocess.subject import Subject
 from railhead.postprocess.views import fringes, render
 from railhead.postprocess.vtu import export
-from railhead.solver.fields import ContactFields
-from railhead.solver.interface.master_surface import MasterSurface
+from railhead.solver.fields import ContactFields, MasterSurface
 
 TITLE = "a case of many words: 110.3 kN, wheel R 420 mm, tread cone20, on rail 54E1, half-spaces"
 

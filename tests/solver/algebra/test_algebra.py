@@ -10,8 +10,8 @@ from petsc4py import PETSc
 
 from railhead.solver.algebra import linear, multigrid, newton
 from railhead.solver.contact import ContactModel
-from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.space import constraints
+from railhead.solver.space.interface import ContactLaw
 
 LAWS = [*(ContactLaw("nitsche", theta) for theta in (1, 0, -1)), ContactLaw("penalty")]
 IDS = ["theta=1", "theta=0", "theta=-1", "penalty"]
@@ -234,13 +234,13 @@ def test_direct_and_multigrid_give_the_same_solution(models) -> None:
 def test_prolongation_carries_rigid_motion_and_the_approach(models) -> None:
     """Q y1 represents the same displacement as y1 does in the P1 space."""
     from railhead.solver import compat
-    from railhead.solver.space import transfer
+    from railhead.solver.space import constraints
 
     model = models()
     coarse = compat.vector_space(model.bulk.space.mesh, 1)
     reduction = constraints.reduce(model.supports(coarse), model.comm)
     full = compat.interpolation(coarse, model.bulk.space)
-    q = transfer.reduced_prolongation(full, model.reduction, reduction)
+    q = constraints.reduced_prolongation(full, model.reduction, reduction)
     y = q.createVecRight()
     y.setRandom()
     direct = full * (reduction.matrix * y)

@@ -9,8 +9,8 @@ from mpi4py import MPI
 
 from railhead.solver.algebra import linear, newton
 from railhead.solver.contact import ContactModel
-from railhead.solver.interface.laws import ContactLaw
 from railhead.solver.material.elasticity import Material
+from railhead.solver.space.interface import ContactLaw
 
 
 @pytest.fixture(scope="module")

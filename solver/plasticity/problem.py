@@ -20,11 +20,11 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from railhead.solver.algebra.problem import ContactProblem, Mask, Tangent
-from railhead.solver.interface.jumps import Interface
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening, History, TangentReduction, radial_return
 from railhead.solver.space.cells import Array, Bulk, CellSet, Index, quadrature_degree
 from railhead.solver.space.constraints import Reduction
+from railhead.solver.space.interface import Interface
 from railhead.solver.space.operators import add_transposed, assemble_strains, select_rows
 
 State = tuple[History, History]

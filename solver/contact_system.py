@@ -18,16 +18,14 @@ from railhead.solver.algebra import linear, newton
 from railhead.solver.algebra.linear import Preconditioner
 from railhead.solver.algebra.multigrid import Hierarchy, PMultigrid
 from railhead.solver.algebra.problem import ContactProblem, Mask, reduce_problem
-from railhead.solver.algebra.reactions import SupportReactions
-from railhead.solver.algebra.stiffness import Stiffness
-from railhead.solver.interface import jumps
-from railhead.solver.interface.jumps import Interface
+from railhead.solver.algebra.stiffness import Stiffness, SupportReactions
 from railhead.solver.material.elasticity import assemble
 from railhead.solver.setup import Setup
 from railhead.solver.solution import Solution
-from railhead.solver.space import constraints, transfer
+from railhead.solver.space import constraints, interface
 from railhead.solver.space.cells import Array, Bulk, quadrature_degree
 from railhead.solver.space.facets import FacetSet
+from railhead.solver.space.interface import Interface
 from railhead.solver.space.operators import vector
 
 STAGE_TOLERANCE = 0.1  # residual over the contact force for the softer laws before a stiff one
@@ -110,7 +108,7 @@ class ContactSystem:
         self.owned: int = self.bulk.space.dofmap.index_map.size_local
         sides.sort(key=lambda side: side.tag != setup.slave)
         slave, *master = (FacetSet.on(self.bulk, facet_tags.find(s.contact)) for s in sides)
-        self.interface: Interface = jumps.build(
+        self.interface: Interface = interface.build(
             slave,
             master[0] if master else None,
             setup.gap,
@@ -418,7 +416,7 @@ class ContactSystem:
             return linear.Direct(problem)
         if self.setup.degree == 1:
             points = compat.dof_points(self.bulk.space)
-            modes = transfer.rigid_modes(points, self.reduction, self.setup.kinematics)
+            modes = constraints.rigid_modes(points, self.reduction, self.setup.kinematics)
             return linear.Algebraic(problem, modes)
         return PMultigrid(problem, self.hierarchy)
 
@@ -433,7 +431,7 @@ class ContactSystem:
         reduction = constraints.reduce(self.supports(coarse.space), self.comm)
         full = compat.interpolation(coarse.space, self.bulk.space)
         return Hierarchy(
-            transfer.reduced_prolongation(full, self.reduction, reduction),
+            constraints.reduced_prolongation(full, self.reduction, reduction),
             Stiffness.reduced(stiffness, reduction),
-            transfer.rigid_modes(compat.dof_points(coarse.space), reduction, kinematics),
+            constraints.rigid_modes(compat.dof_points(coarse.space), reduction, kinematics),
         )

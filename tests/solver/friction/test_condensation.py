@@ -7,8 +7,8 @@ from mpi4py import MPI
 from railhead.planning import plan as planning
 from railhead.run import build
 from railhead.scene import catalogue
-from railhead.solver.algebra.contact_system import LoadCase
-from railhead.solver.interface.condensation import StaticCondensation
+from railhead.solver.contact_system import LoadCase
+from railhead.solver.friction.condensation import StaticCondensation
 
 
 @pytest.mark.parametrize("rigid", [(), ("wheel.young_modulus=inf",)])

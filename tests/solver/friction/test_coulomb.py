@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from railhead.solver.interface.condensation import ContactCompliance
-from railhead.solver.interface.coulomb import CoulombContact, CoulombEquations, TangentialState
+from railhead.solver.friction.condensation import ContactCompliance
+from railhead.solver.friction.coulomb import CoulombContact, CoulombEquations, TangentialState
 
 N, M, MU = 12, 8, 0.3  # points, unknown tractions
 

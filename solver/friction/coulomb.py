@@ -21,7 +21,7 @@ import scipy.linalg
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from railhead.solver.interface.condensation import ContactCompliance
+from railhead.solver.friction.condensation import ContactCompliance
 from railhead.solver.space.cells import Array
 
 NEWTON_STEPS = 60

@@ -20,14 +20,13 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from railhead.solver.algebra import linear
-from railhead.solver.algebra.contact_system import ContactSystem
 from railhead.solver.algebra.problem import Mask
+from railhead.solver.contact_system import ContactSystem
 from railhead.solver.setup import FrictionSettings
 from railhead.solver.solution import Solution
 from railhead.solver.space.cells import Array, Index
-from railhead.solver.space.facets import FacetSet
+from railhead.solver.space.facets import FacetSet, pair
 from railhead.solver.space.operators import assemble_rows, vector
-from railhead.solver.space.pairing import pair
 
 TOLERANCE = 1e-3  # relative, of the linear solves
 

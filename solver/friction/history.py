@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from railhead.solver.algebra.contact_system import ContactSystem, LoadCase
 from railhead.solver.algebra.problem import Mask
-from railhead.solver.interface.condensation import ContactCompliance, StaticCondensation
-from railhead.solver.interface.coulomb import TINY, CoulombContact, TangentialState
-from railhead.solver.material.response import ElasticResponse
+from railhead.solver.contact_system import ContactSystem, LoadCase
+from railhead.solver.friction.condensation import ContactCompliance, StaticCondensation
+from railhead.solver.friction.coulomb import TINY, CoulombContact, TangentialState
+from railhead.solver.plasticity.response import ElasticResponse
 from railhead.solver.setup import FrictionSettings
 from railhead.solver.solution import FrictionSolution, Solution
 from railhead.solver.space.cells import Array

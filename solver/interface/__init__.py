@@ -1,1 +1,0 @@
-"""The contact surfaces: gap and normal stress as matrices, contact laws, friction."""
