@@ -7,21 +7,40 @@ scene. Fields, findings and solution are shared: read them, do not write into th
 import functools
 from copy import deepcopy
 from dataclasses import replace
+from typing import Any
 
 import railhead as rh
+from railhead.planning import plan as planning
 
 KEPT = 24  # results; each is some tens of MB
 
 
-def solved(scene: rh.Scene | str, *assignments: str) -> rh.Result:
-    """The result of a scene, or of a shipped case, with some keys changed (`"mesh.order=1"`).
+def scene_of(scene: rh.Scene | str, *assignments: str) -> rh.Scene:
+    """A scene, or a shipped case by its name, with some keys changed (`"mesh.order=1"`)."""
+    return (rh.find(scene) if isinstance(scene, str) else scene).replace(assignments)
 
-    Its summary is a copy of its own.
-    """
-    if isinstance(scene, str):
-        scene = rh.find(scene)
-    result = _solved(scene.replace(assignments))
+
+def planned(scene: rh.Scene | str, *assignments: str) -> planning.Plan:
+    """The plan of `scene_of` the same."""
+    return planning.make(scene_of(scene, *assignments))
+
+
+def solved(scene: rh.Scene | str, *assignments: str) -> rh.Result:
+    """The result of `scene_of` the same. Its summary is a copy of its own."""
+    result = _solved(scene_of(scene, *assignments))
     return replace(result, summary=deepcopy(result.summary))
+
+
+def passed(scene: rh.Scene | str, *assignments: str) -> rh.Result:
+    """The result of `scene_of` the same, of which all checks hold."""
+    result = solved(scene, *assignments)
+    assert result.passed, result.summary["checks"]
+    return result
+
+
+def friction(result: rh.Result) -> dict[str, Any]:
+    """What the summary says of friction: forces, creepages, share of stick."""
+    return result.summary["result"]["friction"]
 
 
 @functools.lru_cache(maxsize=KEPT)

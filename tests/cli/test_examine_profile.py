@@ -5,13 +5,13 @@ import json
 import os
 from pathlib import Path
 
+import command
 import numpy as np
 import pytest
 
 import railhead as rh
 from railhead import api
 from railhead.cases.s1002_60e1 import SCENE
-from railhead.cli import commands
 from railhead.contact import solid
 from railhead.geometry import profiles
 from railhead.planning.references import boundary_elements, closed_forms
@@ -103,15 +103,9 @@ def test_wrong_keys_are_one_line(worn: Scene, key: str, value: str, words: str) 
     assert len(str(caught.value).splitlines()) == 1
 
 
-def command(*arguments: str) -> int:
-    with pytest.raises(SystemExit) as done:
-        commands.main(["profile", *arguments])
-    return int(done.value.code)
-
-
 def test_command_draws_a_profile_and_says_its_wear(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
-    assert command(BAN) == 0
+    assert command.status("profile", BAN) == 0
     text = capsys.readouterr().out
     assert "MiniProf" in text and "mirrored" in text and "against 60E1" in text
     folder = tmp_path / "results" / "MBench_UIC60_v3_profile"
@@ -129,7 +123,7 @@ def test_command_draws_a_profile_and_says_its_wear(tmp_path, monkeypatch, capsys
 def test_command_tells_a_wheel_by_its_width(tmp_path, capsys) -> None:
     np.savetxt(tmp_path / "wheel.txt", solid.from_file(Scene.from_mapping(
         {"load": 1, "wheel": {"profile": PRW}}), "wheel").points)  # fmt: skip
-    assert command(str(tmp_path / "wheel.txt"), "--json", "--no-pictures") == 0
+    assert command.status("profile", str(tmp_path / "wheel.txt"), "--json", "--no-pictures") == 0
     summary = json.loads(capsys.readouterr().out)
     assert (summary["body"], summary["standard"]) == ("wheel", "S1002")
     assert os.listdir(tmp_path) == ["wheel.txt"]
@@ -142,7 +136,7 @@ def test_a_narrow_wheel_is_told_by_its_shape(start: float, tmp_path, capsys) -> 
         {"load": 1, "wheel": {"profile": PRW}}), "wheel").points  # fmt: skip
     y = points[:, 0]
     np.savetxt(tmp_path / "wheel.txt", points[(y > start) & (y < start + 94)])
-    assert command(str(tmp_path / "wheel.txt"), "--json", "--no-pictures") == 0
+    assert command.status("profile", str(tmp_path / "wheel.txt"), "--json", "--no-pictures") == 0
     assert json.loads(capsys.readouterr().out)["body"] == "wheel"
 
 
@@ -161,10 +155,7 @@ def test_wrong_files_are_one_line_status_2_and_nothing_written(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / name).write_text(text)
-    assert command(name) == 2
-    printed = capsys.readouterr()
-    assert printed.out == "" and len(printed.err.strip().splitlines()) == 1
-    assert words in printed.err
+    assert words in command.refused(capsys, "profile", name)
     assert os.listdir(tmp_path) == [name]
 
 
@@ -173,8 +164,7 @@ def test_a_half_head_is_refused_as_in_a_plan(worn: Scene, tmp_path, monkeypatch,
     half = tmp_path / "half.csv"
     np.savetxt(half, points[points[:, 0] < 0], delimiter=",")
     monkeypatch.chdir(tmp_path)
-    assert command("half.csv") == 2
-    printed = capsys.readouterr().err.strip()
+    printed = command.refused(capsys, "profile", "half.csv")
     with pytest.raises(SceneError) as caught:
         api.plan(worn.replace([f"rail.profile={half}"]))
     note = " (as a rail; no wheel either: --body says whose it is)"
@@ -187,9 +177,11 @@ def test_command_takes_the_unit_that_is_typed(worn: Scene, tmp_path, capsys) -> 
     points = np.loadtxt(worn.rail.profile, delimiter=",")
     file = tmp_path / "yards.csv"
     np.savetxt(file, points, delimiter=",", header="y (yd),z (yd)", comments="")
-    assert command(str(file), "--no-pictures") == 2
+    assert command.status("profile", str(file), "--no-pictures") == 2
     assert "in yd; give both in one of" in capsys.readouterr().err
-    assert command(str(file), "--no-pictures", "--set", "rail.profile_unit=mm") == 0
+    assert (
+        command.status("profile", str(file), "--no-pictures", "--set", "rail.profile_unit=mm") == 0
+    )
     assert "in mm as given (the file says yd)" in " ".join(capsys.readouterr().out.split())
 
 
@@ -198,5 +190,10 @@ def test_a_key_of_the_command_tells_the_body(tmp_path, capsys) -> None:
     wheel = solid.from_file(Scene.from_mapping({"load": 1, "wheel": {"profile": PRW}}), "wheel")
     file = tmp_path / "yards.csv"
     np.savetxt(file, wheel.points, delimiter=",", header="y (yd),z (yd)", comments="")
-    assert command(str(file), "--json", "--no-pictures", "--set", "wheel.profile_unit=mm") == 0
+    assert (
+        command.status(
+            "profile", str(file), "--json", "--no-pictures", "--set", "wheel.profile_unit=mm"
+        )
+        == 0
+    )
     assert json.loads(capsys.readouterr().out)["standard"] == "S1002"

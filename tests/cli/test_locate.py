@@ -2,11 +2,12 @@
 
 import json
 
+import command
 import numpy as np
 import pytest
 
 from railhead.cases.s1002_60e1 import SCENE
-from railhead.cli import commands, locate
+from railhead.cli import locate
 from railhead.scene.scene import SceneError
 
 
@@ -26,10 +27,8 @@ def test_manchester_case_touches_left_and_right_alike() -> None:
 def test_command_prints_json_and_writes_pictures(tmp_path, capsys, monkeypatch) -> None:
     monkeypatch.setattr(locate, "SHIFTS", np.linspace(-10.0, 10.0, 9))
     folder = tmp_path / "located"
-    with pytest.raises(SystemExit) as done:
-        commands.main(["locate", "s1002_60e1", "--shift", "3mm", "--yaw", "2mrad", "--json",
-                  "--out", str(folder)])  # fmt: skip
-    assert done.value.code == 0
+    given = f"s1002_60e1 --shift 3mm --yaw 2mrad --json --out {folder}"
+    assert command.status("locate", *given.split()) == 0
     printed = json.loads(capsys.readouterr().out)
     written = json.loads((folder / "summary.json").read_text())
     assert printed == {key: written[key] for key in printed}
@@ -42,9 +41,9 @@ def test_command_prints_json_and_writes_pictures(tmp_path, capsys, monkeypatch) 
 def test_measured_profiles_come_with_their_curvature(tmp_path, capsys) -> None:
     rows = "\n".join(f"{y},{-(y**2) / 600}" for y in range(-26, 27, 2))
     (tmp_path / "rail.csv").write_text(rows)
-    with pytest.raises(SystemExit):
-        commands.main(["locate", "uic54_thesis", "--no-pictures",
-                  "--set", f"rail.profile={tmp_path / 'rail.csv'}"])  # fmt: skip
+    command.status(
+        "locate", "uic54_thesis", "--no-pictures", "--set", f"rail.profile={tmp_path / 'rail.csv'}"
+    )
     assert "rail profile, smoothed: radius" in capsys.readouterr().out
     assert not (tmp_path / "results").exists()
 
@@ -64,7 +63,6 @@ def test_what_cannot_be_located_is_refused_by_its_key(assignment: str, key: str)
 
 
 def test_angles_are_printed_in_degrees(capsys) -> None:
-    with pytest.raises(SystemExit):
-        commands.main(["locate", "s1002_60e1", "--no-pictures"])
+    command.status("locate", "s1002_60e1", "--no-pictures")
     row = next(line for line in capsys.readouterr().out.splitlines() if "contact angle" in line)
     assert row.split()[3:6] == ["│", "deg", "│"] and "1.3955" in row  # 0.0243564 rad

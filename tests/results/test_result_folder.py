@@ -3,6 +3,7 @@
 import os
 from pathlib import Path
 
+import command
 import numpy as np
 import pytest
 import pyvista
@@ -10,7 +11,6 @@ from PIL import Image
 from solved import solved
 
 import railhead as rh
-from railhead.cli import main
 from railhead.postprocess.plots import diagrams
 from railhead.results import result_folder
 from railhead.scene.scene import SceneError
@@ -32,9 +32,7 @@ def refused(folder: Path) -> str:
 
 
 def run(*arguments: str) -> int:
-    with pytest.raises(SystemExit) as ended:
-        main(["run", *arguments, *FAST])
-    return int(ended.value.code or 0)
+    return command.status("run", *arguments, *FAST)
 
 
 def test_a_result_is_replaced_as_a_whole(tmp_path: Path) -> None:
@@ -193,11 +191,9 @@ def test_a_folder_stands_alone(tmp_path: Path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     y = np.linspace(-35.0, 35.0, 141)
     np.savetxt("worn.csv", np.column_stack([y, -(y**2) / 600]), delimiter=",")
-    command = ["profile", "worn.csv", "--body", "rail", "--out", "out"]
+    given = ["profile", "worn.csv", "--body", "rail", "--out", "out"]
     for _ in range(2):
-        with pytest.raises(SystemExit) as ended:
-            main(command)
-        assert not ended.value.code
+        assert command.status(*given) == 0
     (copy,) = Path("out").glob("input/*/worn.csv")
     assert copy.read_bytes() == Path("worn.csv").read_bytes()
     assert str(tmp_path) not in Path("out/scene.toml").read_text()

@@ -3,30 +3,18 @@
 import csv
 import os
 import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
+import command
 import pytest
 
-from railhead.cli import main, study
+from railhead.cli import study
 from railhead.scene.scene import SceneError
 from studies.accuracy import accuracy_cost
 from studies.mechanics import load_sweep
 
 Rows = list[dict[str, float]]
-
-
-def railhead(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    code = "from railhead.cli import main; main()"
-    return subprocess.run(
-        [sys.executable, "-c", code, *arguments],
-        cwd=cwd,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=300,
-    )
 
 
 def read(path: Path) -> list[dict]:
@@ -47,14 +35,14 @@ def read(path: Path) -> list[dict]:
 @pytest.fixture(scope="module")
 def sweep(tmp_path_factory) -> tuple[subprocess.CompletedProcess[str], Path]:
     folder = tmp_path_factory.mktemp("sweep")
-    done = railhead("study", "load-sweep", "--quick", cwd=folder)
+    done = command.process("study", "load-sweep", "--quick", cwd=folder)
     return done, folder / "results" / "load_sweep"
 
 
 @pytest.fixture(scope="module")
 def cost(tmp_path_factory) -> tuple[subprocess.CompletedProcess[str], Path]:
     folder = tmp_path_factory.mktemp("cost")
-    done = railhead("study", "accuracy_cost", "--quick", "--out", "cost", cwd=folder)
+    done = command.process("study", "accuracy_cost", "--quick", "--out", "cost", cwd=folder)
     return done, folder / "cost"
 
 
@@ -146,20 +134,20 @@ def test_page_says_what_accuracy_costs(cost) -> None:
 
 
 def test_without_a_name_the_studies_are_listed_and_cases_are_not(tmp_path) -> None:
-    done = railhead("study", cwd=tmp_path)
+    done = command.process("study", cwd=tmp_path)
     assert done.returncode == 0
     assert {"accuracy_cost", "load_sweep"} <= {line.split()[0] for line in done.stdout.splitlines()}
-    listed = railhead("list", cwd=tmp_path).stdout
+    listed = command.process("list", cwd=tmp_path).stdout
     assert "load_sweep" not in listed and "accuracy_cost" not in listed
 
 
 @pytest.mark.parametrize("name", ["load-swep", "hertz_ellipse", "nothing"])
-def test_an_unknown_study_is_one_line_and_nothing_written(name, tmp_path) -> None:
-    done = railhead("study", name, cwd=tmp_path)
-    assert done.returncode == 2 and done.stdout == ""
-    assert len(done.stderr.strip().splitlines()) == 1
-    assert "study" in done.stderr and "load_sweep" in done.stderr
-    assert os.listdir(tmp_path) == []
+def test_an_unknown_study_is_one_line_and_nothing_written(
+    name, tmp_path, monkeypatch, capsys
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    line = command.refused(capsys, "study", name)
+    assert "study" in line and "load_sweep" in line and os.listdir(tmp_path) == []
 
 
 def test_without_a_checkout_the_command_says_in_one_line_that_it_needs_one(
@@ -168,11 +156,7 @@ def test_without_a_checkout_the_command_says_in_one_line_that_it_needs_one(
     monkeypatch.setattr(study, "ROOT", tmp_path)
     monkeypatch.chdir(tmp_path)
     for arguments in (["study"], ["study", "load_sweep"]):
-        with pytest.raises(SystemExit) as ended:
-            main(arguments)
-        assert ended.value.code == 2
-        (line,) = capsys.readouterr().err.splitlines()
-        assert "studies need a checkout" in line
+        assert "studies need a checkout" in command.refused(capsys, *arguments)
     assert os.listdir(tmp_path) == []
 
 

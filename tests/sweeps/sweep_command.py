@@ -2,15 +2,13 @@
 
 import csv
 import io
-import sys
 from collections.abc import Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
 from pathlib import Path
 
-import pytest
+import command
 
-from railhead.cli import commands
 from railhead.sweeps import worker_pool
 
 SIX = ("--over", "load=50kN,80kN,110kN", "--over", "wheel.rolling_radius=420mm,460mm")
@@ -18,7 +16,7 @@ SIX = ("--over", "load=50kN,80kN,110kN", "--over", "wheel.rolling_radius=420mm,4
 ROLLER = ("long_roller", "--set", "mesh.patch_size=0.4", "--quiet")
 
 
-COMMAND = [sys.executable, "-c", "from railhead.cli import main; main()", "sweep"]
+COMMAND = [*command.START, "sweep"]
 
 
 KEYS = {"load": "load [N]", "wheel.rolling_radius": "wheel.rolling_radius [mm]"}
@@ -37,9 +35,7 @@ def one_after_the_other(ranks: int) -> Iterator[worker_pool.Submit]:
 
 
 def sweep(*arguments: str) -> int:
-    with pytest.raises(SystemExit) as ended:
-        commands.main(["sweep", *arguments])
-    return int(ended.value.code or 0)
+    return command.status("sweep", *arguments)
 
 
 def refused(capsys, folder: Path, *arguments: str) -> str:

@@ -11,8 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from xml.etree import ElementTree
 
+import command
 import numpy as np
-import outside
 import pytest
 import pyvista
 from solved import solved
@@ -274,7 +274,7 @@ def test_two_ranks_give_the_same_table(swept: Path, tmp_path: Path) -> None:
     done = subprocess.run(
         ["mpirun", "--oversubscribe", "-n", "2", *COMMAND, *ROLLER, *SIX[:2], "--no-pictures",
          "--out", str(tmp_path / "out")],
-        env=outside.environment() | outside.ROOT, capture_output=True, text=True, timeout=300,
+        env=command.environment() | command.ROOT, capture_output=True, text=True, timeout=300,
         check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr

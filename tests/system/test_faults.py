@@ -11,10 +11,10 @@ import threading
 from collections.abc import Callable
 from pathlib import Path
 
+import command
 import pytest
 from mpi4py import MPI
 
-from railhead.cli import main
 from railhead.planning import cost
 from railhead.results import result_folder
 from railhead.solver import compat
@@ -137,9 +137,7 @@ def test_folder_that_refuses_files(tmp_path, monkeypatch, capsys) -> None:
         raise OSError(errno.EROFS, os.strerror(errno.EROFS), str(tmp_path / "out"))
 
     monkeypatch.setattr(result_folder.tempfile, "mkdtemp", refuse)
-    with pytest.raises(SystemExit) as ended:
-        main(["run", *CASE, str(tmp_path / "out")])
-    assert ended.value.code == 1
+    assert command.status("run", *CASE, str(tmp_path / "out")) == 1
     errors = capsys.readouterr().err.strip()
     assert errors == f"railhead: NOT WRITTEN: {tmp_path / 'out'}: {os.strerror(errno.EROFS)}"
     assert os.listdir(tmp_path) == []
@@ -147,27 +145,21 @@ def test_folder_that_refuses_files(tmp_path, monkeypatch, capsys) -> None:
 
 def test_read_only_folder_is_refused_before_anything_is_solved(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(result_folder.os, "access", lambda *_: False)
-    with pytest.raises(SystemExit) as ended:
-        main(["run", *CASE, str(tmp_path / "out")])
-    assert ended.value.code == 2
+    assert command.status("run", *CASE, str(tmp_path / "out")) == 2
 
 
 @pytest.mark.parametrize("key", ["mesh.patch_size=0.002", "rail.crown_radius=0.001"])
 def test_a_mesh_that_does_not_fit_into_memory_is_refused(key, tmp_path, capsys) -> None:
-    with pytest.raises(SystemExit) as ended:
-        main(["run", "hertz_ellipse", "--set", key, "--out", str(tmp_path / "out")])
-    assert ended.value.code == 2
-    (line,) = capsys.readouterr().err.strip().splitlines()
+    given = ("run", "hertz_ellipse", "--set", key, "--out", str(tmp_path / "out"))
+    line = command.refused(capsys, *given)
     assert "mesh.patch_size" in line and "GB" in line
     assert os.listdir(tmp_path) == []
 
 
 def test_memory_that_is_missing_ends_a_sequence(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.setattr(cost, "free_memory", lambda: 400_000_000)
-    with pytest.raises(SystemExit) as ended:
-        main(["run", "hertz_ellipse", "--accuracy", "0.1%", "--no-pictures", "--json",
-              "--out", str(tmp_path / "out")])  # fmt: skip
-    assert ended.value.code == 1
+    given = f"hertz_ellipse --accuracy 0.1% --no-pictures --json --out {tmp_path / 'out'}"
+    assert command.status("run", *given.split()) == 1
     found = json.loads(capsys.readouterr().out)["accuracy"]
     assert not found["reached"] and found["reason"].startswith("memory")
 

@@ -2,29 +2,21 @@
 
 import json
 import subprocess
-import sys
 from pathlib import Path
 
-import outside
+import command
 import psutil
 import pytest
 from solved import solved
 
 pytestmark = pytest.mark.system
-COMMAND = [sys.executable, "-c", "from railhead.cli import main; main()", "run"]
-
-
-def run(folder: Path, *arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [*COMMAND, *arguments, "--no-pictures"], cwd=folder, capture_output=True, text=True,
-        env=outside.environment() | environment, check=False,
-    )  # fmt: skip
 
 
 def test_two_ranks_give_what_one_gives(tmp_path: Path) -> None:
     """The same numbers, each line once, and in a file or a pipe as plain text, though mpirun gives
     its first process a terminal; where a check fails, status 1 as well."""
-    done = run(tmp_path, "long_roller", "--set", "mesh.patch_size=3", "--ranks", "2")
+    done = command.process("run", "long_roller", "--set", "mesh.patch_size=3", "--ranks", "2",
+                           "--no-pictures", cwd=tmp_path)  # fmt: skip
     assert done.returncode == 1 and "CHECK FAILED: elements_across" in done.stderr
     assert done.stdout.count("written to") == 1 and "\x1b" not in done.stdout
     two = json.loads((tmp_path / "results/long_roller/summary.json").read_text())
@@ -36,7 +28,9 @@ def test_two_ranks_give_what_one_gives(tmp_path: Path) -> None:
 def test_a_cache_that_cannot_be_written_is_one_line_on_several_ranks(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     cache = str(tmp_path / "file")
-    done = run(tmp_path, "long_roller", "--json", "--ranks", "2", XDG_CACHE_HOME=cache)
+    done = command.process(
+        "run", "long_roller", "--json", "--ranks", "2", cwd=tmp_path, XDG_CACHE_HOME=cache
+    )
     assert done.returncode == 1 and "Traceback" not in done.stderr
     assert done.stderr.count("NOT WRITTEN") == 1 and done.stdout == ""
     assert "the cache of compiled forms; XDG_CACHE_HOME names another folder" in done.stderr
@@ -46,7 +40,8 @@ def test_a_killed_command_leaves_no_ranks(tmp_path: Path) -> None:
     """As a batch system or `timeout -s KILL` ends it."""
     case = ["hertz_ellipse", "--set", "mesh.patch_size=0.2", "--no-pictures", "--ranks", "2"]
     running = subprocess.Popen(
-        [*COMMAND, *case], cwd=tmp_path, env=outside.environment(), stdout=subprocess.DEVNULL,
+        [*command.START, "run", *case], cwd=tmp_path, env=command.environment(),
+        stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
     assert running.stderr is not None

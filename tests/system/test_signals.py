@@ -7,7 +7,7 @@ import sys
 import time
 from pathlib import Path
 
-import outside
+import command
 import psutil
 import pytest
 
@@ -37,7 +37,7 @@ study.load = lambda name: Long()
 def start(folder: Path, script: str, *arguments: str) -> subprocess.Popen[str]:
     return subprocess.Popen(
         [sys.executable, "-c", script, *arguments, "--out", str(folder / "out")],
-        env=outside.environment(),
+        env=command.environment(),
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=folder,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a job in the background
     )  # fmt: skip

@@ -10,8 +10,7 @@ from railhead.scene.scene import Scene
 
 
 def passed(scene: Scene) -> pipeline.Result:
-    result = solved(scene)
-    assert result.passed, result.summary["checks"]
+    result = passed(scene)
     return result
 
 

@@ -10,7 +10,7 @@ from friction_data import ENTRIES
 from mpi4py import MPI
 from scipy.optimize import brentq
 from scipy.special import ellipk
-from solved import solved
+from solved import friction, passed, solved
 
 import railhead as rh
 from railhead.planning import plan as planning
@@ -45,15 +45,10 @@ def mindlin(contact: Ellipse, *, across: bool) -> partial_slip.CattaneoMindlin:
     return partial_slip.CattaneoMindlin(MU * contact.load, compliance)
 
 
-def friction(result: rh.Result) -> dict:
-    return result.as_dict()["result"]["friction"]
-
-
 @pytest.mark.parametrize("entry", CARTER[::3], ids=lambda entry: entry["id"])
 def test_a_strip_that_rolls_is_carter_s(entry) -> None:
     creepage, share = entry["creepage_xi"], entry["Q_over_muP"]
-    found = solved(roller(rolling={"creepage_along": creepage}))
-    assert found.passed, found.failed
+    found = passed(roller(rolling={"creepage_along": creepage}))
     answer = friction(found)
     assert answer["force_along_N"] / answer["limit_N"] == pytest.approx(share, abs=0.012)
     assert answer["stick_share"] == pytest.approx(entry["stick_half_width_over_a"], abs=0.03)
@@ -63,16 +58,14 @@ def test_a_strip_that_rolls_is_carter_s(entry) -> None:
 @pytest.mark.parametrize("entry", CARTER[1:2], ids=lambda entry: entry["id"])
 def test_a_given_force_needs_carter_s_creepage(entry) -> None:
     force = entry["Q_over_muP"] * MU * entry["load_N"]
-    found = solved(roller(rolling={"force_along": force}))
-    assert found.passed, found.failed
+    found = passed(roller(rolling={"force_along": force}))
     assert friction(found)["force_along_N"] == pytest.approx(force, rel=1e-6)
     assert friction(found)["creepage_along"] == pytest.approx(entry["creepage_xi"], rel=0.03)
 
 
 @pytest.mark.parametrize("share", [0.3, 0.9])
 def test_a_strip_that_is_shifted_is_cattaneo_s(share: float) -> None:
-    found = solved(roller(friction={"force_along": share * MU * 110e3}))
-    assert found.passed, found.failed
+    found = passed(roller(friction={"force_along": share * MU * 110e3}))
     stick = ENTRIES[f"cattaneo_strip_q{share}"]["stick_half_width_over_a"]
     assert friction(found)["stick_share"] == pytest.approx(stick, abs=0.03)
 
@@ -80,8 +73,7 @@ def test_a_strip_that_is_shifted_is_cattaneo_s(share: float) -> None:
 def test_a_patch_that_is_shifted_there_and_back_is_mindlin_s() -> None:
     """With the far field of Cerruti the displacement is that of half-spaces."""
     force = 0.5 * MU * 25e3
-    found = solved(ellipse(friction={"force_along": force, "cycle": True}))
-    assert found.passed, found.failed
+    found = passed(ellipse(friction={"force_along": force, "cycle": True}))
     exact = mindlin(found.ellipse, across=False)
     answer, checks = friction(found), found.as_dict()["checks"]
     assert checks["second_opinion_shift"] < 0.02
@@ -98,8 +90,7 @@ def test_a_patch_that_is_shifted_there_and_back_is_mindlin_s() -> None:
 @pytest.mark.slow
 def test_a_shift_across_is_mindlin_s_too() -> None:
     force = 0.5 * MU * 25e3
-    found = solved(ellipse(friction={"force_across": force}))
-    assert found.passed, found.failed
+    found = passed(ellipse(friction={"force_across": force}))
     exact = mindlin(found.ellipse, across=True)
     assert friction(found)["shift_across_mm"] == pytest.approx(exact.approach(force), rel=0.02)
 
@@ -109,8 +100,7 @@ def test_unlike_bodies_slip_where_spence_says(coefficient: float) -> None:
     """A patch that grows under its load sticks up to c: K(sqrt(1 - c^2)) / K(c) = beta/mu (Spence
     1973; Johnson, Contact Mechanics, 5.4), a rigid roller's beta being (1 - 2 nu)/(2 - 2 nu)."""
     scene = roller(friction={"coefficient": coefficient}, load=20e3)
-    found = solved(scene.replace(wheel={"young_modulus": math.inf}))
-    assert found.passed, found.failed
+    found = passed(scene.replace(wheel={"young_modulus": math.inf}))
 
     def excess(c: float) -> float:
         return ellipk(1 - c**2) / ellipk(c**2) - 0.4 / 1.4 / coefficient
@@ -225,8 +215,7 @@ def test_a_yield_that_is_not_passed_changes_no_bit() -> None:
 def test_a_patch_that_rolls_is_kalker_s(along: float, across: float, spin: float) -> None:
     """Against boundary elements; on six elements a semi-axis, as by default."""
     motion = {"creepage_along": along, "creepage_across": across, "spin": spin}
-    found = solved(ellipse(rolling=motion, mesh={"patch_size": None}))
-    assert found.passed, found.failed
+    found = passed(ellipse(rolling=motion, mesh={"patch_size": None}))
     second = found.as_dict()["half_space_friction"]["boundary elements"]
     answer = friction(found)
     for name in ("force_along_N", "force_across_N"):
@@ -238,8 +227,7 @@ def test_a_rigid_wheel_rolls_as_on_a_half_space() -> None:
     """Tractions change the pressure: by 3.7 % of the largest. On 4.3 elements a semi-axis: the
     patch is smaller than that of two like bodies."""
     scene = ellipse(rolling={"creepage_along": 1e-3}, mesh={"patch_size": 0.64})
-    found = solved(scene.replace(wheel={"young_modulus": math.inf}))
-    assert found.passed, found.failed
+    found = passed(scene.replace(wheel={"young_modulus": math.inf}))
     second = found.as_dict()["half_space_friction"]["boundary elements"]
     force, limit = friction(found)["force_along_N"], friction(found)["limit_N"]
     assert force / limit == pytest.approx(second["force_along_N"] / limit, abs=0.015)
@@ -247,9 +235,8 @@ def test_a_rigid_wheel_rolls_as_on_a_half_space() -> None:
 
 
 def test_at_a_large_creepage_everything_slips() -> None:
-    found = solved(roller(rolling={"creepage_along": 0.5}))
+    found = passed(roller(rolling={"creepage_along": 0.5}))
     answer = friction(found)
-    assert found.passed, found.failed
     assert answer["force_along_N"] == pytest.approx(answer["limit_N"], rel=1e-3)
     assert answer["stick_share"] == 0
     stress = found.as_dict()["result"]["stress"]
@@ -282,9 +269,8 @@ def test_however_little_friction_there_is_a_shift_is_cattaneo_s(coefficient: flo
 
 def test_nothing_pushes_a_sphere_aside_that_is_pressed() -> None:
     """A meridian section has no motion along: tractions vanish on the axis and point inwards."""
-    found = solved(rh.find("sphere_on_plane").replace(friction={"coefficient": MU}))
+    found = passed(rh.find("sphere_on_plane").replace(friction={"coefficient": MU}))
     rubbing = found.mesh_solution.solution.friction
-    assert found.passed, found.failed
     assert friction(found)["shift_along_mm"] == 0 and 0.65 < friction(found)["stick_share"] < 0.85
     radius, along = rubbing.points[:, 0], rubbing.traction[:, 0]
     size = np.abs(along).max()
@@ -298,9 +284,8 @@ def test_tractions_on_a_curved_surface_carry_their_part_of_the_load() -> None:
     ball = rh.Wheel(profile="arc", rolling_radius=20, transverse_radius=20, young_modulus=3000)
     plane = rh.Rail(profile="arc", crown_radius=math.inf, young_modulus=math.inf)
     scene = rh.Scene(load=1e4, rail=plane, wheel=ball, mesh={"patch_size": 0.5})
-    found = solved(scene.replace(friction={"coefficient": MU}))
+    found = passed(scene.replace(friction={"coefficient": MU}))
     solution = found.mesh_solution.solution
-    assert found.passed, found.failed
     push = -solution.friction.weights @ solution.friction.traction[:, 2]
     assert 200 < push < 300
     assert solution.load == pytest.approx(solution.reaction, rel=1e-9)
@@ -308,8 +293,7 @@ def test_tractions_on_a_curved_surface_carry_their_part_of_the_load() -> None:
 
 def test_a_rigid_wheel_is_shifted() -> None:
     scene = roller(friction={"force_along": 9900}, wheel={"young_modulus": math.inf})
-    found = solved(scene)
-    assert found.passed, found.failed
+    found = passed(scene)
     assert friction(found)["force_along_N"] == pytest.approx(9900)
 
 

@@ -6,7 +6,7 @@ import math
 
 import pytest
 from friction_data import ENTRIES
-from solved import solved
+from solved import friction, solved
 
 import railhead as rh
 from railhead.postprocess import gallery
@@ -29,10 +29,6 @@ def rolled(along: float, across: float, spin: float, wheel: float) -> dict:
     motion = {"creepage_along": along, "creepage_across": across, "spin": spin}
     scene = scene.replace(rolling=motion, wheel={"young_modulus": wheel})
     return friction(solved(scene))
-
-
-def friction(result: rh.Result) -> dict:
-    return result.as_dict()["result"]["friction"]
 
 
 def forces(found: dict) -> list[float]:

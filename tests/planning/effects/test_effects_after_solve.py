@@ -4,12 +4,12 @@ import io
 import json
 from dataclasses import replace
 
+import command
 import matplotlib.image
 import pytest
 from rich.console import Console
 from solved import solved
 
-from railhead.cli import commands
 from railhead.planning import effects
 from railhead.planning import plan as planning
 from railhead.planning.effects import assumptions, interface
@@ -20,38 +20,27 @@ from railhead.scene import catalogue
 from railhead.scene.scene import SceneError
 
 
-@pytest.fixture
-def railhead(tmp_path, monkeypatch, capsys):
-    """Run the command in an empty folder: (status, standard output, standard error)."""
-    monkeypatch.chdir(tmp_path)
-
-    def command(*arguments: str) -> tuple[int, str, str]:
-        with pytest.raises(SystemExit) as done:
-            commands.main(arguments)
-        return done.value.code, *capsys.readouterr()
-
-    return command
-
-
 def after(case: str, *assignments: str) -> dict:
     return solved(case, *assignments).summary["effects_after"]
 
 
 def test_needed_effects_are_named_in_table_summary_and_pictures(
-    railhead, tmp_path, monkeypatch
+    tmp_path, monkeypatch, capsys
 ) -> None:
     """Loaded past yield, with friction called for, and across a joint one radius and no twist."""
-    choice = ["--set", "mesh.patch_size=1.7", "--set", "rail.inclination=1:40", "--set"]
-    choice += ["friction.coefficient=0.3"]
-    choice += ["--set", "friction.tangential_load=9kN", "--without", "true_profile"]
-    choice += ["--without", "plasticity", "--without", "friction"]
-    choice += ["--without", "rail_section"]
+    keys = "mesh.patch_size=1.7 rail.inclination=1:40 friction.coefficient=0.3"
+    choice = [f"--set={key}" for key in f"{keys} friction.tangential_load=9kN".split()]
+    choice += [
+        f"--without={name}" for name in ("true_profile", "plasticity", "friction", "rail_section")
+    ]
     drawings = gallery.drawings
     monkeypatch.setattr(
         gallery, "drawings", lambda *given: {"pressure.png": drawings(*given)["pressure.png"]}
     )
-    status, printed, _ = railhead("run", "uic54_22t5_axle", "--no-report", *choice)
+    monkeypatch.chdir(tmp_path)
+    status = command.status("run", "uic54_22t5_axle", "--no-report", *choice)
     assert status == 0  # a warning is no failure
+    printed = capsys.readouterr().out
     folder = tmp_path / "results" / "uic54_22t5_axle"
     summary = json.loads((folder / "summary.json").read_text())
     found = summary["effects_after"]
@@ -137,10 +126,8 @@ def test_a_patch_that_is_large_against_its_radius_puts_hertz_in_doubt() -> None:
 
 
 @pytest.mark.parametrize("switch", [["--with", "symmetry_y"], ["--without", "colour"]])
-def test_a_wrong_switch_is_one_line_and_status_2(switch: list[str], railhead) -> None:
-    status, printed, error = railhead("plan", "uic54_22t5_axle", *switch)
-    assert (status, printed) == (2, "")
-    assert len(error.strip().splitlines()) == 1 and "effects." in error
+def test_a_wrong_switch_is_one_line_and_status_2(switch: list[str], capsys) -> None:
+    assert "effects." in command.refused(capsys, "plan", "uic54_22t5_axle", *switch)
 
 
 HOT = [

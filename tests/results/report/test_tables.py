@@ -4,10 +4,8 @@ import csv
 import io
 import json
 import math
-import os
-import subprocess
-import sys
 
+import command
 import pytest
 from rich.console import Console
 from solved import solved
@@ -83,12 +81,8 @@ def test_columns_without_a_value_are_left_out(full: dict) -> None:
 
 def test_the_command_prints_at_most_eighty_columns(tmp_path) -> None:
     """Of the table also where there is no terminal."""
-    environment = {key: value for key, value in os.environ.items() if key != "COLUMNS"}
-    done = subprocess.run(
-        [sys.executable, "-c", "from railhead.cli import main; main()", "run", "long_roller",
-         "--set", "mesh.patch_size=1", "--no-pictures"],
-        cwd=tmp_path, capture_output=True, text=True, check=False, env=environment,
-    )  # fmt: skip
+    done = command.process("run", "long_roller", "--set", "mesh.patch_size=1", "--no-pictures",
+                           cwd=tmp_path)  # fmt: skip
     assert done.returncode in (0, 1)
     table = done.stdout.split("unknowns")[0].splitlines()
     assert len(table) > 12 and max(map(len, table)) <= 80 and "…" not in done.stdout
@@ -148,18 +142,12 @@ def test_rows_with_other_columns_make_one_table() -> None:
     assert text == 'a,b,c\r\n1,,\r\n,0.1,"x, y"\r\n'
 
 
-def plan(*arguments: str) -> subprocess.CompletedProcess:
-    return subprocess.run(
-        [sys.executable, "-c", "from railhead.cli import main; main()", "plan", *arguments],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-
-
-def test_the_plan_as_json_says_what_the_printed_one_says() -> None:
+def test_the_plan_as_json_says_what_the_printed_one_says(tmp_path) -> None:
     case = ("s1002_60e1", "--set", "wheelset.shift=1mm", "--accuracy", "1%")
-    done = plan(*case, "--json")
+    done = command.process("plan", *case, "--json", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
-    said, words = json.loads(done.stdout), " ".join(plan(*case).stdout.replace("│", " ").split())
+    said, printed = json.loads(done.stdout), command.process("plan", *case, cwd=tmp_path).stdout
+    words = " ".join(printed.replace("│", " ").split())
     assert said["scene"]["wheelset"]["shift"] == 1 and said["scene"]["accuracy"] == 0.01
     for name, effect in said["plan"]["effects"].items():
         assert f"{name} {'on' if effect['on'] else 'off'} {effect['why'].split()[0]}" in words
@@ -173,10 +161,8 @@ def test_the_plan_as_json_says_what_the_printed_one_says() -> None:
     assert said["patches"] and not said["plan"]["forecast"]["hertzian"]
 
 
-def test_a_wrong_plan_as_json_is_one_line() -> None:
-    done = plan("long_roller", "--json", "--set", "load=3mm")
-    assert (done.returncode, done.stdout) == (2, "")
-    (line,) = done.stderr.splitlines()
+def test_a_wrong_plan_as_json_is_one_line(capsys) -> None:
+    line = command.refused(capsys, "plan", "long_roller", "--json", "--set", "load=3mm")
     assert "load: '3mm'" in line
 
 
