@@ -61,6 +61,7 @@ EFFECTS = {
         decide=interface.decide_heat, check=interface.check_heat, beyond_half_spaces=True
     ),
 }
+ELASTIC = ("deformable_rail", "deformable_wheel", "true_profile")  # half-spaces always have them
 ASSUMPTIONS = {
     "small_patch": assumptions.small_patch,
     "inside_the_bodies": assumptions.inside_the_bodies,
@@ -91,8 +92,11 @@ def decide(
 
 def _without_bodies(name: str, effect: Effect) -> Effect:
     """The named effect where finite bodies are off. Raises SceneError for an effect of bodies that
-    a person switched on.
+    a person switched on, and for one that half-spaces always have where it is switched off.
     """
+    if name in ELASTIC and effect.override and not effect.on:
+        text = "'off' is not allowed: finite_bodies is off, half-spaces have it; give auto or on"
+        raise SceneError(f"effects.{name}", text)
     if not EFFECTS[name].of_bodies or not effect.on:
         return effect
     if effect.override:

@@ -37,8 +37,10 @@ def decide_friction(context: Context) -> Effect:
     """
     scene = context.scene
     coefficient = scene.friction.coefficient
-    limit = coefficient * context.hertz.load
     table, along, across = scene.tangential_forces
+    # On an inclined contact a force across carries a part of the load, or adds to it.
+    normal = context.hertz.load + across * math.tan(context.contact.touch.angle)
+    limit = coefficient * max(normal, 0.0)
     force = math.hypot(along, across)
     if force and force >= limit and (scene.load is not None or not limit):
         raise SceneError(
