@@ -4,9 +4,9 @@ import math
 
 import pytest
 from mpi4py import MPI
+from solved import planned
 
 from railhead.meshing.bodies import RAIL, WHEEL
-from railhead.planning import plan as planning
 from railhead.planning.references import boundary_elements
 from railhead.results import pipeline
 from railhead.run import build, mesh_solution
@@ -14,10 +14,6 @@ from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from railhead.scene.scene import Effects, SceneError
 from railhead.theory.elastic import hertz
-
-
-def planned(case: str, *assignments: str) -> planning.Plan:
-    return planning.make(catalogue.find(case).replace(assignments))
 
 
 def effect(name: str, case: str, *assignments: str):

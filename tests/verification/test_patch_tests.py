@@ -1,17 +1,30 @@
-"""Patch tests: constant stress states are reproduced."""
+"""The solver alone on blocks, solids and sections: constant stress states, balance, invariance."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from block_pairs import side
+from dolfinx import mesh as dmesh
+from mpi4py import MPI
+from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
 
+from railhead.geometry import outlines, profiles
 from railhead.geometry.surfaces import ParabolicGap
-from railhead.meshing.bodies import RAIL, WHEEL
+from railhead.meshing import mesh
+from railhead.meshing.bodies import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL, Body, Options
+from railhead.meshing.mesh import ContactMesh
+from railhead.meshing.sizing import Grading
 from railhead.postprocess.stress import gauss_points
+from railhead.solver import compat
 from railhead.solver.contact import ContactModel
 from railhead.solver.fields import gather
 from railhead.solver.material.elasticity import Material, assemble
+from railhead.solver.setup import Setup
 from railhead.solver.space.interface import ContactLaw
+from railhead.solver.space.kinematics import Kinematics
 
 SOFT = Material(1000.0, 0.0)
 FLAT = ParabolicGap(0.0, 0.0, 1)
@@ -89,3 +102,318 @@ def test_the_body_tags_are_kept_apart(two_blocks, solve) -> None:
     fields = gather(model, solution)
     assert set(fields.body) == {RAIL, WHEEL}
     assert np.unique(fields.lame[fields.body == WHEEL, 1]) == pytest.approx(4000 / 2.4)
+
+
+# Sections, the solver alone: patch tests, balance, and the linear solvers.
+
+XZ = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+PLANE, RING = Kinematics(XZ, thickness=5.0), Kinematics(XZ, revolved=True)
+
+
+def two_half_blocks(
+    cell: str = "tetrahedron",
+    materials: tuple[Material, Material] = (SOFT, SOFT),
+    **changes: object,
+) -> tuple[mesh.ContactMesh, Setup]:
+    """Mesh and set-up of two half blocks on each other, x >= 0, non-matching; the wheel's is 9 mm
+    wide, the rail's 10 mm, both 10 mm high."""
+    bodies = []
+    for tag, edge, outwards, material in (
+        (RAIL, 10, 1, materials[0]),
+        (WHEEL, 9, -1, materials[1]),
+    ):
+        flat = profiles.single_radius(np.inf, edge)
+        section = outlines.block_section(
+            flat, 0.0, edge, -outwards * 10, outwards=outwards, half=True
+        )
+        if math.isfinite(material.young_modulus):
+            bodies.append(Body(tag, section, 0.0))
+    grading = Grading((0.0, 0.0, 0.0), 2.0, 2.0, 0.0, 1.0)
+    made = mesh.generate(bodies, grading, Options(cell, 1, True, "xz"), MPI.COMM_WORLD)
+    setup = Setup(
+        fixed=side(RAIL, materials[0]), moving=side(WHEEL, materials[1]), slave=WHEEL,
+        gap=ParabolicGap(0.0, 0.0, -1), degree=2, planes=((SYMMETRY_X, (1.0, 0.0, 0.0)),),
+        kinematics=PLANE,
+    )  # fmt: skip
+    return made, replace(setup, **changes)
+
+
+def pressed(made: mesh.ContactMesh, setup: Setup, **control: float):
+    model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+    return model, model.solve(active=np.ones(len(model.interface.points), bool), **control)
+
+
+@pytest.mark.parametrize("kinematics", [PLANE, RING], ids=["plane strain", "revolved"])
+@pytest.mark.parametrize(
+    "cell, degree",
+    [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)],
+)
+def test_bulk_constant_stress_in_a_section(cell: str, degree: int, kinematics: Kinematics) -> None:
+    """K u of a linear displacement vanishes at inner nodes and gives its constant stress, out of
+    the plane too; a ring takes u_r = e r, u_z = f z."""
+    steel = Material(207000.0, 0.3)
+    made, setup = two_half_blocks(cell, (steel, steel), degree=degree, kinematics=kinematics)
+    model, solution = pressed(made, setup, load=100.0)
+    points = model.bulk.space.tabulate_dof_coordinates()[:, :2]
+    gradient = np.diag([1e-3, 7e-4]) + (0 if kinematics.revolved else 2e-4)
+    _, stiffness = assemble(
+        made.mesh, made.cell_tags, dict.fromkeys((RAIL, WHEEL), steel), degree, kinematics
+    )
+    u = stiffness.createVecRight()
+    u.array[:] = (points @ gradient).ravel()
+    force = (stiffness * u).array.reshape(-1, 2)
+    border = (points[:, 0] < 1e-9) | (points[:, 0] > 8.9) | (np.abs(points[:, 1]) > 9.9)
+    inner = ~border & (np.abs(points[:, 1]) > 1e-9)
+    assert inner.sum() > 5
+    assert np.abs(force[inner]).max() < 1e-9 * np.abs(force).max()
+
+    fields = replace(gather(model, solution), displacement=points @ gradient @ XZ)
+    strain = XZ.T @ gradient @ XZ + np.diag([0.0, 1e-3 if kinematics.revolved else 0.0, 0.0])
+    lam, mu = steel.lame
+    sigma = lam * np.trace(strain) * np.eye(3) + 2 * mu * strain
+    expected = sigma[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+    found = gauss_points.nodal_stress(fields)
+    np.testing.assert_allclose(found, np.tile(expected, (len(found), 1)), rtol=1e-8, atol=1e-7)
+
+
+def test_mean_dilatation_of_a_ring_is_that_of_its_volume() -> None:
+    """u_r = r^2 has tr eps = 3 r, whose mean over a triangle of corners r_i is 3 int r^2 / int r =
+    3 (S + (sum r_i)^2) / (4 sum r_i), S the sum of their squares; its energy is lambda V mean^2."""
+    ring = replace(RING, mean_dilatation=True)
+    made, setup = two_half_blocks(degree=2, kinematics=ring)
+    model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+    slave = model.interface.slave
+    r = slave.nodes[:, :3, 0]
+    total = r.sum(axis=1)
+    mean = 3 * ((r**2).sum(axis=1) + total**2) / (4 * total)
+    every = np.arange(len(slave))
+    divergence = slave.divergence(every, np.full((len(slave), 2), 0.1))
+    points = slave.dof_points()
+    found = np.einsum("mdc,mdc->m", divergence, points[..., :1] ** 2 * [1.0, 0.0])
+    np.testing.assert_allclose(found, mean, rtol=1e-12)
+
+    soft = dict.fromkeys((RAIL, WHEEL), Material(1000.0, 0.4))
+    none = dict.fromkeys((RAIL, WHEEL), Material(1000.0 / 1.4, 0.0))  # the same mu
+    energies = []
+    for materials in (soft, none):
+        bulk, stiffness = assemble(made.mesh, made.cell_tags, materials, 2, ring)
+        u = stiffness.createVecRight()
+        u.array[:] = (bulk.space.tabulate_dof_coordinates()[:, :2] ** 2 * [1.0, 0.0]).ravel()
+        energies.append(u.dot(stiffness * u))
+    r = made.mesh.geometry.x[compat.cell_nodes(made.mesh)][:, :, 0]
+    x = made.mesh.geometry.x[compat.cell_nodes(made.mesh)][:, :, :2]
+    area = np.abs(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])) / 2
+    total = r.sum(axis=1)
+    mean = 3 * ((r**2).sum(axis=1) + total**2) / (4 * total)
+    volume = 2 * np.pi * area * total / 3
+    lam = soft[RAIL].lame[0]
+    assert energies[0] - energies[1] == pytest.approx(lam * volume @ mean**2, rel=1e-10)
+
+
+@pytest.mark.parametrize("kinematics", [PLANE, RING], ids=["plane strain", "revolved"])
+@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
+@pytest.mark.parametrize(
+    "law",
+    [ContactLaw(), ContactLaw("nitsche", 0), ContactLaw("nitsche", -1), ContactLaw("penalty")],
+)
+def test_contact_patch_test_and_balance(kinematics: Kinematics, cell: str, law: ContactLaw) -> None:
+    """Blocks pressed flat together: the whole load arrives. Against a rigid rail the pressure is
+    even; springs of unequal facets (penalty) make it waver by a sixth."""
+    area = 81 * np.pi if kinematics.revolved else 2 * 9 * 5.0
+    _, both = pressed(*two_half_blocks(cell, law=law, kinematics=kinematics), load=2.0 * area)
+    assert both.newton.converged
+    assert both.load == pytest.approx(2.0 * area, rel=1e-8)
+    assert both.reaction == pytest.approx(both.load, rel=1e-8)
+    rigid = Material(math.inf, 0.0)
+    made, setup = two_half_blocks(cell, (rigid, SOFT), law=law, kinematics=kinematics)
+    model, alone = pressed(made, setup, load=2.0 * area)
+    np.testing.assert_allclose(alone.pressure, 2.0, rtol=1e-6 if law.sigma else 0.2)
+    weights, tau = model.interface.weights, model.problem.tau
+    springs = 0.0 if law.sigma else 2.0 * float(weights @ (1 / tau) / weights.sum())
+    assert alone.approach - 0.02 == pytest.approx(springs, rel=0.05, abs=1e-8)
+
+
+@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
+@pytest.mark.parametrize("which", [PLANE, RING], ids=["plane strain", "revolved"])
+def test_direct_and_multigrid_agree_in_a_section(cell: str, which: Kinematics) -> None:
+    gap = ParabolicGap(1 / 200, 0.0, -1)
+    states = []
+    for choice in ("direct", "multigrid"):
+        made, setup = two_half_blocks(cell, kinematics=which, gap=gap, linear=choice)
+        _, solution = pressed(made, setup, load=300.0)
+        assert solution.newton.converged
+        states.append(solution)
+    assert states[0].approach == pytest.approx(states[1].approach, rel=1e-8)
+
+
+# What must hold whatever the mesh: balance, action and reaction, frame invariance.
+
+LAWS = [ContactLaw("nitsche", 1), ContactLaw("nitsche", -1), ContactLaw("penalty")]
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_force_balance_and_reaction(two_blocks, solve, law: ContactLaw) -> None:
+    made, setup = two_blocks(law=law)
+    _, solution = solve(made, setup, load=3000.0)
+    assert solution.newton.converged
+    assert solution.load == pytest.approx(3000.0, rel=1e-8)
+    assert solution.reaction == pytest.approx(3000.0, rel=1e-8)
+
+
+def test_action_equals_reaction_between_the_bodies(two_blocks, solve) -> None:
+    """The contact forces on rail and wheel sum to zero, whoever carries the quadrature."""
+    made, setup = two_blocks()
+    model, solution = solve(made, setup, load=3000.0)
+    push = model.interface.gap.createVecLeft()
+    push.array[:] = model.interface.weights * solution.pressure
+    force = model.interface.gap.createVecRight()
+    model.interface.gap.multTranspose(push, force)
+    nodal = force.array.reshape(-1, 3)
+    cells = compat.cell_dofs(model.bulk.space)
+    share = {
+        tag: nodal[np.unique(cells[made.cell_tags.find(tag)])].sum(axis=0) for tag in (RAIL, WHEEL)
+    }
+    np.testing.assert_allclose(4 * share[WHEEL], [0, 0, 3000.0], atol=1e-4)
+    np.testing.assert_allclose(share[RAIL], -share[WHEEL], atol=1e-9)
+
+
+def test_approach_control_and_load_control_meet(two_blocks, solve) -> None:
+    made, setup = two_blocks()
+    _, by_load = solve(made, setup, load=3000.0)
+    _, by_approach = solve(made, replace(setup, load_control=False), approach=by_load.approach)
+    assert by_approach.load == pytest.approx(3000.0, rel=1e-7)
+    np.testing.assert_allclose(
+        by_approach.pressure, by_load.pressure, atol=1e-6 * by_load.pressure.max()
+    )
+
+
+def test_exchanging_the_roles_of_the_surfaces(two_blocks, solve) -> None:
+    """Quadrature on the wheel instead of the rail: the same within the discretisation error."""
+    made, setup = two_blocks(h=1.0)
+    _, one = solve(made, setup, load=3000.0)
+    swapped = replace(setup, slave=WHEEL, gap=ParabolicGap(1 / 2000, 1 / 1600, -1))
+    _, two = solve(made, swapped, load=3000.0)
+    assert two.newton.converged
+    assert two.approach == pytest.approx(one.approach, rel=2e-3)
+
+
+def test_frame_invariance(two_blocks, solve) -> None:
+    """The whole scene rotated in space: same pressure and approach to 1e-8."""
+    made, setup = two_blocks()
+    _, reference = solve(made, setup, load=3000.0)
+    turn = Rotation.from_euler("xyz", [0.5, -0.8, 1.1]).as_matrix()
+    gap = setup.gap
+
+    def turned_gap(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        distance, normal = gap(points @ turn)
+        return distance, normal @ turn.T
+
+    turned, other = two_blocks()
+    turned.mesh.geometry.x[:] = turned.mesh.geometry.x @ turn.T
+    setup = replace(
+        other,
+        gap=turned_gap,
+        direction=tuple(turn @ np.array([0.0, 0.0, -1.0])),
+        planes=tuple((tag, tuple(turn @ np.array(normal))) for tag, normal in other.planes),
+    )
+    _, solution = solve(turned, setup, load=3000.0)
+    assert solution.approach == pytest.approx(reference.approach, rel=1e-8)
+    np.testing.assert_allclose(
+        solution.pressure, reference.pressure, atol=1e-8 * reference.pressure.max()
+    )
+
+
+def test_unit_invariance(two_blocks, solve) -> None:
+    """Stiffness and load in other units: the same displacements."""
+    made, setup = two_blocks()
+    _, reference = solve(made, setup, load=3000.0)
+    soft = Material(207.0, 0.3)
+    scaled = replace(
+        setup,
+        fixed=replace(setup.fixed, material=soft),
+        moving=replace(setup.moving, material=soft),
+    )
+    _, solution = solve(made, scaled, load=3.0)
+    assert solution.approach == pytest.approx(reference.approach, rel=1e-8)
+
+
+@pytest.mark.parametrize("rigid", [RAIL, WHEEL])
+def test_rigid_body_is_the_limit_of_a_stiff_one(two_blocks, solve, rigid: int) -> None:
+    """E ratio 1e5 against a body that is not there; the pressure agrees to the ratio."""
+    steel = Material(207000.0, 0.3)
+    stiff, hard = Material(207000.0e5, 0.3), Material(np.inf, 0.3)
+    slave = WHEEL if rigid == RAIL else RAIL
+    gap = ParabolicGap(1 / 2000, 1 / 1600, -1 if rigid == RAIL else 1)
+    found = []
+    for other in (stiff, hard):
+        materials = (other, steel) if rigid == RAIL else (steel, other)
+        made, setup = two_blocks(materials=materials, slave=slave, gap=gap)
+        _, solution = solve(made, setup, load=3000.0)
+        assert solution.newton.converged
+        found.append(solution)
+    assert found[0].approach == pytest.approx(found[1].approach, rel=1e-3)
+    assert found[0].pressure.max() == pytest.approx(found[1].pressure.max(), rel=0.02)
+
+
+def test_a_solved_scene_gives_its_memory_back() -> None:
+    """The third run of 13 000 unknowns takes no more memory than the second."""
+    from railhead.results.pipeline import run
+    from railhead.scene import catalogue
+
+    def resident() -> float:
+        with open("/proc/self/statm") as file:
+            return int(file.read().split()[1]) * 4096 / 1e6
+
+    scene = catalogue.find("uic54_thesis").replace(["mesh.patch_size=1.2"])
+    sizes = []
+    for _ in range(3):
+        run(scene)
+        sizes.append(resident())
+    assert sizes[2] - sizes[1] < 5
+
+
+# Simplifications against the models they stand for, on the same meshes.
+
+
+def mirrored(made: ContactMesh, axis: int, size: float) -> ContactMesh:
+    """A mesh of blocks cut at coordinate 0 of an axis, joined with its mirror image."""
+    old = made.mesh
+    points, cells = old.geometry.x, compat.cell_nodes(old)
+    off = np.abs(points[:, axis]) > 1e-12
+    image = np.arange(len(points))
+    image[off] = len(points) + np.arange(off.sum())
+    flip = np.where(np.arange(3) == axis, -1.0, 1.0)
+    whole = np.concatenate([points, points[off] * flip])
+    both = np.concatenate([cells, image[cells][:, [1, 0, 2, 3]]])
+    new = compat.straight_mesh(MPI.COMM_WORLD, both, whole, "tetrahedron")
+    bodies = np.zeros(len(cells), dtype=np.int32)
+    bodies[made.cell_tags.indices] = made.cell_tags.values
+    bodies = np.tile(bodies, 2)[new.topology.original_cell_index]
+    cell_tags = dmesh.meshtags(new, 3, np.arange(len(both), dtype=np.int32), bodies)
+
+    new.topology.create_connectivity(2, 3)
+    facets = dmesh.exterior_facet_indices(new.topology)
+    owner = np.array([new.topology.connectivity(2, 3).links(facet)[0] for facet in facets])
+    height = np.abs(dmesh.compute_midpoints(new, 2, facets)[:, 2])
+    kind = np.where(height < 1e-9, CONTACT, np.where(height > size - 1e-9, SUPPORT, 0))
+    tagged = kind > 0
+    values = (kind + bodies[owner])[tagged].astype(np.int32)
+    facet_tags = dmesh.meshtags(new, 2, facets[tagged], values)
+    return replace(made, mesh=new, cell_tags=cell_tags, facet_tags=facet_tags)
+
+
+def test_quarter_and_whole_model_agree_on_mirrored_meshes(two_blocks, solve) -> None:
+    """One mesh and its images: approach and every pressure to 1e-8."""
+    made, setup = two_blocks()
+    part, quarter = solve(made, setup, load=3000.0)
+    whole = mirrored(mirrored(made, 0, 10.0), 1, 10.0)
+    model, full = solve(whole, replace(setup, planes=()), load=3000.0)
+    assert full.newton.converged
+    assert full.approach == pytest.approx(quarter.approach, rel=1e-8)
+    points = model.interface.points
+    images = cKDTree(points)
+    for x, y in ((1, 1), (-1, 1), (1, -1), (-1, -1)):
+        distance, partner = images.query(part.interface.points * [x, y, 1])
+        assert distance.max() < 1e-9
+        scale = quarter.pressure.max()
+        np.testing.assert_allclose(full.pressure[partner], quarter.pressure, atol=1e-8 * scale)
