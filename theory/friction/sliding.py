@@ -134,11 +134,11 @@ def _ellipse_waves(
 def _plane_wave(
     i_0: Waves, i_1: Waves, e: tuple[float, float], friction: float, poisson: float
 ) -> Array:
-    """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, of waves exp(i k s - k d) of a pressure p and
-    a traction friction * p along x.
+    """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, of waves exp(i k s - k d) of a pressure p
+    and a traction friction * p along x: the real part of the sum over all wave numbers k.
 
-    i_0, i_1: sums of exp(-k d) and of k d exp(-k d), (n,) complex; e: unit vector of s; d: depth;
-        t: across s. In the plane of s and d: under p, s_ss = -(1 - k d) p, s_dd = -(1 + k d) p,
+    i_0, i_1: sums of p exp(-k d) and of p k d exp(-k d), (n,) complex, MPa; e: unit vector of s,
+        the direction of the waves in the surface; d: depth; t: across s. In the plane of s and d: under p, s_ss = -(1 - k d) p, s_dd = -(1 + k d) p,
         s_sd = i k d p; under q along s, s_ss = i (2 - k d) q, s_dd = i k d q, s_sd = -(1 - k d) q;
         under q across, s_td = -q and s_st = i q.
     """

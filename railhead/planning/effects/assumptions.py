@@ -45,7 +45,9 @@ def inside_the_bodies(context: Context, found: Findings) -> PostSolveVerdict | N
 
 
 def edges(context: Context) -> list[float]:
-    """y of the ends of both profiles and of the tread's width, mm."""
+    """Places y on the rail (mm) at which a body ends: the ends of both profiles, and of the tread's
+    width around the first contact, at plus and minus infinity where the wheel has no width.
+    """
     contact, width = context.contact, context.scene.wheel.width or math.inf
     ends = [end + shift for _, profile, shift in contact.cross_profiles for end in profile.domain]
     return [*ends, contact.touch.y - width / 2, contact.touch.y + width / 2]
