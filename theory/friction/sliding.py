@@ -138,9 +138,10 @@ def _plane_wave(
     and a traction friction * p along x: the real part of the sum over all wave numbers k.
 
     i_0, i_1: sums of p exp(-k d) and of p k d exp(-k d), (n,) complex, MPa; e: unit vector of s,
-        the direction of the waves in the surface; d: depth; t: across s. In the plane of s and d: under p, s_ss = -(1 - k d) p, s_dd = -(1 + k d) p,
-        s_sd = i k d p; under q along s, s_ss = i (2 - k d) q, s_dd = i k d q, s_sd = -(1 - k d) q;
-        under q across, s_td = -q and s_st = i q.
+        the direction of the waves in the surface; d: depth; t: across s.
+    In the plane of s and d: under p, s_ss = -(1 - k d) p, s_dd = -(1 + k d) p, s_sd = i k d p;
+    under q along s, s_ss = i (2 - k d) q, s_dd = i k d q, s_sd = -(1 - k d) q; under q across,
+    s_td = -q and s_st = i q.
     """
     along, across = friction * e[0], -friction * e[1]
     ss = (i_1 - i_0 + 1j * along * (2 * i_0 - i_1)).real
