@@ -133,11 +133,12 @@ def test_page_says_what_accuracy_costs(cost) -> None:
     assert done.stdout.startswith(text)
 
 
-def test_without_a_name_the_studies_are_listed_and_cases_are_not(tmp_path) -> None:
-    done = command.process("study", cwd=tmp_path)
-    assert done.returncode == 0
-    assert {"accuracy_cost", "load_sweep"} <= {line.split()[0] for line in done.stdout.splitlines()}
-    listed = command.process("list", cwd=tmp_path).stdout
+def test_without_a_name_the_studies_are_listed_and_cases_are_not(capsys) -> None:
+    assert command.status("study") == 0
+    told = capsys.readouterr().out.splitlines()
+    assert {"accuracy_cost", "load_sweep"} <= {line.split()[0] for line in told}
+    assert command.status("list") == 0
+    listed = capsys.readouterr().out
     assert "load_sweep" not in listed and "accuracy_cost" not in listed
 
 
