@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -21,152 +21,10 @@ from railhead.geometry.measured import BODY_BY_EXTENSION
 from railhead.geometry.measured.smoothing import LEAST_POINTS
 
 Array = NDArray[np.float64]
-BLANKS = r"[\s,;]+"
-SIMPACK_UNITS = {1000: "mm", 1: "m", 39: "inch"}  # by the whole part of units.len.f, units a metre
-
-
-def read(path: Path, unit_is_given: bool = False) -> Table:
-    """Points of a profile file; the extension selects the format.
-    unit_is_given: the user gives the unit, so a header with an unknown unit is not refused.
-    Raises FormatError for a file that is no profile, with fewer than 12 points or of the wrong
-    body, and OSError.
-    """
-    lines, extension = _text(path).splitlines(), path.suffix.lower()
-    body = BODY_BY_EXTENSION.get(extension, "")
-    if not body:
-        found = _table(path.name, lines, unit_is_given)
-    elif extension in (".ban", ".whl"):
-        found = _miniprof(path.name, lines)
-    else:
-        found = _simpack(path.name, lines)
-    if len(found.points) < LEAST_POINTS:
-        text = f"ends after {len(found.points)} points; give at least {LEAST_POINTS}"
-        raise FormatError(path.name, len(lines), text)
-    return replace(found, body=found.body or body)
-
-
-def _text(path: Path) -> str:
-    """Text of a file in UTF-16 with a mark, UTF-8 or Latin-1. Raises FormatError for binary
-    content.
-    """
-    data = path.read_bytes()
-    marked = data[:2] in (b"\xff\xfe", b"\xfe\xff")
-    for coding in ("utf-16",) if marked else ("utf-8-sig", "latin-1"):
-        try:
-            text = data.decode(coding)
-        except UnicodeDecodeError:
-            continue
-        if "\0" not in text:
-            return text
-    raise FormatError(path.name, 1, "is no text; give points as text")
-
-
-def _miniprof(name: str, lines: Sequence[str]) -> Table:
-    """Table of a MiniProf file. Lines that begin with a quotation mark are commented out. Raises
-    FormatError.
-    """
-    empty = next((i for i, line in enumerate(lines) if not line.strip()), len(lines))
-    header = dict(line.split("=", 1) for line in lines[:empty] if "=" in line)
-    if not header:
-        text = "is no header; give MiniProf's lines key=value and an empty line before the points"
-        raise FormatError(name, 1, text)
-    values, at_lines, remarks = _rows(name, lines, empty, len(lines), '"!%#')
-    names = [column.strip().upper() for column in header.get("ColumnDef", "X,Y").split(",")]
-    columns = [names.index(column) for column in ("X", "Y") if column in names]
-    if len(columns) < 2 or max(columns) >= values.shape[1]:
-        columns = [0, 1]
-    return Table(
-        points=values[:, columns],
-        unit="mm",
-        body="",
-        format="MiniProf",
-        remarks=remarks,
-        lines=at_lines,
-    )
-
-
-def _simpack(name: str, lines: Sequence[str]) -> Table:
-    """Table of a Simpack file. Shifts, rotation, bounds and mirrors of the header are applied in
-    order, as Simpack does. Raises FormatError.
-    """
-    bare = [line.split("!")[0].strip() for line in lines]
-    begin = bare.index("point.begin") if "point.begin" in bare else -1
-    if begin < 0:
-        text = "ends without point.begin; give Simpack's sections"
-        raise FormatError(name, max(len(lines), 1), text)
-    if "point.end" not in bare[begin:]:
-        raise FormatError(name, len(lines), "ends without point.end; give the whole file")
-    keys: dict[str, tuple[int, str]] = {}
-    for at, line in enumerate(bare[:begin], 1):
-        key, equals, value = line.partition("=")
-        if equals:  # `type` comes twice: first in the header
-            keys.setdefault(key.strip(), (at, value.strip()))
-
-    def number(key: str, default: float = 0.0) -> float:
-        """Number of a header key, or the default. Raises FormatError where the value is none."""
-        line, text = keys.get(key, (0, str(default)))
-        if not NUMBER.fullmatch(text):
-            raise FormatError(name, line, f"{key} = {text[:SHOWN]!r}; give a number")
-        return float(text)
-
-    values, at_lines, remarks = _rows(name, lines, begin + 1, bare.index("point.end", begin), "!")
-    points = values[:, :2] + [number("shift.y"), number("shift.z")]
-    turn = number("rotate") / number("units.ang.f", 1.0)
-    c, s = math.cos(turn), math.sin(turn)
-    points = points @ np.array([[c, s], [-s, c]])
-    for axis, letter in enumerate("yz"):
-        low, high = number(f"bound.{letter}.min", 1.0), number(f"bound.{letter}.max")
-        if low < high:
-            inside = np.flatnonzero((points[:, axis] >= low) & (points[:, axis] <= high))
-            points, at_lines = points[inside], tuple(at_lines[i] for i in inside)
-        if number(f"mirror.{letter}"):
-            points[:, axis] *= -1
-    done = [
-        f"{key} done"
-        for key in ("shift.y", "shift.z", "rotate", "mirror.y", "mirror.z")
-        if number(key)
-    ]
-    return Table(
-        points=points,
-        unit=SIMPACK_UNITS.get(int(number("units.len.f", 1000.0)), ""),
-        body={"0": "rail", "1": "wheel"}.get(keys.get("type", (0, ""))[1], ""),
-        format="Simpack",
-        remarks=(*remarks, *done),
-        lines=at_lines,
-    )
-
-
-def _rows(
-    name: str, lines: Sequence[str], start: int, end: int, comment: str
-) -> tuple[Array, tuple[int, ...], tuple[str, ...]]:
-    """Numbers (n, m) in the lines with indices from start up to, not including, end; the line
-    number of each row (n,); and a remark on rows that are commented out, if any.
-    comment: characters of which one begins a comment line.
-    Raises FormatError for a line that is no row, and where there is none.
-    """
-    rows, where, out = [], [], 0
-    for i in range(start, end):
-        line = lines[i].strip()
-        commented = line[:1] in comment
-        row = numbers(line[commented:].split("!")[0].strip(), BLANKS, ".")
-        if line and commented:
-            out += row is not None
-        elif row:
-            rows.append(row)
-            where.append(i + 1)
-        elif line:
-            text = f"{line[:SHOWN]!r} is no point; give two numbers y, z"
-            raise FormatError(name, i + 1, text)
-    if not rows:
-        text = "no points follow; give two numbers y, z a line"
-        raise FormatError(name, min(start + 1, len(lines)), text)
-    width = min(map(len, rows))
-    remarks = (f"{out} line{'s' * (out > 1)} commented out",) if out else ()
-    return np.array([row[:width] for row in rows]), tuple(where), remarks
-
-
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 COMMENT = re.compile(r"[#%!;*]|//")
+COMMENTED_OUT = re.compile(r"[#%!\"]")  # by MiniProf and Simpack
+SIMPACK_UNITS = {1000: "mm", 1: "m", 39: "inch"}  # by the whole part of units.len.f, units a metre
 ACROSS = ("y", "lateral", "lat", "across", "quer")
 UP = ("z", "height", "vertical", "vert", "hoehe", "höhe", "elevation", "elev", "depth", "tiefe")
 UNIT_NAMES = {
@@ -194,6 +52,7 @@ LAYOUTS = (
     (r"\s+", ".", "blanks"),
     (r"\s+", ",", "blanks, decimal commas"),
 )
+INSTRUMENT_LAYOUT = r"[\s,;]+", "."
 
 
 class FormatError(ValueError):
@@ -223,7 +82,43 @@ class Table:
     lines: tuple[int, ...]
 
 
-def numbers(line: str, separator: str, decimal: str) -> list[float] | None:
+def read(path: Path, unit_is_given: bool = False) -> Table:
+    """Points of a profile file; the extension selects the format.
+    unit_is_given: the user gives the unit, so a header with an unknown unit is not refused.
+    Raises FormatError for a file that is no profile, with fewer than 12 points or of the wrong
+    body, and OSError.
+    """
+    name, lines, extension = path.name, _text(path).splitlines(), path.suffix.lower()
+    body = BODY_BY_EXTENSION.get(extension, "")
+    if not body:
+        found = _table(name, lines, unit_is_given)
+    elif extension in (".ban", ".whl"):
+        found = _miniprof(name, lines, body)
+    else:
+        found = _simpack(name, lines, body)
+    if len(found.points) < LEAST_POINTS:
+        text = f"ends after {len(found.points)} points; give at least {LEAST_POINTS}"
+        raise FormatError(name, len(lines), text)
+    return found
+
+
+def _text(path: Path) -> str:
+    """Text of a file in UTF-16 with a mark, UTF-8 or Latin-1. Raises FormatError for binary
+    content.
+    """
+    data = path.read_bytes()
+    marked = data[:2] in (b"\xff\xfe", b"\xfe\xff")
+    for coding in ("utf-16",) if marked else ("utf-8-sig", "latin-1"):
+        try:
+            text = data.decode(coding)
+        except UnicodeDecodeError:
+            continue
+        if "\0" not in text:
+            return text
+    raise FormatError(path.name, 1, "is no text; give points as text")
+
+
+def _numbers(line: str, separator: str, decimal: str) -> list[float] | None:
     """Numbers with which a line begins, up to the first cell that is no number; None if there are
     fewer than two, or one is not finite.
     separator: regular expression between cells; decimal: '.' or ','.
@@ -239,48 +134,148 @@ def numbers(line: str, separator: str, decimal: str) -> list[float] | None:
     return found if len(found) >= 2 and all(map(math.isfinite, found)) else None
 
 
+def _rows(
+    name: str, lines: Sequence[str], span: range, layout: tuple[str, str], comment: re.Pattern[str]
+) -> tuple[list[list[float]], tuple[int, ...], tuple[str, ...]]:
+    """Numbers in the lines with indices in a span, the line number of each row (n,), and a remark
+    on rows that are commented out, if any.
+    layout: separator (regular expression) and decimal mark; comment: what begins a comment line.
+    Raises FormatError for a line that is no row, and where there is none.
+    """
+    rows, where, out = [], [], 0
+    for i in span:
+        line = lines[i].strip()
+        mark = comment.match(line)
+        row = _numbers(line[mark.end() if mark else 0 :], *layout)
+        if mark:
+            out += row is not None
+        elif row:
+            rows.append(row)
+            where.append(i + 1)
+        elif line:
+            text = f"{line[:SHOWN]!r} is no point; give two numbers y, z, or begin a comment with "
+            raise FormatError(name, i + 1, f"{text}{'#' if comment is COMMENT else '!'}")
+    if not rows:
+        text = "no points follow; give two numbers y, z a line"
+        raise FormatError(name, max(min(span.start + 1, len(lines)), 1), text)
+    return rows, tuple(where), (f"{out} line{'s' * (out > 1)} commented out",) if out else ()
+
+
+def _chosen(
+    name: str, rows: Sequence[Sequence[float]], at_lines: Sequence[int], columns: Sequence[int]
+) -> Array:
+    """Points (n, 2) in two columns of the rows. Raises FormatError for a row that is too short."""
+    for line, row in zip(at_lines, rows, strict=True):
+        if len(row) <= max(columns):
+            text = f"has no number in column {max(columns) + 1}; give as many as in other lines"
+            raise FormatError(name, line, text)
+    return np.array([[row[column] for column in columns] for row in rows])
+
+
+def _miniprof(name: str, lines: Sequence[str], body: str) -> Table:
+    """Table of a MiniProf file. Lines that begin with a quotation mark are commented out. Raises
+    FormatError.
+    """
+    empty = next((i for i, line in enumerate(lines) if not line.strip()), len(lines))
+    header = dict(line.split("=", 1) for line in lines[:empty] if "=" in line)
+    if not header:
+        text = "is no header; give MiniProf's lines key=value and an empty line before the points"
+        raise FormatError(name, 1, text)
+    span = range(empty, len(lines))
+    rows, at_lines, remarks = _rows(name, lines, span, INSTRUMENT_LAYOUT, COMMENTED_OUT)
+    names = [column.strip().upper() for column in header.get("ColumnDef", "X,Y").split(",")]
+    columns = [names.index(column) for column in ("X", "Y") if column in names]
+    return Table(
+        points=_chosen(name, rows, at_lines, columns if len(columns) == 2 else [0, 1]),
+        unit="mm",
+        body=body,
+        format="MiniProf",
+        remarks=remarks,
+        lines=at_lines,
+    )
+
+
+def _simpack(name: str, lines: Sequence[str], body: str) -> Table:
+    """Table of a Simpack file. Shifts, rotation, bounds and mirrors of the header are applied in
+    order, as Simpack does; its type stands over the body of the extension. Raises FormatError.
+    """
+    bare = [line.split("!")[0].strip() for line in lines]
+    if "point.begin" not in bare:
+        text = "ends without point.begin; give Simpack's sections"
+        raise FormatError(name, max(len(lines), 1), text)
+    begin = bare.index("point.begin")
+    if "point.end" not in bare[begin:]:
+        raise FormatError(name, len(lines), "ends without point.end; give the whole file")
+    keys: dict[str, tuple[int, str]] = {}
+    for at, line in enumerate(bare[:begin], 1):
+        key, equals, value = line.partition("=")
+        if equals:  # `type` comes twice: first in the header
+            keys.setdefault(key.strip(), (at, value.strip()))
+
+    def number(key: str, default: float = 0.0) -> float:
+        """Number of a header key, or the default. Raises FormatError where the value is none."""
+        line, text = keys.get(key, (0, str(default)))
+        if not NUMBER.fullmatch(text):
+            raise FormatError(name, line, f"{key} = {text[:SHOWN]!r}; give a number")
+        return float(text)
+
+    span = range(begin + 1, bare.index("point.end", begin))
+    rows, at_lines, remarks = _rows(name, lines, span, INSTRUMENT_LAYOUT, COMMENTED_OUT)
+    points = _chosen(name, rows, at_lines, (0, 1)) + [number("shift.y"), number("shift.z")]
+    turn = number("rotate") / number("units.ang.f", 1.0)
+    c, s = math.cos(turn), math.sin(turn)
+    points = points @ np.array([[c, s], [-s, c]])
+    for axis, letter in enumerate("yz"):
+        low, high = number(f"bound.{letter}.min", 1.0), number(f"bound.{letter}.max")
+        if low < high:
+            inside = np.flatnonzero((points[:, axis] >= low) & (points[:, axis] <= high))
+            points, at_lines = points[inside], tuple(at_lines[i] for i in inside)
+        if number(f"mirror.{letter}"):
+            points[:, axis] *= -1
+    changes = ("shift.y", "shift.z", "rotate", "mirror.y", "mirror.z")
+    return Table(
+        points=points,
+        unit=SIMPACK_UNITS.get(int(number("units.len.f", 1000.0)), ""),
+        body={"0": "rail", "1": "wheel"}.get(keys.get("type", (0, ""))[1], body),
+        format="Simpack",
+        remarks=(*remarks, *(f"{key} done" for key in changes if number(key))),
+        lines=at_lines,
+    )
+
+
 def _table(name: str, lines: Sequence[str], unit_is_given: bool) -> Table:
     """Table from the lines of a text file of two or more columns.
     name: file name, for messages.
     unit_is_given: the user gives the unit, so a header with an unknown unit is not refused.
     Raises FormatError for lines that are no points, and columns or units that are unclear.
     """
-    full = [(at, line.strip()) for at, line in enumerate(lines, 1) if line.strip()]
-    data = [(at, line) for at, line in full if not COMMENT.match(line)]
+    full = [(i, line.strip()) for i, line in enumerate(lines) if line.strip()]
+    data = [(i, line) for i, line in full if not COMMENT.match(line)]
     separator, decimal, words = max(
-        LAYOUTS, key=lambda each: sum(numbers(line, *each[:2]) is not None for _, line in data)
+        LAYOUTS, key=lambda each: sum(_numbers(line, *each[:2]) is not None for _, line in data)
     )
-    rows = [(at, line, numbers(line, separator, decimal)) for at, line in data]
-    points = [(at, row) for at, _, row in rows if row]
-    first = points[0][0] if points else 0
-    for at, line, row in rows or [(1, "", None)]:
-        if row is None and at > first:
-            text = "is no point; give two numbers y, z, or begin a comment with #"
-            raise FormatError(name, at, f"{line[:SHOWN]!r} {text}")
-    header = [(at, line) for at, line in full if at < first]
-    count = max(len(row) for _, row in points)
+    start = next((i for i, line in data if _numbers(line, separator, decimal)), 0)
+    span = range(start, len(lines))
+    rows, at_lines, _ = _rows(name, lines, span, (separator, decimal), COMMENT)
+    header = [(i + 1, line) for i, line in full if i < start]
+    count = max(map(len, rows))
     named = _columns(name, header, separator, count)
     if not named and count > 2:
-        raise FormatError(
-            name, first, f"has {count} columns; give a header line that names y and z"
-        )
-    at, columns, units = named or (first, (0, 1), [])
-    for line_number, row in points:
-        if len(row) <= max(columns):
-            text = f"has no number in column {max(columns) + 1}; give as many as in other lines"
-            raise FormatError(name, line_number, text)
+        text = f"has {count} columns; give a header line that names y and z"
+        raise FormatError(name, start + 1, text)
+    at, columns, units = named or (start + 1, (0, 1), [])
     if not unit_is_given and (len(units) > 1 or any(unit not in UNIT_NAMES for unit in units)):
         text = f"the columns are in {' and '.join(units)}; give both in one of "
         raise FormatError(name, at, text + ", ".join(UNIT_NAMES))
     stated = [match[1].lower() for _, line in header if (match := UNIT_LINE.search(line))]
     units = units or [UNIT_OF_NAME[each] for each in stated if each in UNIT_OF_NAME][:1]
     return Table(
-        points=np.array([[row[column] for column in columns] for _, row in points]),
+        points=_chosen(name, rows, at_lines, columns),
         unit=" and ".join(units),
         body="",
         format=f"table by {words}",
         remarks=(f"columns {columns[0] + 1} and {columns[1] + 1} of {count}",) * (count > 2),
-        lines=tuple(at for at, _ in points),
+        lines=at_lines,
     )
 
 
@@ -292,35 +287,31 @@ def _columns(
     header: (line number, text) before the points; count: columns of the points.
     Raises FormatError where a header names several such columns, or fewer columns than there are.
     """
-    for index, (at, line) in reversed([*enumerate(header)]):
-        cells = _cells(line, separator)
+    below: list[str] = []
+    for at_line, line in reversed(header):
+        bare = re.sub(r"\s+(?=[\[(])", "", line.lstrip("#%!;*/ "))  # a bracket is of its word
+        cells = [cell.strip(" \"'") for cell in re.split(separator, bare.strip().lower())]
         words = [re.split(r"[\W_]", cell)[0] for cell in cells]
         across, up, along = (
             [i for i, word in enumerate(words) if word in known] for known in (ACROSS, UP, ("x",))
         )
         if along and not (across and up):  # x is across where there is no y, or no z beside it
             across, up = along, up or across
-        if not (across and up):
-            continue
-        if len(across) > 1 or len(up) > 1 or len(cells) < count:
-            text = f"names several columns across or up, or fewer than the {count} of the points; "
-            raise FormatError(name, at, text + "give a header that names one y and one z")
-        columns = across[0], up[0]
-        below = _cells(header[index + 1][1], separator) if index + 1 < len(header) else []
+        if across and up:
+            at = at_line
+            break
+        below = cells
+    else:
+        return None
+    if len(across) > 1 or len(up) > 1 or len(cells) < count:
+        text = f"names several columns across or up, or fewer than the {count} of the points; "
+        raise FormatError(name, at, text + "give a header that names one y and one z")
+    columns = across[0], up[0]
+    units = {}
+    for column in columns:
+        text = cells[column]
         if len(below) == len(cells):  # names, then units
-            cells = [f"{cells[i]} /{unit.strip('[]()')}" for i, unit in enumerate(below)]
-        units = dict.fromkeys(_unit(cells[column]) for column in columns)
-        return at, columns, [*filter(None, units)]
-    return None
-
-
-def _cells(line: str, separator: str) -> list[str]:
-    """Cells of a header line in lower case; a bracket belongs to the word before it."""
-    text = re.sub(r"\s+(?=[\[(])", "", line.lstrip("#%!;*/ ").strip()).lower()
-    return [cell.strip(" \"'") for cell in re.split(separator, text)]
-
-
-def _unit(head: str) -> str:
-    """Unit in a column's name, by its name in `UNIT_NAMES` or `OTHER_UNITS`; '' for none."""
-    found = [UNIT_OF_NAME.get(word, word) for word in UNIT.findall(head)]
-    return next((word for word in found if word in UNIT_NAMES or word in OTHER_UNITS), "")
+            text += f" /{below[column].strip('[]()')}"
+        found = (UNIT_OF_NAME.get(word, word) for word in UNIT.findall(text))
+        units |= dict.fromkeys([each for each in found if each in (*UNIT_NAMES, *OTHER_UNITS)][:1])
+    return at, columns, [*units]
