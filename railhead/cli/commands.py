@@ -21,8 +21,8 @@ import click
 
 from railhead import __version__
 from railhead.run import process
-from railhead.scene import catalogue, mixed_units
-from railhead.scene.scene import Scene, SceneError
+from railhead.scene import catalogue
+from railhead.scene.scene import Scene, SceneError, unit_questions
 
 if TYPE_CHECKING:
     from railhead.cli.examine_profile import ExaminedProfile
@@ -99,7 +99,7 @@ def _takes_scene(command: Callable[..., Any]) -> Any:
         switches = [f"effects.{name}=on" for name in switched_on]
         switches += [f"effects.{name}=off" for name in switched_off]
         scene = catalogue.find(case).replace([*assignments, *switches])
-        for question in mixed_units.questions(scene):
+        for question in unit_questions(scene):
             _say(question)
         return command(*arguments, scene=scene, **values)
 

@@ -9,8 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from railhead.contact.solid import RAIL_HALF_WIDTH, TREAD_HALF_WIDTH
-from railhead.scene import unused
-from railhead.scene.scene import NOMINAL_RADIUS, Scene, SceneError
+from railhead.scene.scene import (
+    NOMINAL_RADIUS,
+    Scene,
+    SceneError,
+    refuse_unused,
+    set_but_unused,
+)
 from railhead.theory.elastic import hertz, line
 
 SLENDER = 5.0  # predicted semi-axis across over half the contact length that makes a line contact:
@@ -86,7 +91,7 @@ def circular(scene: Scene) -> tuple[bool, str]:
     plane = rail.profile == "arc" and math.isinf(rail.crown_radius or 0)
     if not (sphere and plane):
         return False, "the bodies are not a sphere over the middle of a level plane"
-    for key, value in unused.set_but_unused(scene, "axisymmetric"):
+    for key, value in set_but_unused(scene, "axisymmetric"):
         return False, f"{key} = {value:g}: no body of revolution about the contact's normal"
     return True, f"{text}: a sphere on the middle of a plane"
 
@@ -106,7 +111,7 @@ def _across(scene: Scene) -> Dimension:
             "rail.length", "not given; wheel.rolling_radius inf is a line contact of that length"
         )
     if scene.rail.extent != "half-space":
-        unused.refuse(scene, "plane_across")
+        refuse_unused(scene, "plane_across")
     why = f"no curvature along the rail: a line contact {scene.rail.length:g} mm long"
     return Dimension("plane_across", why, scene.rail.length)
 
@@ -126,7 +131,7 @@ def _along(scene: Scene) -> Dimension:
     level = scene.rail.extent == "half-space" or (straight and slope < LEVEL)
     if across == 0:
         if scene.rail.extent != "half-space":
-            unused.refuse(scene, "plane_along")
+            refuse_unused(scene, "plane_along")
         if not level or length <= 0:
             raise SceneError(
                 "rail.crown_radius, wheel.transverse_radius",
@@ -145,7 +150,7 @@ def _along(scene: Scene) -> Dimension:
         return _solid(forced, "half-spaces with an elliptic patch")
     share = _semi_axis_across(scene, along, across) / (length / 2) if length > 0 else 0.0
     text = f"predicted semi-axis across is {share:.3g} of half the common width {length:.4g} mm"
-    for key, value in unused.set_but_unused(scene, "plane_along"):
+    for key, value in set_but_unused(scene, "plane_along"):
         return _solid(forced, f"{key} = {value:g}: no section along the rail")
     if not level or share < (1.0 if forced == "on" else SLENDER) or forced == "off":
         return _solid(forced, f"{text}, a line contact needs {SLENDER:g}")

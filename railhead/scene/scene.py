@@ -16,7 +16,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, model_validator
 
-from railhead.scene import units, unused
+from railhead.scene import units
 from railhead.scene.sections import (
     Effects,
     Friction,
@@ -54,6 +54,36 @@ _DROPS = {
     "solver.method": ("solver.theta", ("nitsche", "none")),
 }
 OTHER_NAMES = {"friction.tangential_load": "friction.force_along"}
+_WHEELSET = {"rail.gauge", "wheelset.yaw", "wheelset.back_to_back"}
+_LINE = {"rail.width", "wheel.width", "wheelset.shift"}
+#: Keys that a half-space in point contact cannot use.
+HALF_SPACE = _WHEELSET | _LINE | {
+    "rail.inclination", "rail.length", "rail.depth", "wheel.rim_depth", "wheel.segment_length",
+}  # fmt: skip
+#: By kind of scene: its name in a sentence and its keys. Solids use every key.
+UNUSED_KEYS: dict[str, tuple[str, frozenset[str]]] = {
+    "half_space": ("point contact of half-spaces", frozenset(HALF_SPACE)),
+    "half_space_along": ("line contact of half-spaces", frozenset(HALF_SPACE - _LINE)),
+    "half_space_across": (
+        "line contact of half-spaces along the rail", frozenset(HALF_SPACE - {"rail.length"}),
+    ),
+    "plane_along": ("section along the rail", frozenset(_WHEELSET | {"rail.inclination"})),
+    "plane_across": ("section across the rail", frozenset(_WHEELSET | {"wheel.segment_length"})),
+    "axisymmetric": (
+        "meridian section",
+        frozenset(_WHEELSET | {"rail.inclination", "rail.length", "wheel.width", "wheelset.shift"}),
+    ),
+}  # fmt: skip
+USUAL = {
+    "rail.young_modulus": (190e3, 220e3),
+    "wheel.young_modulus": (190e3, 220e3),
+    "rail.yield_stress": (200.0, 1500.0),
+    "wheel.yield_stress": (200.0, 1500.0),
+    "wheel.rolling_radius": (250.0, 650.0),
+    "load": (5e3, 250e3),
+}
+"""Range in base units of steel wheels on rails, by dotted key."""
+FACTORS = (1e-3, 1e3, 1e6)  # GPa for MPa, m for mm, kN for N; kPa and Pa for MPa
 
 
 def _name(value: object) -> str:
@@ -223,7 +253,7 @@ class Scene(Section):
                     "contact; a half-space needs 1/crown_radius + 1/transverse_radius > 0, or 0 "
                     "with a finite wheel.rolling_radius",
                 )
-            unused.refuse(self, self._half_space)
+            refuse_unused(self, self._half_space)
         return self
 
     @property
@@ -235,7 +265,7 @@ class Scene(Section):
 
     @property
     def _half_space(self) -> str:
-        """Key of `unused.UNUSED_KEYS` for the kind of contact of two half-spaces: point contact,
+        """Key of `UNUSED_KEYS` for the kind of contact of two half-spaces: point contact,
         line contact curved along the rail, or line contact curved across the rail.
         """
         along, across = self.relative_curvatures()
@@ -308,8 +338,8 @@ class Scene(Section):
             else:
                 data[key] = value
         if given.get("rail.extent") == "half-space":
-            bare = self.from_mapping(unused.drop_keys(data, unused.HALF_SPACE - given.keys()))
-            data = unused.drop_keys(data, unused.UNUSED_KEYS[bare._half_space][1] - given.keys())
+            bare = self.from_mapping(drop_keys(data, HALF_SPACE - given.keys()))
+            data = drop_keys(data, UNUSED_KEYS[bare._half_space][1] - given.keys())
         return self.from_mapping(data)
 
     def value(self, key: str) -> object:
@@ -329,6 +359,57 @@ def unit(key: str) -> str:
         return ""
     field = section.model_fields[leaf]
     return next(filter(None, map(units.unit, (*field.metadata, field.annotation))), "")
+
+
+def set_but_unused(scene: Scene, kind: str) -> list[tuple[str, Any]]:
+    """Pairs (dotted key, value) of the keys that a kind of scene cannot use and whose values are
+    not the defaults. kind: a key of UNUSED_KEYS.
+    """
+    pairs = []
+    for key in sorted(UNUSED_KEYS[kind][1]):
+        section, leaf = key.split(".")
+        table = getattr(scene, section)
+        value = getattr(table, leaf)
+        if value != type(table).model_fields[leaf].default:
+            pairs.append((key, value))
+    return pairs
+
+
+def refuse_unused(scene: Scene, kind: str) -> None:
+    """Raise SceneError for the first key that is set and that this kind of scene (a key of
+    UNUSED_KEYS) cannot use.
+    """
+    for key, value in set_but_unused(scene, kind):
+        name, keys = UNUSED_KEYS[kind]
+        text = f"{value:g} is not allowed; a {name} has no use for it (nor for "
+        raise SceneError(key, f"{text}{', '.join(sorted(keys - {key}))}); leave it out")
+
+
+def drop_keys(data: Mapping[str, Any], keys: Iterable[str]) -> dict[str, Any]:
+    """A copy of the nested tables of a scene without the given dotted keys."""
+    dropped = set(keys)
+    return {
+        section: {k: v for k, v in table.items() if f"{section}.{k}" not in dropped}
+        if isinstance(table, Mapping)
+        else table
+        for section, table in data.items()
+    }
+
+
+def unit_questions(scene: Scene) -> Iterator[str]:
+    """A line for each value that is a thousandth, a thousand or a million times what a steel wheel
+    on a rail has: "load = 25 N, 0.001 times what is usual: 25000 N meant?".
+
+    A load is only judged on the profile of a rail.
+    """
+    for key, (low, high) in USUAL.items():
+        value = scene.value(key)
+        if not isinstance(value, float) or (key == "load" and scene.rail.profile == "arc"):
+            continue
+        for factor in FACTORS:
+            if low <= value / factor <= high:
+                meant = f"{value / factor:g} {unit(key)} meant?"
+                yield f"{key} = {value:g} {unit(key)}, {factor:g} times what is usual: {meant}"
 
 
 def checked(scene: object) -> Scene:

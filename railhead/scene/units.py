@@ -9,13 +9,14 @@ import math
 import re
 import reprlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import KW_ONLY, dataclass, field, replace
 from decimal import Decimal
 from functools import lru_cache
 from numbers import Real
-from typing import TYPE_CHECKING, Annotated, get_args
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
-from pydantic import BeforeValidator
+from pydantic import GetCoreSchemaHandler
+from pydantic_core import CoreSchema, core_schema
 
 if TYPE_CHECKING:
     import pint
@@ -186,28 +187,45 @@ def to_base(value: object, kind: QuantityKind) -> float:
     return number
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class RangeValidator:
-    """Validator of a quantity: called with a value, returns the value in the base unit of its kind.
+@dataclass(frozen=True, eq=False)
+class Range:
+    """Quantities of a kind within a range, as metadata of an annotated float or int: pydantic calls
+    it with a value and gets the value in the base unit of the kind.
 
     kind: the kind of quantity, with its base unit.
     low: smallest allowed value, in the base unit.
     high: largest allowed value, in the base unit.
+    note: added to the description of the range in messages.
+    words: replaces that description.
     excluded: values between low and high that are not allowed.
     infinite: whether inf is allowed, too.
     either_sign: whether low and high bound the absolute value.
     whole: whether only whole numbers are allowed.
-    allowed: what is allowed, for the message "<value> is not allowed; give <allowed>".
     """
 
     kind: QuantityKind
     low: float
     high: float
+    note: str = ""
+    _: KW_ONLY
+    words: str = ""
     excluded: tuple[float, ...] = ()
     infinite: bool = False
     either_sign: bool = False
     whole: bool = False
-    allowed: str
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Pydantic's schema of the annotated number: this range first, then the number's own."""
+        return core_schema.no_info_before_validator_function(self, handler(source))
+
+    @property
+    def allowed(self) -> str:
+        """What is allowed, for the message "<value> is not allowed; give <allowed>"."""
+        noun = "a whole number" if self.whole else self.kind.noun
+        ends = f"from {_short(self.low)} to {_short(self.high)} {self.kind.unit}".rstrip()
+        return self.words or f"{noun} {ends}{self.note}"
 
     def __call__(self, value: object) -> float:
         """The value (a number, or a text with its unit) in the base unit. Raises ValueError (one
@@ -223,40 +241,6 @@ class RangeValidator:
         return number
 
 
-def _in_range(
-    kind: QuantityKind,
-    low: float,
-    high: float,
-    note: str = "",
-    *,
-    allowed: str = "",
-    excluded: tuple[float, ...] = (),
-    infinite: bool = False,
-    either_sign: bool = False,
-    whole: bool = False,
-) -> BeforeValidator:
-    """A pydantic validator of quantities of a kind from low to high (base unit).
-
-    note: added to the description of the range in messages.
-    allowed: replaces that description.
-    excluded, infinite, either_sign, whole: as in `RangeValidator`.
-    """
-    ends = f"from {_short(low)} to {_short(high)} {kind.unit}".rstrip()
-    noun = "a whole number" if whole else kind.noun
-    return BeforeValidator(
-        RangeValidator(
-            kind=kind,
-            low=low,
-            high=high,
-            excluded=excluded,
-            infinite=infinite,
-            either_sign=either_sign,
-            whole=whole,
-            allowed=allowed or f"{noun} {ends}{note}",
-        )
-    )
-
-
 def _short(number: float) -> str:
     """Text of a number with a short exponent: 1e-6, 0.001, 1e15."""
     return re.sub(r"e([+-])0*", lambda sign: "e" + sign[1].strip("+"), f"{number:g}")
@@ -264,59 +248,54 @@ def _short(number: float) -> str:
 
 def unit(annotation: object) -> str:
     """Base unit of the quantity that a key's type annotation reads; empty where it has none."""
-    if isinstance(annotation, BeforeValidator):
-        validator = annotation.func
-        return validator.kind.unit if isinstance(validator, RangeValidator) else ""
+    if isinstance(annotation, Range):
+        return annotation.kind.unit
     return next(filter(None, map(unit, get_args(annotation))), "")
 
 
 # Beyond these ranges no scene of allowed radii and moduli makes a patch of a nanometre or more, or
 # numbers overflow.
-Force = Annotated[float, _in_range(FORCE, 1e-40, 1e15)]
-Approach = Annotated[float, _in_range(LENGTH, 1e-21, 1e6)]
-Radius = Annotated[float, _in_range(LENGTH, 1e-6, 1e9, "; inf is flat", infinite=True)]
+Force = Annotated[float, Range(FORCE, 1e-40, 1e15)]
+Approach = Annotated[float, Range(LENGTH, 1e-21, 1e6)]
+Radius = Annotated[float, Range(LENGTH, 1e-6, 1e9, "; inf is flat", infinite=True)]
 SignedRadius = Annotated[
     float,
-    _in_range(
-        LENGTH, 1e-6, 1e9, "; negative is concave, inf is flat", infinite=True, either_sign=True
-    ),
+    Range(LENGTH, 1e-6, 1e9, "; negative is concave, inf is flat", infinite=True, either_sign=True),
 ]
-Modulus = Annotated[float, _in_range(STRESS, 1e-12, 1e15, "; inf is rigid", infinite=True)]
-BodyLength = Annotated[float, _in_range(LENGTH, 1e-3, 1e6)]
-ElementSize = Annotated[float, _in_range(LENGTH, 1e-9, 1e6)]
-Wavelength = Annotated[float, _in_range(WAVELENGTH, 1, 100, allowed=WAVELENGTH.hint)]
+Modulus = Annotated[float, Range(STRESS, 1e-12, 1e15, "; inf is rigid", infinite=True)]
+BodyLength = Annotated[float, Range(LENGTH, 1e-3, 1e6)]
+ElementSize = Annotated[float, Range(LENGTH, 1e-9, 1e6)]
+Wavelength = Annotated[float, Range(WAVELENGTH, 1, 100, words=WAVELENGTH.hint)]
 Duration = Annotated[
     float,
-    _in_range(DURATION, 0, math.inf, excluded=(0, math.inf), allowed="a positive, finite time"),
+    Range(DURATION, 0, math.inf, excluded=(0, math.inf), words="a positive, finite time"),
 ]
-Stress = Annotated[float, _in_range(STRESS, 1e-6, 1e9)]
+Stress = Annotated[float, Range(STRESS, 1e-6, 1e9)]
 Hardening = Annotated[
     float,
-    _in_range(
-        STRESS, 0, math.inf, excluded=(math.inf,), allowed="a finite stress that is not negative"
-    ),
+    Range(STRESS, 0, math.inf, excluded=(math.inf,), words="a finite stress that is not negative"),
 ]
-Share = Annotated[float, _in_range(FRACTION, 0, 1)]
+Share = Annotated[float, Range(FRACTION, 0, 1)]
 Factor = Annotated[
     float,
-    _in_range(NUMBER, 0, math.inf, excluded=(0, math.inf), allowed="a positive, finite number"),
+    Range(NUMBER, 0, math.inf, excluded=(0, math.inf), words="a positive, finite number"),
 ]
-Slope = Annotated[float, _in_range(SLOPE, -0.2, 0.2, ', e.g. "1:20"')]
-PoissonRatio = Annotated[float, _in_range(NUMBER, 0, 0.5, ", but not 0.5 itself", excluded=(0.5,))]
-Accuracy = Annotated[float, _in_range(FRACTION, 0.0005, 0.2, ', e.g. "1%"')]
+Slope = Annotated[float, Range(SLOPE, -0.2, 0.2, ', e.g. "1:20"')]
+PoissonRatio = Annotated[float, Range(NUMBER, 0, 0.5, ", but not 0.5 itself", excluded=(0.5,))]
+Accuracy = Annotated[float, Range(FRACTION, 0.0005, 0.2, ', e.g. "1%"')]
 SignedForce = Annotated[
     float,
-    _in_range(FORCE, 0, math.inf, excluded=(math.inf,), either_sign=True, allowed="a finite force"),
+    Range(FORCE, 0, math.inf, excluded=(math.inf,), either_sign=True, words="a finite force"),
 ]
-Creepage = Annotated[float, _in_range(CREEPAGE, -1, 1, ', e.g. 0.001 or "0.1%"')]
-Spin = Annotated[float, _in_range(SPIN, -1, 1)]
-Speed = Annotated[float, _in_range(SPEED, 0, 1000, ', but not 0, e.g. "80 km/h"', excluded=(0,))]
-FrictionCoefficient = Annotated[float, _in_range(NUMBER, 0, 2)]
-Shift = Annotated[float, _in_range(LENGTH, -30, 30)]
-Yaw = Annotated[float, _in_range(ANGLE, -0.1, 0.1, ', e.g. "2 mrad"')]
-Gauge = Annotated[float, _in_range(LENGTH, 500, 2000, ", e.g. 1435")]
-Theta = Annotated[int, _in_range(NUMBER, -1, 1, whole=True, allowed="1, 0 or -1")]
-Cycles = Annotated[int, _in_range(NUMBER, 1, 100, whole=True)]
-Order = Annotated[int, _in_range(NUMBER, 1, 2, whole=True, allowed="1 or 2")]
-Tolerance = Annotated[float, _in_range(NUMBER, 1e-10, 1e-3, ", e.g. 1e-8")]
-Iterations = Annotated[int, _in_range(NUMBER, 1, 200, whole=True)]
+Creepage = Annotated[float, Range(CREEPAGE, -1, 1, ', e.g. 0.001 or "0.1%"')]
+Spin = Annotated[float, Range(SPIN, -1, 1)]
+Speed = Annotated[float, Range(SPEED, 0, 1000, ', but not 0, e.g. "80 km/h"', excluded=(0,))]
+FrictionCoefficient = Annotated[float, Range(NUMBER, 0, 2)]
+Shift = Annotated[float, Range(LENGTH, -30, 30)]
+Yaw = Annotated[float, Range(ANGLE, -0.1, 0.1, ', e.g. "2 mrad"')]
+Gauge = Annotated[float, Range(LENGTH, 500, 2000, ", e.g. 1435")]
+Theta = Annotated[int, Range(NUMBER, -1, 1, whole=True, words="1, 0 or -1")]
+Cycles = Annotated[int, Range(NUMBER, 1, 100, whole=True)]
+Order = Annotated[int, Range(NUMBER, 1, 2, whole=True, words="1 or 2")]
+Tolerance = Annotated[float, Range(NUMBER, 1e-10, 1e-3, ", e.g. 1e-8")]
+Iterations = Annotated[int, Range(NUMBER, 1, 200, whole=True)]

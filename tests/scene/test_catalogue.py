@@ -9,9 +9,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from railhead.scene import unused
 from railhead.scene.catalogue import read_scene, to_toml
-from railhead.scene.scene import Effects, Scene, SceneError
+from railhead.scene.scene import HALF_SPACE, Effects, Scene, SceneError, drop_keys
 
 reusing_the_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 
@@ -88,7 +87,7 @@ def size_or_accuracy(data: dict) -> dict:
     if data.get("solver", {}).get("method") == "penalty":
         data["solver"].pop("theta", None)
     if data.get("rail", {}).get("extent") == "half-space":
-        return unused.drop_keys(data, unused.HALF_SPACE)
+        return drop_keys(data, HALF_SPACE)
     return data
 
 

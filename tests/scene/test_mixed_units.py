@@ -4,7 +4,8 @@ import command
 import pytest
 
 import railhead as rh
-from railhead.scene import catalogue, mixed_units
+from railhead.scene import catalogue
+from railhead.scene.scene import unit_questions
 
 
 @pytest.mark.parametrize(
@@ -19,15 +20,15 @@ from railhead.scene import catalogue, mixed_units
     ],
 )
 def test_a_thousand_times_off_is_asked_about(key: str, value: str, meant: str) -> None:
-    (line,) = mixed_units.questions(rh.find("uic54_thesis").replace([f"{key}={value}"]))
+    (line,) = unit_questions(rh.find("uic54_thesis").replace([f"{key}={value}"]))
     assert line.startswith(f"{key} = ") and line.endswith(f"{meant} meant?")
 
 
 def test_usual_and_small_models_are_not_asked_about() -> None:
     for case in catalogue.shipped():
-        assert not list(mixed_units.questions(rh.find(case))), case
+        assert not list(unit_questions(rh.find(case))), case
     soft = ["rail.young_modulus=20", "load=30"]
-    assert not list(mixed_units.questions(rh.find("sphere_on_plane").replace(soft)))
+    assert not list(unit_questions(rh.find("sphere_on_plane").replace(soft)))
 
 
 def test_the_command_asks_in_one_line_and_goes_on(capsys) -> None:

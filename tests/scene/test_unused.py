@@ -14,7 +14,8 @@ from railhead.meshing.bodies import RAIL
 from railhead.planning import plan
 from railhead.planning.references.closed_forms import hertz_contact
 from railhead.run import model_setup
-from railhead.scene import catalogue, unused
+from railhead.scene import catalogue
+from railhead.scene import scene as scenes
 from railhead.scene.scene import Scene, SceneError
 
 BALL = {"rail": {"profile": "arc", "crown_radius": math.inf},
@@ -22,7 +23,7 @@ BALL = {"rail": {"profile": "arc", "crown_radius": math.inf},
 ROLLER = {"rail": {"profile": "arc", "crown_radius": math.inf},
           "wheel": {"rolling_radius": 50, "width": 60}}  # fmt: skip
 BAR = {"rail": {"length": 100}, "wheel": {"rolling_radius": math.inf}}
-#: By kind in `unused` (solids have none): a scene of it.
+#: By kind of UNUSED_KEYS (solids have none): a scene of it.
 SCENES: dict[str, dict[str, Any]] = {
     "half_space": {},
     "half_space_along": ROLLER,
@@ -97,7 +98,7 @@ def kind(given: Scene) -> str:
 @pytest.mark.parametrize("name", SCENES)
 def test_scenes_are_of_their_kind(name: str) -> None:
     assert kind(scene(name)) == name.split()[0]
-    assert unused.set_but_unused(scene(name), name) == [] if name in unused.UNUSED_KEYS else True
+    assert scenes.set_but_unused(scene(name), name) == [] if name in scenes.UNUSED_KEYS else True
 
 
 @pytest.mark.parametrize("key", KEYS)
@@ -110,8 +111,8 @@ def test_a_key_is_used_or_refused(name: str, key: str) -> None:
     except SceneError as error:
         (line,) = str(error).splitlines()
         if (
-            name in unused.UNUSED_KEYS
-            and key in unused.UNUSED_KEYS[name][1]
+            name in scenes.UNUSED_KEYS
+            and key in scenes.UNUSED_KEYS[name][1]
             and name != "axisymmetric"
         ):
             assert line.startswith(f"{key}: {KEYS[key]:g} is not allowed")
@@ -120,10 +121,10 @@ def test_a_key_is_used_or_refused(name: str, key: str) -> None:
     assert found != plain(name)
 
 
-@pytest.mark.parametrize("name", unused.UNUSED_KEYS)
+@pytest.mark.parametrize("name", scenes.UNUSED_KEYS)
 def test_the_table_holds_what_is_refused(name: str) -> None:
     """Meridian sections give way to solids, which use every key."""
-    for key in unused.UNUSED_KEYS[name][1]:
+    for key in scenes.UNUSED_KEYS[name][1]:
         if name == "axisymmetric":
             assert kind(scene(name, **{key: KEYS[key]})) == "solid"
             continue
@@ -144,7 +145,7 @@ def test_shipped_cases_stay_valid_between_half_spaces_too(name: str) -> None:
     if name == "s1002_60e1":
         return
     half = case.replace(["rail.extent=half-space"])
-    assert unused.set_but_unused(half, half._half_space) == []
+    assert scenes.set_but_unused(half, half._half_space) == []
     assert half.replace(["rail.extent=half-space"]) == half
 
 
