@@ -107,8 +107,12 @@ def contact(
     poisson: Poisson's ratios of both bodies.
     length: length of the line, mm.
     across: whether the width of the strip runs across the rail.
-    ValueError: a value that is not positive and finite, or two rigid bodies.
+    ValueError: a load, curvature or length that is not positive and finite, a modulus not above 0
+        (infinite is rigid), a Poisson's ratio outside of (-1, 0.5], two rigid bodies, or an
+        approach that no half width below the radius makes.
     """
+    if not (0 < curvature < math.inf and 0 < length < math.inf):
+        raise ValueError(f"curvature and length must be positive, got {curvature}, {length}")
     datum = 1 / curvature
     modulus = contact_modulus(moduli[0], poisson[0], moduli[1], poisson[1])
 
