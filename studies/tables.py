@@ -1,4 +1,5 @@
-"""What studies write: CSV files, pages of markdown from templates, and trends of series of runs."""
+"""What studies share: solving in silence, columns of runs and their trends, CSV files, and pages of
+markdown from templates."""
 
 import csv
 from collections.abc import Iterable, Mapping, Sequence
@@ -7,11 +8,15 @@ from typing import Any
 
 import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from numpy.typing import NDArray
+from mpi4py import MPI
 from tabulate import tabulate
 
 from railhead.cli.study import PAGE
+from railhead.planning.plan import Plan
+from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
+from railhead.run.progress import Progress
 from railhead.run.quantities import numeric_values
+from railhead.solver.algebra.newton import NewtonResult
 
 Row = dict[str, Any]
 """One run, scene or mesh of a study, by the columns of its CSV (without units)."""
@@ -100,12 +105,32 @@ def power_law(x: Sequence[float], y: Sequence[float]) -> tuple[float, float]:
     return float(np.exp(intercept)), float(exponent)
 
 
-def pareto(cost: Sequence[float], error: Sequence[float]) -> NDArray[np.intp]:
-    """Indices, by growing cost, of the points that no other point beats in cost and in error."""
-    order = np.lexsort((error, cost))
-    best = np.minimum.accumulate(np.asarray(error, dtype=float)[order])
-    falls = np.concatenate([[True], np.diff(best) < 0])
-    return np.asarray(order[falls])
+def front(rows: Sequence[Row]) -> list[Row]:
+    """The rows, by growing seconds, that no other row beats in seconds and in error."""
+    found: list[Row] = []
+    for row in sorted(rows, key=lambda each: (each["seconds"], each["error"])):
+        if not found or row["error"] < found[-1]["error"]:
+            found.append(row)
+    return found
+
+
+def factor_ten(rows: Sequence[Row]) -> float:
+    """The factor in seconds for a tenth of the error, by the power law through the rows."""
+    return float(10 ** -power_law([r["error"] for r in rows], [r["seconds"] for r in rows])[1])
+
+
+def counts(newton: NewtonResult) -> Row:
+    """Columns of what Newton's method needed."""
+    return {
+        "newton_iterations": len(newton.history),
+        "linear_iterations": sum(step.linear_iterations for step in newton.history),
+        "converged": newton.converged,
+    }
+
+
+def solved(plan: Plan) -> MeshSolution:
+    """A plan solved in silence. Raises MeshError where gmsh cannot mesh the bodies."""
+    return mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_WORLD)
 
 
 def plain_ticks(axis: Any, multiples: Sequence[float]) -> None:

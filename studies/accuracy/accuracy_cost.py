@@ -8,18 +8,16 @@ from typing import Any
 import numpy as np
 from matplotlib import patheffects
 from matplotlib.axes import Axes
-from mpi4py import MPI
 
 from railhead.meshing.mesh import MeshError
 from railhead.planning import plan as planning
 from railhead.postprocess.plots.diagrams import new_figure
 from railhead.results import pipeline
-from railhead.run.mesh_solution import mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from studies import tables
-from studies.tables import COLUMNS, Row, columns, groups, pareto, percent, plain_ticks, power_law
+from studies.tables import COLUMNS, Row, columns, groups, percent, plain_ticks, power_law
 
 CASES = ("hertz_ellipse", "sphere_on_plane", "uic54_thesis")
 NO_FORMULA = ("uic54_thesis",)  # no half-space: held against its own converged run
@@ -119,19 +117,16 @@ def cubic_meshes(
 ) -> Iterator[Row]:
     """Cubic tetrahedra with Nitsche's method, after a warm-up."""
     plan = replace(planning.make(scene), order=3)
-    silent, comm = Progress(quiet=True), MPI.COMM_WORLD
     progress.stage(f"{scene.name}: {CUBIC[1]}, warm-up")
-    mesh_and_solve(plan.at_resolution(CUBIC_SIZES[0]), silent, comm)
+    tables.solved(plan.at_resolution(CUBIC_SIZES[0]))
     for n in CUBIC_SIZES[:sizes]:
         progress.stage(f"{scene.name}: nitsche, {CUBIC[1]}, b/{n:g}")
-        solved = mesh_and_solve(plan.at_resolution(n), silent, comm)
+        solved = tables.solved(plan.at_resolution(n))
         newton = solved.solution.newton
         yield _run(scene, *CUBIC, None, n, solved.grading.size, solved.unknowns) | {
             "seconds": sum(solved.seconds.values()),
             "seconds_solve": solved.seconds["solve"],
-            "newton_iterations": len(newton.history),
-            "linear_iterations": sum(step.linear_iterations for step in newton.history),
-            "converged": newton.converged,
+            **tables.counts(newton),
             "failure": "" if newton.converged else newton.reason,
             **_errors(solved.result, exact),
         }
@@ -251,15 +246,12 @@ def _fixed(rows: Sequence[Row], *which: tuple[str, str]) -> list[Row]:
 
 def _factor_ten(rows: Sequence[Row]) -> dict[str, Any] | None:
     """Ends of the default's front, and the factor in time for ten in accuracy; None: no front."""
-    runs = _fixed(rows, DEFAULT)
-    seconds, errors = [row["seconds"] for row in runs], [row["error"] for row in runs]
-    front = [runs[i] for i in pareto(seconds, errors)] if runs else []
+    front = tables.front(_fixed(rows, DEFAULT))
     fine = [row for row in front if row["error"] < ASYMPTOTIC]
     front = fine if len(fine) > 1 else front
     if len(front) < 2:
         return None
-    slope = power_law([row["error"] for row in front], [row["seconds"] for row in front])[1]
-    return {"first": front[0], "last": front[-1], "factor": 10**-slope}
+    return {"first": front[0], "last": front[-1], "factor": tables.factor_ten(front)}
 
 
 def _rival(rows: Sequence[Row], which: tuple[str, str], quantity: str = "error") -> list[tuple]:
@@ -320,12 +312,9 @@ def _panel(axes: Axes, rows: Sequence[Row]) -> None:
     failed = [row for row in rows if not row["converged"]]
     if failed:
         axes.plot(*_curve(failed), "x", color="black", ms=8, label="not converged", zorder=4)
-    seconds, errors = _curve([row for row in rows if row["converged"]])
-    if seconds:
-        front = pareto(seconds, errors)
+    if done := [row for row in rows if row["converged"]]:
         axes.step(
-            [seconds[i] for i in front],
-            [errors[i] for i in front],
+            *_curve(tables.front(done)),
             color="#b8c7d6",
             lw=9,
             where="post",

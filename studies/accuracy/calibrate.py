@@ -28,8 +28,7 @@ from railhead.planning import plan as planning
 from railhead.planning.error_envelopes import TURNED, ErrorEnvelope
 from railhead.planning.references.rail_twist import lever
 from railhead.run import build, estimates
-from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
-from railhead.run.progress import Progress
+from railhead.run.mesh_solution import MeshSolution
 from railhead.run.quantities import ESTIMATED
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
@@ -252,7 +251,7 @@ def solved(profile: str, inclination: str) -> MeshSolution:
             "effects.plasticity=off",
         ]
     )
-    return mesh_and_solve(planning.make(scene), Progress(quiet=True), MPI.COMM_WORLD)
+    return tables.solved(planning.make(scene))
 
 
 def turn(mesh_solution: MeshSolution) -> tuple[float, float]:

@@ -145,17 +145,13 @@ def errors(values: dict[str, float], truth: dict[str, float]) -> dict[str, float
 
 def page(rows: Sequence[Row]) -> str:
     """One sentence for each series, and a table of all runs."""
-    fronts = {}
+    fronts: dict[str, dict[str, Any]] = {}
     for name, own in tables.groups(rows, "series").items():
         meshes = [row for row in own if row["asked"] is None]
-        best = tables.pareto([r["seconds"] for r in meshes], [r["error"] for r in meshes])
-        front = [meshes[i] for i in best]
-        found: dict[str, Any] = {"first": front[0], "last": front[-1]}
+        front = tables.front(meshes)
+        fronts[name] = {"first": front[0], "last": front[-1]}
         if front[-1] is meshes[-1] and front[-1]["error"] < front[0]["error"] / 2:
-            seconds = [row["seconds"] for row in front]
-            power = tables.power_law([row["error"] for row in front], seconds)[1]
-            found["factor"] = 10**-power
-        fronts[name] = found
+            fronts[name]["factor"] = tables.factor_ten(front)
     shown = [
         {
             **row,

@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 from scipy.optimize import brentq
 
 from railhead.meshing.mesh import MeshError
@@ -18,10 +17,10 @@ from railhead.planning import error_envelopes
 from railhead.planning import plan as planning
 from railhead.results.summary import exact_quantities
 from railhead.run import quantities
-from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
-from railhead.run.progress import Progress
+from railhead.run.mesh_solution import MeshSolution
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic.hertz import point_contact
+from studies import tables
 
 Make = Callable[[np.random.Generator], list[str]]
 BODIES = ("rail", "wheel")
@@ -332,9 +331,7 @@ def solved(scene: Scene, n: float | None = None) -> MeshSolution | None:
     """One mesh, at n elements per semi-axis or as planned; None where gmsh cannot make it."""
     plan = planning.make(scene)
     try:
-        return mesh_and_solve(
-            plan if n is None else plan.at_resolution(n), Progress(quiet=True), MPI.COMM_WORLD
-        )
+        return tables.solved(plan if n is None else plan.at_resolution(n))
     except MeshError:
         return None
 

@@ -31,24 +31,20 @@ def measure(patch_size: float) -> dict[str, Any]:
     """
     plan = planning.make(catalogue.find("hertz_ellipse").replace([f"mesh.patch_size={patch_size}"]))
     frame = Frame(plan.contact.origin, 0.0)
-    start = time.perf_counter()
+    clock = [time.perf_counter()]
     model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
-    built = time.perf_counter() - start
-
-    start = time.perf_counter()
+    clock.append(time.perf_counter())
     solution = mesh_solution.solve(plan, model)
-    contact = time.perf_counter() - start
-    start = time.perf_counter()
+    clock.append(time.perf_counter())
     fields = gather(model, solution)
     if fields is not None:
         read.findings(fields, frame)
-    finding = time.perf_counter() - start
+    clock.append(time.perf_counter())
     peak = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
     # The linear problem in which the Hertz ellipse is bonded: the same bulk, the same solver.
     del model.hierarchy  # so that it is set up here, too
-    problem, e = model.problem, plan.estimate
-    newton = solution.newton
+    problem, e, newton = model.problem, plan.estimate, solution.newton
     left = (newton.residual or 0.0) * problem.contact_force(newton.pressure)
     start = time.perf_counter()
     x, y = model.interface.points[:, :2].T
@@ -62,18 +58,17 @@ def measure(patch_size: float) -> dict[str, Any]:
         start = time.perf_counter()
         linear.solve(problem, preconditioner, active, rhs, out, tolerance)
         solving.append(setting + time.perf_counter() - start)
-    elastic, equal = solving
 
-    history = solution.newton.history
+    counts = tables.counts(newton)
     return {
         "patch_size": patch_size,
         "unknowns": model.unknowns,
-        "seconds": built + contact + finding,
-        "newton_iterations": len(history),
-        "linear_iterations": sum(step.linear_iterations for step in history),
-        "linear_seconds": elastic,
-        "equal_seconds": equal,
-        "contact_seconds": contact,
+        "seconds": clock[-1] - clock[0],
+        "newton_iterations": counts["newton_iterations"],
+        "linear_iterations": counts["linear_iterations"],
+        "linear_seconds": solving[0],
+        "equal_seconds": solving[1],
+        "contact_seconds": clock[2] - clock[1],
         "peak_bytes": peak,
     }
 

@@ -8,7 +8,7 @@ from studies.accuracy import accuracy_cost, calibrate, error_bounds, scaling
 from studies.accuracy import ranks as ranks_study
 from studies.hard import hard_cases as hard_page
 from studies.hard.case import Case, Deviation, Measured, Outcome
-from studies.tables import pareto, power_law, table
+from studies.tables import front, power_law, table
 
 
 def run(method: str, element: str, n: float, seconds: float, error: float, **changes: object):
@@ -48,7 +48,9 @@ def test_no_power_law_without_two_points_or_with_zero(x, y) -> None:
 
 
 def test_pareto_front_keeps_what_no_other_beats() -> None:
-    assert list(pareto([1, 2, 3, 4, 1], [9, 5, 6, 1, 8])) == [4, 1, 3]
+    points = ((1, 9), (2, 5), (3, 6), (4, 1), (1, 8))
+    rows = [{"seconds": seconds, "error": error} for seconds, error in points]
+    assert front(rows) == [rows[4], rows[1], rows[3]]
 
 
 def test_factor_ten_rival_and_orders_are_read_from_the_runs() -> None:
@@ -214,5 +216,5 @@ def test_the_pareto_front_is_the_lower_left_edge(monkeypatch, tmp_path) -> None:
     runs = ((1.0, 0.1, None), (3.0, 0.01, None), (2.0, 0.02, 0.05), (2.5, 0.05, None))
     rows = [{**shared, "seconds": t, "error": e, "asked": a} for t, e, a in runs]
     accuracy_cost.draw(rows, tmp_path / "a.png")
-    (front,) = drawn  # the only step line
-    assert front == ([1.0, 2.0, 3.0], [10.0, 2.0, 1.0])
+    (line,) = drawn  # the only step line
+    assert line == ([1.0, 2.0, 3.0], [10.0, 2.0, 1.0])
