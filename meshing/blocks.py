@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from railhead.meshing.bodies import (
     BODY_NAMES,
     CONTACT,
+    FACE_NAMES,
     SUPPORT,
     SYMMETRY_X,
     SYMMETRY_Y,
@@ -52,8 +53,8 @@ def model(bodies: list[Body], grading: Grading, options: Options) -> Iterator[An
                 _sweep(body, grading, options, groups)
         gmsh_model.occ.synchronize()
         for (dim, tag), entities in sorted(groups.items()):
-            name = _name(tag, volume=dim == options.dim)
-            gmsh_model.addPhysicalGroup(dim, entities, tag, name)
+            names = BODY_NAMES if dim == options.dim else FACE_NAMES
+            gmsh_model.addPhysicalGroup(dim, entities, tag, names[tag])
         _mesh(grading, options)
         yield gmsh_model
 
@@ -109,21 +110,6 @@ def restore_model(found: ModelSnapshot) -> Iterator[Any]:
         yield gmsh_model
 
 
-def _name(tag: int, *, volume: bool) -> str:
-    """Name of a physical group: 'rail' or 'wheel' for a body, and for faces 'symmetry_x',
-    'symmetry_y' or the body's name with '_contact' or '_support'.
-
-    tag: number of the group, see `meshing.bodies`.
-    volume: whether the group holds a body, not faces.
-    """
-    if volume:
-        return BODY_NAMES[tag]
-    if tag in (SYMMETRY_X, SYMMETRY_Y):
-        return "symmetry_x" if tag == SYMMETRY_X else "symmetry_y"
-    kind = "contact" if tag // 10 * 10 == CONTACT else "support"
-    return f"{BODY_NAMES[tag % 10]}_{kind}"
-
-
 def _wire(body: Body, *, flat: bool = False) -> list[int]:
     """Add the section of a body to gmsh's current model; returns the tags of its curves, a closed
     chain in the order of `body.section`.
@@ -163,11 +149,22 @@ def _plane_surface(body: Body, options: Options, groups: dict[tuple[int, int], l
     curves = _wire(body, flat=True)
     loop = gmsh.model.occ.addCurveLoop(curves)
     groups.setdefault((2, body.tag), []).append(gmsh.model.occ.addPlaneSurface([loop]))
+    _group_faces(body, curves, options, groups)
+
+
+def _group_faces(
+    body: Body, faces: list[int], options: Options, groups: dict[tuple[int, int], list[int]]
+) -> None:
+    """Add the faces of a body (edges in a section) to the groups of their roles.
+
+    faces: gmsh tags, one for each curve of the section in its order.
+    groups: (dimension, physical tag) -> gmsh entities.
+    """
     symmetry = SYMMETRY_X if options.plane == "xz" else SYMMETRY_Y
     tags = {"contact": CONTACT + body.tag, "support": SUPPORT + body.tag, "symmetry": symmetry}
-    for curve, number in zip(body.section, curves, strict=True):
+    for curve, face in zip(body.section, faces, strict=True):
         if curve.role in tags:
-            groups.setdefault((1, tags[curve.role]), []).append(number)
+            groups.setdefault((options.dim - 1, tags[curve.role]), []).append(face)
 
 
 def _sweep(
@@ -206,14 +203,7 @@ def _sweep(
         groups.setdefault((3, body.tag), []).append(volume)
         if body.end_role == "support":
             groups.setdefault((2, SUPPORT + body.tag), []).append(end)
-        for curve, surface in zip(body.section, lateral, strict=True):
-            tag = {
-                "contact": CONTACT + body.tag,
-                "support": SUPPORT + body.tag,
-                "symmetry": SYMMETRY_Y,
-            }.get(curve.role)
-            if tag is not None:
-                groups.setdefault((2, tag), []).append(surface)
+        _group_faces(body, lateral, options, groups)
 
 
 def _swept(body: Body, grading: Grading) -> Array:
@@ -325,14 +315,10 @@ def qualities(dim: int = 3) -> np.ndarray:
     """
     types, tags, _ = gmsh.model.mesh.getElements(dim)
     quality = []
-    for kind, members in zip(types, tags, strict=True):
-        structured = "Hexahedron" in _kind(kind) or "Quadrilateral" in _kind(kind)
+    for number, members in zip(types, tags, strict=True):
+        kind = gmsh.model.mesh.getElementProperties(number)[0]  # as 'Tetrahedron 10'
+        structured = kind.startswith(("Hexahedron", "Quadrilateral"))
         names = ["minSJ"] if structured else ["minSJ", "minSICN"]
         measures = [gmsh.model.mesh.getElementQualities(members, name) for name in names]
         quality.append(np.min(measures, axis=0))
     return np.concatenate(quality)
-
-
-def _kind(element_type: int) -> str:
-    """gmsh's name of an element type from its number, for example 'Tetrahedron 10'."""
-    return str(gmsh.model.mesh.getElementProperties(element_type)[0])

@@ -7,6 +7,15 @@ from dataclasses import dataclass, field
 from railhead.geometry.outlines import Curve
 from railhead.geometry.placement import Pose, upright
 
+RAIL, WHEEL = 1, 2
+BODY_NAMES = {RAIL: "rail", WHEEL: "wheel"}
+CONTACT, SUPPORT = 10, 20  # facet tag of a body's face: CONTACT + RAIL and so on
+SYMMETRY_X, SYMMETRY_Y = 31, 32
+FACE_NAMES = {SYMMETRY_X: "symmetry_x", SYMMETRY_Y: "symmetry_y"} | {
+    kind + tag: f"{name}_{face}"
+    for tag, name in BODY_NAMES.items()
+    for kind, face in ((CONTACT, "contact"), (SUPPORT, "support"))
+}
 ELEMENTS_PER_TURN = 6  # on fillets
 
 
@@ -53,12 +62,6 @@ class Options:
     def dim(self) -> int:
         """Number of coordinates of the mesh: 2 for a section, 3 for solids."""
         return 2 if self.plane else 3
-
-
-RAIL, WHEEL = 1, 2
-BODY_NAMES = {RAIL: "rail", WHEEL: "wheel"}
-CONTACT, SUPPORT = 10, 20  # facet tag of a body's face: CONTACT + RAIL and so on
-SYMMETRY_X, SYMMETRY_Y = 31, 32
 
 
 def other(tag: int) -> int:

@@ -38,7 +38,7 @@ class ExaminedProfile:
     def summary(self) -> dict[str, Any]:
         """Content of summary.json: lengths in mm, areas in mm2, curvatures in 1/mm."""
         found, worn = self.measured, self.worn
-        low, middle, high = smoothness(found.profile).curvatures
+        low, middle, high = smoothness(found.profile)["curvatures"]
         return {
             "body": found.body,
             **found.summary(),

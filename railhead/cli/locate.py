@@ -68,7 +68,7 @@ class Location:
             "right": [_contact(touch, crest) for touch in placed.right.touches],
             "left": [_contact(touch, crest) for touch in placed.left.touches],
             "measured": {
-                key: vars(measured.smoothness(profile))
+                key: measured.smoothness(profile)
                 for key, profile in (("rail", self.pair.rail), ("wheel", self.pair.wheel))
                 if key in geometry.measured_bodies(self.scene)
             },

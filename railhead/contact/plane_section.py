@@ -119,18 +119,6 @@ class LongitudinalSection(SectionContact):
         """Whether the outline is cut at its middle: if only x >= 0 is modelled (half_x)."""
         return half_x
 
-    @property
-    def _rail_length(self) -> float | None:
-        """Length of the rail in the section, mm; None where the scene gives none."""
-        return self.scene.rail.length
-
-    @property
-    def _usual_rim_depth(self) -> float:
-        """Depth of the wheel's rim where the scene gives none: 60 mm (RIM_DEPTH), but at most half
-        the rolling radius, mm.
-        """
-        return min(RIM_DEPTH, 0.5 * self.scene.wheel.rolling_radius)
-
     def bodies(
         self, reach: float, deformable: Sequence[int], *, whole_section: bool, half: bool
     ) -> list[Body]:
@@ -147,7 +135,7 @@ class LongitudinalSection(SectionContact):
         rail, wheel = self.scene.rail, self.scene.wheel
         made = []
         if RAIL in deformable:
-            end = self._rail_length or 2 * reach
+            end = (rail.width if self.revolved else rail.length) or 2 * reach
             flat: Profile = profiles.single_radius(math.inf, end / 2)
             section = outlines.block_section(
                 flat,
@@ -160,7 +148,8 @@ class LongitudinalSection(SectionContact):
             made.append(Body(RAIL, section, 0.0))
         if WHEEL in deformable:
             radius = wheel.rolling_radius
-            depth = wheel.rim_depth or self._usual_rim_depth
+            usual = radius if self.revolved else min(RIM_DEPTH, 0.5 * radius)  # half a sphere
+            depth = wheel.rim_depth or usual
             if depth > radius:
                 raise SceneError(
                     "wheel.rim_depth",
@@ -204,16 +193,6 @@ class MeridianSection(LongitudinalSection):
         half_y say.
         """
         return True
-
-    @property
-    def _rail_length(self) -> float | None:
-        """Diameter of the rail's block, mm, from rail.width; None where the scene gives none."""
-        return self.scene.rail.width
-
-    @property
-    def _usual_rim_depth(self) -> float:
-        """Depth of the wheel where the scene gives none: the rolling radius, a half sphere, mm."""
-        return self.scene.wheel.rolling_radius
 
 
 @dataclass(frozen=True, kw_only=True)

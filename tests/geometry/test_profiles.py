@@ -176,7 +176,7 @@ def test_smoothness_tells_a_wavy_profile_from_a_smooth_one() -> None:
         measured.smoothness(measured.from_points("arc", np.column_stack([y, arc + wave]))[1])
         for wave in (0.0, 0.02 * np.sin(2 * y))
     )
-    assert 1 / np.array(smooth.curvatures) == pytest.approx(np.full(3, 300.0), rel=0.01)
-    assert smooth.waves == 0
-    assert wavy.waves == pytest.approx(4 * 20 * 0.96 * 2 / np.pi / 2, abs=2)
-    assert wavy.curvatures[0] < 0 < wavy.curvatures[2]
+    assert 1 / np.array(smooth["curvatures"]) == pytest.approx(np.full(3, 300.0), rel=0.01)
+    assert smooth["waves"] == 0
+    assert wavy["waves"] == pytest.approx(4 * 20 * 0.96 * 2 / np.pi / 2, abs=2)
+    assert wavy["curvatures"][0] < 0 < wavy["curvatures"][2]

@@ -51,41 +51,39 @@ class Measured:
         """Points (n, 2) of (y, z), mm, in the axes of profiles, along the smoothed curve."""
         return self.smoothed.points
 
-    @property
-    def facing(self) -> NDArray[np.bool_]:
-        """Mask (n,) of the points that the profile holds, without the outermost 2 % of the width at
-        each end.
-        """
-        start, end = inner(self.profile)
-        y = self.points[:, 0]
-        return np.asarray((y > start) & (y < end))
-
     def resampled(self, step: float) -> Array:
         """Points (m, 2) of the smoothed curve that are `step` mm apart, mm."""
         return np.asarray(self.smoothed.curve(np.arange(step / 2, self.smoothed.length, step)))
 
     @property
     def sharpest(self) -> tuple[float, float]:
-        """Largest modulus of curvature of the facing points before and after smoothing, 1/mm."""
-        within, smoothed = self.facing[1:-1], self.smoothed
-        before = np.abs(smoothed.rough_curvature()[within])
-        after = np.abs(smoothed.curvature(smoothed.s[1:-1][within]))
-        return float(before.max()), float(after.max())
+        """Largest modulus of curvature before and after smoothing, 1/mm, without the outermost 2 %
+        of the width at each end.
+        """
+        smoothed, (start, end) = self.smoothed, inner(self.profile)
+        y = self.points[1:-1, 0]
+        within = (y > start) & (y < end)
+        after = smoothing.curvature(smoothed.curve, smoothed.s[1:-1][within])
+        before = smoothed.rough_curvature()[within]
+        return float(np.abs(before).max()), float(np.abs(after).max())
+
+    @property
+    def _across(self) -> Array:
+        """y (k,) in mm of the places at which wavelengths are given."""
+        return np.asarray(self.smoothed.curve(self.smoothed.places)[:, 0])
 
     def wavelength(self, y: float) -> float:
         """Smoothing wavelength, mm, at the place of the curve whose y is nearest to the given one
         (mm).
         """
-        across = self.smoothed.curve(self.smoothed.places)[:, 0]
-        return float(self.smoothed.wavelength[np.argmin(np.abs(across - y))])
+        return float(self.smoothed.wavelength[np.argmin(np.abs(self._across - y))])
 
     @property
     def wavelengths(self) -> tuple[float, float]:
         """Shortest and longest smoothing wavelength of the profile, mm, without the outermost 2 %
         at each end.
         """
-        start, end = inner(self.profile)
-        across = self.smoothed.curve(self.smoothed.places)[:, 0]
+        (start, end), across = inner(self.profile), self._across
         within = self.smoothed.wavelength[(across > start) & (across < end)]
         return float(within.min()), float(within.max())
 
@@ -173,6 +171,7 @@ def _read(
     `read`; cached. Raises FormatError and ValueError.
     """
     table, points, kept, remarks = _in_axes(path, changed, body, given)
+    remarks = (*remarks, *table.remarks)
     cosine = math.cos(math.atan(slope))
     roll = cosine * np.array([[1.0, slope], [-slope, 1.0]])
     points = points @ roll
@@ -182,13 +181,11 @@ def _read(
         raise _refused(path, table, points, error) from None
     except ValueError as error:
         raise ValueError(f"{path.name} {error}") from None
-    warnings: tuple[str, ...] = ()
     if found := wave(smoothed, *inner(profile)):
         angle, place = found
         text = f"WARNING: it bends by {angle:.0f} deg and back within {WAVE:g} mm at y = "
         text += f"{place[0]:.1f}, line {_line(table, points, place)}: taken for shape"
-        warnings = (text,)
-    remarks = (*remarks, *table.remarks, *warnings)
+        remarks = (*remarks, text)
     return Measured(path=path, body=body, remarks=remarks, smoothed=smoothed, profile=profile)
 
 
@@ -249,21 +246,11 @@ def wave(smoothed: Smoothed, start: float, end: float) -> tuple[float, Array] | 
     return (float(back[worst]), middle[worst]) if back[worst] > BENT else None
 
 
-@dataclass(frozen=True)
-class Smoothness:
-    """Curvature of a measured profile without the outermost 2 % at each end.
-    curvatures: 5, 50 and 95 % quantiles, 1/mm, positive is convex.
-    waves: number of changes between convex and concave.
-    """
-
-    curvatures: tuple[float, float, float]
-    waves: int
-
-
-def smoothness(profile: Profile) -> Smoothness:
-    """Quantiles of the curvature of a measured profile and its number of waves: a wavy curvature
-    scatters the pressure.
+def smoothness(profile: Profile) -> dict[str, Any]:
+    """Curvature of a measured profile without the outermost 2 % at each end: 5, 50 and 95 %
+    quantiles ('curvatures', 1/mm, positive is convex), and the number of changes between convex and
+    concave ('waves'). A wavy curvature scatters the pressure.
     """
     curvature = profile.curvature(np.linspace(*inner(profile), 2001))
-    low, middle, high = (float(value) for value in np.quantile(curvature, (0.05, 0.5, 0.95)))
-    return Smoothness((low, middle, high), int(np.sum(np.diff(np.sign(curvature)) != 0)))
+    quantiles = tuple(map(float, np.quantile(curvature, (0.05, 0.5, 0.95))))
+    return {"curvatures": quantiles, "waves": int(np.sum(np.diff(np.sign(curvature)) != 0))}

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,12 +66,6 @@ class Smoothed:
     def length(self) -> float:
         """Arc length of the curve from the first to the last point, mm."""
         return float(self.s[-1])
-
-    def curvature(self, s: Array) -> Array:
-        """Curvature at arc lengths s (n,) in mm, in 1/mm, positive where the curve bends to its
-        right.
-        """
-        return _curvature(self.curve, s)
 
     def rough_curvature(self) -> Array:
         """Curvature (n - 2,) of the circles through each three points that follow each other, 1/mm,
@@ -134,75 +127,54 @@ def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0)
         raise PointError(text, np.array([y, z]))
     spacing = s[-1] / (len(s) - 1)
     for _ in range(2):
-        pilot = _Fit.of(s)
-        curve = pilot.curve(points, pilot.penalty(np.full(pilot.rows, PILOT * spacing)))
+        pilot = _Fit(s)
+        curve = pilot.curve(points, pilot.penalty(np.full(len(pilot.places), PILOT * spacing)))
         s = _lengths(curve, s, points)
-    fit = _Fit.of(s)
+    fit = _Fit(s)
     if wavelength is None:
         heights = _developed(curve, s)(s) + _off(curve, s, points)
         lengths = fit.most_probable(heights, np.interp(fit.places, s, sigma))
     else:
-        lengths = np.full(fit.rows, wavelength)
+        lengths = np.full(len(fit.places), wavelength)
     lengths = stretch * lengths
     for _ in range(2):
         curve = _bent(curve, s, points, fit, fit.penalty(lengths))
         s = _lengths(curve, s, points)
-        fit = _Fit.of(s)
+        fit = _Fit(s)
     off, typical = _off(curve, s, points), float(np.median(sigma))
     return Smoothed(curve, points, s, off, typical, fit.places, lengths)
 
 
-@dataclass(frozen=True)
 class _Fit:
     """Least-squares fit of cubic B-splines with penalised third differences of the coefficients.
     knots: knots of the splines, even except at the ends, mm of arc length.
-    basis: values (n, m) of the m splines at the n points.
+    basis: values (n, m) of the m splines at the n points; squares: (m, m) basis^T basis.
     differences: sparse matrix (rows, m) of third differences.
+    places: (rows,) arc lengths at which the third differences lie, mm.
     step: distance of the knots, mm.
     spacing: mean distance of the points, mm.
+    unit: of the weights of squared differences, mm^6. These are step^5 times the integral of a
+        squared third derivative, and n points weigh 1/spacing a millimetre.
     """
 
-    knots: Array
-    basis: Array
-    differences: csr_array
-    step: float
-    spacing: float
-
-    @classmethod
-    def of(cls, s: Array) -> _Fit:
+    def __init__(self, s: Array) -> None:
         """Fit for points at arc lengths s (n,) in mm, ascending from 0."""
         pieces = min(PIECES, len(s))
-        step = s[-1] / pieces
-        knots = step * np.arange(-ORDER, pieces + ORDER + 1)
-        knots[ORDER], knots[-ORDER - 1] = 0.0, s[-1]
-        basis = BSpline.design_matrix(s, knots, ORDER).toarray()
-        differences = csr_array(np.diff(np.eye(basis.shape[1]), ORDER, axis=0))
-        return cls(knots, basis, differences, step, s[-1] / (len(s) - 1))
-
-    @property
-    def rows(self) -> int:
-        """Number of third differences of the coefficients."""
-        return int(self.differences.shape[0])
-
-    @property
-    def places(self) -> Array:
-        """Arc lengths (rows,) in mm at which the third differences of the coefficients lie."""
-        return np.asarray(self.step * (np.arange(self.rows) + 0.5))
-
-    @property
-    def _unit(self) -> float:
-        """Unit of the weights of squared differences, mm^6.
-        Squared differences are step^5 times the integral of a squared third derivative, and n
-        points weigh 1/spacing a millimetre.
-        """
-        return self.spacing * self.step ** (2 * ORDER - 1)
+        self.step, self.spacing = s[-1] / pieces, s[-1] / (len(s) - 1)
+        self.knots = self.step * np.arange(-ORDER, pieces + ORDER + 1)
+        self.knots[ORDER], self.knots[-ORDER - 1] = 0.0, s[-1]
+        self.basis = BSpline.design_matrix(s, self.knots, ORDER).toarray()
+        self.squares = self.basis.T @ self.basis
+        self.differences = csr_array(np.diff(np.eye(self.basis.shape[1]), ORDER, axis=0))
+        self.places = self.step * (np.arange(self.differences.shape[0]) + 0.5)
+        self.unit = self.spacing * self.step ** (2 * ORDER - 1)
 
     def penalty(self, wavelength: Array) -> Array:
         """Weights (k,) of squared third differences, relative to the points, that halve the height
         of waves of these lengths (k,), mm. Waves of wavenumber omega have a squared third
         derivative omega^6.
         """
-        return np.asarray((wavelength / (2 * math.pi)) ** (2 * ORDER) / self._unit)
+        return np.asarray((wavelength / (2 * math.pi)) ** (2 * ORDER) / self.unit)
 
     def curve(self, data: Array, penalty: Array) -> BSpline:
         """Spline through data (n, ...) at the points, with weights penalty (rows,)."""
@@ -217,7 +189,7 @@ class _Fit:
         d, width = self.differences, NEIGHBOURS / self.step
         shortest = SHORTEST * max(self.spacing, self.step)
         least, most = self.penalty(np.array([shortest, LONGEST]))
-        penalty = np.full(self.rows, math.sqrt(most * least))
+        penalty = np.full(len(self.places), math.sqrt(most * least))
         for _ in range(UPDATES):
             factor = self._factor(penalty)
             found = d @ cho_solve(factor, self.basis.T @ heights)
@@ -230,7 +202,7 @@ class _Fit:
             if change < SETTLED:
                 break
         penalty = np.exp(gaussian_filter1d(np.log(penalty), BLENDING / self.step))
-        lengths = 2 * math.pi * (penalty * self._unit) ** (1 / (2 * ORDER))
+        lengths = 2 * math.pi * (penalty * self.unit) ** (1 / (2 * ORDER))
         return np.asarray(BENDING * lengths)
 
     def _factor(self, penalty: Array) -> tuple[Array, bool]:
@@ -239,13 +211,8 @@ class _Fit:
         """
         d = self.differences
         roughness = (d.T @ diags(penalty) @ d).toarray()
-        factor: tuple[Array, bool] = cho_factor(self._squares + roughness, check_finite=False)
+        factor: tuple[Array, bool] = cho_factor(self.squares + roughness, check_finite=False)
         return factor
-
-    @cached_property
-    def _squares(self) -> Array:
-        """Normal matrix (m, m) of the points alone, basis^T basis."""
-        return np.asarray(self.basis.T @ self.basis)
 
 
 def _frame(curve: BSpline, s: Array) -> tuple[Array, Array]:
@@ -260,7 +227,7 @@ def _off(curve: BSpline, s: Array, points: Array) -> Array:
     return np.asarray(np.einsum("nd,nd->n", points - curve(s), _frame(curve, s)[1]))
 
 
-def _curvature(curve: BSpline, s: Array) -> Array:
+def curvature(curve: BSpline, s: Array) -> Array:
     """Curvature (n,) in 1/mm of a curve at arc lengths s (n,) in mm, positive where it bends to the
     right.
     """
@@ -291,7 +258,7 @@ def _developed(curve: BSpline, s: Array) -> CubicSpline:
     every circle is a parabola.
     """
     places = np.linspace(0, s[-1], FINE * len(s))
-    return CubicSpline(places, -_curvature(curve, places)).antiderivative(2)
+    return CubicSpline(places, -curvature(curve, places)).antiderivative(2)
 
 
 def _bent(curve: BSpline, s: Array, points: Array, fit: _Fit, penalty: Array) -> BSpline:
@@ -300,7 +267,7 @@ def _bent(curve: BSpline, s: Array, points: Array, fit: _Fit, penalty: Array) ->
     """
     straight = _developed(curve, s)
     smooth = fit.curve(straight(s) + _off(curve, s, points), penalty)
-    places = np.linspace(0, s[-1], 2 * fit.rows)
+    places = np.linspace(0, s[-1], 2 * len(fit.places))
     offset = smooth(places) - straight(places)
     moved = curve(places) + offset[:, None] * _frame(curve, places)[1]
     return make_interp_spline(places, moved, ORDER)
