@@ -18,7 +18,7 @@ from railhead.solver.algebra import linear, newton
 from railhead.solver.algebra.linear import Preconditioner
 from railhead.solver.algebra.multigrid import Hierarchy, PMultigrid
 from railhead.solver.algebra.problem import ContactProblem, Mask, reduce_problem
-from railhead.solver.algebra.stiffness import Stiffness, SupportReactions
+from railhead.solver.algebra.stiffness import Stiffness, SupportReactions, unit_vector
 from railhead.solver.material.elasticity import assemble
 from railhead.solver.setup import Setup
 from railhead.solver.solution import Solution
@@ -214,15 +214,15 @@ class ContactSystem:
         prescribed displacement u0 on all dofs, mm.
         """
         setup, prescribed = self.setup, self.prescribed(case)
-        problem.set_load(
-            self.interface,
-            self.reduction,
-            self.reactions,
-            prescribed,
-            case.load / setup.parts if setup.load_control else 0.0,
-            0.0 if setup.load_control or not setup.moving.rigid else case.approach,
-            case.force,
-        )
+        force = self.reactions.forces(prescribed)
+        force.scale(-1.0)
+        if case.force is not None:
+            force.axpy(1.0, case.force)
+        self.reduction.matrix.multTranspose(force, problem.force)
+        if self.reduction.approach >= 0:
+            problem.force.array[self.reduction.approach] += case.load / setup.parts
+        problem.start_stress = (self.interface.stress * prescribed).array.copy()
+        problem.start_gap = self.gaps(prescribed, 0.0 if setup.load_control else case.approach)
         return prescribed
 
     def solution(
@@ -318,24 +318,17 @@ class ContactSystem:
         rigid body moves by the approach, and has none where the approach is prescribed.
         """
         space, reduction = self.bulk.space, self.reduction
-        scale = reduction.norms()
-        scale.array[:] = np.where(scale.array > 0, scale.array, 1.0)
         motions = []
         for tag in self.materials:
-            full, motion = reduction.matrix.createVecLeft(), reduction.matrix.createVecRight()
+            full = reduction.matrix.createVecLeft()
             dofs = fem.locate_dofs_topological(
                 space, space.mesh.topology.dim, self.cell_tags.find(tag)
             )
             full.array.reshape(self.owned, -1)[dofs[dofs < self.owned]] = self.setup.push
-            reduction.matrix.multTranspose(full, motion)
-            motion.pointwiseDivide(motion, scale)
-            motions.append(motion)
+            motions.append(reduction.restricted(full))
         if reduction.rigid_approach:
-            motion = reduction.matrix.createVecRight()
-            motion.set(0.0)
-            if reduction.approach >= 0:
-                motion.array[reduction.approach] = 1.0
-            motions.append(motion)
+            like = reduction.matrix.createVecRight()
+            motions.append(unit_vector(like, reduction.approach))
         return motions
 
     def _carried(self, pressure: Array) -> float:

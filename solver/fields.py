@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import NDArray
 
 from railhead.solver import compat
@@ -102,7 +101,9 @@ def gather(model: ContactModel, solution: Solution) -> Fields | None:
 
     def collected(**arrays: NDArray[Any]) -> dict[str, NDArray[Any]]:
         """The arrays of all ranks by name, each joined along its first axis on rank 0."""
-        return {name: _to_root(comm, array) for name, array in arrays.items()}
+        return {
+            name: np.concatenate(comm.gather(array) or [array]) for name, array in arrays.items()
+        }
 
     nodal = collected(
         points=kinematics.lift(compat.dof_points(space)),
@@ -145,14 +146,6 @@ def gather(model: ContactModel, solution: Solution) -> Fields | None:
         plastic_strain=plastic,
         master_surface=facing,
     )
-
-
-def _to_root(comm: MPI.Intracomm, array: NDArray[Any]) -> NDArray[Any]:
-    """An array whose rows are those of all ranks, in the order of the ranks, on rank 0; the local
-    array elsewhere (collective).
-    """
-    parts = comm.gather(np.ascontiguousarray(array))
-    return np.concatenate(parts) if parts is not None else array
 
 
 ITERATIONS = 4  # of the search for the normal that ends at a node

@@ -29,7 +29,11 @@ from railhead.solver.contact import ContactModel, condensed_friction
 from railhead.solver.contact_system import LoadCase
 from railhead.solver.fields import Fields, gather
 from railhead.solver.friction.history import NOT_CONVERGED
-from railhead.solver.friction.surface_response import SurfacePoints, SurfaceResponse
+from railhead.solver.friction.surface_response import (
+    SurfacePoints,
+    SurfaceResponse,
+    far_displacement,
+)
 from railhead.solver.plasticity.response import ElasticResponse
 from railhead.solver.setup import FrictionSettings
 from railhead.solver.solution import FrictionSolution, Solution
@@ -304,7 +308,11 @@ class SolidFriction:
             force = load if force is None else force + load
         if case.force is not None:
             force = case.force if force is None else force + case.force
-        case = replace(case, force=force, support_displacement=self.response.far(resultant))
+        case = replace(
+            case,
+            force=force,
+            support_displacement=far_displacement(self.response.far_field, resultant),
+        )
         solution = self.model.press(case)
         if solution.newton.converged:
             smooth = shared_patches(

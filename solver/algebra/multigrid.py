@@ -19,7 +19,7 @@ from railhead.solver import compat
 from railhead.solver.algebra.linear import Preconditioner, factorise, near_nullspace
 from railhead.solver.algebra.problem import ContactProblem, Mask
 from railhead.solver.algebra.stiffness import Stiffness
-from railhead.solver.space.operators import weighted_product
+from railhead.solver.space.operators import vector, weighted_product
 
 COARSE_DIRECT_BELOW = 40_000  # unknowns of the P1 level (measured from 20 000 to 33 000)
 SMOOTHING_STEPS = 3  # of Chebyshev's method, before and after the coarse level
@@ -149,7 +149,7 @@ class CoarseTangent:
         """Compute the values of the matrix for these active points (n,) (collective)."""
         problem = self.problem
         self.normal_operator.copy(self.scaled, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-        self.scaled.diagonalScale(L=problem.at_points(problem.weight * active))
+        self.scaled.diagonalScale(L=vector(self.scaled, problem.weight * active))
         self.test_operator.transposeMatMult(self.scaled, result=self.contact)
         self.matrix.zeroEntries()
         self.matrix.axpy(1.0, self.bulk, SUBSET)

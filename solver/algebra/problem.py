@@ -13,20 +13,46 @@ import weakref
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from railhead.solver.algebra.stiffness import Stiffness, SupportReactions
+from railhead.solver.algebra.stiffness import Stiffness
 from railhead.solver.space.cells import Array
-from railhead.solver.space.constraints import Reduction, petsc_matrix
+from railhead.solver.space.constraints import Reduction
 from railhead.solver.space.interface import ContactLaw, Interface
-from railhead.solver.space.operators import add_transposed, vector, weighted_product
+from railhead.solver.space.operators import add_transposed, petsc_matrix, vector, weighted_product
 
 Mask = NDArray[np.bool_]
+
+
+class Tangent:
+    """PETSc shell context of the tangent y -> K y - theta S^T w S y + Bt^T w A B y. The letters are
+    those of `ContactProblem`, with B and Bt its `normal_operator` and `test_operator`.
+
+    problem: the contact problem, by a weak reference, because PETSc leaks what is freed while it
+        frees a shell.
+    active: active set A (n,).
+    """
+
+    def __init__(self, problem: ContactProblem, active: Mask) -> None:
+        self.problem = weakref.proxy(problem)
+        self.active = active
+
+    def mult(self, _: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
+        """Product of the tangent with x, written into y; called by PETSc."""
+        problem = self.problem
+        problem.stiffness.mult(x, y)
+        values = problem.weight * self.active * (problem.normal_operator * x).array
+        add_transposed(problem.test_operator, values, y)
+        problem.add_consistency_forces((problem.stress * x).array, y)
+
+    def getDiagonal(self, _: PETSc.Mat, out: PETSc.Vec) -> None:  # noqa: N802 (PETSc's name)
+        """Diagonal of the tangent, written into `out`, N/mm; called by PETSc."""
+        self.problem.diagonal(self.active, out)
 
 
 @dataclass
@@ -46,6 +72,8 @@ class ContactProblem:
     force: force f in the free unknowns, N.
     start_gap: gap at zero free unknowns, g0 + N u0 (n,), mm.
     start_stress: normal stress at zero free unknowns, s0 = S u0 (n,), MPa.
+    tangent_depends_on_state: whether the tangent changes while the active set stays.
+    tangent_context: class of the PETSc shell context that computes the products of the tangent.
     """
 
     law: ContactLaw
@@ -58,37 +86,8 @@ class ContactProblem:
     force: PETSc.Vec
     start_gap: Array
     start_stress: Array
-
-    def set_load(
-        self,
-        interface: Interface,
-        reduction: Reduction,
-        held: SupportReactions,
-        prescribed: PETSc.Vec,
-        load: float,
-        rigid_approach: float,
-        force: PETSc.Vec | None = None,
-    ) -> None:
-        """Set force, start gap and start stress of a load case.
-
-        interface: contact points with the matrices N and S on all dofs.
-        reduction: map from free unknowns to dofs.
-        held: rows of the stiffness at the supported nodes.
-        prescribed: displacement u0 on all dofs, mm.
-        load: force on the approach, N of the meshed part.
-        rigid_approach: prescribed approach of a rigid counterface, mm.
-        force: further forces on all dofs, N; None: zero.
-        """
-        given = held.forces(prescribed)
-        given.scale(-1.0)
-        if force is not None:
-            given.axpy(1.0, force)
-        reduction.matrix.multTranspose(given, self.force)
-        if reduction.approach >= 0:
-            self.force.array[reduction.approach] += load
-        self.start_stress = (interface.stress * prescribed).array.copy()
-        gap = interface.initial_gap + (interface.gap * prescribed).array
-        self.start_gap = gap + self.gap_per_approach * rigid_approach
+    tangent_depends_on_state: ClassVar[bool] = False
+    tangent_context: ClassVar[type[Tangent]] = Tangent
 
     def shared(self) -> dict[str, Any]:
         """Fields by name, for another problem with the same matrices and its own force vector."""
@@ -104,11 +103,6 @@ class ContactProblem:
     def weight(self) -> Array:
         """Area of each point over the law's parameter, w = W/tau (n,), mm3/N."""
         return self.area / self.tau
-
-    @property
-    def tangent_depends_on_state(self) -> bool:
-        """Whether the tangent changes while the active set stays: False for elastic bodies."""
-        return False
 
     @property
     def symmetric(self) -> bool:
@@ -143,14 +137,10 @@ class ContactProblem:
         gap per free unknown.
         """
         matrix = self.gap.copy()
-        matrix.diagonalScale(L=self.at_points(self.tau))
+        matrix.diagonalScale(L=vector(self.gap, self.tau))
         if factor:
             matrix.axpy(factor, self.stress, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
         return matrix
-
-    def at_points(self, values: Array) -> PETSc.Vec:
-        """Distributed vector of values (n,) at the contact points of all ranks."""
-        return vector(self.gap, values)
 
     @property
     def consistency(self) -> float:
@@ -245,11 +235,6 @@ class ContactProblem:
         matrix.setUp()
         return matrix
 
-    @property
-    def tangent_context(self) -> type[Tangent]:
-        """Class of the PETSc shell context that computes the products of the tangent."""
-        return Tangent
-
     def diagonal(self, active: Mask, out: PETSc.Vec) -> None:
         """Write the diagonal of the tangent at an active set (n,) into the vector `out`, N/mm."""
         self._bulk_diagonal.copy(out)
@@ -294,32 +279,6 @@ class ContactProblem:
         add_transposed(self.test_operator, -self.weight * active * self.offset, rhs)
         self.add_consistency_forces(-self.start_stress, rhs)
         return rhs
-
-
-class Tangent:
-    """PETSc shell context of the tangent y -> K y - theta S^T w S y + Bt^T w A B y. The letters are
-    those of `ContactProblem`, with B and Bt its `normal_operator` and `test_operator`.
-
-    problem: the contact problem, by a weak reference, because PETSc leaks what is freed while it
-        frees a shell.
-    active: active set A (n,).
-    """
-
-    def __init__(self, problem: ContactProblem, active: Mask) -> None:
-        self.problem = weakref.proxy(problem)
-        self.active = active
-
-    def mult(self, _: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
-        """Product of the tangent with x, written into y; called by PETSc."""
-        problem = self.problem
-        problem.stiffness.mult(x, y)
-        values = problem.weight * self.active * (problem.normal_operator * x).array
-        add_transposed(problem.test_operator, values, y)
-        problem.add_consistency_forces((problem.stress * x).array, y)
-
-    def getDiagonal(self, _: PETSc.Mat, out: PETSc.Vec) -> None:  # noqa: N802 (PETSc's name)
-        """Diagonal of the tangent, written into `out`, N/mm; called by PETSc."""
-        self.problem.diagonal(self.active, out)
 
 
 def _products(left: PETSc.Mat, right: PETSc.Mat) -> PETSc.Mat:

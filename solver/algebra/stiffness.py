@@ -54,7 +54,7 @@ class Stiffness:
         p, border = reduction.matrix, None
         if reduction.column >= 0:
             moved, pushed, border = p.createVecLeft(), p.createVecLeft(), p.createVecRight()
-            unit = _unit_vector(border, reduction.approach)
+            unit = unit_vector(border, reduction.approach)
             p.mult(unit, moved)
             full.mult(moved, pushed)
             p.multTranspose(pushed, border)
@@ -159,7 +159,7 @@ class Stiffness:
         return out
 
 
-def _unit_vector(like: PETSc.Vec, place: int) -> PETSc.Vec:
+def unit_vector(like: PETSc.Vec, place: int) -> PETSc.Vec:
     """Vector with the layout of `like`, zero but for 1 at a local place; place -1: the place is on
     another rank.
     """

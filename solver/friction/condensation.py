@@ -151,9 +151,8 @@ class StaticCondensation:
         self.system, self.response, self.settings = system, response, settings
         self.comm, interface, setup = system.comm, system.interface, system.setup
         active = pressed.pressure > 0
-        touched = np.zeros(len(interface.slave), dtype=bool)
-        touched[interface.facet[active]] = True
-        self.own = np.flatnonzero(touched[interface.facet])
+        touched = np.unique(interface.facet[active])
+        self.own = np.flatnonzero(np.isin(interface.facet, touched))
         self.slave = interface.slave.gathered(self.comm)
         self.master = None if interface.master is None else interface.master.gathered(self.comm)
         self.sign = -1.0 if setup.slave == setup.moving.tag else 1.0
@@ -162,7 +161,8 @@ class StaticCondensation:
         self.tangents = surface_tangents(self.sign * self.normals)
         before = self.size * (self.comm.exscan(len(self.own)) or 0)
         self.rows = slice(before, before + self.size * len(self.own))
-        self.step = STEP_PER_EDGE * self._mean_edge(touched) if settings.rolling else 1.0
+        edge = interface.slave.mean_edge(touched, self.comm) if settings.rolling else 1.0
+        self.step = STEP_PER_EDGE * edge if settings.rolling else 1.0
         self.tangent = system.problem.assembled_tangent(active)
         self.pc = PETSc.PC().create(self.comm)
         self.pc.setOperators(self.tangent)
@@ -241,8 +241,12 @@ class StaticCondensation:
         weighted = sp.diags(np.repeat(weights, self.size)) @ shape[self.rows]
         blocks: list[list[Array]] = [[], [], []]
         for first in range(0, shape.shape[1], COLUMNS_AT_ONCE):
-            tractions = -weighted[:, first : first + COLUMNS_AT_ONCE].toarray()
-            x = self._solve(self._nodal_forces(jump, tractions))
+            block = np.asfortranarray(-weighted[:, first : first + COLUMNS_AT_ONCE].toarray())
+            sizes = ((len(block), None), (None, block.shape[1]))
+            tractions = PETSc.Mat().createDense(sizes, array=block, comm=self.comm)
+            forces = jump.transposeMatMult(tractions)
+            x = forces.duplicate()
+            self.pc.getFactorMatrix().matSolve(forces, x)
             for found, matrix in zip(blocks, outputs, strict=True):
                 product = matrix.matMult(x)  # which its array does not keep alive
                 found.append(product.getDenseArray().copy())
@@ -308,14 +312,6 @@ class StaticCondensation:
             responses.append((u, y))
         return responses
 
-    def _solve(self, rhs: PETSc.Mat) -> PETSc.Mat:
-        """Solution of linear systems with the factorised tangent stiffness A: A^-1 times dense
-        columns (rhs).
-        """
-        out = rhs.duplicate()
-        self.pc.getFactorMatrix().matSolve(rhs, out)
-        return out
-
     def forces(self, nodal: Array, contact: ContactCompliance) -> PETSc.Vec:
         """Forces on the bodies from tangential tractions, on all dofs, N: the transposed jump times
         weighted tractions, negative.
@@ -328,15 +324,6 @@ class StaticCondensation:
         pull = vector(self.jump, -weights * (contact.shape_functions[self.rows] @ nodal))
         self.jump.multTranspose(pull, force)
         return force
-
-    def _mean_edge(self, touched: Mask) -> float:
-        """Mean distance of the other corners from the first corner of each facet that touches, of
-        all ranks, mm; touched: (f,) mask of this rank's slave facets.
-        """
-        corners = self.system.interface.slave.vertices[touched]
-        edges = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2)
-        total, count = (self.comm.allreduce(value) for value in (edges.sum(), edges.size))
-        return float(total / count)
 
     def _relative_change(self) -> PETSc.Mat:
         """Matrix G on all dofs: the tangential jump J or, when rolling, its upstream difference of
@@ -404,15 +391,6 @@ class StaticCondensation:
             (values[on], (np.nonzero(on)[0], column)), shape=(len(values), len(used))
         )
         return sp.kron(table, sp.eye(self.size), format="csr")
-
-    def _nodal_forces(self, jump: PETSc.Mat, block: Array) -> PETSc.Mat:
-        """Product of the transposed jump matrix with this rank's rows `block` of weighted tractions
-        at the points, N, as a distributed dense matrix with one column for each nodal traction.
-        """
-        columns = block.shape[1]
-        sizes = ((block.shape[0], None), (None, columns))
-        dense = PETSc.Mat().createDense(sizes, array=np.asfortranarray(block), comm=self.comm)
-        return jump.transposeMatMult(dense)
 
     def _all(self, values: NDArray[Entry]) -> NDArray[Entry]:
         """Array with the rows of all ranks in their order, on every rank (collective)."""

@@ -10,6 +10,7 @@ from railhead.solver.algebra.problem import Mask
 from railhead.solver.contact_system import ContactSystem, LoadCase
 from railhead.solver.friction.condensation import ContactCompliance, StaticCondensation
 from railhead.solver.friction.coulomb import TINY, CoulombContact, TangentialState
+from railhead.solver.friction.surface_response import far_displacement
 from railhead.solver.plasticity.response import ElasticResponse
 from railhead.solver.setup import FrictionSettings
 from railhead.solver.solution import FrictionSolution, Solution
@@ -177,9 +178,7 @@ class FrictionHistory:
         force = self.condensation.forces(self.nodal, self.contact)
         if self.case.force is not None:
             force.axpy(1.0, self.case.force)
-        support = None
-        for value, field in zip(self.tangential, self.condensation.far_field, strict=False):
-            support = field * float(value) if support is None else support + field * float(value)
+        support = far_displacement(self.condensation.far_field, self.tangential)
         case = replace(
             case, active=solution.pressure > 0, force=force, support_displacement=support
         )

@@ -140,12 +140,12 @@ class SurfaceResponse:
 
     @property
     def edge(self) -> float:
-        """Mean length of the edges of the facets that touch, of all ranks, mm (collective)."""
-        interface, comm = self.system.interface, self.system.comm
-        corners = interface.slave.vertices[np.unique(interface.facet[self.active])]
-        edges = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2)
-        total, count = (comm.allreduce(value) for value in (edges.sum(), edges.size))
-        return float(total / count)
+        """Mean distance of the other corners from the first corner of the facets that touch, of all
+        ranks, mm (collective).
+        """
+        interface = self.system.interface
+        touched = np.unique(interface.facet[self.active])
+        return interface.slave.mean_edge(touched, self.system.comm)
 
     def at(self, places: Array, normal: Array, mirrors: tuple[Array, ...]) -> SurfacePoints:
         """Points of the surfaces at places (n, 3), mm, near the slave, which are followed along a
@@ -193,7 +193,7 @@ class SurfaceResponse:
         solve fails.
         """
         system, problem = self.system, self.system.problem
-        out = self.far(self.settings.axes[:2] @ points.resultant(forces))
+        out = far_displacement(self.far_field, self.settings.axes[:2] @ points.resultant(forces))
         load = points.loads(forces)
         if out is None:
             out = load.duplicate()
@@ -206,14 +206,15 @@ class SurfaceResponse:
         system.reduction.matrix.multAdd(y, out, out)
         return out
 
-    def far(self, force: Array) -> PETSc.Vec | None:
-        """Displacement of the supported faces, on all dofs, mm, under a force (2,) along and across
-        the rail, N; None where the bodies end at their supports.
-        """
-        out = None
-        for value, field in zip(force, self.far_field, strict=False):
-            out = field * float(value) if out is None else out + field * float(value)
-        return out
+
+def far_displacement(fields: list[PETSc.Vec], force: Array) -> PETSc.Vec | None:
+    """Displacement of the supported faces, on all dofs, mm, under a force (2,) along and across the
+    rail, N; None where the bodies end at their supports. fields: see `far_field`.
+    """
+    out = None
+    for value, field in zip(force, fields, strict=False):
+        out = field * float(value) if out is None else out + field * float(value)
+    return out
 
 
 def far_field(system: ContactSystem, settings: FrictionSettings) -> list[PETSc.Vec]:

@@ -103,6 +103,12 @@ class TangentReduction:
     normal: Array
     mu: Array
 
+    @classmethod
+    def none(cls, size: int) -> TangentReduction:
+        """Reduction at no point; size: number m of components."""
+        empty = np.zeros(0)
+        return cls(np.zeros(0, dtype=np.int64), empty, empty, np.zeros((0, size)), empty)
+
     def renumbered(self, members: NDArray[np.int64]) -> TangentReduction:
         """The same reduction with point numbers members[points]; members: for each point of a
         subset, its number among all points.

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from mpi4py import MPI
@@ -67,26 +67,25 @@ class YieldPoints:
         strain = np.array((self.full_strain_matrix * prescribed).array)
         self.prescribed_strain = strain.reshape(self.prescribed_strain.shape)
 
-    def return_mapping(self, y: PETSc.Vec) -> tuple[History, TangentReduction | None]:
+    def return_mapping(self, y: PETSc.Vec) -> tuple[History, TangentReduction]:
         """State after a step from the history to the strains of the free unknowns y, and the
-        reduction of the tangent by yield; None instead of the latter where no body yields here.
+        reduction of the tangent by yield.
         """
         strain = self.strains(y) + self.prescribed_strain
         state = History(*(getattr(self.history, each.name).copy() for each in fields(History)))
-        reductions = []
+        reductions = [TangentReduction.none(strain.shape[1])]
         for members, hardening in self.groups:
             before = History(*(getattr(state, each.name)[members] for each in fields(History)))
             after, reduction = radial_return(strain[members], self.mu[members], before, hardening)
             for each in fields(History):
                 getattr(state, each.name)[members] = getattr(after, each.name)
             reductions.append(reduction.renumbered(members))
-        return state, TangentReduction.joined(reductions) if reductions else None
+        return state, TangentReduction.joined(reductions)
 
-    def strain_rows(self, reduction: TangentReduction | None) -> PETSc.Mat:
-        """Rows of the strain matrix that belong to the k points that yield: k m rows on this rank
-        (collective); reduction: reduction of the tangent at these points, None: no point yields.
+    def strain_rows(self, points: Index) -> PETSc.Mat:
+        """Rows of the strain matrix that belong to points with these numbers (k,): k m rows on this
+        rank (collective).
         """
-        points = np.zeros(0, dtype=np.int64) if reduction is None else reduction.points
         size = self.prescribed_strain.shape[1]
         rows = (points[:, None] * size + np.arange(size)).ravel()
         return select_rows(self.strain_matrix, rows)
@@ -96,6 +95,28 @@ class YieldPoints:
         `out` of the free unknowns, N.
         """
         add_transposed(self.strain_matrix, self.weights[:, None] * stress, out)
+
+
+class _PlasticTangent(Tangent):
+    """PETSc shell context of the tangent y -> K y - E^T w (C - C_ep) E y - theta S^T w S_ep y +
+    Bt^T w A B_ep y.
+
+    The letters are those of `ContactProblem` and of the head of this module. C_ep is the consistent
+    tangent. S_ep and B_ep are S and B less the normal stress that yield takes.
+
+    problem: the contact problem, by a weak reference.
+    active: active set A (n,).
+    """
+
+    def mult(self, mat: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
+        """Product of the tangent with x, written into y; called by PETSc."""
+        super().mult(mat, x, y)
+        problem = self.problem
+        loss = problem.apply_tangent_loss(x, y)
+        if not problem.symmetric:  # contact points yield, on any rank
+            contact = -problem.law.sigma * problem.weight * self.active * loss
+            add_transposed(problem.test_operator, contact, y)
+            problem.add_consistency_forces(-loss, y)
 
 
 @dataclass
@@ -111,26 +132,22 @@ class PlasticProblem(ContactProblem):
     bulk: YieldPoints = field(kw_only=True)
     surface: YieldPoints = field(kw_only=True)
     normal_dyads: Array = field(kw_only=True)
+    tangent_depends_on_state: ClassVar[bool] = True
+    tangent_context: ClassVar[type[Tangent]] = _PlasticTangent
 
     def __post_init__(self) -> None:
         """Start with the histories of the points as their states, and without operators of yielding
         points.
         """
-        self._bulk: tuple[History, TangentReduction | None] = self.bulk.history, None
-        self._surface: tuple[History, TangentReduction | None] = self.surface.history, None
+        nothing = TangentReduction.none(self.normal_dyads.shape[1])
+        self._bulk, self._surface = (self.bulk.history, nothing), (self.surface.history, nothing)
         self._yielding_operators: tuple[PETSc.Mat, PETSc.Mat] | None = None
-
-    @property
-    def tangent_depends_on_state(self) -> bool:
-        """True: yield changes the tangent while the active set stays."""
-        return True
 
     @property
     def symmetric(self) -> bool:
         """Whether the tangent is symmetric: not where contact points of Nitsche's method yield, on
         any rank."""
-        reduction = self._surface[1]
-        local = len(reduction.points) if reduction is not None and self.law.sigma else 0
+        local = self.law.sigma * len(self._surface[1].points)
         total = self.stiffness.comm.tompi4py().allreduce(local)
         return self.law.symmetric and not total
 
@@ -175,11 +192,6 @@ class PlasticProblem(ContactProblem):
 
         return value
 
-    @property
-    def tangent_context(self) -> type[Tangent]:
-        """Class of the PETSc shell context of the consistent tangent of the last state."""
-        return _PlasticTangent
-
     def set_prescribed_strain(self, prescribed: PETSc.Vec) -> None:
         """Set the prescribed strains of all points to those of a displacement on all dofs, mm."""
         self.bulk.set_prescribed_strain(prescribed)
@@ -191,8 +203,7 @@ class PlasticProblem(ContactProblem):
         """
         for points in (self.bulk, self.surface):
             points.history = History.virgin(*points.prescribed_strain.shape)
-        self._bulk, self._surface = (self.bulk.history, None), (self.surface.history, None)
-        self._yielding_operators = None
+        self.__post_init__()
 
     @property
     def state(self) -> State:
@@ -214,8 +225,8 @@ class PlasticProblem(ContactProblem):
         """
         if self._yielding_operators is None:
             self._yielding_operators = (
-                self.bulk.strain_rows(self._bulk[1]),
-                self.surface.strain_rows(self._surface[1]),
+                self.bulk.strain_rows(self._bulk[1].points),
+                self.surface.strain_rows(self._surface[1].points),
             )
         return self._yielding_operators
 
@@ -227,40 +238,16 @@ class PlasticProblem(ContactProblem):
         x: step of the free unknowns. Returns n . (C - C_ep) E x . n (n,) at the contact points,
             MPa: the part by which yield reduces the change of their normal stress.
         """
-        (bulk, surface), normal = self.yielding_operators, np.zeros(len(self.area))
-        strain, reduction = (bulk * x).array, self._bulk[1]
-        if reduction is not None:
-            stress = reduction.stress(strain.reshape(reduction.normal.shape))
-            strain = -self.bulk.weights[reduction.points, None] * stress
-        add_transposed(bulk, strain, out)
-        strain, reduction = (surface * x).array, self._surface[1]
-        if reduction is not None:
-            stress = reduction.stress(strain.reshape(reduction.normal.shape))
-            dyads = self.normal_dyads[reduction.points]
-            normal[reduction.points] = np.einsum("nm,nm->n", dyads, stress)
+        reductions = self._bulk[1], self._surface[1]
+        bulk, surface = (
+            reduction.stress((rows * x).array.reshape(reduction.normal.shape))
+            for rows, reduction in zip(self.yielding_operators, reductions, strict=True)
+        )
+        weights = self.bulk.weights[reductions[0].points, None]
+        add_transposed(self.yielding_operators[0], -weights * bulk, out)
+        points, normal = reductions[1].points, np.zeros(len(self.area))
+        normal[points] = np.einsum("nm,nm->n", self.normal_dyads[points], surface)
         return normal
-
-
-class _PlasticTangent(Tangent):
-    """PETSc shell context of the tangent y -> K y - E^T w (C - C_ep) E y - theta S^T w S_ep y +
-    Bt^T w A B_ep y.
-
-    The letters are those of `ContactProblem` and of the head of this module. C_ep is the consistent
-    tangent. S_ep and B_ep are S and B less the normal stress that yield takes.
-
-    problem: the contact problem, by a weak reference.
-    active: active set A (n,).
-    """
-
-    def mult(self, mat: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
-        """Product of the tangent with x, written into y; called by PETSc."""
-        super().mult(mat, x, y)
-        problem = self.problem
-        loss = problem.apply_tangent_loss(x, y)
-        if not problem.symmetric:  # contact points yield, on any rank
-            contact = -problem.law.sigma * problem.weight * self.active * loss
-            add_transposed(problem.test_operator, contact, y)
-            problem.add_consistency_forces(-loss, y)
 
 
 def bulk_points(

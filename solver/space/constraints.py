@@ -9,6 +9,7 @@ rigid motions in the free unknowns, and their prolongation from a coarser space.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
@@ -18,6 +19,7 @@ from petsc4py import PETSc
 
 from railhead.solver.space.cells import Array
 from railhead.solver.space.kinematics import SOLID, Kinematics
+from railhead.solver.space.operators import petsc_matrix, vector
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,22 @@ class Reduction:
         ones, out = squared.createVecLeft(), squared.createVecRight()
         ones.set(1.0)
         squared.multTranspose(ones, out)
+        return out
+
+    def restricted(self, displacement: PETSc.Vec) -> PETSc.Vec:
+        """Free unknowns (P^T P)^-1 P^T u whose displacement is nearest to u; displacement: u on all
+        dofs.
+        """
+        out = self.matrix.createVecRight()
+        self.matrix.multTranspose(displacement, out)
+        out.pointwiseDivide(out, self._divisors)
+        return out
+
+    @cached_property
+    def _divisors(self) -> PETSc.Vec:
+        """Squared norms of the columns of P, and 1 where a column is zero."""
+        out = self.norms()
+        out.array[:] = np.where(out.array > 0, out.array, 1.0)
         return out
 
 
@@ -160,24 +178,6 @@ def _place(empty: NDArray[np.intp], start: int, comm: MPI.Intracomm) -> tuple[in
     return own, comm.bcast(start + last[owner], root=owner)
 
 
-def petsc_matrix(table: sp.csr_matrix, local_columns: int, comm: MPI.Intracomm) -> PETSc.Mat:
-    """Distributed PETSc matrix (collective).
-
-    table: rows of this rank, with global column numbers.
-    local_columns: number of columns that this rank owns.
-    """
-    table.sort_indices()
-    return PETSc.Mat().createAIJ(
-        ((table.shape[0], PETSc.DETERMINE), (local_columns, table.shape[1])),
-        csr=(
-            table.indptr.astype(PETSc.IntType),
-            table.indices.astype(PETSc.IntType),
-            table.data,
-        ),
-        comm=comm,
-    )
-
-
 def reduced_prolongation(full: PETSc.Mat, fine: Reduction, coarse: Reduction) -> PETSc.Mat:
     """Prolongation Q = (P_f^T P_f)^-1 P_f^T I P_c between free unknowns, so that P_f Q = I P_c.
 
@@ -208,15 +208,11 @@ def rigid_modes(
     points: position of the owned block dofs (n, c), mm. reduction: map from free unknowns to dofs.
         Motions that the supports exclude are left out.
     """
-    scale = reduction.norms()
-    scale.array[:] = np.where(scale.array > 0, scale.array, 1.0)
     centred = points - points.mean(axis=0) if len(points) else points
     modes: list[PETSc.Vec] = []
     for motion in kinematics.rigid_motions(centred):
-        full, mode = reduction.matrix.createVecLeft(), reduction.matrix.createVecRight()
-        full.array[:] = motion.ravel()
-        reduction.matrix.multTranspose(full, mode)
-        mode.pointwiseDivide(mode, scale)
+        full = vector(reduction.matrix, motion)
+        mode = reduction.restricted(full)
         for other in modes:
             mode.axpy(-mode.dot(other), other)
         if mode.norm() > 1e-8 * full.norm():

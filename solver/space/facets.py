@@ -103,6 +103,15 @@ class FacetSet(CellSet):
         phi = phi.reshape(*corners.shape[:2], phi.shape[1])
         return np.einsum("fvk,fkd->fvd", phi, self.nodes[:, : phi.shape[2]])
 
+    def mean_edge(self, chosen: Index, comm: MPI.Intracomm) -> float:
+        """Mean distance, mm, of the other corners from the first corner of each chosen facet of
+        every rank; chosen: numbers of facets of this rank (collective).
+        """
+        corners = self.vertices[chosen]
+        edges = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2)
+        total, count = (comm.allreduce(value) for value in (edges.sum(), edges.size))
+        return float(total / count)
+
     def reference(self, index: Index, xi: Array) -> Array:
         """Reference coordinates (n, c) in the cells of points with coordinates xi (n, c - 1) in the
         reference facet, on the facets with these numbers (n,).
@@ -174,7 +183,9 @@ def pair(points: Array, normals: Array, master: FacetSet) -> tuple[Index, Array]
         if not len(missing):
             break
     hit = np.flatnonzero(facet >= 0)
-    xi[hit] = _project(points[hit], normals[hit], master, facet[hit], xi[hit])
+    for _ in range(2):  # on curved facets
+        x, tangent = master.tangents(facet[hit], xi[hit])
+        xi[hit] += _step(points[hit], normals[hit], x, tangent)
     return facet, xi
 
 
@@ -208,19 +219,6 @@ def _project_on_corners(points: Array, normals: Array, master: FacetSet, facet: 
         x = corners[:, 0] + np.einsum("ncj,nj->nc", edges, xi) + xi.prod(axis=1)[:, None] * twist
         tangent = edges if flat else edges + twist[:, :, None] * xi[:, None, ::-1]
         xi += _step(points, normals, x, tangent)
-    return xi
-
-
-def _project(points: Array, normals: Array, master: FacetSet, facet: Index, xi: Array) -> Array:
-    """Coordinates xi (n, c - 1) at which normals from points meet curved facets, by two steps of
-    Newton's method.
-
-    points, normals: (n, c). facet: facet of `master` for each point (n,). xi: first guess (n, c -
-        1).
-    """
-    for _ in range(2):
-        x, tangent = master.tangents(facet, xi)
-        xi = xi + _step(points, normals, x, tangent)
     return xi
 
 

@@ -8,7 +8,24 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from railhead.solver.space.cells import Array, CellSet, Index
-from railhead.solver.space.constraints import petsc_matrix
+
+
+def petsc_matrix(table: sp.csr_matrix, local_columns: int, comm: MPI.Intracomm) -> PETSc.Mat:
+    """Distributed PETSc matrix (collective).
+
+    table: rows of this rank, with global column numbers.
+    local_columns: number of columns that this rank owns.
+    """
+    table.sort_indices()
+    return PETSc.Mat().createAIJ(
+        ((table.shape[0], PETSc.DETERMINE), (local_columns, table.shape[1])),
+        csr=(
+            table.indptr.astype(PETSc.IntType),
+            table.indices.astype(PETSc.IntType),
+            table.data,
+        ),
+        comm=comm,
+    )
 
 
 def assemble_rows(
