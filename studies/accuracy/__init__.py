@@ -1,1 +1,1 @@
-"""What error estimates rest on, whether they hold, and what accuracy costs."""
+"""What error estimates rest on and whether they hold; what accuracy costs, and effects."""
