@@ -22,7 +22,7 @@ if TYPE_CHECKING:
         Wheel,
         Wheelset,
     )
-    from railhead.sweeps.sweep import Sweep, sweep
+    from railhead.sweeps.runner import Sweep, sweep
 
 __version__ = "0.3.0"
 __all__ = [
@@ -34,7 +34,7 @@ _HOMES = dict.fromkeys(__all__, "railhead.scene.scene") | {
     "MeshError": "railhead.meshing.mesh",
     **dict.fromkeys(("find", "plan", "solve"), "railhead.api"),
     **dict.fromkeys(("Result", "load"), "railhead.results.result"),
-    **dict.fromkeys(("Sweep", "sweep"), "railhead.sweeps.sweep"),
+    **dict.fromkeys(("Sweep", "sweep"), "railhead.sweeps.runner"),
 }
 
 

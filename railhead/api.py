@@ -30,11 +30,11 @@ class Planned:
 
     def __str__(self) -> str:
         """The table of the plan as text."""
-        return terminal.text(self.show)
+        return terminal.recorded(self.show).export_text()
 
     def _repr_html_(self) -> str:
         """The table of the plan as HTML, for notebooks."""
-        return terminal.html(self.show)
+        return terminal.recorded(self.show).export_html(inline_styles=True)
 
     def as_dict(self) -> dict[str, Any]:
         """The plan as plain data: the table "plan" of summary.json."""
@@ -42,9 +42,7 @@ class Planned:
 
     def show(self, console: Console) -> None:
         """Print the plan as a table on a console of rich."""
-        from railhead.results.report import tables
-
-        tables.show_plan(self.plan, console)
+        terminal.show_plan(self.plan, console)
 
 
 def plan(

@@ -236,8 +236,10 @@ def run(
         if count > 1:
             launch.restart(count, arguments)
 
+    from rich.console import Console
+
     from railhead.results import pipeline
-    from railhead.results.report import tables, terminal
+    from railhead.results.report import terminal
     from railhead.run import refinement
 
     quiet = quiet or as_json
@@ -261,7 +263,7 @@ def run(
             problem = error
     if first:
         if not result.passed:
-            tables.show_failure(result.summary, terminal.errors())
+            terminal.show_failure(result.summary, Console(stderr=True))
         if as_json:
             click.echo(result_folder.to_json(result.summary), nl=False)
         elif not quiet:

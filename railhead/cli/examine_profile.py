@@ -15,8 +15,8 @@ from railhead.contact import solid
 from railhead.geometry.measured import BODY_BY_EXTENSION, standards
 from railhead.geometry.measured.profile import Measured, smoothness
 from railhead.geometry.measured.standards import LaidStandard
-from railhead.results import result_folder, table_file
-from railhead.results.report import tables, terminal
+from railhead.results import result_folder
+from railhead.results.report import terminal
 from railhead.scene.scene import Scene, SceneError
 
 ROW_STEP = 0.25  # mm between the rows of profile.csv
@@ -70,7 +70,7 @@ class ExaminedProfile:
             for index in range(len(y))
         ]
         with result_folder.result(folder, "profile", self.scene, self.summary()) as (work, attempt):
-            (work / "profile.csv").write_bytes(table_file.encoded(rows))
+            (work / "profile.csv").write_bytes(result_folder.encoded(rows))
             with attempt("profile.png"):
                 profile_plot.draw(self.measured, self.worn, work / "profile.png")
 
@@ -80,7 +80,7 @@ class ExaminedProfile:
         curvatures = summary["curvatures_per_mm"].values()
         radii = (f"{1 / value:.4g}" if value else "inf" for value in curvatures)
         lines = [
-            *tables.profile_lines({self.measured.body: summary}),
+            *terminal.profile_lines({self.measured.body: summary}),
             f"radius     {', '.join(radii)} mm at 5, 50, 95 % of the curvature",
             f"wear       against {worn.name}: at most {worn.largest_loss:.3g} mm at y = "
             f"{worn.y[worn.worst]:.1f} mm, {worn.lost_area:.3g} mm2 of the section",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Findings
-from railhead.results import quantity_rows, table_file
+from railhead.results import quantity_rows, result_folder
 from railhead.results.report.output_units import Units
 from railhead.results.result_folder import result
 from railhead.results.subject import subject
@@ -47,7 +47,7 @@ def write(
         written, after all the others are.
     """
     with result(folder, "run", solved.plan.scene, summary) as (work, attempt):
-        (work / TABLE).write_bytes(table_file.encoded(quantity_rows.everything(summary)))
+        (work / TABLE).write_bytes(result_folder.encoded(quantity_rows.everything(summary)))
         stresses: Array | None = None
         grids: Grids | None = None
         found = _titled(solved)

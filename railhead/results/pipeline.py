@@ -7,9 +7,8 @@ from mpi4py import MPI
 from railhead.planning import cost
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
-from railhead.results import half_spaces as half_space_summary
 from railhead.results.result import Result
-from railhead.results.summary import summarise
+from railhead.results.summary import summarise, summarise_half_spaces
 from railhead.run import half_spaces
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
@@ -33,7 +32,7 @@ def solve(plan: Plan, progress: Progress, comm: MPI.Intracomm = MPI.COMM_WORLD) 
     """
     if plan.by_half_spaces:
         solved = half_spaces.solve(plan, progress)
-        return Result(solved, half_space_summary.summarise(solved))
+        return Result(solved, summarise_half_spaces(solved))
     levels, ending = refine(plan, progress, comm)
     if why := unplanned_yield(levels[-1], comm):
         levels, ending = refine(plan.with_yield(why), progress, comm)

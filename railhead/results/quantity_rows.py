@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from railhead.postprocess.findings import NO_DEPTH
 from railhead.run import quantities
-from railhead.run.quantities import Quantity
 
 Cell = float | str | None
 Row = dict[str, Cell]
@@ -17,6 +16,7 @@ Where half-spaces are the answer, "FE" is "half-spaces"."""
 ROUNDING = 1e-9  # of friction times load: a force below it is 0
 FIRST = ("quantity", "unit")
 ANSWERS = ("FE", "half-spaces")
+REFERENCES = ("elastic", "frictionless")
 RELATIVE = ("estimate", *(f"{name} - Hertz" for name in ANSWERS))
 """Columns of relative numbers."""
 
@@ -25,120 +25,79 @@ def reference_name(summary: Mapping[str, Any]) -> str:
     """Key in summary.json of the solution without yield or friction: "elastic", "frictionless", or
     empty where the result has neither effect.
     """
-    return next((each for each in ("elastic", "frictionless") if each in summary), "")
+    return next((each for each in REFERENCES if each in summary), "")
 
 
-def contact(summary: Mapping[str, Any]) -> list[Row]:
-    """Rows of finite elements, error estimates, half-spaces and exact Hertz side by side; empty
-    where nothing touches.
+def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
+    """Rows of one table of quantities; empty where nothing touches, or without that effect.
+
+    table: "contact": beside the answer stand estimates, half-spaces, exact Hertz and the solution
+        without yield or friction. "load". "friction": forces of the wheel on the rail, motion and
+        stick share, beside other methods. "steel": effects of pressure and tractions on the steel.
     """
-    if summary["result"] is None:
+    result = summary["result"]
+    if result is None:
         return []
-    return [_named(summary, _compared(summary, each)) for each in quantities.rows("contact")]
-
-
-def _named(summary: Mapping[str, Any], row: Row) -> Row:
-    """A row in whose columns "FE" is the name of the method of the answer."""
-    if summary.get("method", ANSWERS[0]) != ANSWERS[1]:
-        return row
-    beside = {key: value for key, value in row.items() if key != "half-space"}
-    return {key.replace(*ANSWERS): value for key, value in beside.items()}
-
-
-def _compared(summary: Mapping[str, Any], quantity: Quantity) -> Row:
-    """Row of one quantity: cells of finite elements, estimate, half-spaces and Hertz by column."""
-    depth = quantity.key.endswith("depth_mm")
-    least = NO_DEPTH * summary["result"]["patch"]["a_mm"] if depth else 0.0
-    fe, exact, half = (
-        _cell(quantity.value(summary[key]), least) for key in ("result", "hertz", "half_space")
-    )
-    row: Row = {
-        "quantity": quantity.label,
-        "unit": quantity.unit,
-        "FE": fe,
-        "estimate": summary["accuracy"]["bound"].get(quantity.key),
-        "half-space": half,
-        "Hertz": exact,
-        "FE - Hertz": _relative(fe, exact),
-    }
-    if name := reference_name(summary):
-        row[f"{name} FE"] = _cell(quantity.value(summary[name]), least)
-    return row
-
-
-def friction(summary: Mapping[str, Any]) -> list[Row]:
-    """Rows of forces of the wheel on the rail, motion and stick share, with columns of other
-    methods.
-    """
-    found = (summary["result"] or {}).get("friction") or {}
-    others = (summary.get("half_space_friction") or {}).items()
-    bound = summary["accuracy"]["bound"] | _unresolved(found)
-    still, limit = found.get("resolution", {}), ROUNDING * found.get("limit_N", 0.0)
-    least = {"N": limit, "N mm": limit}  # of a moment over an arm of 1 mm
-    rows: list[Row] = [
-        {
+    answer = ANSWERS[summary.get("method") == ANSWERS[1]]
+    friction = result.get("friction") or {}
+    unresolved = dict.fromkeys(friction.get("below_resolution", ()), "below resolution")
+    within = summary["accuracy"]["bound"] | unresolved
+    others: dict[str, Any] = {}
+    if table == "contact":
+        others = {"half-space": summary.get("half_space"), "Hertz": summary["hertz"]}
+        if answer != ANSWERS[0]:
+            del others["half-space"]
+    elif table == "friction":
+        methods = summary.get("half_space_friction") or {}
+        flat = {"without creepage": friction.get("resolution", {}), **methods}
+        others = {name: {"friction": of} for name, of in flat.items() if "reason" not in of}
+    found = []
+    for each in quantities.rows(table):
+        if table in ("friction", "steel") and each.key not in friction:
+            continue
+        least = 0.0
+        if each.key.endswith("depth_mm"):
+            least = NO_DEPTH * result["patch"]["a_mm"]
+        elif each.unit in ("N", "N mm"):  # of a moment over an arm of 1 mm
+            least = ROUNDING * friction.get("limit_N", 0.0)
+        row: Row = {
             "quantity": each.label,
             "unit": each.unit,
-            "FE": _cell(found[each.key], least.get(each.unit, 0.0)),
-            "estimate": bound.get(each.key),
-            "without creepage": _cell(still.get(each.key), least.get(each.unit, 0.0)),
-            **{
-                name: _cell(of.get(each.key), least.get(each.unit, 0.0))
-                for name, of in others
-                if "reason" not in of
-            },
+            answer: _cell(each.value(result), least),
+            "estimate": within.get(each.key),
+            **{name: _cell(each.value(of), least) for name, of in others.items()},
         }
-        for each in quantities.rows("friction")
-        if each.key in found
-    ]
-    return [_named(summary, row) for row in rows]
+        if table == "contact":
+            row[f"{answer} - Hertz"] = _relative(row[answer], row["Hertz"])
+            if name := reference_name(summary):
+                row[f"{name} {answer}"] = _cell(each.value(summary[name]), least)
+        found.append(row)
+    return found
 
 
-def steel(summary: Mapping[str, Any]) -> list[Row]:
-    """Rows of the effects of pressure and tractions on the steel."""
-    found = (summary["result"] or {}).get("friction") or {}
-    unresolved = _unresolved(found)
-    rows: list[Row] = [
-        {
-            "quantity": each.label,
-            "unit": each.unit,
-            "FE": _cell(found[each.key]),
-            "estimate": unresolved.get(each.key),
-        }
-        for each in quantities.rows("steel")
-        if each.key in found
-    ]
-    return [_named(summary, row) for row in rows]
-
-
-def _unresolved(friction: Mapping[str, Any]) -> dict[str, Cell]:
-    """The words "below resolution" by key of the quantities that are smaller than the resolution of
-    the mesh.
-    """
-    return dict.fromkeys(friction.get("below_resolution", ()), "below resolution")
+def filled(rows: Sequence[Row]) -> list[str]:
+    """Names of the columns beside quantity and unit in which any row has a value."""
+    names = dict.fromkeys(name for row in rows for name in row if name not in FIRST)
+    return [name for name in names if any(row.get(name) not in (None, "") for row in rows)]
 
 
 def everything(summary: Mapping[str, Any]) -> Iterator[Row]:
     """Rows of all tables, each with a unique name in "quantity", and the column "value" in the
     place of "FE"; then program and date.
     """
-    load: list[Row] = [
-        {"quantity": each.label, "unit": each.unit, "FE": _cell(each.value(summary["result"]))}
-        for each in quantities.rows("load")
-        if summary["result"] is not None
-    ]
     above = ""
-    for row in (*contact(summary), *load, *friction(summary), *steel(summary)):
-        label = str(row["quantity"])
-        name = f"{above}: {label.strip()}" if label.startswith(" ") else label
-        above = above if label.startswith(" ") else label
-        named: Row = {"value" if key in ANSWERS else key: value for key, value in row.items()}
-        yield {**named, "quantity": name}
+    for table in ("contact", "load", "friction", "steel"):
+        for row in rows(summary, table):
+            label = str(row["quantity"])
+            name = f"{above}: {label.strip()}" if label.startswith(" ") else label
+            above = above if label.startswith(" ") else label
+            named: Row = {"value" if key in ANSWERS else key: value for key, value in row.items()}
+            yield {**named, "quantity": name}
     yield {"quantity": "program", "value": f"railhead {summary['railhead']}"}
     yield {"quantity": "date", "value": summary["date"]}
 
 
-def _cell(value: Any, least: float = 0.0) -> Cell:
+def _cell(value: Any, least: float) -> Cell:
     """A number or a word of a table; a number whose size is below `least` (rounding) becomes 0."""
     if value is None or isinstance(value, str):
         return value

@@ -58,15 +58,13 @@ class Result:
 
     def _repr_html_(self) -> str:
         """The table of `railhead run` as HTML, for notebooks."""
-        return terminal.html(self.show)
+        return terminal.recorded(self.show).export_html(inline_styles=True)
 
     def show(self, console: Console, units: Units | None = None) -> None:
         """Print the table of `railhead run` on a console. units: units of the numbers; None: mm, N,
         MPa.
         """
-        from railhead.results.report import tables
-
-        tables.show_result(self.summary, console, units or tables.DEFAULT)
+        terminal.show_result(self.summary, console, units or terminal.DEFAULT)
 
     def as_dict(self) -> dict[str, Any]:
         """The content of summary.json."""

@@ -27,6 +27,9 @@ from railhead.scene.scene import SceneError
 
 if TYPE_CHECKING:
     from railhead.scene.scene import Scene
+import csv
+import io
+from collections.abc import Iterable, Mapping
 
 SUMMARY, SCENE = "summary.json", "scene.toml"
 VERSION = version("railhead")
@@ -310,3 +313,22 @@ def _plain(value: object) -> object:
     if isinstance(value, float) and value in (float("inf"), float("-inf")):
         return "inf" if value > 0 else "-inf"
     return value
+
+
+# Tables that Excel opens by a double click and everything else reads: comma-separated values with
+# decimal points, in UTF-8 with its mark, lines ending in CR LF.
+
+ENCODING = "utf-8-sig"
+
+
+def encoded(rows: Iterable[Mapping[str, object]]) -> bytes:
+    """Bytes of a .csv file: a line for each row, columns in the order of their first appearance;
+    None is an empty cell.
+    """
+    rows = list(rows)
+    columns = dict.fromkeys(name for row in rows for name in row)
+    file = io.StringIO(newline="")
+    writer = csv.DictWriter(file, list(columns))
+    writer.writeheader()
+    writer.writerows(rows)
+    return file.getvalue().encode(ENCODING)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import resource
+from collections.abc import Mapping
 from typing import Any
 
 from railhead.planning import effects
@@ -11,16 +12,17 @@ from railhead.planning.effects import material
 from railhead.postprocess import compare
 from railhead.postprocess.friction import damage
 from railhead.results import checks
-from railhead.results.checks import second_method
+from railhead.results.checks import second_method, solution
 from railhead.results.result_folder import origin
 from railhead.run import estimates
-from railhead.run.half_spaces import Solved
+from railhead.run.half_spaces import HalfSpaceSolution, Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.references import half_space_reference, rolling_reference
 from railhead.run.refinement import Ending
 from railhead.scene.catalogue import portable
 from railhead.theory.elastic.hertz import Ellipse
 
+HALF_SPACE_SOURCE = "half-spaces: what finite bodies would change, and the error of the grid"
 NO_SECTION = {"reason": "boundary elements know no section of bodies that end"}
 
 
@@ -29,49 +31,32 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
     ending: why the sequence of meshes ended.
     """
     solved = levels[-1]
-    plan, solution, found = solved.plan, solved.solution, solved.findings
-    scene = plan.scene
-    hertz = exact_quantities(solved)
-    newton, cost, reference = solution.newton, ending.would_cost, solved.elastic_reference
+    plan, newton = solved.plan, solved.solution.newton
     known, source = estimates.estimate(levels)
-    found_friction = (solved.result or {}).get("friction", {})
-    unresolved = found_friction.get("below_resolution", [])
-    bound = {name: each.total for name, each in known.items() if name not in unresolved}
+    unresolved = (solved.result or {}).get("friction", {}).get("below_resolution", [])
     reached = None
-    if scene.accuracy is not None and solved.result is not None:
-        reached = bool(estimates.largest_error(known, solved) <= scene.accuracy)
+    if plan.scene.accuracy is not None and solved.result is not None:
+        reached = bool(estimates.largest_error(known, solved) <= plan.scene.accuracy)
     half_spaces = half_space_reference.solve(solved)
-    profiles, rubbed = (
-        half_space_reference.half_space(solved, half_spaces),
-        rolling_reference.half_space_friction(solved, half_spaces),
-    )
-    second = {**hertz, "allowance": {}} if plan.contact.half_space else profiles or NO_SECTION
+    profiles = half_space_reference.half_space(solved, half_spaces)
+    rubbed = rolling_reference.half_space_friction(solved, half_spaces)
+    second = {**exact_quantities(solved), "allowance": {}} if plan.contact.half_space else profiles
+    second, beside = second or NO_SECTION, rubbed
     other = effects.overruled(plan.effects)
-    beyond = all(effects.EFFECTS[name].beyond_half_spaces for name in other)
-    if not beyond:
+    if not all(effects.EFFECTS[name].beyond_half_spaces for name in other):
         second = {"reason": f"another problem than the scene's was chosen: {', '.join(other)}"}
-    if other:
-        source = f"{source}; of the problem that was chosen ({', '.join(other)})"
+        beside = None if rubbed is None else {"scene": second}
     judged = checks.run(solved, known, second, reached=reached)
-    beside = rubbed if beyond or rubbed is None else {"scene": second}
     judged += checks.friction(solved, known, beside)
-    missing = second_method.not_made(solved, judged, second, beside)
-    return {
-        "case": scene.name,
-        "method": "finite elements",
-        **origin(),
-        "scene": portable(scene),
-        "plan": plan.summary(),
-        "result": solved.result and {**solved.result, **more(solved)},
-        **({} if reference is None else {_reference_name(solved): reference.result}),
-        "hertz": hertz,
-        "half_space": profiles,
-        **({} if rubbed is None else {"half_space_friction": rubbed}),
-        "difference": None if solved.result is None else compare.difference(solved.result, hertz),
-        "effects_after": {name: vars(each) for name, each in solved.after.items()},
-        "accuracy": {
-            "asked": scene.accuracy,
-            "bound": bound,
+    cost, missing = ending.would_cost, second_method.not_made(solved, judged, second, beside)
+    return _summary(
+        solved,
+        method="finite elements",
+        half_space=profiles,
+        half_space_friction=rubbed,
+        accuracy={
+            "asked": plan.scene.accuracy,
+            "bound": {name: each.total for name, each in known.items() if name not in unresolved},
             "reached": reached,
             "reason": ending.reason,
             "would_cost": cost and {"unknowns": cost[0], "seconds": cost[1]},
@@ -79,40 +64,118 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
             "parts": {name: each.parts for name, each in known.items()},
             "levels": [_trace(each) for each in levels],
         },
-        "checks": {
+        checks={
             **checks.summary(judged, missing),
-            "converged": newton.converged and found is not None,
-            "max_penetration_mm": solution.penetration,
-            "hertzian": None if found is None else found.hertzian,
-            "shape_error": None if found is None else found.shape_error,
+            "converged": newton.converged and solved.findings is not None,
+            "max_penetration_mm": solved.solution.penetration,
         },
-        "newton": {"reason": newton.reason, "history": [vars(step) for step in newton.history]},
-        "cost": {
+        newton={"reason": newton.reason, "history": [vars(step) for step in newton.history]},
+        cost={
             "dofs": solved.unknowns,
             "cells": solved.mesh.cells,
             "mesh_quality": solved.mesh.quality,
             "ranks": solved.mesh.mesh.comm.size,
             "newton_iterations": len(newton.history),
             "linear_iterations": sum(step.linear_iterations for step in newton.history),
-            "peak_rss_MB": peak_memory(),
+            "peak_rss_MB": _peak_memory(),
             "seconds": _seconds(levels),
         },
+    )
+
+
+def summarise_half_spaces(solved: HalfSpaceSolution) -> dict[str, Any]:
+    """summary.json of a solution by half-spaces, with the keys of one by finite elements."""
+    bound = {key: sum(parts.values()) for key, parts in solved.error_parts.items()}
+    asked, reached = solved.plan.scene.accuracy, None
+    if asked is not None and solved.result is not None:
+        reached = max(bound.values()) <= asked
+    missing = {second_method.SECOND: "half-spaces are the answer itself"}
+    return _summary(
+        solved,
+        method="half-spaces",
+        half_space=None,
+        half_space_friction=None if solved.friction is None else solved.other_friction,
+        accuracy={
+            "asked": asked,
+            "bound": bound,
+            "reached": reached,
+            "reason": "half-spaces are solved once",
+            "would_cost": None,
+            "source": HALF_SPACE_SOURCE,
+            "parts": solved.error_parts,
+            "levels": [],
+        },
+        checks={
+            **checks.summary(list(solution.half_spaces(solved, bound)), missing),
+            "converged": solved.result is not None,
+            "max_penetration_mm": 0.0,
+        },
+        newton={"reason": solved.reason or "no finite elements", "history": []},
+        cost={
+            "dofs": 0,
+            "cells": 0,
+            "mesh_quality": None,
+            "ranks": 1,
+            "newton_iterations": 0,
+            "linear_iterations": 0,
+            "peak_rss_MB": _peak_memory(),
+            "seconds": {
+                **dict.fromkeys(("mesh", "assemble", "postprocess"), 0.0),
+                "solve": solved.seconds,
+                "total": solved.seconds,
+            },
+        },
+    )
+
+
+def _summary(
+    solved: Solved,
+    *,
+    method: str,
+    half_space: Mapping[str, Any] | None,
+    half_space_friction: Mapping[str, Any] | None,
+    accuracy: dict[str, Any],
+    checks: dict[str, Any],
+    newton: dict[str, Any],
+    cost: dict[str, Any],
+) -> dict[str, Any]:
+    """summary.json of a solution; the arguments are its entries of the same names."""
+    result, reference, found = solved.result, solved.elastic_reference, solved.findings
+    hertz = exact_quantities(solved)
+    if other := effects.overruled(solved.plan.effects):
+        accuracy["source"] += f"; of the problem that was chosen ({', '.join(other)})"
+    name = "elastic" if solved.residual_state is not None else "frictionless"
+    rubbed = {} if half_space_friction is None else {"half_space_friction": half_space_friction}
+    return {
+        "case": solved.plan.scene.name,
+        "method": method,
+        **origin(),
+        "scene": portable(solved.plan.scene),
+        "plan": solved.plan.summary(),
+        "result": result and {**result, **_more(solved)},
+        **({} if reference is None else {name: reference.result}),
+        "hertz": hertz,
+        "half_space": half_space,
+        **rubbed,
+        "difference": None if result is None else compare.difference(result, hertz),
+        "effects_after": {name: vars(each) for name, each in solved.after.items()},
+        "accuracy": accuracy,
+        "checks": {
+            **checks,
+            "hertzian": None if found is None else found.hertzian,
+            "shape_error": None if found is None else found.shape_error,
+        },
+        "newton": newton,
+        "cost": cost,
     }
 
 
-def peak_memory() -> float:
+def _peak_memory() -> float:
     """Largest memory of this process so far, MB."""
     return 1024e-6 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
-def _reference_name(solved: MeshSolution) -> str:
-    """Key of the solution without yield and friction: "elastic" where bodies yield, else
-    "frictionless".
-    """
-    return "elastic" if solved.residual_state is not None else "frictionless"
-
-
-def more(solved: Solved) -> dict[str, Any]:
+def _more(solved: Solved) -> dict[str, Any]:
     """Entries "plastic" and "friction" (and effects on the steel) of "result" in summary.json."""
     out: dict[str, Any] = {} if solved.residual_state is None else {"plastic": _plastic(solved)}
     if solved.result is not None and (found := solved.result.get("friction")):

@@ -16,7 +16,8 @@ import numpy as np
 from mpi4py import MPI
 
 from railhead.planning import budget
-from railhead.results import files, result_folder, table_file
+from railhead.planning import plan as planning
+from railhead.results import files, result_folder
 from railhead.results.subject import shared_y
 from railhead.run import process, refinement
 from railhead.run.progress import Progress
@@ -214,7 +215,8 @@ def _solve(
         not enough free memory now.
     """
     faults: dict[int, str] = {}
-    solved = runner.solve_group(group, wanted, Progress(quiet=True), MPI.COMM_SELF)
+    plans = {number: planning.make(scene) for number, scene in group.items()}
+    solved = runner.solve_group(plans, wanted, Progress(quiet=True), MPI.COMM_SELF)
     for number, result in solved:
         if isinstance(result, budget.NoMemoryError):  # another time it may fit
             faults[number] = str(result)
@@ -297,5 +299,5 @@ def _write_table(sweep: ParallelSweep, rows: dict[int, Row]) -> None:
         record = store.read(sweep.folder, number)
         rows[number] = sweep_table.row(sweep.values(number), record)
     if new or len(rows) == len(sweep.grid.scenes):
-        table = table_file.encoded(row for _, row in sorted(rows.items()))
+        table = result_folder.encoded(row for _, row in sorted(rows.items()))
         store.write_whole(sweep.folder, sweep.folder / store.TABLE, table)

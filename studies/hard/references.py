@@ -29,7 +29,7 @@ from railhead.planning.references import boundary_elements
 from railhead.planning.references.allowance import allowance
 from railhead.postprocess import compare
 from railhead.results import pipeline
-from railhead.results.checks.check import ESTIMATE_FACTOR
+from railhead.results.checks.solution import ESTIMATE_FACTOR
 from railhead.results.summary import summarise
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress

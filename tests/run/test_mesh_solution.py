@@ -9,7 +9,7 @@ from rich.console import Console
 
 from railhead.planning import plan
 from railhead.results import pipeline, result_folder
-from railhead.results.report import tables
+from railhead.results.report import terminal
 from railhead.run import mesh_solution
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
@@ -31,7 +31,7 @@ def solved(*changes: str) -> dict:
 
 def told(summary: dict) -> str:
     out = io.StringIO()
-    tables.show_failure(summary, Console(file=out, width=200))
+    terminal.show_failure(summary, Console(file=out, width=200))
     return out.getvalue()
 
 

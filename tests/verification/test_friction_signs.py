@@ -74,7 +74,7 @@ def test_a_yawed_wheelset_pushes_the_rail_aside() -> None:
     assert forces(answer)[1] < -0.3 and abs(forces(answer)[0]) < OFF
     assert "on a free axle" in found["plan"]["effects"]["friction"]["why"]
     assert {"quantity": "axle", "unit": "", "FE": "free"}.items() <= next(
-        row for row in quantity_rows.friction(found) if row["quantity"] == "axle"
+        row for row in quantity_rows.rows(found, "friction") if row["quantity"] == "axle"
     ).items()
     assert sweep_table.row({}, {"fault": "", "summary": found})["axle"] == "free"
 
@@ -178,7 +178,7 @@ def test_what_is_not_resolved_is_said(creepage: float) -> None:
     ):  # fmt: skip
         assert (name in unknown) == (creepage < least)
         assert name in unknown or answer[name] == pytest.approx(true, rel=0.05)
-    assert ("below resolution" in terminal.text(found.show)) == bool(unknown)
+    assert ("below resolution" in terminal.recorded(found.show).export_text()) == bool(unknown)
 
 
 def test_the_patch_stands_in_the_shakedown_map_where_the_steel_is_known(
@@ -210,6 +210,6 @@ def test_steel_that_would_yield_stays_elastic_and_keeps_its_friction() -> None:
 
 
 def test_the_table_says_wear_and_where_the_steel_is_hit_hardest() -> None:
-    shown = terminal.text(solved(plane(0.5, wheel={"yield_stress": 300})).show)
+    shown = terminal.recorded(solved(plane(0.5, wheel={"yield_stress": 300})).show).export_text()
     for said in ("T-gamma without spin", "surface", "passing again and again", "p0/k"):
         assert said in shown

@@ -2,7 +2,7 @@
 
 The limits follow from physics or from the wanted accuracy. Two were set anew after right results
 had been refused: that of the noise, and that of the flux with linear cells. A new check is a
-`Check` that the function of its group yields, and its name in words in `report.labels`.
+`Check` that the function of its group yields, and its name in words in `report.html`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from railhead.results.checks import second_method, solution
-from railhead.results.checks.check import Check
+from railhead.results.checks.solution import Check
 from railhead.run.estimates import Estimate, largest_error
 from railhead.run.mesh_solution import MeshSolution
 

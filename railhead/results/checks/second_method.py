@@ -13,7 +13,7 @@ import numpy as np
 
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import Frame
-from railhead.results.checks.check import (
+from railhead.results.checks.solution import (
     DEFAULT_TOLERANCE,
     ESTIMATE_FACTOR,
     FINER,

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,12 +15,14 @@ from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning import effects
 from railhead.planning.error_envelopes import RANGE
 from railhead.planning.sizing import LINEAR_REFINEMENT
-from railhead.results.checks.check import DEFAULT_TOLERANCE, FINER, Check, allowed, deviation
 from railhead.run.estimates import Estimate
-from railhead.run.half_spaces import Solved
+from railhead.run.half_spaces import CELLS, HalfSpaceSolution, Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene import steels
 
+DEFAULT_TOLERANCE = 0.05  # relative: of a number without an estimate
+ESTIMATE_FACTOR = 1.5  # times an estimate: what a number with one may be off by
+FINER = "give a smaller mesh.patch_size, or an accuracy"
 BALANCE_TOLERANCE = 1e-6  # relative; forces balance to rounding, an approach to this
 NOISE_LIMIT = 0.5  # relative L2: where half of the pressure is noise, none of it is an answer
 YIELD_LOAD_LIMIT = 110.0  # times the load of first yield
@@ -36,10 +39,46 @@ STEEL_PRESSURE = {"line": 4000.0, "point": 4200.0}
 SHAPE_SENSITIVITY = 5.25
 """What a fourth power in p^2 changes of the largest over the mean pressure, over the shape error,
 to first order: p^2 = (1 - r^2)(1 + c r^2) has c/5 and 4 c/105; a strip has c/8 and c/16."""
+BODIES = "simulate finite bodies: leave out --fast, --without finite_bodies"
 SOLVER = (
     "try solver.gamma_factor=1, solver.method=nitsche with solver.theta=1, a smaller "
     "mesh.patch_size, or solver.linear=direct"
 )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Check:
+    """A value that must not exceed a limit; a value that is not a number fails.
+
+    name: key in "checks" of summary.json.
+    value: the number.
+    limit: largest allowed value; with at_least the smallest.
+    source: reason of the limit.
+    advice: what to change where the check fails.
+    at_least: whether the limit is a lower bound.
+    """
+
+    name: str
+    value: float
+    limit: float
+    source: str
+    advice: str
+    at_least: bool = False
+
+    @property
+    def passed(self) -> bool:
+        """Whether the value is within the limit."""
+        return self.value >= self.limit if self.at_least else self.value <= self.limit
+
+
+def allowed(estimates: Mapping[str, Estimate], key: str) -> float:
+    """Relative error allowed for a quantity: a multiple of its estimate, or the default."""
+    return ESTIMATE_FACTOR * estimates[key].total if key in estimates else DEFAULT_TOLERANCE
+
+
+def deviation(value: float, target: float) -> float:
+    """Relative deviation of a value from a target; infinite for a target of 0."""
+    return abs(value / target - 1) if target else math.inf
 
 
 def equations(solved: MeshSolution) -> Iterator[Check]:
@@ -242,6 +281,55 @@ def pressure_over_mean(solved: MeshSolution, estimates: Mapping[str, Estimate]) 
         source=f"{'4/pi' if line else '3/2'} of load over area; both estimates "
         f"({tolerance:.2g}) and how far the pressure is from that shape",
         advice=FINER,
+    )
+
+
+def half_spaces(solved: HalfSpaceSolution, bound: dict[str, float]) -> Iterator[Check]:
+    """All checks of a solution by half-spaces. bound: error estimates by key."""
+    yield left_out(solved)
+    yield Check(
+        name="converged",
+        value=math.inf if solved.result is None else 0.0,
+        limit=0.0,
+        source=solved.reason or "boundary elements to 1e-5 of the displacement",
+        advice=BODIES,
+    )
+    if solved.result is None:
+        return
+    yield from physics(solved)
+    load = solved.plan.scene.load or solved.result["load_N"]
+    yield Check(
+        name="force_balance",
+        value=deviation(solved.load, load),
+        limit=BALANCE_TOLERANCE,
+        source="the load that the pressure carries",
+        advice=BODIES,
+    )
+    wanted = solved.plan.scene.accuracy
+    if wanted is not None:
+        yield Check(
+            name="accuracy",
+            value=max(bound.values()),
+            limit=wanted,
+            source="asked",
+            advice=BODIES,
+        )
+    if solved.findings is None or solved.plan.contact.half_space:
+        return
+    yield Check(
+        name="edge_distance",
+        value=solved.findings.edge_distance,
+        limit=2 / CELLS,
+        source="one cell, over the smaller half length: at an edge the pressure has no bound",
+        advice="move the wheel",
+        at_least=True,
+    )
+    yield Check(
+        name="grid_error",
+        value=max(parts.get("grid", 0.0) for parts in solved.error_parts.values()),
+        limit=DEFAULT_TOLERANCE,
+        source="the change from a grid of half as many cells each way",
+        advice=BODIES,
     )
 
 

@@ -6,7 +6,8 @@ import base64
 import io
 import json
 import platform
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -18,10 +19,13 @@ from PIL import Image
 from railhead.postprocess.findings import Findings
 from railhead.results import quantity_rows
 from railhead.results.quantity_rows import Row
-from railhead.results.report import labels, tables
+from railhead.results.report import terminal
 from railhead.results.report.output_units import Units
 from railhead.run import quantities
 from railhead.run.half_spaces import HalfSpaceSolution, Solved
+from railhead.scene.scene import Scene
+from railhead.scene.scene import unit as scene_unit
+from railhead.scene.sections import Section
 
 NAME = "report.html"
 LARGE = 300_000  # bytes
@@ -35,6 +39,58 @@ CAPTIONS = {
     "plastic": "What yields, what stays after the load, and the pressure with and without yield.",
     "friction": "Where the patch sticks and slips, and the tractions.",
     "shakedown": "Pressure and traction against the limits of repeated rolling.",
+}
+EFFECTS = {
+    "plane_strain": "line contact, solved in a section",
+    "axisymmetry": "body of revolution, solved in a meridian section",
+    "symmetry_x": "symmetry along the rail (half is solved)",
+    "symmetry_y": "symmetry across the rail (half is solved)",
+    "deformable_rail": "the rail deforms",
+    "deformable_wheel": "the wheel deforms",
+    "true_profile": "true profiles instead of radii",
+    "rail_section": "whole rail with web and foot",
+    "far_field": "half-spaces around the bodies",
+    "finite_bodies": "bodies that end, by finite elements",
+    "mean_dilatation": "nearly incompressible material",
+    "friction": "friction, traction and creepage",
+    "plasticity": "steel that yields",
+    "heat": "heat of friction (told, not simulated)",
+    "small_patch": "patch small beside the radii (after)",
+    "inside_the_bodies": "patch away from the edges (after)",
+    "thick_bodies": "bodies thick enough (after)",
+}
+CHECKS = {
+    "effects_left_out": "effects that are called for are simulated",
+    "converged": "the solver converged",
+    "force_balance": "forces are in balance",
+    "approach_reached": "the given approach is met",
+    "patch_settled": "the mesh is fine where the patch is",
+    "elements_across": "elements across the patch",
+    "pressure_noise": "noise of the pressure",
+    "penetration": "overlap of the bodies",
+    "flux_rail": "the stresses below the patch carry the load, rail",
+    "flux_wheel": "the stresses above the patch carry the load, wheel",
+    "stress_misfit": "smooth stresses against the elements' own",
+    "shear_over_pressure": "largest shear stress over pressure, at most",
+    "shear_over_pressure_least": "largest shear stress over pressure, at least",
+    "mises_over_shear": "von Mises over shear stress, at most",
+    "mises_over_shear_least": "von Mises over shear stress, at least",
+    "small_strain": "strains are small: pressure over modulus",
+    "pressure_of_steel": "a pressure that some steel bears, MPa",
+    "edge_distance": "patch away from edges",
+    "grid_error": "the cells of half-spaces are small enough",
+    "pressure_over_mean": "largest over mean pressure",
+    "tangential_flux_rail": "the stresses below the patch carry the tangential force, rail",
+    "tangential_flux_wheel": "the stresses above the patch carry the tangential force, wheel",
+    "accuracy": "the asked accuracy",
+}
+AGAINST = "second_opinion_"  # begins the names of the checks beside a second method
+HEADINGS = {
+    "FE": "finite elements",
+    "half-spaces": "half-spaces",
+    "estimate": "within",
+    "half-space": "half-spaces",
+    "Hertz": "exact Hertz",
 }
 PACKAGES = (
     "railhead",
@@ -84,13 +140,14 @@ def render(
     return _template("report.html.j2").render(
         summary=summary,
         units=units,
-        words=labels,
+        effect=effect,
+        check=check,
         found=found,
         views=views,
         viewer=viewer,
         missing=missing,
         title=found.subject.title if found else summary["case"],
-        scene_rows=list(labels.scene_rows(scene, units)),
+        scene_rows=list(scene_rows(scene, units)),
         scene_toml=(folder / "scene.toml").read_text(encoding="utf-8"),
         answer=answer_rows(summary, units, found),
         friction=_friction(summary, units),
@@ -110,34 +167,33 @@ def answer_rows(summary: Mapping[str, Any], units: Units, found: Findings | None
     """Table of the contact: {"columns": names, "rows": [(label, unit, key in summary.json, cells as
     text)]}.
     """
-    result = summary["result"]
-    if result is None or found is None:
+    if found is None:
         return {"columns": [], "rows": []}
-    names = found.subject.names
-    columns = {
-        "FE": "finite elements",
-        "half-spaces": "half-spaces",
-        "estimate": "within",
-        "half-space": "half-spaces",
-        "Hertz": "exact Hertz",
-    }
-    if kind := quantity_rows.reference_name(summary):
-        columns |= {f"{kind} {name}": f"{kind}, {columns[name]}" for name in quantity_rows.ANSWERS}
-    table = quantity_rows.contact(summary)
-    columns = {
-        name: shown
-        for name, shown in columns.items()
-        if any(row.get(name) is not None for row in table)
-    }
-    keys = [".".join(quantity.path) for quantity in quantities.rows("contact")]
+    names, headings = found.subject.names, dict(HEADINGS)
+    for kind in quantity_rows.REFERENCES:
+        for answer in quantity_rows.ANSWERS:
+            headings[f"{kind} {answer}"] = f"{kind}, {HEADINGS[answer]}"
+    table = quantity_rows.rows(summary, "contact")
+    columns = [name for name in quantity_rows.filled(table) if name in headings]
     rows = []
-    for key, (label, unit, texts) in zip(keys, _texts(table, columns, units), strict=True):
+    for quantity, row in zip(
+        quantities.rows("contact"), _texts(table, columns, units), strict=True
+    ):
+        label, unit, texts = row
         cells = [
             f"\u00b1 {text}" if name == "estimate" and text else names.get(text, text)
             for name, text in zip(columns, texts, strict=True)
         ]
-        rows.append((label, unit, key, cells))
-    return {"columns": list(columns.values()), "rows": rows}
+        rows.append((label, unit, ".".join(quantity.path), cells))
+    return {"columns": [headings[name] for name in columns], "rows": rows}
+
+
+def _friction(summary: Mapping[str, Any], units: Units) -> dict[str, Any]:
+    """Table of friction: {"columns": names, "rows": [(label, unit, cells as text)]}."""
+    table = quantity_rows.rows(summary, "friction")
+    columns = quantity_rows.filled(table)
+    every = [*table, *quantity_rows.rows(summary, "steel")]
+    return {"columns": columns, "rows": _texts(every, columns, units)}
 
 
 def _texts(
@@ -148,22 +204,41 @@ def _texts(
         (
             str(row["quantity"]).strip(),
             units.unit(str(row["unit"])),
-            [tables.cell(name, row.get(name), str(row["unit"]), units) for name in columns],
+            [terminal.cell(name, row.get(name), str(row["unit"]), units) for name in columns],
         )
         for row in rows
     ]
 
 
-def _friction(summary: Mapping[str, Any], units: Units) -> dict[str, Any]:
-    """Table of friction: {"columns": names, "rows": [(label, unit, cells as text)]}."""
-    table = quantity_rows.friction(summary)
-    columns = [
-        name
-        for name in (table[0] if table else {})
-        if name not in quantity_rows.FIRST and any(row[name] is not None for row in table)
-    ]
-    every = [*table, *quantity_rows.steel(summary)]
-    return {"columns": columns, "rows": _texts(every, columns, units)}
+def scene_rows(scene: Scene, units: Units) -> Iterator[tuple[str, str]]:
+    """Pairs (key in words, value with unit) of all keys of a scene that have a value other than
+    "auto".
+    """
+    for section, inner in scene:
+        for name, value in inner if isinstance(inner, Section) else [("", inner)]:
+            if value in (None, "auto"):
+                continue
+            key, text = f"{section}.{name}".rstrip("."), str(value)
+            if isinstance(value, float):
+                base = scene_unit(key)
+                if base == "rad":
+                    value, base = 1e3 * value, "mrad"
+                text = f"{units.value(value, base):.6g} {units.unit(base)}".strip()
+            words = key.replace("effects.", "effect.").replace(".", ": ").replace("_", " ")
+            yield words, text
+
+
+def effect(name: str) -> str:
+    """Words for the name of an effect or of a check of it after the solution."""
+    return EFFECTS.get(name, name.replace("_", " "))
+
+
+def check(name: str) -> str:
+    """Words for the name of a check."""
+    if name.startswith(AGAINST):
+        bare = name.removeprefix(AGAINST).rsplit("_", 1)[0].replace("_", " ")
+        return f"second method (half-spaces): {'pressure' if bare == 'max' else bare}"
+    return CHECKS.get(name, name.replace("_", " "))
 
 
 def _checks(checks: Mapping[str, Any]) -> list[tuple[str, str, str, bool, str, str]]:
@@ -176,7 +251,7 @@ def _checks(checks: Mapping[str, Any]) -> list[tuple[str, str, str, bool, str, s
         if name == "converged":
             texts = "yes" if checks[name] else "no", ""
         holds, advice = name not in checks["failed"], checks["advice"].get(name, "")
-        rows.append((labels.check(name), *texts, holds, reason, advice))
+        rows.append((check(name), *texts, holds, reason, advice))
     return sorted(rows, key=lambda row: row[3])
 
 
@@ -206,10 +281,8 @@ def _versions() -> dict[str, str]:
     """Versions of the used packages by name."""
     found = {}
     for name in PACKAGES:
-        try:
+        with suppress(ImportError):  # Debian's have no metadata
             found[name] = version(name)
-        except ImportError:  # Debian's have no metadata
-            continue
     return found
 
 

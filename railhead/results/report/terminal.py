@@ -3,23 +3,33 @@
 from __future__ import annotations
 
 import io
+import math
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
+from rich import box
 from rich.console import Console
+from rich.table import Table
+
+from railhead.planning.context import Effect
+from railhead.planning.plan import Plan
+from railhead.results import quantity_rows
+from railhead.results.quantity_rows import Cell, Row
+from railhead.results.report.output_units import Units
 
 WIDTH = 80  # characters where there is no terminal
+WIDEST = 80  # characters of a table of numbers, which are never cut: it goes on below
+DEFAULT = Units()
+ROUNDING = 1e-6  # of the deeper one: less deep is the surface of a body that did not yield
+PAIRED = 30.0  # times first yield beyond which the pairing of the surfaces is felt
 
 
 def standard() -> Console:
     """Console on standard output, WIDTH characters wide where that is no terminal."""
     console = Console()
     return console if console.is_terminal else Console(width=WIDTH)
-
-
-def errors() -> Console:
-    """Console on standard error."""
-    return Console(stderr=True)
 
 
 def labelled(console: Console, line: str, indent: int = 11) -> None:
@@ -37,20 +47,299 @@ def labelled(console: Console, line: str, indent: int = 11) -> None:
     console.print(said, markup=False, highlight=False, soft_wrap=True)
 
 
-def text(show: Callable[[Console], None]) -> str:
-    """Text that `show` prints on a console."""
-    console = _recording()
+def recorded(show: Callable[[Console], None]) -> Console:
+    """Console with the recorded output of `show`, which it exports as text or HTML."""
+    console = Console(file=io.StringIO(), width=WIDTH, record=True)
     show(console)
-    return console.export_text()
+    return console
 
 
-def html(show: Callable[[Console], None]) -> str:
-    """HTML with colours of the text that `show` prints on a console, for notebooks."""
-    console = _recording()
-    show(console)
-    return console.export_html(inline_styles=True)
+def show_plan(plan: Plan, console: Console) -> None:
+    """Print effects, mesh, predicted cost and prices of accuracies of a plan."""
+    said = plan.to_dict()
+    contact, hertz, mesh, solver = (said[key] for key in ("contact", "hertz", "mesh", "solver"))
+    table = Table(title=f"plan of {said['case']}", title_justify="left")
+    for column in ("effect", "state", "why", "predicted"):
+        table.add_column(column, overflow="fold")
+    for name, effect in plan.effects.items():
+        table.add_row(name, _state(effect), effect.why, _cost(*plan.price(name)))
+    console.print(table)
+    lines: tuple[str, ...] = (
+        f"contact    y = {rounded(contact['y_mm']):.3f} mm, z = {rounded(contact['z_mm']):.3f} mm, "
+        f"angle {rounded(math.degrees(contact['angle_rad'])):.3f} deg, relative radii "
+        f"{contact['relative_radius_along_mm']:.4g} x "
+        f"{contact['relative_radius_across_mm']:.4g} mm",
+        f"Hertz      a = {hertz['a_mm']:.4g} mm, b = {hertz['b_mm']:.4g} mm, "
+        f"p0 = {hertz['p0_MPa']:.4g} MPa",
+        f"mesh       {mesh['cell']}, order {mesh['order']}, "
+        f"{mesh['patch_size_mm']:.3g} mm in the patch",
+        f"solver     {solver['method']}, linear {solver['linear']}",
+        f"predicted  {plan.unknowns} unknowns, {plan.seconds:.1f} s",
+    )
+    if plan.by_half_spaces:
+        answer = f"answer     by half-spaces, without a mesh; predicted {plan.seconds:.1f} s"
+        lines = (*lines[:2], answer)
+    for line in (*lines, *profile_lines(plan.profiles)):
+        labelled(console, line)
+    if plan.uncertainty:
+        labelled(console, _uncertainty_line(vars(plan.uncertainty)))
+    if plan.forecast.reason:
+        console.print(f"The patch is forecast as Hertz's: {plan.forecast.reason}.", markup=False)
+    if not plan.by_half_spaces:
+        _show_prices(said["prices"], console)
 
 
-def _recording() -> Console:
-    """Console that records its output."""
-    return Console(file=io.StringIO(), width=WIDTH, record=True)
+def profile_lines(profiles: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
+    """Lines on reading and smoothing of profiles from files. profiles: by body, as in "plan" of
+    summary.json.
+    """
+    for body, found in profiles.items():
+        yield f"{body:10s} {Path(found['file']).name}: {', '.join(found['read'])}"
+        shortest, longest = found["smoothing_mm"]
+        smoothing = f"{shortest:.2g} to {longest:.2g} mm"
+        if here := found.get("smoothing_at_contact_mm"):
+            smoothing += f", {here:.3g} at the contact"
+        before, after = (found[f"largest_curvature_{when}_per_mm"] for when in ("before", "after"))
+        yield (
+            f"           noise {1e3 * found['noise_mm']:.2g} um; smoothing length {smoothing}; "
+            f"largest curvature {before:.3g} before, {after:.3g} 1/mm after"
+        )
+
+
+def _uncertainty_line(found: Mapping[str, Any]) -> str:
+    """Line on the effect of profile noise on the result. found: "profile_uncertainty" of
+    summary.json.
+    """
+    if found["reason"]:
+        return f"profile    leaves unknown what it does to the answer: {found['reason']}"
+    return (
+        f"profile    leaves {found['relative']:.1%} of the largest pressure and of the area open "
+        "(half-spaces with one, two and half a smoothing length)"
+    )
+
+
+def _state(effect: Effect) -> str:
+    """State of an effect in words."""
+    if effect.called_for and "on" in effect.refused:
+        return "off, though called for"
+    return "on" if effect.on else "off"
+
+
+def _cost(unknowns: int, seconds: float) -> str:
+    """Additional or saved unknowns and seconds in words."""
+    if not unknowns and not seconds:
+        return "no unknowns"
+    what = f"{abs(unknowns)} unknowns, " if unknowns else ""
+    return f"{'costs' if seconds > 0 else 'saves'} {what}{abs(seconds):.1f} s"
+
+
+def _show_prices(prices: Sequence[Mapping[str, Any]] | None, console: Console) -> None:
+    """Print the predicted cost of accuracies; None: unknown."""
+    if prices is None:
+        console.print(
+            "price      unknown: no calibrated family; an accuracy takes three meshes or more"
+        )
+        return
+    table = Table(title="price on this machine", title_justify="left")
+    for column in ("accuracy", "patch size, mm", "unknowns", "seconds", "memory, MB"):
+        table.add_column(column, justify="right")
+    for row in prices:
+        accuracy, cells = f"{row['accuracy']:.3g}", ["out of reach"] * 4
+        if row["unknowns"] is not None:
+            cells = [f"{row['patch_size_mm']:.3g}", f"{row['unknowns']}"]
+            cells += [f"{row['seconds']:.1f}", f"{row['memory_MB']:.0f}"]
+        table.add_row(accuracy, *cells)
+    console.print(table)
+
+
+def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAULT) -> None:
+    """Print finite elements and exact Hertz side by side, friction, yield, remarks and cost."""
+    if summary["result"] is not None:
+        load = units.value(summary["result"]["load_N"], "N")
+        title = f"{summary['case']}: {load:.6g} {units.unit('N')}"
+        if quantity_rows.reference_name(summary):
+            both = ("yield", "plastic"), ("friction", "friction")
+            title += ", with " + " and ".join(
+                effect for effect, key in both if key in summary["result"]
+            )
+        _show_rows(title, quantity_rows.rows(summary, "contact"), console, units)
+        if len(patches := summary["result"]["patches"]) > 1:
+            most = 100 * max(patch["load_share"] for patch in patches)
+            console.print(
+                f"{len(patches)} separate patches: a and b are those of the most loaded one "
+                f"({most:.3g} % of the load), area and stresses of all.",
+                highlight=False,
+            )
+        if plastic := summary["result"].get("plastic"):
+            _show_plastic(plastic, console, units)
+        if friction := summary["result"].get("friction"):
+            _show_rows("friction", quantity_rows.rows(summary, "friction"), console, units)
+            console.print(
+                "Forces are those of the wheel on the rail; mu N = "
+                f"{units.text(friction['limit_N'], 'N')}, of which estimates of forces are shares.",
+                highlight=False,
+            )
+            if rows := quantity_rows.rows(summary, "steel"):
+                _show_rows("what pressure and tractions do to the steel", rows, console, units)
+        missing = summary["checks"]["not_made"]
+        for reason in dict.fromkeys(missing.values()):
+            names = ", ".join(name for name in missing if missing[name] == reason)
+            console.print(f"Not checked: {names} ({reason}).", markup=False, highlight=False)
+        if summary["checks"]["passed"] and not summary["checks"]["hertzian"]:
+            console.print(
+                "The patch is no Hertz ellipse "
+                f"(moments off by {summary['checks']['shape_error']:.1%}): "
+                "Hertz is what the formula would have said."
+            )
+        for edge in summary["result"]["stress"]["at_edges"]:
+            console.print(
+                f"Left out: {edge['quantity']} {units.text(edge['value_MPa'], 'MPa')} in the "
+                f"{edge['body']} at {units.place(edge['place_mm'])}, at a sharp edge or held face, "
+                "where it depends on the mesh.",
+                highlight=False,
+            )
+    for line in profile_lines(summary["plan"]["profiles"]):
+        labelled(console, line)
+    if found := summary["plan"]["profile_uncertainty"]:
+        labelled(console, _uncertainty_line(found))
+    if other := summary["plan"]["chosen"]:
+        console.print(
+            f"Another problem was chosen ({', '.join(other)}): estimates are about that one.",
+            markup=False,
+            highlight=False,
+        )
+    if summary["scene"].get("budget"):
+        console.print(f"Budget: {summary['accuracy']['reason']}.", highlight=False)
+    for name, after in summary["effects_after"].items():
+        if after["needed"] or after["notable"]:
+            console.print(f"{name}: {after['why']}", markup=False, highlight=False)
+    checks, cost = summary["checks"], summary["cost"]
+    if summary.get("method") == "half-spaces":
+        console.print(
+            f"Half-spaces, {cost['seconds']['total']:.1f} s: no bodies, no mesh, no .vtu files. "
+            "Estimates are what finite bodies would change; other numbers have none.",
+            highlight=False,
+        )
+        return
+    console.print(
+        f"{cost['dofs']} unknowns, {cost['newton_iterations']} Newton steps, "
+        f"{cost['linear_iterations']} Krylov iterations, {cost['seconds']['total']:.1f} s, "
+        f"force balance {checks['force_balance']:.1e}",
+        highlight=False,
+    )
+
+
+def _show_plastic(plastic: Mapping[str, Any], console: Console, units: Units) -> None:
+    """Print yield under the load and the state after unloading. plastic: entry of "result" in
+    summary.json.
+    """
+    lines = [
+        f"Yields from {1 / plastic['load_over_first_yield']:.3g} of the load on: plastic strain up "
+        f"to {plastic['strain_max']:.3g} in the {plastic['body']} at "
+        f"{units.place(plastic['place_mm'])}, in {units.text(plastic['volume_mm3'], 'mm3')} "
+        f"between {units.text(plastic['top_mm'], 'mm')} and "
+        f"{units.text(plastic['depth_mm'], 'mm')} deep."
+    ]
+    if plastic["residual_von_mises_max_MPa"] is not None:
+        left = {body: plastic.get(f"residual_depth_{body}_mm", 0.0) for body in ("rail", "wheel")}
+        depths = ", ".join(
+            f"the {body} {units.text(depth, 'mm')}"
+            for body, depth in left.items()
+            if depth > ROUNDING * max(left.values())
+        )
+        lines.append(
+            f"Unloaded: {f'{depths} deep' if depths else 'nothing pushed in'}, von Mises stress up "
+            f"to {units.text(plastic['residual_von_mises_max_MPa'], 'MPa')} (without an estimate)."
+        )
+    if plastic["load_over_first_yield"] > PAIRED:
+        lines.append(
+            "Surfaces stay paired as they were before the load: the approach is 0.5 % (20 times "
+            "first yield) to 3 % (100 times) too large."
+        )
+    ratio = plastic["elastic_p0_over_k"]
+    lines.append(
+        f"Elastic p0/k is {ratio:.3g}; rolling without traction shakes down to elastic below 4 "
+        "(line) to 4.68 (circle), with traction below less. One spot pressed is not rolling."
+    )
+    for line in lines:
+        console.print(line, markup=False, highlight=False)
+
+
+def _show_rows(title: str, rows: Sequence[Row], console: Console, units: Units) -> None:
+    """Print rows with as many columns as fit, and further columns in tables below. Empty columns
+    are left out.
+    """
+    width = min(console.width, WIDEST)
+    left, shown = quantity_rows.filled(rows), 0
+    while left:
+        count = len(left)
+        while count > 1 and _wide(_table(title, rows, left[:count], units), console) > width:
+            count -= 1
+        if shown:
+            console.print()
+        filled = [row for row in rows if any(row[name] is not None for name in left[:count])]
+        console.print(_table("" if shown else title, filled, left[:count], units))
+        left, shown = left[count:], shown + count
+
+
+def _table(title: str, rows: Sequence[Row], names: Sequence[str], units: Units) -> Table:
+    """Table of rows with the columns quantity, unit and `names`."""
+    table = Table(
+        title=title or None, title_justify="left", box=box.SIMPLE_HEAD, padding=0, show_edge=False
+    )
+    for name in quantity_rows.FIRST:
+        table.add_column(name)
+    for name in names:
+        table.add_column(name, justify="right", no_wrap=True)
+    for row in rows:
+        unit = str(row["unit"])
+        numbers = (cell(name, row[name], unit, units) for name in names)
+        table.add_row(str(row["quantity"]), units.unit(unit), *numbers)
+    return table
+
+
+def _wide(table: Table, console: Console) -> int:
+    """Number of characters of the full width of a table."""
+    return table.__rich_measure__(console, console.options.update(max_width=10**6)).maximum
+
+
+def show_failure(summary: dict[str, Any], console: Console) -> None:
+    """Print each failed check with value, limit and advice, and the history of Newton's method
+    where that did not converge.
+    """
+    newton, checks = summary["newton"], summary["checks"]
+    for name in checks["failed"]:
+        if name == "converged":
+            text = f"NOT CONVERGED: {newton['reason']}; {checks['advice'][name]}"
+            console.print(text, highlight=False, markup=False)
+            continue
+        (limit, source), value = checks["limits"][name], float(checks[name])  # inf is a word
+        console.print(
+            f"CHECK FAILED: {name} = {value:.3g}, limit {float(limit):.3g} ({source}); "
+            f"{checks['advice'][name]}",
+            highlight=False,
+            markup=False,
+        )
+    if checks["converged"]:
+        return
+    for number, step in enumerate(newton["history"]):
+        residual = step["problem"] or f"residual {step['residual']:.2e}"
+        console.print(
+            f"  step {number:2d}  {residual}  active points {step['active']}  "
+            f"Krylov iterations {step['linear_iterations']}  step length {step['length']:.2f}",
+            highlight=False,
+        )
+
+
+def rounded(value: float, digits: int = 3) -> float:
+    """A number rounded to some decimal digits; a negative one that rounds to zero is 0, not -0."""
+    return round(value, digits) + 0.0
+
+
+def cell(name: str, value: Cell, unit: str, units: Units) -> str:
+    """Text of a cell of column `name` in displayed units; unit: base unit of the value."""
+    if value is None or isinstance(value, str):
+        return value or ""
+    if name in quantity_rows.RELATIVE:
+        return f"{value:.2%}" if name == "estimate" else f"{rounded(value, 4):+.2%}"
+    return f"{units.value(value, unit):.5g}"

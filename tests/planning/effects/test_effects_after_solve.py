@@ -15,7 +15,7 @@ from railhead.planning import plan as planning
 from railhead.planning.effects import assumptions, interface
 from railhead.postprocess import gallery
 from railhead.results import pipeline
-from railhead.results.report import tables
+from railhead.results.report import terminal
 from railhead.scene import catalogue
 from railhead.scene.scene import SceneError
 
@@ -92,7 +92,7 @@ def test_without_a_yield_stress_it_is_said_that_steel_would_yield(thesis) -> Non
     soft = again(thesis, "rail.young_modulus=1000", "wheel.young_modulus=1000")["plasticity"]
     assert not soft.notable and soft.why == "no yield stress is given"
     console = Console(file=io.StringIO(), width=200)
-    tables.show_result(thesis.summary, console)
+    terminal.show_result(thesis.summary, console)
     assert "plasticity: no steel is given; R260 would yield here" in console.file.getvalue()
 
 

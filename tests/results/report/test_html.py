@@ -19,7 +19,7 @@ from railhead import api
 from railhead.postprocess import gallery
 from railhead.postprocess.views import turning
 from railhead.results import quantity_rows, result_folder
-from railhead.results.report import html, labels
+from railhead.results.report import html
 from railhead.results.report.output_units import Units
 from railhead.run import quantities
 from railhead.scene.sections import SceneError
@@ -95,7 +95,9 @@ def test_numbers_are_those_of_the_summary(folder: Path) -> None:
     assert len(cells) == len(quantities.rows("contact"))
     factor = {"mm": 1e3, "mm2": 1e6, "MPa": 1e-3}
     compared = 0
-    for each, row in zip(quantities.rows("contact"), quantity_rows.contact(summary), strict=True):
+    for each, row in zip(
+        quantities.rows("contact"), quantity_rows.rows(summary, "contact"), strict=True
+    ):
         value = row["FE"]
         if isinstance(value, float):
             assert float(cells[".".join(each.path)]) == pytest.approx(
@@ -159,7 +161,7 @@ def test_the_verdict_is_of_what_holds(
         return html.render(result.mesh_solution, shown, Units(), folder, result.findings, None)
 
     after = {"plasticity": {"needed": True, "why": "it yields <b>here</b>"}}
-    told = f"What was left out matters: {labels.effect('plasticity')}.</b> it yields &lt;b&gt;here"
+    told = f"What was left out matters: {html.effect('plasticity')}.</b> it yields &lt;b&gt;here"
     assert told in said(effects_after=after)
     assert "matters" not in said()
 

@@ -11,8 +11,8 @@ from rich.console import Console
 from solved import solved
 
 import railhead as rh
-from railhead.results import quantity_rows, table_file
-from railhead.results.report import labels, output_units, tables
+from railhead.results import quantity_rows, result_folder
+from railhead.results.report import html, output_units, terminal
 from railhead.results.report.output_units import Units
 from railhead.run import quantities
 
@@ -29,7 +29,7 @@ def full() -> dict:
 
 def printed(summary: dict, width: int, units: Units | None = None) -> list[str]:
     out = io.StringIO()
-    tables.show_result(summary, Console(file=out, width=width), units or Units())
+    terminal.show_result(summary, Console(file=out, width=width), units or Units())
     return out.getvalue().splitlines()
 
 
@@ -39,13 +39,13 @@ def test_no_number_is_cut(full: dict, width: int) -> None:
     lines = printed(full, width)
     text = "\n".join(lines)
     assert "…" not in text
-    for row in quantity_rows.contact(full):
+    for row in quantity_rows.rows(full, "contact"):
         for name, value in row.items():
             assert name in text
             if isinstance(value, float) and name not in quantity_rows.RELATIVE:
                 assert f"{value:.5g}" in text, (row["quantity"], name)
     table = [line for line in lines if line.startswith(("largest pressure", "quantity", "──"))]
-    assert len(table) > 3 and max(map(len, table)) <= min(width, tables.WIDEST)
+    assert len(table) > 3 and max(map(len, table)) <= min(width, terminal.WIDEST)
     assert all(each.label in text for each in quantities.rows("contact"))
 
 
@@ -116,10 +116,10 @@ def test_rounding_is_no_depth() -> None:
     summary = json.loads(json.dumps(result.as_dict()))
     for method in ("result", "hertz"):
         summary[method]["stress"]["tau_max_depth_mm"] = 9e-18
-    row = quantity_rows.contact(summary)[7]
+    row = quantity_rows.rows(summary, "contact")[7]
     assert row["quantity"].strip() == "its depth" and row["FE"] == row["Hertz"] == 0.0
     summary["result"]["stress"]["tau_max_depth_mm"] = 1e-3
-    assert quantity_rows.contact(summary)[7]["FE"] == 1e-3
+    assert quantity_rows.rows(summary, "contact")[7]["FE"] == 1e-3
 
 
 def test_friction_is_in_the_table_too() -> None:
@@ -133,12 +133,12 @@ def test_friction_is_in_the_table_too() -> None:
     assert rows["force along the rail"]["Carter"] == pytest.approx(1e4, rel=0.1)
     assert "frictionless FE" in rows["largest pressure"]
     bound = {"accuracy": {**summary["accuracy"], "bound": {"creepage_along": 0.01}}}
-    table = quantity_rows.friction({**summary, **bound})
+    table = quantity_rows.rows({**summary, **bound}, "friction")
     assert [row["quantity"] for row in table if row["estimate"] == 0.01] == ["creepage along"]
 
 
 def test_rows_with_other_columns_make_one_table() -> None:
-    text = table_file.encoded([{"a": 1, "b": None}, {"b": 0.1, "c": "x, y"}]).decode("utf-8-sig")
+    text = result_folder.encoded([{"a": 1, "b": None}, {"b": 0.1, "c": "x, y"}]).decode("utf-8-sig")
     assert text == 'a,b,c\r\n1,,\r\n,0.1,"x, y"\r\n'
 
 
@@ -170,12 +170,12 @@ def test_zero_is_printed_as_0() -> None:
     """Also what is a rounding of friction times load, and a number that rounds to -0."""
     forces = {"limit_N": 7500.0, "force_across_N": -2.8e-8, "moment_Nmm": 3e-7, "spin_per_mm": -0.0}
     summary = {"result": {"friction": forces}, "accuracy": {"bound": {}}}
-    rows = {row["quantity"]: row["FE"] for row in quantity_rows.friction(summary)}
+    rows = {row["quantity"]: row["FE"] for row in quantity_rows.rows(summary, "friction")}
     assert [f"{value:g}" for value in rows.values()] == ["0", "0", "0"]
-    assert tables.cell("FE - Hertz", -1e-7, "", Units()) == "+0.00%"
-    assert f"{tables.rounded(-1e-9):.3f}" == "0.000" and output_units.brief(-0.0) == "0"
+    assert terminal.cell("FE - Hertz", -1e-7, "", Units()) == "+0.00%"
+    assert f"{terminal.rounded(-1e-9):.3f}" == "0.000" and output_units.brief(-0.0) == "0"
 
 
 def test_a_yaw_is_in_mrad_in_the_report() -> None:
     scene = rh.find("s1002_60e1").replace(["wheelset.yaw=2 mrad"])
-    assert ("wheelset: yaw", "2 mrad") in labels.scene_rows(scene, Units())
+    assert ("wheelset: yaw", "2 mrad") in html.scene_rows(scene, Units())

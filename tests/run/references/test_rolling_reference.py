@@ -13,8 +13,8 @@ import railhead as rh
 from railhead.planning import plan as planning
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.results import checks
-from railhead.results.checks import check, second_method
-from railhead.results.report import tables
+from railhead.results.checks import second_method, solution
+from railhead.results.report import terminal
 from railhead.run.references import equal_ellipses, rolling_patches
 from railhead.run.references.rolling_patches import Patch
 from railhead.run.references.rolling_reference import (
@@ -204,7 +204,7 @@ def test_unlike_strips_are_signed(wheel: float) -> None:
     assert other["stick_share"] == pytest.approx(summary["result"]["friction"]["stick_share"],
                                                  abs=0.03)  # fmt: skip
     assert summary["checks"]["limits"]["second_opinion_friction"][0] == pytest.approx(
-        check.DEFAULT_TOLERANCE + other["grid_error"]
+        solution.DEFAULT_TOLERANCE + other["grid_error"]
     )
     assert "t_gamma_N" not in other and "wear_number_N" not in summary["result"]["friction"]
 
@@ -257,6 +257,6 @@ def test_what_is_not_known_is_said_below_the_table(strip: rh.Result) -> None:
     assert missing == {"second_opinion": "a strip", "second_opinion_shift": "no reason"}
     text, summary = StringIO(), strip.as_dict()
     summary |= {"half_space_friction": second, "checks": summary["checks"] | {"not_made": missing}}
-    tables.show_result(summary, Console(file=text, width=160))
+    terminal.show_result(summary, Console(file=text, width=160))
     assert "Not checked: second_opinion_shift (no reason)." in text.getvalue()
     assert "0.8348" in text.getvalue()
