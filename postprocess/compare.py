@@ -8,15 +8,26 @@ from typing import Any
 
 import numpy as np
 
-from railhead.postprocess.findings import Array, DepthAxis, Findings, Frame, OnePatch, Place
+from railhead.postprocess.findings import (
+    Array,
+    DepthAxis,
+    Findings,
+    Frame,
+    Largest,
+    OnePatch,
+    Peak,
+    Place,
+)
 from railhead.postprocess.patch.separate_patches import SMALLEST
-from railhead.postprocess.stress import extremes
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.bem.patch import PatchSolution
+from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz
 
 PLACES = ("_point_mm", "_place_mm")  # ends of names of coordinates
 EXTENTS = 4e-3  # relative error of half extents of boundary elements, 128 cells on ellipses
+NAMES = {"tau": "tau_max", "von_mises": "von_mises_max"}
+
 
 Quantities = dict[str, Any]
 """Nested as under "result" in summary.json; None where a route has no answer."""
@@ -38,8 +49,10 @@ def from_findings(found: Findings, load: float, approach: float) -> Quantities:
         "patches": [_one(*each) for each in zip(patch.each, below, strict=True)],
         "pressure": {"max_MPa": patch.max_pressure, "mean_MPa": patch.mean_pressure},
         "stress": {
-            **extremes.quantities(found.largest, extremes.below(axis), axis.stress[0, :3]),
-            "at_edges": extremes.at_edges(found.largest),
+            **_largest_stresses(
+                found.largest, _largest_in(axis.body, axis.largest), axis.stress[0, :3]
+            ),
+            "at_edges": _edge_stresses(found.largest),
         },
     }
 
@@ -56,7 +69,7 @@ def _one(patch: OnePatch, axis: DepthAxis) -> Quantities:
         "area_mm2": patch.area,
         "max_MPa": patch.max_pressure,
         "load_share": patch.share,
-        "stress": extremes.below(axis),
+        "stress": _largest_in(axis.body, axis.largest),
     }
 
 
@@ -81,7 +94,7 @@ def from_exact(
         "contact_point_mm": list(origin),
         "patch": {"a_mm": contact.a, "b_mm": contact.b, "area_mm2": contact.area},
         "pressure": {"max_MPa": contact.p0, "mean_MPa": contact.p_mean},
-        "stress": extremes.exact(contact, poisson, Frame(origin, angle)),
+        "stress": _exact_stresses(contact, poisson, Frame(origin, angle)),
     }
 
 
@@ -171,3 +184,73 @@ def difference(result: Any, exact: Any) -> Any:
     if result is None or exact is None or isinstance(result, str) or exact == 0:
         return None
     return (result - exact) / exact
+
+
+def _largest_stresses(
+    bodies: Mapping[str, Largest], axis: dict[str, Any], centre: Array
+) -> dict[str, Any]:
+    """Entries of "stress" in summary.json: for each kind of stress the larger value of both bodies,
+    with its depth, body and place.
+
+    bodies: largest stresses by body name. axis: the entry for the axis below the patch. centre
+        (3,): normal stresses xx, ss, nn at the centre of the patch, MPa.
+    """
+    values: dict[str, Any] = {}
+    for attribute, name in NAMES.items():
+        peaks: dict[str, Peak] = {body: getattr(each, attribute) for body, each in bodies.items()}
+        body = max(peaks, key=lambda body: peaks[body].value)
+        values[f"{name}_MPa"] = peaks[body].value
+        values[f"{name}_depth_mm"] = peaks[body].depth
+        values[f"{name}_body"] = body
+        place = peaks[body].place
+        values[f"{name}_place_mm"] = None if place is None else list(place)
+    return {**values, "axis": axis, "surface_centre_MPa": [float(v) for v in centre]}
+
+
+def _largest_in(body: str, largest: Largest) -> dict[str, Any]:
+    """Entry of summary.json for largest stresses: body, values in MPa, and depths in mm."""
+    values: dict[str, Any] = {"body": body}
+    for attribute, name in NAMES.items():
+        peak: Peak = getattr(largest, attribute)
+        values[f"{name}_MPa"], values[f"{name}_depth_mm"] = peak.value, peak.depth
+    return values
+
+
+def _edge_stresses(bodies: Mapping[str, Largest]) -> list[dict[str, Any]]:
+    """Entries of summary.json for stresses near sharp edges that exceed those elsewhere: quantity,
+    body, value (MPa), place (mm).
+    """
+    return [
+        {"quantity": f"{name}_MPa", "body": body, "value_MPa": peak.value, "place_mm": peak.place}
+        for body, each in bodies.items()
+        for name, peak in zip(NAMES.values(), each.edges, strict=True)
+        if peak is not None
+    ]
+
+
+def _exact_stresses(contact: Hertz, poisson: Mapping[str, float], frame: Frame) -> dict[str, Any]:
+    """Entries of "stress" in summary.json for an exact Hertz contact.
+
+    poisson: Poisson's ratio by body name; the axis of the first body is shown. frame: contact
+        frame. Largest stresses lie on the axis: for no axis ratio from 1 to 1/30, nor a strip, and
+        no Poisson's ratio from 0 to 0.4999, does a fine grid beside the axis have more.
+    """
+    bodies = {body: exact_largest(contact, body, nu, frame) for body, nu in poisson.items()}
+    shown, nu = next(iter(poisson.items()))
+    surface = contacts.axis_stress(contact, nu, 0.0)[0]
+    return _largest_stresses(bodies, _largest_in(shown, bodies[shown]), surface)
+
+
+def exact_largest(contact: Hertz, body: str, poisson: float, frame: Frame) -> Largest:
+    """Largest shear and von Mises stress of an exact Hertz contact, on the axis in the body with
+    this name and Poisson's ratio.
+    """
+    found = contacts.axis_extrema(contact, poisson)
+    tau, mises = (
+        Peak(value, depth, frame.below(0.0, 0.0, body, depth))
+        for value, depth in (
+            (found.tau_max, found.tau_max_depth),
+            (found.von_mises_max, found.von_mises_max_depth),
+        )
+    )
+    return Largest(tau, mises)

@@ -1,4 +1,5 @@
-"""Records of the results of one solution, which tables, files and pictures share.
+"""Records of the results of one solution, and words for pictures of it: what tables, files and
+pictures share.
 
 The contact frame: x along the rail, s along the common tangent across it, depth into the body,
 origin at the first contact of the undeformed bodies. Stress components are in this frame, in the
@@ -8,12 +9,12 @@ order (xx, ss, nn, xs, xn, sn) with n the outward normal of the rail; tension po
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.postprocess.subject import Subject
 from railhead.theory.elastic.subsurface import max_shear, von_mises
 
 Array = NDArray[np.float64]
@@ -270,6 +271,50 @@ class AxisPressure:
     coordinate: Array
     pressure: Array
     at: float = 0.0
+
+
+def _rail_and_wheel() -> Mapping[str, str]:
+    """Default names of the bodies in pictures: 'rail' and 'wheel' as they are."""
+    return {"rail": "rail", "wheel": "wheel"}
+
+
+@dataclass(frozen=True)
+class Subject:
+    """Words for titles, axis labels and legends of pictures.
+
+    title: case, load and pair of profiles; stands above every picture.
+    names: name in pictures of each body, by its name in the results ('rail' or 'wheel').
+    along: where x runs, for example 'along the rail'.
+    across: where s runs, for example 'across the rail'.
+    gauge: whether negative s is the gauge side and positive s the field side.
+    rolls: whether the wheel rolls, towards positive x.
+    rubs: whether the solution has friction.
+    revolved: whether the model is a meridian section of bodies of revolution.
+    """
+
+    title: str = ""
+    names: Mapping[str, str] = field(default_factory=_rail_and_wheel)
+    along: str = "along the rail"
+    across: str = "across the rail"
+    gauge: bool = False
+    rolls: bool = False
+    rubs: bool = False
+    revolved: bool = False
+
+    @property
+    def y(self) -> str:
+        """Label, with its unit, of the scene's axis y, on which s is projected."""
+        return "y, mm" if self.revolved else f"y, {self.across}, mm"
+
+    def label(self, axis: int) -> str:
+        """Label, with its unit and direction, of the picture's axis for x (axis 0) or s (axis 1);
+        of a meridian section for the radius.
+        """
+        if self.revolved:
+            return "r, from the axis, mm"
+        if axis == 0:
+            return f"x, {self.along}, mm" + (" (rolls towards +x)" if self.rolls else "")
+        return f"s, {self.across}, mm" + ("\n(gauge side < 0 < field side)" if self.gauge else "")
 
 
 @dataclass(frozen=True, kw_only=True)

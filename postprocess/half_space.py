@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from railhead.postprocess import compare
 from railhead.postprocess.findings import (
     Array,
     AxisPressure,
@@ -22,8 +23,7 @@ from railhead.postprocess.findings import (
     Place,
     Surface,
 )
-from railhead.postprocess.friction.traction import unread_peak
-from railhead.postprocess.stress import extremes
+from railhead.postprocess.friction import unread_peak
 from railhead.theory.bem import grid_stress
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.bem.patch import PatchSolution
@@ -96,7 +96,7 @@ def of_hertz(
         shape_error=0.0,
         hertzian=True,
         largest={
-            body: extremes.exact_largest(hertz, body, nu, frame) for body, nu in poisson.items()
+            body: compare.exact_largest(hertz, body, nu, frame) for body, nu in poisson.items()
         },
     )
 

@@ -12,11 +12,11 @@ from railhead.postprocess.patch.moments import (
     largest_pressure,
     moments,
 )
-from railhead.postprocess.patch.outline import PatchShape
 from railhead.postprocess.patch.patch import (
     FOURTH_MOMENT_FACTOR,
     Elliptic,
     PatchReading,
+    PatchShape,
     nearly_elliptic,
     smooth_square,
 )

@@ -54,7 +54,7 @@ class ExaminedProfile:
 
     def write(self, folder: Path) -> None:
         """Write summary.json, profile.csv (the smoothed profile) and profile.png into a folder."""
-        from railhead.postprocess.plots import profile_plot
+        from railhead.postprocess.plots import profile_plots
 
         profile = self.measured.profile
         start, end = profile.domain
@@ -72,7 +72,7 @@ class ExaminedProfile:
         with result_folder.result(folder, "profile", self.scene, self.summary()) as (work, attempt):
             (work / "profile.csv").write_bytes(result_folder.encoded(rows))
             with attempt("profile.png"):
-                profile_plot.draw(self.measured, self.worn, work / "profile.png")
+                profile_plots.draw_profile(self.measured, self.worn, work / "profile.png")
 
     def show(self, console: Console) -> None:
         """Print reading and smoothing of the file, radii of curvature and wear."""

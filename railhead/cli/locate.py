@@ -92,7 +92,7 @@ class Location:
         """Write summary.json and pictures into a folder: both wheels on their rails, and contacts
         and rolling radius difference over lateral shifts.
         """
-        from railhead.postprocess.plots import wheelset_plot
+        from railhead.postprocess.plots import profile_plots
 
         scene = self.scene
         wheel, rail = Path(scene.wheel.profile).name, Path(scene.rail.profile).name
@@ -103,11 +103,11 @@ class Location:
         title, swept = f"{pair}, {at}{yaw}", self.placed_at(list(SHIFTS))
         with result_folder.result(folder, "locate", scene, self.summary()) as (work, attempt):
             with attempt("profiles.png"):
-                wheelset_plot.profiles(self.pair, self.placed, work / "profiles.png", title)
+                profile_plots.profiles(self.pair, self.placed, work / "profiles.png", title)
             with attempt("positions.png"):
-                wheelset_plot.positions(self.pair, swept, work / "positions.png", pair + yaw)
+                profile_plots.positions(self.pair, swept, work / "positions.png", pair + yaw)
             with attempt("rolling_radius.png"):
-                wheelset_plot.rolling_radius(swept, work / "rolling_radius.png", pair + yaw)
+                profile_plots.rolling_radius(swept, work / "rolling_radius.png", pair + yaw)
 
     def show(self, console: Console) -> None:
         """Print a table with a column for each contact, below it the values of the wheelset."""

@@ -21,7 +21,7 @@ from railhead.theory.elastic.line import LineContact
 if TYPE_CHECKING:
     import meshio
 
-    from railhead.postprocess.gallery import Drawing
+    from railhead.postprocess.views.gallery import Drawing
 
     Grids = tuple[meshio.Mesh, meshio.Mesh]
 
@@ -92,18 +92,20 @@ def write_grids(solved: Solved, folder: Path, *, whole: bool = False) -> Array |
     """
     if not isinstance(solved, MeshSolution) or solved.fields is None or solved.findings is None:
         return None
+    from railhead.postprocess import vtu
     from railhead.postprocess.stress import gauss_points
-    from railhead.postprocess.vtu import files
 
     found, fields, residual = solved.findings, solved.fields, solved.unloaded_fields
     stresses = gauss_points.nodal_stress(fields)
-    files.write(fields, stresses, found, residual, solved.solution.friction, folder, whole=whole)
+    vtu.write_result(
+        fields, stresses, found, residual, solved.solution.friction, folder, whole=whole
+    )
     return stresses
 
 
 def _diagrams(solved: HalfSpaceSolution, found: Findings) -> dict[str, Drawing]:
     """Pictures of a solution by half-spaces, by file name. found: with the title and the notes."""
-    from railhead.postprocess.plots import diagrams, traction_plots
+    from railhead.postprocess.plots import diagrams, friction_plots
 
     exact = solved.ellipse if len(found.patch.each) < 2 else None
     if isinstance(exact, LineContact):
@@ -113,7 +115,7 @@ def _diagrams(solved: HalfSpaceSolution, found: Findings) -> dict[str, Drawing]:
     if solved.friction is not None:
         coefficient = solved.plan.scene.friction.coefficient
         every["friction.png"] = partial(
-            traction_plots.draw, solved.friction, found, coefficient, planes=()
+            friction_plots.draw_tractions, solved.friction, found, coefficient, planes=()
         )
     return every
 
@@ -126,16 +128,16 @@ def _drawings(
     numbers: "result" of summary.json. found: with the title and the notes of pictures. stresses (n,
         6): at the nodes, MPa.
     """
-    from railhead.postprocess import gallery
+    from railhead.postprocess import vtu
     from railhead.postprocess.patch.moments import coordinate
-    from railhead.postprocess.plots import plastic_plots, shakedown, traction_plots
-    from railhead.postprocess.vtu import export
+    from railhead.postprocess.plots import friction_plots, plastic_plots
+    from railhead.postprocess.views import gallery
 
     fields, plan = solved.fields, solved.plan
     assert fields is not None
     poisson = plan.reported_body.poisson_ratio
-    surface = export.contact_grid({fields.slave: found.surface})
-    grids = symmetry.grid(export.volume_grid(fields, stresses), fields.mirrors), surface
+    surface = vtu.contact_grid({fields.slave: found.surface})
+    grids = symmetry.grid(vtu.volume_grid(fields, stresses), fields.mirrors), surface
     axis = coordinate(fields) if fields.kinematics.dim == 2 else None
     every = gallery.drawings(grids, axis, found, solved.ellipse, poisson)
     residual, elastic = solved.unloaded_fields, solved.elastic_reference
@@ -147,9 +149,11 @@ def _drawings(
     if (rubbing := solved.solution.friction) is not None:
         coefficient, friction = plan.scene.friction.coefficient, numbers["friction"]
         every["friction.png"] = partial(
-            traction_plots.draw, rubbing, found, coefficient, planes=fields.mirrors
+            friction_plots.draw_tractions, rubbing, found, coefficient, planes=fields.mirrors
         )
         if "p0_over_k" in friction:
             title = found.subject.title
-            every["shakedown.png"] = partial(shakedown.draw, friction, poisson, title=title)
+            every["shakedown.png"] = partial(
+                friction_plots.draw_shakedown, friction, poisson, title=title
+            )
     return grids, every

@@ -200,11 +200,11 @@ class Result:
         body: "rail" or "wheel"; None: for each point the nearer one.
         ValueError: points of another shape or not finite, a body that is rigid, or off rank 0.
         """
-        from railhead.postprocess.stress import sampling
+        from railhead.postprocess.stress import recovery
 
         if self.fields is None:
             raise ValueError("stresses are on rank 0 only")
-        return sampling.stress_at(self.fields, points, body)
+        return recovery.stress_at(self.fields, points, body)
 
     def save(
         self,

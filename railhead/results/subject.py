@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from railhead.planning.plan import Plan
-from railhead.postprocess.subject import Subject
+from railhead.postprocess.findings import Subject
 from railhead.results.report.output_units import brief
 from railhead.scene.sections import Rail, Wheel, Wheelset
 

@@ -9,8 +9,7 @@ from typing import Any
 
 from railhead.planning import effects
 from railhead.planning.effects import material
-from railhead.postprocess import compare
-from railhead.postprocess.friction import damage
+from railhead.postprocess import compare, friction
 from railhead.results import checks
 from railhead.results.checks import second_method, solution
 from railhead.results.result_folder import origin
@@ -182,7 +181,7 @@ def _more(solved: Solved) -> dict[str, Any]:
         plan = solved.plan
         rolling = plan.scene.rolling
         axle = {"axle": rolling.axle} if rolling.from_wheelset else {}
-        stresses = damage.answers(
+        stresses = friction.wear_and_shakedown(
             solved.result,
             plan.scene.friction.coefficient,
             material.shear_yield(plan.context),

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 from railhead.planning.effects import material
 from railhead.planning.error_envelopes import STEP, Family, drop_beside_maximum
 from railhead.postprocess.findings import RIVAL
-from railhead.postprocess.friction.traction import MOTION
+from railhead.postprocess.friction import MOTION
 from railhead.run.quantities import QUANTITIES, SCATTER, numeric_values
 from railhead.theory.elastic.subsurface import max_shear
 

@@ -18,9 +18,8 @@ from railhead.planning.effects.interface import unlike
 from railhead.planning.plan import Plan
 from railhead.planning.references import boundary_elements
 from railhead.planning.references.allowance import added_stress
-from railhead.postprocess import compare, half_space
+from railhead.postprocess import compare, friction, half_space
 from railhead.postprocess.findings import Findings
-from railhead.postprocess.friction import traction
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
 from railhead.run.quantities import numeric_values
@@ -211,7 +210,7 @@ def _rubbed(plain: HalfSpaceSolution, profiles: Solution | None) -> HalfSpaceSol
     assert plain.findings is not None and plain.result is not None
     found, result = plain.findings, plain.result
     solved = half_space_friction.solve(plan, profiles, result["load_N"])
-    tractions = traction.quantities(
+    tractions = friction.quantities(
         solved.solution,
         rolling=scene.rolling.prescribed,
         like=not unlike(scene),

@@ -23,9 +23,8 @@ from railhead.planning.error_envelopes import Family
 from railhead.planning.forecast import Forecast, Zone, touches_nearby
 from railhead.planning.plan import Plan
 from railhead.planning.references import closed_forms
-from railhead.postprocess import compare
+from railhead.postprocess import compare, friction
 from railhead.postprocess.findings import Findings, Frame
-from railhead.postprocess.friction import traction
 from railhead.postprocess.patch.separate_patches import separate_patches
 from railhead.run import build
 from railhead.run.progress import Progress
@@ -244,7 +243,7 @@ def _read(solved: MeshSolution) -> MeshSolution:
     result = compare.from_findings(findings, solution.load, solution.approach)
     if solution.friction is not None:
         rolling = plan.scene.rolling
-        result["friction"] = traction.quantities(
+        result["friction"] = friction.quantities(
             solution.friction,
             rolling=rolling.prescribed,
             like=not unlike,

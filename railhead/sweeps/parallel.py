@@ -245,8 +245,8 @@ def _write(
     rows: of the table, by number of the scene; completed here. faults: reasons by number for scenes
         without a record. y_label: label of y in the pictures.
     """
+    from railhead.postprocess import vtu
     from railhead.postprocess.plots import sweep as plots
-    from railhead.postprocess.vtu import export
 
     grid, folder, failures = sweep.grid, sweep.folder, list[str]()
     done = store.done(folder)
@@ -261,7 +261,7 @@ def _write(
             for number, text in status.items()
             if text == sweep_table.PASSED
         }
-        export.series(files, folder / f"{name}.pvd")
+        vtu.series(files, folder / f"{name}.pvd")
     for name in store.PICTURES:
         (folder / name).unlink(missing_ok=True)
     columns = [column(key) for key in grid.keys]

@@ -11,7 +11,7 @@ from dolfinx.mesh import CellType, create_box
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from railhead.postprocess import symmetry
+from railhead.postprocess import symmetry, vtu
 from railhead.postprocess.findings import (
     Array,
     AxisPressure,
@@ -22,7 +22,6 @@ from railhead.postprocess.findings import (
     Surface,
 )
 from railhead.postprocess.plots.diagrams import closed_ellipse
-from railhead.postprocess.vtu import export
 from railhead.solver import compat
 from railhead.solver.fields import ContactFields, Fields
 from railhead.theory.elastic.halfspace import hertz_displacement
@@ -46,7 +45,7 @@ class Case:
     @property
     def volume(self) -> meshio.Mesh:
         """Cells of the whole blocks."""
-        part = export.volume_grid(self.fields, self.stress)
+        part = vtu.volume_grid(self.fields, self.stress)
         return symmetry.grid(part, self.fields.mirrors)
 
 

@@ -8,9 +8,8 @@ import pytest
 import pyvista as pv
 from scipy.spatial import cKDTree
 
-from railhead.postprocess import symmetry
+from railhead.postprocess import symmetry, vtu
 from railhead.postprocess.findings import Surface
-from railhead.postprocess.vtu import export
 
 KINDS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)]
 
@@ -45,7 +44,7 @@ def test_images_are_upright_and_fill_the_blocks(
 def test_images_hold_the_exact_fields(blocks: Callable[..., Any], degree: int) -> None:
     """Every component at every node inside the rail's block is that of the closed form there."""
     case = blocks("hexahedron", degree, cut=False)
-    exact = pv.from_meshio(export.volume_grid(case.fields, case.stress))
+    exact = pv.from_meshio(vtu.volume_grid(case.fields, case.stress))
     exact, found = (
         grid.extract_cells(grid["body"] == 1)
         for grid in (exact, made_whole(blocks("hexahedron", degree)))
@@ -77,7 +76,7 @@ def test_images_hold_the_exact_fields(blocks: Callable[..., Any], degree: int) -
 
 def test_what_is_whole_stays_as_it_is(blocks: Callable[..., Any]) -> None:
     case = blocks("hexahedron", 1, cut=False)
-    grid = export.volume_grid(case.fields, case.stress)
+    grid = vtu.volume_grid(case.fields, case.stress)
     assert symmetry.grid(grid, case.fields.mirrors) is grid
 
 
@@ -106,7 +105,7 @@ def test_a_surface_moves_as_its_image_does() -> None:
 def test_plastic_strains_are_reflected_too(blocks: Callable[..., Any]) -> None:
     """Of a tensor of cells: what has one index across the plane turns its sign."""
     case = blocks("hexahedron", 1)
-    grid = export.volume_grid(case.fields, case.stress)
+    grid = vtu.volume_grid(case.fields, case.stress)
     count = len(case.fields.cells)
     strain = np.arange(1.0, 1 + 9 * count).reshape(count, 9)
     grid.cell_data["plastic_strain"] = [strain]

@@ -11,13 +11,12 @@ from matplotlib.axes import Axes
 from matplotlib.image import imread
 from painted import painted
 
-from railhead.postprocess.findings import Frame
+from railhead.postprocess import vtu
+from railhead.postprocess.findings import Frame, Subject
 from railhead.postprocess.patch import patch
 from railhead.postprocess.patch.separate_patches import separate_patches
 from railhead.postprocess.plots import diagrams
-from railhead.postprocess.subject import Subject
 from railhead.postprocess.views import render
-from railhead.postprocess.vtu import export
 
 
 def lopsided(case: Any) -> Any:
@@ -58,7 +57,7 @@ def test_dimension_lines_are_as_long_as_the_patch(
 ) -> None:
     case = blocks()
     found = lopsided(case)
-    grid = export.contact_grid({1: found.surface})
+    grid = vtu.contact_grid({1: found.surface})
     render.patch_on_rail(grid, found, None, tmp_path / "p.png")
     (low, high) = found.patch.main.min(axis=0), found.patch.main.max(axis=0)
     camera = render.camera_over(found)
@@ -90,7 +89,7 @@ def test_no_pressure_is_coloured_outside_the_outline(
 
 def test_split_of_the_surface_has_the_area_of_the_patch(blocks: Callable[..., Any]) -> None:
     case = blocks(cut=False)
-    grid = export.contact_grid({1: case.findings.surface})
+    grid = vtu.contact_grid({1: case.findings.surface})
     surface = render.load_pyvista().from_meshio(grid).extract_surface(algorithm="dataset_surface")
     pressed, free = render.split(surface, case.findings.frame, case.findings.patch)
     assert pressed.area == pytest.approx(case.ellipse.area, rel=0.01)

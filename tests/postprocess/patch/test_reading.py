@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from painted import measured, painted
 
+from railhead.postprocess import read
 from railhead.postprocess.findings import Array, Frame, Patch
 from railhead.postprocess.patch import moments as pressure
-from railhead.postprocess.patch import patch, quality, reconstruct
+from railhead.postprocess.patch import patch, reconstruct
 from railhead.postprocess.patch.separate_patches import separate_patches
 from railhead.solver.fields import Fields
 
@@ -145,15 +146,15 @@ def test_rebuilt_pressure_carries_the_force() -> None:
     assert 2 * float(contact.weights @ recovered) == pytest.approx(force, rel=3e-3)
     exact = np.sqrt(np.maximum(square(*contact.points[:, :2].T), 0.0))
     off = contact.weights @ (recovered - exact) ** 2 / (contact.weights @ exact**2)
-    assert np.sqrt(off) < 0.02 < quality.noise(fields, recovered)
+    assert np.sqrt(off) < 0.02 < read.noise(fields, recovered)
 
 
 def test_distance_to_the_edge_and_elements_across() -> None:
     """A circle of radius 1 on a surface of +-3 by +-2, cut at x = 0, which is no edge."""
     fields = painted(lambda x, s: 1 - x**2 - s**2, (3.0, 2.0), 0.125, 0.0, even=True)
     found = _read(fields)
-    assert quality.edge_distance(fields, found, np.zeros((0, 3))) == pytest.approx(1.0, abs=0.05)
-    assert quality.elements_across(fields, FRAME, found) == pytest.approx((16, 16), rel=0.1)
+    assert read.edge_distance(fields, found, np.zeros((0, 3))) == pytest.approx(1.0, abs=0.05)
+    assert read.elements_across(fields, FRAME, found) == pytest.approx((16, 16), rel=0.1)
 
 
 def test_a_patch_smaller_than_its_elements_is_read() -> None:

@@ -13,11 +13,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from railhead.postprocess.findings import AxisPressure, OnePatch
-from railhead.postprocess.plots import diagrams, plastic_plots, shakedown, sweep, traction_plots
-from railhead.postprocess.subject import Subject
+from railhead.postprocess import vtu
+from railhead.postprocess.findings import AxisPressure, OnePatch, Subject
+from railhead.postprocess.plots import diagrams, friction_plots, plastic_plots, sweep
 from railhead.postprocess.views import fringes, render
-from railhead.postprocess.vtu import export
 from railhead.solver.fields import ContactFields, MasterSurface
 
 TITLE = "a case of many words: 110.3 kN, wheel R 420 mm, tread cone20, on rail 54E1, half-spaces"
@@ -84,7 +83,7 @@ def test_all_patches_are_in_every_picture(
     case = blocks(cut=False)
     found = two_patches(case)
     volume = case.volume
-    grid = export.contact_grid({1: found.surface})
+    grid = vtu.contact_grid({1: found.surface})
     render.wheel_rail(volume, found, tmp_path / "w.png")
     render.patch_on_rail(grid, found, None, tmp_path / "o.png")
     render.stress_cut(volume, found, tmp_path / "s.png")
@@ -187,7 +186,7 @@ def test_tractions_are_where_they_act_and_have_a_scale(
         Axes, "quiverkey", lambda *args, **options: keys.append(args) or own(*args, **options)
     )
     rubbing, found = rubbed(blocks(), centre=-1.7)
-    traction_plots.draw(rubbing, found, 0.3, tmp_path / "f.png", planes=())
+    friction_plots.draw_tractions(rubbing, found, 0.3, tmp_path / "f.png", planes=())
     axes = sheets[0].axes[0]
     drawn = np.concatenate([np.asarray(dots.get_offsets()) for dots in axes.collections[:2]])
     assert drawn[:, 1].mean() == pytest.approx(-1.7, abs=0.05)
@@ -198,7 +197,7 @@ def test_tractions_are_where_they_act_and_have_a_scale(
 
 def test_arrows_are_spread_evenly() -> None:
     points = np.random.default_rng(1).uniform(0, 10, (3000, 2))
-    few = points[traction_plots.thinned(points, 1.0)]
+    few = points[friction_plots.thinned(points, 1.0)]
     assert len(few) == 100
     assert np.abs(few - np.floor(few) - 0.5).max() < 0.4
 
@@ -260,7 +259,7 @@ def test_sweeps_and_the_shakedown_map_say_what_they_are_of(
         "shakedown": "elastic",
         "surface_fatigue_index": -0.2,
     }
-    shakedown.draw(friction, 0.3, tmp_path / "s.png", TITLE)
+    friction_plots.draw_shakedown(friction, 0.3, tmp_path / "s.png", TITLE)
     for figure in sheets:
         said = " ".join(text.get_text() for part in figure.subfigs for text in part.texts)
         assert " ".join(said.split()) in (TITLE, f"{TITLE} bars: estimated errors")

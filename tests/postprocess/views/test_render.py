@@ -14,10 +14,10 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 
+from railhead.postprocess import vtu
 from railhead.postprocess.findings import Findings, Frame
 from railhead.postprocess.views import render, turning
 from railhead.postprocess.views.camera import Camera, load_pyvista
-from railhead.postprocess.vtu import export
 from railhead.solver.fields import Fields
 from railhead.solver.space.kinematics import Kinematics
 
@@ -31,7 +31,7 @@ def draw(case: Any, folder: Path) -> dict[str, Any]:
     """All three pictures of a case, by name."""
     folder.mkdir()
     volume = case.volume
-    contact = export.contact_grid({1: case.findings.surface})
+    contact = vtu.contact_grid({1: case.findings.surface})
     render.wheel_rail(volume, case.findings, folder / "wheel_rail.png")
     render.stress_cut(volume, case.findings, folder / "stress_cut.png")
     render.patch_on_rail(contact, case.findings, case.ellipse, folder / "patch_on_rail.png")
@@ -122,7 +122,7 @@ def test_a_whole_model_is_opened_between_its_cells(blocks: Callable[..., Any]) -
 
 def test_pressure_has_the_colours_of_the_bar(blocks: Callable[..., Any], tmp_path: Path) -> None:
     case = blocks(cut=False)
-    contact = export.contact_grid({1: case.findings.surface})
+    contact = vtu.contact_grid({1: case.findings.surface})
     render.patch_on_rail(contact, case.findings, case.ellipse, tmp_path / "with.png")
     render.patch_on_rail(contact, case.findings, None, tmp_path / "without.png")
     with_it, without = image(tmp_path / "with.png"), image(tmp_path / "without.png")

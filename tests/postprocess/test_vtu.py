@@ -12,7 +12,7 @@ import pytest
 import pyvista as pv
 from vtkmodules.vtkCommonCore import vtkDataArray
 
-from railhead.postprocess.vtu import export
+from railhead.postprocess import vtu
 from railhead.solver.solution import FrictionSolution, PlasticStrain
 from railhead.theory.elastic.subsurface import axis_stress
 
@@ -25,7 +25,7 @@ def test_cells_are_upright_and_fill_the_blocks(
     blocks: Callable[..., Any], cell: str, degree: int
 ) -> None:
     case = blocks(cell, degree)
-    grid = pv.from_meshio(export.volume_grid(case.fields, case.stress))
+    grid = pv.from_meshio(vtu.volume_grid(case.fields, case.stress))
     volume = grid.compute_cell_sizes(length=False, area=False)["Volume"]
     assert volume.min() > 0
     size = np.ptp(case.fields.points, axis=0)
@@ -36,7 +36,7 @@ def test_cells_are_upright_and_fill_the_blocks(
 @pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
 def test_edge_and_face_nodes_lie_amid_their_vertices(blocks: Callable[..., Any], cell: str) -> None:
     case = blocks(cell, 2)
-    grid = pv.from_meshio(export.volume_grid(case.fields, case.stress))
+    grid = pv.from_meshio(vtu.volume_grid(case.fields, case.stress))
     for number in (0, 17, grid.n_cells - 1):
         found = grid.get_cell(number)
         for edge in found.edges:
@@ -52,8 +52,8 @@ def test_volume_file_holds_the_arrays(
     blocks: Callable[..., Any], cell: str, degree: int, tmp_path: Path
 ) -> None:
     case = blocks(cell, degree)
-    mesh = export.volume_grid(case.fields, case.stress)
-    export.write(mesh, tmp_path / "solution.vtu")
+    mesh = vtu.volume_grid(case.fields, case.stress)
+    vtu.write(mesh, tmp_path / "solution.vtu")
     back = pv.read(tmp_path / "solution.vtu")
     assert np.array_equal(back.points, case.fields.points)
     assert np.array_equal(back.cells, pv.from_meshio(mesh).cells)
@@ -70,7 +70,7 @@ def test_volume_file_holds_the_arrays(
 
 def test_tensor_rows_and_invariants(blocks: Callable[..., Any]) -> None:
     case = blocks("hexahedron", 1)
-    data = export.volume_grid(case.fields, case.stress).point_data
+    data = vtu.volume_grid(case.fields, case.stress).point_data
     tensor = data["stress"].reshape(-1, 3, 3)
     assert np.array_equal(tensor, tensor.transpose(0, 2, 1))
     for column, (row, other) in enumerate([(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]):
@@ -96,7 +96,7 @@ def test_tensor_rows_and_invariants(blocks: Callable[..., Any]) -> None:
 def test_contact_file_holds_pressure_and_gap(blocks: Callable[..., Any], tmp_path: Path) -> None:
     case = blocks()
     surface = replace(case.findings.surface, gap=np.arange(len(case.findings.surface.gap)) / 7)
-    export.write(export.contact_grid({1: surface}), tmp_path / "contact.vtu")
+    vtu.write(vtu.contact_grid({1: surface}), tmp_path / "contact.vtu")
     back = pv.read(tmp_path / "contact.vtu")
     assert np.array_equal(back.points, surface.points)
     found = np.sort(back.cells.reshape(-1, 4)[:, 1:], axis=1)
@@ -121,7 +121,7 @@ def test_triangles_look_out_of_their_body(blocks: Callable[..., Any]) -> None:
     surface = blocks().findings.surface
     mixed = surface.triangles.copy()
     mixed[::2] = mixed[::2, ::-1]
-    grid = export.contact_grid({1: surface, 2: replace(surface, triangles=mixed)})
+    grid = vtu.contact_grid({1: surface, 2: replace(surface, triangles=mixed)})
     a, b, c = grid.points[grid.cells[0].data].transpose(1, 0, 2)
     up = np.cross(b - a, c - a)[:, 2]
     body = grid.cell_data["body"][0]
@@ -131,15 +131,15 @@ def test_triangles_look_out_of_their_body(blocks: Callable[..., Any]) -> None:
 def test_wrong_input_is_refused(blocks: Callable[..., Any], tmp_path: Path) -> None:
     case = blocks()
     with pytest.raises(ValueError, match="stress must be"):
-        export.volume_grid(case.fields, case.stress[1:])
+        vtu.volume_grid(case.fields, case.stress[1:])
     hole = case.stress.copy()
     hole[3, 2] = np.nan
     with pytest.raises(ValueError, match="finite"):
-        export.volume_grid(case.fields, hole)
+        vtu.volume_grid(case.fields, hole)
     with pytest.raises(ValueError, match="degree 3"):
-        export.volume_grid(replace(case.fields, degree=3), case.stress)
+        vtu.volume_grid(replace(case.fields, degree=3), case.stress)
     with pytest.raises(OSError):
-        export.write(export.contact_grid({1: case.findings.surface}), tmp_path / "no" / "x")
+        vtu.write(vtu.contact_grid({1: case.findings.surface}), tmp_path / "no" / "x")
 
 
 def test_cells_hold_the_mean_of_their_plastic_strains(blocks: Callable[..., Any]) -> None:
@@ -148,7 +148,7 @@ def test_cells_hold_the_mean_of_their_plastic_strains(blocks: Callable[..., Any]
     strain = np.random.default_rng(0).random((count, 8, 3, 3))
     plastic = PlasticStrain(strain, strain[..., 0, 0])
     fields = replace(case.fields, plastic_strain=plastic)
-    data = export.volume_grid(fields, case.stress).cell_data
+    data = vtu.volume_grid(fields, case.stress).cell_data
     np.testing.assert_allclose(data["plastic_strain"][0].reshape(-1, 3, 3), strain.mean(axis=1))
     found = data["equivalent_plastic_strain"][0]
     np.testing.assert_allclose(found, strain[..., 0, 0].mean(axis=1))
@@ -164,7 +164,7 @@ def test_traction_points_are_those_that_touch() -> None:
         slip=100 * vectors,
         sticks=np.array([True, True, False, False]),
     )
-    grid = export.traction_points(cast(FrictionSolution, found))
+    grid = vtu.traction_points(cast(FrictionSolution, found))
     assert grid.points[:, 0].tolist() == [0.0, 2.0]
     assert grid.point_data["traction"][:, 0].tolist() == [0.0, 20.0]
     assert grid.point_data["slip"][:, 0].tolist() == [0.0, 200.0]
@@ -173,7 +173,7 @@ def test_traction_points_are_those_that_touch() -> None:
 
 
 def test_a_series_is_in_the_order_of_time(tmp_path: Path) -> None:
-    export.series({2.0: "c.vtu", 0.0: "a.vtu", 1.0: "b.vtu"}, tmp_path / "all.pvd")
+    vtu.series({2.0: "c.vtu", 0.0: "a.vtu", 1.0: "b.vtu"}, tmp_path / "all.pvd")
     text = (tmp_path / "all.pvd").read_text()
     assert re.findall(r'timestep="([^"]+)".*?file="([^"]+)"', text) == [
         ("0.0", "a.vtu"),

@@ -6,8 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from railhead.postprocess.friction.damage import answers
-from railhead.postprocess.friction.traction import unread_peak, wear_number
+from railhead.postprocess.friction import unread_peak, wear_and_shakedown, wear_number
 
 MU = 0.4
 SHIFT = {"poisson": 0.3, "rolling": False, "line": False}
@@ -38,7 +37,9 @@ def result(
 
 
 def test_forces_of_both_ways_make_the_coefficient() -> None:
-    found = answers(result(0.3, 900.0, 560.0), MU, None, poisson=0.3, rolling=True, line=True)
+    found = wear_and_shakedown(
+        result(0.3, 900.0, 560.0), MU, None, poisson=0.3, rolling=True, line=True
+    )
     assert found["traction_coefficient"] == pytest.approx(0.3)
     assert found["t_gamma_over_area_MPa"] == pytest.approx(2.0)
     assert found["wear_regime"] == "mild"
@@ -65,7 +66,7 @@ def test_the_place_in_the_map_is_said(used: float, ratio: float, line: bool, sta
     given = result(used, ratio * k, ratio * k / 1.6, mu=used)  # first yield at p0/k = 2.77 ...
     if used > 0.2:
         given["stress"]["von_mises_max_MPa"] *= 1.3  # ... and 2.13
-    found = answers(given, used, k, poisson=0.3, rolling=True, line=line)
+    found = wear_and_shakedown(given, used, k, poisson=0.3, rolling=True, line=line)
     assert found["p0_over_k"] == pytest.approx(ratio)
     assert found["surface_fatigue_index"] == pytest.approx(used - 1 / ratio)
     assert found["shakedown"] == state
@@ -74,7 +75,9 @@ def test_the_place_in_the_map_is_said(used: float, ratio: float, line: bool, sta
 def test_a_line_of_which_a_part_sticks_has_a_lower_limit_than_one_that_slips() -> None:
     """0.84 mu P at mu 0.4: 2.141; all of it slipping it is 2.316."""
     for used, limit in ((0.336, 2.141), (0.4, 2.316)):
-        found = answers(result(used, 900.0, 560.0), MU, None, poisson=0.3, rolling=True, line=True)
+        found = wear_and_shakedown(
+            result(used, 900.0, 560.0), MU, None, poisson=0.3, rolling=True, line=True
+        )
         assert found["shakedown_limit_p0_over_k"] == pytest.approx(limit, abs=2e-3)
 
 
@@ -89,20 +92,20 @@ def test_a_line_of_which_a_part_sticks_has_a_lower_limit_than_one_that_slips() -
 def test_a_traction_above_k_ratchets_whatever_the_force_is(line, used, state) -> None:
     """A pure spin has no force at all; 3 k under 0.35 of the pressure are 1.05 k."""
     given = result(used, 900.0, 900.0, local=0.35, mu=0.5)
-    found = answers(given, 0.5, 300.0, poisson=0.3, rolling=True, line=line)
+    found = wear_and_shakedown(given, 0.5, 300.0, poisson=0.3, rolling=True, line=line)
     assert found["shakedown_limit_p0_over_k"] < 1 / 0.35
     assert found["surface_fatigue_index"] == pytest.approx(0.35 - 1 / 3)
     assert found["shakedown"] == state
 
 
 def test_a_shift_wears_nothing_and_has_a_hardest_place() -> None:
-    found = answers(result(0.3, 900.0, 560.0, -0.3), MU, 300.0, **SHIFT)
+    found = wear_and_shakedown(result(0.3, 900.0, 560.0, -0.3), MU, 300.0, **SHIFT)
     assert found == {
         "von_mises_max_MPa": 560.0,
         "von_mises_max_depth_mm": 0.3,
         "von_mises_max_at": "surface",
     }
-    deep = answers(result(0.3, 900.0, 560.0, 0.5), MU, 300.0, **SHIFT)
+    deep = wear_and_shakedown(result(0.3, 900.0, 560.0, 0.5), MU, 300.0, **SHIFT)
     assert deep["von_mises_max_at"] == "below"
 
 

@@ -1,1 +1,0 @@
-"""Results of tractions on the contact: forces, slip, wear and shakedown."""

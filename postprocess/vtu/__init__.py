@@ -1,1 +1,0 @@
-"""VTU files for ParaView, of the modelled part or with its mirror images."""
