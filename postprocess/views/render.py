@@ -1,6 +1,6 @@
 """Pictures of the model in space, as PNG files about 1600 pixels wide.
 
-The grids are those of `export`, of whole bodies; nothing is deformed.
+The grids are those of `vtu`, of whole bodies; nothing is deformed.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
     """Write a PNG file with two panels: the bodies cut open across the rail at the contact, with
     their mesh, and the mesh around the patch.
 
-    grid: cells of the whole bodies, as `export.volume_grid` makes them. findings: frame, patch,
+    grid: cells of the whole bodies, as `vtu.volume_grid` makes them. findings: frame, patch,
         surface and names. path: of the file.
     """
     from matplotlib.patches import Patch as Swatch
@@ -81,7 +81,7 @@ def stress_cut(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
     """Write a PNG file of the smallest principal stress and the largest shear stress, in the
     section across the rail through the contact.
 
-    grid: cells with nodal stresses, as `export.volume_grid` makes them. findings: frame, patch and
+    grid: cells with nodal stresses, as `vtu.volume_grid` makes them. findings: frame, patch and
         largest stresses. path: of the file.
     """
     patch, (x, y, z) = findings.patch, findings.frame.origin
@@ -102,7 +102,7 @@ def patch_on_rail(
     """Write a PNG file of the pressure on the contact surface, seen obliquely from above, with
     outlines and dimensions of the patch.
 
-    grid: the contact surface, as `export.contact_grid` makes it. ellipse: exact Hertz contact,
+    grid: the contact surface, as `vtu.contact_grid` makes it. ellipse: exact Hertz contact,
         whose outline is drawn too, or None. path: of the file.
     """
     from matplotlib.cm import ScalarMappable

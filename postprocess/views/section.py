@@ -19,7 +19,7 @@ def bodies(grid: meshio.Mesh, axis: int, findings: Findings, path: Path) -> None
     """Write a PNG file with two panels: the whole section with its mesh, and the mesh around the
     contact.
 
-    grid: cells of the whole section, as `export.volume_grid` makes them. axis: 0 where the section
+    grid: cells of the whole section, as `vtu.volume_grid` makes them. axis: 0 where the section
         runs along x, 1 along s. path: of the file.
     """
     from matplotlib.collections import PolyCollection
@@ -59,7 +59,7 @@ def stress_cut(grid: meshio.Mesh, axis: int, findings: Findings, path: Path) -> 
     """Write a PNG file of the smallest principal stress and the largest shear stress in a section
     around the contact.
 
-    grid: cells of the whole section with nodal stresses, as `export.volume_grid` makes them. axis:
+    grid: cells of the whole section with nodal stresses, as `vtu.volume_grid` makes them. axis:
         0 where the section runs along x, 1 along s. path: of the file.
     """
     patch = findings.patch
