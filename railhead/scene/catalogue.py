@@ -54,9 +54,9 @@ INPUT = "input"  # folder in a result folder with the files that the scene names
 FILES = ("profile", "stress_strain")  # keys of a body whose values may be paths
 
 
-def _read_text(path: Path) -> str:
-    """The text of a UTF-8 file. Raises SceneError where the file is missing, unreadable or not
-    UTF-8.
+def _read_toml(path: Path) -> dict[str, Any]:
+    """Nested tables of a TOML file. Raises SceneError where the file is missing, unreadable, not
+    UTF-8 or invalid TOML.
     """
     try:
         is_file = stat.S_ISREG(path.stat().st_mode)
@@ -70,15 +70,8 @@ def _read_text(path: Path) -> str:
         raise SceneError(str(path), f"cannot be read: {error.strerror}") from None
     if not is_file:
         raise SceneError(str(path), "not a file; give the path of a TOML file")
-    return text
-
-
-def _read_toml(path: Path) -> dict[str, Any]:
-    """Nested tables of a TOML file. Raises SceneError for an unreadable file or invalid TOML."""
     try:
-        return tomllib.loads(_read_text(path))
-    except SceneError:
-        raise
+        return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         reason = " ".join(str(error).split())
         raise SceneError(str(path), f"not valid TOML: {reason}") from None

@@ -197,14 +197,23 @@ class BodySection(Section):
         hardening_modulus or a kinematic_fraction without what they need.
         """
         given = [key for key in ("steel", "stress_strain", "yield_stress") if getattr(self, key)]
-        if len(given) > 1:
-            raise SceneError(given[1], f"is not allowed beside {given[0]}; give one of them")
-        if self.hardening_modulus is not None and given != ["yield_stress"]:
-            raise SceneError("hardening_modulus", "is not allowed without yield_stress")
-        if self.kinematic_fraction is not None and not given:
-            raise SceneError(
-                "kinematic_fraction", "is not allowed without steel, yield_stress or stress_strain"
-            )
+        hardens, kinematic = self.hardening_modulus, self.kinematic_fraction
+        refuse_first(
+            *(
+                (True, key, f"is not allowed beside {given[0]}; give one of them")
+                for key in given[1:]
+            ),
+            (
+                hardens is not None and given != ["yield_stress"],
+                "hardening_modulus",
+                "is not allowed without yield_stress",
+            ),
+            (
+                kinematic is not None and not given,
+                "kinematic_fraction",
+                "is not allowed without steel, yield_stress or stress_strain",
+            ),
+        )
         return self
 
     @model_validator(mode="after")
@@ -424,20 +433,27 @@ class Rolling(Section):
         """Raise SceneError for a creepage and a force in one direction, for a key that
         from_wheelset gives, for an axle without from_wheelset and for a speed without rolling.
         """
-        for way in ("along", "across"):
-            if (
-                getattr(self, f"creepage_{way}") is not None
-                and getattr(self, f"force_{way}") is not None
-            ):
-                raise SceneError(f"force_{way}", f"is not allowed beside creepage_{way}; give one")
-        if self.from_wheelset:
-            for key in ("creepage_along", "creepage_across", "force_across", "spin"):
-                if getattr(self, key) != type(self).model_fields[key].default:
-                    raise SceneError(key, "is not allowed beside from_wheelset, which gives it")
-        elif self.axle != "free":
-            raise SceneError("axle", f"{self.axle} is not allowed without from_wheelset")
-        if self.speed is not None and not self.prescribed:
-            raise SceneError("speed", "is not allowed without a creepage, spin or force; give one")
+        along = None not in (self.creepage_along, self.force_along)
+        across = None not in (self.creepage_across, self.force_across)
+        given = self.model_dump(exclude_defaults=True) if self.from_wheelset else {}
+        refuse_first(
+            (along, "force_along", "is not allowed beside creepage_along; give one"),
+            (across, "force_across", "is not allowed beside creepage_across; give one"),
+            *(
+                (key in given, key, "is not allowed beside from_wheelset, which gives it")
+                for key in ("creepage_along", "creepage_across", "force_across", "spin")
+            ),
+            (
+                self.axle != "free" and not self.from_wheelset,
+                "axle",
+                f"{self.axle} is not allowed without from_wheelset",
+            ),
+            (
+                self.speed is not None and not self.prescribed,
+                "speed",
+                "is not allowed without a creepage, spin or force; give one",
+            ),
+        )
         return self
 
     @property
