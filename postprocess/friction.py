@@ -5,16 +5,16 @@ does to the steel: wear regime, point in the shakedown map.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from railhead.postprocess.findings import Array
+from railhead.solver.solution import FrictionSolution
 from railhead.theory.friction import shakedown, wear
-
-if TYPE_CHECKING:
-    from railhead.solver.solution import FrictionSolution
+from railhead.theory.friction.rolling import TangentialSolution
 
 MOTION = {
     True: ("creepage_along", "creepage_across", "spin_per_mm"),
@@ -25,6 +25,53 @@ RESOLVED = 0.05  # relative: a quantity of friction that may be off by more is n
 WEAR = "t_gamma_N", "wear_number_N", "power_W", "t_gamma_over_area_MPa", "wear_regime"
 CUSP = 0.15  # relative, on six elements a semi-axis: see `unread_peak`
 AT_SURFACE = 0.1  # of the smaller half length of the patch: what lies less deep is at the surface
+
+
+def at_cells(
+    found: Sequence[TangentialSolution],
+    coefficient: float,
+    places: Sequence[Array],
+    tangents: Sequence[Array],
+    used: Sequence[NDArray[np.bool_]],
+    parts: float = 1.0,
+) -> FrictionSolution:
+    """Tractions of patches that share one rigid motion as a solution with vectors in space, at the
+    cells that are used. Forces, moment and numbers of iterations are left zero.
+
+    found: tractions of each patch on a grid. coefficient: of friction.
+    places (nx, ny, 3), tangents (nx, ny, 2, 3): of each patch, cell centres, mm, and unit vectors
+        along and across. used (nx, ny): whether a cell is used.
+    parts: factor on the areas of the cells, where they are a part of the model.
+    """
+
+    def joined(values: Sequence[NDArray[Any]]) -> NDArray[Any]:
+        """Values (n, ...) at the cells that are used, of an array (nx, ny, ...) a patch."""
+        return np.concatenate([each[inside] for each, inside in zip(values, used, strict=True)])
+
+    def in_space(values: Sequence[Array]) -> Array:
+        """Vectors in space (n, 3) of components (2, nx, ny) along the tangents, of each patch."""
+        pairs = zip(values, tangents, strict=True)
+        return joined([np.einsum("kab,abkc->abc", value, each) for value, each in pairs])
+
+    bound, motion = joined([each.bound for each in found]), found[0].creepage
+    weights = joined([np.full_like(each.bound, parts * each.cell) for each in found])
+    return FrictionSolution(
+        points=joined(places),
+        weights=weights,
+        pressure=bound / coefficient,
+        traction=in_space([each.traction for each in found]),
+        slip=in_space([each.slip for each in found]),
+        sticks=joined([each.sticks for each in found]),
+        rigid_motion=(motion.along, motion.across, motion.spin),
+        force=(0.0, 0.0),
+        moment=0.0,
+        friction_limit=float(weights @ bound),
+        load_steps=np.zeros((0, 4)),
+        dissipated_energy=0.0,
+        coupling_iterations=0,
+        rigid_slip=in_space([np.tensordot(motion.motion, each.modes, axes=1) for each in found]),
+        newton_steps=0,
+    )
 
 
 def wear_number(found: FrictionSolution, centres: Array) -> float:

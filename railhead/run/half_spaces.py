@@ -1,35 +1,39 @@
-"""Half-spaces answer in the place of finite bodies: exact Hertz, or boundary elements."""
+"""Half-spaces answer in the place of finite bodies: exact Hertz, or boundary elements.
+
+Friction is Kalker's exact theory at the scene's own creepages or forces.
+"""
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
-from railhead.planning.effects import assumptions, shape
-from railhead.planning.effects.interface import unlike
+from railhead.planning.effects import assumptions, interface, shape
 from railhead.planning.plan import Plan
-from railhead.planning.references import boundary_elements
+from railhead.planning.references import boundary_elements, closed_forms
 from railhead.planning.references.allowance import added_stress
 from railhead.postprocess import compare, friction, half_space
 from railhead.postprocess.findings import Findings
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
 from railhead.run.quantities import numeric_values
+from railhead.run.references import half_space_reference, rolling_reference
+from railhead.run.references.half_space_reference import CELLS, Patch
+from railhead.solver.solution import FrictionSolution
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.elastic.contacts import Hertz
+from railhead.theory.friction.rolling import TangentialSolution
 
-if TYPE_CHECKING:
-    from railhead.solver.solution import FrictionSolution
-
-CELLS = 128
+Array = NDArray[np.float64]
 TURNS, BALANCE = 12, 1e-6  # between pressing and shearing; of the load
 CURVED = 0.3  # relative error of stresses over half width times curvature of a body: 0.26 measured
 FORCES = "force_along_N", "force_across_N"
@@ -115,7 +119,7 @@ def _solve(plan: Plan) -> HalfSpaceSolution:
         angle = plan.contact.touch.angle
         plain, profiles = _pressed(plan, load + across * math.sin(angle))
     for _ in range(TURNS):
-        found = _rubbed(plain, profiles)
+        found = _with_friction(plain, profiles)
         if load is None or abs(found.load - load) <= BALANCE * load:
             return replace(found, elastic_reference=frictionless)
         if found.load <= 0:
@@ -200,44 +204,52 @@ def _error_parts(
     return parts
 
 
-def _rubbed(plain: HalfSpaceSolution, profiles: Solution | None) -> HalfSpaceSolution:
+def _with_friction(plain: HalfSpaceSolution, profiles: Solution | None) -> HalfSpaceSolution:
     """A solution with the friction of its plan; its load is what pressure and tractions carry.
-    Raises ValueError where tractions are not found.
-    """
-    from railhead.run import half_space_friction
+    Raises ValueError where patches or tractions are not found.
 
+    profiles: half-space solution of the profiles; None between half-spaces.
+    """
     plan, scene = plain.plan, plain.plan.scene
     assert plain.findings is not None and plain.result is not None
     found, result = plain.findings, plain.result
-    solved = half_space_friction.solve(plan, profiles, result["load_N"])
+    patches, sheared, grid_error = _tractions(plan, profiles, result["load_N"])
+    solution = _at_cells(plan, patches, sheared, result["load_N"])
+    rolls, unlike = scene.rolling.prescribed, interface.unlike(scene)
     tractions = friction.quantities(
-        solved.solution,
-        rolling=scene.rolling.prescribed,
-        like=not unlike(scene),
+        solution,
+        rolling=rolls,
+        like=not unlike,
         speed=scene.rolling.speed,
         cycle=False,
         patches=np.array([each.centre for each in found.patch.each] or [found.frame.origin]),
     )
     found = half_space.with_tractions(
         found,
-        solved.windows,
-        partial(half_space_friction.surface, plan),
+        [each.pressed for each in patches],
+        partial(_surface, plan),
         plan.poisson_ratios,
-        solved.tractions,
-        solved.solution,
+        [each.traction for each in sheared],
+        solution,
     )
-    upwards = solved.solution.weights @ solved.solution.traction[:, 2]
+    upwards = solution.weights @ solution.traction[:, 2]
     found = replace(found, dissipated=tractions.get("t_gamma_N", math.nan))
     parts = dict(plain.error_parts)
     for key in STRESSES:
         parts[key] = {**parts[key], "border of stick": found.unread_peak}
     # Tractions of several patches may cancel out, what bodies change of each does not.
-    size = np.linalg.norm(solved.solution.traction, axis=1)
-    share = float(solved.solution.weights @ size) / solved.solution.friction_limit
+    size = np.linalg.norm(solution.traction, axis=1)
+    share = float(solution.weights @ size) / solution.friction_limit
     area = sum(parts["area_mm2"].values())
-    for key, force in zip(FORCES, solved.solution.force, strict=True):
-        if force and scene.rolling.prescribed:
-            parts[key] = {"bodies": area * share, "grid": solved.grid_error}
+    for key, force in zip(FORCES, solution.force, strict=True):
+        if force and rolls:
+            parts[key] = {"bodies": area * share, "grid": grid_error}
+    other = {}
+    if rolls and not (plan.contact.line or unlike):
+        pair = closed_forms.tangential_pair(scene)
+        other["FASTSIM (equal ellipses)"] = rolling_reference.or_reason(
+            lambda: rolling_reference.fastsim_numbers(patches, solution, pair)
+        )
     return replace(
         plain,
         findings=found,
@@ -246,6 +258,70 @@ def _rubbed(plain: HalfSpaceSolution, profiles: Solution | None) -> HalfSpaceSol
             "friction": tractions,
         },
         error_parts=parts,
-        friction=solved.solution,
-        other_friction={"FASTSIM (equal ellipses)": solved.fastsim} if solved.fastsim else {},
+        friction=solution,
+        other_friction=other,
     )
+
+
+def _tractions(
+    plan: Plan, profiles: Solution | None, load: float
+) -> tuple[Sequence[Patch], Sequence[TangentialSolution], float]:
+    """Pressed patches under a vertical load (N), their tractions at the creepages or forces of a
+    plan, and the change of the forces from a grid of half as many cells each way, over mu N.
+    """
+    scene, contact, shares = plan.scene, plan.contact, []
+    table = scene.rolling if scene.rolling.prescribed else scene.friction
+    every = rolling_reference.STRIP_CELLS if contact.line else rolling_reference.CELLS
+    for cells in every:
+        patches = half_space_reference.patches(
+            contact, plan.estimate, hertzian=False, load=load, cells=cells, profiles=profiles
+        )
+        along, across = (
+            None if force is None else force * _longer(patches, load)
+            for force in (table.force_along, table.force_across)
+        )
+        sheared = rolling_reference.shear(
+            patches,
+            closed_forms.tangential_pair(scene),
+            scene.friction.coefficient,
+            interface.creepage(plan.context),
+            (along, across),
+            rolling=scene.rolling.prescribed,
+        )
+        forces = np.sum([each.forces for each in sheared], axis=0)
+        shares.append(forces[:2] / sum(each.limit for each in sheared))
+    return patches, sheared, float(np.abs(shares[1] - shares[0]).max())
+
+
+def _longer(patches: Sequence[Patch], load: float) -> float:
+    """Load of patches over that of the contact: the strip of a line contact is longer than the
+    contact, and its forces are as much larger.
+    """
+    return sum(each.pressed.load for each in patches) / load
+
+
+def _at_cells(
+    plan: Plan, patches: Sequence[Patch], sheared: Sequence[TangentialSolution], load: float
+) -> FrictionSolution:
+    """Tractions at the cells that touch, in the form of those of finite elements, of a contact
+    under a vertical load (N).
+    """
+    places, tangents, share = [], [], 1 / _longer(patches, load)
+    for window in (patch.pressed for patch in patches):
+        x, s = np.meshgrid(window.x, window.s, indexing="ij")
+        places.append(_surface(plan, x.ravel(), s.ravel()).reshape(*x.shape, 3))
+        normals = np.broadcast_to(window.angle, x.shape)
+        across = np.stack([0 * x, np.cos(normals), np.sin(normals)], axis=-1)
+        tangents.append(np.stack([np.broadcast_to([1.0, 0.0, 0.0], across.shape), across], axis=2))
+    touches = [each.bound > 0 for each in sheared]
+    coefficient = plan.scene.friction.coefficient
+    solution = friction.at_cells(sheared, coefficient, places, tangents, touches, share)
+    along, across, moment = share * np.sum([each.forces for each in sheared], axis=0)
+    return replace(solution, force=(float(along), float(across)), moment=float(moment))
+
+
+def _surface(plan: Plan, x: Array, s: Array) -> Array:
+    """Points (n, 3) on the surface at x, s (n,), mm."""
+    if plan.contact.half_space:
+        return np.column_stack([x, s, np.zeros_like(x)])
+    return boundary_elements.develop(plan.contact).points(x, s)

@@ -26,7 +26,6 @@ from railhead.planning.references import closed_forms
 from railhead.postprocess import compare, friction
 from railhead.postprocess.findings import Findings, Frame
 from railhead.postprocess.patch.separate_patches import separate_patches
-from railhead.run import build
 from railhead.run.progress import Progress
 from railhead.theory.elastic.contacts import Hertz
 
@@ -36,6 +35,12 @@ if TYPE_CHECKING:
     from railhead.solver.contact import ContactModel
     from railhead.solver.fields import Fields
     from railhead.solver.solution import Solution
+from typing import TYPE_CHECKING
+
+from railhead.meshing import mesh
+
+if TYPE_CHECKING:
+    from railhead.solver.contact import ContactModel
 
 # largest ratio of solved and expected patch, either way, for which a mesh is kept:
 REMESH_RATIO = 1.25
@@ -143,6 +148,29 @@ class MeshSolution:
         return float(np.max(gap.off_surface(contact.points[contact.pressure > 0]), initial=0.0))
 
 
+def generate(plan: Plan, grading: Grading, comm: MPI.Intracomm) -> mesh.ContactMesh:
+    """Mesh the bodies of a plan with element sizes `grading`; collective. Raises MeshError where
+    gmsh fails.
+    """
+    return mesh.generate(plan.parts(), grading, plan.options, comm, meanwhile=_load_solver)
+
+
+def _load_solver() -> None:
+    """Import the modules of solver and reading while gmsh meshes in another process; the import
+    takes about as long as a small mesh.
+    """
+    from railhead.postprocess import read  # noqa: F401
+    from railhead.solver import fields  # noqa: F401
+
+
+def assemble(plan: Plan, made: mesh.ContactMesh) -> ContactModel:
+    """The assembled contact model of a plan on its mesh."""
+    from railhead.run.model_setup import setup
+    from railhead.solver.contact import ContactModel
+
+    return ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup(plan))
+
+
 def mesh_and_solve(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> MeshSolution:
     """Mesh the bodies of a plan and solve; collective. Where the patch is not the expected one,
     mesh and solve again around it, with at most MAX_MESHES meshes. Raises MeshError where gmsh
@@ -151,10 +179,10 @@ def mesh_and_solve(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> MeshS
     clock = _Clock()
     for attempt in range(1, MAX_MESHES + 1):
         progress.stage(f"meshing ({plan.grading().size:.3g} mm in the patch)")
-        mesh = build.generate(plan, plan.grading(), comm)
+        mesh = generate(plan, plan.grading(), comm)
         clock.lap("mesh")
         progress.stage("assembling")
-        model = build.model(plan, mesh)
+        model = assemble(plan, mesh)
         clock.lap("assemble")
         last = attempt == MAX_MESHES
         solved, better = _solve_unread(mesh, model, plan, progress, clock, comm, last=last)

@@ -18,6 +18,7 @@ from railhead.planning.effects import interface
 from railhead.planning.forecast import Zone
 from railhead.planning.plan import Plan
 from railhead.planning.references import closed_forms
+from railhead.postprocess.findings import Frame
 from railhead.scene.scene import Scene
 from railhead.scene.sections import BodySection
 from railhead.solver.material.elasticity import Material
@@ -54,9 +55,13 @@ def setup(plan: Plan) -> Setup:
         unload=scene.unload,
         near=partial(near_patches, plan.forecast.zones),
     )
+    fixed, moving = (
+        ContactBody(tag=tag, contact=CONTACT + tag, support=SUPPORT + tag, material=made[tag])
+        for tag in (RAIL, WHEEL)
+    )
     return Setup(
-        fixed=_body(RAIL, made[RAIL]),
-        moving=_body(WHEEL, made[WHEEL]),
+        fixed=fixed,
+        moving=moving,
         slave=plan.slave,
         gap=plan.surfaces.gap(plan.slave),
         degree=plan.order,
@@ -95,11 +100,6 @@ def hardening(part: BodySection) -> Hardening:
         return Hardening.linear(part.yield_stress, part.hardening_modulus or 0.0, share)
     strain, stress = zip(*part.curve, strict=True)
     return Hardening(strain, stress, share)
-
-
-def _body(tag: int, material: Material) -> ContactBody:
-    """A body (tag RAIL or WHEEL) with its material and the tags of its contact and support."""
-    return ContactBody(tag=tag, contact=CONTACT + tag, support=SUPPORT + tag, material=material)
 
 
 def _friction(plan: Plan) -> FrictionSettings:
@@ -162,12 +162,9 @@ def near_patches(zones: Sequence[Zone], points: Array) -> NDArray[np.bool_]:
     """
     near = np.zeros(len(points), dtype=bool)
     for zone in zones:
-        x, y, z = (points - np.array(zone.centre)).T
-        c, s = np.cos(zone.angle), np.sin(zone.angle)
-        across, height = c * y + s * z, c * z - s * y
-        deep = min(zone.a, zone.b)
-        distance = (x / zone.a) ** 2 + (across / zone.b) ** 2 + (height / deep) ** 2
-        near |= distance < YIELD_REACH**2
+        half = np.array([zone.a, zone.b, min(zone.a, zone.b)])
+        local = Frame(zone.centre, zone.angle).local(points)
+        near |= ((local / half) ** 2).sum(axis=1) < YIELD_REACH**2
     return near
 
 

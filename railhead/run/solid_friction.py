@@ -16,12 +16,13 @@ are pressed again under the tractions.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from railhead.postprocess.friction import at_cells
 from railhead.postprocess.patch.patch import SmoothPatch, smooth_patches
 from railhead.scene.scene import SceneError
 from railhead.solver.algebra.linear import StalledError
@@ -35,7 +36,6 @@ from railhead.solver.friction.surface_response import (
     far_displacement,
 )
 from railhead.solver.plasticity.response import ElasticResponse
-from railhead.solver.setup import FrictionSettings
 from railhead.solver.solution import FrictionSolution, Solution
 from railhead.theory.friction.rolling import (
     Creepage,
@@ -53,11 +53,9 @@ MARGIN = 1.04  # of the grid over the patch, which tractions may widen
 CELLS_PER_EDGE = 4  # of an element: larger cells act as point forces on the elements
 TURNS, TURN_TOLERANCE = 30, 1e-5  # of the tractions of several patches, over mu N
 PRESSINGS, PRESS_TOLERANCE = 8, 1e-3  # of tractions and pressure, over mu N
-LIKE = 1e-9  # |mismatch| of materials that is rounding
 LARGEST_CONDENSED = 150_000  # unknowns: 4 to 10 GB were measured at 135 000
 
 
-@dataclass(frozen=True, kw_only=True)
 class GridPatch:
     """Grid over one patch in its tangent plane, and the smooth tractions around it.
 
@@ -72,16 +70,36 @@ class GridPatch:
     around: points of the surfaces below the cells of the smooth tractions.
     """
 
-    patch: SmoothPatch
-    x: Array
-    y: Array
-    points: SurfacePoints
-    divided: int
-    modes: Array
-    tangents: Array
-    places: Array
-    smooth: SmoothTractions
-    around: SurfacePoints
+    def __init__(self, patch: SmoothPatch, response: SurfaceResponse, edge: float) -> None:
+        """Collective. response: of the pressed bodies. edge: mean length of element edges, mm."""
+        frame = patch.frame
+
+        def axes(count: int) -> list[Array]:
+            """Centres of `count` cells along each axis."""
+            ticks = (2 * np.arange(count) + 1) / count - 1
+            return [
+                middle + MARGIN * half * ticks
+                for middle, half in zip(patch.centre, patch.half, strict=True)
+            ]
+
+        def below(x: Array, y: Array) -> SurfacePoints:
+            """Points of the surfaces below the places of x (nx,) and y (ny,) in the frame, mm."""
+            places = np.asarray(frame.origin + _places(x, y) @ frame.axes[:2])
+            return response.at(places, frame.axes[2], patch.mirrors)
+
+        largest = edge / CELLS_PER_EDGE
+        self.patch = patch
+        self.divided = max(1, int(np.ceil(2 * MARGIN * max(patch.half) / CELLS / largest)))
+        self.points = below(*axes(CELLS * self.divided))
+        self.x, self.y = axes(CELLS)
+        cells, grid = below(self.x, self.y), (CELLS, CELLS)
+        slip = response.settings.rigid_slip(cells.points)
+        modes = np.nan_to_num(np.einsum("mnc,nkc->nmk", slip, cells.tangents))
+        self.modes = cells.spread(modes).reshape(*grid, 4, 2).transpose(2, 3, 0, 1)
+        self.tangents = cells.spread(cells.tangents).reshape(*grid, 2, 3)
+        self.places = cells.spread(cells.points).reshape(*grid, 3)
+        self.smooth = SmoothTractions(patch.centre, patch.half, largest)
+        self.around = below(self.smooth.x, self.smooth.y)
 
     @property
     def cell(self) -> float:
@@ -92,8 +110,7 @@ class GridPatch:
         """Pressure (nx, ny), MPa, of a state of the patch in the cells, with the force of the
         patch.
         """
-        at = np.stack(np.meshgrid(self.x, self.y, indexing="ij"), axis=-1).reshape(-1, 2)
-        pressure = patch.pressure(self.patch.frame, at).reshape(self.x.size, self.y.size)
+        pressure = patch.pressure(self.patch.frame, _places(self.x, self.y)).reshape(CELLS, CELLS)
         pressure = np.where(self.tangents.any(axis=(2, 3)), pressure, 0.0)
         return np.asarray(pressure * (patch.force / (self.cell * pressure.sum())))
 
@@ -114,66 +131,35 @@ class SolidFriction:
     response: response of the pressed bodies to tractions.
     patches: grids over the patches.
     pressures: pressure (nx, ny) of each patch, MPa.
+    rest: slip (2, nx, ny) of each patch that no longer counts, mm; zero of bodies that roll.
     steps: largest number of Newton's steps on the tractions.
     """
 
     def __init__(
         self,
         model: ContactModel,
-        settings: FrictionSettings,
         pressed: Solution,
         smooth: list[SmoothPatch],
         stage: Stage,
         *,
         parabolic: bool = False,
     ) -> None:
-        self.model, self.settings, self.pressed, self.stage = model, settings, pressed, stage
-        self._parabolic = parabolic
+        """smooth: patches, most loaded first. parabolic: whether Hertz's theory is exact."""
+        assert model.setup.friction is not None
+        self.model, self.settings, self.pressed = model, model.setup.friction, pressed
+        self.stage, self._parabolic = stage, parabolic
         self.pair = materials(model)
-        self.response = SurfaceResponse(model, settings, pressed)
+        self.response = SurfaceResponse(model, self.settings, pressed)
         edge = self.response.edge
-        self.patches = [self._grid(patch, edge) for patch in smooth]
-        self.pressures = [
-            each.pressure(patch) for each, patch in zip(self.patches, smooth, strict=True)
-        ]
+        self.patches = [GridPatch(patch, self.response, edge) for patch in smooth]
+        pairs = zip(self.patches, smooth, strict=True)
+        self.pressures = [each.pressure(patch) for each, patch in pairs]
+        self.rest = [np.zeros_like(each.modes[0]) for each in self.patches]
         count = len(self.patches)
         self._still = np.zeros((count, 20))
         self._added = np.zeros((count, count, 20, 6))
         self._coefficients = np.zeros((count, 6))
         self.steps = 0
-
-    def _grid(self, patch: SmoothPatch, edge: float) -> GridPatch:
-        """Grid over a patch (collective). edge: mean length of an element's edges, mm."""
-        centre, half = patch.centre, patch.half
-        x, y = (
-            c + MARGIN * h * ((2 * np.arange(CELLS) + 1) / CELLS - 1)
-            for c, h in zip(centre, half, strict=True)
-        )
-        largest = edge / CELLS_PER_EDGE
-        divided = max(1, int(np.ceil(2 * MARGIN * max(half) / CELLS / largest)))
-        smooth = SmoothTractions(centre, half, largest)
-        cells = self._points(patch, x, y)
-        count = (x.size, y.size)
-        modes = np.einsum("mnc,nkc->nmk", self.settings.rigid_slip(cells.points), cells.tangents)
-        modes = cells.spread(np.nan_to_num(modes)).reshape(*count, 4, 2)
-        return GridPatch(
-            patch=patch,
-            x=x,
-            y=y,
-            points=self._points(patch, _divided(x, divided), _divided(y, divided)),
-            divided=divided,
-            modes=modes.transpose(2, 3, 0, 1),
-            tangents=cells.spread(cells.tangents).reshape(*count, 2, 3),
-            places=cells.spread(cells.points).reshape(*count, 3),
-            smooth=smooth,
-            around=self._points(patch, smooth.x, smooth.y),
-        )
-
-    def _points(self, patch: SmoothPatch, x: Array, y: Array) -> SurfacePoints:
-        """Points of the surfaces below the places of x (nx,) and y (ny,) in a patch's frame, mm."""
-        axes, origin = patch.frame.axes, np.array(patch.frame.origin)
-        at = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
-        return self.response.at(origin + at @ axes[:2], axes[2], patch.mirrors)
 
     def unsuited(self) -> str:
         """Reason why smooth tractions do not represent what finite bodies add; empty if they do."""
@@ -197,8 +183,7 @@ class SolidFriction:
         """
         rolling = self.settings.rolling
         if rolling:
-            for number, each in enumerate(self.patches):
-                self._still[number] = self._read(each, self.pressed.displacement)
+            self._still[:] = [self._read(each, self.pressed.displacement) for each in self.patches]
         chosen = [
             (source, power, way)
             for source, each in enumerate(self.patches)
@@ -213,27 +198,24 @@ class SolidFriction:
             traction = np.zeros((2, smooth.x.size, smooth.y.size))
             traction[way] = smooth.fields[power]
             u = self.response.displacement(loaded.around, smooth.cell * traction.reshape(2, -1).T)
-            influence = TractionInfluence(smooth.x, smooth.y, self.pair, rolling=False)
+            own = TractionInfluence(smooth.x, smooth.y, self.pair, rolling=False)(traction)
             for number, each in enumerate(self.patches):
-                more = influence(traction) if number == source else None
-                read = self._read(each, u, more)
+                read = self._read(each, u, own if number == source else 0.0)
                 self._added[number, source, :, 2 * power + way] = read if rolling else -read
 
-    def _read(self, patch: GridPatch, u: PETSc.Vec, more: Array | None = None) -> Array:
+    def _read(self, patch: GridPatch, u: PETSc.Vec, more: Array | float = 0.0) -> Array:
         """Coefficients (20,) of the jump of a displacement over a patch or, when rolling, of its
         derivative along x. more: (2, nx, ny) that is added to the jump first, mm.
         """
         smooth = patch.smooth
         jump = patch.around.jumps(u).T.reshape(2, smooth.x.size, smooth.y.size)
-        jump = jump if more is None else jump + more
-        return smooth.read(jump, derivative=self.settings.rolling).ravel()
+        return smooth.read(jump + more, derivative=self.settings.rolling).ravel()
 
     def tractions(
         self,
         creepage: Creepage,
         forces: tuple[float | None, float | None] = (None, None),
         *,
-        rest: list[Array] | None = None,
         modes: float = 1.0,
         start: list[TangentialSolution] | None = None,
     ) -> list[TangentialSolution]:
@@ -241,14 +223,15 @@ class SolidFriction:
         settle.
 
         forces: prescribed force along and across, N; None where the motion is prescribed.
-        rest: slip (2, nx, ny) of each patch that no longer counts, mm; None: zero.
         modes: factor on the rigid slip.
         start: similar tractions to begin with.
         """
         along, across = forces
+        others = self._added * (1 - np.eye(len(self.patches)))[:, :, None, None]
         found: list[TangentialSolution] = []
         for _ in range(TURNS):
-            drawn = self._drawn(rest)
+            # What other patches and, when rolling, the pressed bodies take from the slip.
+            known = self._still + np.einsum("nsij,sj->ni", others, self._coefficients)
             bodies = [
                 HalfSpaceFriction(
                     each.x,
@@ -258,69 +241,41 @@ class SolidFriction:
                     self.pair,
                     rolling=self.settings.rolling,
                     modes=modes * each.modes,
-                    drawn=drawn[number],
+                    drawn=self.rest[number]
+                    + each.smooth.values(known[number].reshape(-1, 2), each.x, each.y),
                     added=each.smooth.response(self._added[number, number], each.x, each.y),
                 )
                 for number, each in enumerate(self.patches)
             ]
             before, begins = found, found or start or None
-            if along is None and across is None:
-                found = [
-                    body.solve(creepage, begins[number] if begins else None)
-                    for number, body in enumerate(bodies)
-                ]
-            else:
-                found = solve_for_forces(bodies, creepage, along=along, across=across, start=begins)
+            found = solve_for_forces(bodies, creepage, along=along, across=across, start=begins)
             self.steps = max(self.steps, *(each.steps for each in found))
             for number, (each, solved) in enumerate(zip(self.patches, found, strict=True)):
-                self._coefficients[number] = each.smooth.coefficients(
-                    each.x, each.y, solved.traction
-                ).ravel()
+                moments = each.smooth.coefficients(each.x, each.y, solved.traction)
+                self._coefficients[number] = moments.ravel()
             if len(bodies) == 1 or _change(found, before) <= TURN_TOLERANCE:
                 return found
         raise ValueError("tractions of several patches do not settle")
-
-    def _drawn(self, rest: list[Array] | None) -> list[Array]:
-        """Reduction of the slip (2, nx, ny) of each patch by the pressed bodies and the tractions
-        of the other patches, and the slip `rest` that no longer counts.
-        """
-        out = []
-        for number, each in enumerate(self.patches):
-            known = self._still[number].copy()
-            for source, coefficients in enumerate(self._coefficients):
-                if source != number:
-                    known += self._added[number, source] @ coefficients
-            drawn = each.smooth.values(known.reshape(-1, 2), each.x, each.y)
-            out.append(drawn if rest is None else drawn + rest[number])
-        return out
 
     def press_again(self, case: LoadCase, found: list[TangentialSolution]) -> Solution:
         """Solution of the bodies under tractions, with the load that these carry on inclined
         surfaces; the pressures are those of this solution (collective).
         """
-        force, resultant, carried = None, np.zeros(2), 0.0
+        force, total = case.force, np.zeros(3)
         for each, solved in zip(self.patches, found, strict=True):
             forces = each.forces(solved.traction)
             load = each.points.loads(forces)
-            total = each.points.resultant(forces)
-            resultant += self.settings.axes[:2] @ total
-            carried += float(total @ self.model.setup.direction)
             force = load if force is None else force + load
-        if case.force is not None:
-            force = case.force if force is None else force + case.force
-        case = replace(
-            case,
-            force=force,
-            support_displacement=far_displacement(self.response.far_field, resultant),
-        )
-        solution = self.model.press(case)
+            total += each.points.resultant(forces)
+        far = far_displacement(self.response.far_field, self.settings.axes[:2] @ total)
+        solution = self.model.press(replace(case, force=force, support_displacement=far))
         if solution.newton.converged:
-            smooth = shared_patches(
-                self.model, gather(self.model, solution), parabolic=self._parabolic
-            )
+            fields = gather(self.model, solution)
+            smooth = shared_patches(self.model, fields, parabolic=self._parabolic)
             if len(smooth) < len(self.patches):  # two have become one
                 return self._failed(solution)
             self.pressures = [each.pressure(each.patch.nearest(smooth)) for each in self.patches]
+        carried = float(total @ self.model.setup.direction)
         return replace(solution, load=solution.load + carried)
 
     def solve(self, case: LoadCase) -> Solution:
@@ -329,61 +284,51 @@ class SolidFriction:
         case: load case of the frictionless solution, with its active points.
         """
         settings, solution = self.settings, self.pressed
-        rest = None if settings.rolling else [np.zeros_like(p.modes[0]) for p in self.patches]
+        found: list[TangentialSolution] = []
         pressed_under: list[TangentialSolution] = []
         steps: list[Array] = []
         passes, energy, full = 0, 0.0, False
-        found: list[TangentialSolution] = []
         for _, share in settings.load_steps:
-            given: list[float | None] = [None, None]
-            for index, force in settings.force_controlled:
-                given[index] = share * force
-            change = np.inf
+            given = {index: share * force for index, force in settings.force_controlled}
             for _ in range(PRESSINGS):
                 self.stage("friction: tractions")
                 try:
                     found = self.tractions(
-                        Creepage(*settings.creepage),
-                        (given[0], given[1]),
-                        rest=rest,
-                        start=found,
+                        Creepage(*settings.creepage), (given.get(0), given.get(1)), start=found
                     )
                 except ValueError:
                     return self._failed(solution)
                 passes += 1
-                change = _change(found, pressed_under)
-                if change <= PRESS_TOLERANCE:
+                if _change(found, pressed_under) <= PRESS_TOLERANCE:
                     break
                 self.stage("friction: pressing under the tractions")
                 solution = self.press_again(replace(case, active=solution.pressure > 0), found)
                 pressed_under = found
                 if not solution.newton.converged:
                     return replace(solution, reference=self.pressed)
-            if change > PRESS_TOLERANCE:
+            else:
                 return self._failed(solution)
-            if rest is not None:
-                rest = [before + each.slip for before, each in zip(rest, found, strict=True)]
+            if not settings.rolling:
+                self.rest = [slip + each.slip for slip, each in zip(self.rest, found, strict=True)]
                 if full:
-                    energy += sum(
-                        each.cell * float((each.traction * each.slip).sum()) for each in found
-                    )
+                    energy += sum(each.cell * (each.traction * each.slip).sum() for each in found)
             full = full or share == 1
-            motion = found[0].creepage
-            described = self._described(found, motion)
-            steps.append(np.array([*described.force, motion.along, motion.across]))
+            described = self._described(found)
+            steps.append(np.array([*described.force, *described.rigid_motion[:2]]))
+        without = None
+        if settings.rolling:
+            try:
+                without = self._described(self.tractions(Creepage(), modes=0.0))
+            except ValueError:
+                return self._failed(solution)
         described = replace(
             described,
             load_steps=np.array(steps),
-            dissipated_energy=energy,
+            dissipated_energy=float(energy),
             coupling_iterations=passes,
             newton_steps=self.steps,
+            without_creepage=without,
         )
-        if settings.rolling:
-            try:
-                still = self.tractions(Creepage(), modes=0.0)
-            except ValueError:
-                return self._failed(solution)
-            described = replace(described, without_creepage=self._described(still, Creepage()))
         return replace(solution, reference=self.pressed, friction=described)
 
     def _failed(self, solution: Solution) -> Solution:
@@ -391,54 +336,32 @@ class SolidFriction:
         newton = replace(solution.newton, reason=NOT_CONVERGED)
         return replace(solution, newton=newton, reference=self.pressed)
 
-    def _described(self, found: list[TangentialSolution], motion: Creepage) -> FrictionSolution:
+    def _described(self, found: list[TangentialSolution]) -> FrictionSolution:
         """Friction solution, with vectors in space, at the cells of the meshed part that touch."""
         settings, setup = self.settings, self.model.setup
-        used, areas = [], []
-        for each, solved in zip(self.patches, found, strict=True):
-            inside = solved.bound > 0
-            for _, normal in setup.planes:
-                inside &= each.places @ np.array(normal) > 0
-            used.append(inside)
-            areas.append(np.full(inside.sum(), setup.parts * each.cell))
-
-        def joined(values: Callable[[GridPatch, TangentialSolution], Array]) -> Array:
-            """Values (n, ...) at the cells that are used, of an array (nx, ny, ...) a patch."""
-            pairs = zip(self.patches, found, used, strict=True)
-            return np.concatenate([values(each, solved)[inside] for each, solved, inside in pairs])
-
-        def in_space(values: Callable[[TangentialSolution], Array]) -> Array:
-            """Vectors in space (n, 3) of components (2, nx, ny) along the tangents."""
-            return joined(
-                lambda each, solved: np.einsum("kab,abkc->abc", values(solved), each.tangents)
-            )
-
-        bound = joined(lambda _, solved: solved.bound)
-        points = joined(lambda each, _: each.places)
-        traction = in_space(lambda solved: solved.traction)
-        weights, pressure = np.concatenate(areas), bound / settings.coefficient
-        total = weights @ traction
-        for _, normal in setup.planes:
-            total = total - np.array(normal) * (total @ np.array(normal))
+        planes = [np.array(normal) for _, normal in setup.planes]
+        used = [
+            (solved.bound > 0) & np.all([each.places @ normal > 0 for normal in planes], axis=0)
+            for each, solved in zip(self.patches, found, strict=True)
+        ]
+        described = at_cells(
+            found,
+            settings.coefficient,
+            [each.places for each in self.patches],
+            [each.tangents for each in self.patches],
+            used,
+            setup.parts,
+        )
+        total = described.weights @ described.traction
+        for normal in planes:
+            total = total - normal * (total @ normal)
         along, across = settings.axes[:2] @ total
-        arm = points - np.array(settings.origin)
-        moment = float(weights @ np.cross(arm, traction) @ settings.axes[2])
-        return FrictionSolution(
-            points=points,
-            weights=weights,
-            pressure=pressure,
-            traction=traction,
-            slip=in_space(lambda solved: solved.slip),
-            sticks=np.linalg.norm(traction, axis=1) < (1 - 1e-6) * bound,
-            rigid_slip=in_space(lambda solved: np.tensordot(motion.motion, solved.modes, axes=1)),
-            rigid_motion=(motion.along, motion.across, motion.spin),
+        arm = described.points - np.array(settings.origin)
+        turning = described.weights @ np.cross(arm, described.traction) @ settings.axes[2]
+        return replace(
+            described,
             force=(float(along), float(across)),
-            moment=0.0 if setup.planes else moment,
-            friction_limit=float(settings.coefficient * (weights @ pressure)),
-            load_steps=np.zeros((0, 4)),
-            dissipated_energy=0.0,
-            coupling_iterations=0,
-            newton_steps=0,
+            moment=0.0 if planes else float(turning),
         )
 
 
@@ -459,29 +382,26 @@ def apply(
         whether the patch of a solution needs another mesh; then the pressed solution is returned.
     Raises SceneError for bodies with too many unknowns for condensation.
     """
-    setup, settings = model.setup, model.setup.friction
-    assert settings is not None
-    if setup.kinematics.dim == 2:
+    if model.setup.kinematics.dim == 2:
         return condensed_friction(model, response, case, pressed)
     fields = gather(model, pressed)
     if model.comm.bcast(fields is not None and misplaced(fields)):
         return pressed
-    why = ""
-    if setup.load_path is not None:
+    if model.setup.load_path is not None:
         why = "bodies that yield"
-    elif abs(materials(model).mismatch) > LIKE:
+    elif not materials(model).like:
         why = "bodies of unlike materials"
-    if not why:
+    else:
         smooth = shared_patches(model, fields, parabolic=parabolic)
-        friction = SolidFriction(model, settings, pressed, smooth, stage, parabolic=parabolic)
+        friction = SolidFriction(model, pressed, smooth, stage, parabolic=parabolic)
         why = friction.unsuited()
-    if not why:
-        try:
-            friction.sample()
-        except StalledError as error:
-            newton = replace(pressed.newton, reason=f"friction: {error}")
-            return replace(pressed, newton=newton, reference=pressed)
-        return friction.solve(case)
+        if not why:
+            try:
+                friction.sample()
+            except StalledError as error:
+                newton = replace(pressed.newton, reason=f"friction: {error}")
+                return replace(pressed, newton=newton, reference=pressed)
+            return friction.solve(case)
     if model.unknowns > LARGEST_CONDENSED:
         text = f"is not allowed with {model.unknowns} unknowns and {why}"
         raise SceneError(
@@ -532,8 +452,6 @@ def _symmetric(power: int, way: int, mirrors: tuple[Array, ...]) -> bool:
     return True
 
 
-def _divided(centres: Array, parts: int) -> Array:
-    """Centres of cells divided in a number of equal parts."""
-    step = centres[1] - centres[0]
-    inner = ((2 * np.arange(parts) + 1) / parts - 1) * step / 2
-    return np.asarray((centres[:, None] + inner).ravel())
+def _places(x: Array, y: Array) -> Array:
+    """Places (nx ny, 2) of the cells of a grid with centres x (nx,) and y (ny,)."""
+    return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)

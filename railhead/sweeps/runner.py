@@ -23,7 +23,7 @@ from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
 from railhead.results import pipeline, result_folder
 from railhead.results.result import Result
-from railhead.run import build, refinement
+from railhead.run import mesh_solution, refinement
 from railhead.run.mesh_solution import solve_on_mesh
 from railhead.run.progress import Progress
 from railhead.run.refinement import Ending
@@ -144,11 +144,11 @@ def _assemble(
     shared = replace(first, coarsest=largest.sizing.coarsest, also=(*first.also, *others))
     progress.stage(f"meshing for {len(plans)} loads ({first.size:.3g} mm in the patch)")
     try:
-        mesh = build.generate(largest, shared, comm)
+        mesh = mesh_solution.generate(largest, shared, comm)
     except MeshError:
         return None
     progress.stage("assembling")
-    return mesh, build.model(largest, mesh)
+    return mesh, mesh_solution.assemble(largest, mesh)
 
 
 def _solve_on_shared(

@@ -27,7 +27,7 @@ from railhead.planning import cost
 from railhead.planning import plan as planning
 from railhead.planning.error_envelopes import TURNED, ErrorEnvelope
 from railhead.planning.references.rail_twist import lever
-from railhead.run import build, estimates
+from railhead.run import estimates, mesh_solution
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.quantities import ESTIMATED
 from railhead.scene import catalogue
@@ -203,8 +203,10 @@ def measure_cells() -> dict[str, dict[str, dict[str, float]]]:
 def share(name: str, *changes: str) -> float:
     """Unknowns of the mesh of a shipped case with changes over those that were predicted."""
     plan = planning.make(catalogue.find(name).replace(changes))
-    mesh = build.generate(plan, plan.grading(), MPI.COMM_WORLD)  # holds the model's communicator
-    model = build.model(plan, mesh)
+    mesh = mesh_solution.generate(
+        plan, plan.grading(), MPI.COMM_WORLD
+    )  # holds the model's communicator
+    model = mesh_solution.assemble(plan, mesh)
     unknowns = model.unknowns
     model.release()
     return unknowns / plan.unknowns
@@ -254,11 +256,11 @@ def solved(profile: str, inclination: str) -> MeshSolution:
     return tables.solved(planning.make(scene))
 
 
-def turn(mesh_solution: MeshSolution) -> tuple[float, float]:
+def turn(solved: MeshSolution) -> tuple[float, float]:
     """Rotation of the head at the wheel, rad, and depth of the point below the crown that it turns
     about, mm: u_y = c - angle z and u_z = d + angle y, fitted to its flanks."""
-    assert mesh_solution.fields is not None
-    points, moved = mesh_solution.fields.points, mesh_solution.fields.displacement
+    assert solved.fields is not None
+    points, moved = solved.fields.points, solved.fields.displacement
     x, y, z = points.T
     low, high = FLANK["z"]
     flank = (np.abs(x) < FLANK["x"]) & (np.abs(y) > FLANK["y"]) & (z > low) & (z < high)

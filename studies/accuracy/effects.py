@@ -23,7 +23,7 @@ from railhead.meshing.bodies import CONTACT, RAIL, SUPPORT, WHEEL, Body, Options
 from railhead.meshing.sizing import Grading
 from railhead.planning import plan as planning
 from railhead.results import pipeline
-from railhead.run import build, mesh_solution
+from railhead.run import mesh_solution
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError
@@ -211,7 +211,9 @@ def compare(repeats: int, patch_size: float = 0.25) -> list[dict[str, Any]]:
 
 def _planned(scene: Scene) -> tuple[int, float]:
     plan = planning.make(scene)
-    model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
+    model = mesh_solution.assemble(
+        plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
+    )
     solution = mesh_solution.solve(plan, model)
     return model.unknowns, float(solution.pressure.max())
 

@@ -12,7 +12,7 @@ from mpi4py import MPI
 from railhead.planning import plan as planning
 from railhead.postprocess import read
 from railhead.postprocess.findings import Frame
-from railhead.run import build, mesh_solution
+from railhead.run import mesh_solution
 from railhead.scene import catalogue
 from railhead.solver.algebra import linear
 from railhead.solver.fields import gather
@@ -32,7 +32,9 @@ def measure(patch_size: float) -> dict[str, Any]:
     plan = planning.make(catalogue.find("hertz_ellipse").replace([f"mesh.patch_size={patch_size}"]))
     frame = Frame(plan.contact.origin, 0.0)
     clock = [time.perf_counter()]
-    model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
+    model = mesh_solution.assemble(
+        plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
+    )
     clock.append(time.perf_counter())
     solution = mesh_solution.solve(plan, model)
     clock.append(time.perf_counter())

@@ -14,16 +14,16 @@ import railhead as rh
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
 from railhead.planning.references import closed_forms
-from railhead.run import build
+from railhead.run import mesh_solution
 from railhead.run import solid_friction as friction
-from railhead.run.references import equal_ellipses, rolling_patches
+from railhead.run.references import half_space_reference, rolling_reference
 from railhead.scene import catalogue
 from railhead.solver.contact_system import LoadCase
 from railhead.solver.fields import gather
 from railhead.theory.elastic.contacts import Hertz, half_lengths
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.friction import sliding
-from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
+from railhead.theory.friction.rolling import Creepage
 
 COEFFICIENT = 0.3
 CELLS = 64  # each way, of the boundary elements
@@ -81,9 +81,9 @@ def rolled(curve: Curve) -> tuple[list[Point], Cost]:
     """All methods at each motion."""
     plan = _plan(curve)
     clock = [time.process_time()]
-    model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
-    settings = model.setup.friction
-    assert settings is not None
+    model = mesh_solution.assemble(
+        plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
+    )
     clock.append(time.process_time())
     touching = plan.forecast.touching(model.interface.points)
     case = LoadCase(load=plan.scene.load or 0.0, active=touching)
@@ -92,7 +92,7 @@ def rolled(curve: Curve) -> tuple[list[Point], Cost]:
     smooth = friction.shared_patches(
         model, gather(model, pressed), parabolic=plan.contact.half_space
     )
-    solid = friction.SolidFriction(model, settings, pressed, smooth, lambda name: None)
+    solid = friction.SolidFriction(model, pressed, smooth, lambda name: None)
     solid.sample()
     clock.append(time.process_time())
     points = []
@@ -151,29 +151,19 @@ def _others(plan: Plan, curve: Curve) -> Iterator[Point]:
     assert isinstance(ellipse, Ellipse) and scene.load is not None
     pair = closed_forms.tangential_pair(scene)
     hertzian = plan.forecast.hertzian
-    patches = rolling_patches.patches(
+    patches = half_space_reference.patches(
         plan.contact, ellipse, hertzian=hertzian, load=scene.load, cells=CELLS
     )
-    bodies = [
-        HalfSpaceFriction(
-            p.pressed.x,
-            p.pressed.s,
-            p.pressed.pressure,
-            COEFFICIENT,
-            pair,
-            rolling=True,
-            modes=p.modes,
-        )
-        for p in patches
-    ]
     limit = COEFFICIENT * sum(each.pressed.force for each in patches)
     for motion in curve.motions:
         given = motion.along, motion.across, motion.spin
-        sheared = [body.solve(motion) for body in bodies]
+        sheared = rolling_reference.shear(
+            patches, pair, COEFFICIENT, motion, (None, None), rolling=True
+        )
         exactly = np.sum([each.forces for each in sheared], axis=0)
         sticks, touches = np.sum([each.areas for each in sheared], axis=0)
-        quick, stick, _ = equal_ellipses.fastsim(patches, limit, pair, given)
-        straight = equal_ellipses.linear(patches, pair, given)
+        quick, stick, _ = rolling_reference.fastsim(patches, limit, pair, given)
+        straight = rolling_reference.linear(patches, pair, given)
         for by, forces, sticking in (
             ("boundary elements", exactly, float(sticks / touches)),
             ("FASTSIM", quick, stick),

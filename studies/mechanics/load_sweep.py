@@ -20,7 +20,7 @@ from railhead.planning.references import closed_forms
 from railhead.postprocess import compare, read
 from railhead.postprocess.findings import Array, Frame
 from railhead.postprocess.plots.diagrams import FE, HERTZ, new_figure
-from railhead.run import build
+from railhead.run import mesh_solution
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from railhead.solver.contact import ContactModel
@@ -99,8 +99,8 @@ def sweep(name: str, loads: Sequence[float], progress: Progress) -> list[Row]:
     start = time.perf_counter()
     progress.stage(f"{name}: meshing and assembling")
     plan = planning.make(catalogue.find(name).replace([f"load={max(loads)!r}"]))
-    mesh = build.generate(plan, around_smallest(plan, min(loads)), MPI.COMM_WORLD)
-    model = build.model(plan, mesh)
+    mesh = mesh_solution.generate(plan, around_smallest(plan, min(loads)), MPI.COMM_WORLD)
+    model = mesh_solution.assemble(plan, mesh)
     frame = Frame(plan.contact.origin, plan.contact.touch.angle)
     x, y, _ = frame.local(model.interface.points).T
     rows: list[Row] = []

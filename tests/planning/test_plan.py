@@ -9,7 +9,7 @@ from solved import planned
 from railhead.meshing.bodies import RAIL, WHEEL
 from railhead.planning.references import boundary_elements
 from railhead.results import pipeline
-from railhead.run import build, mesh_solution
+from railhead.run import mesh_solution
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from railhead.scene.scene import Effects, SceneError
@@ -203,8 +203,8 @@ def test_what_is_off_is_not_meshed_and_holds_no_unknowns() -> None:
     for off in ("nothing", "deformable_wheel", "deformable_rail"):
         choice = [] if off == "nothing" else [f"effects.{off}=off"]
         plan = planned("hertz_ellipse", "mesh.patch_size=1.2", *choice)
-        made = build.generate(plan, plan.grading(), MPI.COMM_WORLD)
-        model = build.model(plan, made)
+        made = mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
+        model = mesh_solution.assemble(plan, made)
         present = {tag for tag in (RAIL, WHEEL) if len(made.cell_tags.find(tag))}
         assert present == set(plan.deformable)
         unknowns[off] = model.unknowns
@@ -217,8 +217,8 @@ def test_a_metre_of_rail_costs_little_more_than_its_head_as_predicted() -> None:
     for on in ("off", "on"):
         choice = ["effects.plasticity=off", f"effects.rail_section={on}"]
         plan = planned("uic54_22t5_axle", *choice)
-        made = build.generate(plan, plan.grading(), MPI.COMM_WORLD)
-        unknowns[on] = build.model(plan, made).unknowns
+        made = mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
+        unknowns[on] = mesh_solution.assemble(plan, made).unknowns
         assert plan.unknowns == pytest.approx(unknowns[on], rel=0.1)
         assert made.quality > 0.15
     assert unknowns["on"] < 1.45 * unknowns["off"]

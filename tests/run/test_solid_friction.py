@@ -8,7 +8,7 @@ from mpi4py import MPI
 
 import railhead as rh
 from railhead.planning import plan as planning
-from railhead.run import build, solid_friction
+from railhead.run import mesh_solution, solid_friction
 from railhead.run.solid_friction import SolidFriction, shared_patches
 from railhead.scene.scene import SceneError
 from railhead.solver.contact_system import LoadCase
@@ -23,16 +23,16 @@ def sampled(case: str, *keys: str) -> tuple[SolidFriction, LoadCase]:
     """Friction of a coarse model of a case, sampled, with its load case."""
     scene = rh.find(case).replace([f"friction.coefficient={MU}", *keys])
     plan = planning.make(scene)
-    model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
-    assert model.setup.friction is not None and scene.load is not None
+    model = mesh_solution.assemble(
+        plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
+    )
+    assert scene.load is not None
     load = LoadCase(load=scene.load, active=plan.forecast.touching(model.interface.points))
     pressed = model.press(load)
     half_space = plan.contact.half_space
     patches = shared_patches(model, gather(model, pressed), parabolic=half_space)
     said: list[str] = []
-    friction = SolidFriction(
-        model, model.setup.friction, pressed, patches, said.append, parabolic=half_space
-    )
+    friction = SolidFriction(model, pressed, patches, said.append, parabolic=half_space)
     assert friction.unsuited() == ""
     friction.sample()
     assert said[-1] == f"friction: response of the bodies, {len(said)} of {len(said)}"
@@ -100,9 +100,7 @@ def test_a_patch_that_smooth_tractions_do_not_suit_is_said_to_be_so(half_spaces)
         friction = half_spaces
         (patch,) = (each.patch for each in friction.patches)
         patches = [replace(patch, **each) for each in changes]
-        return SolidFriction(
-            friction.model, friction.settings, friction.pressed, patches, friction.stage
-        ).unsuited()
+        return SolidFriction(friction.model, friction.pressed, patches, friction.stage).unsuited()
 
     assert unsuited({"half": (25.0, 3.4)}).startswith("a surface that ends")
     assert unsuited({}, {"centre": (5.0, 0.0)}).startswith("two patches")

@@ -16,7 +16,7 @@ import railhead as rh
 from railhead.planning import plan as planning
 from railhead.postprocess.friction import quantities
 from railhead.postprocess.views import gallery
-from railhead.run import build, mesh_solution, model_setup
+from railhead.run import mesh_solution, model_setup
 from railhead.scene.scene import SceneError
 from railhead.solver.contact import ContactModel
 from railhead.solver.friction.surface_response import surface_tangents
@@ -135,7 +135,9 @@ def test_unloaded_half_spaces_are_pulled_by_nothing() -> None:
     keys = ("mesh.patch_size=5.5", "load=80kN", "friction.coefficient=0.3")
     scene = rh.find("hertz_ellipse").replace([*keys, "friction.force_along=8kN"])
     plan = rh.plan(scene.replace(rail=STEEL), quiet=True).plan
-    model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_SELF))
+    model = mesh_solution.assemble(
+        plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_SELF)
+    )
     found = mesh_solution.solve(plan, model)
     left = found.plasticity.residual_state
     assert left is not None and left.newton.converged
@@ -160,7 +162,9 @@ def test_a_shift_is_taken_in_steps_where_bodies_grow_or_yield() -> None:
 def sheared() -> tuple[ContactModel, ElasticResponse]:
     """A coarse roller whose contact points have the plastic strain eps_xz = 1e-3."""
     plan = planning.make(yielding())
-    model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
+    model = mesh_solution.assemble(
+        plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
+    )
     response = model.response()
     assert isinstance(response, PlasticResponse)
     response.problem.surface.history.plastic[:, 3] = np.sqrt(2) * 1e-3  # Mandel's notation
@@ -177,8 +181,8 @@ def test_yield_takes_shear_stress_at_the_surface(
     every = np.arange(len(normals))
     lost = response.plastic_shear_stress(every, surface_tangents(out), normals)[:, 0]
     middle = np.abs(model.interface.points[:, 0]) < 3.0
-    mesh_solution = np.sign(normals[middle, 1]) * 2 * 207e3 / 2.6 * 1e-3
-    assert middle.sum() > 5 and lost[middle] == pytest.approx(mesh_solution, rel=0.01)
+    expected = np.sign(normals[middle, 1]) * 2 * 207e3 / 2.6 * 1e-3
+    assert middle.sum() > 5 and lost[middle] == pytest.approx(expected, rel=0.01)
 
 
 def test_what_turns_about_the_tangents_acts_as_creepage_along_does() -> None:
@@ -186,7 +190,9 @@ def test_what_turns_about_the_tangents_acts_as_creepage_along_does() -> None:
     plan = planning.make(roller(rolling={"creepage_along": 0.0}, mesh={"patch_size": 0.5}))
     answers = []
     for known, share in ((5e-4, 0.0), (2e-4, 3e-4)):
-        model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
+        model = mesh_solution.assemble(
+            plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
+        )
         rub = model.setup.friction
 
         def slip(points: np.ndarray, rub=rub, share=share) -> np.ndarray:

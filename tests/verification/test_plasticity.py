@@ -20,7 +20,7 @@ from railhead.planning import plan as planning
 from railhead.planning.context import Effect
 from railhead.planning.effects import EFFECTS
 from railhead.postprocess.views import gallery
-from railhead.run import build, mesh_solution, quantities
+from railhead.run import mesh_solution, quantities
 from railhead.solver.algebra import linear
 from railhead.solver.contact import ContactModel
 from railhead.solver.contact_system import LoadCase
@@ -287,7 +287,9 @@ def solid() -> tuple[planning.Plan, ContactModel, Solution]:
     plan = planning.make(scene).at_resolution(3.5)
     from mpi4py import MPI
 
-    model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
+    model = mesh_solution.assemble(
+        plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
+    )
     solution = mesh_solution.solve(plan, model)
     assert model.plastic_problem is not None and solution.plasticity
     return plan, model, solution

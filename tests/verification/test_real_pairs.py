@@ -18,7 +18,7 @@ from railhead.meshing.bodies import CONTACT, WHEEL
 from railhead.meshing.sizing import MAX_STRETCH
 from railhead.postprocess.findings import Frame
 from railhead.postprocess.patch.moments import moments
-from railhead.run import build, estimates
+from railhead.run import estimates, mesh_solution
 from railhead.run.mesh_solution import MeshSolution, forecast_from_solution, mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
@@ -93,7 +93,7 @@ def test_a_stretched_wheel_lies_on_its_exact_surface(choice: tuple[str, ...]) ->
     plan = planned("s1002_60e1", "wheelset.shift=9", "mesh.patch_size=0.2", *choice)
     grading = plan.grading()
     assert grading.stretch == MAX_STRETCH
-    made = build.generate(plan, grading, MPI.COMM_WORLD)
+    made = mesh_solution.generate(plan, grading, MPI.COMM_WORLD)
     space = compat.vector_space(made.mesh, 2)
     dofs = fem.locate_dofs_topological(space, 2, made.facet_tags.find(CONTACT + WHEEL))
     x = compat.dof_points(space)[dofs]
@@ -106,7 +106,7 @@ def test_a_stretched_wheel_lies_on_its_exact_surface(choice: tuple[str, ...]) ->
 
 def test_quality_is_that_of_the_unstretched_elements() -> None:
     plan = planned("hertz_ellipse", "rail.crown_radius=10", "mesh.patch_size=0.3")
-    made = build.generate(plan, plan.grading(), MPI.COMM_WORLD)
+    made = mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
     assert made.quality > 0.3 > 3 * mesh.MIN_QUALITY
 
 
@@ -129,8 +129,8 @@ def test_unknowns_of_stretched_meshes_are_foreseen(radius: float, cell: str) -> 
     plan = planned("hertz_ellipse", f"rail.crown_radius={radius}", f"mesh.cell={cell}")
     plan = plan.at_resolution(plan.sizing.default_resolution / 2)
     assert plan.grading().stretch > 1
-    made = build.generate(plan, plan.grading(), MPI.COMM_WORLD)
-    unknowns = build.model(plan, made).unknowns
+    made = mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
+    unknowns = mesh_solution.assemble(plan, made).unknowns
     assert 1 / 1.5 < plan.unknowns / unknowns < 1.5
 
 

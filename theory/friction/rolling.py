@@ -32,6 +32,7 @@ from railhead.theory.friction.tangential import Pair, TractionInfluence
 
 Array = NDArray[np.float64]
 TOLERANCE = 1e-8  # of the tractions
+STUCK = 1e-6  # relative: a traction that is that much below its bound sticks
 TURNS, TRACTION_CHANGE = 40, 1e-3  # between pressure and tractions; of the tractions, over mu N
 PRESSED = 1e-6  # of the displacement
 STEPS, FORCE_TOLERANCE = 40, 1e-6  # of Newton under prescribed forces; over mu N
@@ -104,11 +105,14 @@ class TangentialSolution:
         return float(self.bound.sum() * self.cell)
 
     @property
+    def sticks(self) -> NDArray[np.bool_]:
+        """Whether a cell sticks (nx, ny): its traction is below the bound by more than 1e-6."""
+        return np.linalg.norm(self.traction, axis=0) < (1 - STUCK) * self.bound
+
+    @property
     def areas(self) -> tuple[float, float]:
-        """Area that sticks (traction below the bound) and area of the patch, mm2."""
-        inside = self.bound > 0
-        sticks = np.linalg.norm(self.traction, axis=0) < (1 - 1e-6) * self.bound
-        return self.cell * float(sticks[inside].sum()), self.cell * float(inside.sum())
+        """Area that sticks and area of the patch, mm2."""
+        return self.cell * float(self.sticks.sum()), self.cell * float((self.bound > 0).sum())
 
     @property
     def stick_share(self) -> float:

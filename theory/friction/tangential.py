@@ -18,6 +18,7 @@ from railhead.theory.bem.influence import logarithms
 from railhead.theory.elastic.hertz import contact_modulus
 
 Array = NDArray[np.float64]
+NO_MISMATCH = 1e-9  # largest |K| that is taken for a rounding error
 Upstream = tuple[tuple[float, float], ...]
 SHIFT: Upstream = ((0.0, 1.0),)  # (distance upstream in cells, weight): the displacement itself
 ROLLING: Upstream = (
@@ -42,6 +43,11 @@ class Pair:
     shear_modulus: float
     poisson: float
     mismatch: float = 0.0
+
+    @property
+    def like(self) -> bool:
+        """Whether tractions do not change the pressure: |K| below 1e-9 (NO_MISMATCH)."""
+        return abs(self.mismatch) < NO_MISMATCH
 
 
 def pair(young_wheel: float, poisson_wheel: float, young_rail: float, poisson_rail: float) -> Pair:

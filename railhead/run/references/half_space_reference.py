@@ -1,18 +1,42 @@
-"""Boundary elements on the real profiles beside the finite elements."""
+"""Half-spaces in normal contact beside the finite elements, by boundary elements.
+
+On the real profiles they are a second answer. The pressed patches, with their rigid slip at unit
+creepages and unit spin, are where tractions are found (`rolling_reference`).
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.contact import wheelset_kinematics
+from railhead.contact.solid import Contact
 from railhead.meshing.bodies import RAIL
 from railhead.planning.references import boundary_elements, rail_twist
 from railhead.planning.references.allowance import allowance
 from railhead.postprocess import compare
 from railhead.postprocess.patch import body_motion
+from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.run.mesh_solution import MeshSolution
+from railhead.theory.bem import boundary_element
 from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.bem.patch import Grid, PatchSolution
+from railhead.theory.elastic.contacts import Hertz
+from railhead.theory.elastic.hertz import Strip
+from railhead.theory.elastic.line import LineContact
+from railhead.theory.friction.rolling import plane_modes
 
-CELLS = 128
+Array = NDArray[np.float64]
+CELLS = 128  # of a patch each way
+LENGTH, WIDER = 1e4, 1.25  # of a strip over its half width; its grid over it, as tractions widen it
+TOLERANCE = 1e-8  # of the displacement of a strip
+PLANE = np.array([[0.0] * 3, [0.0] * 3, [0.0, 0.0, 1.0], [0.0] * 3])
+"""Angular velocity vectors of the modes of rigid slip on a plane, 1/mm."""
 
 
 def solve(solved: MeshSolution) -> Solution | str | None:
@@ -76,3 +100,113 @@ def motion(solved: MeshSolution) -> tuple[float, float]:
         turned, moved = body_motion.motion(fields, tag, found.patch.each, solved.solution.load)
         angle, aside = angle + sign * turned, aside - sign * moved
     return angle, aside - angle * found.patch.each[0].centre[2]
+
+
+@dataclass(frozen=True)
+class Patch:
+    """A pressed patch of half-spaces, or several close ones, and their modes of rigid slip.
+
+    pressed: the pressure on a grid.
+    modes: rigid slip along the rail and along its profile at the cells, (4, 2, nx, ns): of unit
+        creepage along, unit creepage across, unit spin, and the fixed mode.
+    angular: angular velocity vector of each mode, (4, 3), 1/mm, in axes in which the normals are
+        tilted by the patch's angles.
+    """
+
+    pressed: PatchSolution
+    modes: Array
+    angular: Array = field(default_factory=lambda: PLANE)
+
+    @property
+    def middle(self) -> Array:
+        """Modes of rigid slip averaged over the pressure, (4, 2): along the rail, along the
+        profile.
+        """
+        weights = self.pressed.pressure / self.pressed.pressure.sum()
+        return np.asarray((self.modes * weights).sum(axis=(2, 3)))
+
+    @property
+    def spin(self) -> Array:
+        """Angular velocity (4,) of each mode about the patch's own normal, 1/mm."""
+        plane = self.pressed.plane
+        return np.asarray(self.angular @ [0.0, -math.sin(plane), math.cos(plane)])
+
+    def parts(self) -> Iterator[Patch]:
+        """Connected patches, each by itself, but those with less than SMALLEST of the force."""
+        for part in self.pressed.separate():
+            if part.force > SMALLEST * self.pressed.force:
+                yield replace(self, pressed=part)
+
+
+def patches(
+    contact: Contact,
+    hertz: Hertz,
+    *,
+    hertzian: bool,
+    load: float,
+    cells: int,
+    profiles: Solution | str | None = None,
+) -> list[Patch]:
+    """Patches under a load (N, down) on grids of `cells` x `cells`, one for each window; that of a
+    line contact is a strip, see `_strip`.
+
+    hertz: exact Hertz for the contact.
+    hertzian: whether the patch is an ellipse; Hertz's gap is then used.
+    profiles: the solved half-space contact, or the reason why it failed; None: solve it here.
+    Raises ValueError where the patches are not known.
+    """
+    if isinstance(hertz, LineContact):
+        return _strip(hertz.strip, cells)
+    if contact.half_space or (hertzian and not contact.touch.orientation):
+        pressed = boundary_element.solve(
+            lambda x, s: (hertz.curvature_x * x**2 + hertz.curvature_y * s**2) / 2,
+            hertz.contact_modulus,
+            load=hertz.load,
+            cells=cells,
+            half_size=(2 * hertz.a, 2 * hertz.b),
+        )
+        return [Patch(pressed, _modes(contact, pressed))]
+    if isinstance(profiles, str):
+        raise ValueError(profiles)
+    known = None if profiles is None else profiles.coarse or profiles
+    if known is None or known.windows[0].x.size != cells:
+        known = boundary_elements.solve(contact, hertz, load, cells)
+    angular = wheelset_kinematics.rigid_slip(contact).angular
+    return [
+        Patch(each, _modes(contact, each), angular)
+        for each in known.windows
+        if each.force > SMALLEST * known.force
+    ]
+
+
+def _strip(contact: Strip, cells: int) -> list[Patch]:
+    """Patch of a line contact on a grid of `cells` cells along the rail by two across. Both are so
+    long that each is a strip.
+    """
+    length = LENGTH * contact.b
+    x = WIDER * contact.b * ((2 * np.arange(cells) + 1) / cells - 1)
+    s = length / 4 * np.array([-1.0, 1.0])
+    gap = contact.curvature / 2 * np.column_stack([x**2, x**2])
+    (pressed,) = boundary_element.equilibrium(
+        [Grid(x, s, np.zeros(2))],
+        [gap],
+        contact.contact_modulus,
+        contact.load_per_length * length,
+        None,
+        TOLERANCE,
+        None,
+    )
+    return [Patch(pressed, plane_modes(x, s))]
+
+
+def _modes(contact: Contact, window: PatchSolution) -> Array:
+    """Modes of rigid slip (4, 2, nx, ns) in a window; 0 beyond the profile."""
+    if contact.half_space:
+        return plane_modes(window.x, window.s)
+    x, s = (each.ravel() for each in np.meshgrid(window.x, window.s, indexing="ij"))
+    surface = boundary_elements.develop(contact)
+    slip = wheelset_kinematics.rigid_slip(contact)(surface.points(x, s))
+    slope = surface.angle(s)
+    across = np.cos(slope) * slip[..., 1] + np.sin(slope) * slip[..., 2]
+    modes = np.nan_to_num(np.stack([slip[..., 0], across], axis=1))
+    return modes.reshape(4, 2, *window.pressure.shape)

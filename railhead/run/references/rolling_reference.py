@@ -1,37 +1,42 @@
-"""Half-spaces with friction beside a solution: boundary elements, FASTSIM, closed forms."""
+"""Half-spaces with friction: boundary elements, FASTSIM, linear theory, closed forms.
+
+Boundary elements find the tractions on the pressed patches themselves. FASTSIM and the linear
+theory know ellipses alone: each connected patch rolls as the ellipse that has its second moments
+and its force.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from railhead.planning.references import closed_forms
 from railhead.run.mesh_solution import MeshSolution
-from railhead.run.references import equal_ellipses, rolling_patches
-from railhead.run.references.rolling_patches import Patch
+from railhead.run.references import half_space_reference
+from railhead.run.references.half_space_reference import Patch
+from railhead.solver.solution import FrictionSolution
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import LineContact
-from railhead.theory.friction import partial_slip, rolling
+from railhead.theory.friction import kalker, partial_slip
+from railhead.theory.friction.kalker import Coefficients
 from railhead.theory.friction.rolling import (
     Creepage,
     HalfSpaceFriction,
     TangentialSolution,
+    solve_dissimilar,
     solve_for_forces,
 )
 from railhead.theory.friction.tangential import Pair
 
-if TYPE_CHECKING:
-    from railhead.solver.solution import FrictionSolution
-
 Array = NDArray[np.float64]
 CELLS, STRIP_CELLS = (32, 64), (128, 256)  # of boundary elements, coarse and fine
 STRIP_KEYS = ("force_along_N", "stick_share", "traction_max_MPa", "t_gamma_N", "grid_error")
-LIKE = 1e-9  # |K/G| that is rounding
+SLENDER = 20.0  # largest axis ratio in the tables of the linear theory
 GROWING_PATCH = "unlike bodies slip while the patch grows, which is not followed there"
 STRIP_ACROSS = "a strip of unlike bodies across the rail"
 SEVERAL = "how several patches share a force depends on the compliance of the bodies"
@@ -40,6 +45,8 @@ Numbers = dict[str, float]
 """Keys of "friction" in summary.json with their values."""
 NumbersByMethod = dict[str, dict[str, Any]]
 """The same, or a "reason", by the name of a method."""
+Patches = Callable[[int], Sequence[Patch]]
+"""Maps a number n to the pressed patches on grids of n cells along each axis."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,10 +67,18 @@ class FrictionCase:
     rolling: bool
     half_space_shift: bool
 
-    @property
-    def like(self) -> bool:
-        """Whether both materials have no mismatch, so that tractions do not change the pressure."""
-        return abs(self.pair.mismatch) < LIKE
+
+class Rolled(NamedTuple):
+    """Result of FASTSIM on several ellipses.
+
+    forces: along, across (N) and moment (N mm), (3,), of the wheel on the rail.
+    stick_share: share of the area that sticks, 0 to 1.
+    t_gamma: energy dissipated per rolled length, N.
+    """
+
+    forces: Array
+    stick_share: float
+    t_gamma: float
 
 
 def half_space_friction(
@@ -75,8 +90,8 @@ def half_space_friction(
 
     profiles: half-space solution of the profiles, or the reason why it failed, or None.
     """
-    found = solved.solution.friction
-    if found is None or solved.findings is None:
+    found, findings = solved.solution.friction, solved.findings
+    if found is None or findings is None:
         return None
     scene, contact = solved.plan.scene, solved.plan.contact
     case = FrictionCase(
@@ -86,22 +101,40 @@ def half_space_friction(
         rolling=scene.rolling.prescribed,
         half_space_shift=contact.half_space and not solved.plan.section,
     )
-    if not (case.like or case.rolling):
+
+    def patches(cells: int) -> Sequence[Patch]:
+        """The patches on a grid of `cells` cells along each axis."""
+        return half_space_reference.patches(
+            contact,
+            solved.ellipse,
+            hertzian=findings.hertzian,
+            load=solved.solution.load,
+            cells=cells,
+            profiles=profiles,
+        )
+
+    if not (case.pair.like or case.rolling):
         return {"boundary elements": {"reason": GROWING_PATCH}}
     if isinstance(solved.ellipse, LineContact):
-        return _strip(case, solved.ellipse)
-    return _solid(case, solved, solved.ellipse, profiles)
+        return _strip(case, solved.ellipse, patches)
+    out: NumbersByMethod = {
+        "boundary elements": or_reason(lambda: solve_by_boundary_elements(case, patches, CELLS))
+    }
+    if case.pair.like and case.rolling:
+        name = "FASTSIM" if findings.hertzian else "FASTSIM (equal ellipses)"
+        out[name] = or_reason(lambda: fastsim_numbers(patches(CELLS[1]), found, case.pair))
+    elif case.pair.like and findings.hertzian:
+        out["Cattaneo, Mindlin"] = _mindlin(case, solved.ellipse)
+    return out
 
 
-def _strip(case: FrictionCase, line: LineContact) -> NumbersByMethod:
+def _strip(case: FrictionCase, line: LineContact, patches: Patches) -> NumbersByMethod:
     """Quantities by method for a line contact: Carter, Cattaneo or boundary elements."""
     found, strip = case.solution, line.strip
-    if not case.like and line.across:
-        return {"boundary elements": {"reason": STRIP_ACROSS}}
-    if not case.like:
-        numbers = solve_by_boundary_elements(
-            case, lambda cells: rolling_patches.strip(strip, cells), STRIP_CELLS
-        )
+    if not case.pair.like:
+        if line.across:
+            return {"boundary elements": {"reason": STRIP_ACROSS}}
+        numbers = solve_by_boundary_elements(case, patches, STRIP_CELLS)
         return {"boundary elements": {key: numbers[key] for key in STRIP_KEYS if key in numbers}}
     if not case.rolling:
         share = float(np.hypot(*found.force) / found.friction_limit)
@@ -114,50 +147,12 @@ def _strip(case: FrictionCase, line: LineContact) -> NumbersByMethod:
     return {"Carter": {"force_along_N": force, "stick_share": stick, "t_gamma_N": wear}}
 
 
-def _solid(
-    case: FrictionCase, solved: MeshSolution, ellipse: Ellipse, profiles: Solution | str | None
-) -> NumbersByMethod:
-    """Quantities by method for a point contact: boundary elements, and FASTSIM or Cattaneo and
-    Mindlin.
-    """
-    assert solved.findings is not None
-    hertzian, load = solved.findings.hertzian, solved.solution.load
-
-    def patches(cells: int) -> Sequence[Patch]:
-        """The patches on a grid of `cells` cells along each axis."""
-        return rolling_patches.patches(
-            solved.plan.contact,
-            ellipse,
-            hertzian=hertzian,
-            load=load,
-            cells=cells,
-            profiles=profiles,
-        )
-
-    out: NumbersByMethod = {
-        "boundary elements": _or_reason(lambda: solve_by_boundary_elements(case, patches, CELLS))
-    }
-    if case.like and case.rolling:
-        name = "FASTSIM" if hertzian else "FASTSIM (equal ellipses)"
-        out[name] = _or_reason(lambda: _fastsim(case, patches(CELLS[1])))
-    elif case.like and hertzian:
-        out["Cattaneo, Mindlin"] = _mindlin(case, ellipse)
-    return out
-
-
-def _or_reason(method: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+def or_reason(method: Callable[[], dict[str, Any]]) -> dict[str, Any]:
     """Result of a method, or {"reason": text} where it raises ValueError."""
     try:
         return method()
     except ValueError as error:
         return {"reason": str(error)}
-
-
-def _fastsim(case: FrictionCase, patches: Sequence[Patch]) -> dict[str, Any]:
-    """Forces, stick share and T-gamma by FASTSIM, by the keys of summary.json."""
-    found = case.solution
-    rolled = equal_ellipses.fastsim(patches, found.friction_limit, case.pair, found.rigid_motion)
-    return {**by_key(rolled.forces, rolled.stick_share), "t_gamma_N": rolled.t_gamma}
 
 
 def _mindlin(case: FrictionCase, ellipse: Ellipse) -> dict[str, Any]:
@@ -178,18 +173,17 @@ def _mindlin(case: FrictionCase, ellipse: Ellipse) -> dict[str, Any]:
 
 
 def solve_by_boundary_elements(
-    case: FrictionCase, patches: Callable[[int], Sequence[Patch]], cells: tuple[int, int]
+    case: FrictionCase, patches: Patches, cells: tuple[int, int]
 ) -> Numbers:
     """Friction quantities of half-spaces by boundary elements, by their names in summary.json.
 
-    patches: maps a number n to the pressed patches on grids of n cells along each axis. cells:
-        coarse and fine n. Bodies of the same material are solved on the fine grid alone. For others
-        both grids are solved and extrapolated; "grid_error" is the change from fine to
-        extrapolated, of forces over mu N, of a shift over its length.
+    cells: coarse and fine number along each axis. Bodies of the same material are solved on the
+        fine grid alone. For others both grids are solved and extrapolated; "grid_error" is the
+        change from fine to extrapolated, of forces over mu N, of a shift over its length.
     """
     coarse, fine = cells
     found = _on_grid(case, patches(fine))
-    if case.like:
+    if case.pair.like:
         return found
     other = _on_grid(case, patches(coarse))
     better = {name: 2 * value - other[name] for name, value in found.items()}
@@ -202,19 +196,6 @@ def solve_by_boundary_elements(
     return {**better, "grid_error": max(changes, default=0.0) / (size or 1.0)}
 
 
-def by_key(forces: Array, stick: float) -> Numbers:
-    """Forces along, across (N) and moment (N mm), (3,), and stick share by the keys of "friction"
-    in summary.json.
-    """
-    along, across, moment = forces
-    return {
-        "force_along_N": float(along),
-        "force_across_N": float(across),
-        "moment_Nmm": float(moment),
-        "stick_share": float(stick),
-    }
-
-
 def _on_grid(case: FrictionCase, patches: Sequence[Patch]) -> Numbers:
     """Quantities of friction by boundary elements on given patches, by the keys of summary.json.
     Raises ValueError for several patches under a shift.
@@ -224,31 +205,148 @@ def _on_grid(case: FrictionCase, patches: Sequence[Patch]) -> Numbers:
     found, limit = case.solution, case.coefficient * sum(each.pressed.force for each in patches)
     scale = found.friction_limit / limit  # the normal forces differ by what the finite bodies do
     along, across = (force / scale for force in found.force)
-
-    def shear(body: HalfSpaceFriction) -> TangentialSolution:
-        """Tractions of one patch at the creepage or under the forces of the solution."""
-        if case.rolling:
-            return body.solve(Creepage(*found.rigid_motion))
-        return solve_for_forces([body], Creepage(), along=along, across=across)[0]
-
-    sheared = [
-        rolling.solve_dissimilar(
-            each.pressed,
-            case.pair,
-            case.coefficient,
-            shear,
-            rolling=case.rolling,
-            modes=each.modes,
-        )
-        for each in patches
-    ]
+    sheared = shear(
+        patches,
+        case.pair,
+        case.coefficient,
+        Creepage(*found.rigid_motion) if case.rolling else Creepage(),
+        (None, None) if case.rolling else (along, across),
+        rolling=case.rolling,
+    )
     forces = scale * np.sum([each.forces for each in sheared], axis=0)
     sticks, touches = np.sum([each.areas for each in sheared], axis=0)
     largest = max(float(np.linalg.norm(each.traction, axis=0).max()) for each in sheared)
-    out = by_key(forces, sticks / touches) | {"traction_max_MPa": largest}
-    if case.rolling and case.like:
+    out = _by_key(forces, sticks / touches) | {"traction_max_MPa": largest}
+    if case.rolling and case.pair.like:
         out["t_gamma_N"] = scale * sum(each.t_gamma for each in sheared)
     elif case.half_space_shift:
         shift = sheared[0].creepage
         out |= {"shift_along_mm": scale * shift.along, "shift_across_mm": scale * shift.across}
     return out
+
+
+def _by_key(forces: Array, stick: float) -> Numbers:
+    """Forces along, across (N) and moment (N mm), (3,), and stick share by the keys of "friction"
+    in summary.json.
+    """
+    names = ("force_along_N", "force_across_N", "moment_Nmm", "stick_share")
+    return dict(zip(names, map(float, (*forces, stick)), strict=True))
+
+
+def shear(
+    patches: Sequence[Patch],
+    pair: Pair,
+    coefficient: float,
+    creepage: Creepage,
+    forces: tuple[float | None, float | None],
+    *,
+    rolling: bool,
+) -> list[TangentialSolution]:
+    """Tractions of pressed patches of half-spaces under one rigid motion, by boundary elements.
+
+    pair: materials. coefficient: of friction.
+    forces: prescribed force along and across of all patches, N; None where the creepage is
+        prescribed.
+    rolling: steady rolling; else one shift.
+    Raises ValueError where tractions are not found, and for forces on several patches of unlike
+    bodies.
+    """
+    along, across = forces
+
+    def solve(bodies: Sequence[HalfSpaceFriction]) -> list[TangentialSolution]:
+        """Tractions of some patches."""
+        return solve_for_forces(bodies, creepage, along=along, across=across)
+
+    if pair.like:
+        return solve(
+            [
+                HalfSpaceFriction(
+                    each.pressed.x,
+                    each.pressed.s,
+                    each.pressed.pressure,
+                    coefficient,
+                    pair,
+                    rolling=rolling,
+                    modes=each.modes,
+                )
+                for each in patches
+            ]
+        )
+    if len(patches) > 1 and forces != (None, None):
+        raise ValueError(SEVERAL)
+    return [
+        solve_dissimilar(
+            each.pressed,
+            pair,
+            coefficient,
+            lambda body: solve([body])[0],
+            rolling=rolling,
+            modes=each.modes,
+        )
+        for each in patches
+    ]
+
+
+def fastsim_numbers(
+    patches: Sequence[Patch], found: FrictionSolution, pair: Pair
+) -> dict[str, Any]:
+    """Forces, stick share and T-gamma by FASTSIM at the motion of a solution, by the keys of
+    summary.json. Raises ValueError for an ellipse too slender.
+    """
+    rolled = fastsim(patches, found.friction_limit, pair, found.rigid_motion)
+    return {**_by_key(rolled.forces, rolled.stick_share), "t_gamma_N": rolled.t_gamma}
+
+
+def fastsim(patches: Sequence[Patch], limit: float, pair: Pair, motion: Sequence[float]) -> Rolled:
+    """Forces of patches by FASTSIM on ellipses with equal second moments and forces.
+
+    limit: friction coefficient times normal force of all patches, N. pair: materials. motion:
+        creepage along, across and spin (1/mm). Raises ValueError for an ellipse too slender.
+    """
+    sticks, touches = 0.0, 0.0
+    total: Array = np.zeros(4)
+    whole = sum(each.pressed.force for each in patches)
+    for patch, a, b, linear, local in _ellipses(patches, pair, motion):
+        carried = limit * patch.pressed.force / whole
+        *forces, stick = kalker.fastsim(a, b, carried, pair.shear_modulus, linear, local)
+        total = total + _work(patch, forces)
+        sticks, touches = sticks + stick * a * b, touches + a * b
+    return Rolled(total[:3], sticks / touches, float(total @ [*motion, 1.0]))
+
+
+def linear(patches: Sequence[Patch], pair: Pair, motion: Sequence[float]) -> Array:
+    """Forces along, across (N) and moment (N mm), (3,), of patches by Kalker's linear theory on
+    ellipses with equal second moments and forces. Raises ValueError for an ellipse too slender.
+    """
+    return np.sum(
+        [
+            _work(patch, known.forces(a, b, pair.shear_modulus, local))[:3]
+            for patch, a, b, known, local in _ellipses(patches, pair, motion)
+        ],
+        axis=0,
+    )
+
+
+def _ellipses(
+    patches: Sequence[Patch], pair: Pair, motion: Sequence[float]
+) -> Iterator[tuple[Patch, float, float, Coefficients, Creepage]]:
+    """For each connected patch: the patch, its semi-axes a and b (mm), Kalker's coefficients, and
+    the creepage at its centre in its own tangent plane. Raises ValueError for an ellipse too
+    slender.
+    """
+    moved = np.array([*motion, 1.0])
+    for patch in (part for each in patches for part in each.parts()):
+        a, b = patch.pressed.semi_axes
+        if not 1 / SLENDER < a / b < SLENDER:
+            raise ValueError(f"the linear theory's tables end before an axis ratio of {a / b:.3g}")
+        along, across = moved @ patch.middle
+        local = Creepage(along, across, float(moved @ patch.spin))
+        yield patch, a, b, kalker.coefficients(a / b, pair.poisson), local
+
+
+def _work(patch: Patch, forces: Sequence[float]) -> Array:
+    """Work (4,) of a patch's forces along, across (N) and moment about its own normal (N mm) on
+    each mode of rigid slip.
+    """
+    along, across, moment = forces
+    return np.asarray(patch.middle @ [along, across] + moment * patch.spin)

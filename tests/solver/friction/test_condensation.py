@@ -5,7 +5,7 @@ import pytest
 from mpi4py import MPI
 
 from railhead.planning import plan as planning
-from railhead.run import build
+from railhead.run import mesh_solution
 from railhead.scene import catalogue
 from railhead.solver.contact_system import LoadCase
 from railhead.solver.friction.condensation import StaticCondensation
@@ -17,7 +17,9 @@ def test_movements_are_reciprocal(rigid: tuple[str, ...]) -> None:
     work on the movement by the first, and tractions work on their own movement."""
     keys = ("friction.coefficient=0.3", "friction.force_along=9900", "mesh.patch_size=0.5", *rigid)
     plan = planning.make(catalogue.find("long_roller").replace(list(keys)))
-    model = build.model(plan, build.generate(plan, plan.grading(), MPI.COMM_WORLD))
+    model = mesh_solution.assemble(
+        plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
+    )
     settings, response = model.setup.friction, model.response()
     assert settings is not None
     touching = plan.forecast.touching(model.setup.kinematics.lift(model.interface.points))
