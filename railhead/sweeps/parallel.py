@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -44,16 +43,17 @@ class ParallelSweep:
     folder: Path
     vtu: bool = False
 
-    @property
-    def files(self) -> set[Path]:
-        """Files that the scenes name."""
-        return {path for scene in self.grid.scenes for path in scene.files}
+    @cached_property
+    def files(self) -> dict[str, str]:
+        """Places in the folder of the files that the scenes name, by path."""
+        return places({path for scene in self.grid.scenes for path in scene.files})
 
     def values(self, number: int) -> dict[str, object]:
         """Values of the changing keys in scene `number` by dotted key, in base units; of files
         their places in the folder.
         """
-        return _values(self.grid.scenes[number], self.grid.keys)
+        values = self.grid.values(number).items()
+        return {key: self.files.get(str(value), value) for key, value in values}
 
     @property
     def request(self) -> dict[str, Any]:
@@ -61,12 +61,10 @@ class ParallelSweep:
         key) and "vtu". Files are named by their places in the folder, which hold the first digits
         of their SHA-256. Raises OSError where a file cannot be read.
         """
-        scenes, keys = self.grid.scenes, self.grid.keys
-        at = places(self.files)
-        over = {key: [each.value(key) for each in scenes] for key in keys}
+        rows = [self.values(number) for number in range(len(self.grid.scenes))]
+        over = {key: [row[key] for row in rows] for key in self.grid.keys}
         if not self.grid.listed:
             over = {key: list(dict.fromkeys(values)) for key, values in over.items()}
-        over = {key: [at.get(str(value), value) for value in over[key]] for key in keys}
         return {
             "railhead": version("railhead"),
             "scene": portable(self.grid.base),
@@ -84,14 +82,6 @@ class ParallelSweep:
         if len(self.grid.keys) == 1 and len(numbers) == count and np.isfinite(numbers).all():
             return numbers
         return [float(number) for number in range(count)]
-
-    def matches(self, number: int, record: Mapping[str, Any]) -> bool:
-        """Whether a record belongs to scene `number`. Raises LookupError, TypeError, ValueError or
-        AttributeError for data that is no record.
-        """
-        sweep_table.row({}, record)
-        values = json.loads(result_folder.to_json(self.values(number)))
-        return bool(record["over"] == values)
 
 
 @dataclass(frozen=True)
@@ -134,9 +124,9 @@ def run(
                     plans = runner.plan_all(sweep.grid, progress)
                 groups, y_label = runner.group_by_mesh(plans), shared_y(plans)
                 store.begin(sweep.folder, sweep.request, other)
-                copy_files(sweep.files, sweep.folder)
+                copy_files(map(Path, sweep.files), sweep.folder)
                 claim.enter_context(store.claimed(sweep.folder))
-                store.check(sweep.folder, sweep.matches)
+                store.check(sweep.folder, sweep.values)
             except (SceneError, OSError) as error:
                 problem = error
         if (problem := comm.bcast(problem)) is not None:
@@ -176,8 +166,8 @@ def _solve_all(
     for group, wanted in zip(groups, missing, strict=True):
         scenes = {number: sweep.grid.scenes[number] for number in group}
         for part in share(wanted, busy, workers):
-            job = submit(_solve, sweep.folder, sweep.grid.keys, scenes, part, sweep.vtu)
-            numbers_of[job] = part
+            over = {number: sweep.values(number) for number in part}
+            numbers_of[submit(_solve, sweep.folder, over, scenes, sweep.vtu)] = part
     faults: dict[int, str] = {}
     pending = set(numbers_of)
     while pending:
@@ -202,31 +192,27 @@ def share(numbers: Sequence[int], groups: int, workers: int) -> list[Sequence[in
 
 
 def _solve(
-    folder: Path,
-    keys: Collection[str],
-    group: Mapping[int, Scene],
-    wanted: Sequence[int],
-    vtu: bool,
+    folder: Path, over: Mapping[int, object], group: Mapping[int, Scene], vtu: bool
 ) -> dict[int, str]:
-    """Solve the scenes `wanted` of a group in this process, and write for each its .vtu files (with
-    `vtu`) and then its record.
+    """Solve scenes of a group in this process, and write for each its .vtu files (with `vtu`) and
+    then its record.
 
-    keys: dotted keys whose values change. Returns reasons by number for scenes without a record:
-        not enough free memory now.
+    over: of the scenes that are solved, values of the changing keys by number. Returns reasons by
+        number for scenes without a record: not enough free memory now.
     """
     faults: dict[int, str] = {}
     plans = {number: planning.make(scene) for number, scene in group.items()}
-    solved = runner.solve_group(plans, wanted, Progress(quiet=True), MPI.COMM_SELF)
+    solved = runner.solve_group(plans, over, Progress(quiet=True), MPI.COMM_SELF)
     for number, result in solved:
         if isinstance(result, budget.NoMemoryError):  # another time it may fit
             faults[number] = str(result)
             continue
         if vtu and not isinstance(result, Exception):
-            store.vtu_folder(folder, number).mkdir(parents=True, exist_ok=True)
-            files.write_grids(result.mesh_solution, store.vtu_folder(folder, number))
-            result_folder.stamp(store.vtu_folder(folder, number))
-        over = _values(group[number], keys)
-        store.write(folder, number, {"over": over, **sweep_table.record(result)})
+            grids = store.vtu_folder(folder, number)
+            grids.mkdir(parents=True, exist_ok=True)
+            files.write_grids(result.mesh_solution, grids)
+            result_folder.stamp(grids)
+        store.write(folder, number, {"over": over[number], **sweep_table.record(result)})
     process.release_memory()
     return faults
 
@@ -282,12 +268,6 @@ def _write(
     with result_folder.attempt(failures, folder, folder):
         result_folder.stamp(folder)
     return outcome
-
-
-def _values(scene: Scene, keys: Iterable[str]) -> dict[str, object]:
-    """Values of a scene by dotted key, in base units; of files their places in a result folder."""
-    at = places(scene.files)
-    return {key: at.get(str(value), value) for key in keys for value in [scene.value(key)]}
 
 
 def _write_table(sweep: ParallelSweep, rows: dict[int, Row]) -> None:

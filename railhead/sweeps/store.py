@@ -9,13 +9,14 @@ import fcntl
 import json
 import os
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Literal
 
 from railhead.results import result_folder
 from railhead.scene.catalogue import INPUT
 from railhead.scene.scene import SceneError
+from railhead.sweeps import sweep_table
 
 REQUEST, RECORDS, VTU, TABLE = "sweep.json", "records", "vtu", "sweep.csv"
 PICTURES = ("sweep.png", "patches.png")
@@ -116,20 +117,19 @@ def read(folder: Path, number: int) -> dict[str, Any]:
     return _load(_record(folder, number))
 
 
-def check(folder: Path, matches: Callable[[int, dict[str, Any]], bool]) -> None:
+def check(folder: Path, values: Callable[[int], Mapping[str, object]]) -> None:
     """Raise SceneError for the first record that cannot be read or does not belong to its scene.
     Records that were being written when a sweep was killed are removed.
 
-    matches: function of number and record; returns whether they belong together, raises
-        LookupError, TypeError, ValueError or AttributeError for data that is no record.
+    values: returns the values of the changing keys in a scene by dotted key, of its number.
     """
     for part in (folder / RECORDS).glob(".*"):
         part.unlink()
     for number in done(folder):
-        try:
-            good = matches(number, read(folder, number))
-        except (LookupError, TypeError, ValueError, AttributeError):
-            good = False
+        record, good = read(folder, number), False
+        with suppress(LookupError, TypeError, ValueError, AttributeError):
+            sweep_table.row({}, record)
+            good = record["over"] == json.loads(result_folder.to_json(dict(values(number))))
         if not good:
             raise _broken(_record(folder, number))
 

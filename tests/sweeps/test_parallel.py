@@ -201,8 +201,8 @@ def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypa
 
     @contextmanager
     def one_process(ranks: int) -> Iterator[worker_pool.Submit]:
-        def submit(work, folder, keys, group, wanted, vtu) -> Future:
-            asked.append(list(wanted))
+        def submit(work, folder, over, group, vtu) -> Future:
+            asked.append(list(over))
             future: Future = Future()
             first = next(iter(group))
             if first != 1:
@@ -230,12 +230,12 @@ def test_what_has_no_memory_now_is_tried_again_by_resume(tmp_path: Path, monkeyp
     """It has a row that says why, and no record."""
     scene = rh.find("sphere_on_plane")
     (tmp_path / "records").mkdir()
-    monkeypatch.setattr("railhead.run.refinement.machine.free_memory", lambda: 0)
-    short = parallel._solve(tmp_path, [], {7: scene}, [7], False)
+    monkeypatch.setattr("railhead.run.refinement.cost.free_memory", lambda: 0)
+    short = parallel._solve(tmp_path, {7: {}}, {7: scene}, False)
     assert list(short) == [7] and "GB free" in short[7]
     assert store.done(tmp_path) == set()
     monkeypatch.undo()
-    assert parallel._solve(tmp_path, [], {7: scene}, [7], False) == {}
+    assert parallel._solve(tmp_path, {7: {}}, {7: scene}, False) == {}
     assert store.done(tmp_path) == {7}
 
 
