@@ -54,7 +54,7 @@ class ExaminedProfile:
 
     def write(self, folder: Path) -> None:
         """Write summary.json, profile.csv (the smoothed profile) and profile.png into a folder."""
-        from railhead.postprocess.plots import profile_plots
+        from railhead.postprocess.pictures.plots import profile_plots
 
         profile = self.measured.profile
         start, end = profile.domain

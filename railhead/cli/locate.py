@@ -92,7 +92,7 @@ class Location:
         """Write summary.json and pictures into a folder: both wheels on their rails, and contacts
         and rolling radius difference over lateral shifts.
         """
-        from railhead.postprocess.plots import profile_plots
+        from railhead.postprocess.pictures.plots import profile_plots
 
         scene = self.scene
         wheel, rail = Path(scene.wheel.profile).name, Path(scene.rail.profile).name

@@ -21,7 +21,7 @@ from railhead.theory.elastic.line import LineContact
 if TYPE_CHECKING:
     import meshio
 
-    from railhead.postprocess.views.gallery import Drawing
+    from railhead.postprocess.pictures.views.gallery import Drawing
 
     Grids = tuple[meshio.Mesh, meshio.Mesh]
 
@@ -105,7 +105,7 @@ def write_grids(solved: Solved, folder: Path, *, whole: bool = False) -> Array |
 
 def _diagrams(solved: HalfSpaceSolution, found: Findings) -> dict[str, Drawing]:
     """Pictures of a solution by half-spaces, by file name. found: with the title and the notes."""
-    from railhead.postprocess.plots import diagrams, friction_plots
+    from railhead.postprocess.pictures.plots import diagrams, friction_plots
 
     exact = solved.ellipse if len(found.patch.each) < 2 else None
     if isinstance(exact, LineContact):
@@ -130,8 +130,8 @@ def _drawings(
     """
     from railhead.postprocess import vtu
     from railhead.postprocess.patch.moments import coordinate
-    from railhead.postprocess.plots import friction_plots, plastic_plots
-    from railhead.postprocess.views import gallery
+    from railhead.postprocess.pictures.plots import friction_plots, plastic_plots
+    from railhead.postprocess.pictures.views import gallery
 
     fields, plan = solved.fields, solved.plan
     assert fields is not None

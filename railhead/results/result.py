@@ -301,13 +301,13 @@ class Plots:
 
     def pressure(self) -> list[Axes]:
         """Pressure along and across the rail, with exact Hertz."""
-        from railhead.postprocess.plots import diagrams
+        from railhead.postprocess.pictures.plots import diagrams
 
         return diagrams.pressure(self._findings, self._hertz).axes
 
     def depth(self) -> list[Axes]:
         """Principal stresses and largest shear stress below the contact."""
-        from railhead.postprocess.plots import diagrams
+        from railhead.postprocess.pictures.plots import diagrams
 
         poisson = self.result.plan.reported_body.poisson_ratio
         return diagrams.depth(self._findings, self._hertz, poisson).axes

@@ -9,7 +9,8 @@ from typing import Any
 
 from railhead.planning import effects
 from railhead.planning.effects import material
-from railhead.postprocess import compare, friction
+from railhead.postprocess import friction
+from railhead.postprocess.patch import compare
 from railhead.results import checks
 from railhead.results.checks import second_method, solution
 from railhead.results.result_folder import origin

@@ -21,8 +21,9 @@ from railhead.planning.effects import assumptions, interface, shape
 from railhead.planning.plan import Plan
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.planning.references.allowance import added_stress
-from railhead.postprocess import compare, friction, half_space
+from railhead.postprocess import friction
 from railhead.postprocess.findings import Findings
+from railhead.postprocess.patch import compare, half_space
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
 from railhead.run.quantities import numeric_values

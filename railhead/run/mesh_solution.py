@@ -23,8 +23,9 @@ from railhead.planning.error_envelopes import Family
 from railhead.planning.forecast import Forecast, Zone, touches_nearby
 from railhead.planning.plan import Plan
 from railhead.planning.references import closed_forms
-from railhead.postprocess import compare, friction
+from railhead.postprocess import friction
 from railhead.postprocess.findings import Findings, Frame
+from railhead.postprocess.patch import compare
 from railhead.postprocess.patch.separate_patches import separate_patches
 from railhead.run.progress import Progress
 from railhead.theory.elastic.contacts import Hertz

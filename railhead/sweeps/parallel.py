@@ -232,7 +232,7 @@ def _write(
         without a record. y_label: label of y in the pictures.
     """
     from railhead.postprocess import vtu
-    from railhead.postprocess.plots import sweep as plots
+    from railhead.postprocess.pictures.plots import sweep as plots
 
     grid, folder, failures = sweep.grid, sweep.folder, list[str]()
     done = store.done(folder)

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from railhead.planning import plan as planning
-from railhead.postprocess.plots.diagrams import new_figure
+from railhead.postprocess.pictures.plots.diagrams import new_figure
 from railhead.results import pipeline
 from railhead.run.progress import Progress
 from railhead.run.quantities import numeric_values

@@ -27,7 +27,7 @@ from railhead.meshing.mesh import MeshError
 from railhead.planning import plan as planning
 from railhead.planning.references import boundary_elements
 from railhead.planning.references.allowance import allowance
-from railhead.postprocess import compare
+from railhead.postprocess.patch import compare
 from railhead.results import pipeline
 from railhead.results.checks.solution import ESTIMATE_FACTOR
 from railhead.results.summary import summarise

@@ -17,9 +17,10 @@ from railhead.meshing.sizing import Grading
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
 from railhead.planning.references import closed_forms
-from railhead.postprocess import compare, read
+from railhead.postprocess import read
 from railhead.postprocess.findings import Array, Frame
-from railhead.postprocess.plots.diagrams import FE, HERTZ, new_figure
+from railhead.postprocess.patch import compare
+from railhead.postprocess.pictures.plots.diagrams import FE, HERTZ, new_figure
 from railhead.run import mesh_solution
 from railhead.run.progress import Progress
 from railhead.scene import catalogue

@@ -21,7 +21,7 @@ from railhead.postprocess.findings import (
     Patch,
     Surface,
 )
-from railhead.postprocess.plots.diagrams import closed_ellipse
+from railhead.postprocess.pictures.plots.diagrams import closed_ellipse
 from railhead.solver import compat
 from railhead.solver.fields import ContactFields, Fields
 from railhead.theory.elastic.halfspace import hertz_displacement

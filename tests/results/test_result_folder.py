@@ -11,7 +11,7 @@ from PIL import Image
 from solved import solved
 
 import railhead as rh
-from railhead.postprocess.plots import diagrams
+from railhead.postprocess.pictures.plots import diagrams
 from railhead.results import result_folder
 from railhead.scene.scene import SceneError
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
-from railhead.postprocess.plots import sweep as plots
+from railhead.postprocess.pictures.plots import sweep as plots
 from railhead.sweeps import store, sweep_table
 
 

@@ -15,7 +15,7 @@ from solved import friction, passed, solved
 import railhead as rh
 from railhead.planning import plan as planning
 from railhead.postprocess.friction import quantities
-from railhead.postprocess.views import gallery
+from railhead.postprocess.pictures.views import gallery
 from railhead.run import mesh_solution, model_setup
 from railhead.scene.scene import SceneError
 from railhead.solver.contact import ContactModel

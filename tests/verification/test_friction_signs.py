@@ -9,7 +9,7 @@ from friction_data import ENTRIES
 from solved import friction, solved
 
 import railhead as rh
-from railhead.postprocess.views import gallery
+from railhead.postprocess.pictures.views import gallery
 from railhead.results import quantity_rows
 from railhead.results.report import terminal
 from railhead.sweeps import sweep_table

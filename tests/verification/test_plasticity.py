@@ -19,7 +19,7 @@ from railhead.meshing.bodies import RAIL
 from railhead.planning import plan as planning
 from railhead.planning.context import Effect
 from railhead.planning.effects import EFFECTS
-from railhead.postprocess.views import gallery
+from railhead.postprocess.pictures.views import gallery
 from railhead.run import mesh_solution, quantities
 from railhead.solver.algebra import linear
 from railhead.solver.contact import ContactModel

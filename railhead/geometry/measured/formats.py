@@ -307,7 +307,7 @@ def _columns(
         text = f"names several columns across or up, or fewer than the {count} of the points; "
         raise FormatError(name, at, text + "give a header that names one y and one z")
     columns = across[0], up[0]
-    units = {}
+    units: dict[str, None] = {}
     for column in columns:
         text = cells[column]
         if len(below) == len(cells):  # names, then units

@@ -266,7 +266,7 @@ def _views(
     if found is None or grids is None or solved.fields is None:
         return [], "", "nothing touches"
     try:
-        from railhead.postprocess.views import turning
+        from railhead.postprocess.pictures.views import turning
 
         views = [
             {**vars(view), "scene": _encoded(view.scene), "still": _picture(view.still)}

@@ -19,8 +19,7 @@ from railhead.contact.solid import Contact
 from railhead.meshing.bodies import RAIL
 from railhead.planning.references import boundary_elements, rail_twist
 from railhead.planning.references.allowance import allowance
-from railhead.postprocess import compare
-from railhead.postprocess.patch import body_motion
+from railhead.postprocess.patch import body_motion, compare
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.run.mesh_solution import MeshSolution
 from railhead.theory.bem import boundary_element

@@ -13,7 +13,7 @@ from solved import solved
 from railhead.planning import effects
 from railhead.planning import plan as planning
 from railhead.planning.effects import assumptions, interface
-from railhead.postprocess.views import gallery
+from railhead.postprocess.pictures.views import gallery
 from railhead.results import pipeline
 from railhead.results.report import terminal
 from railhead.scene import catalogue

@@ -11,7 +11,7 @@ from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
 from railhead.contact import solid as geometry
 from railhead.contact.solid import Contact
 from railhead.planning.references import boundary_elements, closed_forms
-from railhead.postprocess import compare
+from railhead.postprocess.patch import compare
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.references.half_space_reference import half_space, solve
 from railhead.scene import catalogue

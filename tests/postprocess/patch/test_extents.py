@@ -15,8 +15,8 @@ from railhead.postprocess import vtu
 from railhead.postprocess.findings import Frame, Subject
 from railhead.postprocess.patch import patch
 from railhead.postprocess.patch.separate_patches import separate_patches
-from railhead.postprocess.plots import diagrams
-from railhead.postprocess.views import render
+from railhead.postprocess.pictures.plots import diagrams
+from railhead.postprocess.pictures.views import render
 
 
 def lopsided(case: Any) -> Any:

@@ -16,7 +16,7 @@ from matplotlib.image import imread
 from PIL import Image
 
 from railhead import api
-from railhead.postprocess.views import gallery, turning
+from railhead.postprocess.pictures.views import gallery, turning
 from railhead.results import quantity_rows, result_folder
 from railhead.results.report import html
 from railhead.results.report.output_units import Units

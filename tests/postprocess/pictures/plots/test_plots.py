@@ -13,7 +13,7 @@ from matplotlib.image import imread
 
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import OnePatch
-from railhead.postprocess.plots import diagrams
+from railhead.postprocess.pictures.plots import diagrams
 
 
 def image(path: Path) -> Any:

@@ -11,7 +11,7 @@ from railhead.meshing.bodies import BODY_NAMES, other
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.patch.moments import coordinate
-from railhead.postprocess.plots.diagrams import FE, HERTZ, exact_line, loaded, new_figure
+from railhead.postprocess.pictures.plots.diagrams import FE, HERTZ, exact_line, loaded, new_figure
 from railhead.postprocess.stress.gauss_points import stress_at_gauss_points
 from railhead.solver.fields import Fields
 from railhead.theory.elastic.contacts import Hertz

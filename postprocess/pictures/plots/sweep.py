@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railhead.postprocess.findings import Array
-from railhead.postprocess.plots.diagrams import FE, HERTZ, new_figure
+from railhead.postprocess.pictures.plots.diagrams import FE, HERTZ, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

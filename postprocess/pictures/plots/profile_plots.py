@@ -14,7 +14,7 @@ from railhead.geometry.measured.profile import Measured, inner
 from railhead.geometry.measured.standards import LaidStandard
 from railhead.geometry.placement import ContactPoint, Pair, Placed, Side
 from railhead.postprocess.findings import Array
-from railhead.postprocess.plots.diagrams import minus, new_figure
+from railhead.postprocess.pictures.plots.diagrams import minus, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from railhead.postprocess import compare
 from railhead.postprocess.findings import (
     Array,
     AxisPressure,
@@ -24,6 +23,7 @@ from railhead.postprocess.findings import (
     Surface,
 )
 from railhead.postprocess.friction import unread_peak
+from railhead.postprocess.patch import compare
 from railhead.theory.bem import grid_stress
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.bem.patch import PatchSolution

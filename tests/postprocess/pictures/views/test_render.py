@@ -16,8 +16,8 @@ from matplotlib.image import imread
 
 from railhead.postprocess import vtu
 from railhead.postprocess.findings import Findings, Frame
-from railhead.postprocess.views import render, turning
-from railhead.postprocess.views.camera import Camera, load_pyvista
+from railhead.postprocess.pictures.views import render, turning
+from railhead.postprocess.pictures.views.camera import Camera, load_pyvista
 from railhead.solver.fields import Fields
 from railhead.solver.space.kinematics import Kinematics
 

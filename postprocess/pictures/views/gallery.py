@@ -9,8 +9,8 @@ from pathlib import Path
 import meshio
 
 from railhead.postprocess.findings import Findings
-from railhead.postprocess.plots import diagrams
-from railhead.postprocess.views import render, section
+from railhead.postprocess.pictures.plots import diagrams
+from railhead.postprocess.pictures.views import render, section
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.line import LineContact
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.patch.moments import coordinate
-from railhead.postprocess.views.camera import Camera, load_pyvista
-from railhead.postprocess.views.render import (
+from railhead.postprocess.pictures.views.camera import Camera, load_pyvista
+from railhead.postprocess.pictures.views.render import (
     EDGE,
     FREE_SURFACE,
     SHADE,

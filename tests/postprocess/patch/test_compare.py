@@ -2,7 +2,7 @@
 
 import pytest
 
-from railhead.postprocess import compare
+from railhead.postprocess.patch import compare
 
 
 def test_a_difference_is_relative_and_none_where_there_is_nothing_to_divide_by() -> None:

@@ -16,9 +16,9 @@ from scipy.spatial import cKDTree
 
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import Array, Findings, Frame, Patch
-from railhead.postprocess.plots.diagrams import FE, closed_ellipse, new_figure
-from railhead.postprocess.views.camera import Camera, load_pyvista
-from railhead.postprocess.views.fringes import draw_fringes
+from railhead.postprocess.pictures.plots.diagrams import FE, closed_ellipse, new_figure
+from railhead.postprocess.pictures.views.camera import Camera, load_pyvista
+from railhead.postprocess.pictures.views.fringes import draw_fringes
 from railhead.theory.elastic.hertz import Ellipse
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ import numpy as np
 
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import Findings
-from railhead.postprocess.plots.diagrams import new_figure
-from railhead.postprocess.views.fringes import draw_fringes
-from railhead.postprocess.views.render import COLOURS, CONTACT, EDGE, bodies_of, outer
+from railhead.postprocess.pictures.plots.diagrams import new_figure
+from railhead.postprocess.pictures.views.fringes import draw_fringes
+from railhead.postprocess.pictures.views.render import COLOURS, CONTACT, EDGE, bodies_of, outer
 
 
 def bodies(grid: meshio.Mesh, axis: int, findings: Findings, path: Path) -> None:

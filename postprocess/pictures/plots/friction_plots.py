@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Findings
-from railhead.postprocess.plots.diagrams import FE, GREY, HERTZ, new_figure, rounded
+from railhead.postprocess.pictures.plots.diagrams import FE, GREY, HERTZ, new_figure, rounded
 from railhead.solver.solution import FrictionSolution
 from railhead.theory.friction import shakedown
 

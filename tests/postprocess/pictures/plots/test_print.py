@@ -15,8 +15,8 @@ from matplotlib.text import Text
 
 from railhead.postprocess import vtu
 from railhead.postprocess.findings import AxisPressure, OnePatch, Subject
-from railhead.postprocess.plots import diagrams, friction_plots, plastic_plots, sweep
-from railhead.postprocess.views import fringes, render
+from railhead.postprocess.pictures.plots import diagrams, friction_plots, plastic_plots, sweep
+from railhead.postprocess.pictures.views import fringes, render
 from railhead.solver.fields import ContactFields, MasterSurface
 
 TITLE = "a case of many words: 110.3 kN, wheel R 420 mm, tread cone20, on rail 54E1, half-spaces"

@@ -9,7 +9,7 @@ import numpy as np
 
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import Array, Findings
-from railhead.postprocess.plots.diagrams import BANDS, mark_largest, new_figure
+from railhead.postprocess.pictures.plots.diagrams import BANDS, mark_largest, new_figure
 
 LABELS = (r"smallest principal stress $\sigma_3$, MPa", r"largest shear stress $\tau$, MPa")
 LONG = 66  # letters of a label: two longer ones do not fit beside each other

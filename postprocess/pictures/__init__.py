@@ -1,0 +1,1 @@
+"""Pictures of one result: diagrams (plots/) and views in space (views/)."""
