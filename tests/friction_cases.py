@@ -3,7 +3,7 @@
 import numpy as np
 
 from railhead.planning.references import closed_forms
-from railhead.run.references.rolling_reference import FrictionCase
+from railhead.run.half_spaces.tangential_contact import FrictionCase
 from railhead.scene.scene import Scene
 from railhead.solver.solution import FrictionSolution
 

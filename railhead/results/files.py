@@ -14,7 +14,7 @@ from railhead.results import quantity_rows, result_folder
 from railhead.results.report.output_units import Units
 from railhead.results.result_folder import result
 from railhead.results.subject import subject
-from railhead.run.half_spaces import HalfSpaceSolution, Solved
+from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.theory.elastic.line import LineContact
 

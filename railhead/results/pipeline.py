@@ -9,7 +9,7 @@ from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
 from railhead.results.result import Result
 from railhead.results.summary import summarise, summarise_half_spaces
-from railhead.run import half_spaces
+from railhead.run.half_spaces import answer
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
 from railhead.run.refinement import Ending, refine, unplanned_yield
@@ -31,7 +31,7 @@ def solve(plan: Plan, progress: Progress, comm: MPI.Intracomm = MPI.COMM_WORLD) 
     fit into the memory, MeshError where gmsh fails.
     """
     if plan.by_half_spaces:
-        solved = half_spaces.solve(plan, progress)
+        solved = answer.solve(plan, progress)
         return Result(solved, summarise_half_spaces(solved))
     levels, ending = refine(plan, progress, comm)
     if why := unplanned_yield(levels[-1], comm):

@@ -13,7 +13,7 @@ from mpi4py import MPI
 from railhead.results.report import terminal
 from railhead.results.report.output_units import Units
 from railhead.run import quantities
-from railhead.run.half_spaces import Solved
+from railhead.run.half_spaces.answer import Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene.scene import SceneError
 

@@ -15,9 +15,9 @@ from railhead.results import checks
 from railhead.results.checks import second_method, solution
 from railhead.results.result_folder import origin
 from railhead.run import estimates
-from railhead.run.half_spaces import HalfSpaceSolution, Solved
+from railhead.run.half_spaces import normal_contact, tangential_contact
+from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
 from railhead.run.mesh_solution import MeshSolution
-from railhead.run.references import half_space_reference, rolling_reference
 from railhead.run.refinement import Ending
 from railhead.scene.catalogue import portable
 from railhead.theory.elastic.hertz import Ellipse
@@ -37,9 +37,9 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
     reached = None
     if plan.scene.accuracy is not None and solved.result is not None:
         reached = bool(estimates.largest_error(known, solved) <= plan.scene.accuracy)
-    half_spaces = half_space_reference.solve(solved)
-    profiles = half_space_reference.half_space(solved, half_spaces)
-    rubbed = rolling_reference.half_space_friction(solved, half_spaces)
+    half_spaces = normal_contact.solve(solved)
+    profiles = normal_contact.half_space(solved, half_spaces)
+    rubbed = tangential_contact.half_space_friction(solved, half_spaces)
     second = {**exact_quantities(solved), "allowance": {}} if plan.contact.half_space else profiles
     second, beside = second or NO_SECTION, rubbed
     other = effects.overruled(plan.effects)
@@ -219,7 +219,7 @@ def _trace(solved: MeshSolution) -> dict[str, Any]:
     """Resolution, element size (mm), unknowns, seconds and result of one mesh."""
     return {
         "elements_per_semi_axis": solved.resolution,
-        "patch_size_mm": solved.grading.size,
+        "patch_size_mm": solved.plan.grading().size,
         "unknowns": solved.unknowns,
         "seconds": sum(solved.seconds.values()),
         "result": solved.result,

@@ -95,11 +95,6 @@ class MeshSolution:
         return closed_forms.hertz_contact(plan.scene, plan.contact, self.solution.load or None)
 
     @property
-    def grading(self) -> Grading:
-        """Sizes of the elements around the patch."""
-        return self.plan.grading()
-
-    @property
     def load(self) -> float:
         """Load on the wheel, N."""
         return self.solution.load
@@ -122,7 +117,7 @@ class MeshSolution:
     @property
     def resolution(self) -> float:
         """Elements per smaller semi-axis of the patch that the mesh was made for."""
-        return self.grading.resolution
+        return self.plan.grading().resolution
 
     @property
     def family(self) -> Family | None:

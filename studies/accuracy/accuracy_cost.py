@@ -123,7 +123,7 @@ def cubic_meshes(
         progress.stage(f"{scene.name}: nitsche, {CUBIC[1]}, b/{n:g}")
         solved = tables.solved(plan.at_resolution(n))
         newton = solved.solution.newton
-        yield _run(scene, *CUBIC, None, n, solved.grading.size, solved.unknowns) | {
+        yield _run(scene, *CUBIC, None, n, solved.plan.grading().size, solved.unknowns) | {
             "seconds": sum(solved.seconds.values()),
             "seconds_solve": solved.seconds["solve"],
             **tables.counts(newton),

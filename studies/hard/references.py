@@ -31,10 +31,10 @@ from railhead.postprocess.patch import compare
 from railhead.results import pipeline
 from railhead.results.checks.solution import ESTIMATE_FACTOR
 from railhead.results.summary import summarise
+from railhead.run.half_spaces.normal_contact import CELLS, twist_change
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.run.quantities import numeric_values
-from railhead.run.references.half_space_reference import CELLS, twist_change
 from railhead.run.refinement import Ending
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic import indentation

@@ -16,7 +16,7 @@ from railhead.planning.plan import Plan
 from railhead.planning.references import closed_forms
 from railhead.run import mesh_solution
 from railhead.run import solid_friction as friction
-from railhead.run.references import half_space_reference, rolling_reference
+from railhead.run.half_spaces import normal_contact, tangential_contact
 from railhead.scene import catalogue
 from railhead.solver.contact_system import LoadCase
 from railhead.solver.fields import gather
@@ -151,19 +151,19 @@ def _others(plan: Plan, curve: Curve) -> Iterator[Point]:
     assert isinstance(ellipse, Ellipse) and scene.load is not None
     pair = closed_forms.tangential_pair(scene)
     hertzian = plan.forecast.hertzian
-    patches = half_space_reference.patches(
+    patches = normal_contact.patches(
         plan.contact, ellipse, hertzian=hertzian, load=scene.load, cells=CELLS
     )
     limit = COEFFICIENT * sum(each.pressed.force for each in patches)
     for motion in curve.motions:
         given = motion.along, motion.across, motion.spin
-        sheared = rolling_reference.shear(
+        sheared = tangential_contact.shear(
             patches, pair, COEFFICIENT, motion, (None, None), rolling=True
         )
         exactly = np.sum([each.forces for each in sheared], axis=0)
         sticks, touches = np.sum([each.areas for each in sheared], axis=0)
-        quick, stick, _ = rolling_reference.fastsim(patches, limit, pair, given)
-        straight = rolling_reference.linear(patches, pair, given)
+        quick, stick, _ = tangential_contact.fastsim(patches, limit, pair, given)
+        straight = tangential_contact.linear(patches, pair, given)
         for by, forces, sticking in (
             ("boundary elements", exactly, float(sticks / touches)),
             ("FASTSIM", quick, stick),

@@ -14,8 +14,8 @@ from railhead.contact.solid import Contact, place
 from railhead.planning import plan as planning
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.run import model_setup
-from railhead.run.references import half_space_reference
-from railhead.run.references.rolling_reference import solve_by_boundary_elements
+from railhead.run.half_spaces import normal_contact
+from railhead.run.half_spaces.tangential_contact import solve_by_boundary_elements
 from railhead.scene.scene import SceneError
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.bem.patch import PatchSolution
@@ -170,7 +170,7 @@ def test_patches_and_a_flange_roll_as_half_spaces_do(shift: float, patches: int)
     plan = loaded(shift)
     known = boundary_elements.solve(plan.contact, plan.estimate, 80e3, 32)
     rolled = independent(plan.contact, known, 460.0)
-    pressed = half_space_reference.patches(
+    pressed = normal_contact.patches(
         plan.contact, plan.estimate, hertzian=False, load=80e3, cells=32, profiles=known
     )
     assert len(pressed) == patches

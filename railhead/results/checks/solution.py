@@ -16,9 +16,9 @@ from railhead.planning import effects
 from railhead.planning.error_envelopes import RANGE
 from railhead.planning.sizing import LINEAR_REFINEMENT
 from railhead.run.estimates import Estimate
-from railhead.run.half_spaces import HalfSpaceSolution, Solved
+from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
+from railhead.run.half_spaces.normal_contact import CELLS
 from railhead.run.mesh_solution import MeshSolution
-from railhead.run.references.half_space_reference import CELLS
 from railhead.scene import steels
 
 DEFAULT_TOLERANCE = 0.05  # relative: of a number without an estimate

@@ -22,7 +22,7 @@ from railhead.results.quantity_rows import Row
 from railhead.results.report import terminal
 from railhead.results.report.output_units import Units
 from railhead.run import quantities
-from railhead.run.half_spaces import HalfSpaceSolution, Solved
+from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
 from railhead.scene.scene import Scene
 from railhead.scene.scene import unit as scene_unit
 from railhead.scene.sections import Section

@@ -12,8 +12,8 @@ from railhead.contact import solid as geometry
 from railhead.contact.solid import Contact
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.postprocess.patch import compare
+from railhead.run.half_spaces.normal_contact import half_space, solve
 from railhead.run.mesh_solution import MeshSolution
-from railhead.run.references.half_space_reference import half_space, solve
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from railhead.theory.bem.boundary_element import Solution

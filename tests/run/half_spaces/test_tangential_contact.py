@@ -15,9 +15,9 @@ from railhead.planning.references import boundary_elements, closed_forms
 from railhead.results import checks
 from railhead.results.checks import second_method, solution
 from railhead.results.report import terminal
-from railhead.run.references import half_space_reference, rolling_reference
-from railhead.run.references.half_space_reference import Patch
-from railhead.run.references.rolling_reference import (
+from railhead.run.half_spaces import normal_contact, tangential_contact
+from railhead.run.half_spaces.normal_contact import Patch
+from railhead.run.half_spaces.tangential_contact import (
     SEVERAL,
     FrictionCase,
     solve_by_boundary_elements,
@@ -36,7 +36,7 @@ def shifted_or_rolled(plan: planning.Plan, *, rolling: bool, **given: tuple) -> 
 
 
 def hertz(plan: planning.Plan, cells: int) -> list[Patch]:
-    return half_space_reference.patches(
+    return normal_contact.patches(
         plan.contact, plan.estimate, hertzian=True, load=25e3, cells=cells
     )
 
@@ -53,9 +53,7 @@ def two() -> planning.Plan:
 
 @pytest.fixture(scope="module")
 def patches(two: planning.Plan) -> list[Patch]:
-    return half_space_reference.patches(
-        two.contact, two.estimate, hertzian=False, load=1e4, cells=32
-    )
+    return normal_contact.patches(two.contact, two.estimate, hertzian=False, load=1e4, cells=32)
 
 
 def test_boundary_elements_shift_as_mindlin() -> None:
@@ -82,9 +80,7 @@ def test_what_sticks_in_any_patch_is_the_patch_of_the_force_that_is_left() -> No
     scene = rh.find("s1002_60e1").replace(effects={"plasticity": "off"})
     plan = planning.make(scene)
     whole, half = (
-        half_space_reference.patches(
-            plan.contact, plan.estimate, hertzian=False, load=load, cells=48
-        )
+        normal_contact.patches(plan.contact, plan.estimate, hertzian=False, load=load, cells=48)
         for load in (1e4, 5e3)
     )
     limit = MU * whole[0].pressed.force
@@ -151,9 +147,9 @@ def test_the_ellipse_of_an_ellipse_is_itself() -> None:
     linear = kalker.coefficients(exactly.a / exactly.b, pair.poisson)
     known = linear.forces(exactly.a, exactly.b, pair.shear_modulus, Creepage(*motion))
     patch = hertz(plan, 64)
-    np.testing.assert_allclose(rolling_reference.linear(patch, pair, motion), known, rtol=5e-3)
+    np.testing.assert_allclose(tangential_contact.linear(patch, pair, motion), known, rtol=5e-3)
     followed = fastsim(exactly.a, exactly.b, 7500.0, pair.shear_modulus, linear, Creepage(*motion))
-    forces, stick, wear = rolling_reference.fastsim(patch, 7500.0, pair, motion)
+    forces, stick, wear = tangential_contact.fastsim(patch, 7500.0, pair, motion)
     np.testing.assert_allclose([*forces, stick], followed, rtol=5e-3)
     assert wear == pytest.approx(forces @ motion)
 
@@ -165,7 +161,7 @@ def test_two_patches_roll_as_their_ellipses_nearly_do(
     for motion in ((1e-4, 0.0, 0.0), (1e-3, 5e-4, 1e-4), (0.0, -3e-3, 0.0)):
         given = friction_case(two.scene, limit, motion)
         answer = solve_by_boundary_elements(given, lambda cells: patches, (16, 32))
-        rolled = rolling_reference.fastsim(patches, limit, given.pair, motion)
+        rolled = tangential_contact.fastsim(patches, limit, given.pair, motion)
         for name, other in zip(("force_along_N", "force_across_N"), rolled.forces, strict=False):
             assert answer[name] == pytest.approx(other, abs=0.05 * limit)
     with pytest.raises(ValueError, match=SEVERAL[:20]):
@@ -179,10 +175,10 @@ def test_each_patch_dissipates_what_it_would_alone(
     pair, motion = closed_forms.tangential_pair(two.scene), (1e-3, 5e-4, 1e-4)
     normal = [each.pressed.force for each in patches]
     alone = [
-        rolling_reference.fastsim([each], MU * force, pair, motion)
+        tangential_contact.fastsim([each], MU * force, pair, motion)
         for each, force in zip(patches, normal, strict=True)
     ]
-    rolled = rolling_reference.fastsim(patches, MU * sum(normal), pair, motion)
+    rolled = tangential_contact.fastsim(patches, MU * sum(normal), pair, motion)
     assert rolled.t_gamma == pytest.approx(sum(each.t_gamma for each in alone), rel=1e-9)
     assert rolled.t_gamma != pytest.approx(rolled.forces @ motion, rel=0.1)
     given = friction_case(two.scene, MU * sum(normal), motion)

@@ -1,7 +1,7 @@
 """Half-spaces in normal contact beside the finite elements, by boundary elements.
 
 On the real profiles they are a second answer. The pressed patches, with their rigid slip at unit
-creepages and unit spin, are where tractions are found (`rolling_reference`).
+creepages and unit spin, are where tractions are found (`tangential_contact`).
 """
 
 from __future__ import annotations

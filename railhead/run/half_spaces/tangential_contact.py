@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.planning.references import closed_forms
+from railhead.run.half_spaces import normal_contact
+from railhead.run.half_spaces.normal_contact import Patch
 from railhead.run.mesh_solution import MeshSolution
-from railhead.run.references import half_space_reference
-from railhead.run.references.half_space_reference import Patch
 from railhead.solver.solution import FrictionSolution
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.elastic.hertz import Ellipse
@@ -104,7 +104,7 @@ def half_space_friction(
 
     def patches(cells: int) -> Sequence[Patch]:
         """The patches on a grid of `cells` cells along each axis."""
-        return half_space_reference.patches(
+        return normal_contact.patches(
             contact,
             solved.ellipse,
             hertzian=findings.hertzian,

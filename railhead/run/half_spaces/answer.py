@@ -24,11 +24,11 @@ from railhead.planning.references.allowance import added_stress
 from railhead.postprocess import friction
 from railhead.postprocess.findings import Findings
 from railhead.postprocess.patch import compare, half_space
+from railhead.run.half_spaces import normal_contact, tangential_contact
+from railhead.run.half_spaces.normal_contact import CELLS, Patch
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
 from railhead.run.quantities import numeric_values
-from railhead.run.references import half_space_reference, rolling_reference
-from railhead.run.references.half_space_reference import CELLS, Patch
 from railhead.solver.solution import FrictionSolution
 from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.elastic.contacts import Hertz
@@ -248,8 +248,8 @@ def _with_friction(plain: HalfSpaceSolution, profiles: Solution | None) -> HalfS
     other = {}
     if rolls and not (plan.contact.line or unlike):
         pair = closed_forms.tangential_pair(scene)
-        other["FASTSIM (equal ellipses)"] = rolling_reference.or_reason(
-            lambda: rolling_reference.fastsim_numbers(patches, solution, pair)
+        other["FASTSIM (equal ellipses)"] = tangential_contact.or_reason(
+            lambda: tangential_contact.fastsim_numbers(patches, solution, pair)
         )
     return replace(
         plain,
@@ -272,16 +272,16 @@ def _tractions(
     """
     scene, contact, shares = plan.scene, plan.contact, []
     table = scene.rolling if scene.rolling.prescribed else scene.friction
-    every = rolling_reference.STRIP_CELLS if contact.line else rolling_reference.CELLS
+    every = tangential_contact.STRIP_CELLS if contact.line else tangential_contact.CELLS
     for cells in every:
-        patches = half_space_reference.patches(
+        patches = normal_contact.patches(
             contact, plan.estimate, hertzian=False, load=load, cells=cells, profiles=profiles
         )
         along, across = (
             None if force is None else force * _longer(patches, load)
             for force in (table.force_along, table.force_across)
         )
-        sheared = rolling_reference.shear(
+        sheared = tangential_contact.shear(
             patches,
             closed_forms.tangential_pair(scene),
             scene.friction.coefficient,
