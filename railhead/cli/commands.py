@@ -25,8 +25,7 @@ from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError, unit_questions
 
 if TYPE_CHECKING:
-    from railhead.cli.examine_profile import ExaminedProfile
-    from railhead.cli.locate import Location
+    from railhead.cli.geometry import ExaminedProfile, Location
     from railhead.sweeps.grid import ParameterGrid
 
 SOLVED, CHECK_FAILED, WRONG_INPUT = 0, 1, 2  # exit statuses
@@ -77,6 +76,10 @@ def _with_options(command: Callable[..., Any], options: Iterable[Callable[[Any],
     return functools.reduce(lambda inner, option: option(inner), reversed([*options]), command)
 
 
+_takes_report = functools.partial(_with_options, options=_report_options)
+"""Adds the options that `_report` takes: --out, --force, --no-pictures, --json."""
+
+
 def _takes_scene(command: Callable[..., Any]) -> Any:
     """The command with the argument CASE and the options --set, --with, --without and --fast, which
     it gets as one argument `scene`. Raises SceneError for a wrong case, key, value or effect.
@@ -104,11 +107,6 @@ def _takes_scene(command: Callable[..., Any]) -> Any:
         return command(*arguments, scene=scene, **values)
 
     return _with_options(call, _scene_options)
-
-
-def _takes_report(command: Callable[..., Any]) -> Any:
-    """The command with the options that `_report` takes: --out, --force, --no-pictures, --json."""
-    return _with_options(command, _report_options)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -245,8 +243,7 @@ def run(
     quiet = quiet or as_json
     with refinement.show_progress(quiet=quiet, since=start) as progress:
         result = pipeline.solve(planned, progress)
-    first, problem = result.comm.rank == 0, None
-    with refinement.show_progress(quiet=quiet, since=start) as progress:
+        first, problem = result.comm.rank == 0, None
         progress.stage("writing files" + ("" if no_pictures else " and pictures"))
         try:
             if first and out is None:
@@ -357,7 +354,7 @@ def locate(
     given = [f"{key}={value}" for key, value in positions.items() if value is not None]
     scene = catalogue.find(case).replace([*assignments, *given])
 
-    from railhead.cli.locate import locate
+    from railhead.cli.geometry import locate
 
     _report(locate(scene), scene.name, "locate", **options)
 
@@ -369,7 +366,7 @@ def locate(
 @_takes_report
 def profile(file: Path, body: str | None, assignments: Sequence[str], **options: Any) -> None:
     """Read and smooth a measured profile, and say what is worn off it; solve nothing."""
-    from railhead.cli.examine_profile import examine
+    from railhead.cli.geometry import examine
 
     _report(examine(file, body, assignments), file.stem, "profile", **options)
 
@@ -445,13 +442,13 @@ def _status(arguments: Sequence[str] | None) -> int:
     try:
         code = railhead.main(words, prog_name="railhead", standalone_mode=False, obj=words)
         return int(code or SOLVED)
-    except SceneError as error:
-        return _refuse(str(error))
     except click.exceptions.NoArgsIsHelpError as error:
         click.echo(error.format_message())
         return WRONG_INPUT
-    except click.ClickException as error:
-        return _refuse(error.format_message())
+    except (SceneError, click.ClickException) as error:
+        text = error.format_message() if isinstance(error, click.ClickException) else str(error)
+        _say(" ".join(text.split()))
+        return WRONG_INPUT
     except OSError as error:
         return _not_written(error)
     except Exception as error:
@@ -468,12 +465,6 @@ def _say(text: str) -> None:
     mpi = sys.modules.get("mpi4py.MPI")
     if (mpi.COMM_WORLD.rank if mpi else process.rank()) == 0:
         click.echo(f"railhead: {text}", err=True)
-
-
-def _refuse(text: str) -> int:
-    """Print an error of the input in one line; returns exit status 2."""
-    _say(" ".join(text.split()))
-    return WRONG_INPUT
 
 
 def _not_written(error: OSError) -> int:

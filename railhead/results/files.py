@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     import meshio
 
     from railhead.postprocess.pictures.views.gallery import Drawing
+    from railhead.solver.fields import Fields
 
     Grids = tuple[meshio.Mesh, meshio.Mesh]
 
@@ -55,12 +56,9 @@ def write(
             stresses = write_grids(solved, work, whole=whole)
         if pictures and found is not None:
             with attempt("*.png"):
-                drawings: dict[str, Drawing] = {}
-                if isinstance(solved, HalfSpaceSolution):
-                    drawings = _diagrams(solved, found)
-                elif stresses is not None:
-                    grids, drawings = _drawings(solved, summary["result"], found, stresses)
-                for name, draw in drawings.items():
+                if stresses is not None and solved.fields is not None:
+                    grids = _grids(solved.fields, found, stresses)
+                for name, draw in _drawings(solved, summary["result"], found, grids).items():
                     with attempt(name):
                         draw(work / name)
         if report is not None:
@@ -103,57 +101,61 @@ def write_grids(solved: Solved, folder: Path, *, whole: bool = False) -> Array |
     return stresses
 
 
-def _diagrams(solved: HalfSpaceSolution, found: Findings) -> dict[str, Drawing]:
-    """Pictures of a solution by half-spaces, by file name. found: with the title and the notes."""
-    from railhead.postprocess.pictures.plots import diagrams, friction_plots
+def _grids(fields: Fields, found: Findings, stresses: Array) -> Grids:
+    """Grids of the cells, mirrored to the whole model, and of the slave's contact surface. found:
+    with the whole contact surface. stresses (n, 6): at the nodes, MPa.
+    """
+    from railhead.postprocess import vtu
 
-    exact = solved.ellipse if len(found.patch.each) < 2 else None
-    if isinstance(exact, LineContact):
-        every: dict[str, Drawing] = {"pressure.png": partial(diagrams.pressure, found, exact)}
-    else:
-        every = {"patch.png": partial(diagrams.patch, found, exact)}
-    if solved.friction is not None:
-        coefficient = solved.plan.scene.friction.coefficient
-        every["friction.png"] = partial(
-            friction_plots.draw_tractions, solved.friction, found, coefficient, planes=()
-        )
-    return every
+    surface = vtu.contact_grid({fields.slave: found.surface})
+    return symmetry.grid(vtu.volume_grid(fields, stresses), fields.mirrors), surface
 
 
 def _drawings(
-    solved: MeshSolution, numbers: Mapping[str, Any], found: Findings, stresses: Array
-) -> tuple[Grids, dict[str, Drawing]]:
-    """Grids of the cells and of the slave's contact surface, and the pictures by file name.
+    solved: Solved, numbers: Mapping[str, Any], found: Findings, grids: Grids | None
+) -> dict[str, Drawing]:
+    """Pictures by file name.
 
-    numbers: "result" of summary.json. found: with the title and the notes of pictures. stresses (n,
-        6): at the nodes, MPa.
+    numbers: "result" of summary.json. found: with the title and the notes of pictures. grids: of
+        the cells and of the slave's contact surface; None where there are none, which leaves only
+        pictures of half-spaces.
     """
-    from railhead.postprocess import vtu
-    from railhead.postprocess.patch.moments import coordinate
-    from railhead.postprocess.pictures.plots import friction_plots, plastic_plots
-    from railhead.postprocess.pictures.views import gallery
+    from railhead.postprocess.pictures.plots import diagrams, friction_plots
 
-    fields, plan = solved.fields, solved.plan
-    assert fields is not None
-    poisson = plan.reported_body.poisson_ratio
-    surface = vtu.contact_grid({fields.slave: found.surface})
-    grids = symmetry.grid(vtu.volume_grid(fields, stresses), fields.mirrors), surface
-    axis = coordinate(fields) if fields.kinematics.dim == 2 else None
-    every = gallery.drawings(grids, axis, found, solved.ellipse, poisson)
-    residual, elastic = solved.unloaded_fields, solved.elastic_reference
-    if residual is not None and elastic is not None and elastic.findings:
-        exact = solved.ellipse if len(found.patch.each) < 2 else None
-        every["plastic.png"] = partial(
-            plastic_plots.draw, fields, residual, found, elastic.findings, exact
-        )
-    if (rubbing := solved.solution.friction) is not None:
-        coefficient, friction = plan.scene.friction.coefficient, numbers["friction"]
-        every["friction.png"] = partial(
-            friction_plots.draw_tractions, rubbing, found, coefficient, planes=fields.mirrors
-        )
-        if "p0_over_k" in friction:
-            title = found.subject.title
-            every["shakedown.png"] = partial(
-                friction_plots.draw_shakedown, friction, poisson, title=title
+    exact = solved.ellipse if len(found.patch.each) < 2 else None
+    planes: Sequence[tuple[float, float, float]] = ()
+    if isinstance(solved, HalfSpaceSolution):
+        friction, every = solved.friction, dict[str, Drawing]()
+        if isinstance(exact, LineContact):
+            every["pressure.png"] = partial(diagrams.pressure, found, exact)
+        else:
+            every["patch.png"] = partial(diagrams.patch, found, exact)
+    elif grids is None or solved.fields is None:
+        return {}
+    else:
+        from railhead.postprocess.patch.moments import coordinate
+        from railhead.postprocess.pictures.plots import plastic_plots
+        from railhead.postprocess.pictures.views import gallery
+
+        fields, friction = solved.fields, solved.solution.friction
+        planes, poisson = fields.mirrors, solved.plan.reported_body.poisson_ratio
+        axis = coordinate(fields) if fields.kinematics.dim == 2 else None
+        every = gallery.drawings(grids, axis, found, solved.ellipse, poisson)
+        residual, elastic = solved.unloaded_fields, solved.elastic_reference
+        if residual is not None and elastic is not None and elastic.findings:
+            every["plastic.png"] = partial(
+                plastic_plots.draw, fields, residual, found, elastic.findings, exact
             )
-    return grids, every
+        if "p0_over_k" in numbers.get("friction", {}):
+            every["shakedown.png"] = partial(
+                friction_plots.draw_shakedown,
+                numbers["friction"],
+                poisson,
+                title=found.subject.title,
+            )
+    if friction is not None:
+        coefficient = solved.plan.scene.friction.coefficient
+        every["friction.png"] = partial(
+            friction_plots.draw_tractions, friction, found, coefficient, planes=planes
+        )
+    return every

@@ -1,9 +1,14 @@
-"""Where both wheels of a wheelset touch their rails, for one position and over lateral shifts."""
+"""The commands that look at geometry alone.
+
+`railhead locate`: where both wheels of a wheelset touch their rails, and over lateral shifts.
+`railhead profile`: how a measured profile was read and smoothed, and what is worn off it.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,17 +17,20 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from railhead.contact import solid as geometry
+from railhead.contact import solid
 from railhead.geometry import placement
-from railhead.geometry.measured import profile as measured
+from railhead.geometry.measured import BODY_BY_EXTENSION, standards
+from railhead.geometry.measured.profile import Measured, smoothness
+from railhead.geometry.measured.standards import LaidStandard
 from railhead.geometry.placement import ContactPoint, Pair, Placed, PlacementError, Track
 from railhead.results import result_folder
+from railhead.results.report import terminal
 from railhead.scene.catalogue import portable
 from railhead.scene.scene import Scene, SceneError
 
 CLEARANCE = 0.05  # mm, largest gap of a contact, of the size of elastic approaches
-SHIFTS = np.linspace(-10.0, 10.0, 81)  # mm
-
+SHIFTS = np.linspace(-10.0, 10.0, 81)  # mm, of the pictures
+ROW_STEP = 0.25  # mm between the rows of profile.csv
 
 CONTACT_ROWS = (
     ("rail: y from the crown centre", "mm", "rail_y_mm"),
@@ -68,25 +76,11 @@ class Location:
             "right": [_contact(touch, crest) for touch in placed.right.touches],
             "left": [_contact(touch, crest) for touch in placed.left.touches],
             "measured": {
-                key: measured.smoothness(profile)
+                key: smoothness(profile)
                 for key, profile in (("rail", self.pair.rail), ("wheel", self.pair.wheel))
-                if key in geometry.measured_bodies(self.scene)
+                if key in solid.measured_bodies(self.scene)
             },
         }
-
-    def placed_at(self, shifts: Sequence[float]) -> list[tuple[float, Placed]]:
-        """Pairs (shift, position) of the same wheelset at other lateral shifts (mm). Shifts at
-        which a wheel misses its rail are left out.
-        """
-        scene, positions = self.scene, []
-        track = Track(scene.wheelset.back_to_back, scene.rail.gauge)
-        for shift in shifts:
-            try:
-                placed = placement.place(self.pair, track, shift, scene.wheelset.yaw, CLEARANCE)
-            except PlacementError:
-                continue
-            positions.append((float(shift), placed))
-        return positions
 
     def write(self, folder: Path) -> None:
         """Write summary.json and pictures into a folder: both wheels on their rails, and contacts
@@ -94,13 +88,16 @@ class Location:
         """
         from railhead.postprocess.pictures.plots import profile_plots
 
-        scene = self.scene
+        scene, swept = self.scene, []
+        track = Track(scene.wheelset.back_to_back, scene.rail.gauge)
+        for shift in SHIFTS.tolist():
+            with suppress(PlacementError):  # a wheel misses its rail
+                placed = placement.place(self.pair, track, shift, scene.wheelset.yaw, CLEARANCE)
+                swept.append((shift, placed))
         wheel, rail = Path(scene.wheel.profile).name, Path(scene.rail.profile).name
-        profiles = f"wheels {wheel} on rails {rail}"
-        pair = f"{scene.name}: wheelset with {profiles}"
-        at = f"shifted by {scene.wheelset.shift:g} mm to the right"
+        pair = f"{scene.name}: wheelset with wheels {wheel} on rails {rail}"
         yaw = f", yaw {1e3 * scene.wheelset.yaw:g} mrad"
-        title, swept = f"{pair}, {at}{yaw}", self.placed_at(list(SHIFTS))
+        title = f"{pair}, shifted by {scene.wheelset.shift:g} mm to the right{yaw}"
         with result_folder.result(folder, "locate", scene, self.summary()) as (work, attempt):
             with attempt("profiles.png"):
                 profile_plots.profiles(self.pair, self.placed, work / "profiles.png", title)
@@ -136,10 +133,9 @@ class Location:
             highlight=False,
         )
         for key, smooth in summary["measured"].items():
-            low, middle, high = (f"{1 / k:.4g}" if k else "inf" for k in smooth["curvatures"])
             console.print(
-                f"{key} profile, smoothed: radius {low}, {middle}, {high} mm at 5, 50, 95 % of the "
-                f"curvature; {smooth['waves']} changes between convex and concave",
+                f"{key} profile, smoothed: radius {_radii(smooth['curvatures'])}; "
+                f"{smooth['waves']} changes between convex and concave",
                 highlight=False,
             )
 
@@ -152,7 +148,7 @@ def locate(scene: Scene) -> Location:
         raise SceneError(
             "rail.extent", "half-space has no profiles to locate; give head or section"
         )
-    return Location(scene, *geometry.place(scene, CLEARANCE))
+    return Location(scene, *solid.place(scene, CLEARANCE))
 
 
 def _contact(touch: ContactPoint, crest: float) -> dict[str, float | bool]:
@@ -176,3 +172,99 @@ def _contact(touch: ContactPoint, crest: float) -> dict[str, float | bool]:
         "orientation_rad": touch.orientation,
         "at_edge": touch.at_edge,
     }
+
+
+@dataclass(frozen=True)
+class ExaminedProfile:
+    """A measured profile and its wear.
+
+    scene: a scene with the profile.
+    measured: the smoothed profile, and how its file was read.
+    worn: the standard profile aligned with the measured one, and the material lost against that.
+    """
+
+    scene: Scene
+    measured: Measured
+    worn: LaidStandard
+
+    def summary(self) -> dict[str, Any]:
+        """Content of summary.json: lengths in mm, areas in mm2, curvatures in 1/mm."""
+        found, worn = self.measured, self.worn
+        low, middle, high = smoothness(found.profile)["curvatures"]
+        return {
+            "body": found.body,
+            **found.summary(),
+            "domain_mm": list(found.profile.domain),
+            "curvatures_per_mm": {"5%": low, "50%": middle, "95%": high},
+            "standard": worn.name,
+            "wear": {
+                "largest_mm": worn.largest_loss,
+                "largest_y_mm": float(worn.y[worn.worst]),
+                "area_mm2": worn.lost_area,
+            },
+        }
+
+    def write(self, folder: Path) -> None:
+        """Write summary.json, profile.csv (the smoothed profile) and profile.png into a folder."""
+        from railhead.postprocess.pictures.plots import profile_plots
+
+        profile = self.measured.profile
+        start, end = profile.domain
+        y = np.linspace(start, end, math.ceil((end - start) / ROW_STEP) + 1)
+        columns = {
+            "y_mm": y,
+            "z_mm": profile.height(y),
+            "slope": profile.slope(y),
+            "curvature_per_mm": profile.curvature(y),
+        }
+        rows = [
+            {name: f"{values[index]:.9g}" for name, values in columns.items()}
+            for index in range(len(y))
+        ]
+        with result_folder.result(folder, "profile", self.scene, self.summary()) as (work, attempt):
+            (work / "profile.csv").write_bytes(result_folder.encoded(rows))
+            with attempt("profile.png"):
+                profile_plots.draw_profile(self.measured, self.worn, work / "profile.png")
+
+    def show(self, console: Console) -> None:
+        """Print reading and smoothing of the file, radii of curvature and wear."""
+        summary, worn = self.summary(), self.worn
+        lines = [
+            *terminal.profile_lines({self.measured.body: summary}),
+            f"radius     {_radii(summary['curvatures_per_mm'].values())}",
+            f"wear       against {worn.name}: at most {worn.largest_loss:.3g} mm at y = "
+            f"{worn.y[worn.worst]:.1f} mm, {worn.lost_area:.3g} mm2 of the section",
+        ]
+        for line in lines:
+            terminal.labelled(console, line)
+
+
+def examine(path: Path, body: str | None, assignments: Sequence[str]) -> ExaminedProfile:
+    """Read and smooth the profile of a file and compare it with a standard profile.
+
+    body: "rail" or "wheel"; None takes the body of the extension or of the first assignment, else
+        the first of both whose standard profiles fit.
+    assignments: keys of that body as in a scene, e.g. "rail.profile_unit=inch".
+    Raises SceneError for a profile that cannot be read.
+    """
+    names = (assignment.partition(".")[0] for assignment in assignments)
+    of_key = next((name for name in names if name in ("rail", "wheel")), None)
+    kind = body or BODY_BY_EXTENSION.get(path.suffix.lower()) or of_key
+    problems = []
+    for each in (kind,) if kind else ("rail", "wheel"):
+        try:
+            data = {"load": 1.0, each: {"profile": str(path)}}
+            scene = Scene.from_mapping(data).replace(assignments)
+            found = solid.from_file(scene, each)
+            worn = standards.nearest(found.resampled(standards.STEP), each)
+            return ExaminedProfile(scene, found, worn)
+        except SceneError as error:
+            problems.append(error)
+    first, text = problems[0], "(as a rail; no wheel either: --body says whose it is)"
+    raise first if kind else SceneError(first.key, f"{first.text} {text}")
+
+
+def _radii(curvatures: Iterable[float]) -> str:
+    """Radii as text for the curvatures (1/mm) below which 5, 50 and 95 % of a profile lie."""
+    radii = (f"{1 / value:.4g}" if value else "inf" for value in curvatures)
+    return f"{', '.join(radii)} mm at 5, 50, 95 % of the curvature"
