@@ -20,18 +20,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from railhead.planning.effects import material
 from railhead.planning.error_envelopes import STEP, Family, drop_beside_maximum
-from railhead.postprocess.findings import RIVAL
+from railhead.postprocess.findings import RIVAL, Findings
 from railhead.postprocess.friction import MOTION
+from railhead.run.mesh_solution import MeshSolution
 from railhead.run.quantities import QUANTITIES, SCATTER, numeric_values
 from railhead.theory.elastic.subsurface import max_shear
-
-if TYPE_CHECKING:
-    from railhead.postprocess.findings import Findings
-    from railhead.run.mesh_solution import MeshSolution
 
 # Error over the change between two meshes a step apart; first order leaves 1/(STEP - 1) = 1.67.
 SCATTER_FACTOR = 2.0

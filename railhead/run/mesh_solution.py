@@ -222,12 +222,14 @@ def _solve_unread(
     """
     from railhead.solver.fields import gather
 
-    def misplaced(fields: Fields) -> bool:
-        """Whether the patch lies where the mesh is not fine."""
-        return not last and _remesh_for_found_patch(plan, fields) is not None
-
     progress.stage(f"solving {model.unknowns} unknowns")
-    solution = solve(plan, model, progress.newton, stage=progress.stage, misplaced=misplaced)
+    solution = solve(
+        plan,
+        model,
+        progress.newton,
+        stage=progress.stage,
+        misplaced=lambda fields: not last and _remesh_for_found_patch(plan, fields) is not None,
+    )
     clock.lap("solve")
     fields = gather(model, solution)
     better = comm.bcast(None if fields is None else _remesh_for_found_patch(plan, fields))
@@ -348,7 +350,7 @@ def solve(
     if not model.setup.load_control:
         return at(0.0, target)
     load, power = plan.estimate.load, 1.5
-    tried: list[tuple[float, float]] = []
+    before: tuple[float, float] | None = None
     for _ in range(MAX_APPROACH_SOLVES):
         solution = at(load)
         found = solution.approach
@@ -357,10 +359,9 @@ def solve(
             or abs(found / target - 1) < APPROACH_TOLERANCE
         ):
             break
-        tried.append((math.log(load), math.log(found)))
-        if len(tried) > 1:
-            (load_0, found_0), (load_1, found_1) = tried[-2:]
-            power = (load_1 - load_0) / (found_1 - found_0)
+        if before is not None:
+            power = math.log(load / before[0]) / math.log(found / before[1])
+        before = load, found
         load *= (target / found) ** power
     return solution
 

@@ -9,11 +9,9 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
@@ -34,7 +32,6 @@ from railhead.theory.bem.boundary_element import Solution
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.friction.rolling import TangentialSolution
 
-Array = NDArray[np.float64]
 TURNS, BALANCE = 12, 1e-6  # between pressing and shearing; of the load
 CURVED = 0.3  # relative error of stresses over half width times curvature of a body: 0.26 measured
 FORCES = "force_along_N", "force_across_N"
@@ -214,8 +211,9 @@ def _with_friction(plain: HalfSpaceSolution, profiles: Solution | None) -> HalfS
     plan, scene = plain.plan, plain.plan.scene
     assert plain.findings is not None and plain.result is not None
     found, result = plain.findings, plain.result
-    patches, sheared, grid_error = _tractions(plan, profiles, result["load_N"])
-    solution = _at_cells(plan, patches, sheared, result["load_N"])
+    patches, sheared, longer, grid_error = _tractions(plan, profiles, result["load_N"])
+    points = normal_contact.surface(plan.contact)
+    solution = _at_cells(plan, patches, sheared, points, 1 / longer)
     rolls, unlike = scene.rolling.prescribed, interface.unlike(scene)
     tractions = friction.quantities(
         solution,
@@ -228,7 +226,7 @@ def _with_friction(plain: HalfSpaceSolution, profiles: Solution | None) -> HalfS
     found = half_space.with_tractions(
         found,
         [each.pressed for each in patches],
-        partial(_surface, plan),
+        points,
         plan.poisson_ratios,
         [each.traction for each in sheared],
         solution,
@@ -249,7 +247,9 @@ def _with_friction(plain: HalfSpaceSolution, profiles: Solution | None) -> HalfS
     if rolls and not (plan.contact.line or unlike):
         pair = closed_forms.tangential_pair(scene)
         other["FASTSIM (equal ellipses)"] = tangential_contact.or_reason(
-            lambda: tangential_contact.fastsim_numbers(patches, solution, pair)
+            lambda: tangential_contact.fastsim(
+                patches, solution.friction_limit, pair, solution.rigid_motion
+            )
         )
     return replace(
         plain,
@@ -266,9 +266,10 @@ def _with_friction(plain: HalfSpaceSolution, profiles: Solution | None) -> HalfS
 
 def _tractions(
     plan: Plan, profiles: Solution | None, load: float
-) -> tuple[Sequence[Patch], Sequence[TangentialSolution], float]:
+) -> tuple[Sequence[Patch], Sequence[TangentialSolution], float, float]:
     """Pressed patches under a vertical load (N), their tractions at the creepages or forces of a
-    plan, and the change of the forces from a grid of half as many cells each way, over mu N.
+    plan, their load over that of the contact, and the change of the forces from a grid of half as
+    many cells each way, over mu N.
     """
     scene, contact, shares = plan.scene, plan.contact, []
     table = scene.rolling if scene.rolling.prescribed else scene.friction
@@ -277,8 +278,10 @@ def _tractions(
         patches = normal_contact.patches(
             contact, plan.estimate, hertzian=False, load=load, cells=cells, profiles=profiles
         )
+        # The strip of a line contact is longer than the contact, and its forces are as much larger.
+        longer = sum(each.pressed.load for each in patches) / load
         along, across = (
-            None if force is None else force * _longer(patches, load)
+            None if force is None else longer * force
             for force in (table.force_along, table.force_across)
         )
         sheared = tangential_contact.shear(
@@ -291,38 +294,28 @@ def _tractions(
         )
         forces = np.sum([each.forces for each in sheared], axis=0)
         shares.append(forces[:2] / sum(each.limit for each in sheared))
-    return patches, sheared, float(np.abs(shares[1] - shares[0]).max())
-
-
-def _longer(patches: Sequence[Patch], load: float) -> float:
-    """Load of patches over that of the contact: the strip of a line contact is longer than the
-    contact, and its forces are as much larger.
-    """
-    return sum(each.pressed.load for each in patches) / load
+    return patches, sheared, longer, float(np.abs(shares[1] - shares[0]).max())
 
 
 def _at_cells(
-    plan: Plan, patches: Sequence[Patch], sheared: Sequence[TangentialSolution], load: float
+    plan: Plan,
+    patches: Sequence[Patch],
+    sheared: Sequence[TangentialSolution],
+    points: half_space.Points,
+    share: float,
 ) -> FrictionSolution:
-    """Tractions at the cells that touch, in the form of those of finite elements, of a contact
-    under a vertical load (N).
+    """Tractions at the cells that touch, in the form of those of finite elements. points: maps x, s
+    (n,) to points (n, 3) on the surface, mm. share: factor on areas and forces.
     """
-    places, tangents, share = [], [], 1 / _longer(patches, load)
+    places, tangents = [], []
     for window in (patch.pressed for patch in patches):
         x, s = np.meshgrid(window.x, window.s, indexing="ij")
-        places.append(_surface(plan, x.ravel(), s.ravel()).reshape(*x.shape, 3))
-        normals = np.broadcast_to(window.angle, x.shape)
-        across = np.stack([0 * x, np.cos(normals), np.sin(normals)], axis=-1)
+        places.append(points(x.ravel(), s.ravel()).reshape(*x.shape, 3))
+        slope = np.broadcast_to(window.angle, x.shape)
+        across = np.stack([0 * x, np.cos(slope), np.sin(slope)], axis=-1)
         tangents.append(np.stack([np.broadcast_to([1.0, 0.0, 0.0], across.shape), across], axis=2))
     touches = [each.bound > 0 for each in sheared]
     coefficient = plan.scene.friction.coefficient
     solution = friction.at_cells(sheared, coefficient, places, tangents, touches, share)
     along, across, moment = share * np.sum([each.forces for each in sheared], axis=0)
     return replace(solution, force=(float(along), float(across)), moment=float(moment))
-
-
-def _surface(plan: Plan, x: Array, s: Array) -> Array:
-    """Points (n, 3) on the surface at x, s (n,), mm."""
-    if plan.contact.half_space:
-        return np.column_stack([x, s, np.zeros_like(x)])
-    return boundary_elements.develop(plan.contact).points(x, s)

@@ -7,7 +7,7 @@ creepages and unit spin, are where tractions are found (`tangential_contact`).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -196,6 +196,13 @@ def _strip(contact: Strip, cells: int) -> list[Patch]:
         None,
     )
     return [Patch(pressed, plane_modes(x, s))]
+
+
+def surface(contact: Contact) -> Callable[[Array, Array], Array]:
+    """Map from x, s (n,) to points (n, 3) on the surface of the rail, mm."""
+    if contact.half_space:
+        return lambda x, s: np.column_stack([x, s, np.zeros_like(x)])
+    return boundary_elements.develop(contact).points
 
 
 def _modes(contact: Contact, window: PatchSolution) -> Array:

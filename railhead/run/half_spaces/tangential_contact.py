@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,19 +68,6 @@ class FrictionCase:
     half_space_shift: bool
 
 
-class Rolled(NamedTuple):
-    """Result of FASTSIM on several ellipses.
-
-    forces: along, across (N) and moment (N mm), (3,), of the wheel on the rail.
-    stick_share: share of the area that sticks, 0 to 1.
-    t_gamma: energy dissipated per rolled length, N.
-    """
-
-    forces: Array
-    stick_share: float
-    t_gamma: float
-
-
 def half_space_friction(
     solved: MeshSolution, profiles: Solution | str | None
 ) -> NumbersByMethod | None:
@@ -122,7 +109,9 @@ def half_space_friction(
     }
     if case.pair.like and case.rolling:
         name = "FASTSIM" if findings.hertzian else "FASTSIM (equal ellipses)"
-        out[name] = or_reason(lambda: fastsim_numbers(patches(CELLS[1]), found, case.pair))
+        out[name] = or_reason(
+            lambda: fastsim(patches(CELLS[1]), found.friction_limit, case.pair, found.rigid_motion)
+        )
     elif case.pair.like and findings.hertzian:
         out["Cattaneo, Mindlin"] = _mindlin(case, solved.ellipse)
     return out
@@ -287,18 +276,9 @@ def shear(
     ]
 
 
-def fastsim_numbers(
-    patches: Sequence[Patch], found: FrictionSolution, pair: Pair
-) -> dict[str, Any]:
-    """Forces, stick share and T-gamma by FASTSIM at the motion of a solution, by the keys of
-    summary.json. Raises ValueError for an ellipse too slender.
-    """
-    rolled = fastsim(patches, found.friction_limit, pair, found.rigid_motion)
-    return {**_by_key(rolled.forces, rolled.stick_share), "t_gamma_N": rolled.t_gamma}
-
-
-def fastsim(patches: Sequence[Patch], limit: float, pair: Pair, motion: Sequence[float]) -> Rolled:
-    """Forces of patches by FASTSIM on ellipses with equal second moments and forces.
+def fastsim(patches: Sequence[Patch], limit: float, pair: Pair, motion: Sequence[float]) -> Numbers:
+    """Forces, stick share and T-gamma of patches by FASTSIM on ellipses with equal second moments
+    and forces, by the keys of summary.json.
 
     limit: friction coefficient times normal force of all patches, N. pair: materials. motion:
         creepage along, across and spin (1/mm). Raises ValueError for an ellipse too slender.
@@ -311,7 +291,8 @@ def fastsim(patches: Sequence[Patch], limit: float, pair: Pair, motion: Sequence
         *forces, stick = kalker.fastsim(a, b, carried, pair.shear_modulus, linear, local)
         total = total + _work(patch, forces)
         sticks, touches = sticks + stick * a * b, touches + a * b
-    return Rolled(total[:3], sticks / touches, float(total @ [*motion, 1.0]))
+    wear = float(total @ [*motion, 1.0])
+    return {**_by_key(total[:3], sticks / touches), "t_gamma_N": wear}
 
 
 def linear(patches: Sequence[Patch], pair: Pair, motion: Sequence[float]) -> Array:
