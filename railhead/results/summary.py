@@ -12,7 +12,6 @@ from railhead.planning.effects import material
 from railhead.postprocess import friction
 from railhead.postprocess.patch import compare
 from railhead.results import checks
-from railhead.results.checks import second_method, solution
 from railhead.results.result_folder import origin
 from railhead.run import estimates
 from railhead.run.half_spaces import normal_contact, tangential_contact
@@ -48,7 +47,7 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
         beside = None if rubbed is None else {"scene": second}
     judged = checks.run(solved, known, second, reached=reached)
     judged += checks.friction(solved, known, beside)
-    cost, missing = ending.would_cost, second_method.not_made(solved, judged, second, beside)
+    cost, missing = ending.would_cost, checks.not_made(solved, judged, second, beside)
     return _summary(
         solved,
         method="finite elements",
@@ -89,7 +88,7 @@ def summarise_half_spaces(solved: HalfSpaceSolution) -> dict[str, Any]:
     asked, reached = solved.plan.scene.accuracy, None
     if asked is not None and solved.result is not None:
         reached = max(bound.values()) <= asked
-    missing = {second_method.SECOND: "half-spaces are the answer itself"}
+    missing = {checks.SECOND: "half-spaces are the answer itself"}
     return _summary(
         solved,
         method="half-spaces",
@@ -106,7 +105,7 @@ def summarise_half_spaces(solved: HalfSpaceSolution) -> dict[str, Any]:
             "levels": [],
         },
         checks={
-            **checks.summary(list(solution.half_spaces(solved, bound)), missing),
+            **checks.summary(list(checks.half_spaces(solved, bound)), missing),
             "converged": solved.result is not None,
             "max_penetration_mm": 0.0,
         },

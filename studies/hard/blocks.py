@@ -13,7 +13,7 @@ from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing.mesh import ContactMesh
 from railhead.postprocess import read
 from railhead.postprocess.findings import Findings, Frame
-from railhead.results.checks.solution import BALANCE_TOLERANCE, NOISE_LIMIT
+from railhead.results.checks import BALANCE_TOLERANCE, NOISE_LIMIT
 from railhead.solver.compat import cell_nodes
 from railhead.solver.contact import ContactModel
 from railhead.solver.fields import gather

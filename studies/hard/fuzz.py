@@ -14,7 +14,7 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from railhead.results.checks.solution import DEFAULT_TOLERANCE
+from railhead.results.checks import DEFAULT_TOLERANCE
 from railhead.results.quantity_rows import reference_name
 from railhead.run import quantities
 from railhead.scene.catalogue import read_scene, to_toml

@@ -29,7 +29,7 @@ from railhead.planning.references import boundary_elements
 from railhead.planning.references.allowance import allowance
 from railhead.postprocess.patch import compare
 from railhead.results import pipeline
-from railhead.results.checks.solution import ESTIMATE_FACTOR
+from railhead.results.checks import ESTIMATE_FACTOR
 from railhead.results.summary import summarise
 from railhead.run.half_spaces.normal_contact import CELLS, twist_change
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve

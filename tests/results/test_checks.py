@@ -10,7 +10,6 @@ from solved import solved
 from railhead.planning import plan as planning
 from railhead.postprocess.stress.recovery import Recovery
 from railhead.results import checks
-from railhead.results.checks import second_method, solution
 from railhead.results.summary import exact_quantities
 from railhead.run import estimates
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
@@ -190,7 +189,7 @@ def test_what_a_second_opinion_leaves_out_unknown_is_not_compared(mesh_solution)
     known, _ = estimates.estimate([mesh_solution])
     judged = checks.run(mesh_solution, known, second, reached=None)
     assert all(check.passed for check in judged)
-    missing = second_method.not_made(mesh_solution, judged, second, None)
+    missing = checks.not_made(mesh_solution, judged, second, None)
     assert missing["second_opinion_approach_mm"] == "what half-spaces leave out of it is not known"
     assert "second_opinion_max_MPa" not in missing
 
@@ -198,7 +197,7 @@ def test_what_a_second_opinion_leaves_out_unknown_is_not_compared(mesh_solution)
 def test_a_missing_second_opinion_has_its_reason(mesh_solution) -> None:
     judged = checks.run(mesh_solution, {}, UNKNOWN, reached=None)
     assert not any("second_opinion" in each.name for each in judged)
-    missing = second_method.not_made(mesh_solution, judged, UNKNOWN, None)
+    missing = checks.not_made(mesh_solution, judged, UNKNOWN, None)
     assert missing == {"second_opinion": "nobody knows"}
     assert checks.summary(judged, missing)["not_made"] == missing
 
@@ -235,7 +234,7 @@ def test_the_range_of_shear_over_pressure_is_that_of_hertz() -> None:
         for nu in (0.0, 0.2, 0.3, 0.4, 0.4999)
         for contact in [hertz.point_contact(1 / 300, 1 / 300 / ratio, 1e5, 1e4)]
     ]
-    low, high = solution.SHEAR_OVER_PRESSURE
+    low, high = checks.SHEAR_OVER_PRESSURE
     assert low < min(ratios) and max(ratios) < high
 
 

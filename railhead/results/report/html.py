@@ -18,6 +18,7 @@ from PIL import Image
 
 from railhead.postprocess.findings import Findings
 from railhead.results import quantity_rows
+from railhead.results.checks import SECOND
 from railhead.results.quantity_rows import Row
 from railhead.results.report import terminal
 from railhead.results.report.output_units import Units
@@ -84,7 +85,6 @@ CHECKS = {
     "tangential_flux_wheel": "the stresses above the patch carry the tangential force, wheel",
     "accuracy": "the asked accuracy",
 }
-AGAINST = "second_opinion_"  # begins the names of the checks beside a second method
 HEADINGS = {
     "FE": "finite elements",
     "half-spaces": "half-spaces",
@@ -235,8 +235,8 @@ def effect(name: str) -> str:
 
 def check(name: str) -> str:
     """Words for the name of a check."""
-    if name.startswith(AGAINST):
-        bare = name.removeprefix(AGAINST).rsplit("_", 1)[0].replace("_", " ")
+    if name.startswith(SECOND):
+        bare = name.removeprefix(f"{SECOND}_").rsplit("_", 1)[0].replace("_", " ")
         return f"second method (half-spaces): {'pressure' if bare == 'max' else bare}"
     return CHECKS.get(name, name.replace("_", " "))
 

@@ -13,7 +13,6 @@ import railhead as rh
 from railhead.planning import plan as planning
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.results import checks
-from railhead.results.checks import second_method, solution
 from railhead.results.report import terminal
 from railhead.run.half_spaces import normal_contact, tangential_contact
 from railhead.run.half_spaces.normal_contact import Patch
@@ -205,7 +204,7 @@ def test_unlike_strips_are_signed(wheel: float) -> None:
     assert other["stick_share"] == pytest.approx(summary["result"]["friction"]["stick_share"],
                                                  abs=0.03)  # fmt: skip
     assert summary["checks"]["limits"]["second_opinion_friction"][0] == pytest.approx(
-        solution.DEFAULT_TOLERANCE + other["grid_error"]
+        checks.DEFAULT_TOLERANCE + other["grid_error"]
     )
     assert "t_gamma_N" not in other and "wear_number_N" not in summary["result"]["friction"]
 
@@ -254,7 +253,7 @@ def test_tangential_forces_that_the_stresses_do_not_carry_are_refused(
 def test_what_is_not_known_is_said_below_the_table(strip: rh.Result) -> None:
     second = {"boundary elements": {"reason": "no reason"}, "Cattaneo": {"stick_share": 0.8348}}
     judged = checks.friction(strip.mesh_solution, {}, second)
-    missing = second_method.not_made(strip.mesh_solution, judged, {"reason": "a strip"}, second)
+    missing = checks.not_made(strip.mesh_solution, judged, {"reason": "a strip"}, second)
     assert missing == {"second_opinion": "a strip", "second_opinion_shift": "no reason"}
     text, summary = StringIO(), strip.as_dict()
     summary |= {"half_space_friction": second, "checks": summary["checks"] | {"not_made": missing}}
