@@ -124,8 +124,9 @@ def _drawings(
 
     exact = solved.ellipse if len(found.patch.each) < 2 else None
     planes: Sequence[tuple[float, float, float]] = ()
+    every: dict[str, Drawing] = {}
     if isinstance(solved, HalfSpaceSolution):
-        friction, every = solved.friction, dict[str, Drawing]()
+        friction = solved.friction
         if isinstance(exact, LineContact):
             every["pressure.png"] = partial(diagrams.pressure, found, exact)
         else:
