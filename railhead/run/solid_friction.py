@@ -315,20 +315,19 @@ class SolidFriction:
             full = full or share == 1
             described = self._described(found)
             steps.append(np.array([*described.force, *described.rigid_motion[:2]]))
-        without = None
-        if settings.rolling:
-            try:
-                without = self._described(self.tractions(Creepage(), modes=0.0))
-            except ValueError:
-                return self._failed(solution)
         described = replace(
             described,
             load_steps=np.array(steps),
             dissipated_energy=float(energy),
             coupling_iterations=passes,
             newton_steps=self.steps,
-            without_creepage=without,
         )
+        if settings.rolling:
+            try:
+                without = self._described(self.tractions(Creepage(), modes=0.0))
+            except ValueError:
+                return self._failed(solution)
+            described = replace(described, without_creepage=without)
         return replace(solution, reference=self.pressed, friction=described)
 
     def _failed(self, solution: Solution) -> Solution:
