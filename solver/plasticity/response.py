@@ -70,14 +70,15 @@ class SeparatedProblem(PlasticProblem):
 
 
 class LoadStepping:
-    """Solves a load case in shares of the full load, one after the other.
+    """Solves a load case in shares of the full load, one after the other. The first step starts
+    from an elastic solution: without one, its first iterations yield where the solution does not.
 
     system: contact system.
     problem: contact problem of the next step; after `separate` one without contact.
     case: load case at its full load.
     preconditioner: preconditioner of the next step.
     active: (n,) points that touch at the start of the next step.
-    y: free unknowns at the last share reached; None before the first step.
+    y: free unknowns at the last share reached.
     share: share of the load case that was reached.
     state: plastic histories at the Gauss points and at the contact points at that share.
     results: results of Newton's method in all steps so far.
@@ -86,19 +87,21 @@ class LoadStepping:
 
     solution: Solution
 
-    def __init__(self, system: ContactSystem, problem: PlasticProblem, case: LoadCase) -> None:
+    def __init__(
+        self,
+        system: ContactSystem,
+        problem: PlasticProblem,
+        case: LoadCase,
+        first: Solution,
+        share: float,
+    ) -> None:
+        """first: elastic solution under a share of the load case."""
         self.system, self.problem, self.case = system, problem, case
         self.preconditioner = system.preconditioner
         self.results: list[NewtonResult] = []
-        self.share, self.y = 0.0, None
         self.state: State = problem.bulk.history, problem.surface.history
-        self.active: Mask = np.zeros(len(problem.area), dtype=bool)
-
-    def start(self, solution: Solution, share: float) -> None:
-        """Make an elastic solution the state that the first step starts from; share: its share of
-        the load case. Without one, the first iterations yield where the solution does not.
-        """
-        self.share, self.y, self.active = share, solution.newton.y, solution.newton.pressure > 0
+        self.share, self.y = share, first.newton.y
+        self.active: Mask = first.newton.pressure > 0
 
     def repeat(self, case: LoadCase, state: State) -> Solution:
         """Solution of the step to the present share, from another history `state` and with another
@@ -139,11 +142,9 @@ class LoadStepping:
         system, problem, case = self.system, self.problem, self.case.scaled(share)
         prescribed = system.apply(problem, case)
         problem.set_prescribed_strain(prescribed)
-        y = self.y
         if share < self.share:
             problem.commit(self.state)
-        if y is not None and share:
-            y = self._predicted(y, share / self.share)
+        y = self._predicted(self.y, share / self.share) if share else self.y
         problem.commit(self.state)
         result = newton.solve(
             problem,
@@ -286,11 +287,10 @@ class PlasticResponse(ElasticResponse):
         if not elastic.newton.converged or over <= 1:
             return elastic
         self.problem.reset_history()
-        self.stepping = stepping = LoadStepping(self.system, self.problem, case)
         first_yield, *up = np.linspace(1 / over, 1.0, self.path.steps + 1)
         active = predict_active_set(self.system, elastic.indicator, first_yield)
         first = super().press(replace(case.scaled(first_yield), active=active))
-        stepping.start(first, first_yield)
+        self.stepping = stepping = LoadStepping(self.system, self.problem, case, first, first_yield)
         result = stepping.solve_load_steps(up)
         loading_steps = len(stepping.results)
         for _ in range(self.path.cycles - 1):
