@@ -26,6 +26,7 @@ class EffectRules:
     beyond_half_spaces: half-space references beside the result lack the effect too.
     of_bodies: the effect is one of finite bodies. Without them it is off, and the estimate of the
         answer covers it.
+    in_half_spaces: half-spaces always have the effect; without finite bodies it cannot be off.
     """
 
     decide: Callable[[Context], Effect]
@@ -33,6 +34,7 @@ class EffectRules:
     numerical_only: bool = False
     beyond_half_spaces: bool = False
     of_bodies: bool = False
+    in_half_spaces: bool = False
 
 
 EFFECTS = {
@@ -40,9 +42,15 @@ EFFECTS = {
     "axisymmetry": EffectRules(decide=shape.axisymmetry, numerical_only=True),
     "symmetry_x": EffectRules(decide=shape.symmetry_x, numerical_only=True, of_bodies=True),
     "symmetry_y": EffectRules(decide=shape.symmetry_y, numerical_only=True, of_bodies=True),
-    "deformable_rail": EffectRules(decide=partial(material.decide_deformable, "rail")),
-    "deformable_wheel": EffectRules(decide=partial(material.decide_deformable, "wheel")),
-    "true_profile": EffectRules(decide=shape.decide_true_profile, check=shape.check_true_profile),
+    "deformable_rail": EffectRules(
+        decide=partial(material.decide_deformable, "rail"), in_half_spaces=True
+    ),
+    "deformable_wheel": EffectRules(
+        decide=partial(material.decide_deformable, "wheel"), in_half_spaces=True
+    ),
+    "true_profile": EffectRules(
+        decide=shape.decide_true_profile, check=shape.check_true_profile, in_half_spaces=True
+    ),
     "rail_section": EffectRules(
         decide=shape.decide_rail_section, check=shape.check_rail_section, of_bodies=True
     ),
@@ -61,7 +69,6 @@ EFFECTS = {
         decide=interface.decide_heat, check=interface.check_heat, beyond_half_spaces=True
     ),
 }
-ELASTIC = ("deformable_rail", "deformable_wheel", "true_profile")  # half-spaces always have them
 ASSUMPTIONS = {
     "small_patch": assumptions.small_patch,
     "inside_the_bodies": assumptions.inside_the_bodies,
@@ -94,7 +101,7 @@ def _without_bodies(name: str, effect: Effect) -> Effect:
     """The named effect where finite bodies are off. Raises SceneError for an effect of bodies that
     a person switched on, and for one that half-spaces always have where it is switched off.
     """
-    if name in ELASTIC and effect.override and not effect.on:
+    if EFFECTS[name].in_half_spaces and effect.override and not effect.on:
         text = "'off' is not allowed: finite_bodies is off, half-spaces have it; give auto or on"
         raise SceneError(f"effects.{name}", text)
     if not EFFECTS[name].of_bodies or not effect.on:
