@@ -122,6 +122,7 @@ def _drawings(
     """
     from railhead.postprocess.pictures.plots import diagrams, friction_plots
 
+    # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
     exact = solved.ellipse if len(found.patch.each) < 2 else None
     planes: Sequence[tuple[float, float, float]] = ()
     every: dict[str, Drawing] = {}
@@ -141,7 +142,7 @@ def _drawings(
         fields, friction = solved.fields, solved.solution.friction
         planes, poisson = fields.mirrors, solved.plan.reported_body.poisson_ratio
         axis = coordinate(fields) if fields.kinematics.dim == 2 else None
-        every = gallery.drawings(grids, axis, found, solved.ellipse, poisson)
+        every = gallery.drawings(grids, axis, found, exact, poisson)
         residual, elastic = solved.unloaded_fields, solved.elastic_reference
         if residual is not None and elastic is not None and elastic.findings:
             every["plastic.png"] = partial(

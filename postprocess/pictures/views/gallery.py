@@ -21,7 +21,7 @@ def drawings(
     grids: tuple[meshio.Mesh, meshio.Mesh],
     axis: int | None,
     found: Findings,
-    ellipse: Hertz,
+    exact: Hertz | None,
     poisson: float,
 ) -> dict[str, Drawing]:
     """The pictures of one result: functions that write a PNG file to a path, by file name. Six, or
@@ -29,12 +29,10 @@ def drawings(
 
     grids: of the cells, with nodal stresses, and of the slave's contact surface, images of what
         symmetry left out included. axis: of a section, 0 where it runs along x, 1 along s; else
-        None. found: with the surface of that grid. ellipse: exact Hertz contact; left out where
-        there are several patches. poisson: Poisson's ratio of the body on the depth axis.
+        None. found: with the surface of that grid. exact: exact Hertz contact, or None. poisson:
+        Poisson's ratio of the body on the depth axis.
     """
     volume, contact = grids
-    # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
-    exact = ellipse if len(found.patch.each) < 2 else None
     every: dict[str, Drawing] = {
         "pressure.png": partial(diagrams.pressure, found, exact),
         "depth.png": partial(diagrams.depth, found, exact, poisson),
