@@ -108,51 +108,61 @@ def _solve(plan: Plan) -> HalfSpaceSolution:
     boundary elements fail, or where pressure and tractions find no balance.
     """
     load = plan.scene.load
-    plain, profiles = _pressed(plan, load)
-    frictionless = plain
+    profiles = alone = _pressed(plan, load)
+    frictionless = _read(plan, alone)
     if not plan.effects["friction"].on:
-        return plain
-    _, _, across = plan.scene.tangential_forces
-    if load is not None and across:  # what a prescribed force carries is known
-        angle = plan.contact.touch.angle
-        plain, profiles = _pressed(plan, load + across * math.sin(angle))
+        return frictionless
+    angle, (_, _, across) = plan.contact.touch.angle, plan.scene.tangential_forces
+    if load is not None and across * math.sin(angle):  # what a prescribed force carries is known
+        profiles = _pressed(plan, load + across * math.sin(angle))
     for _ in range(TURNS):
-        found = _with_friction(plain, profiles)
-        if load is None or abs(found.load - load) <= BALANCE * load:
-            return replace(found, elastic_reference=frictionless)
-        if found.load <= 0:
+        pressed = frictionless.load if profiles is None else profiles.load
+        tractions = _tractions(plan, profiles, pressed)
+        total = pressed - tractions.upwards
+        if load is None or abs(total - load) <= BALANCE * load:
+            plain = frictionless if profiles is alone else _read(plan, profiles)
+            return replace(_with_friction(plain, tractions), elastic_reference=frictionless)
+        if total <= 0:
             break
-        plain, profiles = _pressed(plan, plain.load * load / found.load)
+        profiles = _pressed(plan, pressed * load / total)
     raise ValueError("no pressure balances the load beside the tractions")
 
 
-def _pressed(plan: Plan, load: float | None) -> tuple[HalfSpaceSolution, Solution | None]:
-    """The frictionless solution under a vertical load (N), None for the approach of the scene, with
-    the boundary elements of its profiles. Raises ValueError where these fail.
+def _pressed(plan: Plan, load: float | None) -> Solution | None:
+    """Boundary elements of the profiles of a plan under a vertical load (N), None for the approach
+    of the scene; None between half-spaces, whose pressure is Hertz's. Raises ValueError where they
+    fail.
+    """
+    if plan.contact.half_space:
+        return None
+    return boundary_elements.solve(plan.contact, plan.estimate, load, CELLS)
+
+
+def _read(plan: Plan, profiles: Solution | None) -> HalfSpaceSolution:
+    """The frictionless solution with the quantities read from it. profiles: boundary elements; None
+    between half-spaces.
     """
     contact, hertz = plan.contact, plan.estimate
     cosine = math.cos(contact.touch.angle)
     poisson = plan.poisson_ratios
-    if contact.half_space:
-        profiles, grid = None, {}
+    if profiles is None:
+        grid = {}
         found = half_space.of_hertz(hertz, contact.frame, poisson, section=plan.section)
         pressed, approach = hertz.load * cosine, hertz.approach / cosine
     else:
-        profiles = boundary_elements.solve(contact, hertz, load, CELLS)
         points = boundary_elements.develop(contact).points
         values = compare.from_half_space(profiles, points, contact.touch.angle)
         found = half_space.of_boundary_elements(profiles, values, points, contact.frame, poisson)
         found = replace(found, edge_distance=_edge_distance(plan, found))
         pressed, approach, grid = profiles.load, profiles.approach, values.get("grid_error", {})
     result = compare.from_findings(found, pressed, approach)
-    plain = HalfSpaceSolution(
+    return HalfSpaceSolution(
         plan=plan,
         ellipse=hertz,
         findings=found,
         result=result,
         error_parts=_error_parts(plan, result, grid, profiles, hertzian=found.hertzian),
     )
-    return plain, profiles
 
 
 def _edge_distance(plan: Plan, found: Findings) -> float:
@@ -202,18 +212,13 @@ def _error_parts(
     return parts
 
 
-def _with_friction(plain: HalfSpaceSolution, profiles: Solution | None) -> HalfSpaceSolution:
-    """A solution with the friction of its plan; its load is what pressure and tractions carry.
-    Raises ValueError where patches or tractions are not found.
-
-    profiles: half-space solution of the profiles; None between half-spaces.
-    """
+def _with_friction(plain: HalfSpaceSolution, sheared: Tractions) -> HalfSpaceSolution:
+    """A frictionless solution with tractions on it; its load is what both carry."""
     plan, scene = plain.plan, plain.plan.scene
     assert plain.findings is not None and plain.result is not None
     found, result = plain.findings, plain.result
-    patches, sheared, longer, grid_error = _tractions(plan, profiles, result["load_N"])
     points = normal_contact.surface(plan.contact)
-    solution = _at_cells(plan, patches, sheared, points, 1 / longer)
+    solution = _at_cells(plan, sheared, points)
     rolls, unlike = scene.rolling.prescribed, interface.unlike(scene)
     tractions = friction.quantities(
         solution,
@@ -225,13 +230,12 @@ def _with_friction(plain: HalfSpaceSolution, profiles: Solution | None) -> HalfS
     )
     found = half_space.with_tractions(
         found,
-        [each.pressed for each in patches],
+        [each.pressed for each in sheared.patches],
         points,
         plan.poisson_ratios,
-        [each.traction for each in sheared],
+        [each.traction for each in sheared.found],
         solution,
     )
-    upwards = solution.weights @ solution.traction[:, 2]
     found = replace(found, dissipated=tractions.get("t_gamma_N", math.nan))
     parts = dict(plain.error_parts)
     for key in STRESSES:
@@ -242,20 +246,22 @@ def _with_friction(plain: HalfSpaceSolution, profiles: Solution | None) -> HalfS
     area = sum(parts["area_mm2"].values())
     for key, force in zip(FORCES, solution.force, strict=True):
         if force and rolls:
-            parts[key] = {"bodies": area * share, "grid": grid_error}
+            parts[key] = {"bodies": area * share, "grid": sheared.grid_error}
     other = {}
     if rolls and not (plan.contact.line or unlike):
         pair = closed_forms.tangential_pair(scene)
         other["FASTSIM (equal ellipses)"] = tangential_contact.or_reason(
             lambda: tangential_contact.fastsim(
-                patches, solution.friction_limit, pair, solution.rigid_motion
+                sheared.patches, solution.friction_limit, pair, solution.rigid_motion
             )
         )
     return replace(
         plain,
         findings=found,
         result={
-            **compare.from_findings(found, result["load_N"] - upwards, result["approach_mm"]),
+            **compare.from_findings(
+                found, result["load_N"] - sheared.upwards, result["approach_mm"]
+            ),
             "friction": tractions,
         },
         error_parts=parts,
@@ -264,12 +270,36 @@ def _with_friction(plain: HalfSpaceSolution, profiles: Solution | None) -> HalfS
     )
 
 
-def _tractions(
-    plan: Plan, profiles: Solution | None, load: float
-) -> tuple[Sequence[Patch], Sequence[TangentialSolution], float, float]:
-    """Pressed patches under a vertical load (N), their tractions at the creepages or forces of a
-    plan, their load over that of the contact, and the change of the forces from a grid of half as
-    many cells each way, over mu N.
+@dataclass(frozen=True, kw_only=True)
+class Tractions:
+    """Tractions on pressed patches of half-spaces.
+
+    patches: the pressed patches.
+    found: the tractions of each.
+    share: factor on areas and forces: load of the contact over that of the patches, as the strip of
+        a line contact is longer than the contact.
+    grid_error: change of the forces from a grid of half as many cells each way, over mu N.
+    """
+
+    patches: Sequence[Patch]
+    found: Sequence[TangentialSolution]
+    share: float
+    grid_error: float
+
+    @property
+    def upwards(self) -> float:
+        """Vertical force of the wheel on the rail by tractions, N, positive upwards."""
+        pairs = zip(self.patches, self.found, strict=True)
+        return self.share * sum(
+            each.cell * float((each.traction[1] * np.sin(patch.pressed.angle)).sum())
+            for patch, each in pairs
+        )
+
+
+def _tractions(plan: Plan, profiles: Solution | None, load: float) -> Tractions:
+    """Tractions of half-spaces pressed by a vertical load (N), at the creepages or forces of a
+    plan. profiles: boundary elements of the profiles; None between half-spaces. Raises ValueError
+    where patches or tractions are not found.
     """
     scene, contact, shares = plan.scene, plan.contact, []
     table = scene.rolling if scene.rolling.prescribed else scene.friction
@@ -278,7 +308,6 @@ def _tractions(
         patches = normal_contact.patches(
             contact, plan.estimate, hertzian=False, load=load, cells=cells, profiles=profiles
         )
-        # The strip of a line contact is longer than the contact, and its forces are as much larger.
         longer = sum(each.pressed.load for each in patches) / load
         along, across = (
             None if force is None else longer * force
@@ -294,28 +323,23 @@ def _tractions(
         )
         forces = np.sum([each.forces for each in sheared], axis=0)
         shares.append(forces[:2] / sum(each.limit for each in sheared))
-    return patches, sheared, longer, float(np.abs(shares[1] - shares[0]).max())
+    error = float(np.abs(shares[1] - shares[0]).max())
+    return Tractions(patches=patches, found=sheared, share=1 / longer, grid_error=error)
 
 
-def _at_cells(
-    plan: Plan,
-    patches: Sequence[Patch],
-    sheared: Sequence[TangentialSolution],
-    points: half_space.Points,
-    share: float,
-) -> FrictionSolution:
+def _at_cells(plan: Plan, sheared: Tractions, points: half_space.Points) -> FrictionSolution:
     """Tractions at the cells that touch, in the form of those of finite elements. points: maps x, s
-    (n,) to points (n, 3) on the surface, mm. share: factor on areas and forces.
+    (n,) to points (n, 3) on the surface, mm.
     """
-    places, tangents = [], []
-    for window in (patch.pressed for patch in patches):
+    places, tangents, found = [], [], sheared.found
+    for window in (patch.pressed for patch in sheared.patches):
         x, s = np.meshgrid(window.x, window.s, indexing="ij")
         places.append(points(x.ravel(), s.ravel()).reshape(*x.shape, 3))
         slope = np.broadcast_to(window.angle, x.shape)
         across = np.stack([0 * x, np.cos(slope), np.sin(slope)], axis=-1)
         tangents.append(np.stack([np.broadcast_to([1.0, 0.0, 0.0], across.shape), across], axis=2))
-    touches = [each.bound > 0 for each in sheared]
+    touches = [each.bound > 0 for each in found]
     coefficient = plan.scene.friction.coefficient
-    solution = friction.at_cells(sheared, coefficient, places, tangents, touches, share)
-    along, across, moment = share * np.sum([each.forces for each in sheared], axis=0)
+    solution = friction.at_cells(found, coefficient, places, tangents, touches, sheared.share)
+    along, across, moment = sheared.share * np.sum([each.forces for each in found], axis=0)
     return replace(solution, force=(float(along), float(across)), moment=float(moment))
