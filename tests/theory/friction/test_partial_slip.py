@@ -1,4 +1,4 @@
-"""Carter's rolling strip: reference numbers, force of the traction, both signs."""
+"""Exact partial slip: reference numbers and limits of Carter, and of Cattaneo and Mindlin."""
 
 from typing import Any
 
@@ -50,8 +50,6 @@ def test_full_slip_and_more_than_the_limit() -> None:
     with pytest.raises(ValueError):
         Carter(strip, 0.3, 1.01)
 
-
-# Cattaneo and Mindlin: reference numbers, limits, histories.
 
 G, POISSON = 207000 / 2.6, 0.3
 
