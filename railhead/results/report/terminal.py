@@ -1,4 +1,4 @@
-"""Where tables go: standard output, text, or a notebook."""
+"""Tables of plans and results for the terminal, and where they go: output, text, a notebook."""
 
 from __future__ import annotations
 
