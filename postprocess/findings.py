@@ -72,7 +72,9 @@ class Surface:
     local (n, 2): x and s of the nodes in the contact frame, mm.
     triangles (t, 3): nodes of each triangle; of a section lines (t, 2).
     pressure (n,): smooth contact pressure at the nodes, never negative, MPa.
-    gap (n,): distance to the other body, mm.
+    gap (n,): gap of the deformed surfaces, mm: of finite elements negative where they overlap, of
+        boundary elements 0 in the patch and infinite where the bodies do not face each other, of
+        exact Hertz NaN.
     displacement (n, 3): of the nodes, mm.
     """
 
@@ -234,9 +236,9 @@ class DepthAxis:
         return (ends[1] - ends[0]) / 2
 
     def rivals(self, doubt: float) -> list[float]:
-        """Depths, mm, at which the largest shear stress may lie: those of the maxima of the half
-        differences of two normal stresses that are within `doubt` (relative) of the highest of
-        these maxima.
+        """Depths, mm, at which the largest shear stress may lie. Each of the three pairs of normal
+        stresses has one largest half difference; its depth is listed where it is within `doubt`
+        (relative) of the largest of the three.
         """
         normal = self.stress[:, :3].T
         pairs = ((0, 1), (0, 2), (1, 2))

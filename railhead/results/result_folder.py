@@ -65,8 +65,10 @@ def check_folder(folder: Path, keeps: Collection[str] = ()) -> None:
 
 
 def _obstacle(folder: Path, keeps: Collection[str]) -> str:
-    """Reason why results cannot be written to a folder; empty if they can. keeps: names of files
-    that are allowed there.
+    """Reason why results cannot be written to a folder; empty if they can. An exchange of folders
+    that a killed process left there is finished first (`settle`). keeps: names of files that are
+    allowed there. OSError: the name is too long, or a folder cannot be changed. ValueError: a null
+    character in the name.
     """
     name = repr(str(folder))
     with suppress(FileNotFoundError, NotADirectoryError):

@@ -177,8 +177,9 @@ def hertz_far_field(
     points: Array,
 ) -> Array:
     """Displacement (n, 3), mm, of a half-space (RAIL or WHEEL) at points (n, 3), mm, under Hertz's
-    pressure of a load (N). scene, contact: for the moduli and curvatures of both bodies. materials:
-    elastic constants by body tag.
+    pressure of a load (N). The first contact is at 0, x along the rail, the surface is z = 0.
+    scene, contact: for the moduli and curvatures of both bodies. materials: elastic constants by
+    body tag.
     """
     hertz = closed_forms.hertz_contact(scene, contact, load)
     part, (lower, mirror) = materials[body], _mirrored(body, points)
@@ -188,7 +189,8 @@ def hertz_far_field(
 def cerruti_far_field(materials: dict[int, Material], way: int, body: int, points: Array) -> Array:
     """Displacement (n, 3), mm, of a half-space (RAIL or WHEEL) at points (n, 3), mm, under a
     tangential point force of 1 N of the wheel on the rail along (way 0) or across (way 1), which
-    stands for the tractions. materials: elastic constants by body tag.
+    stands for the tractions. It acts at 0, the first contact; the surface is z = 0. materials:
+    elastic constants by body tag.
     """
     part, (lower, mirror) = materials[body], _mirrored(body, points)
     force = mirror[2]  # the rail's on the wheel is the opposite one
@@ -199,8 +201,9 @@ def cerruti_far_field(materials: dict[int, Material], way: int, body: int, point
 
 
 def _mirrored(body: int, points: Array) -> tuple[Array, Array]:
-    """Points (n, 3), mm, of a body as those of the half-space z <= 0, and the signs (3,) that
-    transform a displacement back. The wheel is mirrored at z = 0.
+    """Points (n, 3), mm, of a body (tag RAIL or WHEEL) as those of the half-space z <= 0, and the
+    signs (3,) that transform a displacement back. The wheel is mirrored at z = 0, the plane of the
+    contact; points that are then above it are moved onto it.
     """
     mirror = np.array([1.0, 1.0, 1.0 if body == RAIL else -1.0])
     lower = points * mirror

@@ -93,7 +93,9 @@ class QuantityKind:
 
 
 class SlopeKind(QuantityKind):
-    """A slope, given as the tangent, as an angle below 90 degrees, as 1:20 or 1/20, or per cent."""
+    """A slope (tangent): given as a number, as 1:20 or 1/20, per cent, or as an angle below 90
+    degrees, of which the tangent is taken.
+    """
 
     def convert(self, number: str, unit: str) -> float:
         """The slope (tangent) of a number (text) with a unit (text): an angle's unit, ":20", "/20"

@@ -296,8 +296,10 @@ def fastsim(patches: Sequence[Patch], limit: float, pair: Pair, motion: Sequence
 
 
 def linear(patches: Sequence[Patch], pair: Pair, motion: Sequence[float]) -> Array:
-    """Forces along, across (N) and moment (N mm), (3,), of patches by Kalker's linear theory on
-    ellipses with equal second moments and forces. Raises ValueError for an ellipse too slender.
+    """Forces of the wheel on the rail along, across (N) and moment (N mm), (3,), of patches by
+    Kalker's linear theory on ellipses with equal second moments and forces: the work of each
+    patch's forces on the modes of rigid slip, summed. motion: creepage along, across and spin
+    (1/mm). Raises ValueError for an ellipse too slender.
     """
     return np.sum(
         [
