@@ -292,6 +292,7 @@ class Subject:
     rolls: whether the wheel rolls, towards positive x.
     rubs: whether the solution has friction.
     revolved: whether the model is a meridian section of bodies of revolution.
+    method: what made the numbers, for legends.
     """
 
     title: str = ""
@@ -302,6 +303,7 @@ class Subject:
     rolls: bool = False
     rubs: bool = False
     revolved: bool = False
+    method: str = "finite elements"
 
     @property
     def y(self) -> str:

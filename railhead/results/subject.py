@@ -46,6 +46,7 @@ def subject(plan: Plan, load: float) -> Subject:
         rolls=scene.rolling.prescribed and rubs,
         rubs=rubs,
         revolved=contact.revolved,
+        method="half-spaces" if plan.by_half_spaces else "finite elements",
     )
 
 

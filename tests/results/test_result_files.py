@@ -3,6 +3,8 @@
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
+from matplotlib.text import Text
 from solved import solved
 
 ROLLS = ("friction.coefficient=0.3", "rolling.creepage_along=0.1%")
@@ -17,10 +19,26 @@ ROLLS = ("friction.coefficient=0.3", "rolling.creepage_along=0.1%")
     ],
 )
 def test_half_spaces_are_drawn_without_bodies(
-    case: str, assignments: tuple[str, ...], pictures: set[str], tmp_path: Path
+    case: str,
+    assignments: tuple[str, ...],
+    pictures: set[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    """And no word in their pictures names finite elements."""
+    words: list[str] = []
+    own = Figure.savefig
+
+    def spy(self: Figure, *args: object, **options: object) -> None:
+        own(self, *args, **options)
+        words.extend(text.get_text() for text in self.findobj(Text))
+
+    monkeypatch.setattr(Figure, "savefig", spy)
     result = solved(case, "effects.finite_bodies=off", *assignments)
     result.save(tmp_path / "out", report=False)
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert {name for name in names if name.endswith(".png")} == pictures
     assert not [name for name in names if name.endswith(".vtu")]
+    said = " ".join(words)
+    assert "half-spaces" in said
+    assert "finite element" not in said and "FE" not in said.split()

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from railhead.planning import plan
 from railhead.results.subject import shared_y, subject
 from railhead.scene.catalogue import find
@@ -59,3 +61,11 @@ def test_the_position_of_a_wheelset_is_said() -> None:
     found = subject(plan.make(find("s1002_60e1").replace(keys)), 1.0)
     end = "on rail 60E1, inclined 1:40, shifted -3 mm, yaw 2 mrad"
     assert found.title.replace("\N{NO-BREAK SPACE}", " ").endswith(end)
+
+
+@pytest.mark.parametrize(
+    ("finite_bodies", "method"), [("auto", "finite elements"), ("off", "half-spaces")]
+)
+def test_the_method_is_that_of_the_answer(finite_bodies: str, method: str) -> None:
+    scene = find("s1002_60e1").replace((f"effects.finite_bodies={finite_bodies}",))
+    assert subject(plan.make(scene), 1.0).method == method

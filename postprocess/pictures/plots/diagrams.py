@@ -1,7 +1,7 @@
 """Diagrams of the findings against exact Hertz, as PNG files.
 
 Each function draws one picture on a figure of its own, so no state is shared. `ellipse` is the
-exact Hertz contact, or None: then only the finite-element result is drawn.
+exact Hertz contact, or None: then only the computed result is drawn.
 """
 
 from __future__ import annotations
@@ -91,12 +91,13 @@ def pressure(findings: Findings, ellipse: Hertz | None, path: Path | None = None
     revolved = findings.subject.revolved  # along and across are the same
     with new_figure(path, 7 if revolved else 10, 5.1, findings) as figure:
         left, *others = figure.subplots(1, 1 if revolved else 2, sharey=True, squeeze=False)[0]
+        method = findings.subject.method
         largest, cut = findings.patch.max_pressure, float(findings.along.pressure.max())
         if len(findings.patch.each) > 1 and cut < SEEN * largest:
-            name = f"finite elements, largest pressure of this patch {cut:.4g} MPa"
+            name = f"{method}, largest pressure of this patch {cut:.4g} MPa"
             name += f" (of another {largest:.4g} MPa)"
         else:
-            name = f"finite elements, largest pressure {largest:.4g} MPa"
+            name = f"{method}, largest pressure {largest:.4g} MPa"
         _pressure(left, findings, ellipse, 0, name)
         for right in others:
             _pressure(right, findings, ellipse, 1, name)
@@ -178,9 +179,8 @@ def depth(
     with new_figure(path, 10, 6.6, findings) as figure:
         panels = tuple(figure.subplots(1, 2, sharey=True, width_ratios=(3, 2)))
         peak = axis.peak(max_shear(axis.stress))
-        _stresses(
-            panels, axis.depth, axis.stress, "o", FE, f"finite elements, {names[axis.body]}", peak
-        )
+        name = f"{findings.subject.method}, {names[axis.body]}"
+        _stresses(panels, axis.depth, axis.stress, "o", FE, name, peak)
         if ellipse is not None:
             name = f"exact Hertz, {_kind(ellipse)}"
             name += ", no friction" if findings.subject.rubs else ""
@@ -351,7 +351,7 @@ def patch(findings: Findings, ellipse: Ellipse | None, path: Path) -> None:
         inside = Path2D.make_compound_path(*(Path2D(line, closed=True) for line in outlines))
         bands.set_clip_path(inside, axes.transData)
         for number, line in enumerate(outlines):
-            name = "finite elements" if number == 0 else None
+            name = findings.subject.method if number == 0 else None
             axes.plot(*line.T, color=FE, lw=2.2, label=name)
         if ellipse is not None:
             axes.plot(*closed_ellipse(ellipse).T, "--", color="black", lw=1.2, label="exact Hertz")

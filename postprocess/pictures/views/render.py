@@ -124,7 +124,7 @@ def patch_on_rail(
         camera.show(axes, image)
         axes.set_axis_off()
         for number, line in enumerate(patch.outlines):
-            name = "finite elements" if number == 0 else None
+            name = findings.subject.method if number == 0 else None
             axes.plot(*camera.project(_on(surface, frame, line)).T, color=FE, lw=2.2, label=name)
         if ellipse is not None:
             line = camera.project(_on(surface, frame, closed_ellipse(ellipse)))
