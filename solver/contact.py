@@ -13,7 +13,11 @@ from petsc4py import PETSc
 from railhead.solver.algebra.problem import Mask
 from railhead.solver.contact_system import ContactSystem, LoadCase
 from railhead.solver.friction.history import FrictionHistory
-from railhead.solver.plasticity.response import ElasticResponse, PlasticResponse, plastic_problem
+from railhead.solver.plasticity.load_stepping import (
+    ElasticResponse,
+    PlasticResponse,
+    plastic_problem,
+)
 from railhead.solver.setup import Setup
 from railhead.solver.solution import Solution
 

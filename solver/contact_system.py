@@ -18,7 +18,7 @@ from railhead.solver.algebra import linear, newton
 from railhead.solver.algebra.linear import Preconditioner
 from railhead.solver.algebra.multigrid import Hierarchy, PMultigrid
 from railhead.solver.algebra.problem import ContactProblem, Mask, reduce_problem
-from railhead.solver.algebra.stiffness import Stiffness, SupportReactions, unit_vector
+from railhead.solver.algebra.reduced_stiffness import Stiffness, SupportReactions, unit_vector
 from railhead.solver.material.elasticity import assemble
 from railhead.solver.setup import Setup
 from railhead.solver.solution import Solution

@@ -19,7 +19,7 @@ from railhead.postprocess.findings import (
     Place,
 )
 from railhead.postprocess.patch.separate_patches import SMALLEST
-from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.bem.patch import PatchSolution
 from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz
@@ -99,7 +99,7 @@ def from_exact(
 
 
 def from_half_space(
-    solution: Solution,
+    solution: BoundaryElementSolution,
     surface: Callable[[Array, Array], Array],
     plane: float,
 ) -> Quantities:
@@ -138,7 +138,7 @@ def from_half_space(
     return quantities
 
 
-def _areas(solution: Solution, plane: float) -> float:
+def _areas(solution: BoundaryElementSolution, plane: float) -> float:
     """Area of the patches, mm2: of a single patch on the plane at the contact angle `plane` (rad),
     of several each on its own tangent plane.
     """

@@ -25,7 +25,7 @@ from railhead.postprocess.findings import (
 from railhead.postprocess.friction import unread_peak
 from railhead.postprocess.patch import compare
 from railhead.theory.bem import grid_stress
-from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.bem.patch import PatchSolution
 from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz
@@ -102,7 +102,7 @@ def of_hertz(
 
 
 def of_boundary_elements(
-    solution: Solution,
+    solution: BoundaryElementSolution,
     values: Mapping[str, Any],
     points: Points,
     frame: Frame,

@@ -9,7 +9,7 @@ import numpy as np
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import COLUMN, ROW, Array, DepthAxis, Frame, Largest, Peak
 from railhead.postprocess.patch.separate_patches import SeparatePatch
-from railhead.postprocess.stress import stick_border
+from railhead.postprocess.stress import stick_border_stress
 from railhead.postprocess.stress.peaks import Search
 from railhead.postprocess.stress.recovery import Recovery
 from railhead.postprocess.stress.solid import Solid
@@ -77,7 +77,7 @@ def read(
     }
     if rubbing is not None:
         largest = {
-            name: _or_border(each, *stick_border.stresses(fields, *bodies[name], rubbing))
+            name: _or_border(each, *stick_border_stress.stresses(fields, *bodies[name], rubbing))
             for name, each in largest.items()
         }
     places = [

@@ -17,7 +17,7 @@ import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 from railhead.postprocess.findings import NO_DEPTH, RIVAL, Array, Peak
-from railhead.postprocess.stress.recovery import Polynomial, Recovery
+from railhead.postprocess.stress.recovery import Recovery, StressPolynomial
 from railhead.postprocess.stress.solid import Solid
 from railhead.solver.fields import Fields
 from railhead.solver.space.cells import Index, tabulate
@@ -153,7 +153,7 @@ class Search:
                 place, around, value = moved, fitted, new
         return value, place
 
-    def _best_point(self, place: Array, around: Polynomial, invariant: Invariant) -> Array:
+    def _best_point(self, place: Array, around: StressPolynomial, invariant: Invariant) -> Array:
         """The lattice point (3,) of cells near a place (3,), mm, with the largest value of an
         invariant; the place itself if no lattice point is near. around: stresses as a polynomial
         around the place.
@@ -169,7 +169,7 @@ class Search:
             return place
         return np.asarray(points[np.argmax(invariant(around(points)))])
 
-    def _top(self, place: Array, around: Polynomial, invariant: Invariant) -> Array:
+    def _top(self, place: Array, around: StressPolynomial, invariant: Invariant) -> Array:
         """The top (3,) of a parabola through values of an invariant around a place (3,), mm. The
         place itself is returned if the top lies outside the body or near a sharp edge. around:
         stresses as a polynomial around the place.

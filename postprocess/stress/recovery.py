@@ -61,10 +61,10 @@ class Recovery:
         smooth = fitted.at_samples(self._samples[np.atleast_1d(nearest)]).mean(axis=0)
         return float(np.linalg.norm(smooth - own) / np.linalg.norm(own))
 
-    def around(self, point: Array) -> Polynomial:
+    def around(self, point: Array) -> StressPolynomial:
         """The polynomial fitted to the stresses around a point (3,), mm."""
         coefficients, radius = self._fit(point[None])
-        return Polynomial(point @ self._axes.T, float(radius[0]), coefficients[0], self._axes)
+        return StressPolynomial(point @ self._axes.T, float(radius[0]), coefficients[0], self._axes)
 
     def _fit(self, points: Array) -> tuple[Array, Array]:
         """Coefficients (n, k, 6) of the fits around points (n, 3), for k monomials of the offsets
@@ -83,7 +83,7 @@ class Recovery:
         return np.linalg.solve(matrix, weighted @ self._values[index]), radius
 
 
-class Polynomial:
+class StressPolynomial:
     """Stresses around a point as a cubic polynomial.
 
     radius: distance of the farthest fitted sample from the centre, mm.

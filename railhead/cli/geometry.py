@@ -22,7 +22,7 @@ from railhead.geometry import placement
 from railhead.geometry.measured import BODY_BY_EXTENSION, standards
 from railhead.geometry.measured.profile import Measured, smoothness
 from railhead.geometry.measured.standards import LaidStandard
-from railhead.geometry.placement import ContactPoint, Pair, Placed, PlacementError, Track
+from railhead.geometry.placement import ContactPoint, Placed, PlacementError, ProfilePair, Track
 from railhead.results import result_folder
 from railhead.results.report import terminal
 from railhead.scene.catalogue import portable
@@ -61,7 +61,7 @@ class Location:
     """
 
     scene: Scene
-    pair: Pair
+    pair: ProfilePair
     placed: Placed
 
     def summary(self) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from railhead.contact.bodies import bodies as solid_bodies
 from railhead.contact.dimension import Dimension
 from railhead.contact.solid import Contact
 from railhead.geometry import outlines, profiles
-from railhead.geometry.placement import Pair, parabolic_contact, upright
+from railhead.geometry.placement import ProfilePair, parabolic_contact, upright
 from railhead.geometry.profiles import Profile
 from railhead.geometry.surfaces import ExactGap, ParabolicGap, RailSurface, StraightTread
 from railhead.meshing.bodies import RAIL, WHEEL, Body
@@ -304,7 +304,7 @@ def locate(scene: Scene, dimension: Dimension) -> SectionContact:
     if scene.rail.extent == "half-space":
         return kind(scene, touch, dimension=dimension)
     flat = profiles.single_radius(math.inf, WIDE)
-    pair = geometry.pair(scene) if revolved else Pair(flat, flat, radius)
+    pair = geometry.pair(scene) if revolved else ProfilePair(flat, flat, radius)
     return kind(scene, touch, pair, upright(radius), dimension=dimension)
 
 

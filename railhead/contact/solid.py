@@ -17,10 +17,10 @@ from railhead.geometry.measured.orientation import Orientation
 from railhead.geometry.measured.profile import Measured
 from railhead.geometry.placement import (
     ContactPoint,
-    Pair,
     Placed,
     PlacementError,
     Pose,
+    ProfilePair,
     Track,
     upright,
 )
@@ -123,7 +123,7 @@ class Contact:
 
     scene: Scene
     touch: ContactPoint
-    pair: Pair | None = None
+    pair: ProfilePair | None = None
     pose: Pose | None = None
     placed: Placed | None = None
 
@@ -256,15 +256,17 @@ class Contact:
         return ExactGap(rail, wheel) if slave == RAIL else ExactGap(wheel, rail)
 
 
-def pair(scene: Scene, stretch: float = 1.0) -> Pair:
+def pair(scene: Scene, stretch: float = 1.0) -> ProfilePair:
     """Rail and wheel profiles of a scene and its rolling radius; stretch: factor on the smoothing
     wavelengths of measured profiles. Raises SceneError for a file that cannot be used.
     """
     rail, wheel = rail_profile(scene, stretch), wheel_profile(scene, stretch)
-    return Pair(rail, wheel, scene.wheel.rolling_radius)
+    return ProfilePair(rail, wheel, scene.wheel.rolling_radius)
 
 
-def place(scene: Scene, clearance: float = 0.0, both: Pair | None = None) -> tuple[Pair, Placed]:
+def place(
+    scene: Scene, clearance: float = 0.0, both: ProfilePair | None = None
+) -> tuple[ProfilePair, Placed]:
     """Lower the wheelset of a scene onto its track; return both profiles and the placed wheelset.
     clearance: gap above the lowest contact point up to which further contact points are kept, mm.
     both: profiles in place of the scene's.
@@ -279,7 +281,7 @@ def place(scene: Scene, clearance: float = 0.0, both: Pair | None = None) -> tup
         raise SceneError("wheelset.shift", text) from None
 
 
-def locate(scene: Scene, both: Pair | None = None) -> Contact:
+def locate(scene: Scene, both: ProfilePair | None = None) -> Contact:
     """First contact of the right wheel of the wheelset on its rail, with x = 0 there.
     both: profiles in place of the scene's.
     Raises SceneError where a wheel misses its rail, or the pair has no point contact with a common

@@ -90,7 +90,7 @@ def parabolic_contact(curvature_x: float, curvature_y: float) -> ContactPoint:
 
 
 @dataclass(frozen=True)
-class Pair:
+class ProfilePair:
     """The profiles of a wheel and of the rail under the wheel.
     rail: z(y) with the origin at the crown centre, mm.
     wheel: height over the nominal rolling radius, outwards, as a function of y, mm.
@@ -344,7 +344,7 @@ class Placed:
 
 
 def place(
-    pair: Pair, track: Track, shift: float = 0.0, yaw: float = 0.0, clearance: float = 0.0
+    pair: ProfilePair, track: Track, shift: float = 0.0, yaw: float = 0.0, clearance: float = 0.0
 ) -> Placed:
     """Lower a wheelset, moved by shift (mm) to the right and turned by yaw (rad), onto the track;
     the roll follows from contact on both sides.

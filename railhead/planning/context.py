@@ -12,7 +12,7 @@ from railhead.contact.solid import Contact
 from railhead.planning.references import boundary_elements, closed_forms, rail_twist
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.theory.bem import grid_stress
-from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.line import LineContact
@@ -85,7 +85,7 @@ class Context:
         return {name: part for name, part in bodies if self.decided[f"deformable_{name}"].on}
 
     @cached_property
-    def boundary_elements(self) -> Solution:
+    def boundary_elements(self) -> BoundaryElementSolution:
         """Boundary-element solution of the undeformed pair under the load or approach of the scene.
         Raises ValueError where there is no closed patch.
         """
@@ -111,7 +111,7 @@ class Context:
         return closed_forms.gap_is_quadratic(contact, hertz)
 
     @cached_property
-    def elastic(self) -> Solution | str:
+    def elastic(self) -> BoundaryElementSolution | str:
         """Boundary-element solution where the patch is not Hertz's; else text: empty where the
         patch is Hertz's, or the reason why boundary elements find no closed patch.
         """

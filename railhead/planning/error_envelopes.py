@@ -28,7 +28,7 @@ from railhead.planning.context import Context
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.postprocess.findings import FLAT
 from railhead.scene.scene import Scene
-from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.bem.boundary_element import BoundaryElementSolution
 
 T = TypeVar("T")
 STEP = 1.6  # factor on the resolution from one mesh of a sequence to the next
@@ -265,7 +265,7 @@ def of_profiles(context: Context) -> Uncertainty | None:
         return Uncertainty(math.inf, str(error))
 
 
-def around(scene: Scene, solution: Solution) -> Uncertainty:
+def around(scene: Scene, solution: BoundaryElementSolution) -> Uncertainty:
     """Twice (SAFETY) the largest relative change of pressure or area when the smoothing length of
     the measured profiles is doubled or halved.
     solution: boundary elements with the usual smoothing.

@@ -81,27 +81,27 @@ class Result:
         return list(self.summary["checks"]["failed"])
 
     @property
-    def patch(self) -> quantities.Patch:
+    def patch(self) -> quantities.PatchQuantities:
         """Half lengths and area of the contact patch."""
         return self._answer.patch
 
     @property
-    def pressure(self) -> quantities.Pressure:
+    def pressure(self) -> quantities.PressureQuantities:
         """Largest and mean contact pressure."""
         return self._answer.pressure
 
     @property
-    def stress(self) -> quantities.Stress:
+    def stress(self) -> quantities.StressQuantities:
         """The largest shear and von Mises stresses of both bodies and where they are."""
         return self._answer.stress
 
     @property
-    def plastic(self) -> quantities.Plastic | None:
+    def plastic(self) -> quantities.PlasticQuantities | None:
         """Yield under the load and the state after unloading; None where nothing yields."""
         return self._answer.plastic
 
     @property
-    def friction(self) -> quantities.Friction | None:
+    def friction(self) -> quantities.FrictionQuantities | None:
         """Forces, creepages or shifts, and stick; None without friction."""
         return self._answer.friction
 

@@ -81,7 +81,7 @@ friction, steel = (partial(quantity, table=name) for name in ("friction", "steel
 
 
 @dataclass(frozen=True, kw_only=True)
-class Patch:
+class PatchQuantities:
     """The contact patch.
 
     a: half length along the rail, mm.
@@ -113,7 +113,7 @@ class Patch:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Pressure:
+class PressureQuantities:
     """The contact pressure.
 
     max: largest pressure, MPa.
@@ -152,7 +152,7 @@ class AxisStress:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stress:
+class StressQuantities:
     """Largest stresses of both bodies.
 
     tau_max: largest shear stress, MPa.
@@ -222,7 +222,7 @@ class FrictionResolution:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Friction:
+class FrictionQuantities:
     """Friction of the wheel on the rail, and its effect on the steel. None where a quantity does
     not belong to the motion (rolling, or a shift).
 
@@ -338,7 +338,7 @@ class Friction:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Plastic:
+class PlasticQuantities:
     """Yield under the load, and the state after unloading.
 
     load_over_first_yield: load over the load of first yield.
@@ -387,16 +387,16 @@ class Answer:
     plastic: None without yield.
     """
 
-    patch: Patch = quantity("patch", record=Patch)
-    pressure: Pressure = quantity("pressure", record=Pressure)
+    patch: PatchQuantities = quantity("patch", record=PatchQuantities)
+    pressure: PressureQuantities = quantity("pressure", record=PressureQuantities)
     approach: float = quantity(
         "approach_mm", "mm", "approach", column="found approach", estimated=True, compared=True
     )
     load: float = quantity("load_N", "N", "load", table="load", column="found load")
     contact_point: list[float] | None = quantity("contact_point_mm")
-    stress: Stress = quantity("stress", record=Stress)
-    friction: Friction | None = quantity("friction", record=Friction)
-    plastic: Plastic | None = quantity("plastic", record=Plastic)
+    stress: StressQuantities = quantity("stress", record=StressQuantities)
+    friction: FrictionQuantities | None = quantity("friction", record=FrictionQuantities)
+    plastic: PlasticQuantities | None = quantity("plastic", record=PlasticQuantities)
 
 
 def read(record: type[T], values: Mapping[str, Any]) -> T:

@@ -35,7 +35,7 @@ from railhead.solver.friction.surface_response import (
     SurfaceResponse,
     far_displacement,
 )
-from railhead.solver.plasticity.response import ElasticResponse
+from railhead.solver.plasticity.load_stepping import ElasticResponse
 from railhead.solver.solution import FrictionSolution, Solution
 from railhead.theory.friction.rolling import (
     Creepage,
@@ -44,7 +44,7 @@ from railhead.theory.friction.rolling import (
     solve_for_forces,
 )
 from railhead.theory.friction.smooth_tractions import SmoothTractions
-from railhead.theory.friction.tangential import Pair, TractionInfluence, pair
+from railhead.theory.friction.tangential import MaterialPair, TractionInfluence, pair
 
 Array = NDArray[np.float64]
 Stage = Callable[[str], None]
@@ -410,7 +410,7 @@ def apply(
     return condensed_friction(model, response, case, pressed)
 
 
-def materials(model: ContactModel) -> Pair:
+def materials(model: ContactModel) -> MaterialPair:
     """Combined constants of the wheel's and the rail's material for tangential contact."""
     wheel, rail = model.setup.moving.material, model.setup.fixed.material
     return pair(wheel.young_modulus, wheel.poisson_ratio, rail.young_modulus, rail.poisson_ratio)

@@ -18,7 +18,7 @@ from petsc4py import PETSc
 from railhead.solver import compat
 from railhead.solver.algebra.linear import Preconditioner, factorise, near_nullspace
 from railhead.solver.algebra.problem import ContactProblem, Mask
-from railhead.solver.algebra.stiffness import Stiffness
+from railhead.solver.algebra.reduced_stiffness import Stiffness
 from railhead.solver.space.operators import vector, weighted_product
 
 COARSE_DIRECT_BELOW = 40_000  # unknowns of the P1 level (measured from 20 000 to 33 000)

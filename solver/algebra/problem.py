@@ -20,7 +20,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from railhead.solver.algebra.stiffness import Stiffness
+from railhead.solver.algebra.reduced_stiffness import Stiffness
 from railhead.solver.space.cells import Array
 from railhead.solver.space.constraints import Reduction
 from railhead.solver.space.interface import ContactLaw, Interface

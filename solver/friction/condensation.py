@@ -35,7 +35,7 @@ from railhead.solver.algebra.linear import factorise
 from railhead.solver.algebra.problem import Mask
 from railhead.solver.contact_system import ContactSystem
 from railhead.solver.friction.surface_response import far_field, rows, rows_at, surface_tangents
-from railhead.solver.plasticity.response import ElasticResponse
+from railhead.solver.plasticity.load_stepping import ElasticResponse
 from railhead.solver.setup import FrictionSettings
 from railhead.solver.solution import Solution
 from railhead.solver.space.cells import Array, Index

@@ -11,7 +11,7 @@ from railhead.solver.contact_system import ContactSystem, LoadCase
 from railhead.solver.friction.condensation import ContactCompliance, StaticCondensation
 from railhead.solver.friction.coulomb import TINY, CoulombContact, TangentialState
 from railhead.solver.friction.surface_response import far_displacement
-from railhead.solver.plasticity.response import ElasticResponse
+from railhead.solver.plasticity.load_stepping import ElasticResponse
 from railhead.solver.setup import FrictionSettings
 from railhead.solver.solution import FrictionSolution, Solution
 from railhead.solver.space.cells import Array

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from railhead.geometry import profiles
-from railhead.geometry.placement import Pair, Track, place
+from railhead.geometry.placement import ProfilePair, Track, place
 from railhead.postprocess.pictures.plots.diagrams import FE, GREY, HERTZ, new_figure
 from studies import tables
 from studies.mechanics import creep_runs as changes
@@ -208,7 +208,7 @@ def draw_axes(path: Path) -> None:
 
 
 def _front(axes: Axes) -> None:
-    pair = Pair(profiles.rail_head("60E1", 1 / 40), profiles.s1002(), 460.0)
+    pair = ProfilePair(profiles.rail_head("60E1", 1 / 40), profiles.s1002(), 460.0)
     side = place(pair, Track(gauge=1435.0), shift=SHIFT).right
     touch, y = side.touches[0], np.linspace(*pair.rail.domain, 801)
     outline = pair.outline(side.pose, np.linspace(*pair.wheel.domain, 801)).points[:, 1:].T

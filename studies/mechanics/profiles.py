@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 
 from railhead.contact import solid
-from railhead.geometry.placement import Pair
+from railhead.geometry.placement import ProfilePair
 from railhead.geometry.profiles import Array, Piece, Profile
 from railhead.planning import error_envelopes
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.scene.scene import Scene, SceneError
 from railhead.sweeps import worker_pool
-from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from studies import tables
 
 NOISES: tuple[float, ...] = (0.0, 2.0, 10.0, 20.0)  # um
@@ -75,13 +75,13 @@ class Case:
         base = {"name": "worn", "load": 1e5, "wheel": {"rolling_radius": 460}}
         return Scene.from_mapping(base).replace(self.keys)
 
-    def true(self) -> Pair:
+    def true(self) -> ProfilePair:
         """The worn pair without noise."""
         pair = solid.pair(self.scene)
         new: Profile = getattr(pair, self.worn)
         pieces = tuple(Worn(piece, self.wear) for piece in new.pieces)
         bodies = {"rail": pair.rail, "wheel": pair.wheel, self.worn: Profile(new.name, pieces)}
-        return Pair(bodies["rail"], bodies["wheel"], pair.rolling_radius)
+        return ProfilePair(bodies["rail"], bodies["wheel"], pair.rolling_radius)
 
     def measured(self, folder: Path, spacing: float, noise: float, seed: int) -> Scene:
         """The scene with the points of a gauge in a file; spacing along the profile in mm, noise of
@@ -164,13 +164,13 @@ the area (alike); more: seeds with more contacts than there are, or none; open: 
 uncertainty that the plan says; held: share of the seeds whose pressure is within it."""
 
 
-def solved(scene: Scene, pair: Pair | None = None) -> Solution:
+def solved(scene: Scene, pair: ProfilePair | None = None) -> BoundaryElementSolution:
     """Half-spaces of a scene, or of other profiles in it."""
     contact = solid.locate(scene, pair)
     return boundary_elements.solve(contact, closed_forms.ellipse(scene, contact), scene.load)
 
 
-def contacts(found: Solution) -> int:
+def contacts(found: BoundaryElementSolution) -> int:
     """That carry a part of the load."""
     return sum(patch.force > COUNTED * found.force for patch in found.patches)
 

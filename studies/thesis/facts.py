@@ -18,7 +18,7 @@ from scipy.optimize import minimize_scalar
 
 from railhead.contact import solid
 from railhead.geometry import placement, profiles
-from railhead.geometry.placement import Pair
+from railhead.geometry.placement import ProfilePair
 from railhead.planning.references import closed_forms
 from railhead.scene.scene import Scene
 from railhead.theory.bem import boundary_element
@@ -223,7 +223,7 @@ def profile_facts() -> dict[str, float]:
     for tread in TREADS:
         wheel = profiles.cone(profiles.CONES[tread], solid.TREAD_HALF_WIDTH, tread)
         for name, slope in INCLINATIONS.items():
-            pair = Pair(profiles.rail_head("54E1", slope), wheel, 420.0)
+            pair = ProfilePair(profiles.rail_head("54E1", slope), wheel, 420.0)
             touch = placement.place(pair, placement.Track()).right.touches[0]
             angle = math.atan(slope)
             found[f"y {tread} {name}"] = touch.y * math.cos(angle) + touch.z * math.sin(angle)

@@ -17,7 +17,7 @@ from railhead.run import model_setup
 from railhead.run.half_spaces import normal_contact
 from railhead.run.half_spaces.tangential_contact import solve_by_boundary_elements
 from railhead.scene.scene import SceneError
-from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.bem.patch import PatchSolution
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction, TangentialSolution
 
@@ -126,7 +126,9 @@ def rolled_alone(contact: Contact, pressed: PatchSolution, slip: np.ndarray) -> 
     return body.solve(Creepage())
 
 
-def independent(contact: Contact, known: Solution, radius: float) -> dict[str, float]:
+def independent(
+    contact: Contact, known: BoundaryElementSolution, radius: float
+) -> dict[str, float]:
     """Forces over mu N and T-gamma, N, of half-spaces under the pressures of a solution; places of
     their cells on the rail's profile and their slip are made here."""
     rail, touch = contact.pair.rail, contact.touch

@@ -6,9 +6,9 @@ from scipy.spatial.transform import Rotation
 
 from railhead.geometry import placement, profiles
 from railhead.geometry.placement import (
-    Pair,
     PlacementError,
     Pose,
+    ProfilePair,
     Side,
     Track,
     gauge_face,
@@ -20,17 +20,23 @@ from railhead.geometry.placement import (
 from railhead.geometry.surfaces import ExactGap, ParabolicGap, RailSurface, WheelSurface, along
 
 PAIRS = [
-    (Pair(profiles.rail_head("54E1"), profiles.cone(0, 67, "cylinder"), 420.0), 0.0),
-    (Pair(profiles.rail_head("54E1", 1 / 20), profiles.cone(1 / 20, 67, "cone20"), 420.0), 0.0),
-    (Pair(profiles.rail_head("54E1", 1 / 40), profiles.cone(1 / 20, 67, "cone20"), 420.0), 2.0),
-    (Pair(profiles.rail_head("60E1", 1 / 40), profiles.s1002(), 460.0), 1.0),
-    (Pair(profiles.single_radius(80, 30), profiles.single_radius(-330, 60), 420.0), 3.0),
+    (ProfilePair(profiles.rail_head("54E1"), profiles.cone(0, 67, "cylinder"), 420.0), 0.0),
+    (
+        ProfilePair(profiles.rail_head("54E1", 1 / 20), profiles.cone(1 / 20, 67, "cone20"), 420.0),
+        0.0,
+    ),
+    (
+        ProfilePair(profiles.rail_head("54E1", 1 / 40), profiles.cone(1 / 20, 67, "cone20"), 420.0),
+        2.0,
+    ),
+    (ProfilePair(profiles.rail_head("60E1", 1 / 40), profiles.s1002(), 460.0), 1.0),
+    (ProfilePair(profiles.single_radius(80, 30), profiles.single_radius(-330, 60), 420.0), 3.0),
 ]
 TURNS = [(0.0, 0.0), (0.02, 0.004)]
 
 
 def lowered(
-    pair: Pair, shift: float, yaw: float, roll: float
+    pair: ProfilePair, shift: float, yaw: float, roll: float
 ) -> tuple[placement.ContactPoint, Pose]:
     """First contact and the wheel's pose in contact."""
     hanging = Pose(turned(yaw, roll), np.array([0.0, shift, 0.0]))
@@ -60,31 +66,31 @@ def test_bodies_touch_and_nowhere_overlap(pair, shift, yaw, roll) -> None:
     np.testing.assert_allclose(rail, -wheel, atol=1e-9)
 
 
-def surfaces(pair: Pair, pose: Pose) -> tuple[RailSurface, WheelSurface]:
+def surfaces(pair: ProfilePair, pose: Pose) -> tuple[RailSurface, WheelSurface]:
     return RailSurface(pair.rail), WheelSurface(pair.wheel, pair.rolling_radius, pose)
 
 
 def test_contact_positions_known_from_geometry() -> None:
     """54E1 and a 1:20 cone: on the axis if inclined 1:20, 11.34 mm on R80 if not."""
     cone = profiles.cone(1 / 20, 67, "cone20")
-    inclined, _ = lowered(Pair(profiles.rail_head("54E1", 1 / 20), cone, 420.0), 0, 0, 0)
+    inclined, _ = lowered(ProfilePair(profiles.rail_head("54E1", 1 / 20), cone, 420.0), 0, 0, 0)
     assert inclined.y == pytest.approx(0.0, abs=1e-9)
     assert 1 / inclined.curvature_y == pytest.approx(300, rel=1e-9)
     assert 1 / inclined.curvature_x == pytest.approx(420 * np.sqrt(1 + 1 / 400), rel=1e-9)
-    straight, _ = lowered(Pair(profiles.rail_head("54E1"), cone, 420.0), 0, 0, 0)
+    straight, _ = lowered(ProfilePair(profiles.rail_head("54E1"), cone, 420.0), 0, 0, 0)
     assert straight.y == pytest.approx(-11.34, abs=0.005)
     assert 1 / straight.curvature_y == pytest.approx(80, rel=1e-9)
 
 
 def test_profiles_that_do_not_overlap_are_refused() -> None:
-    pair = Pair(profiles.rail_head("54E1"), profiles.cone(0, 20, "short"), 420.0)
+    pair = ProfilePair(profiles.rail_head("54E1"), profiles.cone(0, 20, "short"), 420.0)
     with pytest.raises(placement.PlacementError, match="over the rail"):
         pair.touches(upright(420.0, 80.0))
 
 
 def test_two_contacts_are_both_found_and_their_gap_is_the_clearance() -> None:
     """S1002 on 60E1 touches at two points that differ by a few micrometres in height."""
-    pair = Pair(profiles.rail_head("60E1", 1 / 40), profiles.s1002(), 460.0)
+    pair = ProfilePair(profiles.rail_head("60E1", 1 / 40), profiles.s1002(), 460.0)
     pose = upright(0.0, 750 - 753.0347)
     first, second = pair.touches(pose, 0.05)
     assert second.gap - first.gap == pytest.approx(0.0085, abs=5e-4)
@@ -154,7 +160,7 @@ def test_parabolic_gap_is_hertz_own() -> None:
 # A wheelset on its track, against the Manchester geometry and a search in three dimensions.
 
 RAIL = profiles.rail_head("60E1", 1 / 40)
-PAIR = Pair(RAIL, profiles.s1002(), 460.0)
+PAIR = ProfilePair(RAIL, profiles.s1002(), 460.0)
 TRACK = Track(gauge=1435.0)
 
 
@@ -176,7 +182,13 @@ def test_gauge_is_measured_14_mm_below_the_top_of_the_rail() -> None:
 
 
 def search(
-    pair: Pair, shift: float, yaw: float, roll: float, height: float, side: int, curve: float = 0.0
+    pair: ProfilePair,
+    shift: float,
+    yaw: float,
+    roll: float,
+    height: float,
+    side: int,
+    curve: float = 0.0,
 ) -> tuple:
     """Lowest point over the rail of a dense 3-D cloud of wheel points, by repeated zooming.
 
@@ -245,7 +257,9 @@ def test_left_and_right_change_places_with_the_sign_of_the_position() -> None:
 
 def test_cones_on_crowned_rails_have_their_known_conicity() -> None:
     """Difference 2 slope shift / (1 - slope (R_rail + r) / b): the roll moves the contact, too."""
-    cone = Pair(profiles.rail_head("54E1", 1 / 20), profiles.cone(1 / 20, 60, "cone20"), 460.0)
+    cone = ProfilePair(
+        profiles.rail_head("54E1", 1 / 20), profiles.cone(1 / 20, 60, "cone20"), 460.0
+    )
     placed = place(cone, Track(), 2.0)
     expected = 2 * 2 / 20 / (1 - (300 + 460) / 750 / 20)
     assert placed.rolling_radius_difference == pytest.approx(expected, rel=2e-3)

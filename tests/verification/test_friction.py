@@ -20,7 +20,7 @@ from railhead.run import mesh_solution, model_setup
 from railhead.scene.scene import SceneError
 from railhead.solver.contact import ContactModel
 from railhead.solver.friction.surface_response import surface_tangents
-from railhead.solver.plasticity.response import ElasticResponse, PlasticResponse
+from railhead.solver.plasticity.load_stepping import ElasticResponse, PlasticResponse
 from railhead.sweeps import sweep_table
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.friction import partial_slip

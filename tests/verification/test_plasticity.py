@@ -24,7 +24,7 @@ from railhead.run import mesh_solution, quantities
 from railhead.solver.algebra import linear
 from railhead.solver.contact import ContactModel
 from railhead.solver.contact_system import LoadCase
-from railhead.solver.plasticity import response
+from railhead.solver.plasticity import load_stepping
 from railhead.solver.solution import Solution
 
 REFERENCE = json.loads(
@@ -98,7 +98,7 @@ def test_a_load_step_whose_start_stalls_begins_from_the_last_one(five, monkeypat
     stalls, solve = [], linear.solve
 
     def stalling(*given: Any, **named: Any) -> int:
-        if given[5:] == (response.PREDICTOR_TOLERANCE,):
+        if given[5:] == (load_stepping.PREDICTOR_TOLERANCE,):
             stalls.append(1)
             raise linear.StalledError(1, "the linear solver stalls")
         return solve(*given, **named)
@@ -128,7 +128,7 @@ def test_a_surface_that_bulges_everywhere_has_a_negative_depth(normal, depth) ->
         nodes_on_facets=lambda *_: np.arange(2),
     )
     moved = SimpleNamespace(displacement=SimpleNamespace(array=np.array([0, 1e-3, 0, 3e-3])))
-    found = response.indentation_depth(system, moved, np.ones(1))
+    found = load_stepping.indentation_depth(system, moved, np.ones(1))
     assert found == {RAIL: pytest.approx(depth)}
 
 
@@ -146,8 +146,8 @@ def test_cycles_press_the_spot_as_often_as_asked() -> None:
 def test_twenty_steps_of_unloading_leave_the_same_stress(monkeypatch) -> None:
     """Two steps down left 0.7 % more: they miss the yield as the patch begins to shrink."""
     left = []
-    for steps in (response.UNLOADING, tuple(np.linspace(0.95, 0.05, 19))):
-        monkeypatch.setattr(response, "UNLOADING", steps)
+    for steps in (load_stepping.UNLOADING, tuple(np.linspace(0.95, 0.05, 19))):
+        monkeypatch.setattr(load_stepping, "UNLOADING", steps)
         found = rh.solve(pressed(20.0, mesh={"patch_size": 0.4 * RADIUS}), quiet=True)
         left.append(found.as_dict()["result"]["plastic"]["residual_von_mises_max_MPa"])
     assert left[0] == pytest.approx(left[1], rel=5e-3)

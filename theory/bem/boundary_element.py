@@ -29,7 +29,7 @@ FAR = 1e9  # mm; a wider gap never closes
 
 
 @dataclass(frozen=True)
-class Solution:
+class BoundaryElementSolution:
     """Normal contact of half-spaces in several windows (rectangular domains of cells) that do not
     overlap.
 
@@ -41,7 +41,7 @@ class Solution:
 
     windows: tuple[PatchSolution, ...]
     contact_modulus: float
-    coarse: Solution | None = None
+    coarse: BoundaryElementSolution | None = None
 
     @property
     def approach(self) -> float:
@@ -141,7 +141,7 @@ def solve_developed(
     approach: float | None = None,
     cells: int = 128,
     tolerance: float = 1e-8,
-) -> Solution:
+) -> BoundaryElementSolution:
     """Normal contact on a developed (unrolled) curved surface, of patches that may lie far apart.
 
     Solves gap + u(p) - approach cos(angle) >= 0 with p >= 0 and one of both zero in each cell, and
@@ -186,7 +186,7 @@ def _search(
     cells: int,
     tolerance: float,
     split: bool,
-) -> Solution:
+) -> BoundaryElementSolution:
     """Solve on domains that are adapted until each suits its patch, first coarse, then with `cells`
     cells along each axis.
 
@@ -223,7 +223,7 @@ def _search(
         patches = equilibrium(
             grids, undeformed, contact_modulus, load, approach, tolerance, found
         )  # fmt: skip
-        found = Solution(tuple(patches), contact_modulus, coarse if fine else None)
+        found = BoundaryElementSolution(tuple(patches), contact_modulus, coarse if fine else None)
         better = domains.suited(patches, where, fine=fine, split=split)
         settled = len(better) == len(where) and all(map(np.array_equal, better, where))
         if settled and (fine or cells <= SEARCH_CELLS):
@@ -259,7 +259,7 @@ def equilibrium(
     load: float | None,
     approach: float | None,
     tolerance: float,
-    guess: Solution | None,
+    guess: BoundaryElementSolution | None,
 ) -> list[PatchSolution]:
     """Pressure on fixed grids by constrained conjugate gradients (Polonsky and Keer, Wear 231,
     1999).
@@ -324,7 +324,7 @@ def equilibrium(
     )
 
 
-def _interpolated(guess: Solution, grid: Grid) -> Array:
+def _interpolated(guess: BoundaryElementSolution, grid: Grid) -> Array:
     """Pressure (nx, ns), MPa, of an earlier solution, interpolated to the cells of a grid; 0
     outside.
     """

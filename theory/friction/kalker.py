@@ -6,7 +6,8 @@ sign. Forces at vanishing creepage:
     F_x = G a b C11 xi_x    F_y = G a b (C22 xi_y + sqrt(a b) C23 phi)
     M_z = G a b (-sqrt(a b) C23 xi_y + a b C33 phi)
 
-G and nu are those of the pair of materials (`theory.friction.tangential.Pair`), which must be like.
+G and nu are those of the pair of materials (`theory.friction.tangential.MaterialPair`), which must
+be like.
 FASTSIM (Vehicle System Dynamics 11, 1982) takes the surface as a bed of springs: a traction
 displaces its own place by L times itself, against it. The three flexibilities L make small
 creepages give the forces of the linear theory. The bound of the traction is the parabola 2 mu

@@ -27,8 +27,8 @@ from railhead.theory.bem.boundary_element import equilibrium
 from railhead.theory.bem.influence import Influence
 from railhead.theory.bem.patch import PatchSolution
 from railhead.theory.elastic.hertz import Ellipse
-from railhead.theory.friction.coulomb import Tractions
-from railhead.theory.friction.tangential import Pair, TractionInfluence
+from railhead.theory.friction.coulomb_solver import CoulombSolver
+from railhead.theory.friction.tangential import MaterialPair, TractionInfluence
 
 Array = NDArray[np.float64]
 TOLERANCE = 1e-8  # of the tractions
@@ -136,7 +136,7 @@ class HalfSpaceFriction:
         y: Array,
         pressure: Array,
         friction: float,
-        pair: Pair,
+        pair: MaterialPair,
         *,
         rolling: bool,
         modes: Array | None = None,
@@ -164,7 +164,7 @@ class HalfSpaceFriction:
             raise ValueError(f"friction must be positive and finite, got {friction}")
         self._x, self._y, self._bound = x, y, friction * pressure
         self._influence = TractionInfluence(x, y, pair, rolling=rolling, added=added)
-        self._tractions = Tractions(self._influence, self._bound)
+        self._tractions = CoulombSolver(self._influence, self._bound)
         inside = np.where(pressure > 0, 1.0, 0.0)
         self._modes = inside * (plane_modes(x, y) if modes is None else modes)
         self._drawn: Array = np.zeros((2, *pressure.shape)) if drawn is None else inside * drawn
@@ -174,7 +174,13 @@ class HalfSpaceFriction:
 
     @classmethod
     def hertz(
-        cls, ellipse: Ellipse, friction: float, pair: Pair, *, rolling: bool, cells: int = 64
+        cls,
+        ellipse: Ellipse,
+        friction: float,
+        pair: MaterialPair,
+        *,
+        rolling: bool,
+        cells: int = 64,
     ) -> HalfSpaceFriction:
         """Tangential contact under Hertz's pressure on an ellipse. friction: coefficient; pair:
         materials; rolling: steady rolling, else one shift; cells: number along each axis.
@@ -238,7 +244,7 @@ def plane_modes(x: Array, y: Array) -> Array:
 
 def solve_dissimilar(
     patch: PatchSolution,
-    pair: Pair,
+    pair: MaterialPair,
     friction: float,
     shear: Callable[[HalfSpaceFriction], TangentialSolution],
     *,

@@ -30,7 +30,7 @@ CENTRAL: Upstream = ((-0.5, 1.0), (0.5, -1.0))  # the same of what does not foll
 
 
 @dataclass(frozen=True)
-class Pair:
+class MaterialPair:
     """Elastic constants of wheel (w) and rail (r) combined for tangential contact (Kalker 1990,
     1.43).
 
@@ -50,7 +50,9 @@ class Pair:
         return abs(self.mismatch) < NO_MISMATCH
 
 
-def pair(young_wheel: float, poisson_wheel: float, young_rail: float, poisson_rail: float) -> Pair:
+def pair(
+    young_wheel: float, poisson_wheel: float, young_rail: float, poisson_rail: float
+) -> MaterialPair:
     """Combined constants of a wheel and a rail. young_wheel, young_rail: Young's moduli, MPa,
     math.inf is rigid. ValueError: a modulus that is not positive, a Poisson ratio outside (-1,
     0.5], or two rigid bodies.
@@ -63,7 +65,7 @@ def pair(young_wheel: float, poisson_wheel: float, young_rail: float, poisson_ra
     modulus = 2 / (wheel + rail)
     unlike = (1 - 2 * poisson_wheel) * wheel - (1 - 2 * poisson_rail) * rail
     poisson = (poisson_wheel * wheel + poisson_rail * rail) / (wheel + rail)
-    return Pair(modulus, poisson, modulus * unlike / 4)
+    return MaterialPair(modulus, poisson, modulus * unlike / 4)
 
 
 class TractionInfluence:
@@ -83,7 +85,7 @@ class TractionInfluence:
         self,
         x: Array,
         y: Array,
-        pair: Pair,
+        pair: MaterialPair,
         *,
         rolling: bool,
         added: Callable[[Array], Array] | None = None,

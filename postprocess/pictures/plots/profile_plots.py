@@ -12,7 +12,7 @@ import numpy as np
 
 from railhead.geometry.measured.profile import Measured, inner
 from railhead.geometry.measured.standards import LaidStandard
-from railhead.geometry.placement import ContactPoint, Pair, Placed, Side
+from railhead.geometry.placement import ContactPoint, Placed, ProfilePair, Side
 from railhead.postprocess.findings import Array
 from railhead.postprocess.pictures.plots.diagrams import minus, new_figure
 
@@ -26,7 +26,7 @@ LIFT = 25.0  # mm between wheel and rail in the picture of the positions
 RAW, SMOOTH, STANDARD, LOST = "#9a9a9a", "#1f4e79", "#c8502d", "#9a5f00"
 
 
-def profiles(pair: Pair, placed: Placed, path: Path, title: str = "") -> None:
+def profiles(pair: ProfilePair, placed: Placed, path: Path, title: str = "") -> None:
     """Write a PNG file with two panels, the left and the right wheel on their rails, seen along the
     track, with all contact points.
 
@@ -77,7 +77,7 @@ def profiles(pair: Pair, placed: Placed, path: Path, title: str = "") -> None:
 
 
 def positions(
-    pair: Pair, swept: Sequence[tuple[float, Placed]], path: Path, title: str = ""
+    pair: ProfilePair, swept: Sequence[tuple[float, Placed]], path: Path, title: str = ""
 ) -> None:
     """Write a PNG file of the right wheel, lifted above the right rail. Lines join each contact on
     the rail with the same contact on the wheel, coloured by the lateral shift.

@@ -25,7 +25,7 @@ from railhead.meshing.bodies import BODY_NAMES, RAIL
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.planning.references.boundary_elements import Developed
 from railhead.postprocess.patch.separate_patches import SMALLEST
-from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.elastic import halfspace
 from railhead.theory.elastic.hertz import Ellipse
 
@@ -37,7 +37,9 @@ Allowance = dict[str, float]
 "total"."""
 
 
-def added_stress(contact: Contact, deformable: Sequence[int], solved: Solution | Ellipse) -> float:
+def added_stress(
+    contact: Contact, deformable: Sequence[int], solved: BoundaryElementSolution | Ellipse
+) -> float:
     """Stress, MPa, that held and free faces of the bodies add below a patch under a force F: F/(2
     pi H^2) of a face held at the depth H, half of that of an edge at the distance H, as
     Boussinesq's stresses fall. The face that adds most counts. Arguments: as in `allowance`.
@@ -101,7 +103,10 @@ class _Patch(NamedTuple):
 
 
 def allowance(
-    contact: Contact, deformable: Sequence[int], solved: Solution | Ellipse, twist: float
+    contact: Contact,
+    deformable: Sequence[int],
+    solved: BoundaryElementSolution | Ellipse,
+    twist: float,
 ) -> dict[str, Allowance]:
     """Allowed relative differences by "max_MPa" and "area_mm2", of a solid contact of profiles.
 
@@ -127,7 +132,7 @@ def allowance(
     return allowed
 
 
-def _patches(surface: Developed, solved: Solution | Ellipse) -> list[_Patch]:
+def _patches(surface: Developed, solved: BoundaryElementSolution | Ellipse) -> list[_Patch]:
     """The patches of a half-space solution but those with less than SMALLEST of the force, or
     Hertz's patch at s = 0.
     """

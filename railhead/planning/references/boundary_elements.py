@@ -18,7 +18,7 @@ from scipy.ndimage import find_objects, label
 from railhead.contact.solid import Contact
 from railhead.geometry.surfaces import along
 from railhead.theory.bem import boundary_element
-from railhead.theory.bem.boundary_element import Solution, Window
+from railhead.theory.bem.boundary_element import BoundaryElementSolution, Window
 from railhead.theory.elastic.contacts import Hertz
 
 Array = NDArray[np.float64]
@@ -91,7 +91,9 @@ def develop(contact: Contact) -> Developed:
     return Developed(contact, s - s[np.searchsorted(y, contact.touch.y)], y)
 
 
-def solve(contact: Contact, ellipse: Hertz, load: float | None, cells: int = CELLS) -> Solution:
+def solve(
+    contact: Contact, ellipse: Hertz, load: float | None, cells: int = CELLS
+) -> BoundaryElementSolution:
     """Boundary-element solution with all patches of a contact under a vertical load (N), or at the
     ellipse's approach.
     ellipse: exact Hertz for the first contact.
@@ -125,7 +127,9 @@ def solve(contact: Contact, ellipse: Hertz, load: float | None, cells: int = CEL
     )
 
 
-def _inside(surface: Developed, found: Solution, x: Array, s: Array, height: Array) -> Array:
+def _inside(
+    surface: Developed, found: BoundaryElementSolution, x: Array, s: Array, height: Array
+) -> Array:
     """Depth (n,) in mm of the wheel's contact locus in the rail outside of the windows of a
     solution; zero where this is at most 0.1 % (PENETRATION) of the approach.
     x, s, height: (n,) of the locus in the developed plane, mm.

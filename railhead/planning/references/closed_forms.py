@@ -13,7 +13,7 @@ from railhead.theory.elastic import contacts, hertz
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.friction import tangential
-from railhead.theory.friction.tangential import Pair
+from railhead.theory.friction.tangential import MaterialPair
 
 CONTINUUM = 1e-6  # mm, least half length of a patch: some atoms
 LARGEST = 1e6  # mm, largest half length of a patch: no body is longer
@@ -35,7 +35,7 @@ def contact_modulus(scene: Scene) -> float:
     )
 
 
-def tangential_pair(scene: Scene) -> Pair:
+def tangential_pair(scene: Scene) -> MaterialPair:
     """Shear modulus, Poisson's ratio and mismatch of both materials combined, as tractions see
     them.
     """

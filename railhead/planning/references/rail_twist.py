@@ -17,7 +17,7 @@ from railhead.contact.solid import Contact
 from railhead.geometry import profiles
 from railhead.geometry.placement import PlacementError
 from railhead.planning.references import boundary_elements, closed_forms
-from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.elastic.contacts import Hertz
 
 MEASURED = json.loads(
@@ -64,7 +64,7 @@ def twisted(contact: Contact, angle: float, aside: float) -> Contact:
     return replace(contact, touch=pair.touches(pose)[0], pair=pair, pose=pose)
 
 
-def change(contact: Contact, before: Solution, angle: float, aside: float) -> float:
+def change(contact: Contact, before: BoundaryElementSolution, angle: float, aside: float) -> float:
     """Larger relative change of the largest pressure and of the area where the rail is turned by
     `angle` (rad) and moved by -aside (mm), by boundary elements.
     before: solution without twist, under the same load.

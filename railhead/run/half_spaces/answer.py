@@ -23,12 +23,12 @@ from railhead.postprocess import friction
 from railhead.postprocess.findings import Findings
 from railhead.postprocess.patch import compare, half_space
 from railhead.run.half_spaces import normal_contact, tangential_contact
-from railhead.run.half_spaces.normal_contact import CELLS, Patch
+from railhead.run.half_spaces.normal_contact import CELLS, PressedPatch
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
 from railhead.run.quantities import numeric_values
 from railhead.solver.solution import FrictionSolution
-from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.friction.rolling import TangentialSolution
 
@@ -128,7 +128,7 @@ def _solve(plan: Plan) -> HalfSpaceSolution:
     raise ValueError("no pressure balances the load beside the tractions")
 
 
-def _pressed(plan: Plan, load: float | None) -> Solution | None:
+def _pressed(plan: Plan, load: float | None) -> BoundaryElementSolution | None:
     """Boundary elements of the profiles of a plan under a vertical load (N), None for the approach
     of the scene; None between half-spaces, whose pressure is Hertz's. Raises ValueError where they
     fail.
@@ -138,7 +138,7 @@ def _pressed(plan: Plan, load: float | None) -> Solution | None:
     return boundary_elements.solve(plan.contact, plan.estimate, load, CELLS)
 
 
-def _read(plan: Plan, profiles: Solution | None) -> HalfSpaceSolution:
+def _read(plan: Plan, profiles: BoundaryElementSolution | None) -> HalfSpaceSolution:
     """The frictionless solution with the quantities read from it. profiles: boundary elements; None
     between half-spaces.
     """
@@ -179,7 +179,7 @@ def _error_parts(
     plan: Plan,
     result: Mapping[str, Any],
     grid: Mapping[str, float],
-    profiles: Solution | None,
+    profiles: BoundaryElementSolution | None,
     *,
     hertzian: bool,
 ) -> Parts:
@@ -212,7 +212,7 @@ def _error_parts(
     return parts
 
 
-def _with_friction(plain: HalfSpaceSolution, sheared: Tractions) -> HalfSpaceSolution:
+def _with_friction(plain: HalfSpaceSolution, sheared: PatchTractions) -> HalfSpaceSolution:
     """A frictionless solution with tractions on it; its load is what both carry."""
     plan, scene = plain.plan, plain.plan.scene
     assert plain.findings is not None and plain.result is not None
@@ -271,7 +271,7 @@ def _with_friction(plain: HalfSpaceSolution, sheared: Tractions) -> HalfSpaceSol
 
 
 @dataclass(frozen=True, kw_only=True)
-class Tractions:
+class PatchTractions:
     """Tractions on pressed patches of half-spaces.
 
     patches: the pressed patches.
@@ -281,7 +281,7 @@ class Tractions:
     grid_error: change of the forces from a grid of half as many cells each way, over mu N.
     """
 
-    patches: Sequence[Patch]
+    patches: Sequence[PressedPatch]
     found: Sequence[TangentialSolution]
     share: float
     grid_error: float
@@ -296,7 +296,7 @@ class Tractions:
         )
 
 
-def _tractions(plan: Plan, profiles: Solution | None, load: float) -> Tractions:
+def _tractions(plan: Plan, profiles: BoundaryElementSolution | None, load: float) -> PatchTractions:
     """Tractions of half-spaces pressed by a vertical load (N), at the creepages or forces of a
     plan. profiles: boundary elements of the profiles; None between half-spaces. Raises ValueError
     where patches or tractions are not found.
@@ -324,10 +324,10 @@ def _tractions(plan: Plan, profiles: Solution | None, load: float) -> Tractions:
         forces = np.sum([each.forces for each in sheared], axis=0)
         shares.append(forces[:2] / sum(each.limit for each in sheared))
     error = float(np.abs(shares[1] - shares[0]).max())
-    return Tractions(patches=patches, found=sheared, share=1 / longer, grid_error=error)
+    return PatchTractions(patches=patches, found=sheared, share=1 / longer, grid_error=error)
 
 
-def _at_cells(plan: Plan, sheared: Tractions, points: half_space.Points) -> FrictionSolution:
+def _at_cells(plan: Plan, sheared: PatchTractions, points: half_space.Points) -> FrictionSolution:
     """Tractions at the cells that touch, in the form of those of finite elements. points: maps x, s
     (n,) to points (n, 3) on the surface, mm.
     """

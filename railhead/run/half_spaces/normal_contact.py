@@ -23,7 +23,7 @@ from railhead.postprocess.patch import body_motion, compare
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.run.mesh_solution import MeshSolution
 from railhead.theory.bem import boundary_element
-from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.bem.patch import Grid, PatchSolution
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.hertz import Strip
@@ -38,7 +38,7 @@ PLANE = np.array([[0.0] * 3, [0.0] * 3, [0.0, 0.0, 1.0], [0.0] * 3])
 """Angular velocity vectors of the modes of rigid slip on a plane, 1/mm."""
 
 
-def solve(solved: MeshSolution) -> Solution | str | None:
+def solve(solved: MeshSolution) -> BoundaryElementSolution | str | None:
     """Contact of the real profiles as half-spaces under the load of the solution, or the reason why
     boundary elements failed. None where exact Hertz is the half-space solution (half-spaces and
     line contacts) or nothing touches.
@@ -52,7 +52,9 @@ def solve(solved: MeshSolution) -> Solution | str | None:
         return f"boundary elements: {error}"
 
 
-def half_space(solved: MeshSolution, solution: Solution | str | None) -> dict[str, Any] | None:
+def half_space(
+    solved: MeshSolution, solution: BoundaryElementSolution | str | None
+) -> dict[str, Any] | None:
     """Entry "half_space" of summary.json: quantities of the half-space `solution`, and by quantity
     the "allowance" for what half-spaces leave out; or {"reason": ...}. None where the solution is
     None.
@@ -102,7 +104,7 @@ def motion(solved: MeshSolution) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
-class Patch:
+class PressedPatch:
     """A pressed patch of half-spaces, or several close ones, and their modes of rigid slip.
 
     pressed: the pressure on a grid.
@@ -130,7 +132,7 @@ class Patch:
         plane = self.pressed.plane
         return np.asarray(self.angular @ [0.0, -math.sin(plane), math.cos(plane)])
 
-    def parts(self) -> Iterator[Patch]:
+    def parts(self) -> Iterator[PressedPatch]:
         """Connected patches, each by itself, but those with less than SMALLEST of the force."""
         for part in self.pressed.separate():
             if part.force > SMALLEST * self.pressed.force:
@@ -144,8 +146,8 @@ def patches(
     hertzian: bool,
     load: float,
     cells: int,
-    profiles: Solution | str | None = None,
-) -> list[Patch]:
+    profiles: BoundaryElementSolution | str | None = None,
+) -> list[PressedPatch]:
     """Patches under a load (N, down) on grids of `cells` x `cells`, one for each window; that of a
     line contact is a strip, see `_strip`.
 
@@ -164,7 +166,7 @@ def patches(
             cells=cells,
             half_size=(2 * hertz.a, 2 * hertz.b),
         )
-        return [Patch(pressed, _modes(contact, pressed))]
+        return [PressedPatch(pressed, _modes(contact, pressed))]
     if isinstance(profiles, str):
         raise ValueError(profiles)
     known = None if profiles is None else profiles.coarse or profiles
@@ -172,13 +174,13 @@ def patches(
         known = boundary_elements.solve(contact, hertz, load, cells)
     angular = wheelset_kinematics.rigid_slip(contact).angular
     return [
-        Patch(each, _modes(contact, each), angular)
+        PressedPatch(each, _modes(contact, each), angular)
         for each in known.windows
         if each.force > SMALLEST * known.force
     ]
 
 
-def _strip(contact: Strip, cells: int) -> list[Patch]:
+def _strip(contact: Strip, cells: int) -> list[PressedPatch]:
     """Patch of a line contact on a grid of `cells` cells along the rail by two across. Both are so
     long that each is a strip.
     """
@@ -195,7 +197,7 @@ def _strip(contact: Strip, cells: int) -> list[Patch]:
         TOLERANCE,
         None,
     )
-    return [Patch(pressed, plane_modes(x, s))]
+    return [PressedPatch(pressed, plane_modes(x, s))]
 
 
 def surface(contact: Contact) -> Callable[[Array, Array], Array]:

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from railhead.planning.references import closed_forms
 from railhead.run.half_spaces import normal_contact
-from railhead.run.half_spaces.normal_contact import Patch
+from railhead.run.half_spaces.normal_contact import PressedPatch
 from railhead.run.mesh_solution import MeshSolution
 from railhead.solver.solution import FrictionSolution
-from railhead.theory.bem.boundary_element import Solution
+from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction import kalker, partial_slip
@@ -31,7 +31,7 @@ from railhead.theory.friction.rolling import (
     solve_dissimilar,
     solve_for_forces,
 )
-from railhead.theory.friction.tangential import Pair
+from railhead.theory.friction.tangential import MaterialPair
 
 Array = NDArray[np.float64]
 CELLS, STRIP_CELLS = (32, 64), (128, 256)  # of boundary elements, coarse and fine
@@ -45,7 +45,7 @@ Numbers = dict[str, float]
 """Keys of "friction" in summary.json with their values."""
 NumbersByMethod = dict[str, dict[str, Any]]
 """The same, or a "reason", by the name of a method."""
-Patches = Callable[[int], Sequence[Patch]]
+Patches = Callable[[int], Sequence[PressedPatch]]
 """Maps a number n to the pressed patches on grids of n cells along each axis."""
 
 
@@ -63,13 +63,13 @@ class FrictionCase:
 
     solution: FrictionSolution
     coefficient: float
-    pair: Pair
+    pair: MaterialPair
     rolling: bool
     half_space_shift: bool
 
 
 def half_space_friction(
-    solved: MeshSolution, profiles: Solution | str | None
+    solved: MeshSolution, profiles: BoundaryElementSolution | str | None
 ) -> NumbersByMethod | None:
     """Entry "half_space_friction" of summary.json: by method, the quantities of friction under the
     motion (rolling) or the forces (a shift) of finite elements, or {"reason": ...}. None without
@@ -89,7 +89,7 @@ def half_space_friction(
         half_space_shift=contact.half_space and not solved.plan.section,
     )
 
-    def patches(cells: int) -> Sequence[Patch]:
+    def patches(cells: int) -> Sequence[PressedPatch]:
         """The patches on a grid of `cells` cells along each axis."""
         return normal_contact.patches(
             contact,
@@ -185,7 +185,7 @@ def solve_by_boundary_elements(
     return {**better, "grid_error": max(changes, default=0.0) / (size or 1.0)}
 
 
-def _on_grid(case: FrictionCase, patches: Sequence[Patch]) -> Numbers:
+def _on_grid(case: FrictionCase, patches: Sequence[PressedPatch]) -> Numbers:
     """Quantities of friction by boundary elements on given patches, by the keys of summary.json.
     Raises ValueError for several patches under a shift.
     """
@@ -223,8 +223,8 @@ def _by_key(forces: Array, stick: float) -> Numbers:
 
 
 def shear(
-    patches: Sequence[Patch],
-    pair: Pair,
+    patches: Sequence[PressedPatch],
+    pair: MaterialPair,
     coefficient: float,
     creepage: Creepage,
     forces: tuple[float | None, float | None],
@@ -276,7 +276,9 @@ def shear(
     ]
 
 
-def fastsim(patches: Sequence[Patch], limit: float, pair: Pair, motion: Sequence[float]) -> Numbers:
+def fastsim(
+    patches: Sequence[PressedPatch], limit: float, pair: MaterialPair, motion: Sequence[float]
+) -> Numbers:
     """Forces, stick share and T-gamma of patches by FASTSIM on ellipses with equal second moments
     and forces, by the keys of summary.json.
 
@@ -295,7 +297,7 @@ def fastsim(patches: Sequence[Patch], limit: float, pair: Pair, motion: Sequence
     return {**_by_key(total[:3], sticks / touches), "t_gamma_N": wear}
 
 
-def linear(patches: Sequence[Patch], pair: Pair, motion: Sequence[float]) -> Array:
+def linear(patches: Sequence[PressedPatch], pair: MaterialPair, motion: Sequence[float]) -> Array:
     """Forces of the wheel on the rail along, across (N) and moment (N mm), (3,), of patches by
     Kalker's linear theory on ellipses with equal second moments and forces: the work of each
     patch's forces on the modes of rigid slip, summed. motion: creepage along, across and spin
@@ -311,8 +313,8 @@ def linear(patches: Sequence[Patch], pair: Pair, motion: Sequence[float]) -> Arr
 
 
 def _ellipses(
-    patches: Sequence[Patch], pair: Pair, motion: Sequence[float]
-) -> Iterator[tuple[Patch, float, float, Coefficients, Creepage]]:
+    patches: Sequence[PressedPatch], pair: MaterialPair, motion: Sequence[float]
+) -> Iterator[tuple[PressedPatch, float, float, Coefficients, Creepage]]:
     """For each connected patch: the patch, its semi-axes a and b (mm), Kalker's coefficients, and
     the creepage at its centre in its own tangent plane. Raises ValueError for an ellipse too
     slender.
@@ -327,7 +329,7 @@ def _ellipses(
         yield patch, a, b, kalker.coefficients(a / b, pair.poisson), local
 
 
-def _work(patch: Patch, forces: Sequence[float]) -> Array:
+def _work(patch: PressedPatch, forces: Sequence[float]) -> Array:
     """Work (4,) of a patch's forces along, across (N) and moment about its own normal (N mm) on
     each mode of rigid slip.
     """

@@ -15,7 +15,7 @@ from railhead.planning.references import boundary_elements, closed_forms
 from railhead.results import checks
 from railhead.results.report import terminal
 from railhead.run.half_spaces import normal_contact, tangential_contact
-from railhead.run.half_spaces.normal_contact import Patch
+from railhead.run.half_spaces.normal_contact import PressedPatch
 from railhead.run.half_spaces.tangential_contact import (
     SEVERAL,
     FrictionCase,
@@ -34,7 +34,7 @@ def shifted_or_rolled(plan: planning.Plan, *, rolling: bool, **given: tuple) -> 
     return friction_case(plan.scene, MU * 25e3, rolling=rolling, half_space_shift=True, **given)
 
 
-def hertz(plan: planning.Plan, cells: int) -> list[Patch]:
+def hertz(plan: planning.Plan, cells: int) -> list[PressedPatch]:
     return normal_contact.patches(
         plan.contact, plan.estimate, hertzian=True, load=25e3, cells=cells
     )
@@ -51,7 +51,7 @@ def two() -> planning.Plan:
 
 
 @pytest.fixture(scope="module")
-def patches(two: planning.Plan) -> list[Patch]:
+def patches(two: planning.Plan) -> list[PressedPatch]:
     return normal_contact.patches(two.contact, two.estimate, hertzian=False, load=1e4, cells=32)
 
 
@@ -103,7 +103,7 @@ def test_unlike_bodies_are_extrapolated_and_say_how_far() -> None:
     assert abs(coarse["force_along_N"] / 7500 - 0.242) < coarse["grid_error"]
 
 
-def test_patches_share_one_motion(two: planning.Plan, patches: list[Patch]) -> None:
+def test_patches_share_one_motion(two: planning.Plan, patches: list[PressedPatch]) -> None:
     """Spin drags the far patch back by its distance; slip across lies in each tangent plane; what
     turns about the tangents spins the far patch, and is faster where the radius is smaller."""
     corner, tread = sorted(patches, key=lambda each: abs(each.pressed.plane - 0.2998))
@@ -120,7 +120,7 @@ def test_patches_share_one_motion(two: planning.Plan, patches: list[Patch]) -> N
     assert tread.middle[3, 0] == pytest.approx(turn * height, rel=0.02)
 
 
-def test_forces_of_patches_add_up_in_space(two: planning.Plan, patches: list[Patch]) -> None:
+def test_forces_of_patches_add_up_in_space(two: planning.Plan, patches: list[PressedPatch]) -> None:
     pair, motion = closed_forms.tangential_pair(two.scene), Creepage(1e-3, 5e-4, 1e-4)
     t = two.contact.touch.angle
     axes = np.array([[1, 0, 0], [0, math.cos(t), math.sin(t)], [0, -math.sin(t), math.cos(t)]])
@@ -154,7 +154,7 @@ def test_the_ellipse_of_an_ellipse_is_itself() -> None:
 
 
 def test_two_patches_roll_as_their_ellipses_nearly_do(
-    two: planning.Plan, patches: list[Patch]
+    two: planning.Plan, patches: list[PressedPatch]
 ) -> None:
     limit = MU * sum(each.pressed.force for each in patches)
     for motion in ((1e-4, 0.0, 0.0), (1e-3, 5e-4, 1e-4), (0.0, -3e-3, 0.0)):
@@ -168,7 +168,7 @@ def test_two_patches_roll_as_their_ellipses_nearly_do(
 
 
 def test_each_patch_dissipates_what_it_would_alone(
-    two: planning.Plan, patches: list[Patch]
+    two: planning.Plan, patches: list[PressedPatch]
 ) -> None:
     """A patch on another radius creeps differently, and its forces do work on that."""
     pair, motion = closed_forms.tangential_pair(two.scene), (1e-3, 5e-4, 1e-4)

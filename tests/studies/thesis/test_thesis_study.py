@@ -9,7 +9,7 @@ import pytest
 
 from railhead.cli import study as study_runner
 from railhead.geometry import placement, profiles
-from railhead.geometry.placement import Pair
+from railhead.geometry.placement import ProfilePair
 from railhead.scene import catalogue
 from railhead.theory.elastic.hertz import point_contact
 from studies.thesis import geometry, hertz, stress, study
@@ -63,7 +63,7 @@ def test_touches_on_the_real_profiles(facts) -> None:
 
 def test_corrected_equations_hold_on_the_real_profiles() -> None:
     rail, tread = profiles.rail_head("54E1"), profiles.cone(1 / 20, 60.0, "cone20")
-    side = placement.place(Pair(rail, tread, 420.0), placement.Track()).right
+    side = placement.place(ProfilePair(rail, tread, 420.0), placement.Track()).right
     touch = side.touches[0]
 
     def wheel(s1: float, s2: float) -> thesis_geometry.Array:

@@ -7,7 +7,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from railhead.theory.bem.boundary_element import Solution, flat, solve, solve_developed
+from railhead.theory.bem.boundary_element import (
+    BoundaryElementSolution,
+    flat,
+    solve,
+    solve_developed,
+)
 from railhead.theory.elastic.hertz import point_contact
 from tests.theory.bem.test_boundary_element import LOAD, MODULUS, RADIUS, lopsided, paraboloid
 
@@ -26,7 +31,9 @@ def at_angles(steep: float, distance: float) -> Callable[[Array], Array]:
     return lambda s: np.where(s < 0, -steep, steep)
 
 
-def both(gap: Gap, distance: float, angle: Callable[[Array], Array] = flat) -> Solution:
+def both(
+    gap: Gap, distance: float, angle: Callable[[Array], Array] = flat
+) -> BoundaryElementSolution:
     windows = [((0.0, side * distance / 2), (6.0, 3.0)) for side in (-1, 1)]
     return solve_developed(gap, MODULUS, windows, angle, load=2 * LOAD, tolerance=1e-6)
 

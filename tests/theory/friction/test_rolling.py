@@ -23,7 +23,7 @@ from railhead.theory.friction.rolling import (
     solve_dissimilar,
     solve_for_forces,
 )
-from railhead.theory.friction.tangential import Pair, TractionInfluence, pair
+from railhead.theory.friction.tangential import MaterialPair, TractionInfluence, pair
 
 SLOW, OWN = pytest.mark.slow, 0.005
 STEEL = pair(207000, 0.3, 207000, 0.3)
@@ -38,7 +38,8 @@ QUICK = {
 
 
 def patch(
-    a: float, b: float, p0: float, friction: float, *, cells: int = 64, materials: Pair = STEEL,
+    a: float, b: float, p0: float, friction: float, *, cells: int = 64,
+    materials: MaterialPair = STEEL,
     rolling: bool = True,
 ) -> HalfSpaceFriction:  # fmt: skip
     """A Hertz ellipse that fills its grid."""
@@ -86,7 +87,7 @@ def test_the_contact_program(entry: dict[str, Any]) -> None:
 def test_the_curve_of_polach(entry: dict[str, Any]) -> None:
     """Its own error is 1.5 % of the force, too high, and 3 % below a creepage of 0.0005."""
     p0 = 1.5 * entry["load_N"] / (math.pi * entry["a_mm"] * entry["b_mm"])
-    materials = Pair(entry["G_MPa"], entry["nu"])
+    materials = MaterialPair(entry["G_MPa"], entry["nu"])
     rolled = patch(entry["a_mm"], entry["b_mm"], p0, entry["mu"], materials=materials).solve(
         Creepage(along=entry["xi_x"])
     )
@@ -308,7 +309,7 @@ def rolling(
     )
 
 
-def pressed(materials: Pair) -> boundary_element.PatchSolution:
+def pressed(materials: MaterialPair) -> boundary_element.PatchSolution:
     modulus = materials.shear_modulus / (1 - materials.poisson)
     return boundary_element.solve(ball, modulus, load=500.0, cells=32)
 

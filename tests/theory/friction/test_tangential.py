@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from railhead.theory.elastic.halfspace import boussinesq_displacement
 from railhead.theory.friction.partial_slip import initial_compliance
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
-from railhead.theory.friction.tangential import Pair, TractionInfluence, pair
+from railhead.theory.friction.tangential import MaterialPair, TractionInfluence, pair
 
 Array = NDArray[np.float64]
 X, Y = 0.3 * np.arange(12), 0.2 * np.arange(9)
-STEEL = Pair(79615.0, 0.3)
+STEEL = MaterialPair(79615.0, 0.3)
 
 
 def over_a_cell(kernel: Callable[[Array, Array], Array], x: float, y: float) -> float:
@@ -60,7 +60,7 @@ def test_a_cell_under_pressure_draws_an_elastic_wheel_to_itself(place: tuple[int
 
 
 def test_like_and_incompressible_bodies_are_not_drawn_apart() -> None:
-    assert pair(207000, 0.3, 207000, 0.3) == Pair(pytest.approx(207000 / 2.6), 0.3, 0.0)
+    assert pair(207000, 0.3, 207000, 0.3) == MaterialPair(pytest.approx(207000 / 2.6), 0.3, 0.0)
     assert pair(207000, 0.5, 3000, 0.5).mismatch == 0.0
     assert pair(3000, 0.3, 207000, 0.3).mismatch > 0 > pair(207000, 0.3, 3000, 0.3).mismatch
 

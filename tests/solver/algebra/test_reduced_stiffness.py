@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from railhead.solver.algebra import multigrid
-from railhead.solver.algebra.stiffness import Stiffness
+from railhead.solver.algebra.reduced_stiffness import Stiffness
 from railhead.solver.contact import ContactModel
 from railhead.solver.material.elasticity import Material, assemble
 from railhead.solver.space import constraints

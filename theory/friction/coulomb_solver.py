@@ -1,7 +1,7 @@
 """Coulomb's law in the cells of a patch: |q| <= g everywhere, and q = g s/|s| where they slip,
 with a slip s = w - C q that the tractions q reduce through an influence C.
 
-Tractions are in MPa, slips in mm or, rolling, per rolled length.
+CoulombSolver are in MPa, slips in mm or, rolling, per rolled length.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ STEPS = 60  # of Newton's method; 4 to 16 are usual
 KRYLOV = 200  # iterations a step; 20 to 60 are usual
 
 
-class Tractions:
+class CoulombSolver:
     """Solver of Coulomb's law in the cells (nx, ny) of a patch: |q| <= g everywhere and q = g s/|s|
     where the slip s = w - C q is not zero. q: tractions, MPa; g: bound, MPa, 0 outside of the
     patch; w: slip without tractions; C: influence.
