@@ -1,4 +1,4 @@
-.PHONY: run test test-all setup lint docs peers
+.PHONY: run test test-all setup lint docs peers deb
 STUDIES = accuracy-cost effect-accuracy error-bounds load-sweep scaling ranks thesis effects plasticity creep profiles hard-cases fuzz
 ROOMS = cases meshing postprocess solver theory
 
@@ -32,6 +32,10 @@ peers: setup
 	.venv/bin/railhead study peers --install
 	cp results/peers/page.md docs/peers.md
 	cp results/peers/peers.csv results/peers/peers.png docs/
+
+# railhead_VERSION+SUITE_ARCH.deb, for the Debian that it is made on.
+deb: setup
+	./deb.sh
 
 # mypy and import-linter see the rooms as one package: a folder of links.
 lint: setup
