@@ -41,4 +41,4 @@ Description: wheel-rail contact by finite elements
  Contact patch, pressure and stresses of a wheel on a rail, each number with an estimate of its error.
 END
 
-dpkg-deb --root-owner-group -Zxz -z1 --build "$root" "railhead_${version}_$architecture.deb"
+dpkg-deb --root-owner-group -Zzstd --build "$root" "railhead_${version}_$architecture.deb"

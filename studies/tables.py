@@ -2,6 +2,8 @@
 markdown from templates."""
 
 import csv
+import re
+import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -54,7 +56,45 @@ def publish(
                 header = ["_".join(filter(None, (k, (units or {}).get(k)))) for k in rows[0]]
                 writer = csv.writer(file, lineterminator="\n")
                 writer.writerows([header, *(row.values() for row in rows)])
-    (out / PAGE).write_text(page, encoding="utf-8")
+    (out / PAGE).write_text(wrapped(page), encoding="utf-8")
+
+
+def wrapped(page: str, width: int = 120) -> str:
+    """The page with its prose broken at `width` characters, the lines of an item of a list indented
+    below its first one; code, tables, headings and paragraphs without a longer line stay as is.
+    """
+    lines: list[str] = []
+    parts = re.split(r"(^```.*?^```$)", page, flags=re.DOTALL | re.MULTILINE)
+    for number, part in enumerate(parts):
+        if number % 2:
+            lines.append(part)
+            continue
+        blocks = re.split(r"(\n\s*\n|\n(?=\s*(?:[-*]|\d+\.) ))", part)
+        lines.append("".join(_broken(block, width) for block in blocks))
+    return "".join(lines)
+
+
+def _broken(block: str, width: int) -> str:
+    """One paragraph or item of a list, broken at `width` characters; no new line begins as an item
+    or a heading does.
+    """
+    text = block.lstrip("\n")
+    if max(map(len, text.split("\n"))) <= width or re.match(r"\||#|!\[|    |<", text):
+        return block
+    first = re.match(r"\s*(?:(?:[-*]|\d+\.) +)?", text)
+    assert first is not None
+    start, rest = first[0], text[first.end() :]
+    ending = rest[len(rest.rstrip()) :]
+    words = re.sub(r" (?=(?:[-*+#>|=]|\d+[.)])(?: |$))", "\0", " ".join(rest.split()))
+    told = textwrap.fill(
+        words,
+        width,
+        initial_indent=start,
+        subsequent_indent=" " * len(start),
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    return block[: len(block) - len(text)] + told.replace("\0", " ") + ending
 
 
 def groups(rows: Iterable[Row], *keys: str) -> dict[Any, list[Row]]:

@@ -8,7 +8,7 @@ from studies.accuracy import accuracy_cost, calibrate, error_bounds, scaling
 from studies.accuracy import ranks as ranks_study
 from studies.hard import hard_cases as hard_page
 from studies.hard.case import Case, Deviation, Measured, Outcome
-from studies.tables import front, power_law, table
+from studies.tables import front, power_law, table, wrapped
 
 
 def run(method: str, element: str, n: float, seconds: float, error: float, **changes: object):
@@ -218,3 +218,19 @@ def test_the_pareto_front_is_the_lower_left_edge(monkeypatch, tmp_path) -> None:
     accuracy_cost.draw(rows, tmp_path / "a.png")
     (line,) = drawn  # the only step line
     assert line == ([1.0, 2.0, 3.0], [10.0, 2.0, 1.0])
+
+
+def test_prose_is_broken_and_stays_what_it_was() -> None:
+    item = "- " + 30 * "a word - " + "1. end"
+    kept = f"# {50 * 'title '}\n\n| {50 * 'cell | '}\n\n```text\n{150 * 'x'}\n```\n"
+    page = f"{40 * 'prose '}\n{40 * 'more '}\n\n{item}\n{item}\n\nshort\nlines\n\n{kept}"
+    broken = wrapped(page)
+    assert broken.split() == page.split() and broken.endswith(kept)
+    prose = broken.removesuffix(kept).splitlines()
+    assert max(map(len, prose)) <= 120
+    assert [line for line in prose if line.startswith("- ")] == [
+        line for line in prose if line.startswith("- a word")
+    ]
+    assert sum(line.startswith("- ") for line in prose) == 2
+    assert not [line for line in prose if line.lstrip().startswith("1.")]
+    assert "short\nlines\n" in broken and wrapped(broken) == broken
