@@ -31,9 +31,9 @@ class ContactModel(ContactSystem):
     seconds: wall time, s, under the keys 'assemble' and 'solve'; the latter grows with every load
         case.
     All attributes of `ContactSystem` belong to the model too. Its arguments are a dolfinx mesh
-    (mm), MeshTags of the cells and facets, and the setup. Raises ValueError for a tag that no cell
-    or facet carries. The support of the fixed body may be missing where the setup has symmetry
-    planes.
+    (mm), MeshTags of the cells and facets, and the setup (collective). Raises ValueError for a tag
+    of the setup that no cell or facet carries; those of a rigid body are not looked for. The
+    support of the fixed body may be missing where the setup has symmetry planes.
     """
 
     def __init__(self, mesh: Any, cell_tags: Any, facet_tags: Any, setup: Setup) -> None:
@@ -58,18 +58,21 @@ class ContactModel(ContactSystem):
         """Solve one load case: press the bodies, then apply friction, then remove the load where
         the load path says so (collective).
 
-        load: N, of the whole model, under load control.
+        load: N, of the whole model, along the direction of the setup, under load control. Under
+            approach control it is allowed only with a far field, which it scales.
         approach: mm, under approach control.
-        active: (n,) contact points of this rank that touch at the start of the iterations.
+        active: (n,) contact points of this rank that touch at the start of the iterations; where no
+            rank has one, the points with the smallest gap.
         max_steps: largest number of Newton's steps in each nonlinear solve.
         progress: called with the number and the relative residual of each of Newton's steps.
-        force: forces at the dofs that this process owns, in the order of `bulk.space`, N, for
-            example an assembled body force.
-        friction: method for the tractions of a setup with friction; None: `condensed_friction`.
+        force: forces on the meshed part at the dofs that this process owns, in the order of
+            `bulk.space`, N, for example an assembled body force.
+        friction: method for the tractions; without effect where the setup has no friction. None:
+            `condensed_friction`.
         Raises ValueError for a negative or infinite load, for `active` of another shape or type,
-        for a load under approach control or an approach under load control. A far
-        field takes a load beside the approach. A solution that did not converge is returned too:
-        see `Solution.newton`.
+        for a load under approach control without a far field, or an approach under load control. A
+        solution that did not converge is returned too: see `Solution.newton`. Friction is left out
+        where pressing did not converge.
         """
         if not 0 <= load < math.inf:
             raise ValueError(f"load must be finite and not negative, N, not {load!r}")
@@ -99,7 +102,8 @@ class ContactModel(ContactSystem):
 
     def response(self) -> ElasticResponse:
         """Response of the bodies to one load case, without a history yet: elastic, or with yield
-        where the setup has a load path.
+        where the setup has a load path. The latter resets the plastic history of
+        `plastic_problem`, which all responses share.
         """
         path = self.setup.load_path
         if path is None or self.plastic_problem is None:

@@ -37,12 +37,13 @@ SECTION_DIRECT_BELOW = 200_000  # unknowns of a plane section, whose factors sta
 class LoadCase:
     """Load of a contact system, and where the iterations start.
 
-    load: N, of the whole model, under load control.
-    approach: mm, under approach control.
+    load: N, of the whole model, along the direction of the setup: applied under load control; it
+        also scales the far field.
+    approach: mm, under approach control; without effect under load control.
     active: (n,) contact points of this rank that touch at the start.
     max_steps: largest number of Newton's steps in each nonlinear solve.
     progress: called with the number and the relative residual of each of Newton's steps.
-    force: further forces on all owned dofs, N; None: zero.
+    force: further forces on the meshed part, on all owned dofs, N; None: zero.
     support_displacement: displacement prescribed at the supported faces beside far field and
         approach, on all owned dofs, mm; None: zero.
     """
@@ -83,9 +84,10 @@ class ContactSystem:
     reduction: supports, as the map from free unknowns to dofs.
     reactions: rows of the stiffness matrix at the supported nodes.
     law: contact law, with the parameters that suit the slave's material.
-    gap_per_approach: (n,) change of the gap per unit approach of a rigid counterface.
+    gap_per_approach: (n,) component of the slave's outward normal along the direction: the change
+        of the gap per unit approach of a rigid moving body.
     problem: contact problem in the free unknowns.
-    Raises ValueError for a tag that no cell or facet carries.
+    Raises ValueError for a tag of a deformable body or a plane that no cell or facet carries.
     """
 
     def __init__(self, mesh: Any, cell_tags: Any, facet_tags: Any, setup: Setup) -> None:
@@ -173,7 +175,7 @@ class ContactSystem:
 
     def prescribed(self, case: LoadCase) -> PETSc.Vec:
         """Prescribed displacement u0 on all dofs, mm: far field of the load, support displacement
-        of the load case and, under approach control, the rigid motion of the hub.
+        of the load case and, under approach control, the rigid motion of the hub (collective).
         """
         values: Array = np.zeros((self.owned, self.setup.kinematics.dim))
         if self.setup.far_field is not None and case.load:
@@ -187,8 +189,8 @@ class ContactSystem:
         return out
 
     def support_field(self, field: Callable[[int, Array], Array]) -> Array:
-        """Values (n, c) of a displacement field at the n owned block dofs, mm: on the supported
-        faces the field, elsewhere zero.
+        """Values (n, c) of a displacement field at the n owned block dofs, mm: on the fixed face
+        and at the hub the field, elsewhere zero (collective).
 
         field: (body tag, points in space (k, 3) mm) -> displacement in space (k, 3) mm.
         """
@@ -210,8 +212,8 @@ class ContactSystem:
         return self.solution(self.problem, self._newton(case), prescribed, case)
 
     def apply(self, problem: ContactProblem, case: LoadCase) -> PETSc.Vec:
-        """Set the forces, gap and stress of a load case in a contact problem; returns the
-        prescribed displacement u0 on all dofs, mm.
+        """Set the forces, gap and stress of a load case in a contact problem; nothing is solved.
+        Returns the prescribed displacement u0 on all dofs, mm (collective).
         """
         setup, prescribed = self.setup, self.prescribed(case)
         force = self.reactions.forces(prescribed)
@@ -232,8 +234,8 @@ class ContactSystem:
         prescribed: PETSc.Vec,
         case: LoadCase,
     ) -> Solution:
-        """Solution, with forces and penetration, that belongs to a result of Newton's method
-        (collective).
+        """Solution, with forces and penetration, that belongs to a result of Newton's method;
+        nothing is solved (collective).
 
         problem: the problem that was solved.
         result: its free unknowns y and pressure; the displacement is P y plus the prescribed one,
@@ -294,8 +296,8 @@ class ContactSystem:
         return replace(result, history=history)
 
     def _balance(self, result: newton.NewtonResult) -> None:
-        """Add translations of the bodies along the approach to a state, so that its forces balance
-        to rounding at any tolerance of Newton's method (collective).
+        """Add translations of the bodies along the approach to the state of a result, in place, so
+        that its forces balance to rounding at any tolerance of Newton's method (collective).
 
         With the translations T, the residual R and the tangent K_A at the active set of the state,
         y <- y - T (T^T K_A T)^-1 T^T R.
@@ -346,7 +348,8 @@ class ContactSystem:
         displacement: on all dofs, mm.
         pressure: (n,), MPa.
         outer: further forces on all dofs, N; None: zero.
-        The support is that of the fixed body or, where that body is rigid, the hub.
+        The support is that of the fixed body; where that body is rigid, it is the hub, and the
+        force counts along the direction.
         """
         law, problem, jumps = self.law, self.problem, self.interface
         supports = self.supports(self.bulk.space)
@@ -369,7 +372,8 @@ class ContactSystem:
         """Gap between the deformed surfaces (n,) at the contact points of this rank, mm, negative
         where they overlap.
 
-        displacement: on all dofs, mm. approach: mm; it counts where the moving body is rigid.
+        displacement: on all dofs, mm. approach: mm; without effect where the moving body is meshed,
+            because the displacement then holds it.
         """
         gap = self.interface.initial_gap + (self.interface.gap * displacement).array
         return np.asarray(

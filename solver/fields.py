@@ -19,14 +19,16 @@ from railhead.solver.space.kinematics import SOLID, Kinematics
 
 @dataclass(frozen=True, kw_only=True)
 class ContactFields:
-    """Values at q quadrature points on the f facets of the slave's contact surface, in space.
+    """Values at q quadrature points on the f facets of the slave's contact surface, in space. Those
+    from which the normal misses the other body are left out.
 
-    points: position (q, 3), mm.
-    weights: area of each point (q,) in the meshed part, mm2.
+    points: undeformed position (q, 3), mm.
+    weights: area of each point (q,) in the meshed part, mm2: of a plane section times its
+        thickness, of a meridian section of the whole turn.
     pressure: contact pressure (q,), MPa.
     indicator: pressure before its negative part is set to zero (q,), MPa.
-    gap: gap of the deformed surfaces (q,), mm, negative where they overlap.
-    normals: (q, 3) outward unit normals of the slave.
+    gap: gap of the deformed surfaces (q,) along the normals, mm, negative where they overlap.
+    normals: (q, 3) outward unit normals of the slave's exact surface.
     facet: (q,) row of `facet_nodes` that belongs to the facet that each point lies on.
     xi: (q, 2) or, in a section, (q, 1) coordinates of each point in the reference facet.
     facet_nodes: (f, k) nodes of each facet as row numbers of `Fields.points`, corners first, basix
@@ -47,9 +49,9 @@ class ContactFields:
 @dataclass(frozen=True, kw_only=True)
 class Fields:
     """Solution at the n nodes of the m cells of the meshed part, in space; a plane section lies in
-    its plane.
+    its plane. Nodes are those of the displacement, with cells of degree 2 also on edges.
 
-    points: position of the nodes (n, 3), mm.
+    points: undeformed position of the nodes (n, 3), mm.
     displacement: displacement of the nodes (n, 3), mm.
     cells: (m, k) nodes of each cell as row numbers of `points`, basix order.
     body: (m,) tag of the body that each cell belongs to.
@@ -57,12 +59,14 @@ class Fields:
     cell: 'tetrahedron', 'hexahedron', 'triangle' or 'quadrilateral'.
     degree: polynomial degree of the displacement.
     slave: tag of the body that the contact facets belong to.
-    mirrors: normals of the symmetry planes through x = 0 or y = 0 at which the model was cut.
+    mirrors: unit normals of the symmetry planes x = 0 or y = 0 at which the model was cut, for a
+        meridian section that of its axis; the meshed part lies at positive coordinates.
     contact: values at the contact points.
     kinematics: meaning of the mesh coordinates: a solid, plane strain, or a section that is
         revolved.
     plastic_strain: plastic strain in the cells; None where no body yields.
-    master_surface: gap at the nodes of the other contact surface; None where that body is rigid.
+    master_surface: gap at the nodes of the other contact surface that face the slave; None where
+        that body is rigid.
     """
 
     points: Array
@@ -154,13 +158,14 @@ MISS_PER_GAP, MISS_PER_FACET = 0.1, 0.02  # by which that normal may miss, of ga
 
 @dataclass(frozen=True)
 class MasterSurface:
-    """Gap at n nodes of the master's contact surface at which normals of the slave end.
+    """Gap at n nodes of the master's contact surface, of the facets at all whose nodes normals of
+    the slave end. Without such facets n is 0.
 
-    facet_nodes: (f, k) nodes of the facets of which all nodes are such, as row numbers of
-        `Fields.points`, corners first, basix order.
+    facet_nodes: (f, k) nodes of these facets as row numbers of `Fields.points`, corners first,
+        basix order.
     nodes: (n,) all nodes of these facets, as row numbers of `Fields.points`.
     gap: gap between the deformed surfaces along the slave's normal (n,), mm, negative where they
-        overlap.
+        overlap; NaN where the exact gap is not finite.
     """
 
     facet_nodes: NDArray[np.int64]
@@ -184,7 +189,7 @@ def master_surface(
     at the last guess, `ITERATIONS` times. Nodes for which the normal still misses are left out.
 
     slave, master: contact facets of all ranks.
-    exact: exact initial gap and its normals.
+    exact: exact initial gap and the slave's outward normals.
     points: position of all nodes of the mesh in space (n, 3), mm.
     displacement: displacement of these nodes in space (n, 3), mm.
     """

@@ -17,7 +17,8 @@ from railhead.solver.space.kinematics import SOLID, Kinematics
 
 LINEAR_SOLVERS = ("auto", "direct", "multigrid")
 FarField = Callable[[float, int, Array], Array]
-"""(load N, body tag, points in space (n, 3)) -> displacement (n, 3) of the supported faces, mm."""
+"""(load N of the whole model, body tag, points in space (n, 3) mm) -> displacement in space (n, 3),
+mm, that the supported faces have beside the rigid motion."""
 
 
 @dataclass(frozen=True)
@@ -26,9 +27,10 @@ class ContactBody:
 
     tag: MeshTags value of the body's cells.
     contact: MeshTags value of the facets of its contact surface.
-    support: MeshTags value of the facets that are fixed or belong to the rigid hub.
+    support: MeshTags value of the facets that hold the body: of `Setup.fixed` they are fixed, of
+        `Setup.moving` they belong to the rigid hub.
     material: elastic constants and flow curve. An infinite Young's modulus makes the body rigid; a
-        rigid body has no cells.
+        rigid body has no cells or facets, and its tags only name it.
     """
 
     tag: int
@@ -46,10 +48,12 @@ class ContactBody:
 class LoadPath:
     """Load history of bodies that may yield.
 
-    steps: number of load steps from first yield up to the load.
-    cycles: number of times that the load is applied.
+    steps: number of equal load steps from first yield up to the load, in each cycle.
+    cycles: number of times that the load is applied, at least 1; between two of them it is lowered
+        but not removed.
     unload: whether the load is removed at the end, so that the residual state is computed.
-    near: points in space (n, 3) mm -> (n,) whether plastic strain is followed there.
+    near: centroids of cells in space (n, 3) mm -> (n,) whether plastic strain is followed in the
+        cell. It is followed at all contact points of a slave that may yield.
     """
 
     steps: int
@@ -60,22 +64,26 @@ class LoadPath:
 
 @dataclass(frozen=True, kw_only=True)
 class FrictionSettings:
-    """Coulomb friction of the wheel over the rail: a shift from rest, or steady rolling.
+    """Coulomb friction of the wheel over the rail: a shift from rest, or steady rolling. The wheel
+    is `Setup.moving`, the rail `Setup.fixed`. Forces are those of the whole model.
 
     coefficient: coefficient of friction, positive.
     rolling: True: steady rolling along +x; False: the wheel is shifted.
     axes: (3, 3) rows: unit vectors along the rail, across it and out of it at the origin.
     origin: (x, y, z) of the point that moments refer to, mm.
-    rigid_slip: points (n, 3) mm -> slip (4, n, 3) of rigid bodies under four motions: unit creepage
-        along, unit creepage across, spin of 1/mm, and rotation of the wheel about axes in the
-        tangent plane at the origin; the fourth always has the factor 1.
-    creepage: prescribed creepage along and across, and spin in 1/mm; zero where a force is
-        prescribed instead.
+    rigid_slip: points (n, 3) mm -> slip vectors in space (4, n, 3) of the rigid wheel over the
+        rigid rail under four motions: unit creepage along, unit creepage across, spin of 1/mm, and
+        rotation of the wheel about axes in the tangent plane at the origin. The fourth always has
+        the factor 1. For a shift the units are 1 mm, 1 mm and 1 rad.
+    creepage: prescribed creepage along and across, and spin in 1/mm; for a shift mm, mm and rad.
+        Zero where a force is prescribed instead.
     force_controlled: (index, force) of each motion that follows from a prescribed force of the
         wheel on the rail, N; index 0 is along, 1 across.
-    load_steps: (share of the load, share of the prescribed tangential forces) of each load step.
+    load_steps: (share of the load, share of the prescribed tangential forces) at the end of each
+        load step.
     far_field: (0 along or 1 across, body tag, points (n, 3) mm) -> displacement (n, 3) mm of the
-        supported faces under a force of 1 N; None where the bodies end at their supports.
+        supported faces under a force of 1 N of the wheel on the rail; None: tangential forces do
+        not move the supported faces.
     """
 
     coefficient: float
@@ -97,18 +105,20 @@ class Setup:
     fixed: the body that is held at its support.
     moving: the body that a rigid hub at its support pushes along `direction`.
     slave: tag of the body whose contact surface carries the contact points.
-    gap: exact initial gap in mm and its normals, from points on the slave.
+    gap: exact initial gap in mm and the slave's outward normals, from points on the slave.
     degree: polynomial degree of the displacement, 1 or 2.
     law: contact law, Nitsche's method or a penalty.
-    direction: unit vector of the approach.
+    direction: unit vector of the approach, from the moving body towards the fixed one.
     planes: (facet tag, unit normal) of each symmetry plane.
     far_field: displacement prescribed at both supports beside the rigid motion; None: zero.
-    load_control: True: the load is prescribed and the approach unknown; False: the reverse.
+    load_control: True: the load along `direction` is prescribed and the approach unknown; False:
+        the reverse.
     linear: method for linear systems, one of `LINEAR_SOLVERS`.
-    tolerance: of Newton's method, residual over the contact force.
+    tolerance: of Newton's method: norm of the residual over that of the nodal contact forces.
     kinematics: meaning of the mesh coordinates: a solid, plane strain, or a section that is
         revolved.
-    load_path: load history of bodies that may yield; None: all bodies stay elastic.
+    load_path: load history of bodies that may yield; None: all bodies stay elastic, also those with
+        a flow curve.
     friction: settings of Coulomb friction; None: the contact is frictionless.
 
     Raises ValueError for a slave that is no deformable body, and for an unknown `linear`.
@@ -149,7 +159,9 @@ class Setup:
 
     @property
     def push(self) -> Array:
-        """Unit vector (c,) of the approach along the c coordinates of the mesh."""
+        """Components (c,) of the unit vector of the approach along the c coordinates of the
+        mesh.
+        """
         return self.kinematics.flatten(np.array(self.direction))
 
 

@@ -31,14 +31,17 @@ class PlasticStrain:
 class PlasticSolution:
     """Load history of bodies of which at least one yields.
 
-    load_over_first_yield: load over the load of first yield.
-    newton_results: results of Newton's method in all load steps, in order, unloading included.
+    load_over_first_yield: load over the load of first yield, by Hertz's theory from the largest von
+        Mises stress of the elastic solution.
+    newton_results: results of Newton's method in all load steps, in order, failed ones and the
+        halves of a halved step included. Where the load is removed those of friction and of
+        unloading are included, else neither.
     first_loading_steps: number of results that lead up to the full load for the first time; these
         come first in `newton_results`.
-    residual_state: solution after unloading, with the bodies apart; None where the load is not
-        removed.
+    residual_state: solution after unloading, with the bodies apart, converged or not; None where
+        the load is not removed.
     indentation_depth: body tag -> largest residual displacement of the contact surface into that
-        body, mm; empty without a residual state.
+        body, mm, of each deformable body; empty without a residual state.
     """
 
     load_over_first_yield: float
@@ -50,8 +53,10 @@ class PlasticSolution:
 
 @dataclass(frozen=True, kw_only=True)
 class FrictionSolution:
-    """Tangential tractions and slip at n contact points of all ranks, at the last load step.
+    """Tangential tractions and slip at n contact points of all ranks, at the last load step; the
+    same on all ranks. Vectors are in space.
 
+    The points are quadrature points of the slave or cells of a grid, of the meshed part alone.
     Slip, motion and creepage are those of the wheel over the rail. A shift has slip in mm. Steady
     rolling has slip over rolled distance, without dimension.
 
@@ -63,19 +68,21 @@ class FrictionSolution:
     sticks: (n,) whether a point with pressure sticks.
     rigid_motion: (along, across, spin about the normal): for rolling, two creepages and the spin in
         1/mm; for a shift, mm, mm and rad.
-    force: (along, across), force of the wheel on the rail, N.
+    force: (along, across), force of the wheel on the rail, N, of the whole model.
     moment: moment of the tractions of the wheel on the rail about the normal at the origin of the
         friction settings, N mm; zero with symmetry planes.
-    friction_limit: coefficient of friction times normal force, N.
+    friction_limit: coefficient of friction times the integral of the pressure over the whole model,
+        N.
     load_steps: (l, 4) at the end of each of l load steps: force along and across (N), rigid motion
         along and across.
     dissipated_energy: work of friction after the full tangential force was reached for the first
         time, N mm; zero for rolling.
-    coupling_iterations: number of times, over all load steps, that the tractions were solved on a
-        linearised contact.
+    coupling_iterations: number of times, over all load steps, that the tractions were solved
+        between two pressings.
     rigid_slip: slip (n, 3) of rigid bodies with the same motion.
     newton_steps: largest number of steps of Newton's method on the tractions.
-    without_creepage: for rolling, the same contact at zero creepage and spin; otherwise None.
+    without_creepage: for finite bodies that roll, the tractions at the same pressure without any
+        rigid slip; otherwise None.
     """
 
     points: Array
@@ -100,22 +107,31 @@ class FrictionSolution:
 class Solution:
     """Answer of a contact model to one load case, at the n contact points of this rank.
 
-    Forces are those of the whole model, symmetric images included.
+    Forces are those of the whole model, symmetric images included. Displacement and fields at
+    points are this rank's part; single numbers and `friction` are the same on all ranks.
 
-    displacement: displacement at the dofs that this process owns, in the order of `bulk.space`, mm.
+    displacement: displacement at the dofs that this process owns, in the order of `bulk.space`, mm;
+        None after pickling.
     pressure: contact pressure (n,), MPa.
     indicator: pressure before its negative part is set to zero (n,), MPa; positive on the active
         set.
-    approach: displacement of the hub along the direction of the setup, mm.
-    load: resultant of the contact tractions on the moving body, against that direction, N.
-    reaction: load that the balance of forces at the support gives, N; equals `load` at equilibrium.
-    penetration: largest overlap of the deformed surfaces, mm, at least zero.
-    newton: result of Newton's method in the last load step, or in the step that failed.
+    approach: rigid displacement of the hub, or of a rigid moving body, along the direction of the
+        setup, mm; the far field comes on top.
+    load: component of the contact tractions' resultant on the moving body against that direction,
+        N. At an inclined contact it is not the normal force.
+    reaction: force against that direction by which the support holds the fixed body, N; where that
+        body is rigid, force along the direction by which the hub pushes. Without further forces it
+        equals `load` at equilibrium.
+    penetration: largest overlap of the deformed surfaces at the contact points of all ranks, mm, at
+        least zero.
+    newton: result of Newton's method in the last load step, or in the step that failed; its
+        `reason` also tells that friction did not settle.
     plastic_strain: plastic strain in all cells of this rank; None where no body yields.
     plasticity: load history; None where no body yields.
     friction: tangential tractions and slip; None without friction.
-    reference: with friction, the frictionless solution of the same load case; without friction but
-        with yield, the elastic solution; otherwise None.
+    reference: with friction, the frictionless solution of the same load case, whose own reference
+        is the elastic one if bodies yield; without friction but with yield, the elastic solution;
+        otherwise None.
     """
 
     displacement: PETSc.Vec

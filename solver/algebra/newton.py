@@ -74,8 +74,8 @@ FORCING_TERM = ForcingTerm()
 class NewtonStep:
     """State of Newton's method after one linear solve.
 
-    residual: norm of the residual R(y) over the contact force; None where it is not finite or not
-        known.
+    residual: norm of the residual R(y) over that of the nodal contact forces; None where it is not
+        finite or not known.
     active: number of active contact points of all ranks.
     linear_iterations: number of Krylov iterations of the solve.
     length: step length t, by which the solution of the solve was multiplied.
@@ -98,7 +98,7 @@ class NewtonResult:
 
     y: free unknowns of the last state; zero where there is no state.
     pressure: pressure at the contact points of this rank (n,), MPa; zero where there is no state.
-    reason: why the iterations ended.
+    reason: why the iterations ended; CONVERGED where they converged.
     history: all steps.
     stalled: whether a linear solve failed.
     """
@@ -120,8 +120,8 @@ class NewtonResult:
 
     @property
     def residual(self) -> float | None:
-        """Norm of the residual over the contact force in the last step that has one; None where no
-        step has.
+        """Norm of the residual over that of the nodal contact forces in the last step that has one;
+        None where no step has.
         """
         states = [step.residual for step in self.history if step.residual is not None]
         return states[-1] if states else None
@@ -154,8 +154,9 @@ def solve(
     preconditioner: preconditioner of the tangent.
     active: (n,) contact points of this rank; without a start, the first state is the solution of
         the linear problem in which exactly these touch.
-    start: free unknowns to start from.
-    rtol: tolerance of the residual over the contact force.
+    start: free unknowns to start from; `active` then has no effect.
+    rtol: tolerance of the norm of the residual over that of the nodal contact forces. A residual
+        that is down to rounding converges at any tolerance.
     max_steps: largest number of states.
     progress: called with the number and the relative residual of each state.
 

@@ -58,7 +58,7 @@ class Tangent:
 @dataclass
 class ContactProblem:
     """One load case of a contact, at n contact points of this rank, in the free unknowns y; the
-    displacement is u = P y + u0.
+    displacement is u = P y + u0. Forces are those on the meshed part.
 
     `dataclasses.replace` with another law shares the matrices.
 
@@ -68,7 +68,6 @@ class ContactProblem:
     stress: S, normal stress of the slave per free unknown (n rows), MPa/mm.
     area: area W of each point in the meshed part (n,), mm2.
     bound: (n,) value that the law's parameter tau is a multiple of, MPa/mm.
-    gap_per_approach: change of the gap per unit approach of a rigid counterface (n,).
     force: force f in the free unknowns, N.
     start_gap: gap at zero free unknowns, g0 + N u0 (n,), mm.
     start_stress: normal stress at zero free unknowns, s0 = S u0 (n,), MPa.
@@ -82,7 +81,6 @@ class ContactProblem:
     stress: PETSc.Mat
     area: Array
     bound: Array
-    gap_per_approach: Array
     force: PETSc.Vec
     start_gap: Array
     start_stress: Array
@@ -199,8 +197,8 @@ class ContactProblem:
         return value
 
     def contact_force(self, pressure: Array) -> float:
-        """Norm of the forces of the contact pressure in the free unknowns, N; pressure: (n,),
-        MPa.
+        """Norm of the vector of nodal forces of the contact pressure in the free unknowns, N, which
+        is not their resultant; pressure: (n,), MPa.
         """
         force = self.gap.createVecRight()
         force.set(0.0)
@@ -310,7 +308,8 @@ def reduce_problem(
     interface: contact points with the matrices of gap and normal stress on all dofs.
     reduction: map from free unknowns to dofs.
     law: contact law.
-    gap_per_approach: (n,) change of the gap per unit approach of a rigid counterface.
+    gap_per_approach: (n,) change of the gap per unit approach of a rigid moving body; without
+        effect where that is meshed.
     """
     p = reduction.matrix
     gap = interface.gap.matMult(p)
@@ -328,7 +327,6 @@ def reduce_problem(
         stress=interface.stress.matMult(p),
         area=interface.weights,
         bound=interface.stiffness_bound(law),
-        gap_per_approach=gap_per_approach,
         force=reduced.vector(),
         start_gap=interface.initial_gap,
         start_stress=np.zeros_like(gap_per_approach),

@@ -1,8 +1,9 @@
 """Static condensation of a pressed contact: its response to tangential tractions.
 
 The tangential jump is J u = t . (u_wheel - u_rail), along k tangents t at each of n contact points.
-A is the tangent stiffness of the pressed contact, whose active set stays. Tractions c at the nodes
-of the slave's facets, of the wheel on the rail, displace everything by
+The wheel is the moving body, the rail the fixed one. A is the tangent stiffness of the pressed
+contact, whose active set stays. Tractions c at the nodes of the slave's facets, of the wheel on the
+rail, displace everything by
 
     u = -A^-1 J^T W F c        F: shape functions of the nodes at the points, W: areas
 
@@ -53,16 +54,18 @@ Entry = TypeVar("Entry", bound=np.generic)
 
 @dataclass(frozen=True, kw_only=True)
 class ContactCompliance:
-    """Response of n contact points of all ranks to m tractions at nodes of the slave, the same on
-    every rank.
+    """Response of n contact points of all ranks to m components of tractions at nodes of the slave,
+    the same on every rank.
 
-    The points lie on facets that touch, and each has k tangents. Compliances are derivatives by the
-    nodal tractions (MPa). The last four fields belong to the solution that the response is
-    linearised around, without the effect of tractions.
+    The points lie on facets of which some point touches, and each has k tangents. The tractions
+    (MPa) are those of the wheel on the rail, k components a node along the same tangents.
+    Compliances are derivatives by them. The last four fields belong to the solution that the
+    response is linearised around, without the effect of tractions.
 
     points: position in space (n, 3), mm.
     weights: area of each point (n,) in the meshed part, mm2.
-    tangents: (n, k, 3) unit vectors in space: along the rail and, in a solid, across it.
+    tangents: (n, k, 3) unit vectors in space: in a solid along the rail and across it, in a section
+        along the section; see `surface_tangents`.
     tau: parameter of the contact law (n,), MPa/mm.
     step: distance d of the upstream differences for rolling, mm; 1 for a shift.
     shape_functions: F (n k, m), tractions at the points per traction at a node.
@@ -71,7 +74,7 @@ class ContactCompliance:
     pressure_compliance: D_p (n, m), pressure per nodal traction.
     parts: number of symmetric images that make up the whole model.
     active: (n,) whether a point touches.
-    trial_traction: q0 (n, k), MPa.
+    trial_traction: q0 (n, k), MPa, without the error of the mesh.
     displacement: g0 (n, k), tangential displacement of the wheel relative to the rail, mm; when
         rolling, -d times its derivative along x.
     pressure: p0 (n,), MPa, also where it is negative.
@@ -105,7 +108,8 @@ class ContactCompliance:
 
     def force(self, axis: Array) -> Array:
         """Derivatives (m,) of the resultant of the tractions by each nodal traction, N/MPa, in the
-        whole model; axis: unit vector in space (3,) along which the resultant counts.
+        whole model; axis: unit vector in space (3,) along which the resultant counts. Points that
+        do not touch count, too.
         """
         share = self.area[:, None] * (self.tangents @ axis)
         return np.asarray(self.shape_functions.T @ share.ravel())
@@ -113,9 +117,9 @@ class ContactCompliance:
 
 class StaticCondensation:
     """Factorisation of the tangent stiffness of a pressed contact, and its condensation to the
-    contact points.
+    contact points. Its matrices are distributed, and its methods are collective.
 
-    p contact points of this rank lie on facets that touch; each has k tangents t.
+    p contact points of this rank lie on facets of which some point touches; each has k tangents t.
 
     system: contact system.
     response: response of the bodies; gives the shear stress that plastic strain takes.
@@ -258,7 +262,8 @@ class StaticCondensation:
     def linearised(
         self, contact: ContactCompliance, solution: Solution, nodal: Array
     ) -> ContactCompliance:
-        """Compliance with the last four fields replaced by those of another solution.
+        """Compliance with the last four fields replaced by those of another solution; the matrices
+        and the stiffness stay those of the pressed contact.
 
         solution: solution of the bodies under the nodal tractions.
         nodal: nodal tractions (m,), MPa, whose elastic effect is subtracted (collective).
@@ -313,8 +318,8 @@ class StaticCondensation:
         return responses
 
     def forces(self, nodal: Array, contact: ContactCompliance) -> PETSc.Vec:
-        """Forces on the bodies from tangential tractions, on all dofs, N: the transposed jump times
-        weighted tractions, negative.
+        """Forces on the bodies of the meshed part from tangential tractions, on all dofs, N: the
+        transposed jump times weighted tractions, negative.
 
         nodal: tractions (m,) of the wheel on the rail at the nodes, MPa.
         contact: compliance that holds the shape functions.

@@ -5,7 +5,7 @@ and Hild in the tangent plane)
 
     lambda = projection of q + tau s on the disc of radius mu p,   c = F^+ lambda
 
-q, p and F are those of `solver.interface.condensation`, s is the rigid slip (times d when rolling),
+q, p and F are those of `solver.friction.condensation`, s is the rigid slip (times d when rolling),
 and F^+ the L2 projection on the nodes. Tractions inside the disc stick, those on its border slip.
 Semismooth Newton's method starts where all points stick, and no point crosses the disc in one step:
 one that would slip the other way round sticks for a step. Without these two rules it does not
@@ -35,20 +35,24 @@ TINY = 1e-300  # below this length a vector has no direction
 
 @dataclass(frozen=True, kw_only=True)
 class TangentialState:
-    """Tractions and slip at n contact points with k tangents, from tractions at m nodal dofs and j
-    free rigid motions.
+    """Tractions and slip at n contact points with k tangents, from m components of nodal tractions
+    and j free rigid motions. Components are along the tangents of `ContactCompliance`.
 
     traction: traction of the wheel on the rail (n, k), MPa.
     slip: slip of the wheel over the rail (n, k): mm since the surfaces were at rest or, when
         rolling, over rolled distance.
-    sticks: (n,) whether a point with pressure sticks.
-    pressure: contact pressure (n,), MPa, zero at points that do not touch.
-    nodal: tractions at the nodes (m,), MPa.
+    sticks: (n,) whether a point that touches sticks; False at points that do not touch.
+    pressure: contact pressure (n,), MPa, with the effect of the tractions; zero at points that do
+        not touch.
+    nodal: tractions of the wheel on the rail at the nodes (m,), MPa.
     motion: factors (j,) of the free modes of rigid slip.
-    slips: (n,) points that slip in Newton's last step.
-    direction: unit vectors (n, k) of the trial traction, which is the direction of slip.
+    slips: (n,) points that were taken to slip in Newton's last step.
+    direction: unit vectors (n, k) of the trial traction, which is the direction of slip; zero where
+        there is none.
     history: for each of Newton's steps, the larger of two: the change of the tractions over the
-        largest mu p, and the missing part of prescribed forces over mu times load.
+        largest mu p, and the missing part of prescribed forces over mu times normal force. At
+        least 2 TOLERANCE while the set of points that slip changes, infinite where the tangent is
+        singular.
     """
 
     traction: Array
@@ -69,13 +73,13 @@ class TangentialState:
 
 class CoulombContact:
     """A condensed contact with a coefficient of friction. n points have k tangents; m is the number
-    of nodal tractions.
+    of components of nodal tractions.
 
     contact: compliance of the contact points; it holds the shape functions F and the areas W.
     coefficient: coefficient of friction mu.
-    projection: F^T W (m, n k), mm2; mass^-1 projection is the L2 projection of tractions at the
-        points on the nodes.
-    mass: F^T W F (m, m), mm2.
+    projection: F^T W (m, n k), mm2 of the meshed part; mass^-1 projection is the L2 projection of
+        tractions at the points on the nodes.
+    mass: F^T W F (m, m), mm2 of the meshed part.
     Raises ValueError for a coefficient that is not positive and finite.
     """
 
@@ -108,9 +112,10 @@ class CoulombContact:
         slip: rigid slip of the wheel over the rail (n, k), mm or, when rolling, over rolled
             distance.
         modes: further modes of rigid slip (j, n, k), whose factors follow from the forces.
-        forces: (j, 4) rows: unit vector in space (3), and force along it, N.
-        rest: for a shift, relative displacement (n, k) at which the surfaces were at rest, mm;
-            None: zero.
+        forces: (j, 4) rows, one for each mode: unit vector in space (3), and component along it of
+            the force of the wheel on the rail, of the whole model, N.
+        rest: for a shift, tangential displacement (n, k) of the wheel relative to the rail, rigid
+            slip included, at which the surfaces were at rest, mm; None: zero.
         start: solution of a similar problem to begin with; None: all points stick at first.
         If Newton's method does not converge from `start`, it is begun from sticking points, then
         with a stiffness on the free motions. The state that is returned may not have converged.
@@ -143,19 +148,20 @@ class CoulombContact:
 
 @dataclass(frozen=True, kw_only=True)
 class CoulombEquations:
-    """Nonlinear equations for m nodal tractions c and j motions, together x (m + j,):
+    """Nonlinear equations for m components c of nodal tractions and j motions, together x (m + j,):
 
         mass c - projection lambda(q, p) = 0,    force_rows c = forces
         q = trial_traction + trial_matrix x,     p = p0 + pressure_matrix x
 
-    lambda is q projected on the disc of radius mu p, at n points with k tangents.
+    lambda is q projected on the disc of radius mu p, at n points with k tangents; zero at points
+    that do not touch.
 
     friction: condensed contact with mu, mass, projection and p0.
     trial_traction: (n, k), MPa, prescribed slip included.
     trial_matrix: (n, k, m + j), trial traction per unknown.
     pressure_matrix: (n, m + j), pressure per unknown.
-    force_rows: (j, m) forces per nodal traction, N/MPa.
-    forces: prescribed forces (j,), N.
+    force_rows: (j, m) forces of the wheel on the rail per nodal traction, whole model, N/MPa.
+    forces: prescribed forces (j,) of the wheel on the rail, whole model, N.
     """
 
     friction: CoulombContact
@@ -199,7 +205,7 @@ class CoulombEquations:
                     history.append(np.inf)
                     break
                 if len(history) % 2 == 0:
-                    step *= min(STEP_LENGTHS, key=lambda t: self._residual_norm(x + t * step))
+                    step *= min(STEP_LENGTHS, key=lambda t: self._squared_residual(x + t * step))
                 x = x + step
             missing = float(np.abs(self.force_rows @ x[:m] - self.forces).max(initial=0.0)) / limit
             remaining = max(float(np.abs(step[:m]).max()) / self.friction.largest_bound, missing)
@@ -226,8 +232,8 @@ class CoulombEquations:
         """Newton's step (m + j,) from the unknowns x.
 
         slips: (n,) active points that slip; the other active points stick.
-        stiffness: stiffness added to the tangent of the motions. Raises LinAlgError where the
-            tangent is singular.
+        stiffness: N over a unit of motion, on the diagonal of the motions in the tangent. Raises
+            LinAlgError where the tangent is singular.
         """
         m = len(self.friction.mass)
         residual, tangent = self.linearised(x, slips)
@@ -302,10 +308,10 @@ class CoulombEquations:
         """
         return np.where(self.friction.contact.active, np.minimum(1.0, bound / size), 0.0)
 
-    def _residual_norm(self, x: Array) -> float:
-        """Squared residual of the tractions at the unknowns x, each component over the diagonal of
-        the mass, MPa2 mm2: a measure of the distance of the nodal tractions from the projected
-        ones.
+    def _squared_residual(self, x: Array) -> float:
+        """Sum of the squared residuals of the tractions at the unknowns x, each over its diagonal
+        entry of the mass, MPa2 mm2. It measures how far the nodal tractions are from the projected
+        ones; missing forces do not count.
         """
         q, bound, size, _ = self._trial_state(x)
         share = self._share(bound, size)

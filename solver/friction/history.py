@@ -37,15 +37,16 @@ class FrictionHistory:
     condensation: static condensation of the pressed contact.
     contact: compliance, linearised around the last solution.
     rigid_slip: modes of rigid slip (4, n, k), see `FrictionSettings.rigid_slip`.
-    motion: factors (4,) of these modes.
-    prescribed_slip: rigid slip (n, k) of the prescribed motions.
+    motion: factors (4,) of these modes, prescribed or last found.
+    prescribed_slip: rigid slip (n, k) of the prescribed motions alone.
     free_modes: indices of the modes that follow from prescribed forces.
-    rest: relative tangential displacement (n, k) at which the surfaces last came to rest, mm; None
-        when rolling.
+    rest: tangential displacement (n, k) of the wheel relative to the rail, rigid slip included, at
+        which the surfaces last came to rest, mm; None when rolling.
     nodal: tractions at the nodes (m,), MPa, that the bodies are pressed under.
-    tangential: force of these tractions along and across (2,), N.
+    tangential: force (2,) of the wheel on the rail along and across, whole model, N, of the solve
+        for the tractions before the last pressing.
     load_share: share of the load that acts.
-    was_active: (n,) points in contact after the last change of the load.
+    was_active: (n,) points in contact after the last change of the load; none before the first.
     full_force_reached: whether a step with the full tangential force has ended.
     dissipated_energy: work of friction since then, N mm.
     coupling_iterations: number of solves for the tractions so far.
@@ -83,9 +84,9 @@ class FrictionHistory:
         self.newton_steps = 0
 
     def solve(self) -> Solution:
-        """Solution after all load steps, or after the first that does not converge. Its field
-        `reference` is the frictionless solution, and its load includes what tractions on
-        inclined surfaces carry.
+        """Solution after all load steps, or after the first that does not converge; its result of
+        Newton's method says which (collective). Its field `reference` is the frictionless solution,
+        and its load includes what tractions on inclined surfaces carry.
         """
         solution = self.pressed
         for load_share, force_share in self.settings.load_steps:
@@ -220,13 +221,15 @@ class FrictionHistory:
 
     @property
     def _carried(self) -> float:
-        """Part of the load that the tangential tractions on inclined surfaces carry, N."""
+        """Part of the load that the tangential tractions on inclined surfaces carry, N, of the
+        whole model: their component along the direction of the setup.
+        """
         direction = np.array(self.system.setup.direction)
         return float(self.contact.force(direction) @ self.nodal)
 
     def _friction_solution(self) -> FrictionSolution:
         """Tractions and slip at the last load step; when rolling, its field `without_creepage` is
-        the same contact at zero creepage and spin.
+        the same contact without any rigid slip, for which the tractions are solved here.
         """
         solution = self._described(self.tangential_state, self.motion)
         if not self.settings.rolling:
@@ -284,6 +287,6 @@ def anderson_mixing(tried: list[tuple[Array, Array]]) -> Array:
 def rigid_slip_modes(settings: FrictionSettings, contact: ContactCompliance) -> Array:
     """Rigid slip (4, n, k) along the k tangents of n contact points under four motions: unit
     creepage along, unit creepage across, unit spin, and the rotation of the wheel about tangents
-    at the origin.
+    at the origin. For a shift the unit motions are 1 mm, 1 mm and 1 rad.
     """
     return np.einsum("mnc,nkc->mnk", settings.rigid_slip(contact.points), contact.tangents)

@@ -1,6 +1,7 @@
 """Response of a pressed contact of solids to tangential tractions at points of its surfaces.
 
-The tangential jump is J u = t . (u_wheel - u_rail), along two tangents t at each of n points.
+The tangential jump is J u = t . (u_wheel - u_rail), along two tangents t at each of n points. The
+wheel is the moving body, the rail the fixed one.
 Forces f along the tangents there, of the wheel on the rail, act on the bodies as -J^T f. With the
 tangent stiffness A of the pressed contact, whose active set stays, they displace everything by
 
@@ -32,8 +33,9 @@ TOLERANCE = 1e-3  # relative, of the linear solves
 
 
 def surface_tangents(normals: Array) -> Array:
-    """Unit tangents (n, k, c) of a surface: the x axis projected on the tangent plane and, with
-    three coordinates, the normal times that tangent (cross product).
+    """Unit tangents (n, k, c) of a surface: the first axis of the mesh projected on the tangent
+    plane and, with three coordinates, the normal times that tangent (cross product). The first axis
+    is x, along the rail; only in a section across the rail it is y.
 
     normals: unit normals (n, c), out of the rail.
     """
@@ -75,10 +77,11 @@ class SurfacePoints:
 
     comm: communicator of the mesh.
     met: (n,) whether a place has such a point.
-    points: (m, 3), mm; in a model cut at symmetry planes some may lie in the part left out.
-    tangents: (m, 2, 3) unit vectors: along the rail, and across it in the tangent plane.
+    points: (m, 3) in space, mm; in a model cut at symmetry planes some may lie in the part left
+        out.
+    tangents: (m, 2, 3) unit vectors in space: along the rail, and across it in the tangent plane.
     jump: J, two rows a point, of which each rank holds a share.
-    images: number of symmetric parts of which one is meshed.
+    images: number of symmetric parts of the patch, of which one is meshed.
     """
 
     comm: MPI.Intracomm
@@ -89,8 +92,8 @@ class SurfacePoints:
     images: int
 
     def jumps(self, displacement: PETSc.Vec) -> Array:
-        """Tangential jump (n, 2), mm, of a displacement on all dofs; zero at places without a point
-        (collective).
+        """Tangential jump (n, 2), wheel less rail, mm, of a displacement on all dofs; zero at
+        places without a point (collective).
         """
         values = np.concatenate(self.comm.allgather((self.jump * displacement).array))
         return self.spread(values.reshape(-1, 2))
@@ -102,12 +105,14 @@ class SurfacePoints:
         return out
 
     def resultant(self, forces: Array) -> Array:
-        """Resultant in space (3,), N, of forces (n, 2) along the tangents, N."""
+        """Resultant in space (3,), N, of forces (n, 2) along the tangents, N; those at places
+        without a point do not count.
+        """
         return np.einsum("mk,mkc->c", forces[self.met], self.tangents)
 
     def loads(self, forces: Array) -> PETSc.Vec:
-        """Forces on the bodies, N, on all dofs, from forces (n, 2) along the tangents of the wheel
-        on the rail, N, of the whole model.
+        """Forces on the bodies of the meshed part, N, on all dofs, from forces (n, 2) along the
+        tangents of the wheel on the rail, N, of the whole patch (collective).
         """
         first, last = self.jump.getOwnershipRange()
         out = self.jump.createVecRight()
@@ -121,7 +126,7 @@ class SurfaceResponse:
 
     system: contact system of a solid.
     settings: friction settings.
-    active: active set (n,) of the pressed contact on this rank.
+    active: (n,) contact points of this rank that touch in the pressed contact.
     slave, master: contact facets of all ranks; master None: a rigid body.
     far_field: displacement of the supported faces under 1 N along and 1 N across the rail, on all
         dofs, mm/N; empty where the bodies end at their supports.
@@ -148,8 +153,9 @@ class SurfaceResponse:
         return interface.slave.mean_edge(touched, self.system.comm)
 
     def at(self, places: Array, normal: Array, mirrors: tuple[Array, ...]) -> SurfacePoints:
-        """Points of the surfaces at places (n, 3), mm, near the slave, which are followed along a
-        unit normal (3,) (collective).
+        """Points of the surfaces at places (n, 3) in space, mm, near the slave, from which a unit
+        normal (3,) is followed to the slave and the slave's own normal to the other body
+        (collective).
 
         mirrors: unit normals (3,) of the symmetry planes through the origin that the patch meets;
             places behind one have the mirrored displacement of those before it.
@@ -208,8 +214,8 @@ class SurfaceResponse:
 
 
 def far_displacement(fields: list[PETSc.Vec], force: Array) -> PETSc.Vec | None:
-    """Displacement of the supported faces, on all dofs, mm, under a force (2,) along and across the
-    rail, N; None where the bodies end at their supports. fields: see `far_field`.
+    """Displacement of the supported faces, on all dofs, mm, under a force (2,) of the wheel on the
+    rail along and across the rail, N; None without fields. fields: see `far_field`.
     """
     out = None
     for value, field in zip(force, fields, strict=False):
@@ -218,8 +224,9 @@ def far_displacement(fields: list[PETSc.Vec], force: Array) -> PETSc.Vec | None:
 
 
 def far_field(system: ContactSystem, settings: FrictionSettings) -> list[PETSc.Vec]:
-    """Displacement of the supported faces under 1 N along the rail and, in a solid, under 1 N
-    across it: vectors on all dofs, mm/N; empty where the bodies end at their supports.
+    """Displacement of the supported faces under 1 N of the wheel on the rail along the rail and, in
+    a solid, under 1 N across it: vectors on all dofs, mm/N; empty where the settings have no far
+    field (collective).
     """
     if settings.far_field is None:
         return []

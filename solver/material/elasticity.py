@@ -58,7 +58,8 @@ def assemble(
     kinematics: meaning of the mesh coordinates: a solid, plane strain, or a section that is
         revolved.
     rule: degree of the quadrature; None: that which suits `degree`.
-    K has one block a node (BAIJ), in N/mm, and no boundary condition is applied.
+    K has one block a node (BAIJ), in N/mm, and no boundary condition is applied. It is that of the
+    meshed part: of a plane section times its thickness, of a meridian section of the whole turn.
     """
     cells = mesh.topology.index_map(mesh.topology.dim)
     lame = np.zeros((cells.size_local + cells.num_ghosts, 2))

@@ -72,6 +72,7 @@ class SeparatedProblem(PlasticProblem):
 class LoadStepping:
     """Solves a load case in shares of the full load, one after the other. The first step starts
     from an elastic solution: without one, its first iterations yield where the solution does not.
+    Its methods are collective.
 
     system: contact system.
     problem: contact problem of the next step; after `separate` one without contact.
@@ -104,8 +105,8 @@ class LoadStepping:
         self.active: Mask = first.newton.pressure > 0
 
     def repeat(self, case: LoadCase, state: State) -> Solution:
-        """Solution of the step to the present share, from another history `state` and with another
-        load case.
+        """Solution, converged or not, of the step to the present share again, from another history
+        `state` and with another load case, which both replace the present ones.
         """
         self.case, self.state = case, state
         self._step(self.share)
@@ -126,8 +127,8 @@ class LoadStepping:
         return self.solution.newton
 
     def separate(self, reference_force: float) -> None:
-        """Remove the contact from all further steps; reference_force: force that the residual is
-        then divided by, N.
+        """Remove the contact from all further steps; nothing is solved. reference_force: force that
+        the residual is then divided by, N.
         """
         self.problem = SeparatedProblem.of(self.problem, reference_force)
         self.active = np.zeros(len(self.problem.area), dtype=bool)
@@ -184,10 +185,10 @@ class LoadStepping:
 
 
 def predict_active_set(system: ContactSystem, indicator: Array, ratio: float) -> Mask:
-    """Active points (n,) after the load is multiplied by a ratio: those with the highest indicator
-    (collective).
+    """Active points (n,) after the load is multiplied by a ratio: those with the highest indicator,
+    at least one of all ranks (collective).
 
-    Their area grows as in Hertz's theory: by ratio^(2/3), for a line contact by ratio^(1/2).
+    Their area changes as in Hertz's theory: by ratio^(2/3), for a line contact by ratio^(1/2).
     indicator: (n,) at this rank's contact points before the change of the load, MPa.
     """
     every = np.concatenate(system.comm.allgather(indicator))
@@ -278,9 +279,9 @@ class PlasticResponse(ElasticResponse):
     def press(self, case: LoadCase) -> Solution:
         """Frictionless solution: elastic up to first yield, then in equal load steps (collective).
 
-        With several cycles the load is lowered by the shares `LOWERING` before it is applied
-        again. The elastic solution is the field `reference` of the one returned, or is returned
-        itself where nothing yields or it does not converge.
+        With several cycles the load is lowered to the shares `LOWERING` before it is applied
+        again. The elastic solution is the field `reference` of the one returned. It is returned
+        itself, without a field `plasticity`, where nothing yields or it does not converge.
         """
         elastic = super().press(case)
         over = self._load_over_first_yield(elastic, case)
@@ -314,7 +315,8 @@ class PlasticResponse(ElasticResponse):
 
     def press_again(self, solution: Solution, case: LoadCase) -> Solution:
         """Solution of the last load step again, under a load case whose force holds tangential
-        tractions.
+        tractions (collective). Where pressing stayed elastic, the load case is pressed as a new
+        one, and may yield.
 
         It starts from the history at the start of the friction load step. It takes over reference
         and load history of `solution`, the last one.
@@ -339,8 +341,9 @@ class PlasticResponse(ElasticResponse):
         return np.asarray(2 * self.problem.surface.mu[points, None] * shear)
 
     def unload(self, solution: Solution) -> Solution:
-        """The solution with its residual state, where the load path has one: the load is lowered by
-        the shares `UNLOADING`, then the bodies are separated. Otherwise the solution itself.
+        """The solution with its residual state, where the load path has one: the load is lowered to
+        the shares `UNLOADING`, then the bodies are separated (collective). Otherwise, and where
+        nothing yielded or the solution did not converge, the solution itself.
         """
         plasticity, stepping = solution.plasticity, self.stepping
         if not (plasticity and stepping and self.path.unload and solution.newton.converged):
@@ -360,8 +363,8 @@ class PlasticResponse(ElasticResponse):
 
     def _load_over_first_yield(self, elastic: Solution, case: LoadCase) -> float:
         """Ratio of the load to that of first yield. In Hertz's theory it is the cube of the largest
-        elastic von Mises stress over the yield stress, for a line contact the square
-        (collective).
+        elastic von Mises stress over the yield stress, for a line contact the square. The stress is
+        that at the points at which plastic strain is followed (collective).
         """
         self.problem.set_prescribed_strain(self.system.prescribed(case))
         worst = 0.0
@@ -403,11 +406,11 @@ def indentation_depth(
     system: ContactSystem, residual: Solution, pressure: Array
 ) -> Mapping[int, float]:
     """Body tag -> largest residual displacement of the contact surface of that body into it, mm,
-    for each deformable body (collective).
+    for each deformable body, negative where all of the surface moves outwards (collective).
 
     residual: solution after unloading.
     pressure: (n,) before unloading, MPa; the displacement counts along the resultant of the
-        pressure.
+        pressure on the meshed part.
     """
     interface, setup = system.interface, system.setup
     normal = system.comm.allreduce((interface.weights * pressure) @ interface.normals)

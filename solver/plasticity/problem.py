@@ -42,7 +42,7 @@ class YieldPoints:
     cells: numbers (k,) of this rank's cells that the Gauss points lie in, cell by cell; none for
         contact points.
     points: position in space (n, 3), mm.
-    weights: quadrature weight (n,), mm3, of contact points mm2.
+    weights: quadrature weight (n,) in the meshed part, mm3, of contact points mm2.
     mu: shear modulus (n,), MPa.
     groups: (numbers of its points, hardening) of each body that yields.
     history: plastic state at the end of the last load step.
@@ -68,8 +68,8 @@ class YieldPoints:
         self.prescribed_strain = strain.reshape(self.prescribed_strain.shape)
 
     def return_mapping(self, y: PETSc.Vec) -> tuple[History, TangentReduction]:
-        """State after a step from the history to the strains of the free unknowns y, and the
-        reduction of the tangent by yield.
+        """State after a step from the history to the strains of the free unknowns y and of the
+        prescribed displacement, and the reduction of the tangent by yield. The history stays.
         """
         strain = self.strains(y) + self.prescribed_strain
         state = History(*(getattr(self.history, each.name).copy() for each in fields(History)))

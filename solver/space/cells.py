@@ -181,7 +181,8 @@ class CellSet:
 
     def quadrature_points(self, degree: int) -> tuple[tuple[Index, Array], Array, Array]:
         """Quadrature points of all cells, cell by cell: (cell number (n,), reference point (n, c)),
-        position (n, c) in mm, and weight (n,) in mm3; degree: degree of the quadrature.
+        position (n, c) in mm, and weight (n,) in mm3: of a plane section times its thickness, of a
+        meridian section of the whole turn. degree: degree of the quadrature.
         """
         points, weights = basix.make_quadrature(getattr(basix.CellType, self.cell), degree)
         index = np.repeat(np.arange(len(self)), len(weights))

@@ -137,7 +137,8 @@ class FacetSet(CellSet):
 
     def quadrature(self, degree: int) -> tuple[tuple[Index, Array], Array]:
         """Quadrature points of all facets, facet by facet: (facet number (n,), coordinates xi (n, c
-        - 1) in the reference facet), and weights (n,) in mm2; degree: degree of the quadrature.
+        - 1) in the reference facet), and weights (n,) in mm2: of a plane section times its
+        thickness, of a meridian section of the whole turn. degree: degree of the quadrature.
         """
         kind = getattr(basix.CellType, facet_type(self.cell))
         xi, weights = basix.make_quadrature(kind, degree)
@@ -158,7 +159,8 @@ def pair(points: Array, normals: Array, master: FacetSet) -> tuple[Index, Array]
 
     points: x (n, c), mm. normals: n (n, c). master: facets of the surface.
     Returns the facet that is met (n,), -1 where there is none, and the coordinates xi in the
-    reference facet (n, c - 1). Newton's method is used on the nearest facets.
+    reference facet (n, c - 1), up to OUTSIDE beyond it. Only the CANDIDATES nearest facets of each
+    point are tried, by Newton's method.
     """
     facet = np.full(len(points), -1, dtype=np.int64)
     inner = points.shape[1] - 1

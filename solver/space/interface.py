@@ -38,7 +38,8 @@ PENALTY_FACTOR = 10.0  # penalty over the Nitsche parameter: bias against condit
 LARGEST_PARAMETER = 3.0  # over E times the trace constant; of nearly incompressible bodies
 STAGE_GROWTH = 10.0  # of the parameter from one stage of a stiff law to the next
 Gap = Callable[[Array], tuple[Array, Array]]
-"""Exact surfaces: points in space (n, 3) on the slave -> (initial gap (n,), its normal (n, 3))."""
+"""Exact surfaces: points in space (n, 3) on the slave -> (initial gap (n,) in mm along the normal,
+not finite where that misses the master, and outward unit normal of the slave (n, 3) in space)."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,8 @@ class ContactLaw:
     """Contact law: method and parameters.
 
     method: 'nitsche' or 'penalty'.
-    theta: variant of Nitsche's method: 1 (symmetric), 0 or -1; None: `suited` chooses.
+    theta: variant of Nitsche's method: 1 (symmetric), 0 or -1; None: `suited` chooses. Without
+        effect on a penalty but for the limit in `suited`.
     gamma_factor: parameter over the smallest stable one or, for a penalty, over `PENALTY_FACTOR`
         times the trace bound; positive.
     Raises ValueError for other values.
@@ -94,8 +96,8 @@ class ContactLaw:
 
         theta = 1 is coercive down to factor 1, theta = -1 at any factor. So theta = -1 is chosen
         for factors below 1 where theta is None. Towards incompressibility the safe parameter grows
-        with lambda, although the contact gets no stiffer. The parameter is then limited to
-        LARGEST_PARAMETER times E, unless theta = 1 is given.
+        with lambda, although the contact gets no stiffer. The parameter, also of a penalty, is then
+        limited to LARGEST_PARAMETER times E, unless theta = 1 is given.
         """
         lam, mu = lame
         factor = self.gamma_factor
@@ -124,8 +126,8 @@ class Interface:
     slave: contact facets of the slave on this rank.
     master: contact facets of the master on this rank; None where it is rigid.
     points: position (n, c), mm.
-    weights: area of each point (n,) in the meshed part, mm2.
-    initial_gap: exact initial gap g0 (n,), mm.
+    weights: area of each point (n,) in the meshed part, mm2, see `FacetSet.quadrature`.
+    initial_gap: exact initial gap g0 (n,) along the normals, mm.
     normals: (n, c) outward unit normals of the slave's exact surface.
     trace_bound: smallest stable parameter of Nitsche's method (n,), MPa/mm, from the cell of each
         point, see the function `trace_bound`.
@@ -171,7 +173,7 @@ def build(
 
     slave: contact facets of the slave on this rank.
     master: contact facets of the master on this rank; None: a rigid counterface.
-    exact: exact initial gap and its normals.
+    exact: exact initial gap and the slave's outward normals.
     local_dofs: number of owned dofs of the displacement space on this rank.
     comm: communicator of the mesh.
     Points whose normal misses the master surface, or where the gap is not finite, are left out.

@@ -23,8 +23,9 @@ class Kinematics:
 
     axes: rows (d, 3): unit vectors of the coordinates in space.
     offset: position in space of the section's origin (3,), mm.
-    thickness: of a section in plane strain, mm; 1 for a solid.
-    revolved: whether the section is revolved about its second axis.
+    thickness: of a section in plane strain, mm; 1 for a solid and for a meridian section.
+    revolved: whether the section is revolved about its second axis, the line r = 0: a meridian
+        section.
     mean_dilatation: whether the trace of the strain is replaced in every cell by its mean over the
         volume, so that nearly incompressible cells do not lock (B-bar; Nagtegaal, Parks and Rice
         1974, Hughes 1980). The divergence of quadratic functions is linear, so that its mean is its
@@ -64,7 +65,7 @@ class Kinematics:
 
     def flatten(self, vectors: Array) -> Array:
         """Components (..., d) along the d coordinates of the mesh, from vectors in space (..., 3);
-        the part normal to a section is dropped.
+        the part normal to a section is dropped. Points must first be taken from `offset`.
         """
         return vectors if self.dim == 3 else vectors @ self.axes.T
 
@@ -78,7 +79,7 @@ class Kinematics:
         """Symmetric tensors in space (..., 3, 3), from m components in Mandel's notation (..., m).
 
         In a solid these are 11, 22, 33 and sqrt(2) times 23, 13, 12. In a section they are 11, 22,
-        the component normal to the section, and sqrt(2) times 12.
+        the component normal to the section (the hoop of a meridian section), and sqrt(2) times 12.
         """
         own = np.zeros((*mandel.shape[:-1], 3, 3))
         own[..., [0, 1, 2], [0, 1, 2]] = mandel[..., :3]
@@ -123,8 +124,8 @@ class Kinematics:
 
         u, v: trial and test function. lam, mu: Lame's constants, MPa. mesh: dolfinx mesh. degree:
             degree of the quadrature.
-        The thickness of a section is not included. Where the mean dilatation has to be integrated
-        over each cell (`averaged`), the first term is left out.
+        The thickness of a section is not included. With mean dilatation the first term is taken at
+        the centroid; where it has to be integrated over each cell (`averaged`), it is left out.
         """
         dx = ufl.dx(metadata={"quadrature_degree": degree})
         middle = ufl.dx(metadata={"quadrature_degree": 0}) if self.mean_dilatation else dx

@@ -82,7 +82,7 @@ def vector(matrix: PETSc.Mat, values: Array) -> PETSc.Vec:
 
 def add_transposed(matrix: PETSc.Mat, values: Array, out: PETSc.Vec) -> None:
     """Add matrix^T values to the vector `out`; values: one for each of this rank's rows, of any
-    shape.
+    shape (collective).
     """
     matrix.multTransposeAdd(vector(matrix, values), out, out)
 
