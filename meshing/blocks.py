@@ -35,10 +35,10 @@ EDGES = {  # of simplices, in gmsh's order of the middle nodes
 @contextmanager
 def model(bodies: list[Body], grading: Grading, options: Options) -> Iterator[Any]:
     """Context that yields `gmsh.model`, meshed, with physical groups for the bodies and their
-    faces.
+    faces. With a stretch, nodes are in stretched coordinates until `undo_stretch`.
 
     bodies: the sections and how each is swept.
-    grading: element size; in the plane 'xz' its coordinate across is replaced by x.
+    grading: element size; in the plane 'xz' x takes the place of y.
     options: type of the cells, degree, symmetry, plane.
     The tags of the groups are those of `meshing.bodies`. gmsh is closed when the context ends.
     """
@@ -114,9 +114,9 @@ def _wire(body: Body, *, flat: bool = False) -> list[int]:
     """Add the section of a body to gmsh's current model; returns the tags of its curves, a closed
     chain in the order of `body.section`.
 
-    flat: whether the section is drawn in gmsh's plane z = 0, with y and z as gmsh's x and y,
-        instead of in its place in space. A curve with a centre becomes a circular arc, one with two
-        points a line, any other a spline.
+    flat: whether the section is drawn in gmsh's plane z = 0, with y and z of space as gmsh's x and
+        y, instead of in its place in space. A curve with a centre becomes a circular arc, one with
+        two points a line, any other a spline.
     """
     occ = gmsh.model.occ
 
@@ -208,7 +208,7 @@ def _sweep(
 
 def _swept(body: Body, grading: Grading) -> Array:
     """Directions (3, 3) of a swept body in the coordinates that gmsh meshes in, as columns: along
-    the sweep, across it, upwards. There x is divided by the stretch.
+    the sweep, across it, upwards. There x of space is divided by the stretch.
     """
     columns = body.pose.rotation.copy()
     columns[0, 0] /= grading.stretch
@@ -306,8 +306,8 @@ def _straighten(dim: int) -> None:
 
 
 def qualities(dim: int = 3) -> np.ndarray:
-    """Quality (m,) of all m elements of one dimension in the current gmsh model: 1 ideal, 0 flat,
-    negative inverted.
+    """Quality (m,) of all m elements of one dimension in the current gmsh model, in its present
+    coordinates (stretched before `undo_stretch`): 1 ideal, 0 flat, negative inverted.
 
     dim: dimension of the elements, 2 or 3. For quadrilaterals and hexahedra the quality is the
         smallest scaled Jacobian. For simplices it is the smaller of that and the signed inverse

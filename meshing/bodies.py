@@ -24,10 +24,12 @@ class Body:
     """A section in the plane x = 0 that is swept along x, or about an axle.
 
     tag: RAIL or WHEEL, see `meshing.bodies`.
-    section: closed chain of curves in the body's coordinates (y, z), mm.
-    reach: length of the sweep to each side of the section, mm.
-    axle: (z of the axle, radius at which `reach` is measured), mm: the sweep is a revolution; None:
-        the sweep is straight.
+    section: closed chain of curves in the body's coordinates (y, z), mm; in the plane 'xz' they
+        stand for (x, z) in space.
+    reach: length of the sweep to each side of the section, mm; no effect where only sections are
+        meshed.
+    axle: (z of the axle in the body's coordinates, radius at which `reach` is measured), mm: the
+        sweep is a revolution; None: the sweep is straight.
     end_role: 'support' where the end faces of the sweep are supported, otherwise 'free'.
     pose: position and rotation of the body's coordinates in space.
     """
@@ -45,11 +47,13 @@ class Options:
     """How bodies are meshed.
 
     cell: 'tetrahedron' or 'hexahedron'; in a section these stand for triangles and quadrilaterals.
-    geometry_degree: polynomial degree of the cells' geometry, 1 or 2.
-    half: whether only x >= 0 is meshed, with a symmetry plane at x = 0.
+    geometry_degree: polynomial degree of the cells' geometry, 1 or 2; not that of the displacement.
+    half: whether solids are swept to x >= 0 only, with a symmetry plane at x = 0. No effect in a
+        section, nor on a cut at y = 0: their outlines are cut already.
     plane: '' sweeps the sections to solids; 'xz' or 'yz' meshes the sections alone, in the plane
         along or across the rail.
-    per_turn: least number of tetrahedra or triangles on a full turn of a curved edge.
+    per_turn: least number of tetrahedra or triangles on a full turn of a curved edge; no effect on
+        hexahedra and quadrilaterals.
     """
 
     cell: str
@@ -60,7 +64,7 @@ class Options:
 
     @property
     def dim(self) -> int:
-        """Number of coordinates of the mesh: 2 for a section, 3 for solids."""
+        """Number of coordinates of the mesh: 2 for sections, 3 for solids."""
         return 2 if self.plane else 3
 
 

@@ -30,7 +30,8 @@ def run(
 
     work: function whose result can be pickled.
     seconds: time limit of the child, measured after `meanwhile`.
-    meanwhile: called in this process while the child runs, before the wait begins.
+    meanwhile: called in this process while the child runs, before the wait begins; its exceptions
+        pass through.
     Raises IsolatedProcessError where `work` raises, crashes or takes longer than `seconds`. The
     child is ended in every case. (Not by pebble, whose thread prints a traceback where a signal
     ends child and parent together.)

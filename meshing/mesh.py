@@ -31,11 +31,12 @@ class MeshError(RuntimeError):
 class ContactMesh:
     """Mesh of both bodies, distributed over all ranks.
 
-    mesh: dolfinx mesh, mm.
+    mesh: dolfinx mesh, mm, of the meshed part; coordinates x, y, z, or the two of a section.
     cell_tags: dolfinx MeshTags of the cells, RAIL or WHEEL.
     facet_tags: dolfinx MeshTags of the contact, support and symmetry facets, numbers as in
         `meshing.bodies`.
-    quality: quality of the worst cell, 1 ideal, 0 flat, see `blocks.qualities`.
+    quality: quality of the worst cell of all ranks before a stretch is undone, 1 ideal, 0 flat, see
+        `blocks.qualities`.
     cells: number of cells of all ranks.
     """
 
@@ -59,9 +60,10 @@ def generate(
     bodies: what is meshed.
     grading: element size; where gmsh fails, it is tried again with the sizes times `RETRIES`.
     options: type of the cells, degree, symmetry, plane.
-    comm: communicator of the mesh.
-    save: file that the gmsh mesh is also written to (.msh 2.2, readable by meshio); None: no file.
-    meanwhile: what every rank calls while gmsh works.
+    comm: communicator of the mesh. Cells are distributed, gmsh runs on its rank 0 alone.
+    save: file that the gmsh mesh is also written to, on rank 0 (.msh 2.2, readable by meshio);
+        None: no file.
+    meanwhile: what every rank calls while gmsh works; rank 0 calls it again with each new trial.
     Raises MeshError on every rank when gmsh fails, takes too long, or an element is inverted or
     nearly flat.
     """
@@ -98,8 +100,8 @@ def generate(
 def _meshed(
     bodies: list[Body], grading: Grading, options: Options, save: Path | None
 ) -> tuple[blocks.ModelSnapshot, np.ndarray]:
-    """Mesh the bodies in this process; returns a snapshot of the gmsh model and the quality (m,) of
-    its cells.
+    """Mesh the bodies with gmsh in this process; returns a snapshot of the gmsh model and the
+    quality (m,) of its cells.
 
     save: file (.msh) that the mesh is also written to; None: no file. The quality is that of the
         stretched mesh, before its elements get their true length.

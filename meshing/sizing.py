@@ -30,14 +30,15 @@ class Grading:
     rho^2| with rho = |x / semi-axes|, and that to its bounding box. Both are exact on the axes, and
     neither leaves out the tips of a needle.
 
-    centre: (x, y, z) of the patch, mm.
+    centre: (x, y, z) of the patch in space, mm.
     a: semi-axis of the patch along x, mm.
     b: semi-axis of the patch along the tangent across the rail, mm.
-    angle: of that tangent to the horizontal, rad.
-    size: smallest element size, mm.
+    angle: of that tangent to the horizontal, rad; positive where z rises with y.
+    size: smallest element size of this patch, mm.
     growth: increase of the size per distance from the ellipsoid.
     margin: semi-axes of the fine ellipsoid over a and b.
-    coarsest: largest element size, mm.
+    coarsest: largest element size, mm; gmsh gets it apart from the formula. Those of further
+        patches have no effect.
     stretch: ratio of the elements' length along the rail to their width. gmsh meshes in coordinates
         where x is divided by it, and sizes are isotropic there.
     also: gradings of further patches, with the same stretch; the smallest size holds.
@@ -63,13 +64,15 @@ class Grading:
 
     @property
     def depth(self) -> float:
-        """Depth of the fine zone below the surface, mm: the smaller of a and b."""
+        """Depth of the fine zone below the surface, mm: the smaller of a and b, without the
+        margin.
+        """
         return min(self.a, self.b)
 
     @property
     def resolution(self) -> float:
-        """Number of elements per smaller semi-axis. Where the elements are stretched more than
-        suits the patch, the smaller size that makes up for that is not counted.
+        """Number of elements per smaller semi-axis of this patch. Where the elements are stretched
+        more than suits the patch, the smaller size that makes up for that is not counted.
         """
         spared = max(1.0, self.stretch / suited_stretch(self.a, self.b))
         return self.depth / (self.size * spared)
@@ -96,7 +99,8 @@ class Grading:
 
     def turned(self) -> Grading:
         """The grading for a section along the rail, where x takes the place of y: centre (0, x, z),
-        a and b exchanged, angle 0. Further patches stay as they are.
+        a and b exchanged, angle 0. Further patches stay as they are: a section along the rail has
+        none.
         """
         x, _, z = self.centre
         return replace(self, centre=(0.0, x, z), a=self.b, b=self.a, angle=0.0)
@@ -138,8 +142,8 @@ class Grading:
         return own
 
     def at(self, y: float, z: float) -> float:
-        """Element size in mm at a point (y, z), mm, of the section through the centre of the
-        patch.
+        """Element size in mm at a point (y, z), mm, of the section through the centre of the patch,
+        without the limit `coarsest`. With a stretch it is the width of the elements.
         """
         dy, dz = y - self.centre[1], z - self.centre[2]
         c, s = np.cos(self.angle), np.sin(self.angle)
@@ -152,7 +156,7 @@ class Grading:
 
     def along(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Length of the elements along the rail (n,), mm, on the line through the centre of the
-        patch along the rail, at positions x (n,), mm.
+        patch along the rail, at positions x (n,) in space, mm, without the limit `coarsest`.
         """
         outside = np.maximum(np.abs(x - self.centre[0]) - self.margin * self.a, 0.0)
         own = self.stretch * self._size(outside / self.stretch)
@@ -169,8 +173,9 @@ class Grading:
         return [float(v) for v in np.interp(ends, count, x) / length]
 
     def predicted_triangles(self, reach: float) -> float:
-        """Predicted number of triangles of the section of one whole body that reaches `reach` mm
-        from the patch: the integral of 1/size^2 times a factor that fits gmsh's meshes.
+        """Predicted number of triangles of the section of one whole body, not cut at its middle,
+        that reaches `reach` mm from the patch: the integral of 1/size^2 times a factor that fits
+        gmsh's meshes. Further patches and `coarsest` are left out.
         """
         radius = np.geomspace(1e-3 * self.size, reach, 400)
         fine = self.margin * np.sqrt(self.b * self.depth)
@@ -178,8 +183,8 @@ class Grading:
         return 2.3 * float(trapezoid(np.pi * radius / size**2, radius))
 
     def predicted_cells(self, reach: float, *, hexahedra: bool = False) -> float:
-        """Predicted number of cells of one whole body: the integral of 1/size^3 times a factor that
-        fits gmsh's meshes.
+        """Predicted number of cells of one whole body, not cut at symmetry planes: the integral of
+        1/size^3 times a factor that fits gmsh's meshes, without the limit `coarsest`.
 
         reach: distance that the body extends from the patch along the rail, mm.
         hexahedra: whether the cells are hexahedra swept in layers, otherwise tetrahedra. The cells

@@ -26,13 +26,13 @@ TWIST_REACH = 500.0  # mm, half length of a whole section that can twist: it dec
 def bodies(
     contact: Contact, reach: float, deformable: Sequence[int], *, whole_section: bool, half: bool
 ) -> list[Body]:
-    """Sections and sweeps of the deformable bodies, rail first.
+    """Sections and sweeps of the deformable bodies of a solid, rail first; of half-spaces blocks.
     contact: first contact of the undeformed bodies.
     reach: half length along the rail of bodies without a length of their own, or half the edge of
         the blocks for half-spaces, mm.
     deformable: tags of the bodies wanted, RAIL or WHEEL.
     whole_section: a standard rail with web and foot, else its head alone.
-    half: only y >= 0.
+    half: whether only y >= 0 is outlined.
     Raises SceneError where a depth or a width of the scene does not fit.
     """
     made = []
@@ -44,8 +44,9 @@ def bodies(
 
 
 def depth(scene: Scene, body: int) -> float:
-    """Distance from the contact of the body (RAIL or WHEEL) to where the body is held, mm. For a
-    standard rail this is the depth of its head.
+    """Nominal depth at which the body (RAIL or WHEEL) is held, mm: as the scene gives it, else the
+    default, which counts from the lower end of the profile. For a standard rail this is the depth
+    of its head, also where web and foot are meshed.
     """
     if body == WHEEL:
         return scene.wheel.rim_depth or min(RIM_DEPTH, 0.5 * scene.wheel.rolling_radius)
@@ -56,8 +57,8 @@ def depth(scene: Scene, body: int) -> float:
 
 def rail_reach(contact: Contact, reach: float, *, whole_section: bool) -> float:
     """Half length of the rail, mm: half of `rail.length` where given, else reach.
-    reach: half length of bodies that do not twist, mm. A whole section without symmetry at y = 0
-        can twist and gets at least 500 mm (TWIST_REACH).
+    reach: half length where the scene gives none and the rail does not twist, mm. A whole section
+        without symmetry at y = 0 can twist and gets at least 500 mm (TWIST_REACH).
     """
     if contact.scene.rail.length is not None:
         return contact.scene.rail.length / 2
@@ -97,8 +98,9 @@ def _rail(contact: Contact, reach: float, *, whole_section: bool, half: bool) ->
 
 
 def _wheel(contact: Contact, reach: float, *, half: bool) -> Body:
-    """The wheel as a ring segment in its pose, or a half-space. Raises SceneError where the rim is
-    deeper than the wheel, or the segment is too thin for its length.
+    """The wheel as a ring segment in its pose, its middle at the first contact, or a half-space. A
+    segment reaches at most 1.2 times the rolling radius to each side. Raises SceneError where the
+    rim is deeper than the wheel, or the segment is too thin for its length.
     """
     scene = contact.scene
     wheel = scene.wheel
@@ -137,7 +139,8 @@ def _wheel(contact: Contact, reach: float, *, half: bool) -> Body:
 
 def _half_space(tag: int, reach: float, *, half: bool) -> Body:
     """A block with one flat contact face, a body tagged RAIL (below) or WHEEL (above); all other
-    outer faces are supported (far field). reach: half width, depth and half length, mm.
+    outer faces are supported, planes of symmetry excepted: held, or moved by the far field. reach:
+    half width, depth and half length, mm.
     """
     flat = profiles.single_radius(math.inf, reach, "flat")
     outwards = 1 if tag == RAIL else -1

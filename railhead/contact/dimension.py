@@ -29,8 +29,8 @@ class Dimension:
     """How many dimensions the model of a scene needs, and why.
     kind: 'solid', 'plane_along' (section x, z), 'plane_across' (section y, z) or 'axisymmetric'.
     plane_strain: text that says why plane strain is on or off.
-    length: length of a line contact, mm; 0 otherwise.
-    centre: y of the middle of a line contact, mm.
+    length: length of the contact line, mm; 0 where the contact is no line.
+    centre: y in space of the middle of the contact line of a section along the rail, mm; else 0.
     """
 
     kind: str
@@ -40,7 +40,7 @@ class Dimension:
 
     @property
     def line(self) -> bool:
-        """Whether the contact is a line, so that a plane section models the contact."""
+        """Whether the contact is a line, solved in plane strain; False for a meridian section."""
         return self.kind.startswith("plane")
 
 
@@ -63,7 +63,7 @@ def choose(scene: Scene) -> Dimension:
 
 def _curvatures(scene: Scene) -> tuple[float, float] | None:
     """Relative curvatures of a scene, along and across the rail, 1/mm; None for a profile without a
-    single radius.
+    single radius. Standard profiles have their nominal one.
     """
     try:
         return scene.relative_curvatures()
@@ -73,7 +73,7 @@ def _curvatures(scene: Scene) -> tuple[float, float] | None:
 
 def circular(scene: Scene) -> tuple[bool, str]:
     """Whether both bodies, and their loads, are symmetric about the normal of the contact, with a
-    text that says why.
+    text that says why or why not. Of the switches of effects only that of friction is looked at.
     """
     curvatures = _curvatures(scene)
     if curvatures is None:
@@ -97,8 +97,9 @@ def circular(scene: Scene) -> tuple[bool, str]:
 
 
 def _across(scene: Scene) -> Dimension:
-    """Plane section across the rail, for a wheel that is a straight bar. Raises SceneError where
-    plane strain is off, the length is missing, or the section cannot use a given key.
+    """Plane section across the rail, for a wheel that is a straight bar (rolling radius inf).
+    Raises SceneError where plane strain is off, the length is missing, or the section cannot use a
+    given key.
     """
     if scene.effects.plane_strain == "off":
         raise SceneError(
@@ -118,6 +119,8 @@ def _across(scene: Scene) -> Dimension:
 
 def _along(scene: Scene) -> Dimension:
     """Plane section along the rail for a cylinder on a flat crown or one nearly so, else a solid.
+    Curved across, it needs a predicted semi-axis across of 5 times (SLENDER) half the common width,
+    or of once where plane strain is forced.
     Raises SceneError where the forced plane strain or the geometry does not allow the choice.
     """
     forced = scene.effects.plane_strain
@@ -177,7 +180,9 @@ def _radii(scene: Scene) -> tuple[float, float]:
 
 
 def _common_width(scene: Scene) -> tuple[float, float]:
-    """Width over which crown and tread face each other, and the y of its middle, mm."""
+    """Width over which crown and tread face each other, and the y of its middle, mm; not positive
+    where they do not. Profiles are taken for arcs of the usual width where the scene gives none.
+    """
     rail = (scene.rail.width or 2 * RAIL_HALF_WIDTH) / 2
     wheel = (scene.wheel.width or 2 * TREAD_HALF_WIDTH) / 2
     shift = scene.wheelset.shift

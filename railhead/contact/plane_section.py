@@ -36,14 +36,17 @@ WIDE = 1e4  # mm: what is flat across has no end in a section
 class SectionContact(Contact, ABC):
     """First contact of the bodies in a section of two dimensions.
     dimension: kind of section, the reason for it, and the length of a line contact.
+
+    Points and places are in the axes of space, as of a solid.
     """
 
     dimension: Dimension
 
     @property
     def kinematics(self) -> Kinematics:
-        """World directions of the two coordinates of the section, a world point of the section, the
-        thickness (mm; 1 where there is no length) and whether the section is a meridian.
+        """How the two coordinates of the section become those of space: their directions, a point
+        of the section, the thickness (mm; 1 where there is no length), and whether it is a
+        meridian.
         """
         from railhead.solver.space.kinematics import Kinematics
 
@@ -75,8 +78,8 @@ class SectionContact(Contact, ABC):
         )
 
     def exact_approach(self, hertz: Hertz) -> float | None:
-        """Approach of the datum points of half-planes or half-spaces along the vertical, mm, for a
-        closed form; None for bodies that end.
+        """Approach along the vertical, mm, for a closed form between half-spaces: of the datum
+        points of half-planes, or of distant points in a meridian section. None for bodies that end.
         """
         return hertz.approach / math.cos(self.touch.angle) if self.half_space else None
 
@@ -88,14 +91,14 @@ class SectionContact(Contact, ABC):
         WHEEL).
         reach: half length of what has no end of its own, mm.
         whole_section: a standard rail has web and foot, else its head alone.
-        half: only one side of the middle is modelled.
+        half: whether only one side of the middle is outlined.
         Raises SceneError where a depth or a length of the scene does not fit the section.
         """
 
 
 @dataclass(frozen=True, kw_only=True)
 class LongitudinalSection(SectionContact):
-    """Plane strain in the plane x, z along the rail: a cylinder on a flat crown."""
+    """Plane strain in the plane x, z along the rail: a cylinder on a flat crown, or half-planes."""
 
     plane = "xz"
     line = True
@@ -126,7 +129,7 @@ class LongitudinalSection(SectionContact):
         WHEEL).
         reach: half length of what has no end of its own, mm.
         whole_section: has no effect here.
-        half: only x >= 0.
+        half: whether only x >= 0 is outlined; always so in a meridian section.
         Raises SceneError where the rim is deeper than the radius, or a half disc has a segment
         length.
         """
@@ -170,7 +173,7 @@ class LongitudinalSection(SectionContact):
 @dataclass(frozen=True, kw_only=True)
 class MeridianSection(LongitudinalSection):
     """Half a meridian section, x >= 0, z, of two bodies of revolution about the contact normal: a
-    sphere on a plane.
+    sphere on a plane, or half-spaces with a circular patch. x is the radius.
     """
 
     revolved = True
@@ -211,8 +214,8 @@ class TransverseSection(SectionContact):
         return "the section runs across the rail"
 
     def gap(self, slave: int) -> ExactGap | ParabolicGap:
-        """Exact gap from the slave body (RAIL or WHEEL) to the other one; a parabola between half-
-        planes.
+        """Exact gap from the slave body (RAIL or WHEEL) to the other one; a parabola between
+        half-planes. The wheel is a straight bar.
         """
         if self.pair is None:
             return super().gap(slave)
@@ -237,7 +240,7 @@ class TransverseSection(SectionContact):
 
     @property
     def lift(self) -> float:
-        """z of the wheel's nominal rolling radius in the section across the rail, mm."""
+        """z in space of the wheel's nominal rolling radius in the section across the rail, mm."""
         shift = self.scene.wheelset.shift
         tread = 0.0 if self.pair is None else float(self.pair.wheel.height(self.touch.y - shift))
         return self.touch.z + tread
@@ -264,7 +267,7 @@ class TransverseSection(SectionContact):
         WHEEL).
         reach: half length of what has no end of its own, mm.
         whole_section: a standard rail has web and foot, else its head alone.
-        half: only y >= 0.
+        half: whether only y >= 0 is outlined.
         Raises SceneError where a depth or a width of the scene does not fit.
         """
         if self.half_space:
@@ -289,8 +292,8 @@ class TransverseSection(SectionContact):
 
 
 def locate(scene: Scene, dimension: Dimension) -> SectionContact:
-    """First contact of a scene in the section that dimension names. Raises SceneError where a wheel
-    misses its rail or the pair has no contact with a common tangent.
+    """First contact of a scene in the section that dimension names; a 'solid' is none. Raises
+    SceneError where a wheel misses its rail or the pair has no contact with a common tangent.
     """
     if dimension.kind == "plane_across":
         solid = geometry.lower(_of_any_radius(scene))

@@ -42,8 +42,11 @@ TREAD_HALF_WIDTH = 67.5  # mm, of a cylinder, cone or arc
 
 
 def rail_profile(scene: Scene, stretch: float = 1.0) -> Profile:
-    """Crown z(y) of the rail as it stands, inclination included. stretch: factor on the smoothing
-    wavelengths of a measured profile. Raises SceneError for a file that cannot be used.
+    """Crown z(y) of the rail as it stands, inclination included. Standard rails and arcs are turned
+    about the crown centre, files about their origin. Raises SceneError for a file that cannot be
+    used.
+
+    stretch: factor on the smoothing wavelengths of a measured profile.
     """
     rail = scene.rail
     if rail.profile in profiles.STANDARD_RAILS:
@@ -56,9 +59,10 @@ def rail_profile(scene: Scene, stretch: float = 1.0) -> Profile:
 
 
 def wheel_profile(scene: Scene, stretch: float = 1.0) -> Profile:
-    """Tread profile z(y), outwards from the nominal rolling radius. stretch: factor on the
-    smoothing wavelengths of a measured profile. Raises SceneError for a file that cannot be
-    used.
+    """Tread profile z(y), outwards from the nominal rolling radius, y = 0 at the tape circle.
+    Raises SceneError for a file that cannot be used.
+
+    stretch: factor on the smoothing wavelengths of a measured profile.
     """
     wheel = scene.wheel
     if wheel.profile in profiles.CONES:
@@ -78,7 +82,8 @@ def measured_bodies(scene: Scene) -> tuple[str, ...]:
 
 
 def from_file(scene: Scene, body: str, stretch: float = 1.0) -> Measured:
-    """The measured profile of body, 'rail' or 'wheel', from the scene's file.
+    """The measured profile of body, 'rail' or 'wheel', from the scene's file; a rail's is turned by
+    its inclination.
     stretch: factor on the smoothing wavelengths.
     Raises SceneError where the file cannot be read or is no profile.
     """
@@ -100,19 +105,25 @@ def from_file(scene: Scene, body: str, stretch: float = 1.0) -> Measured:
 @dataclass(frozen=True)
 class Contact:
     """First contact of the undeformed bodies of a scene, as a solid, and the exact gap around it.
+
+    Axes of space are those of the right wheel's rail: x along the rail, y across to the field side,
+    z up; x = 0 at the first contact, y = z = 0 at the rail's crown centre (of half-spaces at the
+    first contact).
+
     scene: the scene.
-    touch: the contact point, in axes along the rail with x = 0 there.
+    touch: the contact point, in these axes.
     pair: both profiles; None for half-spaces, which touch at the origin.
     pose: of the wheel in these axes; None for half-spaces.
-    placed: the whole wheelset; None for half-spaces and sections.
+    placed: the whole wheelset, each side in axes of its own; None for half-spaces and sections.
 
     Class constants, other values in the sections of two dimensions in `plane_section`:
     plane: '' for a solid, 'xz' for a section along the rail, 'yz' for one across it.
     revolved: the section is a meridian.
     line: the contact is one along a line.
-    prescribed_length: result key of the half length that is prescribed, not solved for; None
-        without.
-    error_family_shape: shape of the error envelopes, `Setting.shape`, of bodies that end.
+    prescribed_length: key in summary.json of the half length that is prescribed, not solved for;
+        None where there is none.
+    error_family_shape: shape of the error envelopes, `Setting.shape`, of bodies that end; solid
+        half-spaces have one of their own.
     """
 
     plane: ClassVar[Literal["", "xz", "yz"]] = ""
@@ -129,8 +140,9 @@ class Contact:
 
     @property
     def profiles(self) -> dict[str, tuple[Profile, float]]:
-        """By body ('rail', 'wheel'): its profile, and the y in mm to add to the profile's own y for
-        the y on the rail, at the contact. Empty for half-spaces.
+        """By body ('rail', 'wheel'): its profile, and the shift in mm that is added to the
+        profile's own y for y in space. A wheel's shift holds at the first contact. Empty for
+        half-spaces.
         """
         if self.pair is None:
             return {}
@@ -139,55 +151,60 @@ class Contact:
 
     @property
     def cross_profiles(self) -> list[tuple[str, Profile, float]]:
-        """Body, profile and offset in y (mm) of the profiles across the track that the gap depends
-        on; empty for half-spaces and for sections along the rail.
+        """Body ('rail', then 'wheel'), profile, and shift as in `profiles` (mm), of the profiles
+        across the track that the gap depends on; empty for half-spaces and for sections along the
+        rail.
         """
         return [(body, *profile) for body, profile in self.profiles.items()]
 
     @property
     def kinematics(self) -> Kinematics:
-        """How coordinates of the mesh become world coordinates: for a solid they are the same."""
+        """How coordinates of the mesh become those of space: for a solid they are the same."""
         from railhead.solver.space.kinematics import SOLID
 
         return SOLID
 
     def line_contact(self, load: float | None) -> LineContact | None:
-        """Closed form of a line contact under the load (N), or under the approach of the scene
-        where load is None; None for a point contact.
+        """Closed form of a line contact under a vertical load (N), or at the approach of the scene
+        where load is None; None for a point contact, as of every solid.
         """
         return None
 
     def exact_approach(self, hertz: Hertz) -> float | None:
-        """Approach of the supports (mm) along the load that belongs to the closed form `hertz`;
-        None where no formula is known.
+        """Approach of the supports (mm) along the vertical that belongs to the closed form `hertz`;
+        None where no formula is known, as for every solid.
         """
         return None
 
     def is_half_outline(self, *, half_x: bool, half_y: bool) -> bool:
-        """Whether outlines of the bodies are cut at their middle, given that only x >= 0 (half_x)
-        or only y >= 0 (half_y) is modelled.
+        """Whether outlines of the bodies' sections are cut at their middle (of a solid: at y = 0),
+        given that only x >= 0 (half_x) or only y >= 0 (half_y) is modelled.
         """
         return half_y
 
     @property
     def half_space(self) -> bool:
-        """Whether both bodies are flat blocks under Hertz's parabolic gap."""
+        """Whether both bodies are half-spaces under Hertz's parabolic gap: flat blocks where they
+        are meshed.
+        """
         return self.pair is None
 
     @property
     def origin(self) -> tuple[float, float, float]:
-        """Contact point (x, y, z), mm; x is 0."""
+        """Contact point (x, y, z) in space, mm; x is 0."""
         return 0.0, self.touch.y, self.touch.z
 
     @property
     def frame(self) -> Frame:
-        """Axes at the contact point: along the rail, along the common tangent across it and out of
-        the rail.
+        """Axes of the contact frame, with the contact point as origin: along the rail, along the
+        common tangent across it to the field side, and out of the rail.
         """
         return Frame(self.origin, self.touch.angle)
 
     def why_asymmetric_in_y(self) -> str | None:
-        """Reason why y = 0 is not a plane of symmetry of the bodies, as text; None if it is one."""
+        """Reason why y = 0 is not a plane of symmetry of the bodies, as text; None if it is one, as
+        of half-spaces. Friction is not looked at.
+        """
         if self.half_space:
             return None
         scene = self.scene
@@ -203,7 +220,9 @@ class Contact:
         return self._yawed
 
     def why_asymmetric_in_x(self) -> str | None:
-        """Reason why x = 0 is not a plane of symmetry of the bodies, as text; None if it is one."""
+        """Reason why x = 0 is not a plane of symmetry of the bodies, as text; None if it is one.
+        Friction is not looked at.
+        """
         return self._yawed
 
     @property
@@ -213,16 +232,16 @@ class Contact:
         return f"axle turned by {1e3 * yaw:g} mrad" if yaw and not self.half_space else None
 
     def touches(self, clearance: float) -> list[ContactPoint]:
-        """Contact points whose gap is at most `clearance` mm above the first one's, lowest first;
-        the first contact alone for half-spaces.
+        """Contact points whose gap (a height) is at most `clearance` mm above the first one's,
+        lowest first; the first contact alone for half-spaces, and where there is no pose.
         """
         if self.pair is None or self.pose is None:
             return [self.touch]
         return self.pair.touches(self.pose, clearance)
 
     def half_space_gap(self, touch: ContactPoint) -> Callable[[Array, Array], Array]:
-        """Function of x (along the rail) and s (across it), both (n,) in mm, in the tangent plane
-        of a contact point. The function gives the gap (n,) in mm between both surfaces along the
+        """Function of x (along the rail) and s (across it), both (n,) in mm, from a contact point
+        in its tangent plane. The function gives the gap (n,) in mm between both surfaces along the
         normal of that plane, infinite where the normal misses the rail or the wheel.
         """
         c, t = math.cos(touch.angle), math.sin(touch.angle)
@@ -239,15 +258,15 @@ class Contact:
         return gap
 
     def surfaces(self) -> tuple[RailSurface, WheelSurface]:
-        """The exact surfaces of rail and wheel. Raises ValueError for half-spaces."""
+        """The exact surfaces of rail and wheel in space. Raises ValueError for half-spaces."""
         if self.pair is None or self.pose is None:
             raise ValueError("half-spaces have no profiles")
         wheel = WheelSurface(self.pair.wheel, self.pair.rolling_radius, self.pose)
         return RailSurface(self.pair.rail), wheel
 
     def gap(self, slave: int) -> ExactGap | ParabolicGap:
-        """Exact gap from the slave body (RAIL or WHEEL) to the other one; a parabola between half-
-        spaces.
+        """Exact undeformed gap from the slave body (RAIL or WHEEL) to the other one, of points in
+        space; a parabola between half-spaces.
         """
         if self.half_space:
             outward = 1 if slave == RAIL else -1
@@ -267,7 +286,8 @@ def pair(scene: Scene, stretch: float = 1.0) -> ProfilePair:
 def place(
     scene: Scene, clearance: float = 0.0, both: ProfilePair | None = None
 ) -> tuple[ProfilePair, Placed]:
-    """Lower the wheelset of a scene onto its track; return both profiles and the placed wheelset.
+    """Lower the wheelset of a scene onto its track; return both profiles and the placed wheelset,
+    whose sides have axes of their own (`placement.Side`).
     clearance: gap above the lowest contact point up to which further contact points are kept, mm.
     both: profiles in place of the scene's.
     Raises SceneError where a wheel misses its rail or both cannot touch.
@@ -297,8 +317,9 @@ def locate(scene: Scene, both: ProfilePair | None = None) -> Contact:
 
 
 def lower(scene: Scene) -> Contact:
-    """First contact of a single wheel that neither rolls nor yaws on its rail. Raises SceneError
-    where the wheel misses the rail, or the pair has no point contact with a common tangent.
+    """First contact of a single wheel without roll and yaw, lowered onto its rail; x = 0 there.
+    Raises SceneError where the wheel misses the rail, or the pair has no point contact with a
+    common tangent.
     """
     if scene.rail.extent == "half-space":
         return locate(scene)
@@ -313,7 +334,7 @@ def lower(scene: Scene) -> Contact:
 
 def _tangent(scene: Scene, touch: ContactPoint) -> ContactPoint:
     """The contact point as it is. Raises SceneError where the contact point is at the edge of a
-    profile, or its relative curvature across the rail is not positive.
+    profile, or its relative curvature across the rail is not positive, as in a line contact.
     """
     if touch.at_edge:
         raise SceneError(

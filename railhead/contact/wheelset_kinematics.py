@@ -32,14 +32,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class WheelsetCreepage:
-    """Creepage of the wheel of a scene in the pose of its wheelset.
+    """Creepage of the right wheel of a scene in the pose of its wheelset.
+
     axle: 'free', turning by the mean of both rolling radii, or 'nominal', by the nominal radius.
     turning: radius R by which the axle turns, mm: the axle moves by R in one radian.
-    radius: radius of the wheel's circle at the contact, mm.
+    radius: radius of the wheel's circle at the first contact, mm.
     yaw: yaw of the wheelset, rad.
     roll: roll of the wheelset, rad.
     angle: contact angle, rad.
-    creepage: rigid creepages along and across the rail, and spin in 1/mm.
+    creepage: rigid creepages along the rail and along the common tangent across, and spin about the
+        rail's outward normal in 1/mm.
     """
 
     axle: str
@@ -104,8 +106,9 @@ def wheelset_creepage(contact: Contact) -> WheelsetCreepage:
 
 
 def _turning_radius(contact: Contact) -> float:
-    """Distance in mm that the axle moves while it turns by 1 rad: the nominal radius, or the mean
-    of both wheels' rolling radii for a free axle.
+    """Distance in mm that the axle moves while it turns by 1 rad: the mean of both wheels' rolling
+    radii for a free axle; the nominal radius else, also where the wheelset does not give the
+    creepages.
     """
     rolling, placed = contact.scene.rolling, contact.placed
     if placed is None or not rolling.from_wheelset or rolling.axle == "nominal":
@@ -114,8 +117,8 @@ def _turning_radius(contact: Contact) -> float:
 
 
 def _angular_velocity(contact: Contact) -> Array:
-    """Angular velocity (3,) of the wheel about its axle per rolled length, 1/mm; 0 for half-spaces
-    and sections, which are planes, and for a wheel that does not roll.
+    """Angular velocity (3,) of the wheel about its axle per rolled length, in the axes of space,
+    1/mm; 0 for half-spaces and sections, which are planes, and for a wheel that does not roll.
     """
     if contact.pose is None or contact.plane or not contact.scene.rolling.prescribed:
         return np.zeros(3)
@@ -125,10 +128,14 @@ def _angular_velocity(contact: Contact) -> Array:
 @dataclass(frozen=True)
 class RigidSlip:
     """Rigid slip of a wheel over its rail for four modes of motion.
+
     The modes are unit creepage along and across the rail, unit spin, and the actual angular
     velocity about axes in the tangent plane at the first contact.
+
     frame: axes at the first contact.
-    angular: (4, 3) angular velocity of each mode, 1/mm.
+    angular: (4, 3) angular velocity of the wheel in each mode, per rolled length, 1/mm, in the axes
+        of space. It is zero in the first two modes, the rail's outward unit normal in the third,
+        and in the fourth the component of the wheel's angular velocity in the tangent plane.
     rail: undeformed surface of the rail; None is a plane.
     """
 
@@ -137,10 +144,10 @@ class RigidSlip:
     rail: RailSurface | None
 
     def __call__(self, points: Array) -> Array:
-        """Slip (4, n, 3) of each mode per rolled length at points (n, 3) near the contact, in the
-        tangent planes at the nearest places of the rail.
-        Points are in mm. The slip of unit spin (1/mm) is in mm, that of the other modes is
-        dimensionless. NaN beyond the profile of the rail.
+        """Slip (4, n, 3) of the wheel over the rail in each mode, per rolled length, at points (n,
+        3) near the contact. Points (mm) and slip are in the axes of space; the slip lies in the
+        tangent planes at the places of the rail close to the points. The slip of unit spin (1/mm)
+        is in mm, that of the other modes is dimensionless. NaN beyond the profile of the rail.
         """
         normals = self.frame.axes[2]
         if self.rail is not None:
@@ -151,7 +158,9 @@ class RigidSlip:
 
 
 def rigid_slip(contact: Contact) -> RigidSlip:
-    """Rigid slip of the wheel of a contact; its rail is a plane in half-spaces and sections."""
+    """Rigid slip of the wheel of a contact; its rail is a plane in half-spaces and sections.
+    Without rolling the fourth mode is zero.
+    """
     turns, normal = _angular_velocity(contact), contact.frame.axes[2]
     angular = np.zeros((4, 3))
     angular[2:] = normal, turns - (turns @ normal) * normal

@@ -24,8 +24,8 @@ def fits(plan: Plan, free: int) -> bool:
 def check_memory(plan: Plan, free: int) -> None:
     """Refuse a scene that is solved on one mesh where this mesh does not fit into the free memory
     (bytes): NoMemoryError.
-    Where there are several meshes, the first is coarse, and a finer one that does not fit is left
-    out.
+    Nothing is refused where the scene has several meshes: the first is coarse, and a finer one that
+    does not fit is left out.
     """
     if plan.scene.one_mesh and not fits(plan, free):
         raise NoMemoryError(
@@ -37,9 +37,11 @@ def check_memory(plan: Plan, free: int) -> None:
 
 def affordable(plan: Plan, wanted: float) -> float:
     """Finest resolution (elements per semi-axis) at which the predicted seconds of a coarse and a
-    fine mesh are within the budget of the scene.
-    The result is at most `wanted` where the scene has an accuracy, else the finest that the error
-    laws cover.
+    fine mesh are within 0.85 (BUDGET_SHARE) of the budget of the scene; the least one, 4.8, where
+    none is.
+
+    wanted: largest resolution that is returned where the scene has an accuracy, unless it is below
+        4.8. Without an accuracy the largest one is the finest that the error laws cover.
     """
     budget = BUDGET_SHARE * float(plan.scene.budget or 0.0)
     best = n = error_envelopes.RANGE[0] * error_envelopes.STEP

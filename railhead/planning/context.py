@@ -24,10 +24,11 @@ DEFAULT_ACCURACY = 0.01  # accuracy of a scene that prescribes none
 class Effect:
     """Decision on a physical effect or a simplification.
     called_for: the scene needs the effect.
-    on: the effect is simulated.
+    on: the effect is simulated (a simplification: it is used).
     why: the indicator and its limit, as a sentence.
     refused: by state ('on', 'off'), the reason why a person cannot choose that state.
-    error: relative error that the state adds to every quantity, 0 where it is not known.
+    error: relative error that the present state adds to every quantity; 0 also where it is not
+        known.
     override: a person chose the state.
     """
 
@@ -39,8 +40,9 @@ class Effect:
     override: bool = False
 
     def forced(self, name: str, state: str) -> Effect:
-        """The effect in the state 'on' or 'off' that a person chose; unchanged for 'auto'. Raises
-        SceneError for the effect's name where the state is refused.
+        """The effect in the state 'on' or 'off' that a person chose; unchanged for 'auto'. Its
+        error is then 0, unless the plan had chosen that state too. Raises SceneError for the
+        effect's name where the state is refused.
         """
         if state == "auto":
             return self
@@ -68,8 +70,10 @@ class Context:
     scene: the scene.
     dimension: solid, or a section in two dimensions.
     contact: first contact of the undeformed bodies.
-    hertz: exact Hertz contact with the curvatures at first contact.
-    decided: the effects that come earlier in `effects.EFFECTS`, by name.
+    hertz: exact Hertz contact with the curvatures at first contact, under the load or approach of
+        the scene; its load is the normal force.
+    decided: the effects by name: while an effect is decided, those that come earlier in
+        `effects.EFFECTS`, afterwards all.
     """
 
     scene: Scene
@@ -80,20 +84,22 @@ class Context:
 
     @property
     def deformable(self) -> dict[str, Rail | Wheel]:
-        """Sections of the bodies that deform, by 'rail' and 'wheel'."""
+        """Tables of the scene of the bodies that deform, by 'rail' and 'wheel'."""
         bodies = self.scene.bodies.items()
         return {name: part for name, part in bodies if self.decided[f"deformable_{name}"].on}
 
     @cached_property
     def boundary_elements(self) -> BoundaryElementSolution:
-        """Boundary-element solution of the undeformed pair under the load or approach of the scene.
-        Raises ValueError where there is no closed patch.
+        """Boundary-element solution, elastic and frictionless, for the profiles of the scene under
+        its load or, without one, at its approach. Solved at the first call.
+        Raises ValueError where there is no closed patch, and for half-spaces.
         """
         return boundary_elements.solve(self.contact, self.hertz, self.scene.load)
 
     @cached_property
     def twist_change(self) -> float:
-        """Relative change of the largest pressure or of the area as the load twists the rail.
+        """Relative change of the largest pressure or of the area, the larger one, as the load
+        twists the rail.
         Raises ValueError where boundary elements cannot tell.
         """
         angle = rail_twist.twist(self.contact, self.hertz)
@@ -102,8 +108,8 @@ class Context:
 
     @cached_property
     def hertzian(self) -> bool:
-        """Whether exact Hertz gives the patch: always between half-spaces and in sections, else
-        where the exact gap over the patch is Hertz's parabola.
+        """Whether exact Hertz gives the patch before anything is solved: always between half-spaces
+        and in sections, else where the exact gap over the patch is Hertz's parabola.
         """
         contact, hertz = self.contact, self.hertz
         if contact.plane or contact.half_space or isinstance(hertz, LineContact):
@@ -123,7 +129,8 @@ class Context:
             return str(error)
 
     def von_mises(self, poisson: float) -> float:
-        """Largest elastic von Mises stress (MPa) below the contact, for a Poisson's ratio.
+        """Largest von Mises stress (MPa) in a half-space below the contact, elastic and
+        frictionless, for a Poisson's ratio.
         The stress follows from the pressure of the boundary elements, or from exact Hertz where
         these are not used.
         """
@@ -138,7 +145,9 @@ class Context:
 
     @cached_property
     def _largest(self) -> dict[float, float]:
-        """Largest von Mises stress (MPa) below the boundary elements by Poisson's ratio."""
+        """Cache of `von_mises` below the boundary elements, MPa, by Poisson's ratio; empty at
+        first.
+        """
         return {}
 
     @property
@@ -153,9 +162,10 @@ class Context:
 @dataclass(frozen=True)
 class PostSolveVerdict:
     """Indicator of an effect or an assumption, evaluated on the solution.
-    needed: the effect matters but was not simulated.
+
+    needed: of an effect, it matters but was not simulated; of an assumption, it does not hold.
     why: the indicator and its limit, as a sentence.
-    notable: shown beside the result although no effect that the scene calls for was left out.
+    notable: shown beside the result although `needed` is false.
     """
 
     needed: bool

@@ -45,8 +45,8 @@ def cache_file() -> Path:
 
 
 def correction() -> float:
-    """Factor on predicted seconds for this machine: median of taken over predicted seconds of the
-    latest runs; 1 before there are three of them (LEAST_RUNS).
+    """Factor on predicted seconds for this machine, read from the file of finished runs: median of
+    taken over predicted seconds of the latest runs; 1 before there are three of them (LEAST_RUNS).
     """
     ratios = _ratios()
     return statistics.median(ratios) if len(ratios) >= LEAST_RUNS else 1.0
@@ -83,15 +83,12 @@ def free_memory() -> int:
     return int(psutil.virtual_memory().available)
 
 
-#
-
-
 @dataclass(frozen=True)
 class Cost:
     """Cost of one unknown of one kind of model, from mesh to results, elastic and frictionless.
-    seconds: seconds per unknown on two cores of 2026, times (unknowns / SMALL) ** growth above 30
-        000 unknowns (SMALL).
-    growth: that power.
+
+    seconds: seconds per unknown on two cores of 2026, up to 30 000 unknowns (SMALL).
+    growth: power of unknowns / SMALL by which the seconds per unknown grow beyond.
     bytes: bytes per unknown at the peak.
     """
 
@@ -130,7 +127,8 @@ def cost(cell: str, order: int, *, section: bool, half_space: bool) -> Cost:
 
 
 def unknowns_per_cell(kind: str, cell: str, order: int) -> float:
-    """Unknowns per predicted cell of a mesh; kind is 'solid' or 'section', cell and order are as
-    mesh.cell and mesh.order. Values were measured by `studies.accuracy.calibrate`.
+    """Unknowns per predicted cell of a mesh (`Grading.predicted_cells` or `predicted_triangles`);
+    kind is 'solid' or 'section', cell and order are as mesh.cell and mesh.order. Values were
+    measured by `studies.accuracy.calibrate`.
     """
     return float(CELLS[kind][cell][str(order)])

@@ -55,7 +55,8 @@ def drop_beside_maximum(beside: float) -> float:
 @dataclass(frozen=True)
 class Setting:
     """Properties of a planned model, besides the resolution, on which its errors depend.
-    shape: 'half-spaces', 'bodies' (solids that end), 'plane strain' or 'meridian'.
+    shape: 'half-spaces' (meshed blocks), 'bodies' (solids that end), 'plane strain' or 'meridian';
+        of sections also between half-spaces.
     turned: the width of a line contact runs across the rail.
     cell: 'tetrahedron' or 'hexahedron', as mesh.cell of the scene.
     order: of the displacement, 1 or 2.
@@ -63,8 +64,8 @@ class Setting:
     theta: of Nitsche's method; None where the contact law chooses it.
     gamma_factor: as solver.gamma_factor of the scene.
     poisson, least_poisson: largest and least Poisson's ratio of the deformable bodies.
-    ellipse: the forecast patch is Hertz's ellipse.
-    axis_ratio: longer over shorter semi-axis of the most loaded patch.
+    ellipse: the forecast patch, or the solved one where it is known, is Hertz's.
+    axis_ratio: longer over shorter half length of the most loaded patch; 1 of a line contact.
     stiffness: smaller over larger E/(1 - nu^2) of the two bodies; 0 where one is rigid.
     """
 
@@ -93,7 +94,9 @@ class ErrorEnvelope:
     order: float
 
     def __call__(self, n: float) -> float:
-        """Bound of the relative error at n elements per semi-axis."""
+        """Bound of the relative error at n elements per semi-axis, also beyond the calibrated
+        range.
+        """
         return float(self.value * (6.0 / n) ** self.order)
 
 
@@ -103,11 +106,11 @@ class Family:
     name: name of the family.
     where: by field of `Setting`, the allowed words, or the range of a number (two ends).
     resolution: smallest and largest calibrated n, elements per smaller semi-axis.
-    laws: envelope of the mesh error by quantity, over the quantity's scale
+    laws: envelope of the mesh error by key of summary.json, over the quantity's scale
         (`estimates.error_scales`).
     reading: median relative difference of two ways of reading each quantity from the same solution,
-        by quantity; for prices only.
-    overlap: relative error by quantity for an overlap of the bodies as large as the approach.
+        by key; for the choice of resolutions and for prices.
+    overlap: relative error by key for an overlap of the bodies as large as the approach.
     """
 
     name: str
@@ -159,8 +162,9 @@ class Family:
         return low <= n * (1 + 1e-9) and n <= STEP * high
 
     def expected(self, n: float) -> float:
-        """Largest relative error of all quantities at n elements per semi-axis. For a place of a
-        maximum the drop of the quantity there counts instead of the distance.
+        """Largest relative error of all quantities at n elements per semi-axis, of mesh and reading
+        together. For a place of a maximum the drop of the quantity there counts instead of the
+        distance.
         """
         return max(
             drop_beside_maximum(self.mesh(name, n))
@@ -201,7 +205,8 @@ class Family:
 
     def finest(self, accuracy: float) -> float:
         """Elements per semi-axis at which all quantities are expected to meet the relative
-        accuracy, within the range that the laws cover.
+        accuracy, within the range that the laws cover: the coarsest or the finest one where none
+        between does.
         """
         low, high = self.resolution[0], STEP * self.resolution[1]
         target = AIM * accuracy
@@ -235,7 +240,7 @@ def families() -> tuple[Family, ...]:
 
 def family(setting: Setting) -> Family | None:
     """The family that the setting lies in, turned for a width across the rail; None where no family
-    was calibrated for the setting.
+    was calibrated for the setting, without regard to yield and friction, for which there is none.
     """
     found = next((each for each in families() if each.holds(setting)), None)
     return found.across if found and setting.turned else found
@@ -253,8 +258,9 @@ class Uncertainty:
 
 
 def of_profiles(context: Context) -> Uncertainty | None:
-    """Relative error that the measured profiles of a scene may hide; None where no profile is
-    measured, for half-spaces, and in sections, whose contacts no half-space has.
+    """Relative error that the measured profiles of a scene may hide, by boundary elements; None
+    where no profile is measured, for half-spaces, and in sections, whose contacts no half-space
+    has.
     """
     scene, contact = context.scene, context.contact
     if contact.half_space or contact.plane or not solid.measured_bodies(scene):
@@ -266,8 +272,8 @@ def of_profiles(context: Context) -> Uncertainty | None:
 
 
 def around(scene: Scene, solution: BoundaryElementSolution) -> Uncertainty:
-    """Twice (SAFETY) the largest relative change of pressure or area when the smoothing length of
-    the measured profiles is doubled or halved.
+    """Twice (SAFETY) the largest relative change of largest pressure or area when the smoothing
+    length of the measured profiles is doubled or halved.
     solution: boundary elements with the usual smoothing.
     Raises ValueError (SceneError is one) where one length leaves no contact.
     """

@@ -38,10 +38,10 @@ BESIDE = 1e-6  # mm, distance from a joint at which the curvature of each side i
 @dataclass(frozen=True)
 class Zone:
     """An expected contact patch.
-    centre: (x, y, z), mm.
-    a: half length along the rail, mm.
+    centre: (x, y, z) in space, mm.
+    a: half length along the rail, mm; of a line contact both half lengths are its half width.
     b: half length along the tangent across the rail, mm.
-    angle: angle of that tangent to the horizontal, rad.
+    angle: angle of that tangent to the horizontal, rad; positive where z rises with y.
     """
 
     centre: tuple[float, float, float]
@@ -53,8 +53,8 @@ class Zone:
 def touches_nearby(
     known: cKDTree, touches: NDArray[np.bool_], reach: float, points: Array
 ) -> NDArray[np.bool_]:
-    """Whether each of the points (n, 3), mm, has a known point closer than `reach` (mm), of which
-    the nearest touches: (n,) booleans.
+    """Whether each of the points (n, 3) in space, mm, has a known point closer than `reach` (mm),
+    of which the nearest touches: (n,) booleans.
     known: KD tree of the known points (m, 3), mm; touches: (m,) whether each of them touches.
     """
     distance, index = known.query(points)
@@ -64,8 +64,8 @@ def touches_nearby(
 def in_ellipse(
     frame: Frame, semi_axes: tuple[float, float], turn: float, points: Array
 ) -> NDArray[np.bool_]:
-    """Whether each of the points (n, 3), mm, lies in an ellipse of the tangent plane, closer to the
-    plane than the larger semi-axis: (n,) booleans.
+    """Whether each of the points (n, 3) in space, mm, lies in an ellipse of the tangent plane,
+    closer to the plane than the larger semi-axis: (n,) booleans.
     frame: axes at the contact point. semi_axes: along and across before the ellipse is turned, mm.
     turn: angle of the first semi-axis to the rail in the tangent plane, rad.
     """
@@ -79,11 +79,13 @@ def in_ellipse(
 @dataclass(frozen=True)
 class Forecast:
     """Expectation of the contact before it is solved.
-    zones: patches, most loaded first.
+    zones: patches, most loaded first, never empty.
     moments: centre (x, s) and two semi-axes of an ellipse with the moments of the whole pressure,
         along and across the rail, in the frame of the first contact, mm.
-    touching: function of points (n, 3) in mm that gives (n,) whether they are expected to touch.
-    hertzian: exact Hertz is the forecast.
+    touching: function of points (n, 3) in space, mm, that gives (n,) whether they are expected to
+        touch.
+    hertzian: before a solution, exact Hertz is the forecast; after one, the solved pressure is
+        Hertz's.
     reason: why exact Hertz stands in where the gap is not a parabola; else empty.
     """
 
@@ -95,7 +97,7 @@ class Forecast:
 
     @property
     def minor(self) -> float:
-        """Smaller half length of the most loaded patch, mm."""
+        """Smaller half length of the most loaded patch, mm; of a line contact its half width."""
         return min(self.zones[0].a, self.zones[0].b)
 
 
@@ -138,8 +140,8 @@ def _hertz(contact: Contact, ellipse: Hertz) -> Forecast:
 
 
 def _zone(patch: PatchSolution, surface: Developed) -> Zone:
-    """Zone of a boundary-element patch from the whole cells that carry pressure, with the centre on
-    the rail's surface and half lengths in mm.
+    """Zone of a boundary-element patch from the whole cells that carry pressure, with the centre of
+    its box on the rail's surface and half lengths in mm.
     """
     ends = [
         (axis[index.min()], axis[index.max()], axis[1] - axis[0])
@@ -166,8 +168,8 @@ def _moments(local: Array, force: Array) -> tuple[float, float, float, float]:
 
 
 def ridges(contact: Contact, zone: Zone) -> list[Zone]:
-    """Lines along the rail in a patch at which the relative curvature across jumps by more than 20
-    % (JUMP), as zones without width (b = 0).
+    """Lines along the rail in a patch, on the rail's surface, at which the relative curvature
+    across jumps by more than 20 % (JUMP), as zones without width (b = 0).
     """
     found = []
     for _, profile, shift in contact.cross_profiles:

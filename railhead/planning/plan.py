@@ -45,13 +45,18 @@ UNSIGNED_TOLERANCE = 1e-6  # of Newton's method where no error of the mesh is kn
 @dataclass(frozen=True, kw_only=True)
 class Plan:
     """Decisions for one scene.
+
     context: scene, contact and effects from which the plan was decided.
     effects: decisions on effects by name, in the order of `effects.EFFECTS`.
     order: polynomial order of the displacement, 1 or 2.
     patch_size: element size in the most loaded patch, mm.
-    reach: half length of the bodies along the rail, mm.
+    reach: half length of the bodies along the rail, mm, where the scene gives none; of half-spaces
+        half the edge of the blocks.
     forecast: patches that are expected.
-    load_steps: number of load steps from first yield to the load.
+    load_steps: number of load steps from first yield to the load; it counts only where yield is on.
+
+    Where half-spaces answer (`by_half_spaces`), there is no mesh, and sizes and order have no
+    effect.
     """
 
     context: Context
@@ -69,12 +74,16 @@ class Plan:
 
     @property
     def contact(self) -> Contact:
-        """First contact of the undeformed bodies."""
+        """First contact of the undeformed bodies, with their own profiles also where `true_profile`
+        is off.
+        """
         return self.context.contact
 
     @property
     def estimate(self) -> Hertz:
-        """Exact Hertz with the curvatures at first contact."""
+        """Exact Hertz with the curvatures at first contact, under the load or approach of the
+        scene; its load is the normal force.
+        """
         return self.context.hertz
 
     @property
@@ -101,8 +110,10 @@ class Plan:
 
     @property
     def family(self) -> Family | None:
-        """Family whose error laws hold for this plan; None with yield or friction, for which no
-        laws were measured, for half-spaces, and where no family fits.
+        """Family of calibrated error envelopes whose laws hold for this plan. None with yield or
+        friction, for which no laws were measured; where half-spaces answer without a mesh; and
+        where no family was calibrated for such a model. Half-spaces that are meshed have a family
+        of their own.
         """
         meshed = self.is_elastic_frictionless and not self.by_half_spaces
         return error_envelopes.family(self.setting) if meshed else None
@@ -119,23 +130,26 @@ class Plan:
 
     @property
     def section(self) -> bool:
-        """Whether a section in two dimensions is solved."""
+        """Whether a section in two dimensions is solved: plane strain, or a meridian section."""
         return bool(self.contact.plane)
 
     @property
     def zone(self) -> tuple[float, float]:
-        """Half lengths (along the rail, across it) of the most loaded patch, mm; of a line contact
-        both are its half width.
+        """Half lengths (along the rail, along the tangent across it) of the most loaded patch of
+        the forecast, mm; of a line contact both are its half width.
         """
         return self.forecast.zones[0].a, self.forecast.zones[0].b
 
     def at_resolution(self, n: float) -> Plan:
-        """The plan with n elements per smaller semi-axis of the most loaded patch."""
+        """The plan whose patch size makes n elements per smaller semi-axis of the most loaded
+        patch.
+        """
         return replace(self, patch_size=self.forecast.minor / n)
 
     def flipped(self, name: str) -> Plan:
-        """The plan with the named effect in its other state; unchanged in a section where that
-        state is refused. Axisymmetry that is called for makes a new plan.
+        """The plan with the named effect in its other state, all other decisions kept; unchanged in
+        a section where that state is refused. Axisymmetry that is called for makes a new plan. In a
+        solid, states that are refused are not heeded.
         """
         effect = self.effects[name]
         if self.section and ("off" if effect.on else "on") in effect.refused:
@@ -151,14 +165,16 @@ class Plan:
 
     def price(self, name: str) -> tuple[int, float]:
         """Unknowns and seconds that the present state of the named effect is predicted to cost more
-        than its other state; negative if it saves.
+        than its other state; negative if it saves. Forecast and element size stay as they are.
         """
         other = self.flipped(name)
         return self.unknowns - other.unknowns, self.seconds - other.seconds
 
     @property
     def omission_error(self) -> float:
-        """Sum of the relative errors that effects left out by the plan add to every quantity."""
+        """Sum of the relative errors that effects left out by the plan add to every quantity; those
+        of unknown size count as 0.
+        """
         return sum(effect.error for effect in self.effects.values())
 
     @cached_property
@@ -170,8 +186,8 @@ class Plan:
 
     @property
     def profile_error(self) -> float:
-        """Relative error that measured profiles may hide, 0 without measured profiles; no mesh
-        makes it smaller.
+        """Relative error that measured profiles may hide, 0 without measured profiles, infinite
+        where boundary elements find no patch; no mesh makes it smaller.
         """
         return self.uncertainty.relative if self.uncertainty else 0.0
 
@@ -193,7 +209,7 @@ class Plan:
 
     @property
     def deformable(self) -> tuple[int, ...]:
-        """Tags of the bodies that are meshed, RAIL and WHEEL."""
+        """Tags of the bodies that deform, RAIL before WHEEL: meshed where there is a mesh."""
         return tuple(tag for tag in BODY_NAMES if self.effects[f"deformable_{BODY_NAMES[tag]}"].on)
 
     @property
@@ -203,7 +219,7 @@ class Plan:
 
     @property
     def poisson_ratios(self) -> dict[str, float]:
-        """Poisson's ratio of the bodies that are meshed, by 'rail' and 'wheel'."""
+        """Poisson's ratio of the bodies that deform, by 'rail' and 'wheel'."""
         names = [BODY_NAMES[tag] for tag in self.deformable]
         return {name: self.scene.bodies[name].poisson_ratio for name in names}
 
@@ -218,17 +234,21 @@ class Plan:
 
     @property
     def half_x(self) -> bool:
-        """Whether only x >= 0 is modelled."""
+        """Whether only x >= 0 is modelled, with a symmetry plane at x = 0. False for a meridian
+        section, which ends at x = 0 in any case.
+        """
         return self.effects["symmetry_x"].on
 
     @property
     def half_y(self) -> bool:
-        """Whether only y >= 0 is modelled."""
+        """Whether only y >= 0 is modelled, with a symmetry plane at y = 0."""
         return self.effects["symmetry_y"].on
 
     @property
     def planes(self) -> tuple[tuple[int, tuple[float, float, float]], ...]:
-        """Facet tag and unit normal (x, y, z) of each symmetry plane in use, x first."""
+        """Facet tag and unit normal (x, y, z) of each symmetry plane in use, x first; the axis of a
+        meridian section counts as the plane x = 0.
+        """
         planes = (
             (self.half_x or self.contact.revolved, SYMMETRY_X, (1.0, 0.0, 0.0)),
             (self.half_y, SYMMETRY_Y, (0.0, 1.0, 0.0)),
@@ -237,8 +257,9 @@ class Plan:
 
     @property
     def slave(self) -> int:
-        """Tag of the body that carries the contact quadrature and the stress of Nitsche's method.
-        This is the body that stays elastic where the other one yields, else the softer one.
+        """Tag of the body that carries the contact quadrature and the stress of Nitsche's method,
+        one of those that deform. This is the body that stays elastic where the other one yields,
+        else the softer one.
         """
         yields = {RAIL: self.scene.rail.yields, WHEEL: self.scene.wheel.yields}
         elastic = [tag for tag in self.deformable if not yields[tag]]
@@ -259,8 +280,9 @@ class Plan:
         return Options(cell, 2 if curved else 1, self.half_x, self.contact.plane, per_turn)
 
     def parts(self) -> list[Body]:
-        """Sections and sweeps of the deformable bodies. Raises SceneError where a dimension of the
-        scene makes no valid body.
+        """Sections and sweeps of the deformable bodies, rail first; of a model cut at y = 0, or of
+        a section cut at x = 0, half outlines. Raises SceneError where a dimension of the scene
+        makes no valid body.
         """
         contact = self.contact
         half = contact.is_half_outline(half_x=self.half_x, half_y=self.half_y)
@@ -294,8 +316,8 @@ class Plan:
 
     @cached_property
     def unknowns(self) -> int:
-        """Predicted number of unknowns, from the density of elements and the symmetry planes; 0 of
-        half-spaces.
+        """Predicted number of unknowns of the mesh, from the density of elements and the symmetry
+        planes; 0 where half-spaces answer.
         """
         if self.by_half_spaces:
             return 0
@@ -329,13 +351,16 @@ class Plan:
 
     @property
     def seconds(self) -> float:
-        """Predicted seconds of the whole process with one mesh, pictures not included."""
+        """Predicted seconds of the whole process with one mesh: imports and `solving`, pictures not
+        included.
+        """
         return cost.START + self.solving
 
     @property
     def solving(self) -> float:
-        """Predicted seconds for one mesh, with load steps and friction, without the start of the
-        process.
+        """Predicted seconds of one mesh on this machine: meshing, assembly, solution with load
+        steps and friction, and reading. Imports are not included. Where half-spaces answer, the
+        seconds of boundary elements.
         """
         if self.by_half_spaces:
             return cost.BOUNDARY_ELEMENTS[self.effects["friction"].on]
@@ -351,14 +376,17 @@ class Plan:
 
     @property
     def condenses(self) -> bool:
-        """Whether friction, where it acts, needs factors of the bodies: in sections, with unlike
-        materials, and where bodies yield.
+        """Whether friction, where it acts, is solved by static condensation to the contact points,
+        which needs factors of the bodies: in sections, with unlike materials, and where bodies
+        yield.
         """
         return self.section or interface.unlike(self.scene) or self.effects["plasticity"].on
 
     @property
     def cost(self) -> cost.Cost:
-        """Seconds and bytes per unknown of this kind of model, without yield and friction."""
+        """Predicted seconds and bytes per unknown of this kind of model, without yield and
+        friction.
+        """
         return cost.cost(
             self.scene.mesh.cell,
             self.order,
@@ -379,7 +407,7 @@ class Plan:
     @property
     def seconds_of_two(self) -> float:
         """Predicted seconds of the whole process with this mesh and a coarser one, whose elements
-        are 1.6 (STEP) times as large.
+        are 1.6 (STEP) times as large; imports are counted once.
         """
         coarse = replace(self, patch_size=error_envelopes.STEP * self.patch_size)
         return self.seconds + coarse.solving
@@ -407,7 +435,8 @@ class Plan:
     def to_dict(self) -> dict[str, Any]:
         """Output of `railhead plan --json`: case, scene, plan, contact, hertz, patches, mesh,
         solver and prices.
-        Lengths are in mm, angles in rad, pressures in MPa.
+        Lengths are in mm, angles in rad, pressures in MPa. Relative radii are infinite where the
+        relative curvature is 0.
         """
         scene, touch, ellipse = self.scene, self.contact.touch, self.estimate
         along, across = (
@@ -471,7 +500,7 @@ class Plan:
 
 
 def make(scene: Scene) -> Plan:
-    """The plan of a scene.
+    """The plan of a scene; nothing is meshed. Its bodies are outlined once as a check.
     Raises SceneError for a pair that cannot be solved as a point or line contact, an accuracy that
     no mesh is expected to meet, effects that a person cannot choose, and bodies that cannot be
     built.

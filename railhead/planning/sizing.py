@@ -30,8 +30,9 @@ MIN_BODY_REACH = 80.0  # mm, least half length of real bodies
 
 
 def reach(contact: Contact, hertz: Hertz, forecast: Forecast) -> float:
-    """Half length of the bodies along the rail, mm: a multiple of the largest half length of the
-    forecast patches and Hertz's patch, and at least 80 mm (MIN_BODY_REACH) for real bodies.
+    """Half length of the bodies along the rail, mm, whatever the scene says: a multiple of the
+    largest half length of the forecast patches and Hertz's patch, and at least 80 mm
+    (MIN_BODY_REACH) for real bodies.
     """
     sizes = [size for zone in forecast.zones for size in (zone.a, zone.b)]
     major = max(*sizes, *contacts.half_lengths(hertz))
@@ -43,11 +44,11 @@ def reach(contact: Contact, hertz: Hertz, forecast: Forecast) -> float:
 @dataclass(frozen=True, kw_only=True)
 class Sizing:
     """Inputs of the element sizes of a plan.
-    contact: first contact of the undeformed bodies.
-    surfaces: contact whose profiles make the gap, of one radius each where that is enough.
+    contact: first contact of the undeformed bodies, with their own profiles.
+    surfaces: contact whose profiles make the gap: circles of curvature where `true_profile` is off.
     forecast: patches around which the mesh is refined.
-    cell: 'tetrahedron' or 'hexahedron', in a section triangles or quadrilaterals.
-    order: of the displacement, 1 or 2.
+    cell: 'tetrahedron' or 'hexahedron'; in a section these stand for triangles and quadrilaterals.
+    order: polynomial order of the displacement, 1 or 2.
     patch_size: element size in the most loaded patch, mm.
     reach: half length of the bodies along the rail, mm.
     """
@@ -62,12 +63,14 @@ class Sizing:
 
     @property
     def resolution(self) -> float:
-        """Elements per smaller semi-axis of the most loaded patch."""
+        """Elements per smaller semi-axis of the most loaded patch of the forecast, at this patch
+        size.
+        """
         return self.forecast.minor / self.patch_size
 
     @property
     def solid_resolution(self) -> float:
-        """Elements per smaller semi-axis of a solid at default settings."""
+        """Elements per smaller semi-axis of a solid at default settings: 6, of linear cells 12."""
         return ELEMENTS_PER_SEMI_AXIS * (LINEAR_REFINEMENT if self.order == 1 else 1.0)
 
     @property
@@ -77,15 +80,15 @@ class Sizing:
 
     @property
     def growth(self) -> float:
-        """Increase of the element size per distance from the patch, dimensionless; smaller for
-        finer patches.
+        """Increase of the element size per distance from the patch, dimensionless, 0.3 (GROWTH) at
+        most; smaller for finer patches.
         """
         return min(GROWTH, GROWTH * FULL_GROWTH * self.solid_resolution / self.resolution)
 
     @property
     def coarsest(self) -> float:
-        """Largest element size, mm: a share of the half length of the bodies and of the width of
-        the profiles.
+        """Largest element size, mm: the smaller of a quarter of the half length of the bodies
+        (COARSEST) and a third of the width of each profile (COARSEST_ACROSS).
         """
         widths = [np.ptp(profile.domain) for profile, _ in self.contact.profiles.values()]
         return min([COARSEST * self.reach, *(COARSEST_ACROSS * width for width in widths)])
@@ -105,8 +108,9 @@ class Sizing:
         return min(tried, key=lambda g: g.predicted_cells(self.reach, hexahedra=hexahedra))
 
     def _stretched(self, stretch: float) -> Grading:
-        """Element sizes with that stretch along the rail; patches that suit a smaller stretch get
-        smaller elements instead. Ridges of the pressure are refined in tetrahedra.
+        """Element sizes with that ratio of length along the rail to width; patches that suit a
+        smaller stretch get smaller elements instead. Ridges of the pressure are refined in
+        tetrahedra.
         """
 
         def around(zone: Zone) -> Grading:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import csv
 import fcntl
 import glob
+import io
 import itertools
 import json
 import os
@@ -11,7 +13,7 @@ import shutil
 import sys
 import tempfile
 import zlib
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -27,9 +29,6 @@ from railhead.scene.scene import SceneError
 
 if TYPE_CHECKING:
     from railhead.scene.scene import Scene
-import csv
-import io
-from collections.abc import Iterable, Mapping
 
 SUMMARY, SCENE = "summary.json", "scene.toml"
 VERSION = version("railhead")

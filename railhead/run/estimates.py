@@ -45,9 +45,9 @@ NARROWEST_PEAK = 0.02  # least width of a maximum of the shear stress, over the 
 class Estimate:
     """Relative error of one quantity, in parts that add up.
 
-    mesh: discretisation error.
-    reading: difference of two ways of reading the same solution.
-    contact_law: effect of the overlap of the bodies in the penalty method.
+    mesh: discretisation error, from an error envelope or from the changes between meshes.
+    reading: difference of two ways of reading the same solution; 0 where there is one way.
+    contact_law: effect of the overlap of the bodies in the penalty method; 0 with Nitsche's.
     left_out: effect of what the plan leaves out.
     geometry: distance of contact points from the exact surface, over the smaller semi-axis.
     load_steps: error of the load steps where bodies yield.
@@ -69,7 +69,9 @@ class Estimate:
 
     @property
     def parts(self) -> dict[str, float]:
-        """All parts by name; "load_steps" and "profile" only where they are not zero."""
+        """All parts by name, without `flatness`; "load_steps" and "profile" only where they are not
+        zero.
+        """
         values = {name: value for name, value in vars(self).items() if name != "flatness"}
         optional = ("load_steps", "profile")
         return {name: value for name, value in values.items() if value or name not in optional}
@@ -101,8 +103,10 @@ def largest_error(estimated: Mapping[str, Estimate], solved: MeshSolution) -> fl
 def resolved_values(solved: MeshSolution) -> dict[str, float]:
     """Values of the estimated quantities that the mesh resolves, by key of summary.json.
 
-    Left out are the depth of a largest shear stress within one element of the surface or on a peak
-    narrower than NARROWEST_PEAK elements, and the length of a line contact, which is given.
+    Forces of rolling are over mu N, and a creepage or shift is there where its force is prescribed
+    (`friction_values`). Left out are the depth of a largest shear stress within one element of the
+    surface or on a peak narrower than NARROWEST_PEAK elements, and the length of a line contact,
+    which is given.
     """
     values = numeric_values(solved.result) | friction_values(solved)
     values.pop(solved.plan.contact.prescribed_length or "", None)
@@ -117,7 +121,8 @@ def resolved_values(solved: MeshSolution) -> dict[str, float]:
 
 def friction_values(solved: MeshSolution) -> dict[str, float]:
     """Values of friction that are not prescribed, by key of summary.json: in each direction the
-    creepage or shift where the force is prescribed, else the force of rolling over mu N.
+    creepage or shift where the force is prescribed, else the force of the wheel on the rail in
+    rolling, over mu N. Empty without friction; forces of 0 are left out.
     """
     friction, scene = solved.solution.friction, solved.plan.scene
     if friction is None:
@@ -136,7 +141,7 @@ def error_scales(found: Findings, result: Mapping[str, Any]) -> dict[str, float]
     """Factors of the discretisation error by key, where they differ from scene to scene.
 
     For the depth of the largest shear stress: half the range of depths in which the shear stress is
-    close to its maximum, over the depth.
+    within 1 % (FLAT) of its maximum, over the depth; infinite at the surface.
     """
     body, depth = (result["stress"][f"tau_max_{key}"] for key in ("body", "depth_mm"))
     axis = found.depth[body]
@@ -147,8 +152,8 @@ def error_scales(found: Findings, result: Mapping[str, Any]) -> dict[str, float]
 
 def reading_errors(found: Findings, tolerance: float = RIVAL) -> dict[str, float]:
     """Relative difference of two ways of reading the same solution, by key. For the depth of the
-    largest shear stress: the distance over that depth to other maxima that are lower by less
-    than `tolerance` (relative).
+    largest shear stress: the distance over that depth to other maxima that are lower by less than
+    `tolerance` (relative); infinite at the surface.
     """
     peaks = {body: each.tau for body, each in found.largest.items()}
     top = max(peaks.values(), key=lambda peak: peak.value)
@@ -174,7 +179,8 @@ def mesh_errors(
 ) -> tuple[dict[str, float], str]:
     """Mesh part of the errors of the finest mesh by key, and their source in words.
 
-    meshes: n (elements per semi-axis), values and reading errors of each mesh, the finest last.
+    meshes: n (elements per semi-axis), values and reading errors by key of each mesh, the finest
+        last.
     envelopes: calibrated error envelopes that hold for the scene, None without.
     scale: factors of the error by key.
 
@@ -232,7 +238,7 @@ def _steps(n: float, before: Sequence[tuple[float, Numbers, Numbers]]) -> list[N
 
 def _change(one: Numbers, other: Numbers, name: str) -> float:
     """Relative change of the quantity `name` from `other` to `one`; for forces of friction, which
-    are shares of mu N, the difference.
+    are shares of mu N, the difference. Infinite where `other` is 0.
     """
     if name in FRICTION_SHARES:
         return abs(one[name] - other[name])
@@ -241,7 +247,7 @@ def _change(one: Numbers, other: Numbers, name: str) -> float:
 
 def estimate(meshes: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
     """Error estimates of the last of a scene's meshes by key, and the source of their mesh parts in
-    words (rank 0).
+    words (rank 0; empty elsewhere).
 
     A quantity has no estimate without a mesh part or where its readings differ without bound. A run
     without convergence has no estimates.

@@ -14,6 +14,7 @@ from mpi4py import MPI
 from scipy.spatial import cKDTree
 
 from railhead.geometry.surfaces import ExactGap
+from railhead.meshing import mesh
 from railhead.meshing.mesh import ContactMesh
 from railhead.meshing.sizing import Grading
 from railhead.planning import effects, error_envelopes
@@ -36,12 +37,6 @@ if TYPE_CHECKING:
     from railhead.solver.contact import ContactModel
     from railhead.solver.fields import Fields
     from railhead.solver.solution import Solution
-from typing import TYPE_CHECKING
-
-from railhead.meshing import mesh
-
-if TYPE_CHECKING:
-    from railhead.solver.contact import ContactModel
 
 # largest ratio of solved and expected patch, either way, for which a mesh is kept:
 REMESH_RATIO = 1.25
@@ -54,20 +49,24 @@ APPROACH_TOLERANCE = 1e-9  # largest relative error of that approach
 class MeshSolution:
     """A scene solved on one mesh, and the quantities read from the solution.
 
-    plan: the plan that was solved.
-    mesh: the mesh with its tags.
-    space: function space of the displacement (dolfinx).
-    unknowns: number of unknowns.
-    solution: displacement, pressure, forces, and history of Newton's method.
-    fields: the solution as arrays; None off rank 0.
+    plan: the plan that was solved; its forecast is the one that the mesh was made for.
+    mesh: the mesh with its tags; None after pickling.
+    space: function space of the displacement (dolfinx); None after pickling.
+    unknowns: number of free unknowns of all ranks.
+    solution: displacement, pressure, forces, and history of Newton's method; arrays are those of
+        this rank.
+    fields: the solution as arrays, of the meshed part and all ranks; None off rank 0.
     mesh_fits_patch: whether the patch lies where the mesh is fine.
-    seconds: time by stage "mesh", "assemble", "solve" and "postprocess".
+    seconds: time by stage "mesh", "assemble", "solve" and "postprocess", s, of all meshes that were
+        tried.
     findings: patch, pressure and stresses; None off rank 0 and where nothing touches.
-    result: "result" of summary.json; None where `findings` is.
-    elastic_reference: the same scene without yield and friction; None where it has neither.
-    residual_state: stresses and shapes that remain after yield (rank 0); None without yield.
-    load_step_errors: relative error by quantity of the usual number of load steps, where
-        measured.
+    result: "result" of summary.json without "plastic"; None where `findings` is.
+    elastic_reference: the same scene without yield and friction, on the same mesh; None where it
+        has neither.
+    residual_state: yield, and the stresses and shapes that remain after it; None where nothing
+        yields and off rank 0.
+    load_step_errors: relative error by key of the usual number of load steps; empty where it was
+        not measured.
     """
 
     plan: Plan
@@ -90,13 +89,18 @@ class MeshSolution:
 
     @cached_property
     def ellipse(self) -> Hertz:
-        """Exact Hertz under the load of the solution, an ellipse or a line contact."""
+        """Exact Hertz for the curvatures at the first contact, an ellipse or a line contact. Its
+        normal force is the solution's vertical load over the cosine of the contact angle; without a
+        load in the solution, the load or approach of the scene is taken.
+        """
         plan = self.plan
         return closed_forms.hertz_contact(plan.scene, plan.contact, self.solution.load or None)
 
     @property
     def load(self) -> float:
-        """Load on the wheel, N."""
+        """Vertical load on the wheel that the solution carries, friction included, of the whole
+        model, N.
+        """
         return self.solution.load
 
     @property
@@ -116,13 +120,16 @@ class MeshSolution:
 
     @property
     def resolution(self) -> float:
-        """Elements per smaller semi-axis of the patch that the mesh was made for."""
+        """Elements per smaller semi-axis of the forecast patch that the mesh was made for, not of
+        the solved one.
+        """
         return self.plan.grading().resolution
 
     @property
     def family(self) -> Family | None:
         """Calibrated error envelopes that hold for this solution, with the shape of the solved
-        patch (rank 0); None where there are none, as with yield or friction.
+        patch; None where there are none, as with yield or friction. Off rank 0, and where nothing
+        touches, those of the plan.
         """
         plan, found = self.plan, self.findings
         if found is None or not plan.is_elastic_frictionless:
@@ -131,12 +138,17 @@ class MeshSolution:
 
     @property
     def unloaded_fields(self) -> Fields | None:
-        """The solution after unloading as arrays; None without yield or where not computed."""
+        """The solution after unloading as arrays; None without yield, where the load is not
+        removed, and off rank 0.
+        """
         return None if self.residual_state is None else self.residual_state.unloaded
 
     @property
     def off_surface(self) -> float:
-        """Largest distance in z of touching contact points from the exact surface, mm (rank 0)."""
+        """Largest distance of touching contact points from the exact surface of the slave, mm; 0
+        off rank 0, where nothing touches, and for half-spaces. Each distance is along the surface's
+        gradient at the point.
+        """
         gap = self.plan.surfaces.gap(self.plan.slave)
         if self.fields is None or not isinstance(gap, ExactGap):
             return 0.0
@@ -145,22 +157,22 @@ class MeshSolution:
 
 
 def generate(plan: Plan, grading: Grading, comm: MPI.Intracomm) -> mesh.ContactMesh:
-    """Mesh the bodies of a plan with element sizes `grading`; collective. Raises MeshError where
-    gmsh fails.
+    """Mesh the bodies of a plan with element sizes `grading`, which need not be the plan's own;
+    collective. Raises MeshError where gmsh fails.
     """
     return mesh.generate(plan.parts(), grading, plan.options, comm, meanwhile=_load_solver)
 
 
 def _load_solver() -> None:
-    """Import the modules of solver and reading while gmsh meshes in another process; the import
-    takes about as long as a small mesh.
+    """Import the modules that solve and read, while gmsh meshes in another process; the import
+    takes about as long as a small mesh. Nothing is solved.
     """
     from railhead.postprocess import read  # noqa: F401
     from railhead.solver import fields  # noqa: F401
 
 
 def assemble(plan: Plan, made: mesh.ContactMesh) -> ContactModel:
-    """The assembled contact model of a plan on its mesh."""
+    """The assembled contact model of a plan on its mesh; collective."""
     from railhead.run.model_setup import setup
     from railhead.solver.contact import ContactModel
 
@@ -168,9 +180,10 @@ def assemble(plan: Plan, made: mesh.ContactMesh) -> ContactModel:
 
 
 def mesh_and_solve(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> MeshSolution:
-    """Mesh the bodies of a plan and solve; collective. Where the patch is not the expected one,
-    mesh and solve again around it, with at most MAX_MESHES meshes. Raises MeshError where gmsh
-    cannot mesh the bodies.
+    """Mesh the bodies of a plan, solve, and read the result; collective. Where the patch is not the
+    expected one, mesh and solve again around it, with at most MAX_MESHES meshes. The last solution
+    is returned even where it did not converge or the mesh does not fit the patch. Raises MeshError
+    where gmsh cannot mesh the bodies.
     """
     clock = _Clock()
     for attempt in range(1, MAX_MESHES + 1):
@@ -195,8 +208,10 @@ def mesh_and_solve(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> MeshS
 def solve_on_mesh(
     mesh: ContactMesh, model: ContactModel, plan: Plan, progress: Progress, comm: MPI.Intracomm
 ) -> MeshSolution | None:
-    """Solve the load of a plan without yield and friction on a mesh that exists; collective. None
-    where Newton's method does not converge or the patch is not where the mesh is fine."""
+    """Solve the load of a plan without yield and friction on a mesh that exists, and read the
+    result; collective. None where Newton's method does not converge or the patch is not where the
+    mesh is fine.
+    """
     clock = _Clock()
     solved, better = _solve_unread(mesh, model, plan, progress, clock, comm, last=True)
     if better is not None or not solved.solution.newton.converged:
@@ -217,8 +232,9 @@ def _solve_unread(
     last: bool,
 ) -> tuple[MeshSolution, Plan | None]:
     """Solve a plan on a mesh (collective): the solution, of which findings and result are not read
-    yet, and the plan of a mesh that fits the patch; None where this mesh does. last: whether
-    friction of solids is solved also where the mesh does not fit the patch.
+    yet, and the plan of a mesh that fits the patch; None where this mesh does. last: whether there
+    is no other mesh to come, so that friction of solids is solved also where this mesh does not
+    fit.
     """
     from railhead.solver.fields import gather
 
@@ -246,14 +262,14 @@ def _solve_unread(
     elastic = _elastic_reference(solution)
     if elastic is not solution:
         reference = replace(solved, solution=elastic, fields=gather(model, elastic))
-        state = _residual_state(model, solution, fields, plan.contact.frame)
+        state = _read_residual_state(model, solution, fields, plan.contact.frame)
         solved = replace(solved, elastic_reference=reference, residual_state=state)
     return solved, better
 
 
 def _read(solved: MeshSolution) -> MeshSolution:
-    """The solution and its elastic reference with findings and result (rank 0): patch, stresses and
-    friction.
+    """The solution and its elastic reference with findings and result: patch, stresses and
+    friction. Unchanged off rank 0 and where nothing touches.
     """
     plan, solution, fields = solved.plan, solved.solution, solved.fields
     if solved.elastic_reference is not None:
@@ -288,10 +304,11 @@ def _elastic_reference(solution: Solution) -> Solution:
     return solution if solution.reference is None else _elastic_reference(solution.reference)
 
 
-def _residual_state(
+def _read_residual_state(
     model: ContactModel, solution: Solution, fields: Fields | None, frame: Frame
 ) -> ResidualState | None:
-    """State that remains after the load where a body yields; None without yield and off rank 0.
+    """Yield, and what remains after unloading, collected from a solution; nothing is solved here.
+    None where nothing yields and off rank 0; without unloading only what yielded under the load.
     Collective.
     """
     if solution.plasticity is None:
@@ -315,13 +332,16 @@ def solve(
     misplaced: Callable[[Fields], bool] = lambda fields: False,
 ) -> Solution:
     """Solve for the scene's load or approach, starting from the contact points of the forecast
-    patch; collective.
+    patch; collective. A solution that did not converge is returned, too.
 
-    progress: called with number and relative residual of each Newton step. stage: called with the
-        name of each stage of friction. misplaced: whether a patch needs another mesh, so that
-        friction of solids is left out.
+    progress: called with number and relative residual of each Newton step.
+    stage: called with the name of each stage of friction.
+    misplaced: whether a patch needs another mesh, so that friction of solids is left out; asked on
+        rank 0 only.
+
     Between half-spaces the far field is that of a load. A given approach is then met by secants in
-    the logarithms of load and approach, from load ~ approach^1.5 (Hertz).
+    the logarithms of load and approach, from load ~ approach^1.5 (Hertz), in at most
+    MAX_APPROACH_SOLVES solutions. Raises SceneError for bodies with too many unknowns for friction.
     """
     from railhead.run import solid_friction
 
@@ -334,7 +354,9 @@ def solve(
     )
 
     def at(load: float, approach: float = 0.0) -> Solution:
-        """The solution under a load (N) or, without load control, an approach (mm)."""
+        """The solution under a vertical load (N) or, without load control, an approach of the
+        supports (mm).
+        """
         return model.solve(
             load=load,
             approach=approach,
@@ -367,8 +389,9 @@ def solve(
 
 
 def _remesh_for_found_patch(plan: Plan, fields: Fields) -> Plan | None:
-    """Plan of a mesh around the solved patch (rank 0); None where half lengths and centre are the
-    expected ones within REMESH_RATIO, or nothing touches.
+    """Plan of a mesh around the solved patch; None where half lengths are the expected ones within
+    a factor REMESH_RATIO and the centre within a quarter of them, or nothing touches. A patch size
+    that the scene gives is kept. fields: on rank 0.
     """
     if not np.any(fields.contact.pressure > 0):
         return None
@@ -388,8 +411,8 @@ def _remesh_for_found_patch(plan: Plan, fields: Fields) -> Plan | None:
 
 
 def forecast_from_solution(fields: Fields, found: PressureMoments, frame: Frame) -> Forecast:
-    """The patch of a solution as a forecast for the next mesh. found: moments of its pressure
-    (centre, half lengths).
+    """The patches of a solution as a forecast for the next mesh. found: moments of the whole
+    pressure (centre, half lengths) in the frame of the first contact.
     """
     contact = fields.contact
     points, touches = contact.points, contact.pressure > 0
@@ -411,7 +434,8 @@ def forecast_from_solution(fields: Fields, found: PressureMoments, frame: Frame)
 class _Clock:
     """Stopwatch of the stages of a run.
 
-    seconds: time by stage "mesh", "assemble", "solve" and "postprocess".
+    seconds: time by stage "mesh", "assemble", "solve" and "postprocess", s; the same dictionary in
+        every solution made meanwhile.
     """
 
     def __init__(self) -> None:

@@ -78,8 +78,9 @@ def setup(plan: Plan) -> Setup:
 
 
 def materials(plan: Plan) -> dict[int, Material]:
-    """Elastic constants by body tag (RAIL, WHEEL) as simulated; a body that is not meshed is rigid.
-    Where yield is simulated, hardening is set for bodies that have a yield stress.
+    """Elastic constants by body tag (RAIL, WHEEL) as simulated; a body that is not meshed is rigid,
+    with an infinite modulus. Where yield is simulated, hardening is set for bodies that have a
+    yield stress.
     """
     made = {}
     for tag, name in BODY_NAMES.items():
@@ -92,8 +93,8 @@ def materials(plan: Plan) -> dict[int, Material]:
 
 
 def hardening(part: BodySection) -> Hardening:
-    """Hardening curve of a body that yields, from its yield stress and hardening modulus, or from
-    its curve, MPa.
+    """Hardening curve of a body that yields, MPa: from its yield stress and hardening modulus, or
+    else from its curve.
     """
     share = part.kinematic_fraction or 0.0
     if part.yield_stress is not None:
@@ -103,7 +104,10 @@ def hardening(part: BodySection) -> Hardening:
 
 
 def _friction(plan: Plan) -> FrictionSettings:
-    """Coefficient, axes and prescribed motion or forces of friction of a plan."""
+    """Coefficient, axes and prescribed motion or forces of the wheel on the rail of a plan. In a
+    shift, and where rolling has a force, the motion of a direction follows from the force. It is
+    zero instead along the normal of a symmetry plane or of a section, and in a meridian section.
+    """
     scene, contact = plan.scene, plan.contact
     frame, rolling = contact.frame, scene.rolling
     given = rolling if rolling.prescribed else scene.friction
@@ -156,9 +160,9 @@ def friction_steps(scene: Scene, *, line: bool, yields: bool) -> tuple[tuple[flo
 
 
 def near_patches(zones: Sequence[Zone], points: Array) -> NDArray[np.bool_]:
-    """Mask (n,) of the points (n, 3), mm, near which yield is followed: in ellipsoids around the
-    patches (zones), with half axes of YIELD_REACH times the patch's half lengths and, in depth,
-    YIELD_REACH times the smaller one.
+    """Mask (n,) of the points (n, 3) in space, mm, near which yield is followed: in ellipsoids
+    around the patches (zones), with half axes of YIELD_REACH times the patch's half lengths and, in
+    depth, YIELD_REACH times the smaller one.
     """
     near = np.zeros(len(points), dtype=bool)
     for zone in zones:
@@ -176,10 +180,12 @@ def hertz_far_field(
     body: int,
     points: Array,
 ) -> Array:
-    """Displacement (n, 3), mm, of a half-space (RAIL or WHEEL) at points (n, 3), mm, under Hertz's
-    pressure of a load (N). The first contact is at 0, x along the rail, the surface is z = 0.
-    scene, contact: for the moduli and curvatures of both bodies. materials: elastic constants by
-    body tag.
+    """Displacement (n, 3) in space, mm, of a half-space (RAIL or WHEEL) at points (n, 3) in space,
+    mm, under Hertz's pressure of a load (N). The first contact is at the origin, x runs along the
+    rail, the surface is the plane z = 0.
+
+    scene, contact: for the moduli and curvatures of both bodies.
+    materials: elastic constants by body tag.
     """
     hertz = closed_forms.hertz_contact(scene, contact, load)
     part, (lower, mirror) = materials[body], _mirrored(body, points)
@@ -187,10 +193,12 @@ def hertz_far_field(
 
 
 def cerruti_far_field(materials: dict[int, Material], way: int, body: int, points: Array) -> Array:
-    """Displacement (n, 3), mm, of a half-space (RAIL or WHEEL) at points (n, 3), mm, under a
-    tangential point force of 1 N of the wheel on the rail along (way 0) or across (way 1), which
-    stands for the tractions. It acts at 0, the first contact; the surface is z = 0. materials:
-    elastic constants by body tag.
+    """Displacement (n, 3) in space, mm, of a half-space (RAIL or WHEEL) at points (n, 3) in space,
+    mm, under a tangential point force that stands for the tractions. The wheel acts on the rail
+    with 1 N along +x (way 0) or +y (way 1), and the rail on the wheel with the opposite force. They
+    act at the origin, the first contact; the surface is the plane z = 0.
+
+    materials: elastic constants by body tag.
     """
     part, (lower, mirror) = materials[body], _mirrored(body, points)
     force = mirror[2]  # the rail's on the wheel is the opposite one

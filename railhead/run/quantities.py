@@ -20,23 +20,24 @@ METADATA = "quantity"
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
-    """Name, unit, tables and error estimate of one number or word of a result.
+    """Name, unit, tables and error estimate of one value of a result: a number, a word, or a list.
 
     key: last key of its place in summary.json, which ends in the unit.
-    unit: product of powers of mm, N and MPa; empty for ratios and words.
+    unit: product of powers of mm, N and MPa; empty for ratios, words and lists.
     label: name of its row in tables, indented where the row belongs to the one above; empty: no
         row.
     table: "contact", "load", "friction" or "steel": the table that has the row.
     column: name of its column in sweep.csv, without the unit; empty: no column.
-    bound: name of its error bound in `Result.estimate`.
+    bound: name of its error bound in `Result.estimate`. In `QUANTITIES` an empty one is filled with
+        the name of the field.
     estimated: whether its error is estimated, from the calibrated error envelope of its key, or
         without one from the scatter of three meshes.
     over_friction_limit: whether its errors are relative to mu N and not to the value.
     scatter: name in `Patch.scatter` of the difference between two readings; empty: none.
     ridge_stress: whether it is a stress below the largest pressure, with the uncertainty of that.
     compared: whether an estimated quantity is compared with a second method.
-    record: class of the values below this key; None for a single value.
-    path: keys from "result" of summary.json down to the value.
+    record: class of the record below this key; None where the key holds a value or a list.
+    path: keys from "result" of summary.json down to the value; filled in `QUANTITIES` only.
     """
 
     key: str
@@ -59,8 +60,8 @@ class Quantity:
         return f"{self.column} [{self.unit}]" if self.unit else self.column
 
     def value(self, result: Mapping[str, Any] | None) -> Any:
-        """Value in a dictionary nested as "result" of summary.json; None where the value is
-        missing.
+        """Value in a dictionary nested as "result" of summary.json, for a quantity of `QUANTITIES`;
+        None where the value is missing.
         """
         inner: Any = result
         for key in self.path:
@@ -82,11 +83,13 @@ friction, steel = (partial(quantity, table=name) for name in ("friction", "steel
 
 @dataclass(frozen=True, kw_only=True)
 class PatchQuantities:
-    """The contact patch.
+    """The contact patch, images in symmetry planes included. Lengths lie in the tangent plane.
 
-    a: half length along the rail, mm.
-    b: half length across the rail, mm.
-    area: mm2.
+    a: half length along the rail, mm. Of several patches it is that of the most loaded one.
+    b: half length along the common tangent across the rail, mm; of several patches as a.
+    area: of all patches, mm2.
+
+    In plane strain the half length along the line of contact is prescribed.
     """
 
     a: float = quantity(
@@ -114,10 +117,11 @@ class PatchQuantities:
 
 @dataclass(frozen=True, kw_only=True)
 class PressureQuantities:
-    """The contact pressure.
+    """The contact pressure of all patches.
 
     max: largest pressure, MPa.
-    mean: load over area, MPa.
+    mean: integral of the pressure over the area, divided by the area, MPa. At an inclined contact
+        it is not the (vertical) load over the area.
     """
 
     max: float = quantity(
@@ -135,13 +139,13 @@ class PressureQuantities:
 
 @dataclass(frozen=True, kw_only=True)
 class AxisStress:
-    """Largest stresses on the normal below the centre of the patch.
+    """Largest stresses on the normal below the centre of the most loaded patch, in one body.
 
-    body: "rail" or "wheel".
+    body: "rail", or "wheel" where the rail is rigid.
     tau_max: largest shear stress, MPa.
-    tau_max_depth: its depth, mm.
+    tau_max_depth: its depth below the tangent plane, mm.
     von_mises_max: largest von Mises stress, MPa.
-    von_mises_max_depth: its depth, mm.
+    von_mises_max_depth: its depth below the tangent plane, mm.
     """
 
     body: str = quantity("body")
@@ -153,20 +157,28 @@ class AxisStress:
 
 @dataclass(frozen=True, kw_only=True)
 class StressQuantities:
-    """Largest stresses of both bodies.
+    """Largest stresses of both bodies, away from sharp edges and held faces.
 
-    tau_max: largest shear stress, MPa.
-    tau_max_depth: its depth below the surface, mm.
+    Places are points in space: x along the rail from the first contact, y across to the field side,
+    z up, both from the rail's crown centre (of half-spaces from the first contact). Of a model cut
+    at symmetry planes they lie in the meshed part, x >= 0 or y >= 0. In a meridian section x is the
+    radius. Places are None where they are not known.
+
+    tau_max: largest shear stress, half the difference of the largest and the smallest principal
+        stress, MPa.
+    tau_max_depth: its depth below the surface, mm; 0 at the surface.
     tau_max_body: "rail" or "wheel", where it lies.
-    tau_max_place: its place x, y, z, mm.
+    tau_max_place: its place (x, y, z), mm.
     von_mises_max: largest von Mises stress, MPa.
-    von_mises_max_depth: its depth below the surface, mm.
+    von_mises_max_depth: its depth below the surface, mm; 0 at the surface.
     von_mises_max_body: "rail" or "wheel", where it lies.
-    von_mises_max_place: its place x, y, z, mm.
-    axis: largest stresses on the normal below the centre of the patch.
-    surface_centre: normal stresses along x, y and the normal at the centre of the patch, MPa.
+    von_mises_max_place: its place (x, y, z), mm.
+    axis: largest stresses on the normal below the centre of the most loaded patch.
+    surface_centre: normal stresses along x, along the tangent across and along the normal, at the
+        centre of the most loaded patch, in the body of `axis`, MPa, tension positive.
     at_edges: larger stresses at sharp edges and held faces, where they depend on the mesh:
-        dictionaries with "quantity", "body", "value_MPa" and "place_mm" (x, y, z).
+        dictionaries with "quantity", "body", "value_MPa" and "place_mm" (x, y, z). Empty where
+        there are none; None of exact Hertz.
     """
 
     tau_max: float = quantity(
@@ -202,15 +214,16 @@ class StressQuantities:
 
 @dataclass(frozen=True, kw_only=True)
 class FrictionResolution:
-    """Friction that a mesh shows for bodies of one material that roll without creepage, where half-
-    spaces have none: the resolution of the mesh.
+    """Friction that a mesh shows for bodies of one material that roll without creepage, where
+    half-spaces have none: the error of each quantity. All are sizes, never negative.
 
-    force_along: force of the wheel on the rail along, N.
-    force_across: force of the wheel on the rail across, N.
+    force_along: force along the rail, N.
+    force_across: force across the rail, N.
     moment_Nmm: moment about the normal, N mm.
     traction_max: largest traction, MPa.
-    t_gamma: energy per rolled length, N.
-    stick_share: share of the patch that sticks, 0 to 1.
+    t_gamma: work of these forces on the creepages and the spin of the solution, per rolled length,
+        N.
+    stick_share: share of the patch that slips, plus the largest share of one contact point.
     """
 
     force_along: float = quantity("force_along_N")
@@ -226,40 +239,56 @@ class FrictionQuantities:
     """Friction of the wheel on the rail, and its effect on the steel. None where a quantity does
     not belong to the motion (rolling, or a shift).
 
-    force_along: force of the wheel on the rail along, N.
-    force_across: force of the wheel on the rail across, N.
-    moment_Nmm: moment about the normal, N mm.
-    limit: friction coefficient times normal force, N.
+    Axes are those of the first contact: x along the rail, to where the wheel rolls; the common
+    tangent across to the field side; the normal out of the rail. Forces are tangential, of all
+    patches and of the whole model.
+
+    force_along: component along the rail (+x) of the force of the wheel on the rail, N.
+    force_across: component along the common tangent across of the force of the wheel on the rail,
+        N.
+    moment_Nmm: moment of the wheel on the rail about the normal at the first contact, N mm; 0 with
+        symmetry planes.
+    limit: friction coefficient times the integral of the pressure, N.
     creepage_along: velocity of the wheel's surface relative to the rail's over the rolling speed,
-        along.
-    creepage_across: the same ratio across the rail.
-    spin_per_mm: spin about the normal, 1/mm.
-    axle: radius by which the axle turns, "free" or "nominal".
-    shift_along: displacement of the wheel along, mm.
-    shift_across: displacement of the wheel across, mm.
-    turn_rad: rotation of the wheel about the normal, rad.
-    stick_share: share of the patch that sticks, 0 to 1.
-    traction_max: largest traction, MPa.
-    t_gamma: energy per rolled length, N.
-    power_W: friction power, W.
-    energy_per_cycle_Nmm: energy dissipated in a cycle of the forces, N mm.
-    newton_steps: number of Newton steps.
-    passes: number of times that the tractions were solved.
-    resolution: friction that the mesh shows without creepage.
-    below_resolution: keys of the quantities that are smaller than the resolution.
-    wear_number: scalar product of force and mean creepage, largest of all patches, N.
-    t_gamma_over_area: energy per rolled length over area, N/mm2.
-    wear_regime: "mild", "severe" or "catastrophic".
-    von_mises_max: largest von Mises stress with friction, MPa.
-    von_mises_max_depth: its depth, mm.
-    von_mises_max_at: "surface" or "below".
-    traction_coefficient: tangential over normal force.
-    first_yield_p0_over_k: largest pressure over yield stress in shear at first yield.
-    shakedown_limit_p0_over_k: the same ratio up to which a line contact shakes down.
-    shear_yield: yield stress in shear k, MPa.
-    p0_over_k: largest pressure over k.
-    surface_fatigue_index: FI_surf, above 0 where the surface ratchets.
-    shakedown: effect of repeated passes, in words.
+        along +x; None of a shift.
+    creepage_across: the same ratio along the tangent across; None of a shift.
+    spin_per_mm: angular velocity of the wheel about the normal over the rolling speed, 1/mm; None
+        of a shift.
+    axle: radius by which the axle turns, "free" or "nominal"; None unless the wheelset gives the
+        creepages.
+    shift_along: displacement of the wheel over the rail along +x, mm; None in rolling.
+    shift_across: displacement of the wheel over the rail along the tangent across, mm; None in
+        rolling.
+    turn_rad: rotation of the wheel over the rail about the normal, rad; None in rolling.
+    stick_share: share of the patch's area that sticks, 0 to 1.
+    traction_max: largest size of the traction, MPa.
+    t_gamma: energy dissipated per rolled length, N; None of a shift.
+    power_W: t_gamma times the speed, W; None without `rolling.speed`.
+    energy_per_cycle_Nmm: energy dissipated in a cycle of the forces, N mm; None without a cycle.
+    newton_steps: largest number of Newton steps in which tractions were solved.
+    passes: number of times that the tractions were solved, over all load steps.
+    resolution: friction that the mesh shows without creepage; None of a shift, of unlike materials,
+        and of half-spaces.
+    below_resolution: keys of the quantities that the mesh does not resolve; None as `resolution`.
+    wear_number: scalar product of force and mean creepage, largest of all patches, N; None of a
+        shift and of unlike materials.
+    t_gamma_over_area: t_gamma over the area of the patch, N/mm2; None of a shift.
+    wear_regime: "mild", "severe" or "catastrophic", by t_gamma_over_area; None of a shift.
+    von_mises_max: largest von Mises stress of both bodies with friction, MPa.
+    von_mises_max_depth: its depth below the surface, mm.
+    von_mises_max_at: "surface" down to a tenth of the smaller half length, else "below".
+    traction_coefficient: tangential over normal force; None of a shift.
+    first_yield_p0_over_k: largest pressure over yield stress in shear at which this contact would
+        begin to yield; None of a shift.
+    shakedown_limit_p0_over_k: the same ratio up to which a line contact shakes down; None of a
+        shift.
+    shear_yield: yield stress in shear k of the weaker body, MPa; None of a shift and without a
+        yield stress.
+    p0_over_k: largest pressure over k; None where k is.
+    surface_fatigue_index: FI_surf, largest traction minus k, over the largest pressure: above 0 the
+        surface ratchets. None where k is.
+    shakedown: effect of repeated passes: "elastic", "shakes down", "ratchets" or "open"; None where
+        k is.
     """
 
     force_along: float = friction(
@@ -342,17 +371,22 @@ class PlasticQuantities:
     """Yield under the load, and the state after unloading.
 
     load_over_first_yield: load over the load of first yield.
-    load_steps: number of load steps.
-    strain_max: largest plastic strain.
+    load_steps: number of load steps from first yield until the load is reached for the first time,
+        halved ones and those that failed counted.
+    strain_max: largest equivalent plastic strain.
     body: "rail" or "wheel", where it lies.
-    place: its place x, y, z, mm.
-    volume_mm3: volume that yields, mm3.
-    depth: lower end of the region that yields, mm deep.
-    top: upper end of the region that yields, mm deep.
-    residual_depth_rail: depth of the imprint in the rail after unloading, mm.
-    residual_depth_wheel: depth of the imprint in the wheel after unloading, mm.
-    residual_von_mises_max: largest von Mises stress after unloading, MPa.
-    elastic_p0_over_k: largest pressure without yield over yield stress in shear.
+    place: its place (x, y, z) in space, mm, as the places of `StressQuantities`.
+    volume_mm3: volume that yields, of the whole model, mm3.
+    depth: depth of the lower end of the region that yields, below the tangent plane at the first
+        contact, mm.
+    top: depth of its upper end, mm.
+    residual_depth_rail: largest depth of the imprint in the rail after unloading, mm; None for a
+        rigid rail, and where the load is not removed.
+    residual_depth_wheel: the same of the wheel.
+    residual_von_mises_max: largest von Mises stress after unloading, MPa; None where the load is
+        not removed.
+    elastic_p0_over_k: largest pressure without yield over the yield stress in shear of the body
+        `body`.
     """
 
     load_over_first_yield: float = quantity("load_over_first_yield", column="load/first yield")
@@ -379,9 +413,12 @@ class Answer:
 
     patch: half lengths and area.
     pressure: largest and mean pressure.
-    approach: approach of the bodies' supports, mm.
-    load: normal force, N.
-    contact_point: centre of the patch x, y, z, mm.
+    approach: approach of the bodies' supports along the vertical, mm; of half-spaces that of
+        distant points. None of exact Hertz where no formula is known.
+    load: vertical component of the force between the bodies, friction included, of the whole model,
+        N. At a contact angle the normal force is larger.
+    contact_point: centre of pressure (x, y, z) of the most loaded patch in space, on its tangent
+        plane, mm. Of exact Hertz it is the first contact.
     stress: largest stresses.
     friction: None without friction.
     plastic: None without yield.
@@ -400,7 +437,9 @@ class Answer:
 
 
 def read(record: type[T], values: Mapping[str, Any]) -> T:
-    """A record of class `record` from its part of summary.json; missing quantities are None."""
+    """A record of class `record` from its part of summary.json. Missing quantities are None; keys
+    that the class does not have are ignored.
+    """
     found = {}
     for each in dataclasses.fields(record):  # type: ignore[arg-type]
         described: Quantity = each.metadata[METADATA]
@@ -411,8 +450,9 @@ def read(record: type[T], values: Mapping[str, Any]) -> T:
 
 
 def _described(record: type, above: tuple[str, ...] = ()) -> Iterator[Quantity]:
-    """The `Quantity` of each single value of a record class and of its inner records, with full
-    path.
+    """The `Quantity` of each value of a record class and of its inner records: numbers, words and
+    lists, not the records themselves. Each gets its full path and, where it has none, the name of
+    its field as `bound`. above: keys above the record.
     """
     for each in dataclasses.fields(record):
         known: Quantity = each.metadata[METADATA]
@@ -432,13 +472,15 @@ SCATTER = {each.key: each.scatter for each in QUANTITIES if each.scatter}
 
 
 def rows(table: str) -> list[Quantity]:
-    """Quantities that have a row in a table: "contact", "load", "friction" or "steel"."""
+    """Quantities that have a row in a table: "contact", "load", "friction" or "steel"; in the order
+    of `QUANTITIES`.
+    """
     return [each for each in QUANTITIES if each.table == table and each.label]
 
 
 def numeric_values(result: Mapping[str, Any] | None) -> dict[str, float]:
     """Values of the estimated quantities in a dictionary nested as "result" of summary.json, by
-    key.
+    key; those that are missing, or the whole dictionary, are left out.
     """
     values = {name: each.value(result) for name, each in ESTIMATED.items()}
     return {name: float(value) for name, value in values.items() if value is not None}

@@ -29,8 +29,8 @@ class Ending:
     """Reason why a sequence of meshes ended.
 
     reason: in words.
-    would_cost: unknowns and seconds of the next mesh that was not solved; None where there was
-        none.
+    would_cost: unknowns and seconds that are predicted for the next mesh, which was not solved;
+        None where none was planned.
     """
 
     reason: str
@@ -40,10 +40,12 @@ class Ending:
 def refine(
     plan: Plan, progress: Progress, comm: MPI.Intracomm
 ) -> tuple[list[MeshSolution], Ending]:
-    """Solved meshes of a plan, coarsest first, and why the sequence ended (collective).
+    """Solved meshes of a plan, coarsest first, and why the sequence ended (collective). A scene
+    without accuracy and budget has one mesh.
 
-    SceneError: the first mesh does not fit into the memory; a finer one that does not fit ends the
-        sequence. MeshError: gmsh fails.
+    SceneError: the one mesh of such a scene does not fit into the memory. In a sequence a finer
+        mesh that does not fit ends it.
+    MeshError: gmsh fails.
     """
     budget.check_memory(plan, comm.bcast(cost.free_memory()))
     if plan.scene.one_mesh:
@@ -52,9 +54,9 @@ def refine(
 
 
 def unplanned_yield(solved: MeshSolution, comm: MPI.Intracomm) -> str:
-    """Reason why bodies yield that were planned as elastic. Empty where bodies do not yield, where
-    yield is already simulated or switched off, and where friction excludes it. Same on all
-    ranks.
+    """Reason why bodies yield that were planned as elastic, the same on all ranks (collective).
+    Empty where bodies do not yield, where yield is already simulated or switched off, and where
+    friction excludes it.
     """
     effect, after = solved.plan.effects["plasticity"], solved.after.get("plasticity")
     kept = effect.on or effect.override or "on" in effect.refused
@@ -73,7 +75,8 @@ def show_progress(*, quiet: bool, since: float | None = None) -> Progress:
 def _refine(
     plan: Plan, progress: Progress, comm: MPI.Intracomm
 ) -> tuple[list[MeshSolution], Ending]:
-    """Solve on a coarse and a fine mesh, and on finer ones until the estimates meet the accuracy.
+    """Solve on a coarse and a fine mesh, and on finer ones until the estimates meet the accuracy,
+    at most MAX_LEVELS. Without an accuracy, until there are estimates (collective).
 
     Outside the calibrated families a third mesh, coarser still, is solved first. Where the error
     envelopes do not cover the coarse mesh, that mesh confirms nothing and is left out.
@@ -123,7 +126,8 @@ def _with_load_step_errors(
     solved: MeshSolution, progress: Progress, comm: MPI.Intracomm
 ) -> MeshSolution:
     """The coarse solution with the measured error of its load steps, and a plan with as many load
-    steps as the accuracy needs. A second solution with twice the steps gives that error.
+    steps as the accuracy needs, at most MOST_STEPS times as many. That error is STEP_ERROR times
+    the change by a second solution with twice the steps, which is solved here (collective).
     """
     plan = solved.plan
     twice = replace(plan, load_steps=2 * plan.load_steps)
@@ -144,13 +148,16 @@ def _with_load_step_errors(
 
 
 def _accuracy_of_meshes(plan: Plan) -> float:
-    """Wanted accuracy minus the error of effects that the plan leaves out."""
+    """Wanted accuracy minus the error of effects that the plan leaves out; without an accuracy 0
+    minus that.
+    """
     return (plan.scene.accuracy or 0.0) - plan.omission_error
 
 
 def _next(meshes: list[MeshSolution], worst: float, wanted: float) -> tuple[float, bool]:
     """Elements per semi-axis of the next mesh, and whether error estimates exist there. worst:
-    largest error of the last mesh; wanted: planned elements per semi-axis.
+    largest error of the last mesh; wanted: planned elements per semi-axis. Only what it gives on
+    rank 0 counts.
     """
     solved = meshes[-1]
     n, asked = solved.resolution, solved.plan.scene.accuracy
@@ -169,8 +176,8 @@ def _next(meshes: list[MeshSolution], worst: float, wanted: float) -> tuple[floa
 
 
 def _obstacle(plan: Plan, spent: float) -> str:
-    """Reason why the mesh of a plan is not solved (memory, or budget after `spent` seconds); empty
-    if there is none.
+    """Reason why the mesh of a plan is not solved (memory, or the budget after `spent` seconds;
+    `spent` 0 leaves the budget out); empty if there is none.
     """
     if not budget.fits(plan, cost.free_memory()):
         return f"memory: the next mesh needs about {plan.memory / 1e9:.1f} GB"

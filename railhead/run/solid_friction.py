@@ -60,12 +60,14 @@ class GridPatch:
     """Grid over one patch in its tangent plane, and the smooth tractions around it.
 
     patch: frame, symmetry planes and smooth pressure of the patch.
-    x, y: cell centres (CELLS,), mm, in the frame.
+    x, y: cell centres (CELLS,) along x and s of the patch's frame, mm.
     points: points of the surfaces below the cells, each divided by `divided` each way.
     divided: parts of a cell's side.
-    modes: rigid slip (4, 2, nx, ny) along the tangents at the cells.
-    tangents: (nx, ny, 2, 3) unit tangents at the cells; zero where the surfaces end.
-    places: (nx, ny, 3) points of the slave below the cells, mm; zero where the surfaces end.
+    modes: rigid slip (4, 2, nx, ny) along the tangents at the cells; zero where the surfaces end.
+    tangents: (nx, ny, 2, 3) unit tangents along and across at the cells, in space; zero where the
+        surfaces end.
+    places: (nx, ny, 3) points of the slave below the cells in space, mm; zero where the surfaces
+        end.
     smooth: smooth tractions.
     around: points of the surfaces below the cells of the smooth tractions.
     """
@@ -107,15 +109,17 @@ class GridPatch:
         return float((self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
 
     def pressure(self, patch: SmoothPatch) -> Array:
-        """Pressure (nx, ny), MPa, of a state of the patch in the cells, with the force of the
-        patch.
+        """Pressure (nx, ny), MPa, of a state of the patch in the cells, scaled to the normal force
+        of that state; zero where the surfaces end.
         """
         pressure = patch.pressure(self.patch.frame, _places(self.x, self.y)).reshape(CELLS, CELLS)
         pressure = np.where(self.tangents.any(axis=(2, 3)), pressure, 0.0)
         return np.asarray(pressure * (patch.force / (self.cell * pressure.sum())))
 
     def forces(self, traction: Array) -> Array:
-        """Forces (n, 2), N, at the places of `points`, of a traction (2, nx, ny), MPa."""
+        """Forces (n, 2) along the tangents, N, at the places of `points`, of a traction (2, nx,
+        ny), MPa, that is constant in each cell.
+        """
         fine = traction.repeat(self.divided, axis=1).repeat(self.divided, axis=2)
         return np.asarray(self.cell / self.divided**2 * fine.reshape(2, -1).T)
 
@@ -144,7 +148,12 @@ class SolidFriction:
         *,
         parabolic: bool = False,
     ) -> None:
-        """smooth: patches, most loaded first. parabolic: whether Hertz's theory is exact."""
+        """Collective. pressed: the frictionless solution.
+
+        smooth: patches, most loaded first, the same on all ranks.
+        stage: called with what is being done.
+        parabolic: whether Hertz's theory is exact.
+        """
         assert model.setup.friction is not None
         self.model, self.settings, self.pressed = model, model.setup.friction, pressed
         self.stage, self._parabolic = stage, parabolic
@@ -204,8 +213,9 @@ class SolidFriction:
                 self._added[number, source, :, 2 * power + way] = read if rolling else -read
 
     def _read(self, patch: GridPatch, u: PETSc.Vec, more: Array | float = 0.0) -> Array:
-        """Coefficients (20,) of the jump of a displacement over a patch or, when rolling, of its
-        derivative along x. more: (2, nx, ny) that is added to the jump first, mm.
+        """Coefficients (20,) of the jump of a displacement u (at all dofs, mm) over a patch or,
+        when rolling, of its derivative along x. more: (2, nx, ny) that is added to the jump first,
+        mm.
         """
         smooth = patch.smooth
         jump = patch.around.jumps(u).T.reshape(2, smooth.x.size, smooth.y.size)
@@ -219,10 +229,11 @@ class SolidFriction:
         modes: float = 1.0,
         start: list[TangentialSolution] | None = None,
     ) -> list[TangentialSolution]:
-        """Tractions of all patches under one rigid motion. Raises ValueError where they do not
-        settle.
+        """Tractions of all patches under one rigid motion, on every rank. Raises ValueError where
+        they do not settle.
 
-        forces: prescribed force along and across, N; None where the motion is prescribed.
+        forces: prescribed force of the wheel on the rail along and across, of all patches, N; None
+            where the motion is prescribed.
         modes: factor on the rigid slip.
         start: similar tractions to begin with.
         """
@@ -258,8 +269,8 @@ class SolidFriction:
         raise ValueError("tractions of several patches do not settle")
 
     def press_again(self, case: LoadCase, found: list[TangentialSolution]) -> Solution:
-        """Solution of the bodies under tractions, with the load that these carry on inclined
-        surfaces; the pressures are those of this solution (collective).
+        """Solution of the bodies under tractions, whose `load` includes what these carry on
+        inclined surfaces; the pressures are those of this solution (collective).
         """
         force, total = case.force, np.zeros(3)
         for each, solved in zip(self.patches, found, strict=True):
@@ -279,7 +290,8 @@ class SolidFriction:
         return replace(solution, load=solution.load + carried)
 
     def solve(self, case: LoadCase) -> Solution:
-        """Solution after all load steps, or after the first that does not converge (collective).
+        """Solution after all load steps; the first step that does not converge ends them, and the
+        solution says so (collective). Its `reference` is the frictionless one.
 
         case: load case of the frictionless solution, with its active points.
         """
@@ -336,7 +348,10 @@ class SolidFriction:
         return replace(solution, newton=newton, reference=self.pressed)
 
     def _described(self, found: list[TangentialSolution]) -> FrictionSolution:
-        """Friction solution, with vectors in space, at the cells of the meshed part that touch."""
+        """Friction solution, with vectors in space, at the cells of the meshed part that touch;
+        their areas are those of the whole model. Force and moment are those of the wheel on the
+        rail, of the whole model; the moment is 0 with symmetry planes.
+        """
         settings, setup = self.settings, self.model.setup
         planes = [np.array(normal) for _, normal in setup.planes]
         used = [
@@ -375,11 +390,16 @@ def apply(
     misplaced: Callable[[Fields], bool],
 ) -> Solution:
     """Solution with friction of a pressed contact (collective): by half-spaces and what finite
-    bodies add where that represents the bodies, else by static condensation.
+    bodies add where that represents the bodies, else by static condensation. Sections, bodies that
+    yield and unlike materials are always condensed.
 
-    stage: called with what is being done. parabolic: whether Hertz's theory is exact. misplaced:
-        whether the patch of a solution needs another mesh; then the pressed solution is returned.
-    Raises SceneError for bodies with too many unknowns for condensation.
+    stage: called with what is being done.
+    parabolic: whether Hertz's theory is exact.
+    misplaced: whether the patch of a solution needs another mesh; then the pressed solution is
+        returned. Not asked in a section.
+
+    A linear solve that fails gives a solution that has not converged. Raises SceneError for bodies
+    with too many unknowns for condensation.
     """
     if model.setup.kinematics.dim == 2:
         return condensed_friction(model, response, case, pressed)

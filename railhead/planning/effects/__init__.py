@@ -80,7 +80,8 @@ def decide(
     scene: Scene, dimension: Dimension, contact: Contact, hertz: Hertz
 ) -> tuple[Context, dict[str, Effect]]:
     """The context of a scene and all its effects by name, decided in the order of `EFFECTS`. Raises
-    SceneError for a state that a person chose and cannot have, and where no body deforms.
+    SceneError for a state that a person chose and cannot have, and where no body deforms. The
+    context's `decided` is the same dictionary.
     """
     found: dict[str, Effect] = {}
     context = Context(scene, dimension, contact, hertz, found)
@@ -98,8 +99,9 @@ def decide(
 
 
 def _without_bodies(name: str, effect: Effect) -> Effect:
-    """The named effect where finite bodies are off. Raises SceneError for an effect of bodies that
-    a person switched on, and for one that half-spaces always have where it is switched off.
+    """The named effect where finite bodies are off: off if it is one of bodies, else unchanged.
+    Raises SceneError for an effect of bodies that a person switched on, and for one that
+    half-spaces always have where it is switched off.
     """
     if EFFECTS[name].in_half_spaces and effect.override and not effect.on:
         text = "'off' is not allowed: finite_bodies is off, half-spaces have it; give auto or on"
@@ -132,7 +134,8 @@ def left_out(
     effects: Mapping[str, Effect], after: Mapping[str, PostSolveVerdict]
 ) -> dict[str, str]:
     """Reason by name for each effect that is needed but not simulated.
-    effects: decisions by name; after: verdicts on the solution, which count where present.
+    effects: decisions by name; after: verdicts on the solution, which count in place of the plan's
+        where present.
     Effects that a person overruled, and those that do not change the exact answer, are left out.
     """
     out = {}
@@ -147,7 +150,7 @@ def check(
     context: Context, effects: Mapping[str, Effect], findings: Findings
 ) -> dict[str, PostSolveVerdict]:
     """Verdicts by name of all effects and assumptions, evaluated on the findings of a solution;
-    those that do not apply are missing.
+    those that do not apply are missing. Effects without a rule for the solution never appear.
     """
     after = {name: each.check(context, effects[name], findings) for name, each in EFFECTS.items()}
     after |= {name: weigh(context, findings) for name, weigh in ASSUMPTIONS.items()}

@@ -31,8 +31,9 @@ def small_patch(context: Context, found: Findings) -> PostSolveVerdict:
 
 
 def inside_the_bodies(context: Context, found: Findings) -> PostSolveVerdict | None:
-    """Verdict on the distance from the patch to the nearest edge of a tread or head, where a stress
-    peak arises that no profile shows; None without profiles across the rail.
+    """Verdict on the distance in y from the centre of the patch to the nearest edge of a tread or
+    head, held against 1.1 (EDGE) of its half length across, where a stress peak arises that no
+    profile shows; None without profiles across the rail.
     """
     if not context.contact.cross_profiles:
         return None
@@ -54,9 +55,9 @@ def edges(context: Context) -> list[float]:
 
 
 def thick_bodies(context: Context, found: Findings) -> PostSolveVerdict | None:
-    """Verdict on the stiffening of a body that is held just below the patch (see
-    theory.elastic.finite_bodies). A standard rail is left to the effect rail_section. None
-    without profiles across the rail.
+    """Verdict on the rise of the pressure by a body that is held just below the patch, against the
+    accuracy (`theory.elastic.halfspace.held_below`). A standard rail is left to the effect
+    rail_section. None without profiles across the rail.
     """
     scene, contact = context.scene, context.contact
     if not contact.cross_profiles:

@@ -109,12 +109,16 @@ def grows(scene: Scene) -> bool:
 
 
 def unlike(scene: Scene) -> bool:
-    """Whether bodies slip when pressed together: |Dundurs' beta| above 1e-9 (NO_MISMATCH)."""
+    """Whether the materials differ so that frictionless bodies slip when pressed together:
+    |Dundurs' beta| above 1e-9 (NO_MISMATCH).
+    """
     return abs(dundurs_beta(scene)) > NO_MISMATCH
 
 
 def dundurs_beta(scene: Scene) -> float:
-    """Dundurs' beta of the rail's and the wheel's materials, dimensionless."""
+    """Dundurs' beta of the rail's and the wheel's materials, dimensionless, of the scene's moduli
+    also where a body is taken as rigid.
+    """
     rail, wheel = scene.rail, scene.wheel
     return hertz.dundurs_beta(
         rail.young_modulus, rail.poisson_ratio, wheel.young_modulus, wheel.poisson_ratio
@@ -141,7 +145,8 @@ def wheelset_creepage(context: Context) -> WheelsetCreepage | None:
 
 def creepage(context: Context) -> Creepage:
     """Creepage of the scene: from the wheelset, or the given creepages and spin, zero where not
-    given. Raises SceneError for half-spaces and sections with rolling.from_wheelset.
+    given, as where a force is given instead. Zero for a shift. Raises SceneError for half-spaces
+    and sections with rolling.from_wheelset.
     """
     rolling, wheelset = context.scene.rolling, wheelset_creepage(context)
     if wheelset:
@@ -169,8 +174,8 @@ def _expected(context: Context, limit: float) -> str:
 
 
 def _fits_the_section(context: Context) -> None:
-    """Raises SceneError for a tangential motion that a plane section does not have: rolling or a
-    motion along in a section across, or a motion across in a section along.
+    """Raises SceneError for a tangential motion or force that a plane section does not have:
+    rolling or a motion along in a section across, or a motion across in a section along.
     """
     scene, plane = context.scene, context.contact.plane
     along, across = scene.asymmetric_friction
@@ -230,7 +235,7 @@ def check_heat(context: Context, effect: Effect, found: Findings) -> PostSolveVe
     (HOT).
 
     It is 'unknown' (not needed) for deformable bodies that are not steel, and None without a
-    rolling speed or without dissipation.
+    rolling speed or where nothing rolls with friction.
     """
     speed = context.scene.rolling.speed
     if speed is None or math.isnan(found.dissipated):

@@ -31,8 +31,9 @@ DEFAULT_STEEL = "R260"  # rail steel whose yield a scene without a steel is comp
 
 
 def decide_deformable(body: str, context: Context) -> Effect:
-    """Whether a body ('rail' or 'wheel') deforms, by its share s of the compliance 1/E* = sum of
-    (1 - nu^2)/E.
+    """Whether a body ('rail' or 'wheel') deforms: called for where its share s of the compliance
+    1/E* = sum of (1 - nu^2)/E is a tenth (SHARE) of the accuracy or more. An infinite modulus
+    refuses 'on'.
     Without that share, approach and pressure are off by 2/3 s and the semi-axes by s/3 (Johnson,
     Contact Mechanics, 4.22 to 4.24).
     """
@@ -51,7 +52,7 @@ def decide_deformable(body: str, context: Context) -> Effect:
 
 def decide_mean_dilatation(context: Context) -> Effect:
     """Constant volume change in each cell is called for where a deformable body has nu above 0.45
-    (0.49 in a meridian section); linear and hexahedral cells cannot have it.
+    (0.49 in a meridian section); linear and hexahedral cells cannot have it, and refuse 'on'.
     """
     scene = context.scene
     ratios = {name: part.poisson_ratio for name, part in context.deformable.items()}
@@ -112,8 +113,8 @@ def decide_plasticity(context: Context) -> Effect:
 
 
 def check_plasticity(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
-    """Verdict whether the largest stress of the solution, raised by its estimated unread peak,
-    passes the yield stress of a body that was taken as elastic.
+    """Verdict whether the largest von Mises stress of the solution, raised by its estimated unread
+    peak, passes the yield stress of a body that was taken as elastic.
     Without any yield stress nothing is needed, and the verdict is notable where the usual rail
     steel would yield.
     """
@@ -181,7 +182,9 @@ def _slipping(context: Context) -> str:
 
 
 def steps(context: Context) -> int:
-    """Number of load steps from first yield to the load: more for a line contact."""
+    """Number of load steps from first yield to the load at default settings: 4, or 16 for a line
+    contact.
+    """
     return LINE_STEPS if context.contact.line else STEPS
 
 
@@ -208,8 +211,8 @@ def _steel_yields(context: Context, stresses: Mapping[str, float]) -> tuple[str,
 
 
 def _over_yield(scene: Scene, stresses: dict[str, float]) -> tuple[float, str]:
-    """Von Mises stress (MPa, by body) of the worst body over its initial yield stress, and a
-    sentence that says whether the stress passes it.
+    """Largest ratio of von Mises stress (MPa, by body) to initial yield stress, and a sentence that
+    says whether the stress passes it.
     """
     ratios = {name: stress / first_yield(scene.bodies[name]) for name, stress in stresses.items()}
     worst = max(ratios, key=ratios.__getitem__)

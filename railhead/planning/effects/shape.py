@@ -40,7 +40,7 @@ def plane_strain(context: Context) -> Effect:
 
 def axisymmetry(context: Context) -> Effect:
     """A meridian section is called for where both bodies, and their loads, are of revolution about
-    the contact normal; it is on where such a section was located.
+    the contact normal; it is on where such a section was located, which a person's 'off' prevents.
     """
     called, why = dimension.circular(context.scene)
     return Effect(called, context.contact.revolved, why)
@@ -75,7 +75,7 @@ def _symmetry(asymmetric: str, symmetric: str) -> Effect:
 
 def far_field(context: Context) -> Effect:
     """Half-spaces that continue beyond their meshed blocks are simulated where rail.extent is half-
-    space; for real bodies the effect is refused.
+    space; for bodies that end the effect is refused.
     """
     if context.contact.half_space:
         return Effect(True, True, "rail.extent = half-space: what lies beyond the blocks deforms")
@@ -119,8 +119,9 @@ def half_space_errors(context: Context) -> dict[str, Allowance]:
 
 
 def _twist(context: Context) -> float:
-    """Relative change of pressure or area by the twist of the rail; 0 for a block, a rigid rail, a
-    contact in the plane of symmetry, and where both bodies have one radius.
+    """Relative change of the largest pressure or of the area, the larger one, by the twist of the
+    rail; 0 for a block, a rigid rail, a contact in the plane of symmetry, and where both bodies
+    have one radius.
     """
     rail = context.scene.rail
     still = rail.profile == "arc" or math.isinf(rail.young_modulus)
@@ -130,8 +131,9 @@ def _twist(context: Context) -> float:
 
 
 def decide_rail_section(context: Context) -> Effect:
-    """Whole rail on its foot, for rail.extent = section, where the cut of the head changes the
-    stress, or where the twist of the rail brings another part of the profiles into contact.
+    """A rail with web, held at its foot, is called for by rail.extent = section, where the cut of
+    the head changes the stress, or where the twist of the rail brings another part of the profiles
+    into contact.
     Raises SceneError for extent section without a standard rail.
     """
     rail, hertz = context.scene.rail, context.hertz
@@ -223,7 +225,7 @@ def check_true_profile(
     context: Context, effect: Effect, found: Findings
 ) -> PostSolveVerdict | None:
     """Verdict whether the patch of the solution leaves one arc of either body though its profile
-    was one radius; None where the effect cannot be on.
+    was one radius; None where the effect cannot be on. Where it is on, nothing is needed.
     """
     if "on" in effect.refused:
         return None
@@ -239,8 +241,8 @@ def check_true_profile(
 
 
 def one_radius(contact: Contact) -> Contact:
-    """The contact with each profile replaced by its circle of curvature at the contact; half-spaces
-    and sections along the rail are unchanged.
+    """The contact with each profile replaced by its circle of curvature at the contact, pose and
+    contact point kept; half-spaces and sections along the rail are unchanged.
     """
     if contact.pair is None or not contact.cross_profiles:
         return contact

@@ -92,7 +92,7 @@ class _Patch(NamedTuple):
     """A patch of half-spaces on the developed surface of the rail.
 
     force: N. area: mm2. s: of its centre, mm. half_extents: along the rail and across it, mm.
-    normals: range of the angles of the rail's normals in it, rad.
+    normals: range of the angles of the rail's normals in it, largest less smallest, rad.
     """
 
     force: float
@@ -111,7 +111,8 @@ def allowance(
     """Allowed relative differences by "max_MPa" and "area_mm2", of a solid contact of profiles.
 
     deformable: tags of the bodies that deform. solved: its half-space solution, or exact Hertz.
-    twist: relative change by the rotation and the movement of the bodies.
+    twist: relative change of pressure and area by the rotation and the movement of the bodies,
+        which is taken over as a part.
     """
     surface = boundary_elements.develop(contact)
     patches = _patches(surface, solved)
@@ -154,7 +155,9 @@ def _patches(surface: Developed, solved: BoundaryElementSolution | Ellipse) -> l
 
 
 def _bodies(contact: Contact, deformable: Sequence[int], surface: Developed) -> list[_Body]:
-    """The deformable bodies of a contact, by their tags, with the developed surface of the rail."""
+    """The deformable bodies of a contact, by their tags, with the places of their free edges on the
+    developed surface of the rail.
+    """
     scene, touch = contact.scene, contact.touch
     modulus = closed_forms.contact_modulus(scene)
     found = []

@@ -45,18 +45,20 @@ class Developed:
 
     def angle(self, s: Array) -> Array:
         """Angle (n,) of the rail's surface to the horizontal at s (n,) in mm, in rad; positive
-        where z rises with y.
+        where z rises with y. Beyond the profile it is that of its end.
         """
         return np.asarray(np.arctan(self.contact.profiles["rail"][0].slope(self._across(s))))
 
     def points(self, x: Array, s: Array) -> Array:
-        """Points (n, 3) in mm on the rail's surface at x, s (n,) in mm; NaN beyond the profile."""
+        """Points (n, 3) in space, in mm, on the rail's surface at x, s (n,) in mm; NaN beyond the
+        profile.
+        """
         y = self._across(s, math.nan)
         return np.column_stack([x, y, self.contact.profiles["rail"][0].height(y)])
 
     def gap(self, x: Array, s: Array) -> Array:
         """Undeformed gap (n,) along the rail's normals at x, s (n,), in mm; infinite where a normal
-        misses the wheel.
+        misses the wheel and beyond the rail's profile.
         """
         angle = self.angle(s)
         normals = np.column_stack([np.zeros_like(angle), -np.sin(angle), np.cos(angle)])
@@ -94,13 +96,15 @@ def develop(contact: Contact) -> Developed:
 def solve(
     contact: Contact, ellipse: Hertz, load: float | None, cells: int = CELLS
 ) -> BoundaryElementSolution:
-    """Boundary-element solution with all patches of a contact under a vertical load (N), or at the
-    ellipse's approach.
-    ellipse: exact Hertz for the first contact.
-    load: vertical load, N; None for the approach.
+    """Boundary-element solution, elastic and frictionless, with all patches of a contact under a
+    vertical load (N), or at the ellipse's approach.
+    ellipse: exact Hertz for the first contact, of which contact modulus and approach are used.
+    load: vertical load, N; None for the approach along the vertical, the ellipse's over the cosine
+        of the contact angle.
     cells: cells each way in a patch.
     Where the solution leaves a point of the wheel's contact locus inside the rail, a patch was
-    missed and is added. Raises ValueError where there is no closed patch within the profiles.
+    missed and is added. Raises ValueError for half-spaces, and where there is no closed patch
+    within the profiles.
     """
     surface, cosine = develop(contact), math.cos(contact.touch.angle)
     rigid = ellipse.approach / cosine

@@ -22,7 +22,7 @@ ROUNDING = 1e3  # least gap of a patch over the rounding error of coordinates
 
 
 def plane_strain_modulus(scene: Scene, body: int) -> float:
-    """E / (1 - nu^2) of a body (tag RAIL or WHEEL), MPa."""
+    """E / (1 - nu^2) of a body (tag RAIL or WHEEL), MPa; infinite for an infinite modulus."""
     part = scene.bodies[BODY_NAMES[body]]
     return part.young_modulus / (1 - part.poisson_ratio**2)
 
@@ -36,8 +36,8 @@ def contact_modulus(scene: Scene) -> float:
 
 
 def tangential_pair(scene: Scene) -> MaterialPair:
-    """Shear modulus, Poisson's ratio and mismatch of both materials combined, as tractions see
-    them.
+    """Shear modulus (MPa), Poisson's ratio and mismatch of both materials combined, for tangential
+    contact.
     """
     rail, wheel = scene.rail, scene.wheel
     return tangential.pair(
@@ -47,7 +47,7 @@ def tangential_pair(scene: Scene) -> MaterialPair:
 
 def hertz_contact(scene: Scene, contact: Contact, load: float | None = None) -> Hertz:
     """Exact Hertz, line or ellipse, for the pair under a vertical load (N), by default that or the
-    approach of the scene.
+    approach of the scene. Its own load is the normal force.
     """
     along_line = contact.line_contact(load if load is not None else scene.load)
     return along_line or ellipse(scene, contact, load)

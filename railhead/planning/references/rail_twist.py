@@ -28,7 +28,8 @@ CENTRE: float = MEASURED["centre_mm"]  # depth of the centre of twist below the 
 
 
 def lever(contact: Contact, centre: float = CENTRE) -> float:
-    """Distance of the contact normal from the centre of twist, mm, positive on the field side.
+    """Distance in y of the contact normal from the centre of twist, at the height of that, mm,
+    positive on the field side.
     centre: depth of the centre of twist below the crown, mm.
     """
     touch, inclination = contact.touch, contact.scene.rail.inclination
@@ -36,8 +37,9 @@ def lever(contact: Contact, centre: float = CENTRE) -> float:
 
 
 def twist(contact: Contact, ellipse: Hertz) -> float:
-    """Rotation of the rail head, rad, positive towards the middle of the track, under the Hertz
-    load of the contact. A measured rail is taken for the softer one of the standard rails.
+    """Rotation of the rail head, rad, positive towards the middle of the track, under the vertical
+    load of `ellipse`, whose own load is the normal force. A measured rail is taken for the softer
+    one of the standard rails.
     """
     moment = -ellipse.load * math.cos(contact.touch.angle) * lever(contact)
     rail = contact.scene.rail
@@ -47,7 +49,8 @@ def twist(contact: Contact, ellipse: Hertz) -> float:
 
 def twisted(contact: Contact, angle: float, aside: float) -> Contact:
     """Contact with the wheel lowered onto the rail whose head is turned by `angle` (rad) about its
-    crown and moved by -aside (mm) along y.
+    crown and moved by -aside (mm) along y relative to the wheel. The turn is positive towards the
+    middle of the track.
     Raises PlacementError for half-spaces, and where the wheel misses the rail.
     """
     if contact.pair is None or contact.pose is None:

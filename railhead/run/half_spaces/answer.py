@@ -43,19 +43,22 @@ Parts = dict[str, dict[str, float]]
 
 @dataclass(frozen=True, kw_only=True)
 class HalfSpaceSolution:
-    """A scene solved between half-spaces, and the quantities read from the solution.
+    """A scene solved between half-spaces, and the quantities read from the solution; all of it on
+    every rank.
 
     plan: the plan that was solved.
-    ellipse: exact Hertz under the load of the solution, an ellipse or a line contact.
+    ellipse: exact Hertz for the curvatures at the first contact, an ellipse or a line contact,
+        under the load or approach of the scene.
     reason: why there is no solution; empty where there is one.
     findings: patch, pressure and stresses; None without a solution.
     result: "result" of summary.json; None without a solution.
     error_parts: error estimates: what finite bodies would change, and the error of the grid.
-    friction: tractions; None without friction.
+    friction: tractions at the cells that touch; None without friction.
     other_friction: quantities of friction by other methods, as "half_space_friction" of
-        summary.json.
+        summary.json; empty where there are none.
     elastic_reference: the same scene without friction; None where it has none.
-    seconds: of the solution and of its reading.
+    seconds: of the solution and of its reading, s.
+    fields, residual_state: None; there is no mesh, and no yield is simulated.
     """
 
     plan: Plan
@@ -73,7 +76,7 @@ class HalfSpaceSolution:
 
     @property
     def load(self) -> float:
-        """Vertical load, N; 0 without a solution."""
+        """Vertical load that pressure and tractions carry, N; 0 without a solution."""
         return 0.0 if self.result is None else float(self.result["load_N"])
 
     @property
@@ -103,9 +106,10 @@ def solve(plan: Plan, progress: Progress) -> HalfSpaceSolution:
 
 
 def _solve(plan: Plan) -> HalfSpaceSolution:
-    """The solution of a plan. With friction the pressure carries what the tractions leave of the
-    load: both are solved in turn until the load is met to BALANCE of it. Raises ValueError where
-    boundary elements fail, or where pressure and tractions find no balance.
+    """The solution of a plan; its elastic reference is solved, too, where there is friction. With
+    friction the pressure carries what the tractions leave of the load: both are solved in turn
+    until the load is met to BALANCE of it. Raises ValueError where boundary elements fail, or where
+    pressure and tractions find no balance.
     """
     load = plan.scene.load
     profiles = alone = _pressed(plan, load)
@@ -139,8 +143,8 @@ def _pressed(plan: Plan, load: float | None) -> BoundaryElementSolution | None:
 
 
 def _read(plan: Plan, profiles: BoundaryElementSolution | None) -> HalfSpaceSolution:
-    """The frictionless solution with the quantities read from it. profiles: boundary elements; None
-    between half-spaces.
+    """The frictionless solution with the quantities read from it. Load and approach are those along
+    the vertical. profiles: boundary elements; None between half-spaces.
     """
     contact, hertz = plan.contact, plan.estimate
     cosine = math.cos(contact.touch.angle)
@@ -166,8 +170,8 @@ def _read(plan: Plan, profiles: BoundaryElementSolution | None) -> HalfSpaceSolu
 
 
 def _edge_distance(plan: Plan, found: Findings) -> float:
-    """Distance across of the patches from the nearest edge of a profile, over the smaller half
-    length of the most loaded one.
+    """Smallest distance in y of the outlines of the patches from an edge of a profile or of the
+    tread, over the smaller half length of the most loaded patch.
     """
     patch, frame = found.patch, found.frame
     across = [frame.place(float(x), float(s))[1] for line in patch.outlines for x, s in line]
@@ -187,7 +191,7 @@ def _error_parts(
     error; the approach of bodies that end, and depths, have no estimate.
 
     grid: errors of the grid by key. profiles: boundary elements; None between half-spaces.
-    hertzian: whether the patch is nearly an ellipse.
+    hertzian: whether the patch is nearly an ellipse; else its half lengths have no estimate.
     """
     if profiles is None:
         exact = numeric_values(result)
@@ -213,7 +217,9 @@ def _error_parts(
 
 
 def _with_friction(plain: HalfSpaceSolution, sheared: PatchTractions) -> HalfSpaceSolution:
-    """A frictionless solution with tractions on it; its load is what both carry."""
+    """A frictionless solution with tractions on it; its load is what both carry.
+    `elastic_reference` is not set here.
+    """
     plan, scene = plain.plan, plain.plan.scene
     assert plain.findings is not None and plain.result is not None
     found, result = plain.findings, plain.result
@@ -277,8 +283,9 @@ class PatchTractions:
     patches: the pressed patches.
     found: the tractions of each.
     share: factor on areas and forces: load of the contact over that of the patches, as the strip of
-        a line contact is longer than the contact.
-    grid_error: change of the forces from a grid of half as many cells each way, over mu N.
+        a line contact is longer than the contact; else about 1.
+    grid_error: larger change of the force along and of that across from a grid of half as many
+        cells each way, over mu N.
     """
 
     patches: Sequence[PressedPatch]
@@ -288,7 +295,9 @@ class PatchTractions:
 
     @property
     def upwards(self) -> float:
-        """Vertical force of the wheel on the rail by tractions, N, positive upwards."""
+        """Vertical component of the tractions of the wheel on the rail, N, positive upwards; the
+        load is that of the pressure less this.
+        """
         pairs = zip(self.patches, self.found, strict=True)
         return self.share * sum(
             each.cell * float((each.traction[1] * np.sin(patch.pressed.angle)).sum())
@@ -328,8 +337,9 @@ def _tractions(plan: Plan, profiles: BoundaryElementSolution | None, load: float
 
 
 def _at_cells(plan: Plan, sheared: PatchTractions, points: half_space.Points) -> FrictionSolution:
-    """Tractions at the cells that touch, in the form of those of finite elements. points: maps x, s
-    (n,) to points (n, 3) on the surface, mm.
+    """Tractions at the cells that touch, in the form of those of finite elements, with forces
+    along, across and moment of the wheel on the rail. points: maps x, s (n,) to points (n, 3) on
+    the rail's surface, mm.
     """
     places, tangents, found = [], [], sheared.found
     for window in (patch.pressed for patch in sheared.patches):

@@ -39,9 +39,9 @@ PLANE = np.array([[0.0] * 3, [0.0] * 3, [0.0, 0.0, 1.0], [0.0] * 3])
 
 
 def solve(solved: MeshSolution) -> BoundaryElementSolution | str | None:
-    """Contact of the real profiles as half-spaces under the load of the solution, or the reason why
-    boundary elements failed. None where exact Hertz is the half-space solution (half-spaces and
-    line contacts) or nothing touches.
+    """Contact of the real profiles as half-spaces under the vertical load of the solution,
+    frictionless, or the reason why boundary elements failed. None where exact Hertz is the
+    half-space solution (half-spaces and line contacts), where nothing touches, and off rank 0.
     """
     contact = solved.plan.contact
     if contact.half_space or contact.line or solved.findings is None:
@@ -56,8 +56,8 @@ def half_space(
     solved: MeshSolution, solution: BoundaryElementSolution | str | None
 ) -> dict[str, Any] | None:
     """Entry "half_space" of summary.json: quantities of the half-space `solution`, and by quantity
-    the "allowance" for what half-spaces leave out; or {"reason": ...}. None where the solution is
-    None.
+    the "allowance" for what half-spaces leave out; or {"reason": ...}. None where `solution` is
+    None. solved: finite elements, of which the twist of the bodies is read.
     """
     contact, found = solved.plan.contact, solved.findings
     if solution is None or found is None:
@@ -77,9 +77,9 @@ def half_space(
 
 
 def twist_change(solved: MeshSolution) -> float:
-    """Relative change of the pressure by the rotation and the movement of the bodies in the
-    solution (rank 0); 0 for a contact that is symmetric about y = 0. Raises ValueError where it
-    cannot be computed.
+    """Relative change of the largest pressure or of the area, the larger one, by the rotation and
+    the movement of the bodies in the solution (rank 0); 0 for a contact that is symmetric about y =
+    0. Raises ValueError where it cannot be computed.
     """
     contact, moved = solved.plan.contact, motion(solved)
     if contact.why_asymmetric_in_y() is None:
@@ -88,8 +88,9 @@ def twist_change(solved: MeshSolution) -> float:
 
 
 def motion(solved: MeshSolution) -> tuple[float, float]:
-    """Relative rotation of the rail (rad) and lateral movement of the wheel (mm) in the solution
-    (rank 0); zeros in a section, which is symmetric.
+    """Rotation about x of the rail relative to the wheel (rad), and movement along y of the wheel
+    relative to the rail at the height of the crown, z = 0 (mm), in the solution (rank 0); zeros in
+    a section, which is symmetric.
     """
     found, fields = solved.findings, solved.fields
     assert found is not None and fields is not None
@@ -110,8 +111,8 @@ class PressedPatch:
     pressed: the pressure on a grid.
     modes: rigid slip along the rail and along its profile at the cells, (4, 2, nx, ns): of unit
         creepage along, unit creepage across, unit spin, and the fixed mode.
-    angular: angular velocity vector of each mode, (4, 3), 1/mm, in axes in which the normals are
-        tilted by the patch's angles.
+    angular: angular velocity vector of each mode, (4, 3), 1/mm, in the axes of space, in which the
+        patch's angles are tilts from z towards -y.
     """
 
     pressed: PatchSolution
@@ -120,8 +121,8 @@ class PressedPatch:
 
     @property
     def middle(self) -> Array:
-        """Modes of rigid slip averaged over the pressure, (4, 2): along the rail, along the
-        profile.
+        """Modes of rigid slip, averaged with the pressure as weight, (4, 2): along the rail, along
+        the profile.
         """
         weights = self.pressed.pressure / self.pressed.pressure.sum()
         return np.asarray((self.modes * weights).sum(axis=(2, 3)))
@@ -148,10 +149,11 @@ def patches(
     cells: int,
     profiles: BoundaryElementSolution | str | None = None,
 ) -> list[PressedPatch]:
-    """Patches under a load (N, down) on grids of `cells` x `cells`, one for each window; that of a
-    line contact is a strip, see `_strip`.
+    """Patches under a vertical load (N) on grids of `cells` x `cells`, one for each window; that of
+    a line contact is a strip, see `_strip`.
 
-    hertz: exact Hertz for the contact.
+    hertz: exact Hertz for the contact; where the patch is its ellipse or strip, its own load counts
+        and not `load`.
     hertzian: whether the patch is an ellipse; Hertz's gap is then used.
     profiles: the solved half-space contact, or the reason why it failed; None: solve it here.
     Raises ValueError where the patches are not known.
@@ -181,8 +183,9 @@ def patches(
 
 
 def _strip(contact: Strip, cells: int) -> list[PressedPatch]:
-    """Patch of a line contact on a grid of `cells` cells along the rail by two across. Both are so
-    long that each is a strip.
+    """Patch of a line contact on a grid of `cells` cells over its width, taken along x, by two
+    along the line. Both are so long that each is a strip; the load is that of the strip over this
+    length.
     """
     length = LENGTH * contact.b
     x = WIDER * contact.b * ((2 * np.arange(cells) + 1) / cells - 1)
@@ -201,14 +204,18 @@ def _strip(contact: Strip, cells: int) -> list[PressedPatch]:
 
 
 def surface(contact: Contact) -> Callable[[Array, Array], Array]:
-    """Map from x, s (n,) to points (n, 3) on the surface of the rail, mm."""
+    """Map from x, s (n,) to points (n, 3) in space on the surface of the rail, mm; NaN beyond the
+    profile. Of half-spaces it is the plane z = 0.
+    """
     if contact.half_space:
         return lambda x, s: np.column_stack([x, s, np.zeros_like(x)])
     return boundary_elements.develop(contact).points
 
 
 def _modes(contact: Contact, window: PatchSolution) -> Array:
-    """Modes of rigid slip (4, 2, nx, ns) in a window; 0 beyond the profile."""
+    """Modes of rigid slip (4, 2, nx, ns) along the rail and along its profile, in a window; 0
+    beyond the profile.
+    """
     if contact.half_space:
         return plane_modes(window.x, window.s)
     x, s = (each.ravel() for each in np.meshgrid(window.x, window.s, indexing="ij"))

@@ -53,12 +53,13 @@ Patches = Callable[[int], Sequence[PressedPatch]]
 class FrictionCase:
     """A solution with friction, as input of other methods.
 
-    solution: forces and rigid motion (creepages and spin, or shifts and turn) of finite elements.
+    solution: solution by finite elements, of which forces and rigid motion (creepages and spin, or
+        shifts and turn) count.
     coefficient: coefficient of friction.
     pair: materials of both bodies.
     rolling: whether the bodies roll; otherwise they are shifted.
-    half_space_shift: whether the shift is that of half-spaces; the shift of other bodies depends on
-        their supports.
+    half_space_shift: whether the shift is that of solid half-spaces; the shift of other bodies
+        depends on their supports.
     """
 
     solution: FrictionSolution
@@ -73,9 +74,10 @@ def half_space_friction(
 ) -> NumbersByMethod | None:
     """Entry "half_space_friction" of summary.json: by method, the quantities of friction under the
     motion (rolling) or the forces (a shift) of finite elements, or {"reason": ...}. None without
-    friction.
+    friction, where nothing touches, and off rank 0.
 
-    profiles: half-space solution of the profiles, or the reason why it failed, or None.
+    profiles: half-space solution of the profiles, or the reason why it failed; None: it is solved
+        here where it is needed.
     """
     found, findings = solved.solution.friction, solved.findings
     if found is None or findings is None:
@@ -118,7 +120,10 @@ def half_space_friction(
 
 
 def _strip(case: FrictionCase, line: LineContact, patches: Patches) -> NumbersByMethod:
-    """Quantities by method for a line contact: Carter, Cattaneo or boundary elements."""
+    """Quantities by method for a line contact: Carter (rolling) or Cattaneo (a shift), of unlike
+    materials boundary elements. Empty in rolling of like materials where the width of the strip
+    runs across the rail.
+    """
     found, strip = case.solution, line.strip
     if not case.pair.like:
         if line.across:
@@ -145,8 +150,8 @@ def or_reason(method: Callable[[], dict[str, Any]]) -> dict[str, Any]:
 
 
 def _mindlin(case: FrictionCase, ellipse: Ellipse) -> dict[str, Any]:
-    """Stick share and, of half-spaces, shifts (mm) by Cattaneo and Mindlin, by the keys of
-    summary.json.
+    """Stick share (of the area) and, of solid half-spaces under a force, shifts (mm) by Cattaneo
+    and Mindlin, by the keys of summary.json.
     """
     found, pair = case.solution, case.pair
     force = min(float(np.hypot(*found.force)), found.friction_limit)
@@ -164,11 +169,13 @@ def _mindlin(case: FrictionCase, ellipse: Ellipse) -> dict[str, Any]:
 def solve_by_boundary_elements(
     case: FrictionCase, patches: Patches, cells: tuple[int, int]
 ) -> Numbers:
-    """Friction quantities of half-spaces by boundary elements, by their names in summary.json.
+    """Friction quantities of half-spaces by boundary elements, by their keys in summary.json.
+    Raises ValueError as `shear`.
 
     cells: coarse and fine number along each axis. Bodies of the same material are solved on the
-        fine grid alone. For others both grids are solved and extrapolated; "grid_error" is the
-        change from fine to extrapolated, of forces over mu N, of a shift over its length.
+        fine grid alone, without a "grid_error". For others both grids are solved and extrapolated;
+        "grid_error" is the change from fine to extrapolated, of forces over mu N, of a shift over
+        its length.
     """
     coarse, fine = cells
     found = _on_grid(case, patches(fine))
@@ -215,8 +222,8 @@ def _on_grid(case: FrictionCase, patches: Sequence[PressedPatch]) -> Numbers:
 
 
 def _by_key(forces: Array, stick: float) -> Numbers:
-    """Forces along, across (N) and moment (N mm), (3,), and stick share by the keys of "friction"
-    in summary.json.
+    """Forces along, across (N) and moment (N mm), (3,), and stick share (of the area) by the keys
+    of "friction" in summary.json.
     """
     names = ("force_along_N", "force_across_N", "moment_Nmm", "stick_share")
     return dict(zip(names, map(float, (*forces, stick)), strict=True))
@@ -231,11 +238,12 @@ def shear(
     *,
     rolling: bool,
 ) -> list[TangentialSolution]:
-    """Tractions of pressed patches of half-spaces under one rigid motion, by boundary elements.
+    """Tractions of pressed patches of half-spaces under one rigid motion, a solution for each
+    patch, by boundary elements.
 
     pair: materials. coefficient: of friction.
-    forces: prescribed force along and across of all patches, N; None where the creepage is
-        prescribed.
+    forces: prescribed force of the wheel on the rail along and across, of all patches together, N;
+        None where the creepage is prescribed.
     rolling: steady rolling; else one shift.
     Raises ValueError where tractions are not found, and for forces on several patches of unlike
     bodies.
@@ -243,7 +251,7 @@ def shear(
     along, across = forces
 
     def solve(bodies: Sequence[HalfSpaceFriction]) -> list[TangentialSolution]:
-        """Tractions of some patches."""
+        """Tractions of some patches under the motion and the forces of `shear`."""
         return solve_for_forces(bodies, creepage, along=along, across=across)
 
     if pair.like:
@@ -279,11 +287,12 @@ def shear(
 def fastsim(
     patches: Sequence[PressedPatch], limit: float, pair: MaterialPair, motion: Sequence[float]
 ) -> Numbers:
-    """Forces, stick share and T-gamma of patches by FASTSIM on ellipses with equal second moments
-    and forces, by the keys of summary.json.
+    """Forces of the wheel on the rail, stick share and T-gamma of rolling patches by FASTSIM on
+    ellipses with equal second moments and forces, by the keys of summary.json.
 
     limit: friction coefficient times normal force of all patches, N. pair: materials. motion:
-        creepage along, across and spin (1/mm). Raises ValueError for an ellipse too slender.
+        creepage along, across and spin (1/mm), at the first contact. Raises ValueError for an
+        ellipse too slender.
     """
     sticks, touches = 0.0, 0.0
     total: Array = np.zeros(4)
@@ -316,8 +325,8 @@ def _ellipses(
     patches: Sequence[PressedPatch], pair: MaterialPair, motion: Sequence[float]
 ) -> Iterator[tuple[PressedPatch, float, float, Coefficients, Creepage]]:
     """For each connected patch: the patch, its semi-axes a and b (mm), Kalker's coefficients, and
-    the creepage at its centre in its own tangent plane. Raises ValueError for an ellipse too
-    slender.
+    the mean creepage and the spin in its own tangent plane. Raises ValueError for an ellipse more
+    slender than SLENDER.
     """
     moved = np.array([*motion, 1.0])
     for patch in (part for each in patches for part in each.parts()):
