@@ -1,9 +1,11 @@
 """Records of the results of one solution, and words for pictures of it: what tables, files and
 pictures share.
 
-The contact frame: x along the rail, s along the common tangent across it, depth into the body,
-origin at the first contact of the undeformed bodies. Stress components are in this frame, in the
-order (xx, ss, nn, xs, xn, sn) with n the outward normal of the rail; tension positive.
+The contact frame: x along the rail, s along the common tangent across it, height along the outward
+normal n of the rail. Its origin is the first contact of the undeformed bodies; of several patches
+the frame is that of the most loaded one, with its origin at the centre of pressure. Depth is the
+distance into the body, positive in rail and wheel. Stress components of depth axes are in this
+frame, in the order (xx, ss, nn, xs, xn, sn); tension is positive.
 """
 
 from __future__ import annotations
@@ -32,7 +34,7 @@ class Frame:
     outward normal of the rail.
 
     origin (3,): contact point in space, mm.
-    angle: contact angle, from the horizontal to the tangent s, rad.
+    angle: contact angle, from the horizontal axis y to the tangent s, rad; positive where s rises.
     """
 
     origin: tuple[float, float, float]
@@ -52,8 +54,8 @@ class Frame:
         return float(px), float(py), float(pz)
 
     def below(self, x: float, s: float, body: str, depth: float) -> Place:
-        """Point (x, y, z) in space, mm, at a depth (mm) below the tangent plane at x, s (mm),
-        inside the body 'rail' or 'wheel'.
+        """Point (x, y, z) in space, mm, at a depth (mm) from the tangent plane at x, s (mm) into
+        the body 'rail' or 'wheel'.
         """
         return self.place(x, s, -depth if body == "rail" else depth)
 
@@ -66,7 +68,8 @@ class Frame:
 
 @dataclass(frozen=True, kw_only=True)
 class Surface:
-    """Fields at the n nodes of a contact surface; of a cut model those of the modelled part.
+    """Fields at the n nodes of a contact surface; of a cut model those of the modelled part, unless
+    `symmetry.surface` made it. Of half-spaces the nodes are cell centres on the whole surface.
 
     points (n, 3): undeformed nodes in space, mm.
     local (n, 2): x and s of the nodes in the contact frame, mm.
@@ -75,7 +78,7 @@ class Surface:
     gap (n,): gap of the deformed surfaces, mm: of finite elements negative where they overlap, of
         boundary elements 0 in the patch and infinite where the bodies do not face each other, of
         exact Hertz NaN.
-    displacement (n, 3): of the nodes, mm.
+    displacement (n, 3): of the nodes in space, mm; of half-spaces NaN.
     """
 
     points: Array
@@ -88,14 +91,15 @@ class Surface:
 
 @dataclass(frozen=True, kw_only=True)
 class OnePatch:
-    """One of several separate contact patches, in its own tangent plane.
+    """One separate contact patch, in its own tangent plane. A patch that a symmetry plane cuts is
+    whole; one beside a symmetry plane is without its image.
 
     centre (3,): centre of pressure in space, mm.
     angle: contact angle of the tangent plane, rad.
     a, b: half lengths along x and along s, mm.
-    area: mm2.
+    area: on the tangent plane, mm2.
     max_pressure: largest pressure, MPa.
-    share: part of the whole contact force, 0 to 1.
+    share: integral of the patch's pressure over that of all patches, images included, 0 to 1.
     """
 
     centre: tuple[float, float, float]
@@ -112,16 +116,19 @@ class Patch:
     """The contact patch, with the mirror images of a model that was cut at symmetry planes.
 
     a, b: semi-axes along x and s from second moments where the pressure is Hertz's, else half
-        lengths of the outline; of a line contact half width and half length, mm. Of several patches
-        they are those of the most loaded one.
+        lengths of the outline, mm. Of a line contact one is the half width and the other the half
+        length of the line. Of several patches they are those of the most loaded one.
     centre: (x, s) of the centre of pressure, mm; of several patches that of the most loaded one.
-    area: of all patches, mm2.
-    max_pressure, mean_pressure: largest pressure, and force over area, MPa.
-    outlines: closed curves (k, 2) of (x, s), mm; each separate patch has one, and each hole
-        another.
-    each: the separate patches, most loaded first; empty for a section.
+    area: of all patches, each on its own tangent plane, mm2.
+    max_pressure: largest pressure of all patches, MPa.
+    mean_pressure: integral of the pressure over `area`, MPa: normal force over area, not load over
+        area.
+    outlines: closed curves (k, 2) of (x, s), mm, of all patches: each has one, and each hole
+        another. Left out are images of patches beside a symmetry plane, and holes of half-spaces.
+    each: the separate patches, most loaded first, also where there is one; empty for a section.
     scatter: relative differences of a, b, area and max_pressure, by these names, from other
-        readings of the same solution. They are no measure of the error by the mesh.
+        readings of the same solution; infinite where such a reading failed, empty for half-spaces.
+        They are no measure of the error by the mesh.
     """
 
     a: float
@@ -142,7 +149,9 @@ class Patch:
 
     @property
     def main(self) -> Array:
-        """The outline (k, 2) whose box holds the centre, mm; the largest one if there are more."""
+        """The outline (k, 2) whose box holds the centre, mm: the one with the largest box if there
+        are more, the first of all if there is none.
+        """
         around = [
             line
             for line in self.outlines
@@ -173,8 +182,8 @@ class Largest:
 
     tau: largest shear stress.
     von_mises: largest von Mises stress.
-    edges: largest shear and von Mises stress near sharp edges; each is None unless it exceeds that
-        elsewhere. It depends on the mesh.
+    edges: (largest shear, largest von Mises stress) near sharp edges; each is None unless it
+        exceeds that elsewhere. It depends on the mesh. Both are None for half-spaces.
     """
 
     tau: Peak
@@ -184,12 +193,14 @@ class Largest:
 
 @dataclass(frozen=True)
 class DepthAxis:
-    """Stresses on a line along the normal into one body, from the tangent plane at the centre of a
-    patch.
+    """Stresses on a line along the normal into one body, from the tangent plane at the centre of
+    pressure of a patch.
 
     body: 'rail' or 'wheel'.
-    depth (k,): below the tangent plane, mm, ascending.
-    stress (k, 6): components (xx, ss, nn, xs, xn, sn) in the contact frame, MPa, tension positive.
+    depth (k,): below the tangent plane, mm, ascending; of boundary elements the first is just below
+        zero depth.
+    stress (k, 6): components (xx, ss, nn, xs, xn, sn) in the contact frame of the patch, n out of
+        the rail in both bodies, MPa, tension positive.
     line: start of the axis in space (mm) and its unit vector into the body; None where they are not
         known.
     """
@@ -221,8 +232,8 @@ class DepthAxis:
         return float(self.depth[top] + best), float(curve(best))
 
     def flatness(self, values: Array) -> float:
-        """Half the range of depths, mm, around the largest of values (k,) in which they are within
-        FLAT (relative) of the largest.
+        """Half the range of depths, mm, in which values (k,) are within FLAT (relative) of the
+        largest, from the first such depth to the last; dips between them do not count.
         """
         least = (1 - FLAT) * values.max()
         high = np.flatnonzero(values >= least)
@@ -262,12 +273,13 @@ class DepthAxis:
 
 @dataclass(frozen=True)
 class AxisPressure:
-    """Contact pressure on a line along x or along s.
+    """Contact pressure on a line along x or along s. Of finite elements in a plane section the line
+    across the section has two points, its ends.
 
-    coordinate (k,): x or s, mm.
-    pressure (k,): MPa.
+    coordinate (k,): x or s, mm; of a meridian section the radius, negative on the other side.
+    pressure (k,): smooth pressure, MPa.
     at: the other coordinate of the line, mm: that of the largest pressure of the most loaded patch,
-        or of the centre of an ellipse.
+        or of the centre of an ellipse; 0 for sections and exact Hertz.
     """
 
     coordinate: Array
@@ -323,17 +335,19 @@ class Subject:
 
 @dataclass(frozen=True, kw_only=True)
 class Findings:
-    """Everything that is read out of one solution.
+    """Everything that is read out of one solution. Bodies that are rigid have no entry by body
+    name. Measures of a mesh are NaN for half-spaces.
 
     frame: axes of the contact; of several patches those of the most loaded one.
     patch: the contact patch.
     surface: fields on the contact surface of the slave, the body whose facets carry the pressure.
-    depth: stresses on the axis below the contact, by body name.
-    along, across: pressure along x and along s.
-    shape_error: largest relative deviation of the pressure's third and fourth moments from those of
-        a semi-ellipsoid, or in a section of Hertz's pressure there.
-    hertzian: whether second moments of the pressure give the semi-axes.
-    largest: largest stresses, by body name.
+    depth: stresses on the axis below the most loaded patch, by body name.
+    along, across: smooth pressure along x and along s through the most loaded patch.
+    shape_error: largest relative deviation of the third and fourth moments of the most loaded
+        patch's pressure from those of a semi-ellipsoid, or in a section of Hertz's pressure there.
+    hertzian: whether second moments of the pressure give the semi-axes: there is one patch, and its
+        shape error is small.
+    largest: largest stresses anywhere in the body, by body name.
     also: axes below the other patches, in the order of `Patch.each`, in the body of `axis`.
     notes: remarks that every picture shows below it.
     subject: words for titles and labels of pictures.
@@ -341,11 +355,14 @@ class Findings:
     elements_across: numbers of elements over the length and over the width of the most loaded
         patch.
     edge_distance: smallest distance of a point with pressure from an edge of the bodies, over the
-        smaller half length of the patch.
+        smaller half length of the patch; infinite without edges, NaN where not known.
     misfit: largest relative difference of smooth and element stresses around the largest ones.
-    opposite: fields on the contact surface of the other body; None where that is rigid.
-    dissipated: energy dissipated by friction per rolled length, N; NaN where nothing rolls.
-    unread_peak: relative error of the largest stresses from the cusps at the border of stick.
+    opposite: fields on the contact surface of the other body; None where that is rigid, and for
+        half-spaces.
+    dissipated: energy dissipated by friction per rolled length, N; NaN where nothing rolls, and
+        until friction is read.
+    unread_peak: relative error of the largest stresses from the cusps at the border of stick; 0
+        where nothing slips, and in sections.
     """
 
     frame: Frame
@@ -370,5 +387,7 @@ class Findings:
 
     @property
     def axis(self) -> DepthAxis:
-        """Stresses on the axis below the contact in the rail, or in the wheel of a rigid rail."""
+        """Stresses on the axis below the most loaded patch in the rail, or in the wheel of a rigid
+        rail.
+        """
         return self.depth.get("rail") or next(iter(self.depth.values()))

@@ -36,12 +36,14 @@ def at_cells(
     parts: float = 1.0,
 ) -> FrictionSolution:
     """Tractions of patches that share one rigid motion as a solution with vectors in space, at the
-    cells that are used. Forces, moment and numbers of iterations are left zero.
+    cells that are used; nothing is solved. Forces, moment, load steps, energy and numbers of
+    iterations are left zero or empty.
 
     found: tractions of each patch on a grid. coefficient: of friction.
-    places (nx, ny, 3), tangents (nx, ny, 2, 3): of each patch, cell centres, mm, and unit vectors
-        along and across. used (nx, ny): whether a cell is used.
-    parts: factor on the areas of the cells, where they are a part of the model.
+    places (nx, ny, 3), tangents (nx, ny, 2, 3): of each patch, cell centres in space, mm, and unit
+        vectors along and across. used (nx, ny): whether a cell is used.
+    parts: factor on the areas of the cells: number of symmetric parts of the model, where only the
+        cells of one are used.
     """
 
     def joined(values: Sequence[NDArray[Any]]) -> NDArray[Any]:
@@ -75,12 +77,12 @@ def at_cells(
 
 
 def wear_number(found: FrictionSolution, centres: Array) -> float:
-    """Largest British Rail wear number of all patches, N: the scalar product of tangential force
-    and mean creepage.
+    """Largest British Rail wear number of all patches, N, at least 0: the scalar product of
+    tangential force and mean creepage.
 
-    found: solution of rolling contact. centres (k, 3): of the patches, mm; each contact point
-        belongs to the nearest one. The mean creepage of a patch is its rigid slip, weighted by
-        pressure, so that spin about the centre of the patch cancels.
+    found: solution of rolling contact. centres (k, 3): of the patches in space, mm; each contact
+        point belongs to the nearest one. The mean creepage of a patch is its rigid slip, weighted
+        by pressure, so that spin about the centre of the patch cancels.
     """
     away = np.linalg.norm(found.points[:, None] - centres, axis=2)
     owner, numbers = np.argmin(away, axis=1), [0.0]
@@ -103,11 +105,12 @@ def quantities(
     cycle: bool,
     patches: Array | None = None,
 ) -> dict[str, Any]:
-    """Entries of "friction" in summary.json, by name with the unit at the end of the name.
+    """Entries of "friction" in summary.json, by name with the unit at the end of the name. Forces
+    are those of the whole model.
 
-    found: the solution. rolling: whether the wheel rolls. like: whether both bodies have equal
-        elastic constants. speed: m/s, or None. cycle: whether loads form a cycle. patches (k, 3):
-        centres of the patches, mm, or None.
+    found: the solution. rolling: whether the wheel rolls. like: whether a pressure moves the
+        surfaces of both bodies alike, as with equal elastic constants. speed: m/s, or None. cycle:
+        whether loads form a cycle. patches (k, 3): centres of the patches in space, mm, or None.
     Always: forces along and across and the moment of the wheel on the rail, the limit mu N, the
         rigid motion of the wheel, the share of the area that sticks, the largest traction, and
         numbers of iterations.
@@ -188,7 +191,8 @@ def unread_peak(found: FrictionSolution | None, elements: float) -> float:
     found: solution with friction, or None. elements: number of elements on the smaller semi-axis.
         At the border of stick and at the trailing edge the stress has a cusp. Smoothing cuts off a
         part that falls as h^(1/3), with the element size h: at a coefficient of 0.5 10 % (rolling)
-        and 17 % (a shift) with four elements, 8 and 15 % with six.
+        and 17 % (a shift) with four elements, 8 and 15 % with six. The value is CUSP with six
+        elements, whatever the coefficient.
     """
     touches = None if found is None else found.pressure > 0
     if touches is None or found is None or found.sticks[touches].all():
@@ -205,7 +209,8 @@ def wear_and_shakedown(
     rolling: bool,
     line: bool,
 ) -> dict[str, Any]:
-    """Wear regime and state in the shakedown map, as entries of "friction" in summary.json.
+    """Wear regime and state in the shakedown map, as entries of "friction" in summary.json. Of
+    several patches forces and area are added up, and each peak is the largest of any.
 
     result: the summary's "result", with its "friction". coefficient: of friction. shear_yield:
         yield stress in shear k, MPa, or None. poisson: Poisson's ratio. rolling: whether the wheel

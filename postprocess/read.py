@@ -32,10 +32,11 @@ def findings(
     """Read the patch, the smooth fields on the contact surfaces and the stresses in every meshed
     body out of a solution.
 
-    fields: the solution. frame: contact frame; where there are several patches, that of the most
-        loaded one is used instead. rubbing: solution with friction, or None. parabolic: whether
-        Hertz's theory is exact, that is for elastic half-spaces whose gap is quadratic; second
-        moments of the pressure then give the semi-axes.
+    fields: the solution, in which some contact points carry pressure. frame: contact frame; where
+        there are several patches, that of the most loaded one is used instead. rubbing: solution
+        with friction, or None. parabolic: whether Hertz's theory is exact, that is for elastic
+        half-spaces whose gap is quadratic; second moments of the pressure then give the semi-axes.
+        Title, notes and dissipated energy of the findings are left at their defaults.
     """
     flat = fields.kinematics.dim == 2
     separate = [] if flat else separate_patches(fields)
@@ -83,8 +84,8 @@ def elements_across(fields: Fields, frame: Frame, patch: Patch) -> tuple[float, 
     """Number of elements over the length (along x) and over the width (along s) of the most loaded
     patch.
 
-    Each is the extent of the patch over the mean extent of the facets with pressure. It is 1 in the
-    direction of a line contact.
+    Each is the extent of the patch over the mean extent of the facets with pressure around it. It
+    is 1 across a plane section; both are equal in a meridian section.
     """
     contact = fields.contact
     used = np.unique(contact.facet[contact.pressure > 0])

@@ -14,9 +14,11 @@ import meshio
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.postprocess.findings import COLUMN, ROW, Array, Place, Surface
+from railhead.postprocess.findings import COLUMN, ROW, Array, Surface
 
-Planes = Sequence[Place]
+Normal = tuple[float, float, float]
+Planes = Sequence[Normal]
+"""Unit normals, along x or y, of the symmetry planes through the origin."""
 Scalar = TypeVar("Scalar", bound=np.generic)
 ON_PLANE = 1e-9  # of the extent of the model: nodes that lie on a symmetry plane
 _NUMBERS = {"principal_stresses"}  # of point data three columns wide, that are no vectors
@@ -36,24 +38,25 @@ _TURNED = {
 """By VTK's name: the nodes of a cell whose image has the cell's own orientation."""
 
 
-def _signs(plane: Place) -> Array:
-    """Factors (3,) of the components of a vector in its mirror image: -1 along the plane's normal,
-    else 1.
+def _signs(normal: Normal) -> Array:
+    """Factors (3,) of the components x, y, z of a vector in its mirror image, in a plane with a
+    unit normal along one of these axes: -1 for the component along the normal, else 1.
     """
-    return np.where(np.abs(plane) > 0.5, -1.0, 1.0)
+    return np.where(np.abs(normal) > 0.5, -1.0, 1.0)
 
 
 def repeated(values: NDArray[Scalar], planes: Planes) -> NDArray[Scalar]:
-    """Scalars (n, ...) of a part and of its images (2^k n, ...)."""
+    """Scalars (n, ...) of a part and, behind them, of its images (2^k n, ...)."""
     return np.concatenate([values] * 2 ** len(planes))
 
 
 def vectors(values: Array, planes: Planes) -> Array:
     """Vectors or points (n, 2 or 3) of a part and of its images (2^k n, 2 or 3), in axes of which
-    the first two are parallel to x and y.
+    the first is parallel to x, and with a plane y = 0 the second to y. Points are taken from an
+    origin on the planes.
     """
-    for plane in planes:
-        values = np.concatenate([values, values * _signs(plane)[: values.shape[1]]])
+    for normal in planes:
+        values = np.concatenate([values, values * _signs(normal)[: values.shape[1]]])
     return values
 
 
@@ -61,8 +64,8 @@ def stresses(values: Array, planes: Planes) -> Array:
     """Stresses (n, 6) of a part and of its images (2^k n, 6), components xx, yy, zz, xy, xz, yz:
     those with one index along a plane's normal change their sign.
     """
-    for plane in planes:
-        values = np.concatenate([values, values * _signs(plane)[ROW] * _signs(plane)[COLUMN]])
+    for normal in planes:
+        values = np.concatenate([values, values * _signs(normal)[ROW] * _signs(normal)[COLUMN]])
     return values
 
 
@@ -89,14 +92,16 @@ def grid(part: meshio.Mesh, planes: Planes) -> meshio.Mesh:
     """A grid joined with its images. Nodes on a plane are shared. Arrays with 3 columns are
     reflected as vectors, with 9 as tensors; scalars and principal stresses are copied.
     """
-    for plane in planes:
-        part = _with_image(part, plane)
+    for normal in planes:
+        part = _with_image(part, normal)
     return part
 
 
-def _with_image(part: meshio.Mesh, plane: Place) -> meshio.Mesh:
-    """A grid joined with its image in one plane, as in `grid`."""
-    flip, across = _signs(plane), part.points @ np.array(plane)
+def _with_image(part: meshio.Mesh, normal: Normal) -> meshio.Mesh:
+    """A grid joined with its image in the plane through the origin with this unit normal, as in
+    `grid`.
+    """
+    flip, across = _signs(normal), part.points @ np.array(normal)
     beside = np.abs(across) > ON_PLANE * np.ptp(across)
     count = len(part.points)
     image = np.where(beside, count - 1 + np.cumsum(beside), np.arange(count))

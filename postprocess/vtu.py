@@ -56,8 +56,9 @@ def volume_grid(fields: Fields, stress: Array) -> meshio.Mesh:
         ParaView labels XX, XY, ... ZZ; principal_stresses (n, 3), descending, and
         principal_direction_1, _2, _3 (n, 3), unit vectors, in the same order; von_mises and
         max_shear (n,), MPa.
-    Cell data: body, 1 the rail, 2 the wheel; where something yields equivalent_plastic_strain (m,)
-        and the tensor plastic_strain (m, 9), row by row, averages of each cell.
+    Cell data: body, 1 the rail, 2 the wheel; in solutions with plastic strain
+        equivalent_plastic_strain (m,) and the tensor plastic_strain (m, 9), row by row, averages of
+        the Gauss points of each cell.
     ValueError: the stress has another shape or is not finite, or VTK has no counterpart here for
         the type or degree of the cells.
     """
@@ -112,11 +113,11 @@ def series(files: Mapping[float, str], path: Path) -> None:
 
 
 def contact_grid(surfaces: Mapping[int, Surface]) -> meshio.Mesh:
-    """Triangles of the modelled contact surfaces, undeformed, wound so that their normals point out
-    of the body; of a section lines.
+    """Triangles of contact surfaces, undeformed, wound so that their normals point out of the body;
+    of a section lines. As much as `surfaces` hold: the modelled part, or all.
 
-    surfaces: by tag of their body. Point data: displacement (n, 3) mm; pressure (n,) MPa; gap (n,)
-        mm between the deformed surfaces; status (n,), 1 where the pressure is positive, 0
+    surfaces: by tag of their body. Point data: displacement (n, 3) mm; smooth pressure (n,) MPa;
+        gap (n,) mm between the deformed surfaces; status (n,), 1 where that pressure is positive, 0
         elsewhere. Cell data: body, 1 the rail, 2 the wheel.
     """
     each = list(surfaces.values())
@@ -151,9 +152,10 @@ def _outwards(surface: Surface, tag: int) -> NDArray[np.int64]:
 
 
 def traction_points(found: FrictionSolution) -> meshio.Mesh:
-    """Contact points with pressure, as vertices. Point data: traction (n, 3) of the wheel on the
-    rail, MPa; slip (n, 3) of the wheel over the rail, mm, or, in rolling, dimensionless; sticks
-    (n,), 1 where the point sticks, 0 where it slips; pressure (n,), MPa.
+    """Contact points with pressure, of the modelled part, as vertices. Point data: traction (n, 3)
+    in space of the wheel on the rail, MPa; slip (n, 3) in space of the wheel over the rail, mm, or,
+    in rolling, dimensionless; sticks (n,), 1 where the point sticks, 0 where it slips; pressure
+    (n,), MPa.
     """
     touches = found.pressure > 0
     count = int(touches.sum())
@@ -205,9 +207,9 @@ def write_result(
     from the loaded state to it.
 
     fields: under the load. stress (n, 6): at their nodes, MPa, as `nodal_stress` computes it.
-        found: gives the contact surfaces. residual: fields after the load, or None. rubbing:
-        solution with friction, or None. whole: whether mirror images of a cut model are added.
-        OSError: a file cannot be written.
+        found: gives the contact surfaces, of the modelled part. residual: fields after the load, or
+        None. rubbing: solution with friction, or None. whole: whether mirror images of a cut model
+        are added to all grids. OSError: a file cannot be written.
     """
     for name, grid in _grids(fields, stress, found, residual, rubbing):
         shown = symmetry.grid(grid, fields.mirrors) if whole else grid

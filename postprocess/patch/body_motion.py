@@ -19,13 +19,15 @@ FIT_RING = (2.5, 5.0)  # radii of the nodes that are fitted, over the longest ha
 def motion(
     fields: Fields, body: int, patches: tuple[OnePatch, ...], load: float
 ) -> tuple[float, float]:
-    """Rotation about x (rad) and displacement along y (mm) of a body around its most loaded patch.
+    """Rotation about x (rad, from y to z) and displacement along y (mm) of a body around its most
+    loaded patch, beyond those of half-spaces.
 
     The rigid motion u_y = c - angle (z - z0), u_z = d + angle (y - y0) is fitted to the
     displacements u of the nodes in a ring around the patches, where (y0, z0) is the centre of the
     most loaded patch. The displacements of half-spaces under point loads at the patches are
-    subtracted first. body: tag of the body. patches: most loaded first. load: normal force on all
-    patches, N. Returns zeros where no node lies in the ring.
+    subtracted first. fields: of a solid; where it is cut at y = 0 the motion means nothing. body:
+    tag of the body. patches: most loaded first. load: normal force on all patches, N. Returns zeros
+    where no node lies in the ring.
     """
     nodes = np.unique(fields.cells[fields.body == body])
     points, moved = fields.points[nodes], fields.displacement[nodes].copy()

@@ -37,7 +37,8 @@ def from_findings(found: Findings, load: float, approach: float) -> Quantities:
     """Quantities of the finite-element result, nested and named as under "result" in summary.json:
     load, approach, contact point, extents, pressures and stresses.
 
-    load: on the wheel, N. approach: of the hub, along the load, mm.
+    load: vertical load on the wheel, N, which at an inclined contact is not the normal force.
+        approach: of the hub, along the load, mm. Findings of half-spaces are read in the same way.
     """
     axis, patch = found.axis, found.patch
     below = [axis, *found.also][: len(patch.each)]
@@ -83,10 +84,10 @@ def from_exact(
     """Quantities of Hertz's exact solution for a point or a line contact, nested and named as under
     "result" in summary.json.
 
-    poisson: Poisson's ratio by body name; the axis of the first body is shown. angle: contact
-        angle, rad; the load in the result is the vertical part of the normal force. origin: contact
-        point, mm. approach: of the supports of the bodies along the load, mm, or None where it is
-        not known.
+    contact: under the normal force. poisson: Poisson's ratio by body name; the axis of the first
+        body is shown. angle: contact angle, rad; the load in the result is the vertical part of the
+        normal force. origin: contact point, mm. approach: of the supports of the bodies along the
+        load, mm, or None where it is not known.
     """
     return {
         "load_N": contact.load * math.cos(angle),
@@ -107,10 +108,12 @@ def from_half_space(
     nested and named as under "result" in summary.json.
 
     surface: maps x, s (n,) to points (n, 3), mm. plane: contact angle of first contact, rad; a
-        single patch is measured on its tangent plane.
+        single patch is measured on that tangent plane.
     Of several patches the areas are those on their own tangent planes; a and b, half the extents,
-    are those of the most loaded one. grid_error: relative change from the coarser grids of the
-    search; that of a and b is EXTENTS.
+    are those of the most loaded one. The load is vertical, the mean pressure is the integral of the
+    pressure over the area. Stresses are not among the quantities. "grid_error", where a coarser
+    solution is known: relative change from the coarser grids of the search; that of a and b is
+    EXTENTS.
     """
     area = _areas(solution, plane)
     patches = solution.patches
@@ -170,8 +173,9 @@ def _half_space_patch(
 def difference(result: Any, exact: Any) -> Any:
     """Relative difference (result - exact) / exact of each number, nested like `result`.
 
-    A difference is None for words and coordinates, and where a number is missing or the exact one
-    is zero. Keys that `exact` lacks are left out. ValueError: lists of different lengths.
+    A difference is None for words and for coordinates (keys that end in PLACES), and where a number
+    is missing or the exact one is zero. Keys that `exact` lacks are left out. ValueError: lists of
+    different lengths.
     """
     if isinstance(result, dict):
         return {

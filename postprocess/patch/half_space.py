@@ -44,7 +44,8 @@ HERTZIAN = 0.02  # relative: moments of an ellipsoid
 def of_hertz(
     hertz: Hertz, frame: Frame, poisson: Mapping[str, float], *, section: bool
 ) -> Findings:
-    """Findings of exact Hertz. poisson: Poisson's ratio by body. section: whether the contact is
+    """Findings of exact Hertz. Displacement and gap are NaN. frame: axes at the first contact,
+    below which the patch lies. poisson: Poisson's ratio by body. section: whether the contact is
     one of a section, which has no separate patches.
     """
     a, b = hertz.a, hertz.b
@@ -112,8 +113,8 @@ def of_boundary_elements(
     grid of the solution.
 
     values: quantities of the solution, by `compare.from_half_space`. points: maps x, s (n,) to
-        points (n, 3) on the surface, mm. frame: axes at the first contact. poisson: Poisson's ratio
-        by body.
+        points (n, 3) on the surface, mm. frame: axes at the first contact; of several patches that
+        of the most loaded one is used instead. poisson: Poisson's ratio by body.
     """
     each = tuple(
         OnePatch(
@@ -178,8 +179,9 @@ def with_tractions(
     tractions: Sequence[Array],
     friction: FrictionSolution,
 ) -> Findings:
-    """Findings with the stresses of tractions, too. windows, points, poisson, tractions: as in
-    `largest`. friction: the solution with these tractions.
+    """Findings with stresses, largest ones and those on depth axes, by pressure and tractions
+    together; all else stays. windows, points, poisson, tractions: as in `largest`. friction: the
+    solution with these tractions.
     """
     parts = [part for window in windows for part in window.separate()]
     parts = sorted(parts, key=lambda part: -part.force)[: 1 + len(found.also)]
@@ -206,10 +208,12 @@ def largest(
     poisson: Mapping[str, float],
     tractions: Sequence[Array] | None = None,
 ) -> dict[str, Largest]:
-    """Largest stresses by body below windows that do not overlap, each by its own pressure.
+    """Largest stresses by body below windows that do not overlap, each by its own pressure and
+    tractions alone.
 
     points: maps x, s (n,) to points (n, 3) on the surface, mm. poisson: Poisson's ratio by body.
-    tractions: of the wheel on the rail along x and s in each window, (2, nx, ns), MPa.
+    tractions: of the wheel on the rail along x and s in each window, (2, nx, ns), MPa; None: no
+        tractions.
     """
     searched: dict[tuple[float, float], list[list[tuple[Array, float]]]] = {}
     found = {}
@@ -244,7 +248,8 @@ def _below(
     tractions: Sequence[Array] | None = None,
 ) -> DepthAxis:
     """Stresses in a body on the axis below the centre of pressure of a patch, by pressure and
-    tractions of that window of `windows` which is nearest.
+    tractions of that window of `windows` which is nearest. body: 'rail' or 'wheel'. tractions: of
+    the wheel on the rail, as in `largest`.
     """
     x, s = patch.centroid
     away = [math.hypot(each.x.mean() - x, each.s.mean() - s) for each in windows]
@@ -275,7 +280,7 @@ def _surface(
     points: Sequence[Array], pressure: Sequence[Array], gap: Sequence[Array], frame: Frame
 ) -> Surface:
     """Fields on grids of cells: of each grid points (nx ns, 3), pressure and gap (nx, ns). Points
-    beyond the profile are left out; displacements are not known.
+    beyond the profile are in no triangle; displacements are NaN.
     """
     triangles, start = [], 0
     for each in pressure:

@@ -20,13 +20,18 @@ PEAK_POINTS = 4  # for each coefficient of that fit, at least
 class PressureMoments:
     """Moments of the computed contact pressure p in the contact frame.
 
-    force: normal force on the whole patch, images in symmetry planes included, N.
+    force: integral of p over the contact, images in symmetry planes included, N: the normal force,
+        not the vertical load.
     centre: (x, s) of the centre of pressure, mm.
-    a, b: semi-axes along x and s from second moments, mm; in a section both are its half width.
+    a, b: semi-axes along x and s, mm, of Hertz's pressure with the same second moments <t^2> about
+        the centre: sqrt(5 <x^2>) and sqrt(5 <s^2>) of an ellipse. In a section both are the same:
+        the half width sqrt(4 <t^2>) of a strip, or the radius sqrt(5/2 <r^2>) of a meridian
+        section.
     shape_error: largest relative deviation of the normalised third and fourth moments from those of
         a semi-ellipsoid, <x^3> = 0, <x^4>/<x^2>^2 = 15/7 and <x^2 s^2>/(<x^2> <s^2>) = 5/7, where
-        <f> = int p f / int p. In a section the values are those of Hertz's pressure there.
-    fourth: the relative deviations of <x^4> and of <s^4>.
+        <f> = int p f / int p. In a section the values are those of Hertz's pressure there. Infinite
+        where all points with pressure lie on a line.
+    fourth: the relative deviations of <x^4> and of <s^4>; in a section both are the same.
     """
 
     force: float
@@ -57,7 +62,8 @@ def varying(fields: Fields) -> list[int]:
 
 
 def moments(fields: Fields, frame: Frame) -> PressureMoments:
-    """Moments of the contact pressure p, with coordinates from the centre of pressure.
+    """Moments of the contact pressure p at all contact points, with coordinates from the centre of
+    pressure, which lies on each symmetry plane.
 
     A semi-axis is sqrt(f int p t^2 / int p) with f = 5 in space, 5/2 for the radius of a body of
     revolution and 4 for the half width of a line contact: exact for Hertz's pressure. Where all

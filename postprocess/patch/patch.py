@@ -49,7 +49,8 @@ GRID_LINES = 400  # in each direction: zeros of a parabola are exact to 4e-6 of 
 
 @dataclass(frozen=True, kw_only=True)
 class PatchShape:
-    """Extents and peak of one patch, measured on a smooth p^2.
+    """Extents and peak of one patch, images in symmetry planes included, measured on a smooth p^2
+    in its frame.
 
     outlines: closed curves (k, 2) of (x, s), mm; a hole is a curve of its own. Empty for a section.
     area: enclosed by the outlines, without the holes, mm2.
@@ -106,8 +107,8 @@ class PatchReading:
 
     patch: extents, outlines and pressures.
     surfaces: fields on the contact surface of the slave, and on that of the master, or None if the
-        master is rigid.
-    moments: of the pressure of the most loaded patch.
+        master is rigid or no facet of it faces the slave.
+    moments: of the pressure of the most loaded patch, in a section of all contact points.
     recovered_pressure (q,): smooth pressure, from p^2, at the q contact points, MPa.
     along, across: smooth pressure along x and along s.
     """
@@ -246,9 +247,9 @@ class SmoothPatch:
     """Smooth pressure of one patch in its own tangent plane.
 
     frame: tangent plane, with its origin at the centre of pressure.
-    centre, half: (x, s) of the middle between the ends of the patch, and its half lengths along x
-        and s, mm.
-    force: normal force on the patch, images included, N.
+    centre, half: (x, s) in the frame of the middle between the ends of the patch, and its half
+        lengths along x and s, mm.
+    force: integral of the pressure over the patch, images in `mirrors` included, N.
     mirrors: unit normals (3,) of the symmetry planes that the patch meets.
     square: smooth p^2.
     """
@@ -261,12 +262,14 @@ class SmoothPatch:
     square: SquaredPressure
 
     def pressure(self, frame: Frame, at: Array) -> Array:
-        """Smooth pressure (n,), MPa, at points (x, s) (n, 2) of the plane of a frame, mm."""
+        """Smooth pressure (n,), MPa, at points (x, s) (n, 2) of the plane of a frame, mm; zero
+        outside of the patch.
+        """
         x, s = _in_frame(at, frame, self.frame).T
         return np.asarray(np.sqrt(np.maximum(self.square(x, s), 0.0)))
 
     def nearest(self, others: list[SmoothPatch]) -> SmoothPatch:
-        """The one of other patches with the nearest centre of pressure."""
+        """The one of other patches with the nearest centre of pressure; ValueError: no others."""
         return min(others, key=lambda each: math.dist(each.frame.origin, self.frame.origin))
 
 
@@ -398,7 +401,7 @@ def samples(fields: Fields, frame: Frame, facets: Array) -> Samples:
 
 def _pressure(readings: list[_Reading], points: Array) -> Array:
     """Smooth pressure (n,), MPa, at points (n, 3) in space, mm: the largest of those that the p^2
-    of all patches (`readings`) give there.
+    of all patches (`readings`) give there; zero outside of all.
     """
     square = [each.square(*each.frame.local(points)[:, :2].T) for each in readings]
     return np.asarray(np.sqrt(np.maximum(np.max(square, axis=0), 0.0)))

@@ -59,7 +59,7 @@ class Samples:
     pressure (k,): MPa.
     size (k,): size of the element of each point, mm.
     even: whether the patch is symmetric about x = 0.
-    limits: extents of the contact surface along x and along s, mm.
+    limits: (lowest, highest) place of the contact surface along x and along s, mm.
     line: whether the points are those of a section, whose pressure depends on s only.
     circle: whether that section is a meridian of a body of revolution.
     thickness: length of a plane section across its plane, mm.
@@ -95,12 +95,13 @@ class Samples:
 class SquaredPressure:
     """Smooth p^2 = F(x, s) of a patch in a box, MPa^2; negative outside of the patch.
 
-    box: extents along x and along s, mm.
+    box: (lowest, highest) place along x and along s, mm.
     knots (n + 4,): of the n cubic splines in s, mm.
     coefficients (k, n): factors of each of k powers of (x - middle)/half times each of n splines,
         MPa^2; middle and half are the centre and half the width of the box along x.
     powers (k,): exponents of (x - middle)/half.
-    settled: whether the minimisation that gave the coefficients converged.
+    settled: whether the minimisation that gave the coefficients converged; True where there was
+        none.
     """
 
     box: Box
@@ -158,7 +159,8 @@ def reconstruct(
 
     F+ is the positive part of F, p_h the computed pressure, D3 F the third derivatives of F.
     roughness: the factor r. start: a result for the same samples from which the iteration starts;
-    otherwise the start is Hertz's ellipsoid.
+    otherwise the start is Hertz's ellipsoid. A result that did not converge is returned, too: see
+    `SquaredPressure.settled`.
     """
     like = zero_squared_pressure(samples)
     knots, powers, middle, half = like.knots, like.powers, like.middle, like.half

@@ -31,6 +31,8 @@ LINE_POINTS = 2000  # at which p^2 is evaluated to find its zeros and its maximu
 
 def read(fields: Fields, frame: Frame, *, parabolic: bool = False) -> PatchReading:
     """Patch, surfaces and pressures of a section, of which some contact points carry pressure.
+    Separate patches are read as one: its half width reaches from the first to the last end, and its
+    area leaves out what lies between them.
 
     parabolic: whether Hertz's theory is exact, that is for elastic half-spaces whose gap is
         quadratic; the second moment then gives the half width.
@@ -118,7 +120,7 @@ def _pressure(square: SquaredPressure, t: Array) -> Array:
 
 def _shape(square: SquaredPressure, fields: Fields) -> PatchShape:
     """Half lengths along x and s, area and largest pressure of a section's smooth p^2. In plane
-    strain the length is the thickness; of a body of revolution the patch is a circle.
+    strain the length is the thickness; of a body of revolution the patch is a full circle.
     """
     spans, axis = _spans(square), coordinate(fields)
     length = fields.kinematics.thickness

@@ -21,14 +21,15 @@ SMALLEST = 0.002  # share of the force: less is a few points that open and close
 
 @dataclass(frozen=True, kw_only=True)
 class SeparatePatch:
-    """One connected contact patch, with its images in the symmetry planes that it touches.
+    """One connected contact patch of a solid, with its images in the symmetry planes that it
+    touches.
 
     fields: the solution, with only the contact points of this patch and only the symmetry planes
-        that it touches.
+        that it touches; cells, nodes and contact facets are all there.
     frame: tangent plane of the patch, with its origin at the centre of pressure.
     a, b: largest distances of its contact points from that centre along x and s, mm.
-    force: normal force on the patch, images included, N.
-    share: that force over the force on all patches.
+    force: integral of the pressure over the patch, images included, N.
+    share: that force over the force on all patches, with images in all planes.
     """
 
     fields: Fields

@@ -28,10 +28,10 @@ class BodyStresses:
     axes: by body name, the stresses along the normal below the centre of the most loaded patch.
     other_axes: stresses below the centres of the other patches, in the rail, or in the wheel if the
         rail is rigid.
-    largest: by body name, the largest stresses anywhere but near sharp edges.
-    edges (n, 3): points on the sharp edges of all bodies, mm.
+    largest: by body name, the largest stresses anywhere, with those near sharp edges apart.
+    edges (n, 3): points in space on the sharp edges of all bodies, mm.
     misfit: largest relative difference of mean smooth and mean element stress around the places of
-        the largest stresses.
+        the largest stresses, all components together.
     """
 
     axes: dict[str, DepthAxis]
@@ -98,8 +98,8 @@ def _below(
     name: str,
     reach: float,
 ) -> DepthAxis:
-    """Stresses on the axis below a point of the tangent plane, as deep as the body goes, at most to
-    `reach`, mm.
+    """Stresses on the axis below a point of the tangent plane, in the frame, as deep as the body
+    goes, at most to `reach`, mm.
 
     solid: cells of the body. recovery: smooth stresses of the body. centre: (x, s) of the point in
         the frame, mm. name: of the body, 'rail' or 'wheel'.

@@ -18,8 +18,8 @@ SYMMETRIC = (0, 3, 4), (3, 1, 5), (4, 5, 2)  # places of a tensor in (xx, yy, zz
 
 
 def contact_force(fields: Fields, body: int) -> Array:
-    """Force (3,) of the wheel on the rail, N, of the whole model, from the stresses sigma of the
-    body with this tag.
+    """Force (3,) in space of the wheel on the rail, N, of the whole model, from the stresses sigma
+    of the body with this tag, tractions of friction included.
 
     The function phi is 1 in an ellipsoid around all touching points and falls smoothly to 0 at an
     ellipsoid twice as large. In equilibrium int sigma grad(phi) over the body is the force on its
@@ -59,8 +59,8 @@ def contact_force(fields: Fields, body: int) -> Array:
 
 
 def pressure_force(fields: Fields) -> Array:
-    """Force (3,) of the pressure on the rail, N, of the whole model: the integral of pressure times
-    the normal over the contact.
+    """Force (3,) in space of the pressure on the rail, N, of the whole model: the integral of
+    pressure times the normal over the contact, without friction.
     """
     contact = fields.contact
     total = (contact.weights * contact.pressure) @ contact.normals

@@ -1,4 +1,4 @@
-"""Stresses from the displacement, in the cells and at the nodes."""
+"""Stresses from the displacement, in the cells and at the nodes; tension is positive."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def stress_at_reference_point(
     fields: Fields, cells: NDArray[np.int64], reference: Array
 ) -> tuple[Array, Array, Array]:
     """Position (m, 3) mm, stress (m, 6) MPa and |det J| (m,) at one reference point of m cells,
-    where J is the Jacobian of the map from the reference cell.
+    where J is the Jacobian of the map from the reference cell to the d coordinates of the mesh.
 
     Stress components xx, yy, zz, xy, xz, yz in global axes. Plastic strains are interpolated
     linearly between the Gauss points of each cell. reference (d,): reference coordinates.

@@ -91,8 +91,8 @@ class Search:
         return float(self._solid.sizes[self._solid.near(place, 0.0)].max(initial=0.0))
 
     def highest(self, invariant: Invariant, also: Array) -> Peak | None:
-        """Largest recovered value of an invariant in the body, as a peak; None if all of the body
-        is near sharp edges.
+        """Largest recovered value of an invariant in the body, as a peak with its rivals; None if
+        all of the body is near sharp edges.
 
         invariant: function that gives values (n,) of stresses (n, 6), MPa. also (n, 3): further
             places, mm, from which the search may start, such as the peak on the depth axis.
@@ -196,8 +196,8 @@ class Search:
         return moved if sound and self._solid.holds(moved) else place
 
     def _peak(self, value: float, place: Array) -> Peak:
-        """Peak of a value (MPa) at a place (3,), mm, with the depth of the place below the tangent
-        plane at the nearest contact point.
+        """Peak of a value (MPa) at a place (3,), mm, with the distance of the place from the
+        tangent plane at the nearest contact point as its depth, never negative.
         """
         contact = self._fields.contact
         nearest = int(np.argmin(((contact.points - place) ** 2).sum(axis=1)))

@@ -26,14 +26,15 @@ TRACE = 1e-9  # plastic strain below which a point has not yielded: rounding
 
 @dataclass(frozen=True, kw_only=True)
 class PlasticZone:
-    """Where the bodies have yielded.
+    """Where the bodies have yielded, both together. Where nothing has, strain, volume, depth and
+    top are zero, and body and place mean nothing.
 
     strain: largest equivalent plastic strain.
     body: name of the body that has it, 'rail' or 'wheel'.
-    place: Gauss point of that strain in space, mm.
+    place: Gauss point of that strain in space, in the modelled part, mm.
     volume: volume that has yielded, of the whole model, mm3.
-    depth, top: depth below the tangent plane of the deepest and of the shallowest point that has
-        yielded, mm.
+    depth, top: distance from the tangent plane, into either body, of the deepest and of the
+        shallowest Gauss point that has yielded, mm.
     """
 
     strain: float
@@ -48,12 +49,14 @@ class PlasticZone:
 class ResidualState:
     """What a load that made bodies yield leaves behind.
 
-    zone: where the bodies have yielded.
+    zone: where the bodies have yielded under the load.
     load_over_first_yield: load over the load of first yield.
-    load_steps: number of steps in which the load was applied.
+    load_steps: number of steps in which the load was applied for the first time, failed ones and
+        the halves of a halved step included.
     unloaded: fields without the load; None where they were not computed.
     largest_von_mises: largest von Mises stress of the unloaded fields, MPa; None without them.
-    indentation: depth by which each body's surface stays pushed in, by body name, mm.
+    indentation: largest depth by which each deformable body's surface stays pushed in, by body
+        name, mm; empty where the load was not removed.
     """
 
     zone: PlasticZone
@@ -88,7 +91,8 @@ class ResidualState:
 def residual_state(
     yielding: PlasticSolution, fields: Fields, unloaded: Fields | None, frame: Frame
 ) -> ResidualState:
-    """Collect the yielded zone, the residual stress and the indentation that a load leaves behind.
+    """Collect the yielded zone, the residual stress and the indentation that a load leaves behind;
+    nothing is solved here.
 
     yielding: solution with plastic strains. fields: under the load. unloaded: fields after the
         load, or None. frame: of the contact; depths are along its normal.
@@ -135,7 +139,9 @@ def largest_von_mises(fields: Fields) -> float:
 
 
 def _samples(fields: Fields) -> tuple[Array, Array]:
-    """Positions (m, g, 3), mm, and volumes (m, g), mm3, of the g Gauss points of all m cells."""
+    """Positions (m, g, 3), mm, and volumes (m, g), mm3, of the g Gauss points of all m cells: of a
+    plane section times its thickness, of a meridian section of the whole turn.
+    """
     every = np.arange(len(fields.cells))
     degree = quadrature_degree(fields.cell, fields.degree, fields.kinematics)
     _, shares = basix.make_quadrature(getattr(basix.CellType, fields.cell), degree)

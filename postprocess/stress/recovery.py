@@ -26,7 +26,8 @@ OUTSIDE = 1.5  # radii of the nearest cell: a point farther from it lies outside
 
 
 class Recovery:
-    """The stresses of one body, in global axes, as a polynomial of degree 3 around any point.
+    """The stresses of one body, in global axes, tension positive, as a polynomial of degree 3
+    around any point. Points outside of the body are not told: the polynomial is extrapolated.
 
     Each polynomial is fitted to the stresses at the Gauss points of the cells around, the mirror
     images across symmetry planes included (moving least squares, Lancaster and Salkauskas 1981;
@@ -52,8 +53,8 @@ class Recovery:
         return np.concatenate([self._fit(points[i : i + BLOCK])[0][:, 0] for i in blocks])
 
     def misfit(self, point: Array) -> float:
-        """Relative difference of the mean stress at the Gauss points nearest to a point (3,) and
-        the mean of the fitted polynomial at the same Gauss points.
+        """Relative difference of the mean stress (6,) at the Gauss points nearest to a point (3,)
+        and the mean of the fitted polynomial at the same Gauss points, as norms of components.
         """
         fitted = self.around(point)
         nearest = self._tree.query(point @ self._axes.T, k=max(self._count // MEAN, 1))[1]
@@ -121,8 +122,10 @@ def monomials(x: Array) -> Array:
 
 def stress_at(fields: Fields, points: Array, body: str | None = None) -> Array:
     """Smooth stress (n, 6), components xx, yy, zz, xy, xz, yz in global axes, MPa, at points (n, 3)
-    of the undeformed bodies, mm. NaN outside. Where a symmetry plane cut the model, the half that
-    was left out is there as well; a plane section has the stress of its plane at every point.
+    of the undeformed bodies, mm. NaN outside, that is farther than OUTSIDE radii of the nearest
+    cell from its middle; nearer points beyond the surface have extrapolated stresses. Where a
+    symmetry plane cut the model, the half that was left out is there as well. A plane section has
+    the stress of its plane at every point, a meridian section is turned to the point.
 
     body: "rail" or "wheel"; None: for each point the body with the nearer cell.
     ValueError: points of another shape or not finite, or another body.
@@ -159,7 +162,9 @@ def stress_at(fields: Fields, points: Array, body: str | None = None) -> Array:
 
 
 def _turned(stress: Array, angle: Array) -> Array:
-    """Stresses (n, 6) turned about the axis z by angles (n,), rad."""
+    """Stresses (n, 6), components xx, yy, zz, xy, xz, yz, turned about the axis z by angles (n,),
+    rad.
+    """
     cosine, sine, zero = np.cos(angle), np.sin(angle), np.zeros_like(angle)
     rows = (cosine, -sine, zero), (sine, cosine, zero), (zero, zero, zero + 1.0)
     turn = np.array(rows).transpose(2, 0, 1)

@@ -29,7 +29,7 @@ _SIMPLICES = {
 
 
 class Solid:
-    """The modelled part of one body, of cells with straight edges.
+    """The modelled part of one body, its cells taken with straight edges between their corners.
 
     cells (m,): numbers of the body's cells in the fields.
     nodes (m, n): nodes of the cells, corners first, as numbers in the fields.
@@ -64,7 +64,8 @@ class Solid:
         """Distance, mm, from start (3,) along a unit vector to where the line leaves the body; at
         most `reach`.
 
-        The line may enter the body beyond its start, as one from a tangent plane does.
+        The line may enter the body beyond its start, as one from a tangent plane does. A line that
+        does not meet the body within `reach` gives `reach`.
         """
         offset = self.middles - start
         along = np.clip(offset @ direction, 0.0, reach)

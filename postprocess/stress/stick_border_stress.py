@@ -2,7 +2,7 @@
 
 The tangential strain has a cusp there: it is smooth in the zone of stick and has an infinite slope
 in the zone of slip. For a line contact of half width w, of which half the zone of stick is c, the
-stress at the border is xx = -p - 2 mu p0 (1 - c/w) (`theory.friction.carter`). A polynomial through
+stress at the border is xx = -p - 2 mu p0 (1 - c/w) (Carter's tractions). A polynomial through
 both zones cuts the cusp off. Here the strain in the surface is that of elements that stick, next to
 the border, and the traction is that of the slipping points beside them.
 """
@@ -27,7 +27,8 @@ def stresses(
     fields: Fields, solid: Solid, recovery: Recovery, rubbing: FrictionSolution
 ) -> tuple[Array, Array]:
     """Places (n, 3) on the surface of one body at the border of stick and slip, mm, and stresses
-    (n, 6) there, MPa, components xx, yy, zz, xy, xz, yz in global axes.
+    (n, 6) there, MPa, components xx, yy, zz, xy, xz, yz in global axes, tension positive. The
+    places are contact points that slip beside facets that stick.
 
     solid: cells of the body. recovery: stresses at their Gauss points. rubbing: solution with
         friction. Both arrays are empty where all points stick or all slip, or where a body has

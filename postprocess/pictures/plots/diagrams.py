@@ -1,7 +1,8 @@
 """Diagrams of the findings against exact Hertz, as PNG files.
 
-Each function draws one picture on a figure of its own, so no state is shared. `ellipse` is the
-exact Hertz contact, or None: then only the computed result is drawn.
+Each picture is drawn on a figure of its own, so no state is shared. `ellipse` is the exact Hertz
+contact, also a line contact, or None: then only the computed result is drawn. Its middle is at the
+origin of the contact frame.
 """
 
 from __future__ import annotations
@@ -48,8 +49,8 @@ STYLE = {
 def new_figure(
     path: Path | None, width: float, height: float, of: Findings | str = ""
 ) -> Iterator[Figure]:
-    """Context manager: a matplotlib figure of width by height inches, drawn by the Agg backend and
-    saved as PNG at the end if `path` is given.
+    """Context manager: a matplotlib figure of width by height inches, to which title and notes are
+    added, drawn by the Agg backend and saved as PNG at the end if `path` is given.
 
     of: findings, whose title is written above the figure and whose notes below; or a title alone.
         In both `$` is a plain character.
@@ -82,11 +83,11 @@ def closed_ellipse(ellipse: Ellipse) -> Array:
 
 
 def pressure(findings: Findings, ellipse: Hertz | None, path: Path | None = None) -> Figure:
-    """Contact pressure (MPa) along x and along s (mm), through the largest pressure of the most
-    loaded patch.
+    """Contact pressure (MPa) along x and along s (mm), on the lines `Findings.along` and `across`
+    through the most loaded patch.
 
-    ellipse: exact Hertz contact, drawn beside the result, or None. path: of the PNG file, or None.
-        Of a meridian section there is one panel, over the radius.
+    ellipse: exact Hertz contact, drawn beside the result, or None. path: of the PNG file; None: the
+        figure is returned only. Of a meridian section there is one panel, over the radius.
     """
     revolved = findings.subject.revolved  # along and across are the same
     with new_figure(path, 7 if revolved else 10, 5.1, findings) as figure:
@@ -111,8 +112,9 @@ def pressure(findings: Findings, ellipse: Hertz | None, path: Path | None = None
 
 def loaded(line: AxisPressure) -> tuple[Array, Array]:
     """Coordinates (k,) in mm and pressures (k,) in MPa of those points of a line that carry
-    pressure, in ascending order. Each end of the pressure is added as a point with zero
-    pressure, where p^2, extrapolated in a straight line from the last two points, is zero.
+    pressure, in ascending order. Each end of the pressure between two points is added as a point
+    with zero pressure: where p^2, extrapolated in a straight line from the last two points, is
+    zero. Where the pressure reaches an end of the line, no zero is added there.
     """
     t, p = line.coordinate, line.pressure
     ends: list[tuple[float, float]] = []
@@ -168,10 +170,11 @@ def depth(
     path: Path | None = None,
 ) -> Figure:
     """Principal stresses and largest shear stress (MPa) over the depth (mm) below the centre of the
-    most loaded patch, in two panels.
+    most loaded patch, in two panels; the body shown is that of `Findings.axis`.
 
     ellipse: exact Hertz contact, drawn beside the result, or None. poisson: Poisson's ratio of the
-        body shown, for the exact stresses. path: of the PNG file, or None.
+        body shown, for the exact stresses. path: of the PNG file; None: the figure is returned
+        only.
     """
     axis = findings.axis
     fine = np.linspace(0, float(axis.depth.max()), 301, dtype=np.float64)
@@ -213,7 +216,7 @@ def minus(text: str) -> str:
 
 
 def rounded(place: float, size: float) -> str:
-    """Text of a coordinate (mm) with three digits; zero if the coordinate is at most 1e-3 of a size
+    """Text of a coordinate (mm) with three digits; zero if its magnitude is at most 1e-3 of a size
     (mm).
     """
     return minus(f"{place if abs(place) > 1e-3 * size else 0.0:.3g}")
@@ -288,7 +291,8 @@ def _stresses(
 
 
 def mark_largest(axes: Axes, findings: Findings, across: int) -> None:
-    """Mark the place of the largest shear stress of each body in a picture of x or s over height.
+    """Mark the place of the largest shear stress of each body in a picture of x or s over height;
+    bodies whose place is not known are left out.
 
     across: 0 where the horizontal axis is x, 1 where it is s. Legend entries give the value, the
         depth and, if the place lies off a cut across the rail, its x.
@@ -327,10 +331,11 @@ def _name_curves(axes: Axes, axis: DepthAxis) -> None:
 
 
 def patch(findings: Findings, ellipse: Ellipse | None, path: Path) -> None:
-    """Write a PNG file of the pressure in bands over the whole patch, with axes x and s in the
-    tangent plane, and its outlines.
+    """Write a PNG file of the pressure in bands over all patches, with axes x and s in the tangent
+    plane, and their outlines; not of a section.
 
-    ellipse: exact Hertz contact, whose outline is drawn too, or None. path: of the file.
+    findings: with the whole contact surface, images included. ellipse: exact Hertz contact, whose
+        outline is drawn too, or None. path: of the file.
     """
     from matplotlib.path import Path as Path2D
     from matplotlib.ticker import MaxNLocator

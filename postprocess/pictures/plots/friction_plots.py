@@ -36,11 +36,12 @@ def draw_tractions(
     """Write a PNG file of the tractions of the wheel on the rail.
 
     One panel shows the zones of stick and slip in the tangent plane, with tractions as arrows; of a
-    section it is left out. The other shows tractions along the middle line of the most loaded
-    patch, between the limits +/- mu p.
+    section along the rail it is left out. The other shows tractions along x through the middle of
+    the most loaded patch, between the limits +/- mu p. Only points with pressure are drawn.
 
-    coefficient: of friction, mu. path: of the file. planes: unit normals of the symmetry planes
-        at which the model was cut; the images are drawn too.
+    found: at points of the part that `planes` leave. coefficient: of friction, mu. path: of the
+        file. planes: unit normals of the symmetry planes at which the model was cut; the images are
+        drawn too.
     """
     frame, patch, subject = findings.frame, findings.patch, findings.subject
     touches = found.pressure > 0
@@ -106,8 +107,8 @@ def _map(axes: Axes, local: Array, traction: Array, sticks: NDArray[np.bool_]) -
 
 
 def thinned(local: Array, cell: float) -> NDArray[np.int64]:
-    """Indices of a subset of points (n, 2), mm: in each square of a grid with side `cell`, mm, the
-    point nearest to the middle of the square.
+    """Indices of a subset of points (n, 2), mm: in each square that holds points, of a grid with
+    side `cell` (mm) from the origin, the point nearest to the middle of the square.
     """
     square = np.floor(local / cell)
     off = np.hypot(*(local - (square + 0.5) * cell).T)
@@ -119,8 +120,8 @@ def thinned(local: Array, cell: float) -> NDArray[np.int64]:
 def draw_shakedown(
     friction: Mapping[str, Any], poisson: float, path: Path, title: str = ""
 ) -> None:
-    """Write a PNG file of the shakedown map, p0/k over the traction coefficient, with the point and
-    the limits of one patch.
+    """Write a PNG file of the shakedown map, p0/k over the traction coefficient, with the point of
+    a result and its limits.
 
     friction: "friction" of a result in summary.json, which must hold p0_over_k. poisson: Poisson's
         ratio, for the limits of a line contact under full slip. path: of the file. title: above the

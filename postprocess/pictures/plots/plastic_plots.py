@@ -34,12 +34,12 @@ def draw(
     exact: Hertz | None,
     path: Path,
 ) -> None:
-    """Write a PNG file with four panels: equivalent plastic strain, residual von Mises stress,
-    contact pressure, and height of the surfaces after the load.
+    """Write a PNG file with panels of equivalent plastic strain, residual von Mises stress, contact
+    pressure, and height of the surfaces after the load.
 
-    pressed: fields under the load. residual: fields after it. found: findings of the yielding
-        bodies. elastic: findings of the same load without yield. exact: Hertz contact, or None.
-        path: of the file.
+    pressed: fields under the load, with plastic strain. residual: fields after it. found: findings
+        of the yielding bodies. elastic: findings of the same load without yield. exact: Hertz
+        contact, or None. path: of the file.
     """
     assert pressed.plastic_strain is not None
     patch = found.patch
@@ -72,8 +72,8 @@ def _cut(
     """Draw values at Gauss points as coloured dots, over x or s and the height. Shown are the
     points near the plane across the rail through the contact, or all of a section.
 
-    samples: coordinates (n, 3) in the contact frame, mm, and values (n,), images included. across:
-        0 where the horizontal axis is x, 1 where it is s. label: of the colour bar.
+    samples: coordinates (n, 3) in the contact frame, mm, and values (n,), images included; both
+        bodies. across: 0 where the horizontal axis is x, 1 where it is s. label: of the colour bar.
     """
     local, values = samples
     low, high = (each[across] for each in found.patch.box)
@@ -112,8 +112,9 @@ def _pressures(
 
 
 def _left(axes: Axes, residual: Fields, pressed: Fields, found: Findings, half: float) -> None:
-    """Draw the displacement along the rail's normal (um) of the contact surfaces after the load,
-    along x and along s (mm). A body that was not displaced has no line.
+    """Draw the displacement along the rail's outward normal (um) of the contact surfaces after the
+    load, on lines along x and along s (mm) through the origin of the frame. A body that was not
+    displaced has no line.
 
     residual: fields after the load. pressed: fields under the load, which give the nodes of the
         contact surfaces. half: half length of the patch, mm, which sets the range that is shown.

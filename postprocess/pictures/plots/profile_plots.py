@@ -118,7 +118,8 @@ def positions(
 
 def _offset(swept: Sequence[tuple[float, Placed]]) -> float:
     """Lateral coordinate y of the right wheel's origin, mm, when the wheelset is not shifted.
-    swept: lateral shift, mm, and placed wheelset; the one nearest to zero is used.
+    swept: lateral shift to the right, mm, and placed wheelset; the shift nearest to zero is used
+    and subtracted.
     """
     shift, placed = min(swept, key=lambda each: abs(each[0]))
     return float(placed.right.pose.origin[1]) - shift

@@ -33,12 +33,12 @@ LETTER = 0.11  # in: width of one of a value
 
 
 def curves(columns: Sequence[str], rows: Rows, path: Path, y: str, title: str = "") -> None:
-    """Write a PNG file with four panels: largest pressure, area, place in y and largest shear
+    """Write a PNG file with panels of the largest pressure, area, place in y and largest shear
     stress over the varied column with the most values; bars are error estimates.
 
     columns: names of the one or two columns that are varied. rows: of the table. y: label of the
         place in y. title: above the picture. There is a line for each value of the other column.
-        Rows whose checks did not pass are ringed.
+        Rows whose checks did not pass are ringed; quantities that a row lacks are not drawn.
     """
     over, *others = _by_values(columns, rows)
     lines = _values(others[0], rows) if others else [None]

@@ -35,9 +35,9 @@ class Camera:
     """A camera with parallel projection, for images of pyvista meshes.
 
     focal (3,): point in space in the middle of the image, mm.
-    towards (3,): direction from that point to the eye, of any length.
+    towards (3,): direction from that point to the eye, of any length, not along `up`.
     half_width, half_height: half the width and height of the visible rectangle, mm.
-    up (3,): direction that points upwards in the image; z by default.
+    up (3,): direction in space whose projection points upwards in the image; z by default.
     pixels: number of pixels along the longer side of the image.
     """
 

@@ -24,13 +24,14 @@ def drawings(
     exact: Hertz | None,
     poisson: float,
 ) -> dict[str, Drawing]:
-    """The pictures of one result: functions that write a PNG file to a path, by file name. Six, or
-    four of a section or a line contact.
+    """The pictures of one result of finite elements: functions that write a PNG file to a path, by
+    file name. Nothing is drawn here. Pictures of the patch from above are those of a solid only.
 
     grids: of the cells, with nodal stresses, and of the slave's contact surface, images of what
-        symmetry left out included. axis: of a section, 0 where it runs along x, 1 along s; else
-        None. found: with the surface of that grid. exact: exact Hertz contact, or None. poisson:
-        Poisson's ratio of the body on the depth axis.
+        symmetry left out included. axis: of a section, 0 where it runs along x, 1 along s; None of
+        a solid. found: findings whose surface is the whole contact surface, images included. exact:
+        exact Hertz contact, or None; a line contact only with a section, else AssertionError.
+        poisson: Poisson's ratio of the body of `found.axis`.
     """
     volume, contact = grids
     every: dict[str, Drawing] = {

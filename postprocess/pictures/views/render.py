@@ -1,6 +1,7 @@
-"""Pictures of the model in space, as PNG files about 1600 pixels wide.
+"""Pictures of a solid in space, as PNG files about 1600 pixels wide.
 
-The grids are those of `vtu`, of whole bodies; nothing is deformed.
+The grids are those of `vtu`, of whole bodies with the images of what symmetry left out; nothing is
+deformed.
 """
 
 from __future__ import annotations
@@ -79,7 +80,7 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
 
 def stress_cut(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
     """Write a PNG file of the smallest principal stress and the largest shear stress, in the
-    section across the rail through the contact.
+    section across the rail through the contact, at the x of the frame's origin.
 
     grid: cells with nodal stresses, as `vtu.volume_grid` makes them. findings: frame, patch and
         largest stresses. path: of the file.
@@ -155,9 +156,9 @@ def bodies_of(grid: meshio.Mesh) -> dict[str, Any]:
 
 
 def split(surface: Any, frame: Frame, patch: Patch) -> tuple[Any, Any]:
-    """Cut a pyvista contact surface along the outlines of the patch, into the part inside and the
-    part outside. Both carry the point data "outside": distance to the nearest outline point, mm,
-    negative inside. Triangles that the patch covers only in part are cut.
+    """Cut a pyvista contact surface along the outlines of all patches, into the part inside and the
+    part outside. Both carry the point data "outside": distance to the nearest outline point in x
+    and s, mm, negative inside. Triangles that a patch covers only in part are cut.
     """
     from matplotlib.path import Path as Path2D
 
@@ -253,7 +254,7 @@ def _global(frame: Frame, local: ArrayLike) -> Array:
 
 def _on(surface: Any, frame: Frame, line: Array) -> Array:
     """Points (n, 3) in space, mm, of a curve (n, 2) of x and s, at the heights of a contact surface
-    there. surface: has points (k, 3) in space, mm.
+    there; on the tangent plane where the surface ends. surface: has points (k, 3) in space, mm.
     """
     local = frame.local(surface.points)
     near = np.abs(local).max(axis=1) < 2 * np.abs(line).max()

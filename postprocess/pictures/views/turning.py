@@ -61,8 +61,8 @@ def views(
     as a hill over the contact surface.
 
     Bodies of a plane section are drawn with a length, those of a meridian section turned about the
-    axis. volume, contact: grids of the whole bodies and surface, as `vtu.volume_grid` and
-    `vtu.contact_grid` make them.
+    axis. volume, contact: grids of the whole bodies and surface, images included, as
+    `vtu.volume_grid` and `vtu.contact_grid` make them; of a section `contact` is not used.
     """
     if fields.kinematics.dim == 2:
         solids, hill = _swept_bodies(fields, findings, volume), _swept_hill(fields, findings)
