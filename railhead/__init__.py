@@ -7,9 +7,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from railhead.api import find, plan, solve
+    from railhead.api import find, load, plan, solve
     from railhead.meshing.mesh import MeshError
-    from railhead.results.result import Result, load
+    from railhead.results.result import Result
     from railhead.scene.scene import (
         Effects,
         Friction,
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
         Wheel,
         Wheelset,
     )
-    from railhead.sweeps.runner import Sweep, sweep
+    from railhead.sweeps.sweep import Sweep, sweep
 
 __version__ = "0.3.0"
 __all__ = [
@@ -32,9 +32,9 @@ __all__ = [
 ]  # fmt: skip
 _HOMES = dict.fromkeys(__all__, "railhead.scene.scene") | {
     "MeshError": "railhead.meshing.mesh",
-    **dict.fromkeys(("find", "plan", "solve"), "railhead.api"),
-    **dict.fromkeys(("Result", "load"), "railhead.results.result"),
-    **dict.fromkeys(("Sweep", "sweep"), "railhead.sweeps.runner"),
+    **dict.fromkeys(("find", "load", "plan", "solve"), "railhead.api"),
+    "Result": "railhead.results.result",
+    **dict.fromkeys(("Sweep", "sweep"), "railhead.sweeps.sweep"),
 }
 
 

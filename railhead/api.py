@@ -1,22 +1,25 @@
-"""The functions of a script: find a shipped scene, plan it, solve it."""
+"""The functions of a script: find a shipped scene, plan it, solve it, load a result."""
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
 from railhead.results.report import terminal
 from railhead.scene.catalogue import find
-from railhead.scene.scene import Scene, checked
+from railhead.scene.scene import Scene, SceneError, checked, warn_of_units
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from railhead.results.result import Result
+    from railhead.sweeps.sweep import Sweep
 
-__all__ = ["Planned", "find", "plan", "solve"]
+__all__ = ["Planned", "find", "load", "plan", "solve"]
 
 
 @dataclass(frozen=True)
@@ -59,7 +62,9 @@ def plan(
     quiet: no effect.
     Raises SceneError for a wrong value and for a scene that makes no contact problem.
     """
-    return Planned(planning.make(with_accuracy(scene, accuracy, budget)))
+    scene = with_accuracy(scene, accuracy, budget)
+    warn_of_units(scene)
+    return Planned(planning.make(scene))
 
 
 def solve(
@@ -82,8 +87,32 @@ def solve(
     from railhead.run import refinement
 
     scene = with_accuracy(scene, accuracy, budget)
+    warn_of_units(scene)
     with refinement.show_progress(quiet=quiet) as progress:
         return pipeline.run(scene, progress)
+
+
+def load(folder: str | Path) -> Result | Sweep:
+    """The result in a folder that `railhead run` or `Result.save` wrote: its numbers, checks and
+    tables, without fields. In that of a sweep, finished or not, a `Sweep` of such results. Raises
+    SceneError for a folder without one.
+    """
+    from railhead.results.result import Result
+    from railhead.sweeps import store
+    from railhead.sweeps.sweep import Sweep
+
+    folder = Path(folder)
+    try:
+        if (folder / store.REQUEST).is_file():
+            return Sweep(folder)
+        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        summary = {}
+    if "checks" not in summary:
+        raise SceneError(
+            "load", f"{str(folder)!r} holds no result of a run or a sweep; give its folder"
+        )
+    return Result(None, summary)
 
 
 def with_accuracy(scene: Scene, accuracy: str | float | None, budget: str | float | None) -> Scene:

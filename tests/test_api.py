@@ -109,20 +109,22 @@ def test_the_package_says_its_own_version() -> None:
 
 
 def test_importing_and_planning_change_nothing() -> None:
-    """Neither do the libraries below: PETSc catches signals, and ffcx logs, if they may. (MPI does
-    catch crashes, and where it uses UCX a hangup.)"""
+    """Neither do the libraries below: PETSc catches signals, and ffcx logs, warnings too, if they
+    may. (MPI does catch crashes, and where it uses UCX a hangup.)"""
     code = """
-import logging, os, pathlib, signal, sys
+import logging, os, pathlib, signal, sys, warnings
 from mpi4py import MPI
 def host():
     status = pathlib.Path("/proc/self/status").read_text().splitlines()
     masks = [int(line.split()[1], 16) for line in status if line.startswith(("SigCgt", "SigIgn"))]
     ends = signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGPIPE, signal.SIGTERM
     caught = [mask >> (number - 1) & 1 for mask in masks for number in ends]
-    return dict(os.environ), logging.root.manager.disable, logging.root.handlers[:], caught
+    logs = logging.root.manager.disable, logging.root.handlers[:], warnings.showwarning
+    return dict(os.environ), logs, caught
 before = host()
 import railhead
 railhead.plan(railhead.find("s1002_60e1"))
+import railhead.solver.contact
 after = host()
 print(before == after)
 """
@@ -170,7 +172,7 @@ def test_a_result_can_be_pickled_and_loaded(tmp_path) -> None:
     with pytest.raises(ValueError, match="numbers only"):
         print(loaded.surface)
     for folder in (tmp_path, tmp_path / "none"):
-        with pytest.raises(rh.SceneError, match="holds no result of a run"):
+        with pytest.raises(rh.SceneError, match="holds no result of a run or a sweep"):
             rh.load(folder)
 
 

@@ -102,8 +102,6 @@ def _takes_scene(command: Callable[..., Any]) -> Any:
         switches = [f"effects.{name}=on" for name in switched_on]
         switches += [f"effects.{name}=off" for name in switched_off]
         scene = catalogue.find(case).replace([*assignments, *switches])
-        for question in unit_questions(scene):
-            _say(question)
         return command(*arguments, scene=scene, **values)
 
     return _with_options(call, _scene_options)
@@ -128,7 +126,7 @@ def _grid(scene: Scene, lists: Sequence[str], over_file: Path | None) -> Paramet
         raise SceneError("--over", "is missing; give it, or --over-file")
     rows = [] if over_file is None else read_rows(over_file)
     grid = ParameterGrid.combine(scene, parse_values(lists), rows)
-    grid.refuse_duplicates()
+    _ask(*grid.scenes)
     return grid
 
 
@@ -155,6 +153,7 @@ def plan(
 ) -> None:
     """Say what would be simulated and what it costs, of a sweep in all; solve nothing."""
     from railhead import api
+    from railhead.planning import plan as planning
     from railhead.results import result_folder
     from railhead.results.report import terminal
 
@@ -176,7 +175,8 @@ def plan(
         for name, number in found["effects"].items():
             click.echo(f"{name}: on in {'all' if number == count else number}")
         return
-    planned = api.plan(scene, accuracy=accuracy, quiet=as_json)
+    _ask(scene)
+    planned = api.Planned(planning.make(api.with_accuracy(scene, accuracy, None)))
     if as_json:
         click.echo(result_folder.to_json(planned.plan.to_dict()), nl=False)
     else:
@@ -225,6 +225,7 @@ def run(
     from railhead.planning import plan as planning
 
     start = time.perf_counter()
+    _ask(scene)
     scene = api.with_accuracy(scene, accuracy, budget)
     folder = _folder(out, scene.name, "run", scene, force=force)
     planned = planning.make(scene)
@@ -458,6 +459,12 @@ def _status(arguments: Sequence[str] | None) -> int:
             raise
         _say(f"NOT MESHED: {error}")
         return CHECK_FAILED
+
+
+def _ask(*scenes: Scene) -> None:
+    """Print what `unit_questions` asks about scenes."""
+    for question in unit_questions(*scenes):
+        _say(question)
 
 
 def _say(text: str) -> None:

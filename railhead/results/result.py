@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,7 +14,6 @@ from railhead.results.report.output_units import Units
 from railhead.run import quantities
 from railhead.run.half_spaces.answer import Solved
 from railhead.run.mesh_solution import MeshSolution
-from railhead.scene.scene import SceneError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -275,19 +273,6 @@ class Result:
         touches.
         """
         return self.solved.findings
-
-
-def load(folder: str | Path) -> Result:
-    """The result in a folder that `railhead run` or `Result.save` wrote: its numbers, checks and
-    tables, without fields. Raises SceneError for a folder without one.
-    """
-    try:
-        summary = json.loads((Path(folder) / "summary.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        summary = {}
-    if "checks" not in summary:
-        raise SceneError("load", f"{str(folder)!r} holds no result of a run; give its folder")
-    return Result(None, summary)
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,10 @@ is read as well. Every way of building one raises `SceneError`, whose text is on
 import math
 import re
 import tomllib
+import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from functools import reduce
+from itertools import product
 from operator import getitem
 from pathlib import Path
 from typing import Annotated, Any, Self
@@ -396,20 +398,31 @@ def drop_keys(data: Mapping[str, Any], keys: Iterable[str]) -> dict[str, Any]:
     }
 
 
-def unit_questions(scene: Scene) -> Iterator[str]:
-    """A line for each value that is a thousandth, a thousand or a million times what a steel wheel
-    on a rail has: "load = 25 N, 0.001 times what is usual: 25000 N meant?".
+def unit_questions(*scenes: Scene) -> Iterable[str]:
+    """A line for each key with a value that is a thousandth, a thousand or a million times what a
+    steel wheel on a rail has: "load = 25 N, 0.001 times what is usual: 25000 N meant?".
 
-    A load is only judged on the profile of a rail.
+    A load is only judged on the profile of a rail. Of several values the first one is named.
     """
-    for key, (low, high) in USUAL.items():
+    lines: dict[str, str] = {}
+    for scene, (key, (low, high)) in product(scenes, USUAL.items()):
         value = scene.value(key)
         if not isinstance(value, float) or (key == "load" and scene.rail.profile == "arc"):
             continue
         for factor in FACTORS:
             if low <= value / factor <= high:
                 meant = f"{value / factor:g} {unit(key)} meant?"
-                yield f"{key} = {value:g} {unit(key)}, {factor:g} times what is usual: {meant}"
+                said = f"{key} = {value:g} {unit(key)}, {factor:g} times what is usual: {meant}"
+                lines.setdefault(key, said)
+    return lines.values()
+
+
+def warn_of_units(*scenes: Scene) -> None:
+    """The questions about units in scenes of a script, as warnings of the line that called the
+    caller.
+    """
+    for question in unit_questions(*scenes):
+        warnings.warn(question, stacklevel=3)
 
 
 def checked(scene: object) -> Scene:

@@ -47,7 +47,8 @@ class ParameterGrid:
         """Grid of all combinations of lists of values by dotted key.
 
         rows: values by dotted key, each combined with all of the lists.
-        Raises SceneError for a wrong key or value, a key in both and more than MAX_COMBINATIONS.
+        Raises SceneError for a wrong key or value, a key in both, more than MAX_COMBINATIONS and
+            two scenes with the same values.
         """
         first = rows[0] if rows else {}
         for key in first.keys() & lists.keys():
@@ -61,7 +62,9 @@ class ParameterGrid:
             for row in rows or ({},)
             for values in product(*lists.values())
         ]
-        return cls(base=scene, keys=[*first, *lists], scenes=scenes, listed=bool(rows))
+        grid = cls(base=scene, keys=[*first, *lists], scenes=scenes, listed=bool(rows))
+        grid._refuse_duplicates()
+        return grid
 
     def values(self, number: int) -> dict[str, object]:
         """Values of the changing keys in scene `number` by dotted key, in base units."""
@@ -73,7 +76,7 @@ class ParameterGrid:
         pairs = (f"{column(key)} = {shown(key, value)}" for key, value in values)
         return ", ".join(pairs) or "the scene"
 
-    def refuse_duplicates(self) -> None:
+    def _refuse_duplicates(self) -> None:
         """Raise SceneError where two scenes have the same values of all keys."""
         seen: set[tuple[object, ...]] = set()
         for number in range(len(self.scenes)):
@@ -91,7 +94,9 @@ def column(key: str) -> str:
 
 
 def shown(key: str, value: object) -> object:
-    """A value (base unit) of a dotted key in the unit of its column."""
+    """A value (base unit, as in JSON) of a dotted key in the unit of its column."""
+    if value in ("inf", "-inf"):
+        return float(str(value))
     if unit(key) == "rad" and isinstance(value, float):
         return float(f"{1e3 * value:.12g}")
     return value

@@ -1,4 +1,4 @@
-"""A sweep as a command: scenes solved side by side, a record of each, a table and pictures."""
+"""Scenes solved side by side, a record of each in a folder, a table and pictures."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from mpi4py import MPI
 from railhead.planning import budget
 from railhead.planning import plan as planning
 from railhead.results import files, result_folder
+from railhead.results.result import Result
 from railhead.results.subject import shared_y
 from railhead.run import process, refinement
 from railhead.run.progress import Progress
@@ -32,16 +33,18 @@ LOST_RECORD = "its record is gone: something else has written into the folder"
 
 @dataclass(frozen=True, kw_only=True)
 class ParallelSweep:
-    """Input of the command `railhead sweep`.
+    """What is solved, and what is kept of it.
 
     grid: the scenes.
     folder: folder of records, table and pictures.
     vtu: whether files for ParaView are written for each scene.
+    fields: whether results are returned, with their fields.
     """
 
     grid: ParameterGrid
     folder: Path
     vtu: bool = False
+    fields: bool = False
 
     @cached_property
     def files(self) -> dict[str, str]:
@@ -90,10 +93,12 @@ class Outcome:
 
     rows: of sweep.csv, cells by column header.
     failures: a line for each picture that could not be drawn.
+    results: by number of the scene, where they are asked for: those that were solved now.
     """
 
     rows: list[Row]
     failures: list[str]
+    results: dict[int, Result]
 
     @property
     def status(self) -> dict[int, str]:
@@ -115,6 +120,7 @@ def run(
     comm = MPI.COMM_WORLD
     groups: list[list[int]] = []
     rows: dict[int, Row] = {}
+    results: dict[int, Result] = {}
     y_label = ""
     problem: Exception | None = None
     with ExitStack() as claim:
@@ -136,17 +142,18 @@ def run(
                 return None
             workers = worker_pool.workers(comm.size)
             with Progress(quiet=quiet) as progress:
-                solve = partial(_solve_all, sweep, rows, workers, submit, progress)
+                solve = partial(_solve_all, sweep, rows, results, workers, submit, progress)
                 faults = solve(groups)
                 # A crash takes the rest of its group with it: these again, each alone.
                 again = [[n] for group in groups if len(group) > 1 for n in group if n in faults]
                 faults |= solve(again)
-        return _write(sweep, rows, faults, y_label, pictures=pictures)
+        return _write(sweep, rows, results, faults, y_label, pictures=pictures)
 
 
 def _solve_all(
     sweep: ParallelSweep,
     rows: dict[int, Row],
+    results: dict[int, Result],
     workers: int,
     submit: worker_pool.Submit,
     progress: Progress,
@@ -155,8 +162,8 @@ def _solve_all(
     """Solve the scenes of all groups that have no record; returns reasons by number for scenes that
     still have none.
 
-    rows: of sweep.csv by number; they grow with the records. workers: number of processes. submit:
-        starts a job.
+    rows, results: of sweep.csv, and of the sweep, by number; they grow with the records. workers:
+        number of processes. submit: starts a job.
     """
     finished, total = store.done(sweep.folder), len(sweep.grid.scenes)
     progress.jobs(len(finished), total)
@@ -167,14 +174,17 @@ def _solve_all(
         scenes = {number: sweep.grid.scenes[number] for number in group}
         for part in share(wanted, busy, workers):
             over = {number: sweep.values(number) for number in part}
-            numbers_of[submit(_solve, sweep.folder, over, scenes, sweep.vtu)] = part
+            job = submit(_solve, sweep.folder, over, scenes, sweep.vtu, sweep.fields)
+            numbers_of[job] = part
     faults: dict[int, str] = {}
     pending = set(numbers_of)
     while pending:
         ended, pending = wait(pending, POLL, FIRST_COMPLETED)
         for job in ended:
             attempt = worker_pool.outcome(job)
-            faults |= dict.fromkeys(numbers_of[job], attempt.fault) | (attempt.value or {})
+            solved, problems = attempt.value or ({}, {})
+            results |= solved
+            faults |= dict.fromkeys(numbers_of[job], attempt.fault) | problems
         with suppress(OSError):  # of a full disk: records may still fit
             _write_table(sweep, rows)
         progress.jobs(len(rows), total)
@@ -192,14 +202,20 @@ def share(numbers: Sequence[int], groups: int, workers: int) -> list[Sequence[in
 
 
 def _solve(
-    folder: Path, over: Mapping[int, object], group: Mapping[int, Scene], vtu: bool
-) -> dict[int, str]:
+    folder: Path,
+    over: Mapping[int, Mapping[str, object]],
+    group: Mapping[int, Scene],
+    vtu: bool,
+    fields: bool,
+) -> tuple[dict[int, Result], dict[int, str]]:
     """Solve scenes of a group in this process, and write for each its .vtu files (with `vtu`) and
     then its record.
 
-    over: of the scenes that are solved, values of the changing keys by number. Returns reasons by
-        number for scenes without a record: not enough free memory now.
+    over: of the scenes that are solved, values of the changing keys by number. Returns results by
+        number (with `fields`), and reasons by number for scenes without a record: not enough free
+        memory now.
     """
+    results: dict[int, Result] = {}
     faults: dict[int, str] = {}
     plans = {number: planning.make(scene) for number, scene in group.items()}
     solved = runner.solve_group(plans, over, Progress(quiet=True), MPI.COMM_SELF)
@@ -212,14 +228,17 @@ def _solve(
             grids.mkdir(parents=True, exist_ok=True)
             files.write_grids(result.mesh_solution, grids)
             result_folder.stamp(grids)
-        store.write(folder, number, {"over": over[number], **sweep_table.record(result)})
+        if fields and not isinstance(result, Exception):
+            results[number] = result
+        store.write(folder, number, sweep_table.record(over[number], result))
     process.release_memory()
-    return faults
+    return results, faults
 
 
 def _write(
     sweep: ParallelSweep,
     rows: dict[int, Row],
+    results: dict[int, Result],
     faults: Mapping[int, str],
     y_label: str,
     *,
@@ -228,8 +247,8 @@ def _write(
     """Write table, pictures and, for ParaView, .pvd files of the scenes that passed beside the
     records.
 
-    rows: of the table, by number of the scene; completed here. faults: reasons by number for scenes
-        without a record. y_label: label of y in the pictures.
+    rows: of the table, by number of the scene; completed here. results: of the outcome. faults:
+        reasons by number for scenes without a record. y_label: label of y in the pictures.
     """
     from railhead.postprocess import vtu
     from railhead.postprocess.pictures.plots import sweep as plots
@@ -237,9 +256,12 @@ def _write(
     grid, folder, failures = sweep.grid, sweep.folder, list[str]()
     done = store.done(folder)
     for number in faults.keys() - done:
-        rows[number] = sweep_table.row(sweep.values(number), {"fault": faults[number]})
+        again = sweep_table.record(sweep.values(number), RuntimeError(faults[number]))
+        rows[number] = sweep_table.row(again)
+        with suppress(OSError):  # of a full disk
+            store.write(folder, number, again, again=True)
     _write_table(sweep, rows)
-    outcome = Outcome([row for _, row in sorted(rows.items())], failures)
+    outcome = Outcome([row for _, row in sorted(rows.items())], failures, results)
     table, status = outcome.rows, outcome.status
     for name in store.SERIES if sweep.vtu else ():
         files = {
@@ -276,8 +298,7 @@ def _write_table(sweep: ParallelSweep, rows: dict[int, Row]) -> None:
     """
     new = store.done(sweep.folder) - rows.keys()
     for number in new:
-        record = store.read(sweep.folder, number)
-        rows[number] = sweep_table.row(sweep.values(number), record)
+        rows[number] = sweep_table.row(store.read(sweep.folder, number))
     if new or len(rows) == len(sweep.grid.scenes):
         table = result_folder.encoded(row for _, row in sorted(rows.items()))
         store.write_whole(sweep.folder, sweep.folder / store.TABLE, table)

@@ -1,4 +1,4 @@
-"""All scenes of a sweep: planned first, then solved group by group; `railhead.sweep`.
+"""All scenes of a sweep: planned first, then solved group by group.
 
 Scenes that differ in their load alone share one mesh, stiffness, set of contact operators and
 preconditioner. The mesh is in each patch at least as fine as that load's own would be, so the error
@@ -12,7 +12,6 @@ import json
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from mpi4py import MPI
@@ -21,15 +20,14 @@ from railhead.meshing.mesh import ContactMesh, MeshError
 from railhead.planning import budget, cost
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
-from railhead.results import pipeline, result_folder
+from railhead.results import pipeline
 from railhead.results.result import Result
 from railhead.run import mesh_solution, refinement
 from railhead.run.mesh_solution import solve_on_mesh
 from railhead.run.progress import Progress
 from railhead.run.refinement import Ending
-from railhead.scene.scene import Scene, SceneError
+from railhead.scene.scene import SceneError
 from railhead.solver.contact import ContactModel
-from railhead.sweeps import sweep_table
 from railhead.sweeps.grid import ParameterGrid
 
 MAX_GROUP = 30  # loads that share a mesh: gmsh evaluates the size field of each everywhere
@@ -159,82 +157,3 @@ def _solve_on_shared(
     if solved is None or refinement.unplanned_yield(solved, comm):
         return None
     return pipeline.result([solved], Ending(refinement.ONE_MESH), comm)
-
-
-class Sweep(list[Result]):
-    """List of the results of all combinations that were solved, the last key changing fastest.
-
-    keys: dotted keys whose values change.
-    """
-
-    def __init__(self, outcomes: Sequence[Result | Exception], grid: ParameterGrid) -> None:
-        """outcomes: result or error of each scene of the grid."""
-        super().__init__(each for each in outcomes if isinstance(each, Result))
-        self.keys = list(grid.keys)
-        self._rows = [
-            sweep_table.row(grid.values(number), sweep_table.record(outcome))
-            for number, outcome in enumerate(outcomes)
-        ]
-
-    def rows(self) -> list[dict[str, Any]]:
-        """The table of `railhead sweep`: a row for each combination, cells by column header
-        (docs/sweeps.md). A combination that could not be solved has the reason in "checks".
-        """
-        return self._rows
-
-    def to_csv(self, path: str | Path) -> None:
-        """Write the rows as comma-separated values, in UTF-8 with a byte order mark."""
-        Path(path).write_bytes(result_folder.encoded(self.rows()))
-
-    def to_dataframe(self) -> Any:
-        """The rows as a pandas.DataFrame. Raises ImportError where pandas is not installed."""
-        import pandas as pd  # type: ignore[import-untyped]
-
-        return pd.DataFrame(self.rows())
-
-
-def sweep(
-    scene: Scene,
-    over: Mapping[str, Sequence[object]] | None = None,
-    /,
-    *,
-    quiet: bool = False,
-    **values: Sequence[object],
-) -> Sweep:
-    """Solve a scene for every combination of values.
-
-    over: lists of values by key, for keys with a dot: ``{"wheelset.shift": [0, 2]}``.
-    quiet: whether no progress is shown on standard error.
-    values: lists of values by key: ``load=["25 kN", "50 kN"]``.
-    All scenes are planned before the first is solved; those that differ in their load alone share a
-    mesh. Raises SceneError for a wrong scene, before any is solved.
-    """
-    grid = ParameterGrid.combine(scene, _lists(over, values))
-    outcomes: dict[int, Result | Exception] = {}
-    with refinement.show_progress(quiet=quiet) as progress:
-        plans = plan_all(grid, progress)
-        for group in group_by_mesh(plans):
-            alike = {number: plans[number] for number in group}
-            for number, outcome in solve_group(alike, group, progress):
-                outcomes[number] = outcome
-                progress.jobs(len(outcomes), len(grid.scenes))
-    return Sweep([outcomes[number] for number in sorted(outcomes)], grid)
-
-
-def _lists(
-    over: Mapping[str, Sequence[object]] | None, values: Mapping[str, Sequence[object]]
-) -> dict[str, Sequence[object]]:
-    """Lists of values by key from a mapping and from keyword arguments. Raises SceneError for
-    anything that is no mapping of keys to lists, and for a key in both.
-    """
-    if not isinstance(over or {}, Mapping):
-        raise SceneError("over", f"{over!r} is not a mapping of keys to lists of values; give one")
-    for key in (over or {}).keys() & values.keys():
-        raise SceneError(key, "is given twice; give one list of values")
-    lists = {**(over or {}), **values}
-    for key, chosen in lists.items():
-        if not isinstance(key, str):
-            raise SceneError("over", f"{key!r} is no key; give a word")
-        if isinstance(chosen, str) or not isinstance(chosen, Iterable):
-            raise SceneError(key, f"{chosen!r} is not a list of values; give one")
-    return {key: list(chosen) for key, chosen in lists.items()}

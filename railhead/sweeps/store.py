@@ -21,6 +21,7 @@ from railhead.sweeps import sweep_table
 REQUEST, RECORDS, VTU, TABLE = "sweep.json", "records", "vtu", "sweep.csv"
 PICTURES = ("sweep.png", "patches.png")
 SERIES = ("solution", "contact")  # names of the .vtu files of a scene
+AGAIN = ".again.json"  # end of the name of a record of a scene that is to be tried again
 ADVICE = "give another folder, or --force to replace it"
 Other = Literal["refuse", "move", "replace"]
 LATER = (INPUT, RECORDS, VTU, TABLE, *PICTURES, *(f"{name}.pvd" for name in SERIES))
@@ -99,9 +100,13 @@ def done(folder: Path) -> set[int]:
     return {int(path.stem) for path in files if path.stem.isdecimal()}
 
 
-def write(folder: Path, number: int, record: Mapping[str, Any]) -> None:
-    """Write the record of scene `number`; the file appears whole or not at all. Raises OSError."""
-    write_whole(folder, _record(folder, number), result_folder.to_json(dict(record)).encode())
+def write(folder: Path, number: int, record: Mapping[str, Any], *, again: bool = False) -> None:
+    """Write the record of scene `number`; the file appears whole or not at all. again: whether it
+    is kept only until the scene is tried again. Raises OSError.
+    """
+    path = _record(folder, number)
+    path = path.with_suffix(AGAIN) if again else path
+    write_whole(folder, path, result_folder.to_json(dict(record)).encode())
 
 
 def write_whole(folder: Path, path: Path, content: bytes) -> None:
@@ -117,18 +122,34 @@ def read(folder: Path, number: int) -> dict[str, Any]:
     return _load(_record(folder, number))
 
 
+def records(folder: Path) -> dict[int, dict[str, Any]]:
+    """Records by number of the scene, in that order, also of scenes that are to be tried again.
+    Raises SceneError for a broken file.
+    """
+    names = {path: path.name.partition(".")[0] for path in (folder / RECORDS).glob("[0-9]*.json")}
+    return {int(name): _load(path) for path, name in sorted(names.items()) if name.isdecimal()}
+
+
+def keys(folder: Path) -> list[str]:
+    """Dotted keys whose values change in the sweep of a folder. Raises SceneError for a broken
+    file.
+    """
+    return list(_load(folder / REQUEST).get("over", ()))
+
+
 def check(folder: Path, values: Callable[[int], Mapping[str, object]]) -> None:
     """Raise SceneError for the first record that cannot be read or does not belong to its scene.
-    Records that were being written when a sweep was killed are removed.
+    Records that were being written when a sweep was killed, and those of scenes that are to be
+    tried again, are removed.
 
     values: returns the values of the changing keys in a scene by dotted key, of its number.
     """
-    for part in (folder / RECORDS).glob(".*"):
+    for part in (*(folder / RECORDS).glob(".*"), *(folder / RECORDS).glob(f"*{AGAIN}")):
         part.unlink()
     for number in done(folder):
         record, good = read(folder, number), False
         with suppress(LookupError, TypeError, ValueError, AttributeError):
-            sweep_table.row({}, record)
+            sweep_table.row(record)
             good = record["over"] == json.loads(result_folder.to_json(dict(values(number))))
         if not good:
             raise _broken(_record(folder, number))

@@ -16,22 +16,23 @@ CHECKS, PASSED, WARNINGS = "checks", "passed", "warnings"
 FEW = 0.05  # an estimate beyond is counted in the verdict
 
 
-def record(result: Result | Exception) -> dict[str, Any]:
+def record(over: Mapping[str, object], result: Result | Exception) -> dict[str, Any]:
     """Record of a solved scene, or of the error that refused the scene, as plain data.
 
+    over: values of the changing keys by dotted key.
     fault: reason why there is no result, in one line; empty where there is one.
     summary: content of summary.json.
     outlines: outlines of the patches seen from above, lists of points x, y in mm.
     wheelset: of a wheelset on a track, columns of both wheels' first contacts and their values.
     """
     if isinstance(result, Exception):
-        return {"fault": " ".join(str(result).split())}
+        return {"over": over, "fault": " ".join(str(result).split())}
     outlines, findings = [], result.findings
     if findings is not None:
         for line in findings.patch.outlines:
             points = (findings.frame.place(float(x), float(s)) for x, s in line)
             outlines.append([[round(x, 4), round(y, 4)] for x, y, _ in points])
-    table = {"fault": "", "summary": result.summary, "outlines": outlines}
+    table = {"over": over, "fault": "", "summary": result.summary, "outlines": outlines}
     placed = result.plan.contact.placed if result.plan.scene.rail.gauge else None
     if placed is not None:
         left, right = placed.left.touches[0], placed.right.touches[0]
@@ -44,14 +45,15 @@ def record(result: Result | Exception) -> dict[str, Any]:
     return table
 
 
-def row(values: Mapping[str, object], record: Mapping[str, Any]) -> dict[str, Any]:
+def row(record: Mapping[str, Any]) -> dict[str, Any]:
     """A row of sweep.csv: cells by column header.
 
-    values: values of the changing keys by dotted key. Where Newton's method did not converge, or
-        there is no result, the row ends after `checks` or `warnings`. Raises LookupError,
-        TypeError, ValueError or AttributeError for data that is no record of a scene.
+    Where Newton's method did not converge, or there is no result, the row ends after `checks` or
+    `warnings`. Raises LookupError, TypeError, ValueError or AttributeError for data that is no
+    record of a scene.
     """
-    cells: dict[str, Any] = {column(key): shown(key, value) for key, value in values.items()}
+    over = record["over"].items()
+    cells: dict[str, Any] = {column(key): shown(key, value) for key, value in over}
     cells[CHECKS] = status(record)
     if record["fault"]:
         return cells

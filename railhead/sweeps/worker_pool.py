@@ -6,14 +6,16 @@ as many machines as mpirun uses.
 
 from __future__ import annotations
 
-import multiprocessing
 import os
+import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as LimitExceededError
 from contextlib import contextmanager
 from dataclasses import dataclass
+from multiprocessing.context import SpawnContext, SpawnProcess
+from types import ModuleType
 from typing import Any, Generic, TypeVar
 
 from pebble import ProcessExpired, ProcessPool
@@ -99,14 +101,32 @@ def outcome(future: Future[Attempt[T]], limit: float | None = None) -> Attempt[T
 @contextmanager
 def _processes() -> Iterator[ProcessPool]:
     """Pool of processes, one for each core; stopped at the end of the block."""
-    context = multiprocessing.get_context("spawn")
     with ProcessPool(
-        os.cpu_count() or 1, max_tasks=JOBS_PER_PROCESS, initializer=_single, context=context
+        os.cpu_count() or 1, max_tasks=JOBS_PER_PROCESS, initializer=_single, context=_Context()
     ) as pool:
         try:
             yield pool
         finally:
             pool.stop()
+
+
+class _Process(SpawnProcess):
+    """A new process that does not import the script that runs here, which would start it again."""
+
+    def start(self) -> None:
+        """Start the process, which imports no more than the modules of its jobs."""
+        script = sys.modules["__main__"]
+        sys.modules["__main__"] = ModuleType("__main__")
+        try:
+            super().start()
+        finally:
+            sys.modules["__main__"] = script
+
+
+class _Context(SpawnContext):
+    """Context of `multiprocessing` with such processes."""
+
+    Process = _Process
 
 
 def _single() -> None:

@@ -230,6 +230,24 @@ def test_usual_and_small_models_are_not_asked_about() -> None:
     assert not list(unit_questions(rh.find("sphere_on_plane").replace(soft)))
 
 
+def test_of_several_scenes_the_first_wrong_value_of_a_key_is_asked_about() -> None:
+    """A sweep over loads without a unit asks once."""
+    scene = rh.find("uic54_thesis")
+    (line,) = unit_questions(*(scene.replace(load=load) for load in (25e3, 30.0, 40.0)))
+    assert line.startswith("load = 30 N")
+
+
+def test_a_script_is_warned_where_it_calls() -> None:
+    """Solving asks as planning does."""
+    asked = rh.find("hertz_ellipse").replace(
+        ["effects.finite_bodies=off", "rail.young_modulus=207"]
+    )
+    for call in (rh.plan, rh.solve):
+        with pytest.warns(UserWarning, match="207000 MPa meant") as caught:
+            call(asked, quiet=True)
+        assert caught[0].filename == __file__
+
+
 def test_the_command_asks_in_one_line_and_goes_on(capsys) -> None:
     assert command.status("plan", "sphere_on_plane", "--set", "wheel.young_modulus=207") == 0
     out, err = capsys.readouterr()

@@ -14,7 +14,6 @@ SHIFTS = "wheelset.shift=0:10:0.5mm"
 
 def values(*texts: str, case: str = "s1002_60e1") -> list[tuple[object, ...]]:
     grid = ParameterGrid.combine(rh.find(case), parse_values(texts))
-    grid.refuse_duplicates()
     return [tuple(grid.values(number).values()) for number in range(len(grid.scenes))]
 
 

@@ -145,8 +145,8 @@ def test_a_record_that_goes_while_a_sweep_runs_is_said(
     assert found.status == dict.fromkeys([0, 1], f"NOT SOLVED: {parallel.LOST_RECORD}")
 
 
-def _nothing(*_: object) -> dict[int, str]:
-    return {}
+def _nothing(*_: object) -> tuple[dict, dict]:
+    return {}, {}
 
 
 def test_another_profile_under_the_same_name_is_another_sweep(
@@ -186,12 +186,15 @@ def test_a_process_that_crashes_leaves_the_others(tmp_path: Path, monkeypatch) -
     """Its row says so, and it is tried again by --resume."""
     task = loads("sphere_on_plane", [100, 200], tmp_path / "out")
     store.begin(task.folder, task.request)
-    store.write(task.folder, 1, {"fault": "gmsh: no"})
-    found = parallel._write(task, {}, {0: "the process crashed"}, "y, mm", pictures=True)
+    store.write(task.folder, 1, {"over": {"load": 200.0}, "fault": "gmsh: no"})
+    found = parallel._write(task, {}, {}, {0: "the process crashed"}, "y, mm", pictures=True)
     assert found.failures == []
     assert found.status == {0: "NOT SOLVED: the process crashed", 1: "NOT SOLVED: gmsh: no"}
     assert store.done(task.folder) == {1}
     assert [row["load [N]"] for row in rows(task.folder)] == ["100.0", "200.0"]
+    assert rh.load(task.folder).rows() == found.rows
+    store.check(task.folder, task.values)  # as before the next try
+    assert list(store.records(task.folder)) == [1]
 
 
 def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypatch) -> None:
@@ -201,13 +204,13 @@ def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypa
 
     @contextmanager
     def one_process(ranks: int) -> Iterator[worker_pool.Submit]:
-        def submit(work, folder, over, group, vtu) -> Future:
+        def submit(work, folder, over, group, *_) -> Future:
             asked.append(list(over))
             future: Future = Future()
             first = next(iter(group))
             if first != 1:
-                over = {"load": group[first].load}
-                store.write(folder, first, {"over": over, "fault": "none of a test"})
+                record = {"over": {"load": group[first].load}, "fault": "none of a test"}
+                store.write(folder, first, record)
             lost = "the process crashed" if 1 in group else ""
             future.set_result(worker_pool.Attempt(None, 0.0, lost))
             return future
@@ -231,11 +234,11 @@ def test_what_has_no_memory_now_is_tried_again_by_resume(tmp_path: Path, monkeyp
     scene = rh.find("sphere_on_plane")
     (tmp_path / "records").mkdir()
     monkeypatch.setattr("railhead.run.refinement.cost.free_memory", lambda: 0)
-    short = parallel._solve(tmp_path, {7: {}}, {7: scene}, False)
+    _, short = parallel._solve(tmp_path, {7: {}}, {7: scene}, False, False)
     assert list(short) == [7] and "GB free" in short[7]
     assert store.done(tmp_path) == set()
     monkeypatch.undo()
-    assert parallel._solve(tmp_path, {7: {}}, {7: scene}, False) == {}
+    assert parallel._solve(tmp_path, {7: {}}, {7: scene}, False, False) == ({}, {})
     assert store.done(tmp_path) == {7}
 
 

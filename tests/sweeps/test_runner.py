@@ -7,7 +7,6 @@ from solved import solved
 from sweep_command import refused, rows
 
 import railhead as rh
-from railhead.meshing.mesh import MeshError
 from railhead.planning import budget
 from railhead.planning import plan as planning
 from railhead.results import pipeline
@@ -107,21 +106,3 @@ def test_loads_share_a_mesh_smaller_than_their_own_together() -> None:
     assert small.as_dict()["cost"]["dofs"] < 0.85 * sum(own)
     ratio = large.pressure.max / small.pressure.max  # Hertz: load^(1/3)
     assert ratio == pytest.approx(2, rel=small.estimate.pressure_max + large.estimate.pressure_max)
-
-
-def test_the_public_sweep_gives_the_same(swept: Path) -> None:
-    scene = rh.find("long_roller").replace(["mesh.patch_size=0.4"])
-    table = rh.sweep(scene, {"load": ["50kN", "80kN", "110kN"]}, quiet=True)
-    for row, result in zip(rows(swept)[::2], table, strict=True):
-        assert row.keys() - {"wheel.rolling_radius [mm]"} == table.rows()[0].keys()
-        assert float(row["p_max [MPa]"]) == pytest.approx(result.pressure.max, rel=1e-9)
-
-
-def test_what_cannot_be_solved_is_a_row(monkeypatch) -> None:
-    def failing(plan, *_):
-        raise MeshError("gmsh: no")
-
-    monkeypatch.setattr(pipeline, "solve", failing)
-    table = rh.sweep(rh.find("sphere_on_plane"), {"wheelset.yaw": [0]}, quiet=True)
-    assert list(table) == []
-    assert table.rows() == [{"wheelset.yaw [mrad]": 0.0, "checks": "NOT SOLVED: gmsh: no"}]

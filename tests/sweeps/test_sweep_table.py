@@ -14,10 +14,10 @@ from railhead.sweeps import store, sweep_table
 def test_the_angle_of_a_row_is_that_of_its_patch(swept: Path) -> None:
     """Of several patches the most loaded one, which need not be where the plan saw the first."""
     kept = store.read(swept, 0)
-    planned = sweep_table.row({}, kept)["contact angle [deg]"]
+    planned = sweep_table.row(kept)["contact angle [deg]"]
     assert planned == math.degrees(kept["summary"]["plan"]["contact_angle_rad"])
     kept["summary"]["result"]["patches"] = [{"contact_angle_rad": 0.1}, {"contact_angle_rad": 0.3}]
-    line = sweep_table.row({}, kept)
+    line = sweep_table.row(kept)
     assert line["contact angle [deg]"] == math.degrees(0.1) and line["patches"] == 2
 
 
@@ -49,8 +49,10 @@ def test_a_row_holds_what_its_columns_say() -> None:
         "plan": {"contact_angle_rad": 17.0}, "cost": {"dofs": 15},
         "accuracy": {"bound": {key: 40.0 + i for i, key in enumerate(bounds)}},
     }  # fmt: skip
-    record = {"fault": "", "summary": summary, "wheelset": {"left contact angle [deg]": 3.0}}
-    assert sweep_table.row({"load": 16.0, "wheelset.yaw": 0.0015}, record) == {
+    over = {"load": 16.0, "wheelset.yaw": 0.0015}
+    wheelset = {"left contact angle [deg]": 3.0}
+    record = {"over": over, "fault": "", "summary": summary, "wheelset": wheelset}
+    assert sweep_table.row(record) == {
         "load [N]": 16.0, "wheelset.yaw [mrad]": 1.5,
         "checks": "passed", "p_max [MPa]": 1.0, "p_mean [MPa]": 2.0,
         "area [mm2]": 3.0, "a [mm]": 4.0, "b [mm]": 5.0, "tau_max [MPa]": 6.0,

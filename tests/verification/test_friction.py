@@ -347,7 +347,7 @@ def test_unlike_bodies_dissipate_what_slips() -> None:
     found = solved(scene)
     answer = friction(found)
     assert answer["force_along_N"] < 0 < answer["t_gamma_N"]
-    row = sweep_table.row({}, sweep_table.record(found))
+    row = sweep_table.row(sweep_table.record({}, found))
     assert row["T-gamma [N]"] == answer["t_gamma_N"]
 
 

@@ -76,7 +76,7 @@ def test_a_yawed_wheelset_pushes_the_rail_aside() -> None:
     assert {"quantity": "axle", "unit": "", "FE": "free"}.items() <= next(
         row for row in quantity_rows.rows(found, "friction") if row["quantity"] == "axle"
     ).items()
-    assert sweep_table.row({}, {"fault": "", "summary": found})["axle"] == "free"
+    assert sweep_table.row({"over": {}, "fault": "", "summary": found})["axle"] == "free"
 
 
 @pytest.mark.slow

@@ -1,0 +1,108 @@
+"""A sweep as a list of results and a table: solved (`railhead.sweep`), or read from its folder."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from mpi4py import MPI
+
+from railhead.results import result_folder
+from railhead.results.result import Result
+from railhead.scene.scene import Scene, SceneError, warn_of_units
+from railhead.sweeps import parallel, store, sweep_table
+from railhead.sweeps.grid import ParameterGrid
+
+Row = dict[str, Any]
+
+
+class Sweep(list[Result]):
+    """List of the results of all combinations that were solved, the last key changing fastest.
+
+    keys: dotted keys whose values change.
+    """
+
+    def __init__(self, folder: Path, solved: Mapping[int, Result] | None = None) -> None:
+        """folder: of the sweep. solved: results by number of the combination, in the place of those
+        of the records, which have numbers only. Raises SceneError for a broken file.
+        """
+        records = store.records(folder)
+        found = {
+            number: Result(None, record["summary"])
+            for number, record in records.items()
+            if not record["fault"]
+        }
+        super().__init__((found | dict(solved or {})).values())
+        self.keys = store.keys(folder)
+        self._rows = [sweep_table.row(each) for each in records.values()]
+
+    def rows(self) -> list[Row]:
+        """The table of `railhead sweep`: a row for each combination, cells by column header
+        (docs/sweeps.md). A combination that could not be solved has the reason in "checks".
+        """
+        return self._rows
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write the rows as comma-separated values, in UTF-8 with a byte order mark."""
+        Path(path).write_bytes(result_folder.encoded(self.rows()))
+
+    def to_dataframe(self) -> Any:
+        """The rows as a pandas.DataFrame. Raises ImportError where pandas is not installed."""
+        import pandas as pd  # type: ignore[import-untyped]
+
+        return pd.DataFrame(self.rows())
+
+
+def sweep(
+    scene: Scene,
+    over: Mapping[str, Sequence[object]] | None = None,
+    /,
+    *,
+    out: str | Path | None = None,
+    quiet: bool = False,
+    **values: Sequence[object],
+) -> Sweep:
+    """Solve a scene for every combination of values, a process a core, as `railhead sweep`.
+
+    over: lists of values by key, for keys with a dot: ``{"wheelset.shift": [0, 2]}``.
+    out: folder for the files of `railhead sweep`, which a repeated call goes on with; None: no
+        files.
+    quiet: whether no progress is shown on standard error.
+    values: lists of values by key: ``load=["25 kN", "50 kN"]``.
+    Results that this call solved have arrays; those that were in the folder have numbers. Under
+    MPI, call this on all ranks. Raises SceneError for a wrong scene or folder, before any scene is
+    solved, OSError where files cannot be written, after the others are.
+    """
+    grid = ParameterGrid.combine(scene, _lists(over, values))
+    warn_of_units(*grid.scenes)
+    comm = MPI.COMM_WORLD
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(out if out is not None else comm.bcast(temporary))
+        result_folder.check_folder(folder)
+        task = parallel.ParallelSweep(grid=grid, folder=folder, fields=True)
+        outcome = parallel.run(task, pictures=out is not None, quiet=quiet)
+        found = comm.bcast(outcome and Sweep(folder, outcome.results))
+    if outcome and outcome.failures:
+        raise OSError("\n".join(outcome.failures))
+    return found
+
+
+def _lists(
+    over: Mapping[str, Sequence[object]] | None, values: Mapping[str, Sequence[object]]
+) -> dict[str, Sequence[object]]:
+    """Lists of values by key from a mapping and from keyword arguments. Raises SceneError for
+    anything that is no mapping of keys to lists, and for a key in both.
+    """
+    if not isinstance(over or {}, Mapping):
+        raise SceneError("over", f"{over!r} is not a mapping of keys to lists of values; give one")
+    for key in (over or {}).keys() & values.keys():
+        raise SceneError(key, "is given twice; give one list of values")
+    lists = {**(over or {}), **values}
+    for key, chosen in lists.items():
+        if not isinstance(key, str):
+            raise SceneError("over", f"{key!r} is no key; give a word")
+        if isinstance(chosen, str) or not isinstance(chosen, Iterable):
+            raise SceneError(key, f"{chosen!r} is not a list of values; give one")
+    return {key: list(chosen) for key, chosen in lists.items()}

@@ -1,0 +1,67 @@
+"""The sweep of a script: side by side, as the command, and read again from its folder."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from sweep_command import rows
+
+import railhead as rh
+from railhead.meshing.mesh import MeshError
+from railhead.results import pipeline
+
+FAST = rh.find("hertz_ellipse").replace(["effects.finite_bodies=off"])
+
+
+def test_the_public_sweep_gives_the_same(swept: Path) -> None:
+    scene = rh.find("long_roller").replace(["mesh.patch_size=0.4"])
+    table = rh.sweep(scene, {"load": ["50kN", "80kN", "110kN"]}, quiet=True)
+    for row, result in zip(rows(swept)[::2], table, strict=True):
+        assert row.keys() - {"wheel.rolling_radius [mm]"} == table.rows()[0].keys()
+        assert float(row["p_max [MPa]"]) == pytest.approx(result.pressure.max, rel=1e-9)
+
+
+def test_what_cannot_be_solved_is_a_row(monkeypatch, in_this_process) -> None:
+    def failing(plan, *_):
+        raise MeshError("gmsh: no")
+
+    monkeypatch.setattr(pipeline, "solve", failing)
+    table = rh.sweep(rh.find("sphere_on_plane"), {"wheelset.yaw": [0]}, quiet=True)
+    assert list(table) == []
+    assert table.rows() == [{"wheelset.yaw [mrad]": 0.0, "checks": "NOT SOLVED: gmsh: no"}]
+
+
+def test_a_folder_keeps_the_sweep(tmp_path: Path, in_this_process) -> None:
+    """The same call solves nothing again; what it had solved has arrays, what lay there numbers."""
+    out = tmp_path / "out"
+    given = {"load": [1e4, 2e4], "wheel.rolling_radius": [420, 460]}
+    table = rh.sweep(FAST, given, out=out, quiet=True)
+    assert {"sweep.csv", "sweep.png", "records"} <= set(os.listdir(out))
+    assert table[0].findings is not None
+    (out / "records" / "00001.json").unlink()
+    again = rh.sweep(FAST, given, out=out, quiet=True)
+    assert again[1].pressure == table[1].pressure and again[1].findings is not None
+    with pytest.raises(ValueError, match="numbers only"):
+        print(again[0].findings)
+    read = rh.load(out)
+    assert isinstance(read, rh.Sweep) and read.keys == list(given)
+    assert read.rows() == again.rows() and read[3].pressure == table[3].pressure
+    for row, line in zip(read.rows(), rows(out), strict=True):
+        assert {key: "" if value is None else str(value) for key, value in row.items()} == line
+    with pytest.raises(rh.SceneError, match="holds another sweep"):
+        rh.sweep(FAST, {"load": [1e4]}, out=out, quiet=True)
+
+
+def test_a_script_needs_no_guard(tmp_path: Path) -> None:
+    """Processes of a sweep do not run the script that started them."""
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import railhead as rh\n"
+        "print('begins')\n"
+        "scene = rh.find('hertz_ellipse').replace(['effects.finite_bodies=off'])\n"
+        "print([each.load for each in rh.sweep(scene, load=[1e4, 2e4], quiet=True)])\n"
+    )
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
+    assert done.stdout == "begins\n[10000.0, 20000.0]\n", done.stderr
