@@ -50,12 +50,14 @@ class BoundaryElementSolution:
 
     @property
     def load(self) -> float:
-        """Component of all contact forces along the load's direction, N."""
+        """Component of all contact forces along the load's direction, N; the vertical load of a
+        wheel.
+        """
         return sum(window.load for window in self.windows)
 
     @property
     def force(self) -> float:
-        """Integral of the pressure over all windows, N."""
+        """Integral of the pressure over all windows, N: the normal force, at least the load."""
         return sum(window.force for window in self.windows)
 
     @property
@@ -75,8 +77,8 @@ class BoundaryElementSolution:
         return sorted(found, key=lambda patch: -patch.force)
 
     def displacement(self, x: Array, s: Array, angle: Array) -> Array:
-        """Normal displacement (n,), mm, of places x, s (n,), mm, outside of the windows. angle:
-        tilt (n,) of the normals there, rad.
+        """Normal displacement (n,), mm, of both bodies together, at places x, s (n,), mm, outside
+        of the windows. angle: tilt (n,) of the normals there, rad.
         """
         total, places = np.zeros((2, x.size)), np.column_stack([x, s])
         for window in self.windows:
@@ -103,7 +105,7 @@ def solve(
     gap: function of points x (n,), s (n,), mm; undeformed gap (n,), mm, +inf where the bodies do
         not face each other.
     contact_modulus: E*, MPa.
-    load: N; None: approach is given.
+    load: normal force, N; None: approach is given.
     approach: mm; None: load is given.
     centre: of the first domain, x and s, mm.
     half_size: of the first domain along x and s, mm.
@@ -152,8 +154,8 @@ def solve_developed(
     windows: (centre, half size) of the first domains, mm. Patches that are well apart get a domain
         of `cells` cells along each axis and displace each other.
     angle: maps s (n,) to the tilt (n,) of the surface's normal, rad, within +-pi/2.
-    load: N; None: approach is given.
-    approach: mm; None: load is given.
+    load: component of the contact force along the load's direction, N; None: approach is given.
+    approach: along the load, mm; None: load is given.
     tolerance: of the gap in the patch, over the largest displacement.
     ValueError: an argument or gap out of range, no contact, no bounded patch, no convergence.
     """

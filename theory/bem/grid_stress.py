@@ -1,5 +1,8 @@
 """Stresses below pressure and tractions given in the cells of a rectangular grid, in closed form.
 
+The body is the half-space z <= 0, z up, below the plane of x and s: that the developed surface is
+curved is left out. y stands for s in the names of components.
+
 A cell carries a constant pressure. Its potentials and their derivatives are sums of closed forms at
 its four corners (Love, Phil. Trans. R. Soc. A 228, 1929), and inner corners are shared: what counts
 at a corner is the mixed difference of the pressures around it. Lengths are in mm, stresses in MPa.
@@ -31,7 +34,7 @@ def stress(
     """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, tension positive, at points (n, 3), z <
     0, mm, below the pressure of a grid on a half-space.
 
-    traction: (2, nx, ns), MPa, along x and s on the half-space; None: none.
+    traction: (2, nx, ns), MPa, along x and s, that acts on the half-space; None: none.
     """
     total = _below_pressure(patch, poisson, points)
     if traction is not None:
@@ -139,8 +142,8 @@ def surface(patch: PatchSolution) -> Array:
 def peaks(
     patch: PatchSolution, poisson: float, traction: Array | None = None
 ) -> list[tuple[Array, float]]:
-    """Largest shear and largest von Mises stress (MPa), each with its place (3,), mm, below the
-    pressure and the tractions of a patch.
+    """Places (3,), mm, and values (MPa) of the largest shear and of the largest von Mises stress,
+    in this order, below the pressure and the tractions of a patch; arguments are those of `stress`.
 
     Each is the largest at the places of `lattice` and, with tractions, `surface`; then uphill by
     the simplex method of Nelder and Mead. A place less deep than half a cell stays, and none is led

@@ -57,12 +57,12 @@ class PatchSolution(Grid):
 
     @property
     def force(self) -> float:
-        """Integral of the pressure over the area, N."""
+        """Integral of the pressure over the developed surface, N: the normal force."""
         return self.cell * float(self.pressure.sum())
 
     @property
     def load(self) -> float:
-        """Component of the contact force along the load's direction, N."""
+        """Component of the contact force along the load's direction, N, at most the force."""
         return self.cell * float((self.pressure @ np.cos(self.angle)).sum())
 
     @property
@@ -165,7 +165,9 @@ class PatchSolution(Grid):
         return math.sqrt(5 * xx), math.sqrt(5 * ss)
 
     def separate(self) -> "list[PatchSolution]":
-        """Connected patches, a solution each. Cells that share a corner are connected."""
+        """Connected patches, a solution each with the grid, gap and approach of all. Cells that
+        share a corner are connected.
+        """
         parts, count = label(self.pressure > 0, structure=np.ones((3, 3)))
         return [
             replace(self, pressure=np.where(parts == number, self.pressure, 0.0))

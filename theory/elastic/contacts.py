@@ -16,7 +16,7 @@ Hertz = Ellipse | LineContact
 
 def half_lengths(contact: Hertz) -> tuple[float, float]:
     """Half lengths (mm) along and across the rail of the patch that a mesh must resolve: the semi-
-    axes of an ellipse; for a line contact its half width twice.
+    axes (a, b) of an ellipse; for a line contact its half width twice, never half its length.
     """
     if isinstance(contact, LineContact):
         return contact.half_width, contact.half_width
@@ -31,8 +31,8 @@ def curvature(contact: Hertz) -> float:
 
 
 def axis_stress(contact: Hertz, poisson: float, depth: ArrayLike) -> Array:
-    """Normal stresses (n, 3) along x, y and z, MPa, tension positive, at depths (n,), mm, below the
-    centre.
+    """Normal stresses (n, 3) along x (the rail), y (across it) and z, MPa, tension positive, at
+    depths (n,), mm, below the centre of the patch. ValueError: a negative depth.
     """
     room = line if isinstance(contact, LineContact) else subsurface
     return room.axis_stress(contact, poisson, depth)
@@ -40,7 +40,7 @@ def axis_stress(contact: Hertz, poisson: float, depth: ArrayLike) -> Array:
 
 def axis_extrema(contact: Hertz, poisson: float) -> AxisExtrema:
     """Largest shear stress and largest von Mises stress on the normal below the centre of the
-    patch, MPa, with their depths, mm.
+    patch, MPa, with their depths, mm, down to twice the smaller half length.
     """
     if isinstance(contact, LineContact):
         return line.axis_extrema(contact, poisson)
@@ -48,8 +48,10 @@ def axis_extrema(contact: Hertz, poisson: float) -> AxisExtrema:
 
 
 def displacement(contact: Hertz, points: Array, young: float, poisson: float) -> Array:
-    """Displacement (n, 3) of one half-space under the contact pressure, mm, at points (n, 3) with z
-    <= 0, mm; Young's modulus in MPa.
+    """Displacement (n, 3), components x, y, z (z up), of the half-space z <= 0 under the contact
+    pressure, which presses it in -z, mm, at points (n, 3), mm, from the centre of the patch.
+
+    young: Young's modulus, MPa. Zero at infinity; of a line contact zero at its datum instead.
     """
     if isinstance(contact, LineContact):
         return line.hertz_displacement(contact, points, young, poisson)

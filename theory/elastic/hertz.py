@@ -50,8 +50,8 @@ class Ellipse:
         return self.load / self.area
 
     def pressure(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
-        """Contact pressure p0 sqrt(1 - (x/a)^2 - (y/b)^2), MPa, zero outside; x, y in mm,
-        broadcast.
+        """Contact pressure p0 sqrt(1 - (x/a)^2 - (y/b)^2), MPa, zero outside; x, y in mm from the
+        centre, broadcast.
         """
         inside = 1 - (np.asarray(x) / self.a) ** 2 - (np.asarray(y) / self.b) ** 2
         return np.asarray(self.p0 * np.sqrt(np.maximum(inside, 0)))
@@ -59,9 +59,10 @@ class Ellipse:
 
 @dataclass(frozen=True)
 class Strip:
-    """Hertz line contact of two elastic bodies.
+    """Hertz line contact of two elastic bodies. y is the distance across the line from its middle,
+    whichever way the line lies on the rail.
 
-    b: half width, mm.
+    b: half width across the line, mm.
     p0: largest pressure, MPa.
     load_per_length: load per length of the line, N/mm.
     contact_modulus: E*, MPa; 1/E* is the sum of (1 - nu^2)/E of both bodies.
@@ -85,7 +86,8 @@ class Strip:
 
 
 class RelativeCurvature(NamedTuple):
-    """Relative principal curvatures of two bodies.
+    """Relative principal curvatures of two bodies. Here x is the direction of the smaller one, not
+    the rail's.
 
     curvature_x: the smaller one, along x, 1/mm.
     curvature_y: the larger one, along y, 1/mm.
@@ -133,8 +135,8 @@ def dundurs_beta(young_1: float, poisson_1: float, young_2: float, poisson_2: fl
 def point_contact(
     curvature_x: float, curvature_y: float, contact_modulus: float, load: float
 ) -> Ellipse:
-    """Hertz ellipse under a load F (N), for the gap curvature_x x^2/2 + curvature_y y^2/2
-    (curvatures in 1/mm, contact modulus E* in MPa).
+    """Hertz ellipse under a normal force F (`load`, N), for the gap curvature_x x^2/2 + curvature_y
+    y^2/2 (curvatures in 1/mm, contact modulus E* in MPa).
 
     With k = b/a the pressure p0 sqrt(1 - x^2/a^2 - y^2/b^2) flattens that gap when curvature_x =
     F/(pi E* a^3) R_D(0, k^2, 1) and curvature_y = F/(pi E* a^3) R_D(0, 1, k^2), and the approach is

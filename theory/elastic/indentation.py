@@ -1,4 +1,5 @@
-"""A sphere pressed into a flat that yields: formulas fitted to finite elements of others.
+"""A sphere and a flat pressed together, one of which yields: formulas fitted to finite elements of
+others. Below first yield they are Hertz's.
 
 Loads, approaches and radii are over those of first yield, pressures over the yield stress.
 """
@@ -16,7 +17,7 @@ HERTZIAN = 1.9  # approach up to which Jackson and Green keep Hertz
 
 @dataclass(frozen=True)
 class Indentation:
-    """A sphere pressed into a flat beyond first yield.
+    """State of a sphere and a flat under a load, below first yield or beyond it.
 
     approach: approach of the bodies, over that at first yield.
     radius: radius of the patch, over that at first yield.
@@ -36,7 +37,8 @@ def yield_pressure(nu: float) -> float:
 
 
 def jackson_green(load: float, nu: float, strain: float) -> Indentation:
-    """Approach, radius and mean pressure of an elastic-plastic sphere without hardening.
+    """Approach, radius and mean pressure of an elastic-plastic sphere without hardening; Hertz's up
+    to an approach of HERTZIAN times that of first yield.
 
     load: over the load of first yield.
     nu: Poisson's ratio.
@@ -63,13 +65,13 @@ def jackson_green(load: float, nu: float, strain: float) -> Indentation:
 
 
 def kogut_etsion(load: float, nu: float) -> Indentation:
-    """Approach, radius and mean pressure of an elastic-plastic sphere.
+    """Approach, radius and mean pressure of an elastic-plastic sphere; Hertz's up to first yield.
 
     load: over the load of first yield; nu: Poisson's ratio.
 
     Kogut and Etsion, J. Appl. Mech. 69 (2002) 657, table 1; their yield pressure is K H with K =
     0.454 + 0.41 nu and H = 2.8 times the yield stress. Valid up to 110 times the approach of first
-    yield.
+    yield, which is not checked.
     """
 
     def force(w: float) -> float:

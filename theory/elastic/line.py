@@ -30,8 +30,8 @@ class LineContact:
     length: length of the contact line, mm.
     across: whether the width of the strip runs across the rail (y) instead of along the rail (x).
     datum: depth of the points between which the approach is measured, mm, in each body.
-    approach: approach of those points, mm. Points at infinity have no finite approach in plane
-        strain.
+    approach: approach of those points, mm, which depends on the datum. Points at infinity have no
+        finite approach in plane strain.
     """
 
     strip: Strip
@@ -81,8 +81,8 @@ class LineContact:
         return 2 * self.half_width * self.length
 
     def pressure(self, x: ArrayLike, y: ArrayLike) -> Array:
-        """Contact pressure in MPa at x along and y across the rail (mm, broadcast against each
-        other), zero outside of the strip.
+        """Contact pressure in MPa at x along and y across the rail from the middle of the strip
+        (mm, broadcast against each other), zero outside of the strip and beyond its ends.
         """
         across, along = (y, x) if self.across else (x, y)
         inside = np.abs(np.asarray(along)) <= self.length / 2
@@ -99,8 +99,9 @@ def contact(
     load: float | None = None,
     approach: float | None = None,
 ) -> LineContact:
-    """Line contact under a load (N) or, where that is None, an approach (mm) of the datum points,
-    which lie one relative radius 1/curvature from the contact.
+    """Line contact under a normal force on the whole length (`load`, N) or, where that is None, an
+    approach (mm) of the datum points, which lie one relative radius 1/curvature from the contact.
+    Beside a load the approach has no effect.
 
     curvature: relative curvature across the line, 1/mm.
     moduli: Young's moduli of both bodies, MPa.
@@ -139,9 +140,10 @@ def stress(strip: Strip, poisson: float, t: ArrayLike, depth: ArrayLike) -> Arra
     """Stresses (n, 4), MPa, tension positive, in the half-plane under a strip: across the line
     (tt), normal to the surface (nn), shear (tn, n upwards) and out of plane.
 
-    t: distances across the line, mm; depth: depths, mm. With psi the logarithmic potential of the
-        pressure: nn = (psi_d - d psi_dd)/pi, tt = (psi_d + d psi_dd)/pi, tn = d psi_td/pi, psi_t -
-        i psi_d = -F(zeta), F as in the module's text (Johnson, 2.23).
+    t: distances across the line from its middle, mm; depth: depths, mm, broadcast to (n,). With psi
+        the logarithmic potential of the pressure: nn = (psi_d - d psi_dd)/pi, tt = (psi_d + d
+        psi_dd)/pi, tn = d psi_td/pi, psi_t - i psi_d = -F(zeta), F as in the module's text
+        (Johnson, 2.23).
     """
     t, depth = np.broadcast_arrays(np.asarray(t, float), np.asarray(depth, float))
     zeta, root = _coordinates(strip, t, depth)
@@ -178,7 +180,8 @@ def displacement(
 
 def hertz_displacement(contact: LineContact, points: Array, young: float, poisson: float) -> Array:
     """Displacement (n, 3), mm, components x along the rail, y across, z up, of a half-plane under a
-    line contact, at points (n, 3), z <= 0, mm. young: MPa.
+    line contact, at points (n, 3), z <= 0, mm, from the middle of the strip. young: MPa. Zero below
+    the middle at the depth of the datum; nothing depends on the place along the line.
     """
     side = 1 if contact.across else 0
     flat = displacement(

@@ -49,7 +49,7 @@ class AxisExtrema:
 
 def stress(contact: Ellipse, poisson: float, points: ArrayLike) -> Array:
     """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, of a half-space under Hertz pressure at
-    points (n, 3), z <= 0, mm, below, beside or on the patch.
+    points (n, 3), z <= 0, mm, below, beside or on the patch, from its centre; z is the height.
 
     The potentials are closed forms; the relative error is that of rounding. ValueError: a point
     above the surface, or another shape.
@@ -210,16 +210,17 @@ def _on_axis(depth: ArrayLike) -> Array:
 
 
 class EllipsoidPotential:
-    """Derivatives of the potentials psi = int p/rho dA and psi1 = int p ln(rho + z) dA at n points,
-    of the pressure p = p0 sqrt(1 - x^2/a^2 - y^2/b^2); rho is the distance.
+    """The potential psi = int p/rho dA with its derivatives, and the derivatives of psi1 = int p
+    ln(rho + z) dA, at n points, of the pressure p = p0 sqrt(1 - x^2/a^2 - y^2/b^2). rho is the
+    distance, z the depth; a may be the smaller semi-axis.
 
-    x, y, depth: coordinates of the points, (n,), mm.
-    c: a^2 - b^2, mm2.
+    x, y, depth: coordinates of the points from the centre of the patch, (n,), mm.
+    c: a^2 - b^2, mm2, negative where a < b.
     strength: pi p0 a b, N.
-    lam: parameter lambda of the confocal ellipsoid through each point, (n,), mm2.
+    lam: parameter lambda of the confocal ellipsoid through each point, (n,), mm2; 0 on the patch.
     A, B: a^2 + lambda and b^2 + lambda, (n,), mm2.
     root_AB: sqrt(A B), (n,), mm2.
-    s: depth/sqrt(lambda); p/p0 inside the patch, (n,).
+    s: depth/sqrt(lambda), (n,): p/p0 on the patch, 0 on the surface beside it.
     """
 
     def __init__(self, a: float, b: float, p0: float, x: Array, y: Array, depth: Array) -> None:

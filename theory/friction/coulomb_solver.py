@@ -1,7 +1,8 @@
 """Coulomb's law in the cells of a patch: |q| <= g everywhere, and q = g s/|s| where they slip,
 with a slip s = w - C q that the tractions q reduce through an influence C.
 
-CoulombSolver are in MPa, slips in mm or, rolling, per rolled length.
+Slips are those of the wheel over the rail, in mm or, rolling, per rolled length; tractions are
+those of the wheel on the rail, in MPa. Components are along x and y.
 """
 
 from __future__ import annotations
@@ -37,7 +38,8 @@ class CoulombSolver:
         self._line = self._step * influence.line[:, cells[:, None] - cells]  # (2, nx, nx)
 
     def solve(self, slip: Array, tolerance: float, guess: Array | None = None) -> Array:
-        """Tractions q (2, nx, ny), MPa, for the slip w (2, nx, ny) of surfaces without tractions.
+        """Tractions q (2, nx, ny), MPa, zero outside of the patch, for the slip w (2, nx, ny) of
+        surfaces without tractions.
 
         A semismooth Newton method on q = P(z), z = q + r (w - C q), where P projects onto discs of
         radius g and r is a stiffness (Alart and Curnier 1991). The iteration starts from `guess` or

@@ -49,8 +49,9 @@ class Coefficients:
     def forces(
         self, a: float, b: float, shear_modulus: float, creepage: Creepage
     ) -> tuple[float, float, float]:
-        """Forces F_x, F_y (N) of the wheel on the rail and moment M_z (N mm) at a creepage. a, b:
-        semi-axes along and across, mm; shear_modulus: G of the pair, MPa.
+        """Forces F_x, F_y (N) and moment M_z (N mm) about the centre of the ellipse, of the wheel
+        on the rail, at a creepage; no bound by friction. a, b: semi-axes along and across, mm;
+        shear_modulus: G of the pair, MPa.
         """
         c = math.sqrt(a * b)
         along, across, spin = creepage.along, creepage.across, c * creepage.spin
@@ -155,7 +156,7 @@ class FastsimForces(NamedTuple):
 
     along: force of the wheel on the rail along the rolling direction, N.
     across: force of the wheel on the rail across, N.
-    moment: about the normal, N mm.
+    moment: of the wheel on the rail about the normal at the centre of the ellipse, N mm.
     stick_share: share of the patch's area that sticks, 0 to 1.
     """
 
@@ -177,7 +178,7 @@ def fastsim(
     """Forces of a rolling ellipse at a creepage by Kalker's simplified theory.
 
     a, b: semi-axes along and across, mm.
-    limit: friction coefficient times load, N.
+    limit: friction coefficient times normal force, N.
     shear_modulus: G of the pair, MPa.
     linear: Kalker's linear coefficients of the ellipse.
     creepage: creepages and spin (1/mm).

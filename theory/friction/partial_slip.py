@@ -26,9 +26,10 @@ from railhead.theory.elastic.hertz import Strip
 class Carter:
     """Carter's rolling strip: the part from the leading edge x = w to x = w - 2c sticks.
 
-    strip: half width w, pressure and curvature.
+    strip: half width w, pressure and curvature; its width runs along x, the rail.
     friction: coefficient mu.
-    share: tangential force over mu times load, -1 to 1. ValueError: outside of that range.
+    share: force of the wheel on the rail along x over mu times normal force, -1 to 1. ValueError:
+        outside of that range.
     """
 
     strip: Strip
@@ -51,7 +52,8 @@ class Carter:
     @property
     def creepage(self) -> float:
         """Creepage mu w/R (1 - c/w) with the force's sign, R relative radius, w half width, c half
-        width that sticks. At full slip mu w/R, the smallest creepage of full slip.
+        width that sticks. At full slip mu w/R, the smallest creepage of full slip, even where
+        `from_creepage` was given a larger one.
         """
         full = self.friction * self.strip.b * self.strip.curvature
         return math.copysign(full * self.stick_centre / self.strip.b, self.share)
@@ -67,8 +69,9 @@ class Carter:
         return self.strip.b - self.stick_half_width
 
     def traction(self, x: ArrayLike) -> NDArray[np.float64]:
-        """Traction mu p0 (sqrt(1 - x^2/w^2) - c/w sqrt(1 - (x - w + c)^2/c^2)), MPa, at x (mm),
-        with the force's sign; c is the half width that sticks.
+        """Traction of the wheel on the rail mu p0 (sqrt(1 - x^2/w^2) - c/w sqrt(1 - (x - w +
+        c)^2/c^2)), MPa, at x (mm), with the force's sign; c is the half width that sticks. Zero
+        outside of the strip.
         """
         beyond = self.stick_half_width**2 - (np.asarray(x) - self.stick_centre) ** 2
         stuck = self.strip.p0 / self.strip.b * np.sqrt(np.maximum(beyond, 0))
@@ -100,7 +103,7 @@ class CattaneoMindlin:
     """A Hertz ellipse under a tangential force without rolling: an inner ellipse sticks, the rest
     slips.
 
-    limit: largest tangential force, friction coefficient times load, N.
+    limit: largest tangential force, friction coefficient times normal force, N.
     compliance: tangential approach over force where the whole patch sticks, mm/N.
     """
 
@@ -133,7 +136,8 @@ class CattaneoMindlin:
 
 def strip_stick_ratio(share: float) -> float:
     """Half width that sticks over the half width of a strip: sqrt(1 - share), share = Q/mu P (Q
-    tangential force, P load). ValueError: the share is outside 0..1.
+    tangential force, P normal force), of a shift (Cattaneo) and of rolling (Carter). ValueError:
+    the share is outside 0..1.
     """
     if not 0 <= share <= 1:
         raise ValueError(f"the share of mu P must be within 0..1, got {share}")

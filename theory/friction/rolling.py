@@ -66,11 +66,12 @@ class TangentialSolution:
     x: cell centres along the rail, (nx,), mm.
     y: cell centres across, (ny,), mm.
     modes: rigid slip along x and y, (4, 2, nx, ny): of unit creepage along, unit creepage across,
-        unit spin, and the fixed mode (zero in a plane).
+        unit spin, and the fixed mode (zero in a plane); all zero outside of the patch.
     bound: largest traction that friction allows, mu p, (nx, ny), MPa.
     creepage: the rigid motion.
     traction: of the wheel on the rail along x and y, (2, nx, ny), MPa.
-    slip: of the wheel over the rail, (2, nx, ny); dimensionless in rolling, mm of a shift.
+    slip: of the wheel over the rail, (2, nx, ny); dimensionless in rolling, mm of a shift. It is
+        zero to the tolerance where cells stick, and zero outside of the patch.
     steps: number of Newton's steps that found the tractions.
     """
 
@@ -85,7 +86,9 @@ class TangentialSolution:
 
     @property
     def forces(self) -> tuple[float, float, float]:
-        """Forces of the wheel on the rail (along, across, N) and moment about the normal (N mm)."""
+        """Forces of the wheel on the rail (along, across, N) and moment about the normal at the
+        place of the spin (N mm), as works on the modes.
+        """
         along, across, moment, _ = self._works
         return float(along), float(across), float(moment)
 
@@ -106,7 +109,9 @@ class TangentialSolution:
 
     @property
     def sticks(self) -> NDArray[np.bool_]:
-        """Whether a cell sticks (nx, ny): its traction is below the bound by more than 1e-6."""
+        """Whether a cell sticks (nx, ny): its traction is below the bound by more than 1e-6 of it;
+        False outside of the patch.
+        """
         return np.linalg.norm(self.traction, axis=0) < (1 - STUCK) * self.bound
 
     @property
@@ -122,8 +127,10 @@ class TangentialSolution:
 
     @property
     def t_gamma(self) -> float:
-        """Energy dissipated per rolled length (N), of bodies of the same material: the work of the
-        tractions on the rigid slip. Bodies of different materials also slip without creepage."""
+        """Energy dissipated per rolled length (N), of bodies of the same material that roll: the
+        work of the tractions on the rigid slip. Bodies of different materials also slip without
+        creepage, which is not in it; of a shift it is no energy.
+        """
         return float(self._works @ self.creepage.motion)
 
 
@@ -256,10 +263,13 @@ def solve_dissimilar(
     patch: the same contact without friction.
     pair: materials.
     friction: coefficient.
-    shear: solves for the tractions at a fixed pressure, e.g. `HalfSpaceFriction.solve`.
+    shear: solves for the tractions of the body that it is given, at that body's pressure, e.g.
+        `lambda body: body.solve(creepage)`.
     rolling: steady rolling; else one shift that begins from the pressed patch.
     modes: rigid slip (4, 2, nx, ny) of unit creepages, unit spin and the fixed mode; None: a plane.
-    The contact modulus is G/(1 - nu) of the pair. ValueError: no convergence in 40 turns.
+    The load along its direction stays that of `patch`. The contact modulus is G/(1 - nu) of the
+    pair. Where the pair has no mismatch the pressure stays, too. ValueError: no convergence in 40
+    turns.
     """
     modulus = pair.shear_modulus / (1 - pair.poisson)
     influence = TractionInfluence(patch.x, patch.s, pair, rolling=False)

@@ -53,8 +53,9 @@ def shakedown_limit(friction: float, poisson: float, used: float | None = None) 
 
 
 def surface_limit(friction: float, poisson: float, stick: float = 0.0) -> float:
-    """Largest p0/k for which the surface alone shakes down (Melan, von Mises). stick: half width
-    that sticks over half width of the patch; 0 is full slip.
+    """Largest p0/k for which the surface of a line contact alone shakes down (Melan, von Mises).
+    friction: coefficient; poisson: Poisson's ratio; stick: half width that sticks over half width
+    of the patch in steady rolling; 0 is full slip.
     """
     wave = -np.cos(np.linspace(0.0, math.pi, PLACES))
     beside = np.linspace(1.0, 3.0, PLACES)

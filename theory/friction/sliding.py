@@ -1,7 +1,8 @@
 """Stresses below a Hertz contact that slides: under a pressure p and a traction mu p at once.
 
-The body is the half-space z <= 0, dragged along +x; tension is positive. Lengths in mm, stresses in
-MPa. Known closed forms: Hamilton and Goodman 1966, Hamilton 1983 (circle), Sackfield and Hills 1983
+The body is the half-space z <= 0, dragged along +x; tension is positive. The origin is the centre
+of the patch; x runs along the rail, y across it, z out of the body. Lengths in mm, stresses in MPa.
+Known closed forms: Hamilton and Goodman 1966, Hamilton 1983 (circle), Sackfield and Hills 1983
 (ellipse), Johnson, Contact Mechanics, 7.1 (strip).
 """
 
@@ -30,7 +31,7 @@ class PeakStress:
     """Largest von Mises stress in the plane y = 0.
 
     von_mises: MPa.
-    x: place along the rolling direction, mm.
+    x: place along the direction of the drag, from the centre of the patch, mm.
     depth: below the surface, mm.
     """
 
@@ -40,8 +41,9 @@ class PeakStress:
 
 
 def stress(contact: Hertz, friction: float, poisson: float, points: ArrayLike) -> Array:
-    """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, at points (n, 3), z <= 0, mm, under
-    Hertz's pressure p and a traction friction * p along +x.
+    """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, at points (n, 3), mm, of the half-space z
+    <= 0 under Hertz's pressure p and a traction friction * p that acts on it along +x. Points and
+    components are in the axes of the module, from the centre of the patch at its surface.
 
     The pressure is a sum of plane waves, and a wave of pressure and traction needs only plane
     strain and shear out of its plane. Of the waves of one direction e, those of all lengths add up
@@ -74,7 +76,7 @@ def stress(contact: Hertz, friction: float, poisson: float, points: ArrayLike) -
 
 def peak_below_surface(contact: Hertz, friction: float, poisson: float) -> PeakStress:
     """Largest von Mises stress, to 1e-4, in the plane along x through the middle of the patch,
-    between depths of 0.1 and 1.5 times the smaller half length.
+    between depths of 0.1 and 1.5 times the smaller half length; of a line contact its half width.
     """
     depth = min(half_lengths(contact))
     return _highest(contact, friction, poisson, (0.1 * depth, 1.5 * depth))

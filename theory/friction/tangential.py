@@ -69,8 +69,8 @@ def pair(
 
 
 class TractionInfluence:
-    """Map from tractions (2, nx, ny), MPa, to the reduction of the slip (2, nx, ny); components
-    along x and y.
+    """Map from tractions (2, nx, ny) of the wheel on the rail, MPa, to the reduction (2, nx, ny) of
+    the slip of the wheel over the rail; components along x and y in a plane.
 
     Slips are in mm or, in rolling along +x, per rolled length: upstream differences of second order
     over half a cell, -du/dx = (3 u(x) - 4 u(x + d/2) + u(x + d))/d, which dissipate. Cerruti: a

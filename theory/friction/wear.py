@@ -31,7 +31,7 @@ def flash_temperature(
 ) -> float:
     """Largest rise of the surface temperature, K: 1.13 (q/2) sqrt(2 a/v)/sqrt(k rho c), q the mean
     heat flux on the longest line of the patch along the rail, k rho c the thermal constants of
-    steel.
+    steel. It holds for one patch.
 
     dissipated: energy per rolled length, N.
     area: of the patch, mm2.
