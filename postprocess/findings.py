@@ -91,8 +91,9 @@ class Surface:
 
 @dataclass(frozen=True, kw_only=True)
 class OnePatch:
-    """One separate contact patch, in its own tangent plane. A patch that a symmetry plane cuts is
-    whole; one beside a symmetry plane is without its image.
+    """One separate contact patch, in its own tangent plane; a single patch of finite elements has
+    its lengths and area in the contact frame. A patch that a symmetry plane cuts is whole; one
+    beside a symmetry plane is without its image.
 
     centre (3,): centre of pressure in space, mm.
     angle: contact angle of the tangent plane, rad.
@@ -167,7 +168,8 @@ class Peak:
     value: MPa.
     depth: below the contact surface, mm.
     place: in space, mm; None where it is not known.
-    rivals: depths (mm) of local maxima whose values are within RIVAL (relative) of the largest.
+    rivals: depths (mm) of local maxima whose values are within RIVAL (relative) of the largest, its
+        own included; empty where none were searched.
     """
 
     value: float

@@ -397,7 +397,9 @@ class ContactSystem:
 
     @cached_property
     def preconditioner(self) -> Preconditioner:
-        """Preconditioner of the elastic problem, kept from one load case to the next."""
+        """Preconditioner of the elastic problem, kept from one load case to the next. Once linear
+        solves failed with it, a factorisation takes its place.
+        """
         return self.new_preconditioner(self.problem)
 
     def new_preconditioner(self, problem: ContactProblem) -> Preconditioner:

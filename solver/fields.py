@@ -64,7 +64,8 @@ class Fields:
     contact: values at the contact points.
     kinematics: meaning of the mesh coordinates: a solid, plane strain, or a section that is
         revolved.
-    plastic_strain: plastic strain in the cells; None where no body yields.
+    plastic_strain: plastic strain in all m cells, zero where it is not followed; None where no body
+        yields.
     master_surface: gap at the nodes of the other contact surface that face the slave; None where
         that body is rigid.
     """

@@ -56,9 +56,10 @@ class FrictionSolution:
     """Tangential tractions and slip at n contact points of all ranks, at the last load step; the
     same on all ranks. Vectors are in space.
 
-    The points are quadrature points of the slave or cells of a grid, of the meshed part alone.
-    Slip, motion and creepage are those of the wheel over the rail. A shift has slip in mm. Steady
-    rolling has slip over rolled distance, without dimension.
+    The points are quadrature points of the slave or cells of a grid over the patches; of a model
+    cut at symmetry planes those of the meshed part alone. Slip, motion and creepage are those of
+    the wheel over the rail. A shift has slip in mm. Steady rolling has slip over rolled distance,
+    without dimension.
 
     points: position (n, 3), mm.
     weights: area of each point (n,) in the whole model, mm2.
@@ -112,7 +113,7 @@ class Solution:
 
     displacement: displacement at the dofs that this process owns, in the order of `bulk.space`, mm;
         None after pickling.
-    pressure: contact pressure (n,), MPa.
+    pressure: contact pressure (n,), MPa, never negative.
     indicator: pressure before its negative part is set to zero (n,), MPa; positive on the active
         set.
     approach: rigid displacement of the hub, or of a rigid moving body, along the direction of the
@@ -121,7 +122,7 @@ class Solution:
         N. At an inclined contact it is not the normal force.
     reaction: force against that direction by which the support holds the fixed body, N; where that
         body is rigid, force along the direction by which the hub pushes. Without further forces it
-        equals `load` at equilibrium.
+        equals `load` at equilibrium. Zero where symmetry planes alone hold the fixed body.
     penetration: largest overlap of the deformed surfaces at the contact points of all ranks, mm, at
         least zero.
     newton: result of Newton's method in the last load step, or in the step that failed; its

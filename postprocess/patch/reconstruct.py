@@ -55,7 +55,8 @@ class Samples:
     """Contact points with pressure of a whole patch, mirror images included, in its tangent plane.
 
     x, s (k,): coordinates, mm; of a section x is 0 and s the coordinate along the section.
-    force (k,): pressure times the area of each point, projected to the plane, N.
+    force (k,): pressure times the area of each point, projected to the plane, N; of a meridian
+        section half of the circle's on either side of the axis.
     pressure (k,): MPa.
     size (k,): size of the element of each point, mm.
     even: whether the patch is symmetric about x = 0.

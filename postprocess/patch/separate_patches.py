@@ -105,9 +105,9 @@ def _part(fields: Fields, members: NDArray[np.bool_], force: Array) -> SeparateP
     )
 
 
-def _reaches(points: Array, plane: tuple[float, float, float]) -> bool:
-    """Whether a symmetry plane through the origin, given by its normal, touches the patch: the
-    nearest of its points (n, 3) is nearer to the plane than 0.2 times the farthest.
+def _reaches(points: Array, normal: tuple[float, float, float]) -> bool:
+    """Whether the symmetry plane through the origin with this unit normal touches the patch: the
+    nearest of its points (n, 3) in space is nearer to the plane than 0.2 times the farthest.
     """
-    distance = np.abs(points @ np.array(plane))
+    distance = np.abs(points @ np.array(normal))
     return bool(distance.min() < 0.2 * distance.max())

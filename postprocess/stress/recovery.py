@@ -125,10 +125,11 @@ def stress_at(fields: Fields, points: Array, body: str | None = None) -> Array:
     of the undeformed bodies, mm. NaN outside, that is farther than OUTSIDE radii of the nearest
     cell from its middle; nearer points beyond the surface have extrapolated stresses. Where a
     symmetry plane cut the model, the half that was left out is there as well. A plane section has
-    the stress of its plane at every point, a meridian section is turned to the point.
+    the stress of its plane at every point. A meridian section has that at the point's distance from
+    the axis z and height, turned into global axes.
 
     body: "rail" or "wheel"; None: for each point the body with the nearer cell.
-    ValueError: points of another shape or not finite, or another body.
+    ValueError: points of another shape or not finite, or a body that is rigid or unknown.
     """
     points = np.asarray(points, dtype=float)
     if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():

@@ -200,8 +200,8 @@ def solve(
     rhs: right-hand side in the free unknowns, N.
     out: vector for the solution.
     rtol: tolerance of the residual, relative to the norm of the right-hand side.
-    enough: x -> residual (N) that suffices at x, for conjugate gradients; None: `rtol` alone
-        decides.
+    enough: x -> norm of the residual (N) that suffices at x, up to LARGEST_RESIDUAL of the right-
+        hand side. Without effect where the tangent is not symmetric; None: `rtol` alone decides.
     Raises StalledError where the tangent is not positive definite, or where even a preconditioner
     for exactly these points does not converge.
     """

@@ -84,9 +84,9 @@ class FrictionHistory:
         self.newton_steps = 0
 
     def solve(self) -> Solution:
-        """Solution after all load steps, or after the first that does not converge; its result of
-        Newton's method says which (collective). Its field `reference` is the frictionless solution,
-        and its load includes what tractions on inclined surfaces carry.
+        """Solution after all load steps, or after the first that does not converge; its field
+        `newton` says whether all converged (collective). Its field `reference` is the frictionless
+        solution, and its load includes what tractions on inclined surfaces carry.
         """
         solution = self.pressed
         for load_share, force_share in self.settings.load_steps:

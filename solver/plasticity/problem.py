@@ -122,7 +122,8 @@ class _PlasticTangent(Tangent):
 @dataclass
 class PlasticProblem(ContactProblem):
     """Contact problem of bodies that yield, at one load step. The other fields are those of
-    `ContactProblem`.
+    `ContactProblem`. The assembled tangent and the diagonal, which preconditioners use, leave yield
+    out; the products of the tangent have it.
 
     bulk: Gauss points of the bodies that yield.
     surface: the n contact points; no group of them yields where the slave stays elastic.

@@ -147,8 +147,8 @@ class CellSet:
 
     def divergence(self, index: Index, points: Array) -> Array:
         """Trace of the strain of each basis function and component (n, d, c), 1/mm, at reference
-        points (n, c) of the cells with these numbers (n,). With mean dilatation it is its mean
-        over the cell.
+        points (n, c) of the cells with these numbers (n,). With mean dilatation it is that at the
+        centroid or, in a meridian section, its mean over the cell.
         """
         if self.kinematics.averaged:
             return self._mean_divergence[index]
@@ -164,7 +164,7 @@ class CellSet:
 
         The m components are in Mandel's notation. In a solid they are 11, 22, 33 and sqrt(2) times
         23, 13, 12. In a section they are 11, 22, the component normal to the section, and sqrt(2)
-        times 12.
+        times 12. Mean dilatation is not applied: their trace is that at the point.
         """
         value, gradient = self.basis(index, points)
         dim, shears = self.kinematics.dim, self.kinematics.shears

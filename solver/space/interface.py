@@ -129,8 +129,8 @@ class Interface:
     weights: area of each point (n,) in the meshed part, mm2, see `FacetSet.quadrature`.
     initial_gap: exact initial gap g0 (n,) along the normals, mm.
     normals: (n, c) outward unit normals of the slave's exact surface.
-    trace_bound: smallest stable parameter of Nitsche's method (n,), MPa/mm, from the cell of each
-        point, see the function `trace_bound`.
+    trace_bound: smallest stable parameter of Nitsche's method (n,), MPa/mm, of the cell of each
+        point by itself, see the functions `trace_bound` and `stiffness_bound`.
     layered: whether the cells are hexahedra or quadrilaterals, which lie in layers.
     facet: number of the slave's facet that each point lies on (n,).
     xi: coordinates of each point in its reference facet (n, c - 1).

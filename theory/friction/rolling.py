@@ -300,13 +300,14 @@ def solve_for_forces(
 ) -> list[TangentialSolution]:
     """Tractions of patches that share one rigid motion and together carry prescribed forces.
 
-    along, across: prescribed force of all patches, N; None where the creepage is prescribed.
-    creepage: prescribed motion; where a force is prescribed, its component is an unknown.
+    along, across: prescribed force of the wheel on the rail, all patches together, N; None where
+        the creepage is prescribed.
+    creepage: prescribed motion; where a force is prescribed, its component is an unknown, and the
+        value given has no effect.
     start: solutions of similar patches with the same forces, at whose motion Newton's method
         begins; None: no motion, where all sticks.
-    The forces are met to 1e-6 mu N. The force is concave in its
-    creepage, and a step that does not reduce the residual is halved. ValueError: forces of mu N or
-    more, or no convergence.
+    The forces are met to 1e-6 mu N. The force is concave in its creepage, and a step that does not
+    reduce the residual is halved. ValueError: forces of mu N or more, or no convergence.
     """
     goals = {k: force for k, force in enumerate((along, across)) if force is not None}
     free, target = list(goals), np.array(list(goals.values()))

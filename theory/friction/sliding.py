@@ -28,7 +28,8 @@ SURFACE = 1e-14  # depth over the half width that tells the sides of a cut
 
 @dataclass(frozen=True)
 class PeakStress:
-    """Largest von Mises stress in the plane y = 0.
+    """Largest von Mises stress in the plane y = 0; of a strip across the rail that is the plane
+    along its line, through the middle.
 
     von_mises: MPa.
     x: place along the direction of the drag, from the centre of the patch, mm.

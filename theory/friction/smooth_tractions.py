@@ -66,7 +66,8 @@ class SmoothTractions:
 
     def coefficients(self, x: Array, y: Array, traction: Array) -> Array:
         """Coefficients (3, 2) of the smooth traction that has the moments of a traction (2, nx, ny)
-        in the cells x (nx,), y (ny,): of P, by component; in the unit of the traction.
+        in the cells of another grid x (nx,), y (ny,), mm: of P, by component; in the unit of the
+        traction.
         """
         cell = (x[1] - x[0]) * (y[1] - y[0])
         linear = self._basis(x, y)[:LINEAR]
@@ -75,7 +76,7 @@ class SmoothTractions:
 
     def read(self, field: Array, *, derivative: bool) -> Array:
         """Coefficients (10, 2) of e in span Q, by component, read from a field d (2, nx, ny) in the
-        cells; derivative: e is dd/dx, else d.
+        cells of this grid; derivative: e is dd/dx, else d.
         """
         tests = -self._slopes if derivative else self._tests
         moments = self.cell * np.einsum("iab,kab->ik", tests, field)

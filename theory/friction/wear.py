@@ -21,7 +21,8 @@ MIDDLE = 3 * math.pi / 8  # of an ellipse: mean flux on its longest line over th
 
 def regime(value: float, limits: tuple[float, float]) -> str:
     """Wear regime ("mild", "severe" or "catastrophic") of a value of T-gamma, or of T-gamma over
-    area. limits: the two values between the regimes, ascending, in the unit of `value`.
+    area. limits: the two values between the regimes, ascending, in the unit of `value`; each
+    belongs to the regime above it.
     """
     return REGIMES[sum(value >= limit for limit in limits)]
 
