@@ -247,7 +247,7 @@ def _exact_stresses(contact: Hertz, poisson: Mapping[str, float], frame: Frame) 
 
 def exact_largest(contact: Hertz, body: str, poisson: float, frame: Frame) -> Largest:
     """Largest shear and von Mises stress of an exact Hertz contact, on the axis in the body with
-    this name and Poisson's ratio.
+    this name and Poisson's ratio. frame: axes at the centre of the patch, for places in space.
     """
     found = contacts.axis_extrema(contact, poisson)
     tau, mises = (

@@ -180,8 +180,8 @@ def with_tractions(
     friction: FrictionSolution,
 ) -> Findings:
     """Findings with stresses, largest ones and those on depth axes, by pressure and tractions
-    together; all else stays. windows, points, poisson, tractions: as in `largest`. friction: the
-    solution with these tractions.
+    together, and the error of the largest ones at the border of stick; all else stays. windows,
+    points, poisson, tractions: as in `largest`. friction: the solution with these tractions.
     """
     parts = [part for window in windows for part in window.separate()]
     parts = sorted(parts, key=lambda part: -part.force)[: 1 + len(found.also)]

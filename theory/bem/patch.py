@@ -20,7 +20,8 @@ class Grid:
 
     x: cell centres along the rail, (nx,), evenly spaced, mm.
     s: cell centres across the rail on the developed surface, (ns,), evenly spaced, mm.
-    angle: tilt of the surface's normal from the load at s, (ns,), rad.
+    angle: tilt of the surface's normal from the load at s, (ns,), rad: the contact angle, positive
+        where the surface rises with s.
     """
 
     x: Array

@@ -1,4 +1,5 @@
-"""Displacements of the elastic half-space z <= 0 under a load that presses it in -z.
+"""Displacements of the elastic half-space z <= 0 under a load that presses it in -z or a tangential
+force, and what bodies that end add to them.
 
 Points are (n, 3) in mm, displacements (n, 3) in mm with the components x, y, z (z up), and zero at
 infinity. An infinite Young's modulus gives no displacement.

@@ -1,1 +1,1 @@
-"""Closed forms and limits with friction: Cattaneo, Carter, Kalker, FASTSIM, shakedown, heat."""
+"""Friction of half-spaces: closed forms, boundary elements, FASTSIM, shakedown, wear and heat."""
