@@ -316,8 +316,9 @@ class ContactSystem:
 
     @cached_property
     def _translations(self) -> list[PETSc.Vec]:
-        """Unit translation along the approach of each body in the free unknowns; supports stay. A
-        rigid body moves by the approach, and has none where the approach is prescribed.
+        """Unit translation along the approach of each body in the free unknowns. Fixed faces stay;
+        a hub moves with its body where the approach is unknown, else it stays. A rigid moving body
+        moves by the approach, and has none where the approach is prescribed.
         """
         space, reduction = self.bulk.space, self.reduction
         motions = []

@@ -228,8 +228,10 @@ def smooth_square(
 
     Up to a shape error of ELLIPTIC p^2 is that of Hertz's ellipsoid. From HERTZIAN on it is
     reconstructed from the moments of the pressure. Between the two it is their weighted mean.
-    elliptic: function that gives the ellipsoid's centre (x, s) and semi-axes, mm, its largest
-    pressure, MPa, and its uncertainties. measure: function that measures the extents of a p^2.
+    given: contact points with pressure. shape_error: relative deviation of the moments from those
+    of Hertz's pressure. elliptic: function that gives the ellipsoid's centre (x, s) and semi-axes,
+    mm, its largest pressure, MPa, and its uncertainties. measure: function that measures the
+    extents of a p^2. Uncertainties are those of the reading, not of the mesh.
     """
     share = general_shape_share(shape_error)
     square, scatter = zero_squared_pressure(given), dict.fromkeys(MEASURES, 0.0)

@@ -199,7 +199,7 @@ def _outlines(spans: list[tuple[float, float]], axis: int, length: float | None)
     (axis 1).
 
     length: of the contact along the other axis, mm; None for circles about the origin, whose radii
-        are the ends of the intervals.
+        are the upper ends of the intervals.
     """
     if length is None:
         angle = np.linspace(0, 2 * np.pi, 181)
