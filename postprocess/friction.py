@@ -111,8 +111,8 @@ def quantities(
     found: the solution. rolling: whether the wheel rolls. like: whether a pressure moves the
         surfaces of both bodies alike, as with equal elastic constants. speed: m/s, or None. cycle:
         whether loads form a cycle. patches (k, 3): centres of the patches in space, mm, or None.
-    Always: forces along and across and the moment of the wheel on the rail, the limit mu N, the
-        rigid motion of the wheel, the share of the area that sticks, the largest traction, and
+    Always: forces along and across and the moment of the wheel on the rail; the limit mu N; the
+        rigid motion of the wheel; the share of the area that sticks; the largest traction; and
         numbers of iterations.
     Rolling: T-gamma, the energy dissipated per rolled length, N. It is the integral of traction
         times rigid slip. Of unlike bodies, which creep without a force, it is that of traction

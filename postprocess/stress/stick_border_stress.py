@@ -27,7 +27,7 @@ def stresses(
     fields: Fields, solid: Solid, recovery: Recovery, rubbing: FrictionSolution
 ) -> tuple[Array, Array]:
     """Places (n, 3) on the surface of one body at the border of stick and slip, mm, and stresses
-    (n, 6) there, MPa, components xx, yy, zz, xy, xz, yz in global axes, tension positive. The
+    (n, 6) there, MPa. Components are xx, yy, zz, xy, xz, yz in global axes, tension positive. The
     places are contact points that slip beside facets that stick.
 
     solid: cells of the body. recovery: stresses at their Gauss points. rubbing: solution with

@@ -153,9 +153,9 @@ class SurfaceResponse:
         return interface.slave.mean_edge(touched, self.system.comm)
 
     def at(self, places: Array, normal: Array, mirrors: tuple[Array, ...]) -> SurfacePoints:
-        """Points of the surfaces at places (n, 3) in space, mm, near the slave, from which a unit
-        normal (3,) is followed to the slave and the slave's own normal to the other body
-        (collective).
+        """Points of the surfaces at places (n, 3) in space, mm, near the slave (collective). From a
+        place the unit normal (3,) is followed to the slave, from there the slave's own normal to
+        the other body.
 
         mirrors: unit normals (3,) of the symmetry planes through the origin that the patch meets;
             places behind one have the mirrored displacement of those before it.

@@ -82,7 +82,7 @@ class LineContact:
 
     def pressure(self, x: ArrayLike, y: ArrayLike) -> Array:
         """Contact pressure in MPa at x along and y across the rail from the middle of the strip
-        (mm, broadcast against each other), zero outside of the strip and beyond its ends.
+        (mm, broadcast against each other). Zero outside of the strip and beyond its ends.
         """
         across, along = (y, x) if self.across else (x, y)
         inside = np.abs(np.asarray(along)) <= self.length / 2
@@ -100,7 +100,7 @@ def contact(
     approach: float | None = None,
 ) -> LineContact:
     """Line contact under a normal force on the whole length (`load`, N) or, where that is None, an
-    approach (mm) of the datum points, which lie one relative radius 1/curvature from the contact.
+    approach (mm) of the datum points. These lie one relative radius 1/curvature from the contact.
     Beside a load the approach has no effect.
 
     curvature: relative curvature across the line, 1/mm.

@@ -50,7 +50,7 @@ def new_figure(
     path: Path | None, width: float, height: float, of: Findings | str = ""
 ) -> Iterator[Figure]:
     """Context manager: a matplotlib figure of width by height inches, to which title and notes are
-    added, drawn by the Agg backend and saved as PNG at the end if `path` is given.
+    added. The Agg backend draws it; at the end it is saved as PNG if `path` is given.
 
     of: findings, whose title is written above the figure and whose notes below; or a title alone.
         In both `$` is a plain character.
