@@ -295,7 +295,7 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
 @_force
 @click.option("--resume", is_flag=True, help="Refuse a folder that holds no part of this sweep.")
 @click.option("--vtu", is_flag=True, help="Write .vtu files of each combination, for ParaView.")
-@click.option("--no-pictures", is_flag=True, help="Write no PNG files.")
+@click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html.")
 @click.option("--quiet", is_flag=True, help="Print only what fails.")
 def sweep(
     scene: Scene,

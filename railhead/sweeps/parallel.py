@@ -23,7 +23,7 @@ from railhead.run import process, refinement
 from railhead.run.progress import Progress
 from railhead.scene.catalogue import copy_files, places, portable
 from railhead.scene.scene import Scene, SceneError
-from railhead.sweeps import runner, store, sweep_table, worker_pool
+from railhead.sweeps import runner, store, sweep_report, sweep_table, worker_pool
 from railhead.sweeps.grid import ParameterGrid, column
 
 Row = dict[str, Any]
@@ -270,14 +270,14 @@ def _write(
             if text == sweep_table.PASSED
         }
         vtu.series(files, folder / f"{name}.pvd")
-    for name in store.PICTURES:
+    for name in (*store.PICTURES, sweep_report.NAME):
         (folder / name).unlink(missing_ok=True)
     columns = [column(key) for key in grid.keys]
     if grid.listed and len(columns) > 1:
         columns = ["combination"]
         table = [{**row, "combination": number} for number, row in enumerate(table, 1)]
+    title = f"sweep of {grid.scenes[0].name} over {' and '.join(grid.keys)}"
     if pictures and 1 <= len(columns) <= 2:
-        title = f"sweep of {grid.scenes[0].name} over {' and '.join(grid.keys)}"
         outlines: list[Any] = [
             store.read(folder, number).get("outlines", []) if number in done else []
             for number in status
@@ -289,6 +289,10 @@ def _write(
                 draw(columns, table, path=folder / name, y=y_label, title=title)
     with result_folder.attempt(failures, folder, folder):
         result_folder.stamp(folder)
+    if pictures:
+        keys = [column(key) for key in grid.keys]
+        with result_folder.attempt(failures, folder / sweep_report.NAME, folder):
+            sweep_report.write(title, grid.scenes, keys, outcome.rows, folder, store.PICTURES)
     return outcome
 
 

@@ -16,7 +16,7 @@ from typing import Any, Literal
 from railhead.results import result_folder
 from railhead.scene.catalogue import INPUT
 from railhead.scene.scene import SceneError
-from railhead.sweeps import sweep_table
+from railhead.sweeps import sweep_report, sweep_table
 
 REQUEST, RECORDS, VTU, TABLE = "sweep.json", "records", "vtu", "sweep.csv"
 PICTURES = ("sweep.png", "patches.png")
@@ -24,7 +24,15 @@ SERIES = ("solution", "contact")  # names of the .vtu files of a scene
 AGAIN = ".again.json"  # end of the name of a record of a scene that is to be tried again
 ADVICE = "give another folder, or --force to replace it"
 Other = Literal["refuse", "move", "replace"]
-LATER = (INPUT, RECORDS, VTU, TABLE, *PICTURES, *(f"{name}.pvd" for name in SERIES))
+LATER = (
+    INPUT,
+    RECORDS,
+    VTU,
+    TABLE,
+    sweep_report.NAME,
+    *PICTURES,
+    *(f"{name}.pvd" for name in SERIES),
+)
 
 
 def begin(folder: Path, request: Mapping[str, Any], other: Other = "refuse") -> None:

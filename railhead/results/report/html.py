@@ -121,7 +121,7 @@ def write(
         raise
     except Exception as error:
         problem = f"The report could not be made ({type(error).__name__}: {error})."
-        text = _template("broken.html.j2").render(problem=problem)
+        text = template("broken.html.j2").render(problem=problem)
     (folder / NAME).write_text(text, encoding="utf-8")
 
 
@@ -137,7 +137,7 @@ def render(
     scene = solved.plan.scene
     views, viewer, missing = _views(solved, found, grids)
     effects = summary["plan"]["effects"]
-    return _template("report.html.j2").render(
+    return template("report.html.j2").render(
         summary=summary,
         units=units,
         effect=effect,
@@ -155,11 +155,11 @@ def render(
         left_out={name: each for name, each in effects.items() if not each["on"]},
         check_rows=_checks(summary["checks"]),
         pictures=[
-            (CAPTIONS[name], _picture((folder / f"{name}.png").read_bytes()))
+            (CAPTIONS[name], picture((folder / f"{name}.png").read_bytes()))
             for name in CAPTIONS
             if (folder / f"{name}.png").exists()
         ],
-        versions=_versions() | {"Python": platform.python_version()},
+        versions=versions(),
     )
 
 
@@ -269,7 +269,7 @@ def _views(
         from railhead.postprocess.pictures.views import turning
 
         views = [
-            {**vars(view), "scene": _encoded(view.scene), "still": _picture(view.still)}
+            {**vars(view), "scene": _encoded(view.scene), "still": picture(view.still)}
             for view in turning.views(solved.fields, found, *grids)
         ]
         return views, json.dumps(turning.viewer()).replace("<", "\\u003c"), ""
@@ -277,16 +277,16 @@ def _views(
         return [], "", " ".join(f"{type(error).__name__}: {error}".split())
 
 
-def _versions() -> dict[str, str]:
-    """Versions of the used packages by name."""
+def versions() -> dict[str, str]:
+    """Versions of Python and of the used packages by name."""
     found = {}
     for name in PACKAGES:
         with suppress(ImportError):  # Debian's have no metadata
             found[name] = version(name)
-    return found
+    return found | {"Python": platform.python_version()}
 
 
-def _picture(png: bytes) -> str:
+def picture(png: bytes) -> str:
     """Base64 text of a PNG picture; a large one is reduced to 256 colours."""
     if len(png) < LARGE:
         return _encoded(png)
@@ -300,7 +300,7 @@ def _encoded(data: bytes) -> str:
     return base64.b64encode(data).decode()
 
 
-def _template(name: str) -> Any:
+def template(name: str) -> Any:
     """The Jinja template `name` of the report."""
     loader = PackageLoader("railhead.results.report", "templates")
     environment = Environment(loader=loader, undefined=StrictUndefined, autoescape=True)

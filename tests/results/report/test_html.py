@@ -184,7 +184,7 @@ def test_large_pictures_keep_their_colours() -> None:
     written = io.BytesIO()
     Image.fromarray(noise).save(written, format="png")
     assert len(written.getvalue()) > html.LARGE
-    small = base64.b64decode(html._picture(written.getvalue()))
+    small = base64.b64decode(html.picture(written.getvalue()))
     assert len(small) < len(written.getvalue()) / 2
     assert len(np.unique(np.asarray(Image.open(io.BytesIO(small))))) > 200
 
