@@ -55,7 +55,8 @@ def plan(
     budget: str | float | None = None,
     quiet: bool = False,
 ) -> Planned:
-    """Plan a scene: what would be simulated and its cost. No finite elements are solved.
+    """Plan a scene: what would be simulated and its cost. No mesh is made and no finite elements
+    are solved; boundary elements may be.
 
     accuracy: largest relative error of the results, e.g. 0.01 or "1%"; None keeps the scene's.
     budget: computing time for the best accuracy, s or e.g. "30 s"; None keeps the scene's.
@@ -74,14 +75,16 @@ def solve(
     budget: str | float | None = None,
     quiet: bool = False,
 ) -> Result:
-    """Solve a scene by finite elements and return the result. Under MPI, call this on all ranks.
+    """Solve a scene by finite elements, or by half-spaces where effects.finite_bodies is off, and
+    return the result. Under MPI, call this on all ranks. Nothing is written.
 
-    accuracy: largest relative error of the results, e.g. 0.01 or "1%"; meshes are refined until the
-        error estimates meet it.
-    budget: computing time for the best accuracy, s or e.g. "30 s". With neither, one mesh is
-        solved.
+    accuracy: largest relative error of the results, e.g. 0.01 or "1%", None keeps the scene's;
+        meshes are refined until the error estimates meet it.
+    budget: computing time for the best accuracy, s or e.g. "30 s", None keeps the scene's. With
+        neither, one mesh is solved.
     quiet: whether no progress is shown on standard error.
-    Raises SceneError for a scene that makes no contact problem, MeshError where gmsh fails.
+    Raises SceneError for a scene that makes no contact problem or needs more memory than there is,
+    MeshError where gmsh fails. A result that fails a check is returned, too: see `Result.passed`.
     """
     from railhead.results import pipeline
     from railhead.run import refinement

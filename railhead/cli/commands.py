@@ -437,7 +437,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def _status(arguments: Sequence[str] | None) -> int:
     """Run the command and return its exit status 0, 1 or 2. Errors of input and of files are
-    printed in one line.
+    printed in one line, without a traceback; others are raised.
     """
     words = process.take_arguments() if arguments is None else list(arguments)
     try:
@@ -475,7 +475,9 @@ def _say(text: str) -> None:
 
 
 def _not_written(error: OSError) -> int:
-    """Print an error of writing files, a line for each file; returns exit status 1."""
+    """Print an error of writing files to standard error, a line for each file; returns exit status
+    1.
+    """
     from railhead.planning import cost
 
     where, cache = str(error.filename or ""), cost.cache_file().parents[1]

@@ -55,9 +55,10 @@ CONTACT_ROWS = (
 class Location:
     """A wheelset placed on its track.
 
-    scene: profiles, gauge, shift and yaw.
+    scene: the scene, of which profiles, inclination, gauge, shift and yaw count.
     pair: profiles of rail and wheel.
-    placed: height, roll and contacts of both wheels.
+    placed: height, roll and contacts of both wheels, up to a gap of CLEARANCE; each side has its
+        own axes (`placement.Side`).
     """
 
     scene: Scene
@@ -65,7 +66,9 @@ class Location:
     placed: Placed
 
     def summary(self) -> dict[str, Any]:
-        """The content of summary.json: lengths in mm, angles in rad, curvatures in 1/mm."""
+        """The content of summary.json: lengths in mm, angles in rad, curvatures in 1/mm. "right"
+        and "left" are lists of contacts, smallest gap first, in the axes of their side.
+        """
         placed, (crest, _) = self.placed, placement.top(self.pair.rail)
         return {
             "case": self.scene.name,
@@ -141,8 +144,8 @@ class Location:
 
 
 def locate(scene: Scene) -> Location:
-    """Place the wheelset of a scene so that both wheels touch their rails. Raises SceneError for
-    half-spaces and where a wheel misses its rail.
+    """Place the wheelset of a scene so that both wheels touch their rails; nothing is solved.
+    Raises SceneError for half-spaces and where a wheel misses its rail.
     """
     if scene.rail.extent == "half-space":
         raise SceneError(
@@ -152,8 +155,8 @@ def locate(scene: Scene) -> Location:
 
 
 def _contact(touch: ContactPoint, crest: float) -> dict[str, float | bool]:
-    """Values of one contact by key of summary.json: mm, rad and 1/mm. crest: y of the rail's
-    highest point, mm.
+    """Values of one contact by key of summary.json: mm, rad and 1/mm, in the axes of its side.
+    crest: y of the rail's highest point, mm.
     """
     return {
         "rail_y_mm": touch.y,
@@ -178,9 +181,10 @@ def _contact(touch: ContactPoint, crest: float) -> dict[str, float | bool]:
 class ExaminedProfile:
     """A measured profile and its wear.
 
-    scene: a scene with the profile.
+    scene: a scene with the profile; its other keys have no meaning.
     measured: the smoothed profile, and how its file was read.
-    worn: the standard profile aligned with the measured one, and the material lost against that.
+    worn: the nearest standard profile laid on the measured one, and the material lost against that;
+        it need not fit (`worn.fits`).
     """
 
     scene: Scene
@@ -188,7 +192,9 @@ class ExaminedProfile:
     worn: LaidStandard
 
     def summary(self) -> dict[str, Any]:
-        """Content of summary.json: lengths in mm, areas in mm2, curvatures in 1/mm."""
+        """Content of summary.json: lengths in mm, areas in mm2, curvatures in 1/mm, in the axes of
+        profiles.
+        """
         found, worn = self.measured, self.worn
         low, middle, high = smoothness(found.profile)["curvatures"]
         return {
@@ -265,6 +271,8 @@ def examine(path: Path, body: str | None, assignments: Sequence[str]) -> Examine
 
 
 def _radii(curvatures: Iterable[float]) -> str:
-    """Radii as text for the curvatures (1/mm) below which 5, 50 and 95 % of a profile lie."""
+    """Radii (mm, negative where concave) as text for the curvatures (1/mm) below which 5, 50 and 95
+    % of a profile lie.
+    """
     radii = (f"{1 / value:.4g}" if value else "inf" for value in curvatures)
     return f"{', '.join(radii)} mm at 5, 50, 95 % of the curvature"

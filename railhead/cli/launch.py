@@ -24,9 +24,9 @@ QUIET_LAUNCHER = {"OMPI_MCA_orte_execute_quiet": "1"}
 
 
 def number_of_processes(plan: Plan) -> int:
-    """Number of MPI processes for the finest mesh of a plan: one for each 100 000 unknowns, at most
-    the physical cores that this process may use. 1 without mpirun, or without disk space for its
-    files.
+    """Number of MPI processes that are worth it for the mesh of a plan: one for each 100 000
+    unknowns, at most the physical cores that this process may use. 1 without mpirun, or without
+    disk space for its files.
     """
     cores = min(psutil.cpu_count(logical=False) or 1, len(os.sched_getaffinity(0)))
     if cores == 1 or shutil.which("mpirun") is None or not _has_space():
@@ -35,13 +35,13 @@ def number_of_processes(plan: Plan) -> int:
 
 
 def _has_space() -> bool:
-    """Whether the temporary folder has space for the files of Open MPI."""
+    """Whether the temporary folder has TEMPORARY_BYTES free for the files of Open MPI."""
     return shutil.disk_usage(tempfile.gettempdir()).free >= TEMPORARY_BYTES
 
 
 def under_mpirun(ranks: int, environment: Mapping[str, str]) -> tuple[list[str], dict[str, str]]:
-    """Words before a command that start it in `ranks` processes (none for one process), and the
-    environment for it, in which root may use mpirun.
+    """Words before a command that start it in `ranks` processes (none for one process), and a copy
+    of the environment for it, in which root may use mpirun. Nothing is started.
     """
     if ranks == 1:
         return [], dict(environment)

@@ -29,8 +29,9 @@ class Study(Protocol):
 
 
 def modules() -> dict[str, tuple[str, str]]:
-    """Module name of each study and what it shows, by the name of the study. Raises SceneError
-    where the package does not lie in a checkout of the repository.
+    """Module name of each study and what it shows, by the name of the study; the modules are put on
+    the path, not imported. Raises SceneError where the package does not lie in a checkout of the
+    repository.
     """
     folders = [str(ROOT), str(ROOT / "tests")]  # set-ups that studies and tests share
     if not (ROOT / "studies" / "__init__.py").is_file():
@@ -45,7 +46,7 @@ def names() -> list[str]:
 
 
 def load(name: str) -> Study:
-    """Import the module of the study `name`."""
+    """Import the module of the study `name` (as in `names`); nothing is run."""
     return cast(Study, import_module(modules()[name][0]))
 
 

@@ -200,8 +200,8 @@ class MeridianSection(LongitudinalSection):
 
 @dataclass(frozen=True, kw_only=True)
 class TransverseSection(SectionContact):
-    """Contact of rail and wheel in plane strain in the plane y, z across the rail; the wheel is a
-    straight bar along x. It gives gap, symmetry and closed-form approach.
+    """Plane strain in the plane y, z across the rail: a rail, or a half-plane, under a wheel that
+    is a straight bar along x.
     """
 
     plane = "yz"
@@ -224,8 +224,8 @@ class TransverseSection(SectionContact):
         return ExactGap(rail, wheel) if slave == RAIL else ExactGap(wheel, rail)
 
     def exact_approach(self, hertz: Hertz) -> float | None:
-        """Approach of the supports, mm, for a closed form; None unless both bodies are half-planes
-        or both are half discs.
+        """Approach of the supports along the vertical, mm, for a closed form; None unless both
+        bodies are half-planes or both are half discs.
         Half-planes: approach of their datum points along the vertical. Half discs: approach of
         their centres, where whole discs are loaded from both sides.
         """
@@ -281,7 +281,7 @@ class TransverseSection(SectionContact):
 
     def _half_disc(self, tag: int, *, half: bool) -> Body:
         """Body with the outline of a half disc, tagged RAIL (flat side below) or WHEEL (flat side
-        above); half: only y >= 0.
+        above); half: whether only y >= 0 is outlined.
         """
         radius = self.discs[tag]
         upwards, place = np.eye(2), np.array([self.scene.wheelset.shift, self.lift])

@@ -17,9 +17,12 @@ SPACING, SAMPLES = 1.0, 20001  # mm between points of splines, and y where their
 @dataclass(frozen=True)
 class Curve:
     """A line, a circular arc or a spline; one part of a closed section in the (y, z) plane.
+
     points: (n, 2) of (y, z) in mm; two ends for a line or an arc, more points for a spline.
-    role: 'contact', 'support', 'symmetry' or 'free'.
-    centre: (y, z) of the centre of an arc, mm; None for a line or a spline.
+    role: of the face that it becomes: 'contact' may touch the other body, 'support' is held or
+        loaded, 'symmetry' lies in a plane of symmetry, 'free' carries nothing.
+    centre: (y, z) of the centre of an arc, mm, which takes the shorter way between its ends; None
+        for a line or a spline.
     """
 
     points: Array
@@ -32,8 +35,8 @@ class Curve:
         return math.inf if self.centre is None else math.dist(self.points[0], self.centre)
 
     def sampled(self) -> Array:
-        """Points (n, 2) of (y, z) along the curve, mm: 500 on an arc, else the points that define
-        the curve.
+        """Points (n, 2) of (y, z) along the curve, mm: 500 on an arc, from its first to its last
+        point; else the points that define the curve.
         """
         if self.centre is None:
             return self.points
@@ -57,16 +60,17 @@ class Curve:
 
 
 def _line(start: Array, end: Array, role: str) -> Curve:
-    """A straight curve from start to end, each (y, z) in mm, with the given role."""
+    """A straight curve from start to end, each (y, z) in mm. role: as `Curve.role`."""
     return Curve(np.array([start, end]), role)
 
 
 def rail_section(name: str, extent: str, *, half: bool) -> list[Curve]:
     """Closed outline of the standard rail 54E1 or 60E1, upright, with the crown centre at (0, 0).
     extent: 'section' for the whole rail, 'head' for the part above the start of the web.
-    half: only y >= 0, closed by a symmetry line.
-    The order runs clockwise from the crown. The contact curves are the three arcs on each half of
-    the crown, the support is the bottom of the foot, or the cut of the head.
+    half: whether only y >= 0 is returned, closed by a symmetry line.
+    The order runs from the crown to y > 0 and around (clockwise with y to the right and z up). The
+    contact curves are the three arcs on each half of the crown, the support is the bottom of the
+    foot, or the cut of the head.
     """
     segments = data("rails.json")[name]["half_section"]
     top = np.array(segments[0]["start"])
@@ -91,7 +95,7 @@ def rail_section(name: str, extent: str, *, half: bool) -> list[Curve]:
 
 def sharpened(section: list[Curve], radius: float) -> list[Curve]:
     """The closed section with a sharp corner in place of each arc between two lines whose radius is
-    below the given one (mm).
+    below the given one (mm). Both lines keep their roles.
     A corner of radius r that turns by t gains the area r^2 (tan(t/2) - t/2).
     """
     made = list(section)
@@ -120,7 +124,8 @@ def head_depth(name: str) -> float:
 def profile_curves(profile: Profile, start: float, end: float, *, outwards: int) -> list[Curve]:
     """Contact curves z = outwards * profile(y) from y = start to y = end (mm), one for each piece
     of the profile.
-    outwards: 1 for a rail (z up), -1 for a wheel (profile outwards from the axle).
+    outwards: 1 for a rail (z up), -1 for a wheel, whose profile counts outwards from the axle,
+        downwards here.
     Arcs stay arcs, straight pieces stay lines; other pieces become splines with points about 1 mm
     apart.
     """
@@ -158,8 +163,8 @@ def block_section(
 ) -> list[Curve]:
     """Closed section of a block between the contact line z = outwards * profile(y), from y = start
     to end, and the level z = base, mm.
-    outwards: 1 for a rail, -1 for a wheel.
-    half: the side at y = start is a symmetry line, else a free one.
+    outwards: 1 for a rail, -1 for a wheel, as in `profile_curves`.
+    half: whether the side at y = start is a symmetry line, else a free one.
     The side at z = base is the support; sides shorter than 1e-6 mm are left out.
     """
     top = profile_curves(profile, start, end, outwards=outwards)
@@ -179,7 +184,7 @@ def disc(radius: float, depth: float, reach: float, *, half: bool) -> list[Curve
     radius: of the rolling circle, mm.
     depth: radial thickness of the ring segment, mm; from the radius on, the result is half a disc
         supported on its horizontal diameter.
-    reach: length of the contact arc to each side, mm.
+    reach: length of the contact arc to each side, mm; no effect on half a disc.
     half: whether only x >= 0 is returned, with a curve of symmetry at x = 0.
     The outer arc has the role 'contact', the inner arc 'support', the ends 'free'.
     """

@@ -30,10 +30,12 @@ class PlacementError(ValueError):
 
 @dataclass(frozen=True)
 class Outline:
-    """The contact locus of a wheel: points whose normal has no x component.
+    """The contact locus of a wheel in a pose: points whose normal has no x component; (x, y, z) are
+    those of space.
+
     points: (n, 3) of (x, y, z), mm.
     slope: (n,) dz/dy of the tangent across the rail.
-    turn: (n,) angle about the axle from the wheel's lowest line, rad.
+    turn: (n,) angle about the axle from the wheel's lowest line, rad, positive ahead (towards +x).
     radius: (n,) distance from the axle, mm.
     """
 
@@ -45,20 +47,25 @@ class Outline:
 
 @dataclass(frozen=True, kw_only=True)
 class ContactPoint:
-    """A point where the undeformed bodies touch, or come closest.
-    x, y, z: coordinates of the point on the wheel, mm.
+    """A point where the undeformed bodies touch, or come closest. Axes are those of the rail of one
+    side: x along it, y to the field side from the crown centre, z up.
+
+    x, y, z: coordinates of the point on the wheel, mm; on the rail z is smaller by `gap`.
     slope: dz/dy of the rail there, which is the common tangent away from edges.
-    gap: height of the wheel over the rail there, mm.
+    gap: height of the wheel over the rail there, mm; negative where the wheel lies in the rail.
     wheel_y: y of the point in the wheel's profile, mm.
-    axle_angle: angle about the axle from the wheel's lowest line, rad.
+    axle_angle: angle about the axle from the wheel's lowest line, rad, positive ahead (towards +x).
     radius: distance from the axle, mm.
     rail_curvature: curvature of the rail across, 1/mm, positive where convex.
-    wheel_curvatures: curvatures of the wheel, first along its circles, then across, 1/mm.
+    wheel_curvatures: curvatures of the wheel, first along its circles, then across, 1/mm, positive
+        where convex.
     curvature_x, curvature_y: relative principal curvatures, 1/mm, in the directions nearer to the
-    rail's axis and nearer to across.
-    orientation: angle from the rail's axis to the direction of curvature_x in the tangent plane,
-        rad.
-    at_edge: the point is the end of a profile, and the bodies have no common tangent.
+        rail's axis and nearer to across.
+    orientation: angle in the tangent plane from the rail's axis to the direction of curvature_x,
+        rad, positive towards the field side.
+    at_edge: whether the point is the end of a profile, where the bodies have no common tangent.
+
+    A point from `parabolic_contact` has nothing but its relative curvatures.
     """
 
     x: float = 0.0
@@ -78,13 +85,15 @@ class ContactPoint:
 
     @property
     def angle(self) -> float:
-        """Contact angle arctan(slope) from the horizontal to the tangent across the rail, rad."""
+        """Contact angle arctan(slope) from the horizontal to the tangent across the rail, rad;
+        positive where z rises towards the field side.
+        """
         return float(np.arctan(self.slope))
 
 
 def parabolic_contact(curvature_x: float, curvature_y: float) -> ContactPoint:
-    """Contact point at the origin of two half-spaces whose gap is the parabola with relative
-    curvatures curvature_x and curvature_y (1/mm).
+    """Contact point at the origin (0, 0, 0) of two half-spaces whose gap is the parabola with
+    relative curvatures curvature_x and curvature_y (1/mm).
     """
     return ContactPoint(curvature_x=curvature_x, curvature_y=curvature_y)
 
@@ -93,7 +102,8 @@ def parabolic_contact(curvature_x: float, curvature_y: float) -> ContactPoint:
 class ProfilePair:
     """The profiles of a wheel and of the rail under the wheel.
     rail: z(y) with the origin at the crown centre, mm.
-    wheel: height over the nominal rolling radius, outwards, as a function of y, mm.
+    wheel: height over the nominal rolling radius, outwards, as a function of y, mm; y = 0 at the
+        tape circle.
     rolling_radius: nominal rolling radius of the wheel, mm.
     """
 
@@ -103,7 +113,7 @@ class ProfilePair:
 
     def outline(self, pose: Pose, tread: ArrayLike) -> Outline:
         """Contact locus of the wheel in a pose: the points on the wheel's circles at profile
-        coordinates tread (n,) in mm whose normal has no x component.
+        coordinates tread (n,) in mm whose normal has no x component. NaN where a circle has none.
         """
         tread = np.asarray(tread, dtype=float)
         ahead, axle, up = pose.rotation.T
@@ -119,8 +129,9 @@ class ProfilePair:
         return Outline(points, -normal[..., 1] / normal[..., 2], turn, radius)
 
     def touches(self, pose: Pose, clearance: float = 0.0) -> list[ContactPoint]:
-        """The wheel's lowest point over the rail, and all minima of height up to `clearance` mm
-        above that one; lowest first.
+        """The place where the wheel in a pose is lowest over the rail, and all minima of that
+        height up to `clearance` mm above it; lowest first. The wheel is not moved: `gap` of the
+        first place need not be 0.
         Raises PlacementError where no part of the wheel is over the rail.
         """
         tread = np.linspace(*self.wheel.domain, SAMPLES, dtype=np.float64)
@@ -196,7 +207,7 @@ def relative(rail: float, around: float, across: float, angle: float) -> tuple[f
     x is along the rail and s across it in the tangent plane.
     rail: curvature of the rail along s, 1/mm.
     around, across: principal curvatures of the wheel along its circle and across, 1/mm.
-    angle: from x to the direction of the wheel's circle, rad.
+    angle: from x towards s to the direction of the wheel's circle, rad.
     """
     c, s = np.cos(angle), np.sin(angle)
     xx = around * c * c + across * s * s
@@ -210,21 +221,22 @@ def relative(rail: float, around: float, across: float, angle: float) -> tuple[f
 
 @dataclass(frozen=True)
 class Pose:
-    """Position and rotation of a wheel: world point = origin + rotation @ wheel point; the wheel's
-    own y axis is its axle.
-    rotation: (3, 3) matrix whose columns are the wheel's axes in the world.
-    origin: (3,) position of the wheel's origin, which lies on the axle, mm.
+    """Position and rotation of a wheel: point in space = origin + rotation @ point of the wheel;
+    the wheel's own y axis is its axle.
+    rotation: (3, 3) matrix whose columns are the wheel's axes in space.
+    origin: (3,) position in space of the wheel's origin, which lies on the axle in the plane of the
+        tape circle, mm.
     """
 
     rotation: Array
     origin: Array
 
     def outward(self, points: Array) -> Array:
-        """World coordinates (n, 3) of points (n, 3) that are given in the wheel's axes, mm."""
+        """Coordinates in space (n, 3) of points (n, 3) that are given in the wheel's axes, mm."""
         return np.asarray(self.origin + points @ self.rotation.T)
 
     def inward(self, points: Array) -> Array:
-        """Coordinates (n, 3) in the wheel's axes of world points (n, 3), mm."""
+        """Coordinates (n, 3) in the wheel's axes of points (n, 3) in space, mm."""
         return np.asarray((points - self.origin) @ self.rotation)
 
     def moved(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Pose:
@@ -285,7 +297,9 @@ class Track:
 
 
 def top(rail: Profile) -> tuple[float, float]:
-    """y and z of the highest point of a rail's profile, mm."""
+    """y and z of the highest point of a rail's profile as it stands, mm; of an inclined or worn
+    rail that is not the crown centre.
+    """
     y = np.linspace(*rail.domain, 20001)
     slope = rail.slope(y)
     best = int(np.nanargmax(rail.height(y)))
@@ -297,8 +311,8 @@ def top(rail: Profile) -> tuple[float, float]:
 
 
 def gauge_face(rail: Profile) -> float:
-    """y (mm) where the rail's profile, between its first y and its highest point, is 14 mm below
-    that point.
+    """y (mm), on the gauge side, where the rail's profile, between its first y and its highest
+    point, is 14 mm below that point.
     Raises PlacementError where the profile ends above this depth.
     """
     start = rail.domain[0]
@@ -314,8 +328,8 @@ def gauge_face(rail: Profile) -> float:
 @dataclass(frozen=True)
 class Side:
     """One wheel on its rail, in the axes of its side: origin at the crown centre, y to the field
-    side.
-    pose: position of the wheel.
+    side, z up; x = 0 in the plane of the wheelset's centre.
+    pose: position of the wheel, touching its rail.
     touches: contact points, smallest gap first.
     """
 
@@ -326,8 +340,8 @@ class Side:
 @dataclass(frozen=True)
 class Placed:
     """A wheelset that touches both rails.
-    roll: roll angle of the wheelset, rad.
-    height: height of its centre over the crown centres, mm.
+    roll: roll angle of the wheelset, rad, about x in the axes of the right side.
+    height: height of the middle of its axle over the crown centres, mm.
     right: right wheel on its rail.
     left: left wheel on its rail, in mirrored axes.
     """
@@ -339,17 +353,17 @@ class Placed:
 
     @property
     def rolling_radius_difference(self) -> float:
-        """Radius of the wheel at the first contact, right minus left, mm."""
+        """Radius of the wheel at its first contact, right minus left, mm."""
         return self.right.touches[0].radius - self.left.touches[0].radius
 
 
 def place(
     pair: ProfilePair, track: Track, shift: float = 0.0, yaw: float = 0.0, clearance: float = 0.0
 ) -> Placed:
-    """Lower a wheelset, moved by shift (mm) to the right and turned by yaw (rad), onto the track;
-    the roll follows from contact on both sides.
-    clearance: height above the lowest contact point up to which further contact points are kept,
-        mm.
+    """Lower a wheelset, moved by shift (mm) to the right and turned by yaw (rad, about z), onto the
+    track; the roll follows from contact on both sides.
+    clearance: height above the lowest contact point up to which further contact points of a side
+        are kept, mm.
     Raises PlacementError where a wheel misses its rail, no roll lets both wheels touch, or the
     rail's profile does not reach the gauge.
     """

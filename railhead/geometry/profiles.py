@@ -112,7 +112,8 @@ class Spline:
 
 @dataclass(frozen=True)
 class Profile:
-    """A transverse profile z(y), a chain of pieces in ascending y; NaN outside of the pieces.
+    """A transverse profile z(y), a chain of pieces in ascending y, of a rail or a wheel; NaN
+    outside of the pieces.
     name: name of the profile, used in messages.
     pieces: arcs, polynomials or splines, each from its start to its end.
     """
@@ -152,14 +153,16 @@ class Profile:
 
     def curvature(self, y: ArrayLike) -> Array:
         """Curvature -z'' / (1 + z'^2)^(3/2) at y (mm), in 1/mm: positive where the solid below z is
-        convex.
+        convex; NaN beyond the profile.
         """
         return np.asarray(-self._evaluate(y, 2) / (1 + self.slope(y) ** 2) ** 1.5)
 
 
 @lru_cache
 def data(name: str) -> dict[str, Any]:
-    """Content of the JSON file with that name in the data folder of railhead.geometry; cached."""
+    """Content of the JSON file with that name in the data folder of railhead.geometry; cached, so
+    it must not be changed.
+    """
     file = resources.files("railhead.geometry") / "data" / name
     content: dict[str, Any] = json.loads(file.read_text())
     return content
@@ -199,7 +202,7 @@ def s1002() -> Profile:
 
 def rail_head(name: str, inclination: float = 0.0) -> Profile:
     """Crown of 54E1 or 60E1 with three arcs on each side (R300, R80, R13), turned about the crown
-    centre.
+    centre, which is at y = z = 0.
     inclination: slope by which the rail leans towards the track's centre (y < 0), as 1/20.
     Ends that no longer face upwards are cut.
     """
@@ -224,8 +227,8 @@ def rail_head(name: str, inclination: float = 0.0) -> Profile:
 
 
 def rolled(profile: Profile, slope: float) -> Profile:
-    """The profile turned about the origin by the angle arctan(slope), from y to z. The result is
-    exact for a single arc, else a cubic spline through 2001 points.
+    """The profile turned about the origin by the angle arctan(slope), from y to z, so that its top
+    leans to y < 0. The result is exact for a single arc, else a cubic spline through 2001 points.
     """
     if not slope:
         return profile
@@ -246,8 +249,9 @@ def rolled(profile: Profile, slope: float) -> Profile:
 
 
 def osculating(profile: Profile, y: float) -> Profile:
-    """The circle of curvature of a profile at y (mm), as a profile; a straight line where the
-    modulus of the curvature is below 1e-9/mm (STRAIGHT).
+    """The circle of curvature of a profile at y (mm), as a profile within the same domain, at most
+    0.95 of the radius to each side; a straight line where the modulus of the curvature is below
+    1e-9/mm (STRAIGHT).
     Both profiles have the same height, slope and curvature at y.
     """
     start, end = profile.domain

@@ -17,15 +17,15 @@ CONVERGED = 1e-9  # mm, of the last step: a line that misses the surface takes l
 
 @dataclass(frozen=True)
 class RailSurface:
-    """Straight rail along x, the zero set of z - profile(y).
+    """Straight rail along x, the zero set of z - profile(y), in the axes x, y, z of space.
     profile: z(y) of the rail, mm.
     """
 
     profile: Profile
 
     def implicit(self, points: Array) -> tuple[Array, Array]:
-        """Values (n,) of z - profile(y) in mm and gradients (n, 3) at points (n, 3) in mm; NaN
-        beyond the profile.
+        """Values (n,) of z - profile(y) in mm, positive above the rail, and gradients (n, 3) at
+        points (n, 3) in mm; NaN beyond the profile.
         """
         y = points[:, 1]
         gradient = np.column_stack([np.zeros_like(y), -self.profile.slope(y), np.ones_like(y)])
@@ -38,7 +38,7 @@ class WheelSurface:
     profile(y)).
     profile: height over the nominal rolling radius, outwards, mm.
     rolling_radius: nominal rolling radius, mm.
-    pose: position of the wheel in the world.
+    pose: position and rotation of the wheel in space.
     """
 
     profile: Profile
@@ -46,8 +46,9 @@ class WheelSurface:
     pose: Pose
 
     def implicit(self, points: Array) -> tuple[Array, Array]:
-        """Values (n,) of distance from the axle - (rolling_radius + profile(y)) in mm and gradients
-        (n, 3) in world axes, at world points (n, 3) in mm; NaN beyond the profile.
+        """Values (n,) of distance from the axle - (rolling_radius + profile(y)) in mm, positive
+        outside the wheel, and gradients (n, 3), at points (n, 3) in mm, both in the axes of space;
+        NaN beyond the profile.
         """
         x, y, z = self.pose.inward(points).T
         distance = np.hypot(x, z)
@@ -70,11 +71,8 @@ class StraightTread:
     shift: float = 0.0
 
     def implicit(self, points: Array) -> tuple[Array, Array]:
-        """Function that is zero on the tread and grows downwards out of the wheel, and its
-        gradient.
-
-        points: (n, 3) mm. Returns lift - height(y - shift) - z (n,) in mm, negative inside the
-            wheel, and its gradient (n, 3).
+        """Values (n,) of lift - height(y - shift) - z in mm, positive below the tread, outside the
+        wheel, and gradients (n, 3), at points (n, 3) in mm; NaN beyond the profile.
         """
         y = points[:, 1] - self.shift
         one = np.ones_like(y)
@@ -87,10 +85,14 @@ Surface = RailSurface | WheelSurface | StraightTread
 
 
 def along(surface: Surface, points: Array, directions: Array) -> Array:
-    """Distance t (n,) with points + t directions on the surface, by Newton's method from t = 0.
+    """Distance t (n,) with points + t directions on the surface, by Newton's method from t = 0; it
+    may be negative.
+
     points: (n, 3), mm.
-    directions: (n, 3); t is in mm where these have unit length.
-    Infinite where the line misses the surface or its profile ends, and where a point is not finite.
+    directions: (n, 3), not zero; t is in mm where these have unit length.
+
+    Infinite where Newton's method does not converge: the line misses the surface, its profile ends,
+    or a point is not finite.
     """
     t, step = np.zeros(len(points)), np.zeros(len(points))
     with np.errstate(invalid="ignore"):
@@ -104,9 +106,12 @@ def along(surface: Surface, points: Array, directions: Array) -> Array:
 
 
 def nearest(surface: Surface, points: Array) -> tuple[Array, Array]:
-    """Places (n, 3) on a surface close to points (n, 3) beside the surface, mm, and outward unit
-    normals (n, 3) at these places.
-    Each place lies on the line through its point along the gradient there. NaN beyond the profile.
+    """Places (n, 3) on a surface close to points (n, 3) beside it, mm, and its outward unit normals
+    (n, 3) at these places.
+
+    Each place lies on the line through its point along the gradient at the point, not at the place:
+    to first order it is the nearest one. NaN beyond the profile, and not finite where that line
+    misses the surface.
     """
     direction = _unit(surface.implicit(points)[1])
     with np.errstate(invalid="ignore"):
@@ -116,7 +121,8 @@ def nearest(surface: Surface, points: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class ExactGap:
-    """Gap from one surface along its outward normal to the other surface, mm.
+    """Gap from one undeformed surface along its outward normal to the other surface, mm.
+
     slave: surface from which the gap is measured.
     master: surface that the normal meets.
     """
@@ -127,14 +133,17 @@ class ExactGap:
     def __call__(self, points: Array) -> tuple[Array, Array]:
         """Gap (n,) in mm and outward unit normals (n, 3) of the slave, at points (n, 3) near the
         slave in mm.
-        The points are moved onto the slave first. The gap is infinite where the normal misses the
-        master; the normal is zero beyond the profile of the slave.
+        The points are moved onto the slave first. The gap is negative where the surfaces overlap,
+        and infinite where the normal misses the master and beyond the profile of the slave, where
+        the normal is zero.
         """
         places, normal = nearest(self.slave, points)
         return along(self.master, places, normal), np.where(np.isfinite(normal), normal, 0.0)
 
     def off_surface(self, points: Array) -> Array:
-        """Distance (n,) of points (n, 3) from the slave surface, mm; NaN beyond its profile."""
+        """Distance (n,) of points (n, 3) from the slave surface, mm, never negative, to the places
+        of `nearest`; NaN beyond its profile.
+        """
         return np.asarray(np.linalg.norm(nearest(self.slave, points)[0] - points, axis=1))
 
 
@@ -145,7 +154,8 @@ def _unit(vectors: Array) -> Array:
 
 @dataclass(frozen=True)
 class ParabolicGap:
-    """Hertz's own gap, curvature_x x^2/2 + curvature_y y^2/2, between two flat half-spaces.
+    """Hertz's own gap, curvature_x x^2/2 + curvature_y y^2/2, between two flat half-spaces that
+    touch at the origin.
     curvature_x, curvature_y: relative curvatures along x and y, 1/mm.
     outward: +1 if the slave is the lower body, else -1.
     """
@@ -156,7 +166,7 @@ class ParabolicGap:
 
     def __call__(self, points: Array) -> tuple[Array, Array]:
         """Gap (n,) in mm and outward unit normals (n, 3) of the slave, (0, 0, outward), at points
-        (n, 3) in mm.
+        (n, 3) in mm, of which z has no effect.
         """
         gap = 0.5 * (self.curvature_x * points[:, 0] ** 2 + self.curvature_y * points[:, 1] ** 2)
         return gap, np.tile([0.0, 0.0, float(self.outward)], (len(points), 1))

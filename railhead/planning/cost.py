@@ -97,8 +97,8 @@ class Cost:
     bytes: int
 
     def time(self, unknowns: int) -> float:
-        """Seconds for one mesh with that number of unknowns, without imports and without the
-        correction for this machine.
+        """Seconds for one mesh with that number of unknowns, elastic and frictionless, without
+        imports and without the correction for this machine.
         """
         return self.seconds * unknowns * max(1.0, unknowns / SMALL) ** self.growth
 

@@ -249,7 +249,8 @@ def family(setting: Setting) -> Family | None:
 @dataclass(frozen=True)
 class Uncertainty:
     """Relative error of sizes and values of the answer that measured profiles may hide.
-    relative: relative error, infinite where boundary elements find no patch.
+    relative: relative error of the largest pressure or of the area, the larger one; infinite where
+        boundary elements find no patch.
     reason: why the error is infinite, else empty.
     """
 

@@ -103,7 +103,7 @@ class Forecast:
 
 def forecast(context: Context) -> Forecast:
     """Expected patches: exact Hertz where the gap is a parabola or boundary elements find no patch,
-    else boundary elements. Patches below 2 % (MINOR) of the load are left out.
+    else boundary elements. Patches below 2 % (MINOR) of the contact force are left out.
     """
     contact, found = context.contact, context.elastic
     if isinstance(found, str):  # where nothing else is known the finite elements will tell

@@ -88,7 +88,9 @@ class Plan:
 
     @property
     def setting(self) -> Setting:
-        """Properties of the plan that its errors depend on, besides the element size."""
+        """Properties of the plan that its errors depend on, besides the element size. Yield and
+        friction are not among them.
+        """
         scene, zone = self.scene, self.zone
         moduli = [closed_forms.plane_strain_modulus(scene, tag) for tag in BODY_NAMES]
         contact = self.contact
@@ -179,8 +181,8 @@ class Plan:
 
     @cached_property
     def uncertainty(self) -> Uncertainty | None:
-        """Relative error that measured profiles may hide; None where no profile is measured, for
-        half-spaces, and in sections.
+        """Relative error that measured profiles may hide, solved by boundary elements at the first
+        call; None where no profile is measured, for half-spaces, and in sections.
         """
         return error_envelopes.of_profiles(self.context)
 
@@ -293,7 +295,7 @@ class Plan:
 
     @property
     def with_foot(self) -> bool:
-        """Whether the rail is meshed with web and foot."""
+        """Whether the rail is meshed with web and foot; not for a rigid rail."""
         section = self.effects["rail_section"]
         return section.on and not section.refused and RAIL in self.deformable
 
@@ -396,7 +398,9 @@ class Plan:
 
     @property
     def memory(self) -> int:
-        """Predicted peak of the memory, bytes."""
+        """Predicted peak of the memory of the process, bytes; that of the libraries where
+        half-spaces answer.
+        """
         each = self.cost.bytes
         if self.effects["plasticity"].on:
             each += cost.YIELD_BYTES
@@ -469,9 +473,9 @@ class Plan:
         }
 
     def summary(self) -> dict[str, Any]:
-        """The entry 'plan' of summary.json: effects with their cost, unknowns, seconds, overruled
-        effects ('chosen'), patch size, slave body, contact angle, wheelset creepage where the
-        wheelset prescribes it, forecast and measured profiles.
+        """The entry 'plan' of summary.json: effects with their predicted cost, predicted unknowns
+        and seconds, overruled effects ('chosen'), patch size, slave body, contact angle, wheelset
+        creepage where the wheelset prescribes it, forecast and measured profiles.
         """
         return {
             "effects": {
@@ -495,7 +499,7 @@ class Plan:
         }
 
     def _cost(self, name: str) -> dict[str, float]:
-        """Unknowns and seconds of `price` for the named effect, by these words."""
+        """Predicted unknowns and seconds of `price` for the named effect, by these words."""
         return dict(zip(("unknowns", "seconds"), self.price(name), strict=True))
 
 

@@ -60,10 +60,10 @@ SHIFT_UNKNOWN = "the shift of bodies that end depends on where they are held"
 
 @dataclass(frozen=True, kw_only=True)
 class Check:
-    """A value that must not exceed a limit; a value that is not a number fails.
+    """A value that must not exceed a limit, or with `at_least` not be below it; NaN fails.
 
     name: key in "checks" of summary.json.
-    value: the number.
+    value: the number; infinite for a state that fails in any case.
     limit: largest allowed value; with at_least the smallest.
     source: reason of the limit.
     advice: what to change where the check fails.
@@ -84,7 +84,9 @@ class Check:
 
 
 def allowed(estimates: Mapping[str, Estimate], key: str) -> float:
-    """Relative error allowed for a quantity: a multiple of its estimate, or the default."""
+    """Relative error allowed for the quantity with a key of summary.json: ESTIMATE_FACTOR times its
+    estimate, or DEFAULT_TOLERANCE without one.
+    """
     return ESTIMATE_FACTOR * estimates[key].total if key in estimates else DEFAULT_TOLERANCE
 
 
@@ -100,7 +102,8 @@ def run(
     *,
     reached: bool | None,
 ) -> list[Check]:
-    """All checks of a solved mesh but those of friction (rank 0).
+    """All checks of a solved mesh but those of friction (rank 0). Bodies with yield or friction are
+    compared with Hertz and half-spaces in their elastic, frictionless reference.
 
     estimates: error estimates by key.
     second: quantities of another method, nested as "result" of summary.json, with "allowance" and
@@ -133,7 +136,7 @@ def friction(
     estimates: Mapping[str, Estimate],
     second: Mapping[str, Mapping[str, Any]] | None,
 ) -> list[Check]:
-    """Checks of a solution with friction; empty without friction.
+    """Checks of a solution with friction; empty without friction, and where nothing touches.
 
     second: quantities of half-spaces by method, as "half_space_friction" of summary.json.
     """
@@ -148,8 +151,8 @@ def friction(
 
 
 def summary(checks: list[Check], missing: Mapping[str, str]) -> dict[str, Any]:
-    """Entry "checks" of summary.json: value by name, "limits" with sources, "advice", "not_made"
-    (missing), "failed" and "passed".
+    """Entry "checks" of summary.json: value by name (but of "converged", which the caller adds as a
+    truth value), "limits" with sources, "advice", "not_made" (missing), "failed" and "passed".
     """
     failed = [each.name for each in checks if not each.passed]
     return {
@@ -164,8 +167,8 @@ def summary(checks: list[Check], missing: Mapping[str, str]) -> dict[str, Any]:
 
 def equations(solved: MeshSolution) -> Iterator[Check]:
     """Checks that what is called for was solved, and that the equations are fulfilled: effects,
-    Newton's method, balance of contact force, reaction and load, the given approach, a mesh that is
-    fine where the patch is, and unloading.
+    Newton's method, balance of contact force, reaction and given load along the vertical, the given
+    approach, a mesh that is fine where the patch is, and unloading.
     """
     solution, load = solved.solution, solved.plan.scene.load
     yield left_out(solved)
@@ -211,7 +214,9 @@ def equations(solved: MeshSolution) -> Iterator[Check]:
 
 
 def left_out(solved: Solved) -> Check:
-    """Check of the number of effects that are called for, not simulated and not overruled: none."""
+    """Check of the number of effects that are called for by the plan or the solution, not simulated
+    and not overruled: none.
+    """
     missing = effects.left_out(solved.plan.effects, solved.after)
     why = "; ".join(f"{name}: {reason}" for name, reason in missing.items())
     overrule = " ".join(f"--without {name}" for name in missing)
@@ -226,9 +231,9 @@ def left_out(solved: Solved) -> Check:
 
 def resolution(solved: MeshSolution) -> Iterator[Check]:
     """Checks of a solution in which the bodies touch: elements across the patch in the direction
-    that has fewer, noise of the pressure, overlap of the bodies, force that the elements' stresses
-    carry in each body, smooth stresses against those of the elements, and distance of the patch
-    from edges.
+    that has fewer, noise of the pressure, overlap of the bodies, vertical force that the elements'
+    stresses carry in each body, smooth stresses against those of the elements, and distance of the
+    patch from edges.
     """
     from railhead.postprocess.stress.flux import contact_force
 
@@ -297,7 +302,8 @@ def resolution(solved: MeshSolution) -> Iterator[Check]:
 def physics(solved: Solved) -> Iterator[Check]:
     """Checks of a solution in which the bodies touch: ratios of the largest stresses and pressure
     without yield and friction, load over that of first yield, small strains, and a pressure that
-    steel bears, for bodies of which the softer one has at most the modulus of steel.
+    steel bears, for bodies of which the softer one has at most the modulus of steel. The ratios are
+    those of the elastic, frictionless solution.
     """
     plan, result = solved.plan, solved.result
     assert result is not None
@@ -343,8 +349,9 @@ def physics(solved: Solved) -> Iterator[Check]:
 
 
 def pressure_over_mean(solved: MeshSolution, estimates: Mapping[str, Estimate]) -> Iterator[Check]:
-    """Check of largest pressure, area and load against each other, where the pressure is a semi-
-    ellipsoid (3/2 of the mean) or a semi-ellipse (4/pi).
+    """Check of largest pressure, area and normal force (load over the cosine of the contact angle)
+    against each other, where the pressure is a semi-ellipsoid (3/2 of the mean) or a semi-ellipse
+    (4/pi).
     """
     found, result = solved.findings, solved.result
     if found is None or result is None or not found.hertzian:
@@ -366,7 +373,7 @@ def pressure_over_mean(solved: MeshSolution, estimates: Mapping[str, Estimate]) 
 
 
 def half_spaces(solved: HalfSpaceSolution, bound: dict[str, float]) -> Iterator[Check]:
-    """All checks of a solution by half-spaces. bound: error estimates by key."""
+    """All checks of a solution by half-spaces. bound: error estimates by key of summary.json."""
     yield left_out(solved)
     yield Check(
         name="converged",
@@ -428,10 +435,10 @@ def _between(name: str, value: float, bounds: tuple[float, float], source: str) 
 def second_method(
     solved: MeshSolution, estimates: Mapping[str, Estimate], second: Mapping[str, Any]
 ) -> Iterator[Check]:
-    """Checks of the compared quantities against another method, within the errors of both and the
-    allowance. second: quantities of the other method, nested as
-    "result" of summary.json, with "allowance" and "grid_error", or {"reason": ...} where there are
-    none.
+    """Checks of the compared quantities of an elastic, frictionless solution against another
+    method, within the errors of both and the allowance. second: quantities of the other method,
+    nested as "result" of summary.json, with "allowance" and "grid_error", or {"reason": ...} where
+    there are none.
     """
     if _unknown(second):
         return  # `not_made` has the reason
@@ -455,8 +462,8 @@ def second_method(
 
 
 def tangential_flux(solved: MeshSolution) -> Iterator[Check]:
-    """Check for each body that its stresses around the patch carry the tangential forces, over mu
-    N.
+    """Check for each deformable body that its stresses around the patch carry the prescribed
+    tangential force, or the one found where none is prescribed, over mu N.
     """
     from railhead.postprocess.stress.flux import contact_force, pressure_force
 
@@ -480,8 +487,9 @@ def tangential_flux(solved: MeshSolution) -> Iterator[Check]:
 def forces(
     solved: MeshSolution, estimates: Mapping[str, Estimate], other: Mapping[str, Any]
 ) -> Iterator[Check]:
-    """Check of the tangential forces in rolling against half-spaces, over mu N. other: quantities
-    of one method, by the keys of "friction" in summary.json.
+    """Check of the tangential forces of the wheel on the rail in rolling against half-spaces, over
+    mu N; none of a shift, and where the other method has no forces. other: quantities of one
+    method, by the keys of "friction" in summary.json.
     """
     found = solved.solution.friction
     assert found is not None and solved.result is not None
@@ -508,7 +516,8 @@ def forces(
 
 
 def shift(solved: MeshSolution, other: Mapping[str, Any]) -> Iterator[Check]:
-    """Check of the shift of half-spaces under tangential forces against another method, relative.
+    """Check of the shift of half-spaces under tangential forces against another method, relative;
+    none where the other method has no shift.
     other: quantities of that method, by the keys of "friction" in summary.json.
     """
     found = solved.solution.friction
@@ -535,7 +544,8 @@ def not_made(
     second: Mapping[str, Any],
     second_friction: Mapping[str, Mapping[str, Any]] | None,
 ) -> dict[str, str]:
-    """Reasons by name for the comparisons with a second method that were not made.
+    """Reasons by name of the check for the comparisons with a second method that were not made;
+    empty where nothing touches.
 
     made: the checks that were made.
     second: quantities of the second method, or {"reason": ...}.
@@ -565,5 +575,5 @@ def not_made(
 
 
 def _unknown(second: Mapping[str, Any]) -> str:
-    """Reason why a second method cannot be compared; empty where it can."""
+    """Reason why a second method as a whole cannot be compared; empty where it can."""
     return str(second.get("reason") or second["allowance"].get("reason") or "")

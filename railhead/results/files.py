@@ -38,12 +38,12 @@ def write(
     report: Units | None = None,
     whole: bool = False,
 ) -> None:
-    """Write all files of a solved scene, numbers first; they replace those of an earlier result in
-    the folder.
+    """Write all files of a solved scene, numbers first, on the rank that calls (rank 0); they
+    replace those of an earlier result in the folder.
 
-    summary: content of summary.json. pictures: whether PNG files are written. report: units of the
-        numbers in report.html; None: no such file. whole: whether the files for ParaView hold the
-        mirror images of what symmetry left out.
+    summary: content of summary.json. pictures: whether PNG files are written; none where nothing
+        touches. report: units of the numbers in report.html; None: no such file. whole: whether the
+        files for ParaView hold the mirror images of what symmetry left out.
     OSError: the numbers cannot be written; or, a line for each, other files that could not be
         written, after all the others are.
     """
@@ -70,7 +70,7 @@ def write(
 
 def _titled(solved: Solved) -> Findings | None:
     """Findings with the whole contact surface, the title and the notes of pictures; None where
-    nothing touches.
+    nothing touches and off rank 0.
     """
     if solved.findings is None:
         return None
@@ -103,7 +103,7 @@ def write_grids(solved: Solved, folder: Path, *, whole: bool = False) -> Array |
 
 def _grids(fields: Fields, found: Findings, stresses: Array) -> Grids:
     """Grids of the cells, mirrored to the whole model, and of the slave's contact surface. found:
-    with the whole contact surface. stresses (n, 6): at the nodes, MPa.
+    findings with the whole contact surface (`_titled`). stresses (n, 6): at the nodes, MPa.
     """
     from railhead.postprocess import vtu
 

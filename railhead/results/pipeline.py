@@ -20,15 +20,18 @@ def run(
     scene: Scene, progress: Progress | None = None, comm: MPI.Intracomm = MPI.COMM_WORLD
 ) -> Result:
     """Plan and solve a scene; collective. Raises SceneError for a scene that makes no contact
-    problem, MeshError where gmsh fails.
+    problem or does not fit into the memory, MeshError where gmsh fails.
+
+    progress: shows what is done; None: nothing is shown.
     """
     return solve(planning.make(scene), progress or Progress(quiet=True), comm)
 
 
 def solve(plan: Plan, progress: Progress, comm: MPI.Intracomm = MPI.COMM_WORLD) -> Result:
-    """Solve a plan; collective. Where bodies yield that were planned as elastic, solve again with
-    yield. Without finite bodies half-spaces are solved. Raises SceneError for a mesh that does not
-    fit into the memory, MeshError where gmsh fails.
+    """Solve a plan on all meshes that its scene asks for; collective. Where bodies yield that were
+    planned as elastic, solve again with yield. Without finite bodies half-spaces are solved, on
+    every rank. A solution that did not converge, or fails a check, is a result, too. Raises
+    SceneError for a mesh that does not fit into the memory, MeshError where gmsh fails.
     """
     if plan.by_half_spaces:
         solved = answer.solve(plan, progress)
@@ -42,15 +45,20 @@ def solve(plan: Plan, progress: Progress, comm: MPI.Intracomm = MPI.COMM_WORLD) 
 
 
 def result(levels: list[MeshSolution], ending: Ending, comm: MPI.Intracomm) -> Result:
-    """Result of the last of some meshes, the same on all ranks. ending: why there are no more
-    meshes.
+    """Result of the last of some meshes, with error estimates from all of them; collective. Its
+    summary is the same on all ranks, fields and findings are on rank 0 only.
+
+    levels: the solved meshes of this rank, coarsest first.
+    ending: why there are no more meshes.
     """
     solved = levels[-1]
     return Result(solved, comm.bcast(None if solved.fields is None else summarise(levels, ending)))
 
 
 def _record_speed(levels: list[MeshSolution]) -> None:
-    """Record the measured seconds of elastic meshes for later predictions on this machine."""
+    """Record the measured seconds of elastic, frictionless meshes of 10 000 unknowns or more for
+    later predictions on this machine.
+    """
     for level in levels:
         if level.plan.is_elastic_frictionless and level.unknowns >= cost.LEAST_UNKNOWNS:
             predicted = level.plan.cost.time(level.unknowns)

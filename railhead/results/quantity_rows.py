@@ -29,7 +29,8 @@ def reference_name(summary: Mapping[str, Any]) -> str:
 
 
 def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
-    """Rows of one table of quantities; empty where nothing touches, or without that effect.
+    """Rows of one table of quantities, a row for each quantity of `quantities.rows`; empty where
+    nothing touches. Quantities of friction that the result lacks have no row.
 
     table: "contact": beside the answer stand estimates, half-spaces, exact Hertz and the solution
         without yield or friction. "load". "friction": forces of the wheel on the rail, motion and
@@ -76,7 +77,9 @@ def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
 
 
 def filled(rows: Sequence[Row]) -> list[str]:
-    """Names of the columns beside quantity and unit in which any row has a value."""
+    """Names of the columns beside quantity and unit in which any row has a value that is not empty,
+    in the order of their first appearance.
+    """
     names = dict.fromkeys(name for row in rows for name in row if name not in FIRST)
     return [name for name in names if any(row.get(name) not in (None, "") for row in rows)]
 
@@ -98,14 +101,18 @@ def everything(summary: Mapping[str, Any]) -> Iterator[Row]:
 
 
 def _cell(value: Any, least: float) -> Cell:
-    """A number or a word of a table; a number whose size is below `least` (rounding) becomes 0."""
+    """A number or a word of a table; a number whose size is at most `least` (rounding) becomes 0.
+    None stays None.
+    """
     if value is None or isinstance(value, str):
         return value
     return float(value) if abs(value) > least else 0.0
 
 
 def _relative(value: Cell, exact: Cell) -> float | None:
-    """Relative deviation of two numbers; None for words, missing numbers and an exact 0."""
+    """Relative deviation (value - exact) / exact; None for words, missing numbers and an exact
+    0.
+    """
     if isinstance(value, str) or isinstance(exact, str) or value is None or not exact:
         return None
     return (value - exact) / exact

@@ -30,15 +30,17 @@ BOUND_NAMES = {each.key: each.bound for each in quantities.QUANTITIES}
 
 @dataclass(frozen=True, repr=False)
 class Result:
-    """A solved scene. Numbers are the same on all MPI processes; fields and findings are on rank 0
-    only.
+    """A solved scene. `summary` and the numbers made from it are the same on all MPI ranks;
+    `fields`, `findings`, `surface`, `stress_at` and `plot` are on rank 0 only (findings of
+    half-spaces on every rank), and the dolfinx mesh is distributed.
 
     solution: on the finest mesh, or by half-spaces; None of a result that was loaded.
     summary: content of summary.json.
 
     The properties `patch`, `pressure`, `stress`, `friction`, `plastic`, `load` and `approach` hold
-    numbers of that solution, `hertz` the same of exact Hertz, `estimate` bounds of relative
-    errors. `railhead.run.quantities` describes each number.
+    numbers of that solution, `hertz` the same of exact Hertz, `estimate` bounds of relative errors.
+    `railhead.run.quantities` describes each number. Where nothing touches, the former raise
+    ValueError. They are of the whole model, images in symmetry planes included.
     """
 
     solution: Solved | None
@@ -70,7 +72,7 @@ class Result:
 
     @property
     def passed(self) -> bool:
-        """Whether all checks hold."""
+        """Whether all checks that were made hold."""
         return bool(self.summary["checks"]["passed"])
 
     @property
@@ -80,62 +82,76 @@ class Result:
 
     @property
     def patch(self) -> quantities.PatchQuantities:
-        """Half lengths and area of the contact patch."""
+        """Half lengths and area of the contact patch. ValueError: nothing touches."""
         return self._answer.patch
 
     @property
     def pressure(self) -> quantities.PressureQuantities:
-        """Largest and mean contact pressure."""
+        """Largest and mean contact pressure. ValueError: nothing touches."""
         return self._answer.pressure
 
     @property
     def stress(self) -> quantities.StressQuantities:
-        """The largest shear and von Mises stresses of both bodies and where they are."""
+        """The largest shear and von Mises stresses of both bodies, away from sharp edges and held
+        faces, and where they are. ValueError: nothing touches.
+        """
         return self._answer.stress
 
     @property
     def plastic(self) -> quantities.PlasticQuantities | None:
-        """Yield under the load and the state after unloading; None where nothing yields."""
+        """Yield under the load and the state after unloading; None where nothing yields or yield
+        was not simulated. ValueError: nothing touches.
+        """
         return self._answer.plastic
 
     @property
     def friction(self) -> quantities.FrictionQuantities | None:
-        """Forces, creepages or shifts, and stick; None without friction."""
+        """Forces, creepages or shifts, and stick; None without friction. ValueError: nothing
+        touches.
+        """
         return self._answer.friction
 
     @property
     def load(self) -> float:
-        """Normal force, N."""
+        """Vertical component of the force between the bodies, friction included, of the whole
+        model, N. At a contact angle the normal force is larger. ValueError: nothing touches.
+        """
         return float(self._answer.load)
 
     @property
     def approach(self) -> float:
-        """Approach of the bodies' supports, mm."""
+        """Vertical approach of the bodies' supports, mm; where half-spaces answer, that of distant
+        points of theirs. ValueError: nothing touches.
+        """
         return float(self._answer.approach)
 
     @property
     def hertz(self) -> quantities.Answer:
-        """Quantities of exact Hertz under the same load."""
+        """Quantities of exact Hertz for the curvatures at the first contact, under the same
+        vertical load.
+        """
         return quantities.read(quantities.Answer, self.summary["hertz"])
 
     @property
     def estimate(self) -> SimpleNamespace:
-        """Bounds of the relative errors by name: a, b, area, pressure_max, approach, tau_max,
-        tau_max_depth, von_mises_max; a name is missing where there is no bound."""
+        """Bounds of the relative errors of the solution, as attributes: a, b, area, pressure_max,
+        approach, tau_max, tau_max_depth, von_mises_max, and in friction force_along and
+        force_across (over mu N), creepages or shifts. A name is missing where there is no bound.
+        """
         bound = self.summary["accuracy"]["bound"]
         return SimpleNamespace(**{BOUND_NAMES[key]: value for key, value in bound.items()})
 
     @property
     def _answer(self) -> quantities.Answer:
-        """Quantities of the solution. ValueError: nothing touches."""
+        """Quantities of the solution, read from `summary`. ValueError: nothing touches."""
         if self.summary["result"] is None:
             raise ValueError("there is no result: nothing touches")
         return quantities.read(quantities.Answer, self.summary["result"])
 
     @property
     def mesh_solution(self) -> MeshSolution:
-        """The solution on the finest mesh. ValueError: half-spaces answered, which have no mesh, or
-        the result was loaded.
+        """The solution on the finest mesh; its arrays are those of this rank. ValueError:
+        half-spaces answered, which have no mesh, or the result was loaded.
         """
         if not isinstance(self.solved, MeshSolution):
             raise ValueError("half-spaces have no mesh; effects.finite_bodies=auto solves bodies")
@@ -143,22 +159,27 @@ class Result:
 
     @property
     def solved(self) -> Solved:
-        """The solution. ValueError: the result was loaded, and has numbers only."""
+        """The solution, by finite elements or half-spaces. ValueError: the result was loaded, and
+        has numbers only.
+        """
         if self.solution is None:
             raise ValueError("a loaded result has numbers only; solve the scene again for fields")
         return self.solution
 
     @property
     def comm(self) -> MPI.Intracomm:
-        """The MPI processes that share the result; those of half-spaces each have all of it."""
+        """The MPI ranks that share the result: COMM_WORLD of half-spaces, which each rank has
+        completely; COMM_SELF of a pickled result. ValueError: the result was loaded.
+        """
         if not isinstance(self.solved, MeshSolution):
             return MPI.COMM_WORLD
         return MPI.COMM_SELF if self.solved.mesh is None else self.mesh.comm
 
     @property
     def mesh(self) -> Any:
-        """The dolfinx mesh of both bodies (of the modelled part, where there is symmetry).
-        ValueError: the result was pickled or loaded.
+        """The dolfinx mesh of the deformable bodies (of the meshed part, where there is symmetry),
+        mm; of a section with two coordinates.
+        ValueError: half-spaces answered, or the result was pickled or loaded.
         """
         if self.mesh_solution.mesh is None:
             raise ValueError("a pickled result has no dolfinx mesh; solve the scene again for it")
@@ -166,7 +187,9 @@ class Result:
 
     @property
     def displacement(self) -> Any:
-        """Displacement as a dolfinx Function on `mesh`, mm. ValueError: as of `mesh`."""
+        """Displacement as a dolfinx Function on `mesh`, mm, on all ranks. ValueError: as of
+        `mesh`.
+        """
         from railhead.solver import compat
 
         assert self.mesh is not None
@@ -174,10 +197,12 @@ class Result:
 
     @property
     def surface(self) -> Surface:
-        """Contact surface of the body that carries the contact points, at its n nodes: `points`
-        (n, 3), undeformed, mm; `pressure` (n,), MPa; `gap` (n,), mm; `displacement` (n, 3), mm;
-        `triangles` (t, 3), rows of the nodes, of a section lines (t, 2). Of a cut model the part
-        that was meshed. ValueError: nothing touches, or off rank 0.
+        """Contact surface of the body that carries the contact points (the slave, `plan.slave`), at
+        its n nodes: `points` (n, 3) in space, undeformed, mm; smooth `pressure` (n,), MPa; `gap`
+        (n,) of the deformed surfaces, mm; `displacement` (n, 3), mm; `triangles` (t, 3), rows of
+        the nodes, of a section lines (t, 2). Of a cut model the part that was meshed. Half-spaces
+        have cells instead of nodes and no displacement (NaN). ValueError: nothing touches, or off
+        rank 0.
         """
         if self.findings is None:
             raise ValueError("there is no contact surface: nothing touches, or this is not rank 0")
@@ -185,18 +210,22 @@ class Result:
 
     @property
     def tractions(self) -> FrictionSolution | None:
-        """Friction at the n contact points: `points` (n, 3), mm; `pressure` (n,), MPa; `traction`
-        (n, 3) of the wheel on the rail, MPa; `slip` (n, 3) of the wheel over the rail, mm, rolling
-        without dimension; `sticks` (n,). None without friction.
+        """Friction at the n contact points of all ranks, in the meshed part: `points` (n, 3) in
+        space, mm; `pressure` (n,), MPa; `traction` (n, 3) of the wheel on the rail, MPa; `slip` (n,
+        3) of the wheel over the rail, mm, rolling without dimension; `sticks` (n,). None without
+        friction. ValueError: half-spaces answered, or the result was loaded.
         """
         return self.mesh_solution.solution.friction
 
     def stress_at(self, points: Array, body: str | None = None) -> Array:
-        """Smooth stress (n, 6), components xx, yy, zz, xy, xz, yz in global axes, MPa, at points
-        (n, 3) of the undeformed bodies, mm; NaN outside of them.
+        """Smooth stress (n, 6), components xx, yy, zz, xy, xz, yz in global axes, MPa, tension
+        positive, at points (n, 3) in space of the undeformed bodies, mm; NaN outside of them.
+        Points may lie in images of the meshed part; of a section in plane strain only their place
+        in its plane counts.
 
-        body: "rail" or "wheel"; None: for each point the nearer one.
-        ValueError: points of another shape or not finite, a body that is rigid, or off rank 0.
+        body: "rail" or "wheel"; None: for each point the one with the nearer cell.
+        ValueError: points of another shape or not finite, a body that is rigid, off rank 0,
+            half-spaces, or a loaded result.
         """
         from railhead.postprocess.stress import recovery
 
@@ -214,7 +243,8 @@ class Result:
         units: Units | None = None,
         force: bool = False,
     ) -> None:
-        """Write the files of `railhead run` into a folder. Under MPI to be called on all ranks.
+        """Write the files of `railhead run` into a folder. Under MPI to be called on all ranks;
+        rank 0 writes, errors are raised on all.
 
         pictures: whether PNG files are written.
         report: whether report.html is written; needs pictures.
@@ -222,7 +252,7 @@ class Result:
         units: units of report.html; None: mm, N, MPa.
         force: whether a result of another command or scene in the folder is replaced.
         Raises SceneError for a folder with other files and, without `force`, with another result;
-        OSError where it cannot be written.
+        OSError where it cannot be written, ValueError for a loaded result.
         """
         from railhead.results import files, result_folder
 
@@ -249,35 +279,46 @@ class Result:
 
     @property
     def plot(self) -> Plots:
-        """Diagrams on matplotlib axes."""
+        """Diagrams of the result. The methods of what is returned, `pressure` and `depth`, take no
+        axes: each makes a figure of its own and returns a list of its matplotlib axes. They raise
+        ValueError where nothing touches, off rank 0 and for a loaded result.
+        """
         return Plots(self)
 
     @property
     def plan(self) -> Plan:
-        """The plan of the finest mesh."""
+        """The plan of the finest mesh, or that half-spaces answered. ValueError: the result was
+        loaded.
+        """
         return self.solved.plan
 
     @property
     def ellipse(self) -> Hertz:
-        """Exact Hertz under the same load, an ellipse or a line contact."""
+        """Exact Hertz for the curvatures at the first contact, an ellipse or a line contact, under
+        the load of the solution; its own load is the normal force. ValueError: the result was
+        loaded.
+        """
         return self.solved.ellipse
 
     @property
     def fields(self) -> Fields | None:
-        """The solution as arrays; None off rank 0, and of half-spaces."""
+        """The solution as arrays, of the meshed part and all ranks; None off rank 0, and of
+        half-spaces. ValueError: the result was loaded.
+        """
         return self.solved.fields
 
     @property
     def findings(self) -> Findings | None:
-        """Patch, pressure and stresses read from the solution; None off rank 0 and where nothing
-        touches.
+        """Patch, pressure and stresses read from the solution; None off rank 0 (half-spaces have
+        them on every rank) and where nothing touches. ValueError: the result was loaded.
         """
         return self.solved.findings
 
 
 @dataclass(frozen=True)
 class Plots:
-    """Diagrams of a result; each method returns the axes of a new figure.
+    """Diagrams of a result. Each method takes no axes, makes a new figure and returns the list of
+    its axes. ValueError: nothing touches, off rank 0, or the result was loaded.
 
     result: the solved scene.
     """
@@ -285,13 +326,17 @@ class Plots:
     result: Result
 
     def pressure(self) -> list[Axes]:
-        """Pressure along and across the rail, with exact Hertz."""
+        """Pressure along and across the rail through the most loaded patch, with exact Hertz where
+        there is one patch: two axes, or one of a meridian section.
+        """
         from railhead.postprocess.pictures.plots import diagrams
 
         return diagrams.pressure(self._findings, self._hertz).axes
 
     def depth(self) -> list[Axes]:
-        """Principal stresses and largest shear stress below the contact."""
+        """Principal stresses and largest shear stress on the normal below the most loaded patch,
+        over the depth, in the rail or in the wheel of a rigid rail.
+        """
         from railhead.postprocess.pictures.plots import diagrams
 
         poisson = self.result.plan.reported_body.poisson_ratio
@@ -299,7 +344,7 @@ class Plots:
 
     @property
     def _findings(self) -> Findings:
-        """Findings of the result. ValueError: nothing touches, or this is not rank 0."""
+        """Findings of the result, on rank 0. ValueError: nothing touches, or this is not rank 0."""
         if self.result.findings is None:
             raise ValueError("there is nothing to draw: nothing touches, or this is not rank 0")
         return self.result.findings

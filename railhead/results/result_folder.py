@@ -38,7 +38,9 @@ MANIFEST = ".railhead"  # names of the files in a result folder that are replace
 
 
 def foreign(folder: Path) -> list[str]:
-    """Sorted names of the files in a folder that no result wrote."""
+    """Sorted names of the files and folders in a folder that no result wrote, after its list of own
+    names (MANIFEST).
+    """
     names, own = set(os.listdir(folder)), {MANIFEST}
     if MANIFEST in names:
         text = (folder / MANIFEST).read_text(encoding="utf-8", errors="replace")
@@ -48,7 +50,7 @@ def foreign(folder: Path) -> list[str]:
 
 def check_folder(folder: Path, keeps: Collection[str] = ()) -> None:
     """Raise SceneError if results cannot be written to `folder`; called before anything is
-    computed.
+    computed. Writes nothing, but finishes an exchange of folders that was killed.
 
     A result replaces an earlier one as a whole. The folder must be new, empty, or hold only files
     of a result and those named in `keeps`. A link to a folder is followed.
@@ -165,7 +167,9 @@ def result(
 
 
 def origin() -> dict[str, Any]:
-    """Entries of summary.json that say where it is from: "railhead" (version), "date", "units"."""
+    """First entries of summary.json, which say where it is from: "railhead" (version), "date",
+    "units".
+    """
     return {"railhead": VERSION, "date": now(), "units": UNITS}
 
 
@@ -189,7 +193,7 @@ def stamp(folder: Path) -> None:
 
 
 def now() -> str:
-    """Date and time, UTC, to the second, as in ISO 8601."""
+    """Present date and time, UTC, to the second, as in ISO 8601."""
     return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
@@ -301,7 +305,9 @@ def _locked(parent: Path) -> Iterator[None]:
 
 
 def to_json(summary: dict[str, Any]) -> str:
-    """JSON text of plain data; infinite numbers are written as "inf" and "-inf"."""
+    """JSON text of plain data, ending in a line break; infinite numbers are written as "inf" and
+    "-inf". Raises ValueError for NaN.
+    """
     return json.dumps(_plain(summary), indent=2, allow_nan=False) + "\n"
 
 

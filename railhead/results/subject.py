@@ -13,8 +13,8 @@ from railhead.scene.sections import Rail, Wheel, Wheelset
 
 
 def subject(plan: Plan, load: float) -> Subject:
-    """Title of a scene, names of its bodies, and labels of its directions for pictures. load: in N,
-    of the solution.
+    """Title of a scene, names of its bodies, and labels of its directions for pictures. load:
+    vertical load of the solution, N, or of the scene.
     """
     scene, contact = plan.scene, plan.contact
     bar = math.isinf(scene.wheel.rolling_radius)

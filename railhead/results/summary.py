@@ -27,6 +27,7 @@ NO_SECTION = {"reason": "boundary elements know no section of bodies that end"}
 
 def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
     """summary.json of the last of a scene's meshes, with error estimates from all of them (rank 0).
+    The second methods, half-spaces with and without friction, are solved here.
     ending: why the sequence of meshes ended.
     """
     solved = levels[-1]
@@ -83,7 +84,9 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
 
 
 def summarise_half_spaces(solved: HalfSpaceSolution) -> dict[str, Any]:
-    """summary.json of a solution by half-spaces, with the keys of one by finite elements."""
+    """summary.json of a solution by half-spaces, with the keys of one by finite elements; nothing
+    is compared with a second method.
+    """
     bound = {key: sum(parts.values()) for key, parts in solved.error_parts.items()}
     asked, reached = solved.plan.scene.accuracy, None
     if asked is not None and solved.result is not None:
@@ -170,12 +173,14 @@ def _summary(
 
 
 def _peak_memory() -> float:
-    """Largest memory of this process so far, MB."""
+    """Largest memory of this process (one MPI rank) so far, MB (1e6 bytes)."""
     return 1024e-6 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
 def _more(solved: Solved) -> dict[str, Any]:
-    """Entries "plastic" and "friction" (and effects on the steel) of "result" in summary.json."""
+    """Entries "plastic" and "friction" (and effects on the steel) of "result" in summary.json;
+    those that do not apply are missing.
+    """
     out: dict[str, Any] = {} if solved.residual_state is None else {"plastic": _plastic(solved)}
     if solved.result is not None and (found := solved.result.get("friction")):
         plan = solved.plan
@@ -203,7 +208,9 @@ def _plastic(solved: Solved) -> dict[str, Any]:
 
 
 def exact_quantities(solved: Solved) -> dict[str, Any]:
-    """Quantities of exact Hertz under the load of the solution, as "result" of summary.json."""
+    """Quantities of exact Hertz for the first contact under the vertical load of the solution, as
+    "result" of summary.json; load and approach are along the vertical.
+    """
     contact, hertz = solved.plan.contact, solved.ellipse
     angle = contact.touch.angle
     approach = (
@@ -215,7 +222,9 @@ def exact_quantities(solved: Solved) -> dict[str, Any]:
 
 
 def _trace(solved: MeshSolution) -> dict[str, Any]:
-    """Resolution, element size (mm), unknowns, seconds and result of one mesh."""
+    """Resolution, element size (mm), unknowns, seconds and "result" (None where nothing touches) of
+    one mesh.
+    """
     return {
         "elements_per_semi_axis": solved.resolution,
         "patch_size_mm": solved.plan.grading().size,

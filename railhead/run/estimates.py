@@ -92,8 +92,9 @@ class Estimate:
 
 
 def largest_error(estimated: Mapping[str, Estimate], solved: MeshSolution) -> float:
-    """Largest error of all quantities that is compared with a wanted accuracy; infinite where
-    nothing touches or a quantity that the mesh resolves has no estimate.
+    """Largest `value_error` of the estimates by key, which is compared with a wanted accuracy;
+    infinite off rank 0, where nothing touches, and where a quantity that the mesh resolves has no
+    estimate.
     """
     if solved.result is None or set(estimated) != set(resolved_values(solved)):
         return math.inf

@@ -56,8 +56,8 @@ class Progress:
         self._say(f"{self._stage}: Newton step {step}, residual {residual:.1e}")
 
     def jobs(self, done: int, total: int) -> None:
-        """Show the number of finished jobs, if larger than at the last call, and the remaining time
-        at the pace since the first call.
+        """Show the number of finished jobs (`done`), if larger than at the last call, and the
+        remaining time at the pace since the first call.
         """
         if self._counts and done <= self._counts[-1][0]:
             return

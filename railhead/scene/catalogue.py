@@ -34,8 +34,8 @@ def shipped() -> dict[str, str]:
 
 
 def find(name: str | Path) -> Scene:
-    """The scene of a shipped case of this name, or of a TOML file at this path. Raises SceneError
-    if there is neither.
+    """The scene of a shipped case of this name, or else of a TOML file at this path. Raises
+    SceneError if there is neither.
     """
     known, name = shipped(), str(name)
     if name in known:
@@ -115,7 +115,9 @@ def places(files: Iterable[Path]) -> dict[str, str]:
 
 
 def portable(scene: Scene) -> dict[str, Any]:
-    """Nested tables of the keys of a scene that have a value, with files as in a result folder."""
+    """Nested tables of the keys of a scene that have a value, with files named by their places in a
+    result folder. OSError: a file cannot be read.
+    """
     at, data = places(scene.files), scene.model_dump(exclude_none=True)
     for body in (data["rail"], data["wheel"]):
         body |= {key: at.get(body[key], body[key]) for key in FILES if key in body}

@@ -124,7 +124,7 @@ def assignment(text: str) -> tuple[str, object]:
 
 
 def _dotted(values: Mapping[str, object]) -> Iterator[tuple[str, object]]:
-    """Pairs (dotted key, value) of nested tables or sections."""
+    """Pairs (dotted key, value) of tables or sections nested one level deep."""
     for key, value in values.items():
         if isinstance(value, Section):
             value = value.model_dump()
@@ -141,12 +141,16 @@ class Scene(Section):
     SceneError. A later assignment raises pydantic's ValidationError, as scenes are frozen.
 
     name: name of the scene and of its folder in results/.
-    load: N, normal force; None: approach is given.
-    approach: mm, by which the bodies come closer; None: load is given.
-    accuracy: largest relative error of the results, 0.0005 to 0.2; None: not given.
-    budget: s of computing time for the best possible accuracy; None: not given.
-    unload: whether bodies that yield are unloaded after the load.
-    cycles: how often bodies that yield are loaded at the same place, 1 to 100.
+    load: N, vertical load on the wheel; at an inclined contact the normal force is larger. None:
+        approach is given.
+    approach: mm, by which the supports of the bodies come closer, vertically; None: load is given.
+    accuracy: largest relative error of the results, 0.0005 to 0.2: meshes are refined until the
+        estimates meet it; None: not given.
+    budget: s of computing time for the best possible accuracy; None: not given. With neither one
+        mesh is solved.
+    unload: whether bodies that yield are unloaded after the load; no effect where nothing yields.
+    cycles: how often bodies that yield are loaded at the same place, 1 to 100; no effect where
+        nothing yields.
     rail: the rail, a `Rail`.
     wheel: the wheel, a `Wheel`.
     wheelset: position of the wheelset, a `Wheelset`.
@@ -225,14 +229,17 @@ class Scene(Section):
     @property
     def tangential_forces(self) -> tuple[str, float, float]:
         """The table that sets the tangential forces of the wheel on the rail ("rolling" or
-        "friction"), and the forces along and across the rail in N."""
+        "friction"), and the forces along and across the rail in N, 0 where none is given.
+        """
         if self.rolling.prescribed:
             return "rolling", self.rolling.force_along or 0.0, self.rolling.force_across or 0.0
         return "friction", self.friction.force_along, self.friction.force_across
 
     @property
     def asymmetric_friction(self) -> tuple[bool, bool]:
-        """Two booleans: whether friction breaks the mirror symmetry about x = 0 and about y = 0."""
+        """Two booleans: whether friction breaks the mirror symmetry about x = 0, and about y = 0.
+        Both are False without friction.
+        """
         friction, rolling = self.friction, self.rolling
         if not friction.coefficient or self.effects.friction == "off":
             return False, False
@@ -260,7 +267,7 @@ class Scene(Section):
 
     @property
     def files(self) -> list[Path]:
-        """Paths of the files that profiles and stress-strain curves are read from."""
+        """Absolute paths of the files that profiles and stress-strain curves are read from."""
         bodies = self.bodies.values()
         given = [path for body in bodies for path in (body.profile, body.stress_strain)]
         return [path for path in map(Path, filter(None, given)) if path.suffix]
@@ -276,7 +283,8 @@ class Scene(Section):
         return "half_space_along" if along else "half_space_across"
 
     def relative_curvatures(self) -> tuple[float, float]:
-        """Relative curvatures (along, across the rail) of two half-spaces, 1/mm.
+        """Relative curvatures (along, across the rail) of two half-spaces with the radii of the
+        scene, 1/mm; negative across where the concave body is the more curved one.
 
         Along: 1/rolling_radius, as the rail is straight; across: 1/crown_radius +
             1/transverse_radius (K. L. Johnson, Contact Mechanics, 1985, section 4.1). Standard
@@ -297,8 +305,8 @@ class Scene(Section):
 
     @classmethod
     def from_mapping(cls, data: Mapping[str, object]) -> Self:
-        """The scene of nested tables {key: value or {key: value}}. Raises SceneError for the first
-        wrong key or value.
+        """The scene of nested tables {key: value or {key: value}}; keys that are left out have
+        their defaults. Raises SceneError for the first wrong key or value.
         """
         if not isinstance(data, Mapping):
             raise SceneError(
@@ -311,7 +319,7 @@ class Scene(Section):
         return cls(**tables)
 
     def replace(self, assignments: Iterable[str] = (), /, **values: object) -> Self:
-        """A scene with some keys changed.
+        """A new scene with some keys changed; this one stays as it is.
 
         assignments: texts "key=value" with dotted keys; a value that is a TOML scalar is read as
             such, anything else as a plain string.
@@ -345,8 +353,8 @@ class Scene(Section):
         return self.from_mapping(data)
 
     def value(self, key: str) -> object:
-        """The value of a dotted key, in its base unit (N, mm, MPa, s, rad). Raises KeyError for an
-        unknown key.
+        """The value of a dotted key, in its base unit (N, mm, MPa, s, rad); of a table a
+        dictionary. Raises KeyError for an unknown key.
         """
         return reduce(getitem, OTHER_NAMES.get(key, key).split("."), self.model_dump())
 

@@ -72,7 +72,9 @@ class Section(BaseModel):
 
     @classmethod
     def _first_problem(cls, error: ValidationError) -> SceneError:
-        """The first error of pydantic's ValidationError as a SceneError of one line."""
+        """The first error of pydantic's ValidationError as a SceneError of one line, which is
+        returned, not raised.
+        """
         first = error.errors(include_url=False)[0]
         key = str(first["loc"][0]) if first["loc"] else ""  # then the branches of a union
         value = show(first["input"])
@@ -159,19 +161,19 @@ class BodySection(Section):
     elastic. Keys of the file are only allowed where the profile is a file; "auto" derives them from
     the points.
 
-    young_modulus: MPa; inf is a rigid body, which is not meshed.
+    young_modulus: MPa; inf is a rigid body, which is not meshed; not for both bodies.
     poisson_ratio: 0 to below 0.5.
     steel: name of a steel with a known yield stress; None: no steel.
     yield_stress: MPa; None: no yield stress.
-    hardening_modulus: MPa, derivative of stress by plastic strain beyond yield_stress; None: no
-        hardening. Only beside yield_stress.
+    hardening_modulus: MPa, derivative of stress by plastic (not total) strain beyond yield_stress;
+        None: no hardening. Only beside yield_stress.
     kinematic_fraction: share of the hardening that moves the yield surface, 0 to 1; the rest widens
         the surface. None: not given. Only in a body that yields.
     stress_strain: path of a .csv file, a row of plastic strain and true stress (MPa) a line; None:
         no curve.
     profile_unit: unit of the file's numbers: "auto", "mm", "m" or "inch".
-    profile_mirror: whether left and right of the file are exchanged: "auto", "on" or "off".
-    profile_flip: whether up and down of the file are exchanged: "auto", "on" or "off".
+    profile_mirror: "on": left and right of the file are exchanged, "off": they are not, or "auto".
+    profile_flip: "on": up and down of the file are exchanged, "off": they are not, or "auto".
     profile_origin: "file" keeps the file's origin; "auto" keeps one on the crown or within 8 mm of
         the tape circle, and else moves the profile to the origin of the standard profiles.
     smoothing: mm, wavelength of which the smoothing keeps half of the height; "auto" chooses.
@@ -237,7 +239,9 @@ class BodySection(Section):
 
     @property
     def yields(self) -> bool:
-        """Whether the body is elastic-plastic: a steel, a yield stress or a curve is set."""
+        """Whether the body has a yield stress, so that yield may be simulated: a steel, a yield
+        stress or a curve is set.
+        """
         return bool(self.steel or self.stress_strain or self.yield_stress)
 
     @property
@@ -245,7 +249,8 @@ class BodySection(Section):
         """Points (plastic strain, true stress in MPa) of the stress-strain curve of `steel` or of
         the file `stress_strain`.
 
-        The stress is constant after the last point. Empty where the body has neither key.
+        The stress is constant after the last point. Empty where the body has neither key, as with
+        yield_stress.
         """
         if self.steel is not None:
             return ((0.0, steels.by_name()[self.steel].yield_stress),)
@@ -263,13 +268,18 @@ class Rail(BodySection):
 
     profile: 54E1 (UIC54), 60E1 (UIC60), arc, or the path of a file of points.
     crown_radius: mm, radius of an arc; inf is flat. Required for arc, not allowed otherwise.
-    inclination: tangent of the angle by which the rail leans towards the track's middle, e.g. 1/20.
-    gauge: mm between both rails, 14 mm below their tops; None: the wheel's tape circle (70 mm from
-        the flange back) stands over the crown.
-    extent: "head" meshes the head, "section" web and foot too, "half-space" an unbounded body.
-    length: mm of the rail that is meshed; None: the plan chooses.
-    depth: mm of the block below an arc; None: the plan chooses. Only for arc.
-    width: mm of the block below an arc, across; None: the plan chooses. Only for arc.
+    inclination: tangent of the angle by which the rail leans towards the track's middle (y < 0),
+        e.g. 1/20; negative: away from it.
+    gauge: mm between both rails, 14 mm below their tops, which places the wheelset; None: the
+        wheel's tape circle (70 mm from the flange back) stands over the crown.
+    extent: "head" meshes the head, unless the plan needs the section; "section" web and foot too,
+        of 54E1 or 60E1; "half-space" makes rail and wheel unbounded bodies under Hertz's parabolic
+        gap.
+    length: mm of the rail that is meshed, half to each side of the contact; None: the plan chooses.
+        Where rolling_radius is inf, it is the length of the line contact, and required.
+    depth: mm of the block below the crown's top, where it is held; None: the plan chooses. Only for
+        arc.
+    width: mm of the block across; None: the plan chooses. Only for arc.
     """
 
     profile: Annotated[str, _profile("rail", "54E1", "60E1", "arc")] = "54E1"
@@ -292,12 +302,15 @@ class Wheel(BodySection):
     profile_unit, profile_mirror, profile_flip, profile_origin and smoothing (mm).
 
     profile: cylinder, cone20, cone40, arc, S1002, or the path of a file of points.
-    rolling_radius: mm; inf is a straight bar with the profile of the tread.
+    rolling_radius: mm, nominal, at the tape circle; inf is a straight bar with the profile of the
+        tread, solved in a section across the rail.
     transverse_radius: mm, radius of an arc across the rail; negative is concave, inf is straight.
         Required for arc, not allowed otherwise.
-    width: mm across the rail; None: the plan chooses.
-    rim_depth: mm of the rim that is meshed; None: the plan chooses.
-    segment_length: mm of the circumference that is meshed; None: the plan chooses.
+    width: mm across the rail that are meshed, half to each side of the contact, within the profile;
+        None: the whole profile.
+    rim_depth: mm of the rim that is meshed, inwards to where it is held; None: the plan chooses.
+    segment_length: mm of the circumference that is meshed, half to each side of the contact; None:
+        the plan chooses.
     """
 
     profile: Annotated[str, _profile("wheel", "cylinder", "cone20", "cone40", "arc", "S1002")] = (
@@ -315,8 +328,9 @@ class Wheel(BodySection):
 class Wheelset(Section):
     """Position of the wheelset on the track. The roll follows, as both wheels touch their rails.
 
-    shift: mm, lateral displacement that brings the flange of the wheel towards the rail.
-    yaw: rad, rotation of the axle about the vertical.
+    shift: mm, lateral displacement towards the field side (+y) of the right rail, which brings the
+        flange of the right wheel towards that rail.
+    yaw: rad, rotation of the axle about the vertical axis z, from x to y.
     back_to_back: mm between the backs of both flanges.
     """
 
@@ -326,17 +340,19 @@ class Wheelset(Section):
 
 
 class Solver(Section):
-    """Contact method and linear solver.
+    """Contact method and linear solver. No effect where half-spaces answer (effects.finite_bodies
+    off).
 
     method: "nitsche" (Nitsche's method) or "penalty".
     theta: symmetry parameter of Nitsche's method: 1 (symmetric), 0 or -1 (skew). None: 1 for
-        gamma_factor of at least 1, else -1. Not allowed with method penalty.
+        gamma_factor of at least 1, else -1; with yield and friction 0. Not allowed with method
+        penalty.
     gamma_factor: factor on the default stabilisation of Nitsche's method or on the default penalty.
-    linear: solver of linear systems: "direct", "multigrid", or "auto", which leaves the choice to
-        the plan.
+    linear: solver of linear systems: "direct", "multigrid", or "auto", which chooses by the cells
+        and the number of unknowns.
     tolerance: of Newton's method, residual over the contact force, 1e-10 to 1e-3. None: a share of
         the expected error of the mesh.
-    max_newton: largest number of steps of Newton's method, 1 to 200.
+    max_newton: largest number of steps of Newton's method in each nonlinear solve, 1 to 200.
     """
 
     method: Literal["nitsche", "penalty"] = "nitsche"
@@ -355,9 +371,9 @@ class Solver(Section):
 
 
 class Mesh(Section):
-    """Elements of the bodies.
+    """Elements of the bodies. No effect where half-spaces answer (effects.finite_bodies off).
 
-    cell: "tetrahedron" or "hexahedron".
+    cell: "tetrahedron" or "hexahedron"; in a section these stand for triangles and quadrilaterals.
     order: polynomial order of the elements, 1 or 2; None: 2 for tetrahedra, 1 for hexahedra.
     patch_size: mm, size of the elements in the contact patch, not allowed beside accuracy or
         budget; None: the plan chooses.
@@ -369,7 +385,9 @@ class Mesh(Section):
 
     @property
     def linear(self) -> bool:
-        """Whether the cells are tetrahedra (in a section triangles) of order 1, which lock."""
+        """Whether the cells are tetrahedra (in a section triangles) of order 1, which lock; False
+        of hexahedra.
+        """
         return self.cell == "tetrahedron" and self.order == 1
 
 
@@ -377,10 +395,12 @@ class Friction(Section):
     """Coulomb friction, and tangential forces that shift the wheel on the rail from rest.
 
     coefficient: friction coefficient, 0 to 2; 0: no friction.
-    force_along: N, tangential force of the wheel on the rail along x, along the rail. The key
-        tangential_load is another name of this one.
-    force_across: N, tangential force of the wheel on the rail along y, across the rail.
-    cycle: whether the forces are applied, reversed and applied again; false: applied once.
+    force_along: N, tangential force of the wheel on the rail along x, along the rail, reached from
+        rest. The key tangential_load is another name of this one.
+    force_across: N, tangential force of the wheel on the rail across it, along the common tangent
+        to the field side.
+    cycle: whether the forces are applied, reversed and applied again; false: applied once. Needs a
+        force.
     """
 
     coefficient: units.FrictionCoefficient = 0.0
@@ -402,7 +422,8 @@ class Friction(Section):
 
 
 class Rolling(Section):
-    """Steady rolling of the wheel towards positive x.
+    """Steady rolling of the wheel towards positive x. It needs friction.coefficient to have an
+    effect.
 
     Along and across, either a creepage or a force may be given, not both. Beside from_wheelset only
     force_along, axle and speed are allowed. Creepages are the velocity of the wheel's surface
@@ -413,8 +434,10 @@ class Rolling(Section):
         radii ("free") or wheel.rolling_radius ("nominal").
     creepage_along: creepage along the rail, -1 to 1; None: not given.
     creepage_across: creepage across the rail, -1 to 1; None: not given.
-    force_along: N, force of the wheel on the rail to be met along the rail; None: not given.
-    force_across: N, force of the wheel on the rail to be met across the rail; None: not given.
+    force_along: N, tangential force of the wheel on the rail to be met along the rail (+x); the
+        creepage follows. None: not given.
+    force_across: N, tangential force of the wheel on the rail to be met across it, along the common
+        tangent to the field side; the creepage follows. None: not given.
     spin: 1/mm, angular velocity about the normal out of the rail over the rolling speed.
     speed: m/s, for the friction power and the flash temperature; None: neither is computed.
     """
@@ -458,30 +481,49 @@ class Rolling(Section):
 
     @property
     def prescribed(self) -> bool:
-        """Whether a creepage, a force, a spin or the wheelset prescribes steady rolling."""
+        """Whether a creepage, a force, a spin or the wheelset prescribes steady rolling: a creepage
+        or force of 0 does, a spin of 0 does not.
+        """
         chosen = (self.creepage_along, self.creepage_across, self.force_along, self.force_across)
         return self.from_wheelset or any(value is not None for value in chosen) or self.spin != 0
 
 
 class Effects(Section):
-    """Switches of the physical effects: "on", "off", or "auto", which leaves the choice to the
-    plan.
+    """Switches of the physical effects and of the simplifications: "on", "off", or "auto", which
+    leaves the choice to the plan. A state that is not allowed raises SceneError when the scene is
+    planned. Where half-spaces answer (finite_bodies off), effects of meshed bodies cannot be on.
 
-    symmetry: both planes of symmetry x = 0 and y = 0.
-    plane_strain: a line contact is solved in a plane section.
-    axisymmetry: bodies of revolution are solved in a meridian section.
-    symmetry_x: plane x = 0; half of the model is solved.
-    symmetry_y: plane y = 0; half of the model is solved.
-    deformable_rail: the rail deforms; off: a rigid rail.
-    deformable_wheel: the wheel deforms; off: a rigid wheel.
-    rail_section: web and foot of the rail are meshed, too.
-    far_field: half-spaces around the meshed bodies.
-    finite_bodies: bodies that end where they end; off: half-spaces answer, by boundary elements.
-    true_profile: real profiles; off: arcs with their radii at the contact.
-    mean_dilatation: treatment of nearly incompressible materials.
-    plasticity: bodies yield.
-    friction: Coulomb friction.
-    heat: flash temperature of 100 K and more, which is not simulated; off accepts that.
+    symmetry: state of symmetry_x and symmetry_y where these are "auto".
+    plane_strain: on: a line contact is solved in a plane section. off: as a solid; not allowed
+        without curvature along or across the rail. on is not allowed where the contact is no line.
+    axisymmetry: on: bodies of revolution about the contact's normal are solved in a meridian
+        section. off: as a solid. on is not allowed for other bodies.
+    symmetry_x: on: only x >= 0 is solved. off: both halves. on is not allowed where x = 0 is no
+        plane of symmetry.
+    symmetry_y: on: only y >= 0 is solved. off: both halves. on is not allowed where y = 0 is no
+        plane of symmetry.
+    deformable_rail: on: the rail deforms. off: it is rigid, and only its exact surface takes part.
+        on is not allowed for an infinite modulus, off not for both bodies.
+    deformable_wheel: the same of the wheel.
+    rail_section: on: a standard rail is meshed with web and foot and held at its foot. off: its
+        head alone, held at the cut. on is not allowed for other rails and for half-spaces.
+    far_field: on: the outer faces of the blocks of half-spaces follow the displacement of the
+        half-spaces. off: they are held. on is not allowed for bodies that end.
+    finite_bodies: on: finite elements on meshed bodies. off: half-spaces answer without a mesh, by
+        exact Hertz or boundary elements; not allowed in sections of bodies that end, beside an
+        approach of such bodies, and beside a budget.
+    true_profile: on: the gap is that of the real profiles. off: that of circles of curvature at the
+        first contact; meshed bodies keep their profiles. on is not allowed for half-spaces and
+        sections along the rail, off not without finite_bodies.
+    mean_dilatation: on: the volume change is constant in each cell, so that nearly incompressible
+        cells do not lock. off: it is not. on needs quadratic tetrahedra or triangles.
+    plasticity: on: bodies with a yield stress yield, where stresses reach it. off: they stay
+        elastic. on is not allowed without a yield stress, without finite_bodies, and with friction
+        where bodies roll or differ in material.
+    friction: on: Coulomb friction. off: frictionless contact. on is not allowed for a coefficient
+        of 0, and where half-spaces cannot answer it.
+    heat: off accepts that heat is left out where the flash temperature is 100 K or more. on is not
+        allowed, as no temperature is simulated.
     """
 
     symmetry: Switch = "auto"
@@ -501,8 +543,9 @@ class Effects(Section):
     heat: Switch = "auto"
 
     def state(self, name: str) -> Switch:
-        """The switch ("auto", "on" or "off") of the effect `name`. The switch `symmetry` replaces
-        those of symmetry_x and symmetry_y that are "auto".
+        """The switch ("auto", "on" or "off") of the effect `name`, as it was given, whether or not
+        it is allowed. The switch `symmetry` replaces those of symmetry_x and symmetry_y that are
+        "auto".
         """
         choice: Switch = getattr(self, name)
         return self.symmetry if choice == "auto" and name.startswith("symmetry") else choice

@@ -25,7 +25,7 @@ STEEL_MODULI = (180e3, 230e3)  # MPa, least and largest Young's modulus of a ste
 class Steel:
     """A steel without hardening.
 
-    yield_stress: MPa, at any plastic strain.
+    yield_stress: of uniaxial tension, MPa, at any plastic strain.
     kind: where the value comes from, in a few words.
     source: the publication.
     """
@@ -63,11 +63,12 @@ MIN_STRESS, MAX_STRESS = 1e-6, 1e9  # MPa
 
 
 def read_curve(path: str) -> list[tuple[float, float]]:
-    """Points (plastic strain, true stress in MPa) of a .csv file; a heading is left out.
+    """Points (plastic strain, true stress in MPa) of a .csv file; a heading in its first line is
+    left out.
 
-    Raises ValueError (one line) for less than two points, a value that is no number, a first strain
-    other than 0, strains that do not increase, and a stress out of range or below the one before it
-    (softening has no unique answer).
+    Raises ValueError (one line) for fewer than two points, a value that is no number, a first
+    strain other than 0, strains that do not increase, and a stress out of range or below the one
+    before it (softening has no unique answer).
     """
     points: list[tuple[float, float]] = []
     try:

@@ -51,7 +51,9 @@ def _registry() -> "pint.UnitRegistry[Decimal]":
 
 
 def to_reader(base: str, unit: str) -> float:
-    """The number of `unit` in one `base` unit, e.g. 0.001 for base N and unit kN."""
+    """Factor on a number in `base` units that makes it one in `unit`, e.g. 0.001 for base N and
+    unit kN.
+    """
     return float(_registry().Quantity(1, base).to(unit).magnitude)
 
 
@@ -62,7 +64,7 @@ class QuantityKind:
     noun: name with an article, for messages.
     hint: how to write a value, for messages.
     unit: base unit; empty for plain numbers.
-    factors: usual units, and the number of base units in one of each.
+    factors: usual units, and the number of base units in one of each; decimal, but for angles.
     pint: whether other units of the same dimension are read with the package pint.
     """
 
@@ -199,9 +201,10 @@ class Range:
     high: largest allowed value, in the base unit.
     note: added to the description of the range in messages.
     words: replaces that description.
-    excluded: values between low and high that are not allowed.
+    excluded: values between low and high that are not allowed; with either_sign sizes.
     infinite: whether inf is allowed, too.
-    either_sign: whether low and high bound the absolute value.
+    either_sign: whether low and high bound the absolute value, so that negative numbers are
+        allowed.
     whole: whether only whole numbers are allowed.
     """
 

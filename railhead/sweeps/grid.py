@@ -27,9 +27,10 @@ class ParameterGrid:
     """Scenes that differ in the values of some keys.
 
     base: the scene before any of the values is set.
-    keys: dotted keys whose values change.
+    keys: dotted keys that are set, in order, also where all scenes have the same value.
     scenes: one for each combination of values; the last key changes fastest.
-    listed: whether they are rows of a table, not all combinations of the values of each key.
+    listed: whether the scenes come from rows of a table, which need not be all combinations of the
+        values of each key.
     """
 
     base: Scene
@@ -44,7 +45,7 @@ class ParameterGrid:
         lists: Mapping[str, Sequence[object]],
         rows: Sequence[Mapping[str, object]] = (),
     ) -> ParameterGrid:
-        """Grid of all combinations of lists of values by dotted key.
+        """Grid of all combinations of lists of values by dotted key; rows change slowest.
 
         rows: values by dotted key, each combined with all of the lists.
         Raises SceneError for a wrong key or value, a key in both, more than MAX_COMBINATIONS and
@@ -88,7 +89,9 @@ class ParameterGrid:
 
 
 def column(key: str) -> str:
-    """Header of a table column with the values of a dotted key: key and unit, "load [N]"."""
+    """Header of a table column with the values of a dotted key: key and unit, "load [N]"; angles
+    are in mrad.
+    """
     shown = {"rad": "mrad"}.get(unit(key), unit(key))
     return f"{key} [{shown}]" if shown else key
 

@@ -37,7 +37,7 @@ class ParallelSweep:
 
     grid: the scenes.
     folder: folder of records, table and pictures.
-    vtu: whether files for ParaView are written for each scene.
+    vtu: whether files for ParaView are written for each scene; not for half-spaces.
     fields: whether results are returned, with their fields.
     """
 
@@ -48,7 +48,9 @@ class ParallelSweep:
 
     @cached_property
     def files(self) -> dict[str, str]:
-        """Places in the folder of the files that the scenes name, by path."""
+        """Places in the folder of the files that the scenes name (`catalogue.places`), by path;
+        nothing is copied here.
+        """
         return places({path for scene in self.grid.scenes for path in scene.files})
 
     def values(self, number: int) -> dict[str, object]:
@@ -91,8 +93,8 @@ class ParallelSweep:
 class Outcome:
     """What became of a sweep.
 
-    rows: of sweep.csv, cells by column header.
-    failures: a line for each picture that could not be drawn.
+    rows: of sweep.csv, in the order of the scenes, cells by column header.
+    failures: a line for each picture that could not be drawn or file that could not be stamped.
     results: by number of the scene, where they are asked for: those that were solved now.
     """
 
@@ -102,14 +104,15 @@ class Outcome:
 
     @property
     def status(self) -> dict[int, str]:
-        """By number of the scene, "passed" or why not."""
+        """By number of the scene from 0, "passed" or why not."""
         return {number: row[sweep_table.CHECKS] for number, row in enumerate(self.rows)}
 
 
 def run(
     sweep: ParallelSweep, *, pictures: bool, quiet: bool, other: store.Other = "refuse"
 ) -> Outcome | None:
-    """Solve the scenes of a sweep that have no record yet, and write table and pictures.
+    """Solve the scenes of a sweep that have no record yet, side by side, and write table and
+    pictures; under MPI called on all ranks.
 
     other: what happens to another result in the folder (`store.begin`).
     pictures: whether PNG files are written.
@@ -159,8 +162,8 @@ def _solve_all(
     progress: Progress,
     groups: Sequence[Sequence[int]],
 ) -> dict[int, str]:
-    """Solve the scenes of all groups that have no record; returns reasons by number for scenes that
-    still have none.
+    """Let the workers solve the scenes of all groups that have no record, and wait; returns reasons
+    by number for scenes that still have none.
 
     rows, results: of sweep.csv, and of the sweep, by number; they grow with the records. workers:
         number of processes. submit: starts a job.
@@ -193,9 +196,9 @@ def _solve_all(
 
 
 def share(numbers: Sequence[int], groups: int, workers: int) -> list[Sequence[int]]:
-    """The numbers of one of `groups` groups, distributed over as many processes as there are for
-    each group. Each process makes the mesh of the whole group again, as it would otherwise wait
-    for that mesh.
+    """The numbers of one of `groups` groups, split into as many parts as there are processes for
+    each group. Each process makes the mesh of the whole group again, as it would otherwise wait for
+    that mesh.
     """
     parts = min(len(numbers), max(1, workers // max(1, groups)))
     return [numbers[first::parts] for first in range(parts)]

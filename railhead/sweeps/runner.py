@@ -53,8 +53,8 @@ def plan_all(grid: ParameterGrid, progress: Progress) -> list[Plan]:
 
 
 def group_by_mesh(plans: Sequence[Plan]) -> list[list[int]]:
-    """Groups of numbers of plans that share a mesh, each by rising load. A plan that shares no mesh
-    is a group of its own.
+    """Groups of numbers of plans that share a mesh, each by rising load, of at most MAX_GROUP loads
+    within MAX_LOAD_RATIO. A plan that shares no mesh is a group of its own.
     """
     alike: dict[str, list[int]] = {}
     for number, plan in enumerate(plans):
@@ -108,8 +108,8 @@ def solve_group(
     progress: Progress,
     comm: MPI.Intracomm = MPI.COMM_WORLD,
 ) -> Iterator[tuple[int, Result | MeshError | SceneError]]:
-    """Solve the plans `wanted` of a group; yields number and result, or the error that refused the
-    scene.
+    """Solve the plans whose numbers are in `wanted`, of a group (collective), as they are asked
+    for; yields number and result, or the error that refused the scene.
 
     group: plans by number, by rising load; the mesh is made for all of them. A scene for which the
         mesh is not suitable (yield, or a patch in another place) gets a mesh of its own.
@@ -152,7 +152,9 @@ def _assemble(
 def _solve_on_shared(
     mesh: ContactMesh, model: ContactModel, plan: Plan, progress: Progress, comm: MPI.Intracomm
 ) -> Result | None:
-    """Result of one load on the shared mesh; None where that mesh is not suitable."""
+    """Result of one load on the shared mesh; None where that mesh is not suitable: no convergence,
+    a patch where the mesh is coarse, or yield.
+    """
     solved = solve_on_mesh(mesh, model, plan, progress, comm)
     if solved is None or refinement.unplanned_yield(solved, comm):
         return None

@@ -36,11 +36,12 @@ LATER = (
 
 
 def begin(folder: Path, request: Mapping[str, Any], other: Other = "refuse") -> None:
-    """Continue the sweep in a folder if it is the requested one; else make the folder of a new one.
+    """Leave the sweep in a folder as it is if it is the requested one, to be continued; else make
+    the folder of a new one. Nothing is solved.
 
     request: all that determines the records.
-    other: whether another result in the folder is an error or is moved aside; "replace" removes it,
-        and also the requested sweep.
+    other: another result in the folder is an error ("refuse"), is moved aside ("move"), or is
+        removed ("replace", which removes the requested sweep, too).
     Raises SceneError for another result, a folder in use or a broken file, OSError where nothing
     can be written.
     """
@@ -103,7 +104,7 @@ def _flat(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
 
 
 def done(folder: Path) -> set[int]:
-    """Numbers of the scenes that have a record."""
+    """Numbers of the scenes that have a record, whether or not they passed."""
     files = (folder / RECORDS).glob("*.json")
     return {int(path.stem) for path in files if path.stem.isdecimal()}
 
@@ -126,7 +127,9 @@ def write_whole(folder: Path, path: Path, content: bytes) -> None:
 
 
 def read(folder: Path, number: int) -> dict[str, Any]:
-    """Record of scene `number`. Raises SceneError where its file is broken."""
+    """Record of scene `number` (`sweep_table.record`, and "over", its values). Raises SceneError
+    where its file is broken.
+    """
     return _load(_record(folder, number))
 
 
@@ -164,7 +167,7 @@ def check(folder: Path, values: Callable[[int], Mapping[str, object]]) -> None:
 
 
 def vtu_folder(folder: Path, number: int) -> Path:
-    """Folder of the .vtu files of scene `number`."""
+    """Path of the folder of the .vtu files of scene `number`; it is not made."""
     return folder / VTU / f"{number:05d}"
 
 

@@ -22,8 +22,8 @@ def record(over: Mapping[str, object], result: Result | Exception) -> dict[str, 
     over: values of the changing keys by dotted key.
     fault: reason why there is no result, in one line; empty where there is one.
     summary: content of summary.json.
-    outlines: outlines of the patches seen from above, lists of points x, y in mm.
-    wheelset: of a wheelset on a track, columns of both wheels' first contacts and their values.
+    outlines: outlines of the patches seen from above, lists of points x, y in space in mm.
+    wheelset: only with rail.gauge, columns of both wheels' first contacts and their values.
     """
     if isinstance(result, Exception):
         return {"over": over, "fault": " ".join(str(result).split())}

@@ -32,7 +32,7 @@ class Attempt(Generic[T]):
     """Outcome of a job.
 
     value: return value of the job; None where it raised, crashed or took longer than its limit.
-    seconds: duration of the job; 0 where its process crashed.
+    seconds: duration of the job; 0 where its process crashed, the limit where it took longer.
     fault: reason why there is no value, in one line; else empty.
     """
 
@@ -49,8 +49,8 @@ def attempts(
     jobs: Sequence[tuple[Any, ...]],
     limits: Sequence[float | None] | None = None,
 ) -> Iterator[Attempt[T]]:
-    """Call work(*job) for each job in a process of its own; yields the outcomes in the order of
-    jobs.
+    """Call work(*job) for each job in other processes, side by side; yields the outcomes in the
+    order of jobs.
 
     limits: longest duration of each job in s; None for no limit. `work`, its arguments and its
         return value are pickled.
@@ -82,7 +82,9 @@ def submitting(ranks: int) -> Iterator[Submit | None]:
 
 
 def workers(ranks: int) -> int:
-    """Number of jobs that run at the same time. ranks: number of MPI ranks; with one, the cores."""
+    """Number of jobs that run at the same time. ranks: number of MPI ranks; with one, the cores of
+    this machine.
+    """
     return ranks - 1 if ranks > 1 else os.cpu_count() or 1
 
 

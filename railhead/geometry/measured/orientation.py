@@ -36,9 +36,10 @@ NEAR_TOP, NEAR_ZERO, NEAR_SIDE = 2.0, 5.0, 8.0  # mm: the file's origin is that 
 class Orientation:
     """What the user says of a file; 'auto' leaves it to the shape.
     unit: unit of the file, as 'mm', 'm' or 'inch'.
-    mirror: left and right exchanged, 'on' or 'off'.
-    flip: up and down exchanged, 'on' or 'off'.
-    origin: 'file' keeps the origin of the file.
+    mirror: whether left and right are exchanged, 'on' or 'off'.
+    flip: whether up and down are exchanged, 'on' or 'off'.
+    origin: 'file' keeps the origin of the file; 'auto' moves it where it is not that of the
+        project.
     """
 
     unit: str = "auto"
@@ -48,8 +49,8 @@ class Orientation:
 
 
 def oriented(points: Array, body: str, given: Orientation) -> tuple[Array, list[str]]:
-    """Points (n, 2) of a 'rail' or 'wheel', mm, brought to the axes of the project, and remarks on
-    what was done.
+    """Points (n, 2) of a 'rail' or 'wheel', mm, brought to the axes of profiles (y to the field
+    side, z up for a rail and outwards for a wheel), and remarks on what was done.
     given: what the user says.
     Raises PointError, with a place in the axes of `points`, where they fit no standard, where
     nothing tells what `given` leaves open, and for half a head.

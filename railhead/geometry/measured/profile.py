@@ -36,8 +36,8 @@ class Measured:
     path: the file.
     body: 'rail' or 'wheel'.
     remarks: how the file was read and turned, and warnings.
-    smoothed: the curve through its points.
-    profile: the longest part of the curve that faces upwards.
+    smoothed: the smooth curve along its points, in the axes of profiles, turned by the inclination.
+    profile: the longest part of the curve that faces upwards, z(y).
     """
 
     path: Path
@@ -48,7 +48,9 @@ class Measured:
 
     @property
     def points(self) -> Array:
-        """Points (n, 2) of (y, z), mm, in the axes of profiles, along the smoothed curve."""
+        """Measured points (n, 2) of (y, z), mm, in the axes of profiles and in their order along
+        the curve, not smoothed; without web and foot.
+        """
         return self.smoothed.points
 
     def resampled(self, step: float) -> Array:
@@ -57,7 +59,7 @@ class Measured:
 
     @property
     def sharpest(self) -> tuple[float, float]:
-        """Largest modulus of curvature before and after smoothing, 1/mm, without the outermost 2 %
+        """Largest size of the curvature before and after smoothing, 1/mm, without the outermost 2 %
         of the width at each end.
         """
         smoothed, (start, end) = self.smoothed, inner(self.profile)
@@ -117,7 +119,7 @@ def from_points(
     """The smooth curve through points (n, 2) in the axes of profiles, mm, in any order along it or
     by y, and the longest part that faces upwards, as a profile of that name.
     wavelength: of waves that keep half of their height, mm, or None to choose by the noise.
-    stretch: factor on the wavelengths.
+    stretch: factor on the wavelengths, given or chosen.
     Raises ValueError for too few points and a curve that faces nowhere upwards. Raises PointError
     for a gap between points and where they run over the same place twice.
     """
@@ -149,8 +151,9 @@ def read(
     """The profile of a 'rail' or 'wheel' in a file, read once and kept.
     given: what the user says of the axes of the file.
     wavelength: of waves that keep half of their height, mm, or None to choose by the noise.
-    slope: slope by which the profile is turned about the origin.
-    stretch: factor on the wavelengths.
+    slope: tangent of the angle by which the profile is turned about the origin, positive towards y
+        < 0, as a rail leans.
+    stretch: factor on the wavelengths, given or chosen.
     Raises FormatError, ValueError, OSError.
     """
     changed = path.stat().st_mtime_ns
@@ -233,7 +236,8 @@ def _line(table: Table, points: Array, place: Array) -> int:
 
 def wave(smoothed: Smoothed, start: float, end: float) -> tuple[float, Array] | None:
     """Largest angle (deg) by which the curve bends one way and back within 4 mm (WAVE), between y =
-    start and y = end (mm), and its place (2,); None where no angle is larger than 10 deg (BENT).
+    start and y = end (mm), and its place (2,); in the axes of the curve; None where no angle is
+    larger than 10 deg (BENT).
     """
     s = np.arange(0.0, smoothed.length, STRIDE)
     dy, dz = smoothed.curve(s, 1).T

@@ -46,10 +46,11 @@ FINE = 20  # samples a point, where a curve is measured or bent open
 class Smoothed:
     """Smooth curve through the points of a measured profile.
     curve: spline of the arc length s (mm) with values (y, z), mm.
-    points: (n, 2) of (y, z), mm, in their order along the curve.
+    points: (n, 2) of (y, z) that were smoothed, mm, in their order along the curve.
     s: (n,) arc length of each point, mm.
-    residual: (n,) distance of each point from the curve along its left normal, mm.
-    noise: standard deviation of the points across the curve, mm.
+    residual: (n,) signed distance of each point from the curve along its left normal, mm.
+    noise: standard deviation of the points across the curve, estimated from their differences, mm;
+        its median along the curve.
     places: (k,) arc lengths at which wavelength is given, mm.
     wavelength: (k,) length of waves that keep half of their height, mm.
     """

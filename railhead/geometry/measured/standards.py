@@ -37,10 +37,10 @@ class LaidStandard:
     """A standard profile laid on a measured one; lengths in mm, in the axes of the measured one.
     name: 54E1, 60E1 or S1002.
     outline: (m, 2) points of the standard.
-    origin: (2,) where the origin of the standard lies.
+    origin: (2,) where the origin of the standard lies: crown centre, or tape circle.
     y: (n,) y of the measured points.
-    loss: (n,) depth of the measured points below the standard, normal to it; negative outside, NaN
-        beyond its ends and below the head.
+    loss: (n,) depth of the measured points below the standard, normal to it; negative where they
+        stand out of it, NaN beyond its ends and below the head.
     misfit: mean of the weighted squares of the fit; infinite where too little is compared.
     distance: mean distance of all points to the outline.
     slope: angle (rad) by which the head leans, positive to y > 0; 0 for wheels.
@@ -57,7 +57,7 @@ class LaidStandard:
 
     @property
     def worst(self) -> int:
-        """Index of the measured point with the largest loss."""
+        """Index of the measured point with the largest loss; 0 where nothing is lost."""
         return int(np.argmax(self._lost))
 
     @property
@@ -68,7 +68,7 @@ class LaidStandard:
     @property
     def lost_area(self) -> float:
         """Area of the section that is lost, mm2: 0.25 mm (STEP) times the sum of the positive
-        losses.
+        losses, true for points that are STEP apart.
         """
         return STEP * float(self._lost.sum())
 
@@ -97,8 +97,8 @@ class LaidStandard:
 
 
 def nearest(points: Array, body: str) -> LaidStandard:
-    """The standard with the least misfit for points (n, 2), mm, 0.25 mm (STEP) apart from left to
-    right, of a 'rail' or 'wheel'.
+    """The standard with the least misfit, whether or not it fits (`fits`), for points (n, 2), mm,
+    0.25 mm (STEP) apart from left to right, of a 'rail' or 'wheel'.
     """
     return min(all_laid(points, body), key=lambda each: each.misfit)
 

@@ -24,9 +24,9 @@ class EffectRules:
         the solution; gives None where it does not apply.
     numerical_only: the exact answer is the same with and without the effect.
     beyond_half_spaces: half-space references beside the result lack the effect too.
-    of_bodies: the effect is one of finite bodies. Without them it is off, and the estimate of the
-        answer covers it.
-    in_half_spaces: half-spaces always have the effect; without finite bodies it cannot be off.
+    of_bodies: the effect is one of meshed bodies. Where half-spaces answer it is off, and the
+        estimate of the answer covers it.
+    in_half_spaces: half-spaces always have the effect; where they answer it cannot be off.
     """
 
     decide: Callable[[Context], Effect]

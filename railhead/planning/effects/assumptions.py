@@ -18,8 +18,8 @@ EDGE = 1.1  # factor on the semi-axis across that must lie within both profiles
 
 
 def small_patch(context: Context, found: Findings) -> PostSolveVerdict:
-    """Verdict on the patch size: Hertz's parabolas and half-spaces need semi-axes far below the
-    relative radii (Johnson, Contact Mechanics, 4.1).
+    """Verdict on the size of the (most loaded) patch: Hertz's parabolas and half-spaces need
+    semi-axes far below the relative radii (Johnson, Contact Mechanics, 4.1).
     The larger of a times curvature_x and b times curvature_y is held against 0.1 (SMALL).
     """
     touch, patch = context.contact.touch, found.patch
@@ -46,7 +46,7 @@ def inside_the_bodies(context: Context, found: Findings) -> PostSolveVerdict | N
 
 
 def edges(context: Context) -> list[float]:
-    """Places y on the rail (mm) at which a body ends: the ends of both profiles, and of the tread's
+    """Places y in space (mm) at which a body ends: the ends of both profiles, and of the tread's
     width around the first contact, at plus and minus infinity where the wheel has no width.
     """
     contact, width = context.contact, context.scene.wheel.width or math.inf

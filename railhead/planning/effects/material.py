@@ -67,8 +67,8 @@ def decide_mean_dilatation(context: Context) -> Effect:
 
 
 def decide_plasticity(context: Context) -> Effect:
-    """Whether yield is simulated: called for where the largest elastic von Mises stress passes the
-    yield stress of a deformable body.
+    """Whether yield is simulated: called for where the largest elastic, frictionless von Mises
+    stress passes the yield stress of a deformable body.
 
     The state 'on' is refused where no deformable body has a yield stress, without finite bodies,
     and with friction where bodies roll or differ in material. SceneError: linear cells where a body
@@ -136,7 +136,7 @@ def check_plasticity(context: Context, effect: Effect, found: Findings) -> PostS
 
 def shear_yield(context: Context) -> float | None:
     """Yield stress in shear, yield / sqrt(3), of the weaker body that deforms, MPa; None where no
-    body has a yield stress.
+    body that deforms has a yield stress.
     """
     limits = [first_yield(part) / math.sqrt(3) for part in _yielding(context).values()]
     return min(limits, default=None)
@@ -148,7 +148,9 @@ def first_yield(part: BodySection) -> float:
 
 
 def _yielding(context: Context) -> dict[str, Rail | Wheel]:
-    """Bodies that deform and have a yield stress, by 'rail' and 'wheel'."""
+    """Bodies that deform and have a yield stress, whether or not they reach it, by 'rail' and
+    'wheel'.
+    """
     return {name: part for name, part in context.deformable.items() if part.yields}
 
 

@@ -32,7 +32,9 @@ MARGIN = 1.1  # factor on the patch that must lie within one arc
 
 
 def plane_strain(context: Context) -> Effect:
-    """Plane strain is called for, and simulated, where the contact is a line."""
+    """Plane strain is called for, and simulated, where the contact was found to be a line
+    (`dimension.choose`, which heeds a person's switch).
+    """
     kind = context.dimension
     refused = {} if kind.line else {"on": kind.plane_strain}
     return Effect(kind.line, kind.line, kind.plane_strain, refused)
@@ -206,7 +208,7 @@ def _twists(context: Context) -> tuple[bool, str]:
 
 
 def decide_true_profile(context: Context) -> Effect:
-    """Real profiles are called for where the predicted patch, times 1.1 (MARGIN), comes near a
+    """Real profiles are called for where the predicted patch, times 1.1 (MARGIN), reaches across a
     joint of two arcs of a profile, or the profile is no arc there; otherwise one radius each is
     enough.
     """

@@ -112,8 +112,8 @@ def write(
     found: Findings | None,
     grids: tuple[meshio.Mesh, meshio.Mesh] | None,
 ) -> None:
-    """Write report.html into a result folder that already contains the pictures. Raises OSError
-    only; any other error is described in the file.
+    """Write report.html into a result folder that already contains the pictures and scene.toml.
+    Raises OSError only; any other error is described in the file.
     """
     try:
         text = render(solved, summary, units, folder, found, grids)
@@ -133,7 +133,10 @@ def render(
     found: Findings | None,
     grids: tuple[meshio.Mesh, meshio.Mesh] | None,
 ) -> str:
-    """HTML text of the report."""
+    """HTML text of the report, with the pictures of the folder in it. found: findings with titles;
+    None where nothing touches. grids: of the cells and of the contact surface; None without views.
+    Raises OSError for a file that cannot be read.
+    """
     scene = solved.plan.scene
     views, viewer, missing = _views(solved, found, grids)
     effects = summary["plan"]["effects"]
@@ -189,7 +192,9 @@ def answer_rows(summary: Mapping[str, Any], units: Units, found: Findings | None
 
 
 def _friction(summary: Mapping[str, Any], units: Units) -> dict[str, Any]:
-    """Table of friction: {"columns": names, "rows": [(label, unit, cells as text)]}."""
+    """Table of friction: {"columns": names, "rows": [(label, unit, cells as text)]}, rows of the
+    steel included; no rows without friction.
+    """
     table = quantity_rows.rows(summary, "friction")
     columns = quantity_rows.filled(table)
     every = [*table, *quantity_rows.rows(summary, "steel")]

@@ -46,7 +46,9 @@ class Units:
         return _FACTOR.sub(lambda each: self.chosen.get(each[1], each[1]) + each[2], unit)
 
     def value(self, value: float, unit: str) -> float:
-        """Value in the displayed unit; unit: that of the argument, powers of mm, N and MPa."""
+        """Value in the displayed unit; unit: that of the argument, powers of mm, N and MPa, of
+        which at most one is divided by ("N/mm2"). Other units have no effect.
+        """
         over, _, under = unit.partition("/")
         for part, sign in ((over, 1), (under, -1)):
             for name, power in _FACTOR.findall(part):
@@ -59,13 +61,13 @@ class Units:
         return f"{brief(self.value(value, unit))} {self.unit(unit)}"
 
     def place(self, point: Sequence[float]) -> str:
-        """Text "(x, y, z) mm" of a point (3,), mm, in the displayed unit."""
+        """Text "(x, y, z) mm" of a point (3,), mm, in the displayed unit, four digits each."""
         inside = ", ".join(f"{self.value(each, 'mm'):.4g}" for each in point)
         return f"({inside}) {self.unit('mm')}"
 
     @property
     def others(self) -> str:
-        """Displayed units that differ from the base units, as text."""
+        """Displayed units that differ from the base units, as text; empty where none does."""
         return ", ".join(to for base, to in self.chosen.items() if base != to)
 
 

@@ -48,14 +48,18 @@ def labelled(console: Console, line: str, indent: int = 11) -> None:
 
 
 def recorded(show: Callable[[Console], None]) -> Console:
-    """Console with the recorded output of `show`, which it exports as text or HTML."""
+    """Console with the recorded output of `show`, which it exports as text or HTML; nothing is
+    printed.
+    """
     console = Console(file=io.StringIO(), width=WIDTH, record=True)
     show(console)
     return console
 
 
 def show_plan(plan: Plan, console: Console) -> None:
-    """Print effects, mesh, predicted cost and prices of accuracies of a plan."""
+    """Print effects, first contact, exact Hertz, mesh, predicted cost and prices of accuracies of a
+    plan.
+    """
     said = plan.to_dict()
     contact, hertz, mesh, solver = (said[key] for key in ("contact", "hertz", "mesh", "solver"))
     table = Table(title=f"plan of {said['case']}", title_justify="left")
@@ -91,7 +95,7 @@ def show_plan(plan: Plan, console: Console) -> None:
 
 def profile_lines(profiles: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
     """Lines on reading and smoothing of profiles from files. profiles: by body, as in "plan" of
-    summary.json.
+    summary.json. No lines where there are none.
     """
     for body, found in profiles.items():
         yield f"{body:10s} {Path(found['file']).name}: {', '.join(found['read'])}"
@@ -119,14 +123,14 @@ def _uncertainty_line(found: Mapping[str, Any]) -> str:
 
 
 def _state(effect: Effect) -> str:
-    """State of an effect in words."""
+    """State of an effect in words: on, off, or called for but refused."""
     if effect.called_for and "on" in effect.refused:
         return "off, though called for"
     return "on" if effect.on else "off"
 
 
 def _cost(unknowns: int, seconds: float) -> str:
-    """Additional or saved unknowns and seconds in words."""
+    """Additional (positive) or saved unknowns and seconds in words."""
     if not unknowns and not seconds:
         return "no unknowns"
     what = f"{abs(unknowns)} unknowns, " if unknowns else ""
@@ -153,7 +157,9 @@ def _show_prices(prices: Sequence[Mapping[str, Any]] | None, console: Console) -
 
 
 def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAULT) -> None:
-    """Print finite elements and exact Hertz side by side, friction, yield, remarks and cost."""
+    """Print finite elements, or half-spaces, and exact Hertz side by side, friction, yield, remarks
+    and cost; failed checks are left to `show_failure`.
+    """
     if summary["result"] is not None:
         load = units.value(summary["result"]["load_N"], "N")
         title = f"{summary['case']}: {load:.6g} {units.unit('N')}"

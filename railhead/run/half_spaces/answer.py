@@ -91,8 +91,8 @@ Solved = MeshSolution | HalfSpaceSolution
 
 
 def solve(plan: Plan, progress: Progress) -> HalfSpaceSolution:
-    """Solve a plan without finite bodies; every MPI process does all of it. Where boundary elements
-    fail, the solution has no result but a reason.
+    """Solve a plan without finite bodies; every MPI process does all of it. Yield is not simulated.
+    Where boundary elements fail, the solution has no result but a reason.
     """
     start = time.perf_counter()
     progress.stage("solving half-spaces")

@@ -193,7 +193,8 @@ def solve_by_boundary_elements(
 
 
 def _on_grid(case: FrictionCase, patches: Sequence[PressedPatch]) -> Numbers:
-    """Quantities of friction by boundary elements on given patches, by the keys of summary.json.
+    """Quantities of friction by boundary elements on given patches, scaled to the limit mu N of the
+    case, by the keys of summary.json.
     Raises ValueError for several patches under a shift.
     """
     if len(patches) > 1 and not case.rolling:
@@ -307,10 +308,10 @@ def fastsim(
 
 
 def linear(patches: Sequence[PressedPatch], pair: MaterialPair, motion: Sequence[float]) -> Array:
-    """Forces of the wheel on the rail along, across (N) and moment (N mm), (3,), of patches by
-    Kalker's linear theory on ellipses with equal second moments and forces: the work of each
-    patch's forces on the modes of rigid slip, summed. motion: creepage along, across and spin
-    (1/mm). Raises ValueError for an ellipse too slender.
+    """Forces of the wheel on the rail along, across (N) and moment about the normal at the first
+    contact (N mm), (3,), of patches by Kalker's linear theory on ellipses with equal second moments
+    and forces: the work of each patch's forces on the modes of rigid slip, summed. motion: creepage
+    along, across and spin (1/mm). Raises ValueError for an ellipse too slender.
     """
     return np.sum(
         [
