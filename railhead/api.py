@@ -97,8 +97,8 @@ def solve(
 
 def load(folder: str | Path) -> Result | Sweep:
     """The result in a folder that `railhead run` or `Result.save` wrote: its numbers, checks and
-    tables, without fields. In that of a sweep, finished or not, a `Sweep` of such results. Raises
-    SceneError for a folder without one.
+    tables, without fields; infinite numbers in `summary` are the words "inf" and "-inf". In that of
+    a sweep, finished or not, a `Sweep` of such results. Raises SceneError for a folder without one.
     """
     from railhead.results.result import Result
     from railhead.sweeps import store

@@ -49,7 +49,7 @@ class ParameterGrid:
 
         rows: values by dotted key, each combined with all of the lists.
         Raises SceneError for a wrong key or value, a key in both, more than MAX_COMBINATIONS and
-            two scenes with the same values.
+        two scenes with the same values.
         """
         first = rows[0] if rows else {}
         for key in first.keys() & lists.keys():
@@ -97,7 +97,9 @@ def column(key: str) -> str:
 
 
 def shown(key: str, value: object) -> object:
-    """A value (base unit, as in JSON) of a dotted key in the unit of its column."""
+    """A value (base unit, as in JSON) of a dotted key in the unit of its column: angles in mrad,
+    the words "inf" and "-inf" as numbers, others unchanged.
+    """
     if value in ("inf", "-inf"):
         return float(str(value))
     if unit(key) == "rad" and isinstance(value, float):

@@ -38,7 +38,8 @@ class ParallelSweep:
     grid: the scenes.
     folder: folder of records, table and pictures.
     vtu: whether files for ParaView are written for each scene; not for half-spaces.
-    fields: whether results are returned, with their fields.
+    fields: whether `Outcome.results` is filled with the results that are solved now, with their
+        fields.
     """
 
     grid: ParameterGrid
@@ -95,7 +96,8 @@ class Outcome:
 
     rows: of sweep.csv, in the order of the scenes, cells by column header.
     failures: a line for each picture that could not be drawn or file that could not be stamped.
-    results: by number of the scene, where they are asked for: those that were solved now.
+    results: by number of the scene those that were solved now; empty without
+        `ParallelSweep.fields`.
     """
 
     rows: list[Row]
@@ -165,8 +167,10 @@ def _solve_all(
     """Let the workers solve the scenes of all groups that have no record, and wait; returns reasons
     by number for scenes that still have none.
 
-    rows, results: of sweep.csv, and of the sweep, by number; they grow with the records. workers:
-        number of processes. submit: starts a job.
+    rows: of sweep.csv by number; they grow with the records.
+    results: by number; they grow with the solved scenes (with `ParallelSweep.fields`).
+    workers: number of processes.
+    submit: starts a job.
     """
     finished, total = store.done(sweep.folder), len(sweep.grid.scenes)
     progress.jobs(len(finished), total)

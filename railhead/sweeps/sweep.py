@@ -19,14 +19,17 @@ Row = dict[str, Any]
 
 
 class Sweep(list[Result]):
-    """List of the results of all combinations that were solved, the last key changing fastest.
+    """List of the results of all combinations that were solved, the last key changing fastest. A
+    combination without a result is missing in the list, but has a row, so positions need not be
+    numbers of combinations.
 
-    keys: dotted keys whose values change.
+    keys: dotted keys that are set, in order.
     """
 
     def __init__(self, folder: Path, solved: Mapping[int, Result] | None = None) -> None:
         """folder: of the sweep. solved: results by number of the combination, in the place of those
-        of the records, which have numbers only. Raises SceneError for a broken file.
+        of the records, which have numbers only. Nothing is solved. Raises SceneError for a broken
+        file.
         """
         records = store.records(folder)
         found = {
@@ -39,8 +42,9 @@ class Sweep(list[Result]):
         self._rows = [sweep_table.row(each) for each in records.values()]
 
     def rows(self) -> list[Row]:
-        """The table of `railhead sweep`: a row for each combination, cells by column header
-        (docs/sweeps.md). A combination that could not be solved has the reason in "checks".
+        """The table of `railhead sweep`: a row for each combination that has a record, in their
+        order, cells by column header (docs/sweeps.md). A combination that could not be solved has
+        the reason in "checks".
         """
         return self._rows
 
@@ -71,9 +75,10 @@ def sweep(
         files.
     quiet: whether no progress is shown on standard error.
     values: lists of values by key: ``load=["25 kN", "50 kN"]``.
-    Results that this call solved have arrays; those that were in the folder have numbers. Under
-    MPI, call this on all ranks. Raises SceneError for a wrong scene or folder, before any scene is
-    solved, OSError where files cannot be written, after the others are.
+    Results that this call solved have arrays, but no dolfinx mesh; those that were in the folder
+    have numbers. Under MPI, call this on all ranks. Raises SceneError for a wrong scene or folder,
+    before any scene is solved, OSError where files cannot be written, after the others are. A
+    combination that cannot be meshed or does not fit into the memory has the reason in its row.
     """
     grid = ParameterGrid.combine(scene, _lists(over, values))
     warn_of_units(*grid.scenes)
