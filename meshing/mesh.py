@@ -29,7 +29,7 @@ class MeshError(RuntimeError):
 
 @dataclass(frozen=True)
 class ContactMesh:
-    """Mesh of both bodies, distributed over all ranks.
+    """Mesh of the bodies that deform, distributed over all ranks.
 
     mesh: dolfinx mesh, mm, of the meshed part; coordinates x, y, z, or the two of a section.
     cell_tags: dolfinx MeshTags of the cells, RAIL or WHEEL.

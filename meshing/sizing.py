@@ -156,7 +156,7 @@ class Grading:
 
     def along(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Length of the elements along the rail (n,), mm, on the line through the centre of the
-        patch along the rail, at positions x (n,) in space, mm, without the limit `coarsest`.
+        patch along the rail, at positions x (n,) in space, mm. The limit `coarsest` is left out.
         """
         outside = np.maximum(np.abs(x - self.centre[0]) - self.margin * self.a, 0.0)
         own = self.stretch * self._size(outside / self.stretch)

@@ -31,7 +31,8 @@ def bodies(
     reach: half length along the rail of bodies without a length of their own, or half the edge of
         the blocks for half-spaces, mm.
     deformable: tags of the bodies wanted, RAIL or WHEEL.
-    whole_section: a standard rail with web and foot, else its head alone.
+    whole_section: whether a standard rail has web and foot, else its head alone; no effect on other
+        rails.
     half: whether only y >= 0 is outlined.
     Raises SceneError where a depth or a width of the scene does not fit.
     """

@@ -90,7 +90,8 @@ class SectionContact(Contact, ABC):
         """Bodies of the section, each with its closed outline, for the deformable ones (RAIL,
         WHEEL).
         reach: half length of what has no end of its own, mm.
-        whole_section: a standard rail has web and foot, else its head alone.
+        whole_section: whether a standard rail has web and foot, else its head alone; no effect on
+            other rails.
         half: whether only one side of the middle is outlined.
         Raises SceneError where a depth or a length of the scene does not fit the section.
         """
@@ -266,7 +267,8 @@ class TransverseSection(SectionContact):
         """Bodies of the section, each with its closed outline, for the deformable ones (RAIL,
         WHEEL).
         reach: half length of what has no end of its own, mm.
-        whole_section: a standard rail has web and foot, else its head alone.
+        whole_section: whether a standard rail has web and foot, else its head alone; no effect on
+            other rails.
         half: whether only y >= 0 is outlined.
         Raises SceneError where a depth or a width of the scene does not fit.
         """

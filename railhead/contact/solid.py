@@ -302,7 +302,8 @@ def place(
 
 
 def locate(scene: Scene, both: ProfilePair | None = None) -> Contact:
-    """First contact of the right wheel of the wheelset on its rail, with x = 0 there.
+    """First contact of the right wheel of the wheelset on its rail, with x = 0 there; of
+    half-spaces the origin.
     both: profiles in place of the scene's.
     Raises SceneError where a wheel misses its rail, or the pair has no point contact with a common
     tangent.
@@ -318,6 +319,7 @@ def locate(scene: Scene, both: ProfilePair | None = None) -> Contact:
 
 def lower(scene: Scene) -> Contact:
     """First contact of a single wheel without roll and yaw, lowered onto its rail; x = 0 there.
+    `placed` is None.
     Raises SceneError where the wheel misses the rail, or the pair has no point contact with a
     common tangent.
     """

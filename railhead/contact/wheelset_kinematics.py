@@ -134,8 +134,9 @@ class RigidSlip:
 
     frame: axes at the first contact.
     angular: (4, 3) angular velocity of the wheel in each mode, per rolled length, 1/mm, in the axes
-        of space. It is zero in the first two modes, the rail's outward unit normal in the third,
-        and in the fourth the component of the wheel's angular velocity in the tangent plane.
+        of space. It is zero in the first two modes, and the rail's outward unit normal in the
+        third. In the fourth it is the wheel's angular velocity without its component along that
+        normal.
     rail: undeformed surface of the rail; None is a plane.
     """
 

@@ -47,8 +47,8 @@ class WheelSurface:
 
     def implicit(self, points: Array) -> tuple[Array, Array]:
         """Values (n,) of distance from the axle - (rolling_radius + profile(y)) in mm, positive
-        outside the wheel, and gradients (n, 3), at points (n, 3) in mm, both in the axes of space;
-        NaN beyond the profile.
+        outside the wheel, and gradients (n, 3), at points (n, 3) in mm. Both are in the axes of
+        space. NaN beyond the profile.
         """
         x, y, z = self.pose.inward(points).T
         distance = np.hypot(x, z)

@@ -118,8 +118,8 @@ CELLS = json.loads((Path(__file__).parent / "data" / "cells.json").read_text(enc
 
 
 def cost(cell: str, order: int, *, section: bool, half_space: bool) -> Cost:
-    """Cost per unknown of a model: section or solid, half-spaces or real bodies, cell and order as
-    mesh.cell and mesh.order of a scene.
+    """Cost per unknown of a meshed model: section or solid, half-spaces or bodies that end, cell
+    and order as mesh.cell and mesh.order of a scene.
     """
     if section:
         return SECTION

@@ -169,7 +169,7 @@ def _moments(local: Array, force: Array) -> tuple[float, float, float, float]:
 
 def ridges(contact: Contact, zone: Zone) -> list[Zone]:
     """Lines along the rail in a patch, on the rail's surface, at which the relative curvature
-    across jumps by more than 20 % (JUMP), as zones without width (b = 0).
+    across jumps by more than 20 % (JUMP). They are zones without width (b = 0).
     """
     found = []
     for _, profile, shift in contact.cross_profiles:

@@ -216,7 +216,9 @@ class Plan:
 
     @property
     def reported_body(self) -> Rail | Wheel:
-        """Body of the scene whose stresses are reported: the rail, unless it is rigid."""
+        """Table of the scene of the body whose depth axis is reported: the rail, unless it is
+        rigid.
+        """
         return self.scene.rail if RAIL in self.deformable else self.scene.wheel
 
     @property

@@ -75,7 +75,9 @@ class Sizing:
 
     @property
     def default_resolution(self) -> float:
-        """Elements per smaller semi-axis where no accuracy is prescribed: more in a section."""
+        """Elements per smaller semi-axis where neither an accuracy nor a patch size is prescribed:
+        `solid_resolution`, twice as many in a section.
+        """
         return self.solid_resolution * (SECTION_REFINEMENT if self.contact.plane else 1.0)
 
     @property

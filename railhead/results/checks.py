@@ -230,10 +230,10 @@ def left_out(solved: Solved) -> Check:
 
 
 def resolution(solved: MeshSolution) -> Iterator[Check]:
-    """Checks of a solution in which the bodies touch: elements across the patch in the direction
-    that has fewer, noise of the pressure, overlap of the bodies, vertical force that the elements'
-    stresses carry in each body, smooth stresses against those of the elements, and distance of the
-    patch from edges.
+    """Checks of a solution in which the bodies touch: elements across the patch (of a solid in the
+    direction that has fewer), noise of the pressure, and overlap of the bodies; vertical force that
+    the elements' stresses carry in each body, smooth stresses against those of the elements, and
+    distance of the patch from edges.
     """
     from railhead.postprocess.stress.flux import contact_force
 
@@ -302,8 +302,8 @@ def resolution(solved: MeshSolution) -> Iterator[Check]:
 def physics(solved: Solved) -> Iterator[Check]:
     """Checks of a solution in which the bodies touch: ratios of the largest stresses and pressure
     without yield and friction, load over that of first yield, small strains, and a pressure that
-    steel bears, for bodies of which the softer one has at most the modulus of steel. The ratios are
-    those of the elastic, frictionless solution.
+    steel bears. The last one is made where the softer body has at most the modulus of steel. The
+    ratios are those of the elastic, frictionless solution.
     """
     plan, result = solved.plan, solved.result
     assert result is not None
@@ -350,8 +350,8 @@ def physics(solved: Solved) -> Iterator[Check]:
 
 def pressure_over_mean(solved: MeshSolution, estimates: Mapping[str, Estimate]) -> Iterator[Check]:
     """Check of largest pressure, area and normal force (load over the cosine of the contact angle)
-    against each other, where the pressure is a semi-ellipsoid (3/2 of the mean) or a semi-ellipse
-    (4/pi).
+    against each other. It is made where the pressure is a semi-ellipsoid (3/2 of the mean) or a
+    semi-ellipse (4/pi).
     """
     found, result = solved.findings, solved.result
     if found is None or result is None or not found.hertzian:

@@ -187,8 +187,8 @@ class Result:
 
     @property
     def displacement(self) -> Any:
-        """Displacement as a dolfinx Function on `mesh`, mm, on all ranks. ValueError: as of
-        `mesh`.
+        """Displacement as a dolfinx Function on `mesh`, mm; collective, as ghosts are updated.
+        ValueError: as of `mesh`.
         """
         from railhead.solver import compat
 

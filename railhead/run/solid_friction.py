@@ -214,8 +214,8 @@ class SolidFriction:
 
     def _read(self, patch: GridPatch, u: PETSc.Vec, more: Array | float = 0.0) -> Array:
         """Coefficients (20,) of the jump of a displacement u (at all dofs, mm) over a patch or,
-        when rolling, of its derivative along x. more: (2, nx, ny) that is added to the jump first,
-        mm.
+        when rolling, of its derivative along x (collective). more: (2, nx, ny) that is added to the
+        jump first, mm.
         """
         smooth = patch.smooth
         jump = patch.around.jumps(u).T.reshape(2, smooth.x.size, smooth.y.size)

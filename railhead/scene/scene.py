@@ -229,7 +229,7 @@ class Scene(Section):
     @property
     def tangential_forces(self) -> tuple[str, float, float]:
         """The table that sets the tangential forces of the wheel on the rail ("rolling" or
-        "friction"), and the forces along and across the rail in N, 0 where none is given.
+        "friction"), and the forces along and across the rail, N. A force that is not given is 0.
         """
         if self.rolling.prescribed:
             return "rolling", self.rolling.force_along or 0.0, self.rolling.force_across or 0.0

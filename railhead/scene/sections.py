@@ -62,7 +62,9 @@ class Section(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _unset(cls, data: Any) -> Any:
-        """Remove keys whose value is the text "none", so that they get their defaults."""
+        """Remove keys of the table whose value is the text "none", so that they get their defaults;
+        unknown keys stay, to be refused.
+        """
         if not isinstance(data, dict):
             return data
         return {

@@ -130,8 +130,8 @@ def solve_group(
 def _assemble(
     plans: Sequence[Plan], progress: Progress, comm: MPI.Intracomm
 ) -> tuple[ContactMesh, ContactModel] | None:
-    """Mesh and model for all plans of a group, with bodies of the size for the largest load; None
-    where gmsh cannot mesh them or where they do not fit into the memory.
+    """Mesh and model for all plans of a group (collective), with bodies of the size for the largest
+    load; None where gmsh cannot mesh them or where they do not fit into the memory.
     """
     largest = plans[-1]
     if not budget.fits(largest, comm.bcast(cost.free_memory())):
@@ -152,8 +152,8 @@ def _assemble(
 def _solve_on_shared(
     mesh: ContactMesh, model: ContactModel, plan: Plan, progress: Progress, comm: MPI.Intracomm
 ) -> Result | None:
-    """Result of one load on the shared mesh; None where that mesh is not suitable: no convergence,
-    a patch where the mesh is coarse, or yield.
+    """Result of one load on the shared mesh (collective); None where that mesh is not suitable: no
+    convergence, a patch where the mesh is coarse, or yield.
     """
     solved = solve_on_mesh(mesh, model, plan, progress, comm)
     if solved is None or refinement.unplanned_yield(solved, comm):

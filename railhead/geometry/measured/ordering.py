@@ -94,7 +94,9 @@ def head(points: Array) -> Array:
 
 
 def resampled(points: Array, step: float) -> Array:
-    """Points (m, 2) that are `step` mm apart on the straight lines through points (n, 2), mm."""
+    """Points (m, 2) that are `step` mm apart on the straight lines through points (n, 2), mm; the
+    first lies half a step from the first point.
+    """
     s = chord_lengths(points)
     places = np.arange(step / 2, s[-1], step)
     return np.column_stack([np.interp(places, s, column) for column in points.T])

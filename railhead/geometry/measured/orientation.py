@@ -49,8 +49,8 @@ class Orientation:
 
 
 def oriented(points: Array, body: str, given: Orientation) -> tuple[Array, list[str]]:
-    """Points (n, 2) of a 'rail' or 'wheel', mm, brought to the axes of profiles (y to the field
-    side, z up for a rail and outwards for a wheel), and remarks on what was done.
+    """Points (n, 2) of a 'rail' or 'wheel', mm, brought to the axes of profiles, and remarks on
+    what was done. There y points to the field side, z up for a rail and outwards for a wheel.
     given: what the user says.
     Raises PointError, with a place in the axes of `points`, where they fit no standard, where
     nothing tells what `given` leaves open, and for half a head.

@@ -54,7 +54,9 @@ class Measured:
         return self.smoothed.points
 
     def resampled(self, step: float) -> Array:
-        """Points (m, 2) of the smoothed curve that are `step` mm apart, mm."""
+        """Points (m, 2) of the smoothed curve that are `step` mm of arc length apart, mm; the first
+        lies half a step from the end.
+        """
         return np.asarray(self.smoothed.curve(np.arange(step / 2, self.smoothed.length, step)))
 
     @property

@@ -32,8 +32,8 @@ def small_patch(context: Context, found: Findings) -> PostSolveVerdict:
 
 def inside_the_bodies(context: Context, found: Findings) -> PostSolveVerdict | None:
     """Verdict on the distance in y from the centre of the patch to the nearest edge of a tread or
-    head, held against 1.1 (EDGE) of its half length across, where a stress peak arises that no
-    profile shows; None without profiles across the rail.
+    head, held against 1.1 (EDGE) of its half length across. At an edge a stress peak arises that no
+    profile shows. None without profiles across the rail.
     """
     if not context.contact.cross_profiles:
         return None

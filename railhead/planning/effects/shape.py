@@ -133,10 +133,9 @@ def _twist(context: Context) -> float:
 
 
 def decide_rail_section(context: Context) -> Effect:
-    """A rail with web, held at its foot, is called for by rail.extent = section, where the cut of
-    the head changes the stress, or where the twist of the rail brings another part of the profiles
-    into contact.
-    Raises SceneError for extent section without a standard rail.
+    """A rail with web, held at its foot, is called for by rail.extent = section. It is also called
+    for where the cut of the head changes the stress, or where the twist of the rail brings another
+    part of the profiles into contact. Raises SceneError for extent section without a standard rail.
     """
     rail, hertz = context.scene.rail, context.hertz
     extent, name = rail.extent, rail.profile

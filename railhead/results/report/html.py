@@ -234,12 +234,14 @@ def scene_rows(scene: Scene, units: Units) -> Iterator[tuple[str, str]]:
 
 
 def effect(name: str) -> str:
-    """Words for the name of an effect or of a check of it after the solution."""
+    """Words for the name of an effect or of an assumption that is checked after the solution; an
+    unknown name with blanks for underscores.
+    """
     return EFFECTS.get(name, name.replace("_", " "))
 
 
 def check(name: str) -> str:
-    """Words for the name of a check."""
+    """Words for the name of a check; an unknown name with blanks for underscores."""
     if name.startswith(SECOND):
         bare = name.removeprefix(f"{SECOND}_").rsplit("_", 1)[0].replace("_", " ")
         return f"second method (half-spaces): {'pressure' if bare == 'max' else bare}"

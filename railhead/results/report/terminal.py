@@ -343,7 +343,9 @@ def rounded(value: float, digits: int = 3) -> float:
 
 
 def cell(name: str, value: Cell, unit: str, units: Units) -> str:
-    """Text of a cell of column `name` in displayed units; unit: base unit of the value."""
+    """Text of a cell of column `name`: words as they are, nothing for None, relative columns in per
+    cent, other numbers in displayed units. unit: base unit of the value.
+    """
     if value is None or isinstance(value, str):
         return value or ""
     if name in quantity_rows.RELATIVE:

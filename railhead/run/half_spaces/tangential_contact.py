@@ -309,9 +309,10 @@ def fastsim(
 
 def linear(patches: Sequence[PressedPatch], pair: MaterialPair, motion: Sequence[float]) -> Array:
     """Forces of the wheel on the rail along, across (N) and moment about the normal at the first
-    contact (N mm), (3,), of patches by Kalker's linear theory on ellipses with equal second moments
-    and forces: the work of each patch's forces on the modes of rigid slip, summed. motion: creepage
-    along, across and spin (1/mm). Raises ValueError for an ellipse too slender.
+    contact (N mm), (3,), of patches, by Kalker's linear theory. Each connected patch is the ellipse
+    with its second moments and its force. Forces are the work of each patch's forces on the modes
+    of rigid slip, summed. motion: creepage along, across and spin (1/mm). Raises ValueError for an
+    ellipse too slender.
     """
     return np.sum(
         [
