@@ -36,8 +36,9 @@ def draw_tractions(
     """Write a PNG file of the tractions of the wheel on the rail.
 
     One panel shows the zones of stick and slip in the tangent plane, with tractions as arrows; of a
-    section along the rail it is left out. The other shows tractions along x through the middle of
-    the most loaded patch, between the limits +/- mu p. Only points with pressure are drawn.
+    section it is left out. The other shows tractions along x through the middle of the most loaded
+    patch, of a section along its line, between the limits +/- mu p. Only points with pressure are
+    drawn.
 
     found: at points of the part that `planes` leave. coefficient: of friction, mu. path: of the
         file. planes: unit normals of the symmetry planes at which the model was cut; the images are
@@ -49,31 +50,34 @@ def draw_tractions(
     traction = symmetry.vectors(found.traction[touches] @ frame.axes.T[:, :2], planes)
     pressure = symmetry.repeated(found.pressure[touches], planes)
     sticks = symmetry.repeated(found.sticks[touches], planes)
-    flat = np.ptp(local[:, 1]) < 1e-9
+    extent = np.ptp(local, axis=0)
+    flat = extent.min() < 1e-9
+    line = int(flat and extent[1] > extent[0])  # 0: along x, 1: along s
     with new_figure(path, 7 if flat else 12, 5.4, findings) as figure:
         panels = figure.subplots(1, 1 if flat else 2, squeeze=False)[0]
         axes = panels[-1]
         middle: NDArray[np.bool_] = np.ones(len(local), dtype=bool)
         if not flat:
             _map(panels[0], local, traction, sticks)
-            for line in patch.outlines:
-                panels[0].plot(*line.T, color=FE, lw=1.2)
+            for outline in patch.outlines:
+                panels[0].plot(*outline.T, color=FE, lw=1.2)
             panels[0].set(xlabel=subject.label(0), ylabel=subject.label(1))
             s = patch.centre[1]
             middle = np.abs(local[:, 1] - s) < THIN * patch.b
             middle &= np.abs(local[:, 0] - patch.centre[0]) < 1.5 * patch.a
             near = THIN * patch.b
             axes.set_title(f"within {near:.2g} mm of s = {rounded(s, near)} mm", fontsize=11)
-        x, limit = local[middle, 0], coefficient * pressure[middle]
+        x, limit = local[middle, line], coefficient * pressure[middle]
         name = r"friction times pressure, $\pm\mu p$"
         axes.plot(np.r_[x, x], np.r_[limit, -limit], ".", color=HERTZ, ms=2.5, label=name)
-        axes.plot(x, traction[middle, 0], ".", color=FE, ms=3, label=f"traction {subject.along}")
+        name = f"traction {(subject.along, subject.across)[line]}"
+        axes.plot(x, traction[middle, line], ".", color=FE, ms=3, label=name)
         if flat:
             _stick_and_slip(axes, np.column_stack([x, np.zeros_like(x)]), sticks)
         else:
             name = f"traction {subject.across}"
             axes.plot(x, traction[middle, 1], ".", color=ACROSS, ms=3, label=name)
-        axes.set(xlabel=subject.label(0), ylabel="traction of the wheel on the rail, MPa")
+        axes.set(xlabel=subject.label(line), ylabel="traction of the wheel on the rail, MPa")
         if subject.names["rail"] != "rail":
             axes.set_ylabel("traction of the upper on the lower body, MPa")
         handles = axes.get_legend_handles_labels()

@@ -96,10 +96,11 @@ def motion(solved: MeshSolution) -> tuple[float, float]:
     assert found is not None and fields is not None
     if solved.plan.section:
         return 0.0, 0.0
+    force = found.patch.mean_pressure * found.patch.area
     angle = aside = 0.0
     for tag in solved.plan.deformable:
         sign = 1.0 if tag == RAIL else -1.0
-        turned, moved = body_motion.motion(fields, tag, found.patch.each, solved.solution.load)
+        turned, moved = body_motion.motion(fields, tag, found.patch.each, force)
         angle, aside = angle + sign * turned, aside - sign * moved
     return angle, aside - angle * found.patch.each[0].centre[2]
 
