@@ -60,7 +60,8 @@ class MeshSolution:
     seconds: time by stage "mesh", "assemble", "solve" and "postprocess", s, of all meshes that were
         tried.
     findings: patch, pressure and stresses; None off rank 0 and where nothing touches.
-    result: "result" of summary.json without "plastic"; None where `findings` is.
+    result: "result" of summary.json, without "plastic" and what friction does to the steel; None
+        where `findings` is.
     elastic_reference: the same scene without yield and friction, on the same mesh; None where it
         has neither.
     residual_state: yield, and the stresses and shapes that remain after it; None where nothing

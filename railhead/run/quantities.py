@@ -265,8 +265,10 @@ class FrictionQuantities:
     t_gamma: energy dissipated per rolled length, N; None of a shift.
     power_W: t_gamma times the speed, W; None without `rolling.speed`.
     energy_per_cycle_Nmm: energy dissipated in a cycle of the forces, N mm; None without a cycle.
-    newton_steps: largest number of Newton steps in which tractions were solved.
-    passes: number of times that the tractions were solved, over all load steps.
+    newton_steps: largest number of Newton steps in which tractions were solved; 0 where half-spaces
+        answer.
+    passes: number of times that the tractions were solved, over all load steps; 0 where half-spaces
+        answer.
     resolution: friction that the mesh shows without creepage; None of a shift, of unlike materials,
         and of half-spaces.
     below_resolution: keys of the quantities that the mesh does not resolve; None as `resolution`.

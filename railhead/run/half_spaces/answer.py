@@ -51,7 +51,8 @@ class HalfSpaceSolution:
         under the load or approach of the scene.
     reason: why there is no solution; empty where there is one.
     findings: patch, pressure and stresses; None without a solution.
-    result: "result" of summary.json; None without a solution.
+    result: "result" of summary.json, without what friction does to the steel; None without a
+        solution.
     error_parts: error estimates: what finite bodies would change, and the error of the grid.
     friction: tractions at the cells that touch; None without friction.
     other_friction: quantities of friction by other methods, as "half_space_friction" of

@@ -88,9 +88,9 @@ def twist_change(solved: MeshSolution) -> float:
 
 
 def motion(solved: MeshSolution) -> tuple[float, float]:
-    """Rotation about x of the rail relative to the wheel (rad), and movement along y of the wheel
-    relative to the rail (mm), in the solution (rank 0). The movement is that at the height of the
-    crown, z = 0. Zeros in a section, which is symmetric.
+    """Rotation about x (from y to z) of the rail relative to the wheel (rad), and movement along y
+    of the wheel relative to the rail (mm), in the solution (rank 0). The movement is that at the
+    height of the crown, z = 0. Zeros in a section, which is symmetric.
     """
     found, fields = solved.findings, solved.fields
     assert found is not None and fields is not None
