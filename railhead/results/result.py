@@ -230,7 +230,7 @@ class Result:
         from railhead.postprocess.stress import recovery
 
         if self.fields is None:
-            raise ValueError("stresses are on rank 0 only")
+            raise ValueError("no fields: half-spaces answered, or this is not rank 0")
         return recovery.stress_at(self.fields, points, body)
 
     def save(

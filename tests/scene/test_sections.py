@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
-from railhead import Rail, Scene
+from railhead import Rail, Scene, find
 from railhead.planning import plan as planning
 from railhead.run.model_setup import hardening
 from railhead.scene.sections import SceneError
 from railhead.scene.steels import by_name
+
+ROLLING = ("friction.coefficient=0.3", "rolling.creepage_along=0.1%")
 
 
 def test_every_steel_has_a_source_and_no_hardening_that_nobody_measured() -> None:
@@ -86,3 +88,12 @@ def test_linear_tetrahedra_that_would_lock_are_refused() -> None:
     with pytest.raises(SceneError, match="mesh.order: 1 is not allowed where a body yields"):
         planning.make(scene)
     planning.make(scene.replace(effects={"plasticity": "off"}))
+    with pytest.raises(SceneError, match="mesh.order: 1 is not allowed with friction"):
+        planning.make(find("hertz_ellipse").replace([*ROLLING, "mesh.order=1"]))
+
+
+def test_half_spaces_have_no_cells_that_lock() -> None:
+    plan = planning.make(
+        find("hertz_ellipse").replace([*ROLLING, "mesh.order=1", "effects.finite_bodies=off"])
+    )
+    assert plan.effects["friction"].on

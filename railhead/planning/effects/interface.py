@@ -74,7 +74,8 @@ def decide_friction(context: Context) -> Effect:
             True,
             f"it resists the slip of unlike materials, Dundurs' beta = {dundurs_beta(scene):.3g}",
         )
-    if called and scene.mesh.linear and scene.effects.friction != "off":
+    meshed = context.decided["finite_bodies"].on
+    if called and meshed and scene.mesh.linear and scene.effects.friction != "off":
         raise SceneError(
             "mesh.order",
             "1 is not allowed with friction: on linear tetrahedra and triangles forces are 0.03 to "

@@ -85,7 +85,8 @@ def decide_plasticity(context: Context) -> Effect:
         elastic = {name: context.von_mises(part.poisson_ratio) for name, part in parts}
         over, why = 0.0, _steel_yields(context, elastic)[0]
     yields = over > 1
-    if yields and scene.mesh.linear and scene.effects.plasticity != "off":
+    meshed = context.decided["finite_bodies"].on
+    if yields and meshed and scene.mesh.linear and scene.effects.plasticity != "off":
         raise SceneError(
             "mesh.order",
             "1 is not allowed where a body yields: linear tetrahedra and triangles lock; give 2",
