@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
@@ -37,6 +38,7 @@ CURVED = 0.3  # relative error of stresses over half width times curvature of a 
 FORCES = "force_along_N", "force_across_N"
 STRESSES = "tau_max_MPa", "von_mises_max_MPa"
 
+Array = NDArray[np.float64]
 Parts = dict[str, dict[str, float]]
 """Relative error of quantities by their keys in summary.json, in parts that add up."""
 
@@ -120,9 +122,10 @@ def _solve(plan: Plan) -> HalfSpaceSolution:
     angle, (_, _, across) = plan.contact.touch.angle, plan.scene.tangential_forces
     if load is not None and across * math.sin(angle):  # what a prescribed force carries is known
         profiles = _pressed(plan, load + across * math.sin(angle))
+    tractions = None
     for _ in range(TURNS):
         pressed = frictionless.load if profiles is None else profiles.load
-        tractions = _tractions(plan, profiles, pressed)
+        tractions = _tractions(plan, profiles, pressed, tractions)
         total = pressed - tractions.upwards
         if load is None or abs(total - load) <= BALANCE * load:
             plain = frictionless if profiles is alone else _read(plan, profiles)
@@ -295,6 +298,12 @@ class PatchTractions:
     grid_error: float
 
     @property
+    def shares(self) -> Array:
+        """Forces along and across over mu N (2,)."""
+        forces = np.sum([each.forces[:2] for each in self.found], axis=0)
+        return np.asarray(forces / sum(each.limit for each in self.found))
+
+    @property
     def upwards(self) -> float:
         """Vertical component of the tractions of the wheel on the rail, N, positive upwards; the
         load is that of the pressure less this.
@@ -306,15 +315,27 @@ class PatchTractions:
         )
 
 
-def _tractions(plan: Plan, profiles: BoundaryElementSolution | None, load: float) -> PatchTractions:
+def _tractions(
+    plan: Plan,
+    profiles: BoundaryElementSolution | None,
+    load: float,
+    before: PatchTractions | None,
+) -> PatchTractions:
     """Tractions of half-spaces pressed by a vertical load (N), at the creepages or forces of a
-    plan. profiles: boundary elements of the profiles; None between half-spaces. Raises ValueError
-    where patches or tractions are not found.
+    plan. Raises ValueError where patches or tractions are not found.
+
+    profiles: boundary elements of the profiles; None between half-spaces. before: tractions under
+        nearly the same load, from which the iterations start and whose grid error holds; None: a
+        grid of half as many cells each way gives both.
     """
-    scene, contact, shares = plan.scene, plan.contact, []
+    scene, contact = plan.scene, plan.contact
     table = scene.rolling if scene.rolling.prescribed else scene.friction
-    every = tangential_contact.STRIP_CELLS if contact.line else tangential_contact.CELLS
-    for cells in every:
+    few, many = tangential_contact.STRIP_CELLS if contact.line else tangential_contact.CELLS
+
+    def on_grid(cells: int, start: Sequence[TangentialSolution] | None) -> PatchTractions:
+        """Tractions on a grid of `cells` cells along each axis; start: from which the iterations
+        begin, if these are as many patches.
+        """
         patches = normal_contact.patches(
             contact, plan.estimate, hertzian=False, load=load, cells=cells, profiles=profiles
         )
@@ -330,11 +351,32 @@ def _tractions(plan: Plan, profiles: BoundaryElementSolution | None, load: float
             interface.creepage(plan.context),
             (along, across),
             rolling=scene.rolling.prescribed,
+            start=_onto(start, patches),
         )
-        forces = np.sum([each.forces for each in sheared], axis=0)
-        shares.append(forces[:2] / sum(each.limit for each in sheared))
-    error = float(np.abs(shares[1] - shares[0]).max())
-    return PatchTractions(patches=patches, found=sheared, share=1 / longer, grid_error=error)
+        return PatchTractions(patches=patches, found=sheared, share=1 / longer, grid_error=0.0)
+
+    if before is not None:
+        return replace(on_grid(many, before.found), grid_error=before.grid_error)
+    coarse = on_grid(few, None)
+    fine = on_grid(many, coarse.found)
+    return replace(fine, grid_error=float(np.abs(fine.shares - coarse.shares).max()))
+
+
+def _onto(
+    found: Sequence[TangentialSolution] | None, patches: Sequence[PressedPatch]
+) -> list[TangentialSolution] | None:
+    """Tractions with the cells of patches, each cell divided into as many as needed; None without
+    tractions or where there are more or fewer patches.
+    """
+    if found is None or len(found) != len(patches):
+        return None
+    placed = []
+    for each, patch in zip(found, patches, strict=True):
+        traction = each.traction
+        for axis, count in enumerate(patch.pressed.pressure.shape, 1):
+            traction = traction.repeat(count // traction.shape[axis], axis=axis)
+        placed.append(replace(each, traction=traction))
+    return placed
 
 
 def _at_cells(plan: Plan, sheared: PatchTractions, points: half_space.Points) -> FrictionSolution:

@@ -238,6 +238,7 @@ def shear(
     forces: tuple[float | None, float | None],
     *,
     rolling: bool,
+    start: Sequence[TangentialSolution] | None = None,
 ) -> list[TangentialSolution]:
     """Tractions of pressed patches of half-spaces under one rigid motion, a solution for each
     patch, by boundary elements.
@@ -246,6 +247,8 @@ def shear(
     forces: prescribed force of the wheel on the rail along and across, of all patches together, N;
         None where the creepage is prescribed.
     rolling: steady rolling; else one shift.
+    start: tractions of similar patches of like bodies on as many cells, from which the iterations
+        begin; None: without.
     Raises ValueError where tractions are not found, and for forces on several patches of unlike
     bodies.
     """
@@ -253,7 +256,8 @@ def shear(
 
     def solve(bodies: Sequence[HalfSpaceFriction]) -> list[TangentialSolution]:
         """Tractions of some patches under the motion and the forces of `shear`."""
-        return solve_for_forces(bodies, creepage, along=along, across=across)
+        begins = start if pair.like else None
+        return solve_for_forces(bodies, creepage, along=along, across=across, start=begins)
 
     if pair.like:
         return solve(
