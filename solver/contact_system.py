@@ -324,9 +324,7 @@ class ContactSystem:
         motions = []
         for tag in self.materials:
             full = reduction.matrix.createVecLeft()
-            dofs = fem.locate_dofs_topological(
-                space, space.mesh.topology.dim, self.cell_tags.find(tag)
-            )
+            dofs = np.unique(compat.cell_dofs(space)[self.cell_tags.find(tag)])
             full.array.reshape(self.owned, -1)[dofs[dofs < self.owned]] = self.setup.push
             motions.append(reduction.restricted(full))
         if reduction.rigid_approach:
