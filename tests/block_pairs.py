@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 from typing import Any
 
@@ -66,6 +67,31 @@ def side(tag: int, material: Material) -> ContactBody:
     return ContactBody(tag, CONTACT + tag, SUPPORT + tag, material)
 
 
+@functools.lru_cache(maxsize=16)
+def meshed(
+    size: float,
+    h: float,
+    cell: str,
+    rigid: tuple[bool, bool],
+    wheel_size: float,
+    ratio: float,
+    fine: tuple[float, float],
+    length: float | None,
+    half: bool,
+) -> mesh.ContactMesh:
+    """Mesh of `two_blocks`, made once in a process; rigid: rail and wheel."""
+    lift = 0.0 if ratio == 1.0 else 1e-3 * size
+    along, across = np.array(fine) * size
+    grading = TwoSizes((0.0, 0.0, 0.0), along, across, 0.0, h, lift=lift, ratio=ratio)
+    lifted = {RAIL: (size, 0.0), WHEEL: (wheel_size * size, lift)}
+    bodies = [
+        block(tag, edge, height, length, half=half)
+        for (tag, (edge, height)), absent in zip(lifted.items(), rigid, strict=True)
+        if not absent
+    ]
+    return mesh.generate(bodies, grading, Options(cell, 1, True), MPI.COMM_WORLD)
+
+
 def two_blocks(
     size: float = 10.0,
     h: float = 2.0,
@@ -79,22 +105,15 @@ def two_blocks(
     half: bool = True,
     **changes: Any,
 ) -> tuple[mesh.ContactMesh, Setup]:
-    """Mesh and set-up, non-matching; `changes` override fields of the Setup.
+    """Mesh (shared: change no point of it) and set-up, non-matching; `changes` override fields of
+    the Setup.
 
     h: element size, mm, within fine * size of the origin (along, across), on the wheel times
     `ratio`; wheel_size:
     edge of the wheel's block over the rail's; half: y = 0 is a symmetry plane as x = 0 is.
     """
-    lift = 0.0 if ratio == 1.0 else 1e-3 * size
-    along, across = np.array(fine) * size
-    grading = TwoSizes((0.0, 0.0, 0.0), along, across, 0.0, h, lift=lift, ratio=ratio)
-    lifted = {RAIL: (size, 0.0), WHEEL: (wheel_size * size, lift)}
-    bodies = [
-        block(tag, edge, height, length, half=half)
-        for (tag, (edge, height)), material in zip(lifted.items(), materials, strict=True)
-        if np.isfinite(material.young_modulus)
-    ]
-    made = mesh.generate(bodies, grading, Options(cell, 1, True), MPI.COMM_WORLD)
+    rigid = (np.isinf(materials[0].young_modulus), np.isinf(materials[1].young_modulus))
+    made = meshed(size, h, cell, rigid, wheel_size, ratio, fine, length, half)
     planes = ((SYMMETRY_X, (1.0, 0.0, 0.0)), (SYMMETRY_Y, (0.0, 1.0, 0.0)))
     usual = {
         "fixed": side(RAIL, materials[0]),

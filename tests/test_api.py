@@ -21,6 +21,7 @@ DOCS = Path(__file__).parents[1] / "docs"
 PAGE = DOCS / "api.md"
 
 
+@pytest.mark.slow
 def test_the_examples_of_the_page_run(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     found, _ = pages.run(PAGE)

@@ -9,6 +9,7 @@ import pytest
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
 
+@pytest.mark.slow
 def test_two_blocks_press_as_hertz_says() -> None:
     """Blocks of 12 mm under a patch of radius 2.5 mm stay within 1 % of half-spaces."""
     names = runpy.run_path(str(EXAMPLES / "two_blocks.py"))

@@ -12,7 +12,7 @@ import pytest
 import pyvista as pv
 from vtkmodules.vtkCommonCore import vtkDataArray
 
-from railhead.postprocess import vtu
+from railhead.postprocess import symmetry, vtu
 from railhead.solver.solution import FrictionSolution, PlasticStrain
 from railhead.theory.elastic.subsurface import axis_stress
 
@@ -170,6 +170,11 @@ def test_traction_points_are_those_that_touch() -> None:
     assert grid.point_data["slip"][:, 0].tolist() == [0.0, 200.0]
     assert grid.point_data["sticks"].tolist() == [1, 0]
     assert grid.point_data["pressure"].tolist() == [1.0, 2.0]
+    whole = symmetry.grid(grid, [(0.0, 1.0, 0.0)])
+    assert whole.points[-1].tolist() == [2.0, -2.0, 2.0]
+    assert whole.point_data["traction"][-1].tolist() == [20.0, -20.0, 20.0]
+    assert whole.point_data["slip"][-1].tolist() == [200.0, -200.0, 200.0]
+    assert whole.point_data["sticks"].tolist() == [1, 0, 0]
 
 
 def test_a_series_is_in_the_order_of_time(tmp_path: Path) -> None:

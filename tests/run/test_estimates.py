@@ -149,19 +149,20 @@ def test_every_default_run_carries_estimates_whose_parts_add_up() -> None:
     assert "NaN" not in result_folder.to_json(summary)
 
 
-@pytest.mark.parametrize("accuracy", [0.03, pytest.param(0.005, marks=pytest.mark.slow)])
-def test_penalty_carries_its_overlap_in_the_estimate(accuracy: float) -> None:
-    summary = solved("hertz_ellipse", "solver.method=penalty").summary
-    bound, error = summary["accuracy"]["bound"], quantities.numeric_values(summary["difference"])
-    assert summary["accuracy"]["parts"]["max_MPa"]["contact_law"] > 0
-    assert abs(error["max_MPa"]) <= bound["max_MPa"]
-    asked = pipeline.run(
-        catalogue.find("hertz_ellipse").replace(solver={"method": "penalty"}, accuracy=accuracy)
-    ).summary
-    if asked["accuracy"]["reached"]:
-        assert abs(asked["difference"]["pressure"]["max_MPa"]) < accuracy
+@pytest.mark.parametrize(
+    "case", ["sphere_on_plane", pytest.param("hertz_ellipse", marks=pytest.mark.slow)]
+)
+@pytest.mark.parametrize("accuracy", [0.03, 0.005])
+def test_penalty_carries_its_overlap_in_the_estimate(case: str, accuracy: float) -> None:
+    keys = ["rail.extent=half-space", "solver.method=penalty", f"accuracy={accuracy}"]
+    summary = pipeline.run(catalogue.find(case).replace(keys)).summary
+    found, error = summary["accuracy"], abs(summary["difference"]["pressure"]["max_MPa"])
+    assert found["parts"]["max_MPa"]["contact_law"] > 0
+    assert error <= found["bound"]["max_MPa"]
+    if found["reached"]:
+        assert error < accuracy
     else:
-        assert not asked["checks"]["passed"] and "accuracy" in asked["checks"]["failed"]
+        assert "accuracy" in summary["checks"]["failed"]
 
 
 @pytest.mark.parametrize("choice", ["solver.method=penalty", "mesh.cell=hexahedron"])
@@ -199,7 +200,7 @@ def test_a_scene_outside_all_families_has_no_estimate_by_default() -> None:
 def test_a_budget_buys_what_it_can_and_says_what_was_too_dear(monkeypatch) -> None:
     monkeypatch.setattr(cost, "correction", lambda: 1.0)
     case = catalogue.find("long_roller")
-    rich, poor = (pipeline.run(case.replace([f"budget={seconds}s"])).summary for seconds in (5, 1))
+    rich, poor = (pipeline.run(case.replace([f"budget={seconds}s"])).summary for seconds in (2, 1))
     assert rich["accuracy"]["asked"] is None and rich["checks"]["passed"]
     assert max(rich["accuracy"]["bound"].values()) < max(poor["accuracy"]["bound"].values())
     dear = pipeline.run(case.replace(["budget=1s", "accuracy=0.05%"]))

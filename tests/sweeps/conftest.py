@@ -18,5 +18,7 @@ def in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
 def swept(tmp_path_factory) -> Path:
     """Six combinations, two meshes, with pictures."""
     folder = tmp_path_factory.mktemp("sweep") / "out"
-    assert sweep(*ROLLER, *SIX, "--out", str(folder)) == 0
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(worker_pool, "submitting", one_after_the_other)
+        assert sweep(*ROLLER, *SIX, "--out", str(folder)) == 0
     return folder

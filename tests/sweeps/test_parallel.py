@@ -244,7 +244,7 @@ def test_what_has_no_memory_now_is_tried_again_by_resume(tmp_path: Path, monkeyp
 
 
 @pytest.mark.system
-def test_a_kill_loses_only_what_was_running(tmp_path: Path) -> None:
+def test_a_kill_loses_only_what_was_running(tmp_path: Path, in_this_process) -> None:
     """SIGKILL after the first records; the same command leaves these as they are."""
     out = tmp_path / "out"
     arguments = ["--over", "load=60kN,80kN", "--over", "wheel.rolling_radius=420mm,460mm",
@@ -261,10 +261,7 @@ def test_a_kill_loses_only_what_was_running(tmp_path: Path) -> None:
     stamp = json.loads((out / "records" / min(done)).read_text())
     stamp["summary"]["result"]["pressure"]["max_MPa"] = 1234.5  # to be found in the table
     (out / "records" / min(done)).write_text(json.dumps(stamp))
-    solved = subprocess.run(
-        [*COMMAND, *ROLLER, *arguments], check=False, capture_output=True, text=True
-    )
-    assert solved.returncode == 0, solved.stderr
+    assert sweep(*ROLLER, *arguments) == 0
     found = rows(out)
     assert len(found) == 4 and {row["checks"] for row in found} == {"passed"}
     assert [row["p_max [MPa]"] for row in found].count("1234.5") == 1

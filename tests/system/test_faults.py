@@ -3,15 +3,13 @@
 import errno
 import json
 import os
-import shutil
-import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Callable
 from pathlib import Path
 
 import command
+import killed
 import pytest
 from mpi4py import MPI
 
@@ -28,7 +26,7 @@ from railhead.cli import main; main()"""
 CASE = ["long_roller", "--no-pictures", "--quiet", "--out"]
 NAMES = result_folder.MANIFEST
 OLD = {"one": b"old", "two": b"old", NAMES: b"one\ntwo\n"}
-NEW = {"one": b"new", "three": b"new", NAMES: b"one\nthree\n"}
+NEW = {**killed.NEW, NAMES: b"one\nthree\n"}
 MINE = {"mine": b"kept"}
 
 
@@ -42,72 +40,47 @@ def make(folder: Path, files: dict[str, bytes]) -> None:
         (folder / name).write_bytes(text)
 
 
-def replace(folder: Path) -> None:
-    with result_folder.replacing(folder) as work:
-        for name in ("one", "three"):
-            (work / name).write_bytes(NEW[name])
-
-
-def killed(line: int, action: Callable[[Path], None], folder: Path) -> bool:
-    """Call `action` in a child that is killed before the given line of `results` or `shutil` is
-    executed; False where it ends before that."""
-    left = line
-
-    def trace(frame, event, _):
-        nonlocal left
-        if frame.f_code.co_filename not in (result_folder.__file__, shutil.__file__):
-            return None
-        if event == "line":
-            left -= 1
-            if left == 0:
-                os.kill(os.getpid(), signal.SIGKILL)
-        return trace
-
-    if (child := os.fork()) == 0:
-        try:
-            sys.settrace(trace)
-            action(folder)
-        finally:
-            os._exit(0)
-    return os.WIFSIGNALED(os.waitpid(child, 0)[1])
+def killed_before_each_line(action: str, there: dict[str, dict[str, bytes]], tmp: Path) -> int:
+    """Number of the first line that is not reached; before each one up to it a process was killed
+    in a folder of its own, which held the folders `there` with their files."""
+    for line in range(1, 400):
+        (tmp / f"{line}").mkdir()
+        for name, files in there.items():
+            make(tmp / f"{line}" / name, files)
+    done = subprocess.run(
+        [sys.executable, killed.__file__, action, str(tmp)], capture_output=True, text=True,
+        check=True,
+    )  # fmt: skip
+    return int(done.stdout)
 
 
 @pytest.mark.parametrize("there", [False, True])
 def test_killed_while_a_result_is_replaced(tmp_path: Path, there: bool) -> None:
     """The next command finds the earlier result or the new one, whole (nothing where there was
     nothing), with what somebody else put there, and leaves nothing else."""
+    begun = {"result": OLD | MINE} if there else {}
     seen = []
-    for line in range(1, 400):
+    for line in range(1, killed_before_each_line("replace", begun, tmp_path) + 1):
         folder = tmp_path / f"{line}" / "result"
-        folder.parent.mkdir()
-        if there:
-            make(folder, OLD | MINE)
-        dead = killed(line, replace, folder)
         result_folder.check_folder(folder, keeps=["mine"])
         found = content(folder) if folder.is_dir() else None
         assert found in ([OLD | MINE, NEW | MINE] if there else [None, NEW])
         assert os.listdir(folder.parent) == ([] if found is None else ["result"])
         seen.append(found)
-        if not dead:
-            break
     assert len(seen) > 20 and seen[0] != seen[-1]
     assert seen.index(seen[-1]) < len(seen) - 5  # killed while it tidies up, too
 
 
 @pytest.mark.parametrize("new", [False, True])
 def test_killed_while_the_next_command_finishes_that(tmp_path: Path, new: bool) -> None:
-    for line in range(1, 400):
+    begun = {".result.earlier": OLD | MINE} | ({"result": NEW} if new else {})
+    last = killed_before_each_line("settle", begun, tmp_path)
+    for line in range(1, last + 1):
         folder = tmp_path / f"{line}" / "result"
-        make(folder.with_name(".result.earlier"), OLD | MINE)
-        if new:
-            make(folder, NEW)
-        dead = killed(line, result_folder.settle, folder)
         result_folder.settle(folder)
         assert content(folder) == (NEW if new else OLD) | MINE
         assert os.listdir(folder.parent) == ["result"]
-        if not dead:
-            break
-    assert line > 10
+    assert last > 10
 
 
 def test_a_compilation_that_was_killed_is_not_waited_for(tmp_path: Path) -> None:

@@ -43,6 +43,7 @@ def test_mirrored_fields_are_those_of_a_whole_model(tmp_path: Path) -> None:
         assert off(one["displacement"], other["displacement"]).max() < ODD / 2
 
 
+@pytest.mark.slow
 def test_mirrored_friction_is_that_of_a_whole_model(tmp_path: Path) -> None:
     """Rolling along: slip and tractions along the rail are even across it, slip across is odd."""
     rolls = ("friction.coefficient=0.3", "rolling.creepage_along=0.1%")

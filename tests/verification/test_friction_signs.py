@@ -60,7 +60,7 @@ def stands(yaw: float) -> dict:
         wheelset=rh.Wheelset(yaw=yaw),
         friction={"coefficient": MU},
         rolling={"from_wheelset": True},
-        mesh=COARSE,
+        effects={"finite_bodies": "off"},
     )
     return solved(scene).as_dict()
 
@@ -73,9 +73,8 @@ def test_a_yawed_wheelset_pushes_the_rail_aside() -> None:
     assert given["creepage_across"] == pytest.approx(-1e-3, rel=1e-3)
     assert forces(answer)[1] < -0.3 and abs(forces(answer)[0]) < OFF
     assert "on a free axle" in found["plan"]["effects"]["friction"]["why"]
-    assert {"quantity": "axle", "unit": "", "FE": "free"}.items() <= next(
-        row for row in quantity_rows.rows(found, "friction") if row["quantity"] == "axle"
-    ).items()
+    rows = {row["quantity"]: row for row in quantity_rows.rows(found, "friction")}
+    assert rows["axle"]["unit"] == "" and rows["axle"]["half-spaces"] == "free"
     assert sweep_table.row({"over": {}, "fault": "", "summary": found})["axle"] == "free"
 
 
@@ -96,7 +95,7 @@ def plane(coefficient: float, **more: object) -> rh.Scene:
     ).replace(**more)
 
 
-@pytest.mark.parametrize("coefficient, where", [(0.1, "below"), (0.2, "below"), (0.5, "surface")])
+@pytest.mark.parametrize("coefficient, where", [(0.2, "below"), (0.5, "surface")])
 def test_the_hardest_place_is_that_of_a_sliding_strip(coefficient: float, where: str) -> None:
     """1 % below, 5 % at the surface; from about 0.27 on it is there."""
     found = solved(plane(coefficient))
@@ -132,7 +131,10 @@ def test_the_hardest_place_of_an_ellipse_is_that_of_the_integrals(
     assert answer["von_mises_max_at"] == {"subsurface": "below"}.get(name, name)
 
 
-@pytest.mark.parametrize("coefficient, share", [(0.3, 0.95), (0.5, 0.8), (0.5, 0.35)])
+@pytest.mark.parametrize(
+    "coefficient, share",
+    [(0.3, 0.95), (0.5, 0.35), pytest.param(0.5, 0.8, marks=pytest.mark.slow)],
+)
 def test_the_border_of_stick_is_carter_s(coefficient: float, share: float) -> None:
     """There xx = -p - 2 mu p0 (1 - c/w), zz = -p and xz = mu p; 3 %, and yield is called for."""
     c = math.sqrt(1 - share)
@@ -156,7 +158,7 @@ def test_the_border_of_stick_is_carter_s(coefficient: float, share: float) -> No
     assert found.as_dict()["effects_after"]["plasticity"]["needed"]
 
 
-@pytest.mark.parametrize("creepage", [1e-7, 1e-6, 1e-4, 3e-4])
+@pytest.mark.parametrize("creepage", [1e-6, 1e-4, pytest.param(3e-4, marks=pytest.mark.slow)])
 def test_what_is_not_resolved_is_said(creepage: float) -> None:
     """Carter's force is off by at most 1.5 times what is found without creepage, or 4 %. It is
     below the resolution where that is more than 5 % of it, as at 1e-6 (15 %), with all that
@@ -199,17 +201,15 @@ def test_the_patch_stands_in_the_shakedown_map_where_the_steel_is_known(
 
 
 def test_steel_that_would_yield_stays_elastic_and_keeps_its_friction() -> None:
-    """Hertz's 294 MPa are p0/k = 5 of a yield of 100 MPa."""
-    found = solved(plane(0.5, rail={"yield_stress": 100})).as_dict()
+    """Hertz's 294 MPa are p0/k = 5 of a yield of 100 MPa. The table says where they are largest."""
+    result = solved(plane(0.5, rail={"yield_stress": 100}))
+    found = result.as_dict()
     answer = found["result"]["friction"]
     assert answer["force_along_N"] == pytest.approx(answer["limit_N"], rel=1e-3)
     assert answer["shakedown"] == "ratchets" and answer["p0_over_k"] > 4.5
     assert answer["surface_fatigue_index"] > 0.25
     assert "plastic" not in found["result"] and found["effects_after"]["plasticity"]["needed"]
     assert found["checks"]["failed"][0] == "effects_left_out"
-
-
-def test_the_table_says_wear_and_where_the_steel_is_hit_hardest() -> None:
-    shown = terminal.recorded(solved(plane(0.5, wheel={"yield_stress": 300})).show).export_text()
+    shown = terminal.recorded(result.show).export_text()
     for said in ("T-gamma without spin", "surface", "passing again and again", "p0/k"):
         assert said in shown

@@ -1,5 +1,6 @@
 """The solver alone on blocks, solids and sections: constant stress states, balance, invariance."""
 
+import functools
 import math
 from dataclasses import replace
 
@@ -110,26 +111,30 @@ XZ = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 PLANE, RING = Kinematics(XZ, thickness=5.0), Kinematics(XZ, revolved=True)
 
 
+@functools.lru_cache(maxsize=8)
+def half_blocks_mesh(cell: str, tags: tuple[int, ...]) -> mesh.ContactMesh:
+    """Two half blocks on each other, x >= 0, non-matching; the wheel's is 9 mm wide, the rail's
+    10 mm, both 10 mm high."""
+    bodies = []
+    for tag, edge, outwards in ((RAIL, 10, 1), (WHEEL, 9, -1)):
+        flat = profiles.single_radius(np.inf, edge)
+        section = outlines.block_section(
+            flat, 0.0, edge, -outwards * 10, outwards=outwards, half=True
+        )
+        if tag in tags:
+            bodies.append(Body(tag, section, 0.0))
+    grading = Grading((0.0, 0.0, 0.0), 2.0, 2.0, 0.0, 1.0)
+    return mesh.generate(bodies, grading, Options(cell, 1, True, "xz"), MPI.COMM_WORLD)
+
+
 def two_half_blocks(
     cell: str = "tetrahedron",
     materials: tuple[Material, Material] = (SOFT, SOFT),
     **changes: object,
 ) -> tuple[mesh.ContactMesh, Setup]:
-    """Mesh and set-up of two half blocks on each other, x >= 0, non-matching; the wheel's is 9 mm
-    wide, the rail's 10 mm, both 10 mm high."""
-    bodies = []
-    for tag, edge, outwards, material in (
-        (RAIL, 10, 1, materials[0]),
-        (WHEEL, 9, -1, materials[1]),
-    ):
-        flat = profiles.single_radius(np.inf, edge)
-        section = outlines.block_section(
-            flat, 0.0, edge, -outwards * 10, outwards=outwards, half=True
-        )
-        if math.isfinite(material.young_modulus):
-            bodies.append(Body(tag, section, 0.0))
-    grading = Grading((0.0, 0.0, 0.0), 2.0, 2.0, 0.0, 1.0)
-    made = mesh.generate(bodies, grading, Options(cell, 1, True, "xz"), MPI.COMM_WORLD)
+    """Mesh (shared: change no point of it) and set-up."""
+    deform = zip((RAIL, WHEEL), materials, strict=True)
+    made = half_blocks_mesh(cell, tuple(tag for tag, of in deform if of.young_modulus < math.inf))
     setup = Setup(
         fixed=side(RAIL, materials[0]), moving=side(WHEEL, materials[1]), slave=WHEEL,
         gap=ParabolicGap(0.0, 0.0, -1), degree=2, planes=((SYMMETRY_X, (1.0, 0.0, 0.0)),),
@@ -308,7 +313,7 @@ def test_frame_invariance(two_blocks, solve) -> None:
         distance, normal = gap(points @ turn)
         return distance, normal @ turn.T
 
-    turned, other = two_blocks()
+    turned, other = two_blocks(length=10.0)  # the same blocks on a mesh of its own
     turned.mesh.geometry.x[:] = turned.mesh.geometry.x @ turn.T
     setup = replace(
         other,

@@ -186,7 +186,7 @@ def test_each_patch_dissipates_what_it_would_alone(
     assert wear == pytest.approx(exactly, rel=0.02)
 
 
-@pytest.mark.parametrize("wheel", [math.inf, 3000.0])
+@pytest.mark.parametrize("wheel", [math.inf, pytest.param(3000.0, marks=pytest.mark.slow)])
 def test_unlike_strips_are_signed(wheel: float) -> None:
     scene = rh.Scene(
         load=1e5,

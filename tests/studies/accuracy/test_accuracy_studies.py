@@ -12,14 +12,13 @@ from studies.accuracy import error_bounds, families
 
 
 def test_every_calibrated_family_holds_its_own_scenes_and_no_foreign_ones() -> None:
-    parts = {part: name for name in families.RECIPES for part in families.parts(name)}
-    for known in error_envelopes.families():
-        drawn = islice(families.scenes(parts[known.name], 3), 6)
-        found = {error_envelopes.family(planning.make(scene).setting).name for scene in drawn}
-        assert known.name in found
-        assert all(parts[name] == parts[known.name] for name in found)
-    odd = next(families.scenes("outside", 3))
-    assert error_envelopes.family(planning.make(odd).setting) is None
+    for recipe in families.RECIPES:
+        parts = set(families.parts(recipe))
+        calibrated = set() if recipe == "outside" else parts
+        drawn = islice(families.scenes(recipe, 3), 2 if len(parts) == 1 else 6)
+        found = [error_envelopes.family(planning.make(scene).setting) for scene in drawn]
+        assert {known.name for known in found if known} == calibrated
+        assert all(found) is bool(calibrated)
 
 
 def test_estimates_hold_in_random_sections() -> None:
@@ -27,11 +26,11 @@ def test_estimates_hold_in_random_sections() -> None:
     records = [
         record
         for name in ("plane strain", "meridian")
-        for index, scene in zip(range(6), families.scenes(name, 77), strict=False)
+        for index, scene in zip(range(3), families.scenes(name, 77), strict=False)
         for record in error_bounds.measure(name, scene, error_bounds.asked(name, index))
     ]
     found = error_bounds.verdict(records)
-    assert len({record["scene"] for record in records}) == 12
+    assert len({record["scene"] for record in records}) == 6
     assert found["estimated"] == 1.0
     assert found["holds"] >= 0.95 and found["worst"] < 1.5
 

@@ -91,7 +91,7 @@ def test_an_effect_kept_without_need_is_named_too() -> None:
 
 def test_off_effects_cost_no_unknown_no_form_and_no_digit() -> None:
     """The plan with all optional effects off is the bare contact, built without a plan."""
-    planned, direct = effects.compare(1, patch_size=0.4)
+    planned, direct = effects.compare(1, patch_size=1.2)
     assert planned["unknowns"] == direct["unknowns"]
     assert planned["forms"] == direct["forms"] == 1
     assert planned["p_max"] == pytest.approx(direct["p_max"], rel=1e-10)

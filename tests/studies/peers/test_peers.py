@@ -209,6 +209,7 @@ def test_the_page_has_medians_reasons_and_what_failed() -> None:
     assert "shared with other work" in text  # clock over processor: 2
 
 
+@pytest.mark.slow
 def test_without_other_codes_there_is_a_page_with_reasons_and_our_rows(
     tmp_path, monkeypatch
 ) -> None:

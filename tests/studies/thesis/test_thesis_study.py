@@ -80,6 +80,7 @@ def test_corrected_equations_hold_on_the_real_profiles() -> None:
     np.testing.assert_allclose(residuals, 0, atol=1e-8)
 
 
+@pytest.mark.slow
 def test_quick_study_writes_page_tables_and_pictures(tmp_path) -> None:
     folder, text = study_runner.run("thesis", tmp_path / "thesis", quick=True)
     assert sorted(os.listdir(folder)) == [
@@ -98,6 +99,7 @@ def test_quick_study_writes_page_tables_and_pictures(tmp_path) -> None:
     assert set(columns) <= {4, 5, 6, 9}
 
 
+@pytest.mark.slow
 def test_finite_elements_agree_with_the_exact_values(facts, monkeypatch) -> None:
     monkeypatch.setattr(thesis_runs, "LOADS", (25e3,))
     monkeypatch.setattr(thesis_runs, "ELEMENTS", ())

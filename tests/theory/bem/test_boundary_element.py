@@ -266,6 +266,10 @@ def test_domain_is_found_from_a_poor_guess(
     ],
 )
 def test_wrong_input_is_refused(change: dict[str, Any], message: str) -> None:
-    arguments: dict[str, Any] = {"gap": paraboloid(), "contact_modulus": MODULUS} | change
+    arguments: dict[str, Any] = {
+        "gap": paraboloid(),
+        "contact_modulus": MODULUS,
+        "cells": 16,
+    } | change
     with pytest.raises(ValueError, match=message):
         solve(**arguments)

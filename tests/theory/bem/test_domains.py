@@ -38,7 +38,9 @@ def both(
     return solve_developed(gap, MODULUS, windows, angle, load=2 * LOAD, tolerance=1e-6)
 
 
-@pytest.mark.parametrize(("distance", "lift"), [(40, 0), (10, 0.01), (7, 0)])
+@pytest.mark.parametrize(
+    ("distance", "lift"), [(40, 0), (7, 0), pytest.param(10, 0.01, marks=pytest.mark.slow)]
+)
 def test_windows_are_one_problem_in_a_plane(distance: float, lift: float) -> None:
     """Far apart and near, against one fine grid over both patches."""
     gap = bumps(distance, lift)
