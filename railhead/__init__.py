@@ -7,7 +7,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from railhead.api import find, load, plan, solve
+    from railhead.api import find, load, plan, solve, steels
+    from railhead.cli.geometry import locate, profile
     from railhead.meshing.mesh import MeshError
     from railhead.results.result import Result
     from railhead.scene.scene import (
@@ -27,12 +28,13 @@ if TYPE_CHECKING:
 __version__ = "0.3.0"
 __all__ = [
     "Effects", "Friction", "Mesh", "MeshError", "Rail", "Result", "Rolling", "Scene", "SceneError",
-    "Solver", "Sweep", "Wheel", "Wheelset", "find", "load", "plan",
-    "solve", "sweep",
+    "Solver", "Sweep", "Wheel", "Wheelset", "find", "load", "locate",
+    "plan", "profile", "solve", "steels", "sweep",
 ]  # fmt: skip
 _HOMES = dict.fromkeys(__all__, "railhead.scene.scene") | {
     "MeshError": "railhead.meshing.mesh",
-    **dict.fromkeys(("find", "load", "plan", "solve"), "railhead.api"),
+    **dict.fromkeys(("find", "load", "plan", "solve", "steels"), "railhead.api"),
+    **dict.fromkeys(("locate", "profile"), "railhead.cli.geometry"),
     "Result": "railhead.results.result",
     **dict.fromkeys(("Sweep", "sweep"), "railhead.sweeps.sweep"),
 }

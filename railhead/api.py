@@ -12,6 +12,7 @@ from railhead.planning.plan import Plan
 from railhead.results.report import terminal
 from railhead.scene.catalogue import find
 from railhead.scene.scene import Scene, SceneError, checked, warn_of_units
+from railhead.scene.steels import by_name as steels
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from railhead.results.result import Result
     from railhead.sweeps.sweep import Sweep
 
-__all__ = ["Planned", "find", "load", "plan", "solve"]
+__all__ = ["Planned", "find", "load", "plan", "solve", "steels"]
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class Planned:
 
     def _repr_html_(self) -> str:
         """The table of the plan as HTML, for notebooks."""
-        return terminal.recorded(self.show).export_html(inline_styles=True)
+        return terminal.notebook(self.show)
 
     def as_dict(self) -> dict[str, Any]:
         """The plan as plain data: the table "plan" of summary.json."""

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 SOLVED, CHECK_FAILED, WRONG_INPUT = 0, 1, 2  # exit statuses
 PROCESSES = click.IntRange(1)
 PROCESSES.name = "number of processes; give a whole number from 1 on"
-SERIAL = ("list", "plan", "locate", "profile")  # commands of which MPI prints one copy
+SERIAL = ("list", "plan", "show", "locate", "profile")  # commands of which MPI prints one copy
 
 
 _over = click.option(
@@ -66,7 +66,8 @@ _report_options = (
         "--out", type=click.Path(path_type=Path), help="Folder [results/<name>_<command>]."
     ),
     _force,
-    click.option("--no-pictures", is_flag=True, help="Write nothing."),
+    click.option("--no-pictures", is_flag=True, help="Write no PNG files."),
+    click.option("--quiet", is_flag=True, help="Print nothing."),
     click.option("--json", "as_json", is_flag=True, help="Print the summary and nothing else."),
 )
 
@@ -77,7 +78,7 @@ def _with_options(command: Callable[..., Any], options: Iterable[Callable[[Any],
 
 
 _takes_report = functools.partial(_with_options, options=_report_options)
-"""Adds the options that `_report` takes: --out, --force, --no-pictures, --json."""
+"""Adds the options that `_report` takes: --out, --force, --no-pictures, --quiet, --json."""
 
 
 def _takes_scene(command: Callable[..., Any]) -> Any:
@@ -297,6 +298,7 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
 @click.option("--vtu", is_flag=True, help="Write .vtu files of each combination, for ParaView.")
 @click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html.")
 @click.option("--quiet", is_flag=True, help="Print only what fails.")
+@click.option("--json", "as_json", is_flag=True, help="Print the rows and nothing else.")
 def sweep(
     scene: Scene,
     lists: Sequence[str],
@@ -307,6 +309,7 @@ def sweep(
     vtu: bool,
     no_pictures: bool,
     quiet: bool,
+    as_json: bool,
 ) -> int:
     """Solve a case for every combination of values, side by side."""
     from railhead.results import result_folder
@@ -321,6 +324,7 @@ def sweep(
 
     task = parallel.ParallelSweep(grid=grid, folder=folder, vtu=vtu)
     other: store.Other = "replace" if force else "move" if out is None and not resume else "refuse"
+    quiet = quiet or as_json
     outcome = parallel.run(task, pictures=not no_pictures, quiet=quiet, other=other)
     if outcome is None:  # a rank that worked for the first one
         return SOLVED
@@ -328,13 +332,33 @@ def sweep(
     failed = {number: text for number, text in status.items() if text != sweep_table.PASSED}
     for number, text in failed.items():
         click.echo(f"{grid.label(number)}: {text}", err=True)
-    if not quiet:
+    if as_json:
+        click.echo(result_folder.to_json({"rows": outcome.rows}), nl=False)
+    elif not quiet:
         for line in sweep_table.verdict(outcome.rows):
             click.echo(line)
         click.echo(f"written to {folder}/")
     if outcome.failures:
         return _not_written(OSError("\n".join(outcome.failures)))
     return CHECK_FAILED if failed else SOLVED
+
+
+@railhead.command()
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.option("--units", "unit_names", help="Of the table of a run, e.g. mm,kN,MPa.")
+@click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON.")
+def show(folder: Path, unit_names: str | None, as_json: bool) -> None:
+    """Print the result of a run or a sweep that lies in a folder; solve nothing."""
+    from railhead import api
+    from railhead.results import result_folder
+    from railhead.results.report import terminal
+    from railhead.results.report.output_units import Units
+
+    units, found = Units.parse(unit_names), api.load(folder)
+    if as_json:
+        click.echo(result_folder.to_json(found.as_dict()), nl=False)
+    else:
+        found.show(terminal.standard(), units)
 
 
 @railhead.command()
@@ -367,9 +391,9 @@ def locate(
 @_takes_report
 def profile(file: Path, body: str | None, assignments: Sequence[str], **options: Any) -> None:
     """Read and smooth a measured profile, and say what is worn off it; solve nothing."""
-    from railhead.cli.geometry import examine
+    from railhead.cli import geometry
 
-    _report(examine(file, body, assignments), file.stem, "profile", **options)
+    _report(geometry.profile(file, body, assignments), file.stem, "profile", **options)
 
 
 def _report(
@@ -380,28 +404,27 @@ def _report(
     out: Path | None,
     force: bool,
     no_pictures: bool,
+    quiet: bool,
     as_json: bool,
 ) -> None:
     """Write a result of a command into a folder and print it.
 
     out: the folder; None for results/<name>_<command>.
     force: whether another result in `out` is replaced.
-    no_pictures: whether no folder is written at all.
-    as_json: whether the summary is printed as JSON instead of a table.
+    no_pictures: whether no PNG files are written. quiet: whether nothing is printed. as_json:
+        whether the summary is printed as JSON instead of a table.
     """
     from railhead.results import result_folder
     from railhead.results.report import terminal
 
     folder = _folder(out, f"{name}_{command}", command, computed.scene, force=force)
-    if not no_pictures:
-        if out is None:
-            result_folder.make_room(folder, command, computed.scene)
-        computed.write(folder)
+    if out is None:
+        result_folder.make_room(folder, command, computed.scene)
+    computed.save(folder, pictures=not no_pictures, force=True)
     if as_json:
         click.echo(result_folder.to_json(computed.summary()), nl=False)
-        return
-    computed.show(terminal.standard())
-    if not no_pictures:
+    elif not quiet:
+        computed.show(terminal.standard())
         click.echo(f"written to {folder}/")
 
 

@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +30,7 @@ from railhead.scene.catalogue import portable
 from railhead.scene.scene import Scene, SceneError
 
 CLEARANCE = 0.05  # mm, largest gap of a contact, of the size of elastic approaches
-SHIFTS = np.linspace(-10.0, 10.0, 81)  # mm, of the pictures
+SHIFTS = np.linspace(-10.0, 10.0, 81)  # mm, of pictures and positions.csv
 ROW_STEP = 0.25  # mm between the rows of profile.csv
 
 CONTACT_ROWS = (
@@ -85,23 +86,64 @@ class Location:
             },
         }
 
-    def write(self, folder: Path) -> None:
-        """Write summary.json and pictures into a folder: both wheels on their rails, and contacts
-        and rolling radius difference over lateral shifts.
-        """
-        from railhead.postprocess.pictures.plots import profile_plots
-
-        scene, swept = self.scene, []
+    @cached_property
+    def swept(self) -> list[tuple[float, Placed]]:
+        """Lateral shift to the right (mm, rising) and placed wheelset, where both wheels touch."""
+        scene, found = self.scene, []
         track = Track(scene.wheelset.back_to_back, scene.rail.gauge)
         for shift in SHIFTS.tolist():
             with suppress(PlacementError):  # a wheel misses its rail
                 placed = placement.place(self.pair, track, shift, scene.wheelset.yaw, CLEARANCE)
-                swept.append((shift, placed))
+                found.append((shift, placed))
+        return found
+
+    def positions(self) -> list[dict[str, Any]]:
+        """Rows of positions.csv, one for each lateral shift: cells by column header. The shift is
+        the amplitude of the equivalent conicity, which is None where no wheelset turns back.
+        """
+        shifts = np.array([shift for shift, _ in self.swept])
+        differences = np.array([placed.rolling_radius_difference for _, placed in self.swept])
+        rows = []
+        for (shift, placed), difference in zip(self.swept, differences.tolist(), strict=True):
+            conicity = placement.equivalent_conicity(abs(shift), shifts, differences)
+            row = {
+                "shift [mm]": shift,
+                "roll [mrad]": 1e3 * placed.roll,
+                "rolling radius difference [mm]": difference,
+                "equivalent conicity": None if math.isnan(conicity) else conicity,
+            }
+            for name, side in (("right", placed.right), ("left", placed.left)):
+                touch = side.touches[0]
+                row |= {
+                    f"{name} rail y [mm]": touch.y,
+                    f"{name} wheel y [mm]": touch.wheel_y,
+                    f"{name} contact angle [deg]": math.degrees(touch.angle),
+                    f"{name} rolling radius [mm]": touch.radius,
+                    f"{name} contacts": len(side.touches),
+                }
+            rows.append(row)
+        return rows
+
+    def save(self, folder: str | Path, *, pictures: bool = True, force: bool = False) -> None:
+        """Write the files of `railhead locate` into a folder.
+
+        pictures: whether PNG files are written: both wheels on their rails, and contacts and
+            rolling radius difference over lateral shifts.
+        force: whether another result is replaced.
+        Raises SceneError for a folder with other files and, without `force`, with another result;
+        OSError where it cannot be written.
+        """
+        from railhead.postprocess.pictures.plots import profile_plots
+
+        scene, swept, folder = self.scene, self.swept, _checked(folder, "locate", self.scene, force)
         wheel, rail = Path(scene.wheel.profile).name, Path(scene.rail.profile).name
         pair = f"{scene.name}: wheelset with wheels {wheel} on rails {rail}"
         yaw = f", yaw {1e3 * scene.wheelset.yaw:g} mrad"
         title = f"{pair}, shifted by {scene.wheelset.shift:g} mm to the right{yaw}"
         with result_folder.result(folder, "locate", scene, self.summary()) as (work, attempt):
+            (work / "positions.csv").write_bytes(result_folder.encoded(_signed(self.positions())))
+            if not pictures:
+                return
             with attempt("profiles.png"):
                 profile_plots.profiles(self.pair, self.placed, work / "profiles.png", title)
             with attempt("positions.png"):
@@ -152,6 +194,21 @@ def locate(scene: Scene) -> Location:
             "rail.extent", "half-space has no profiles to locate; give head or section"
         )
     return Location(scene, *solid.place(scene, CLEARANCE))
+
+
+def _checked(folder: str | Path, command: str, scene: Scene, force: bool) -> Path:
+    """The folder, if the result of a command for a scene may be written there, else SceneError."""
+    folder = Path(folder)
+    result_folder.check_folder(folder)
+    if not force:
+        result_folder.refuse_other(folder, command, scene)
+    return folder
+
+
+def _signed(rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Rows of a table with program and date as their last columns."""
+    origin = {"program": f"railhead {result_folder.VERSION}", "date": result_folder.now()}
+    return [row | origin for row in rows]
 
 
 def _contact(touch: ContactPoint, crest: float) -> dict[str, float | bool]:
@@ -210,8 +267,13 @@ class ExaminedProfile:
             },
         }
 
-    def write(self, folder: Path) -> None:
-        """Write summary.json, profile.csv (the smoothed profile) and profile.png into a folder."""
+    def save(self, folder: str | Path, *, pictures: bool = True, force: bool = False) -> None:
+        """Write the files of `railhead profile` into a folder.
+
+        pictures: whether profile.png is written. force: whether another result is replaced. Raises
+        SceneError for a folder with other files and, without `force`, with another result; OSError
+        where it cannot be written.
+        """
         from railhead.postprocess.pictures.plots import profile_plots
 
         profile = self.measured.profile
@@ -227,8 +289,11 @@ class ExaminedProfile:
             {name: f"{values[index]:.9g}" for name, values in columns.items()}
             for index in range(len(y))
         ]
+        folder = _checked(folder, "profile", self.scene, force)
         with result_folder.result(folder, "profile", self.scene, self.summary()) as (work, attempt):
-            (work / "profile.csv").write_bytes(result_folder.encoded(rows))
+            (work / "profile.csv").write_bytes(result_folder.encoded(_signed(rows)))
+            if not pictures:
+                return
             with attempt("profile.png"):
                 profile_plots.draw_profile(self.measured, self.worn, work / "profile.png")
 
@@ -245,7 +310,9 @@ class ExaminedProfile:
             terminal.labelled(console, line)
 
 
-def examine(path: Path, body: str | None, assignments: Sequence[str]) -> ExaminedProfile:
+def profile(
+    path: str | Path, body: str | None = None, assignments: Sequence[str] = ()
+) -> ExaminedProfile:
     """Read and smooth the profile of a file and compare it with a standard profile.
 
     body: "rail" or "wheel"; None takes the body of the extension or of the first assignment, else
@@ -253,6 +320,7 @@ def examine(path: Path, body: str | None, assignments: Sequence[str]) -> Examine
     assignments: keys of that body as in a scene, e.g. "rail.profile_unit=inch".
     Raises SceneError for a profile that cannot be read.
     """
+    path = Path(path)
     names = (assignment.partition(".")[0] for assignment in assignments)
     of_key = next((name for name in names if name in ("rail", "wheel")), None)
     kind = body or BODY_BY_EXTENSION.get(path.suffix.lower()) or of_key

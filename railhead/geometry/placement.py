@@ -11,6 +11,7 @@ image of the right one, with shift, yaw and roll of opposite sign.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -355,6 +356,31 @@ class Placed:
     def rolling_radius_difference(self) -> float:
         """Radius of the wheel at its first contact, right minus left, mm."""
         return self.right.touches[0].radius - self.left.touches[0].radius
+
+
+def equivalent_conicity(amplitude: float, shifts: Array, differences: Array) -> float:
+    """Equivalent conicity of a free wheelset that swings by an amplitude a (mm) to both sides: the
+    conicity of cones whose motion has the same wavelength (EN 15302). NaN where the wheelset is not
+    turned back, or without amplitude.
+
+    The motion is y'' = -D(y)/(e r): D is the rolling radius difference at the shift y, e the
+    distance of the contacts, r the rolling radius. Its wavelength is 2 J sqrt(e r), where J is the
+    integral of dy/sqrt(2 (G(a) - G(y))) from -a to a, and G the integral of D from 0. That of cones
+    (D = 2 c y) is pi sqrt(2 e r/c) (Klingel), so c = pi^2/(2 J^2).
+
+    shifts, differences (n,): rising lateral shifts and D at them, mm; D is taken as odd.
+    """
+    if not amplitude:
+        return math.nan
+    y = amplitude * np.linspace(0.0, 1.0, 2001)
+    odd = (np.interp(y, shifts, differences) - np.interp(-y, shifts, differences)) / 2
+    above = np.concatenate([[0.0], np.cumsum((odd[1:] + odd[:-1]) / 2) * y[1]])
+    angles = (np.arange(400) + 0.5) / 400 * math.pi / 2  # y = amplitude sin(angle): no pole
+    left = above[-1] - np.interp(amplitude * np.sin(angles), y, above)
+    if (left <= 0).any():
+        return math.nan
+    half = math.pi / 2 * float(np.mean(amplitude * np.cos(angles) / np.sqrt(2 * left)))
+    return math.pi**2 / (2 * (2 * half) ** 2)
 
 
 def place(

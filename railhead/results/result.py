@@ -58,7 +58,7 @@ class Result:
 
     def _repr_html_(self) -> str:
         """The table of `railhead run` as HTML, for notebooks."""
-        return terminal.recorded(self.show).export_html(inline_styles=True)
+        return terminal.notebook(self.show)
 
     def show(self, console: Console, units: Units | None = None) -> None:
         """Print the table of `railhead run` on a console. units: units of the numbers; None: mm, N,

@@ -8,12 +8,18 @@ from pathlib import Path
 from typing import Any
 
 from mpi4py import MPI
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
 
 from railhead.results import result_folder
+from railhead.results.report import terminal
+from railhead.results.report.output_units import Units
 from railhead.results.result import Result
 from railhead.scene.scene import Scene, SceneError, warn_of_units
-from railhead.sweeps import parallel, store, sweep_table
-from railhead.sweeps.grid import ParameterGrid
+from railhead.sweeps import parallel, store, sweep_report, sweep_table
+from railhead.sweeps.grid import ParameterGrid, column
 
 Row = dict[str, Any]
 
@@ -40,6 +46,28 @@ class Sweep(list[Result]):
         super().__init__((found | dict(solved or {})).values())
         self.keys = store.keys(folder)
         self._rows = [sweep_table.row(each) for each in records.values()]
+
+    def _repr_html_(self) -> str:
+        """The table of `railhead show` as HTML, for notebooks."""
+        return terminal.notebook(self.show)
+
+    def show(self, console: Console, units: Units | None = None) -> None:
+        """Print a row for each combination, and what they say together, on a console. units: no
+        effect, the table is in mm, N and MPa.
+        """
+        names = [*map(column, self.keys), *sweep_report.SHORT]
+        table = Table(box=box.SIMPLE)
+        for name in names:
+            table.add_column(Text(name), overflow="fold")
+        for row in self._rows:
+            table.add_row(*(Text(sweep_report.cell(row, name)) for name in names))
+        console.print(table)
+        for line in sweep_table.verdict(self._rows):
+            console.print(line, markup=False, highlight=False)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The rows as plain data."""
+        return {"rows": self._rows}
 
     def rows(self) -> list[Row]:
         """The table of `railhead sweep`: a row for each combination that has a record, in their

@@ -14,6 +14,7 @@ from railhead.scene.scene import Scene
 from railhead.sweeps import sweep_table
 
 NAME = "report.html"
+SHORT = (sweep_table.CHECKS, *PANELS)  # columns of short tables, behind those of the values
 
 
 def write(
@@ -36,7 +37,7 @@ def write(
         verdict=sweep_table.verdict(rows),
         passed=all(row[sweep_table.CHECKS] == sweep_table.PASSED for row in rows),
         pictures=[html.picture(path.read_bytes()) for path in drawn if path.exists()],
-        columns=[*columns, sweep_table.CHECKS, *PANELS, sweep_table.WARNINGS],
+        columns=[*columns, *SHORT, sweep_table.WARNINGS],
         every=list(dict.fromkeys(name for row in rows for name in row)),
         rows=rows,
         cell=cell,

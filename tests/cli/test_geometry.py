@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 import os
 from pathlib import Path
 
@@ -104,6 +105,11 @@ def test_wrong_keys_are_one_line(worn: Scene, key: str, value: str, words: str) 
     assert len(str(caught.value).splitlines()) == 1
 
 
+def quickly(folder: Path) -> tuple[str, ...]:
+    """Options for a command whose files are not looked at."""
+    return "--no-pictures", "--out", str(folder / "out")
+
+
 def test_command_draws_a_profile_and_says_its_wear(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     assert command.status("profile", BAN) == 0
@@ -116,18 +122,18 @@ def test_command_draws_a_profile_and_says_its_wear(tmp_path, monkeypatch, capsys
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["standard"] == "60E1" and summary["wear"]["largest_mm"] < 0.1
     with (folder / "profile.csv").open(encoding="utf-8-sig") as file:
-        rows = [{key: float(text) for key, text in row.items()} for row in csv.DictReader(file)]
-    middle = [row["curvature_per_mm"] for row in rows if -12 < row["y_mm"] < 0]
+        rows = list(csv.DictReader(file))
+    assert {row["program"] for row in rows} == {f"railhead {rh.__version__}"}
+    middle = [float(row["curvature_per_mm"]) for row in rows if -12 < float(row["y_mm"]) < 0]
     np.testing.assert_allclose(middle, 1 / 300, rtol=0.1)
 
 
 def test_command_tells_a_wheel_by_its_width(tmp_path, capsys) -> None:
     np.savetxt(tmp_path / "wheel.txt", solid.from_file(Scene.from_mapping(
         {"load": 1, "wheel": {"profile": PRW}}), "wheel").points)  # fmt: skip
-    assert command.status("profile", str(tmp_path / "wheel.txt"), "--json", "--no-pictures") == 0
+    assert command.status("profile", str(tmp_path / "wheel.txt"), "--json", *quickly(tmp_path)) == 0
     summary = json.loads(capsys.readouterr().out)
     assert (summary["body"], summary["standard"]) == ("wheel", "S1002")
-    assert os.listdir(tmp_path) == ["wheel.txt"]
 
 
 @pytest.mark.parametrize("start", [-70.0, -35.0])
@@ -137,7 +143,7 @@ def test_a_narrow_wheel_is_told_by_its_shape(start: float, tmp_path, capsys) -> 
         {"load": 1, "wheel": {"profile": PRW}}), "wheel").points  # fmt: skip
     y = points[:, 0]
     np.savetxt(tmp_path / "wheel.txt", points[(y > start) & (y < start + 94)])
-    assert command.status("profile", str(tmp_path / "wheel.txt"), "--json", "--no-pictures") == 0
+    assert command.status("profile", str(tmp_path / "wheel.txt"), "--json", *quickly(tmp_path)) == 0
     assert json.loads(capsys.readouterr().out)["body"] == "wheel"
 
 
@@ -178,10 +184,11 @@ def test_command_takes_the_unit_that_is_typed(worn: Scene, tmp_path, capsys) -> 
     points = np.loadtxt(worn.rail.profile, delimiter=",")
     file = tmp_path / "yards.csv"
     np.savetxt(file, points, delimiter=",", header="y (yd),z (yd)", comments="")
-    assert command.status("profile", str(file), "--no-pictures") == 2
+    assert command.status("profile", str(file), *quickly(tmp_path)) == 2
     assert "in yd; give both in one of" in capsys.readouterr().err
     assert (
-        command.status("profile", str(file), "--no-pictures", "--set", "rail.profile_unit=mm") == 0
+        command.status("profile", str(file), *quickly(tmp_path), "--set", "rail.profile_unit=mm")
+        == 0
     )
     assert "in mm as given (the file says yd)" in " ".join(capsys.readouterr().out.split())
 
@@ -193,7 +200,7 @@ def test_a_key_of_the_command_tells_the_body(tmp_path, capsys) -> None:
     np.savetxt(file, wheel.points, delimiter=",", header="y (yd),z (yd)", comments="")
     assert (
         command.status(
-            "profile", str(file), "--json", "--no-pictures", "--set", "wheel.profile_unit=mm"
+            "profile", str(file), "--json", *quickly(tmp_path), "--set", "wheel.profile_unit=mm"
         )
         == 0
     )
@@ -227,14 +234,35 @@ def test_command_prints_json_and_writes_pictures(tmp_path, capsys, monkeypatch) 
     assert pictures == {"profiles.png", "positions.png", "rolling_radius.png"}
 
 
+def test_positions_are_a_table_and_without_pictures_the_same(tmp_path, capsys, monkeypatch) -> None:
+    """--no-pictures leaves out pictures alone; the flange turns a wheelset back harder."""
+    monkeypatch.setattr(geometry, "SHIFTS", np.linspace(-8.0, 8.0, 17))
+    assert command.status("locate", "s1002_60e1", "--quiet", *quickly(tmp_path)) == 0
+    assert capsys.readouterr().out == ""
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        ".railhead", "positions.csv", "scene.toml", "summary.json",
+    }  # fmt: skip
+    with (tmp_path / "out" / "positions.csv").open(encoding="utf-8-sig") as file:
+        rows = list(csv.DictReader(file))
+    at = {float(row["shift [mm]"]): row for row in rows}
+    here, found = at[3.0], located("wheelset.shift=3 mm")
+    for side in ("left", "right"):
+        touch = found[side][0]
+        assert float(here[f"{side} rail y [mm]"]) == pytest.approx(touch["rail_y_mm"])
+        assert float(here[f"{side} rolling radius [mm]"]) == pytest.approx(touch["radius_mm"])
+        angle = math.degrees(touch["angle_rad"])
+        assert float(here[f"{side} contact angle [deg]"]) == pytest.approx(angle)
+    assert at[0.0]["equivalent conicity"] == ""
+    assert float(at[8.0]["equivalent conicity"]) > 3 * float(at[3.0]["equivalent conicity"])
+    assert at[8.0]["equivalent conicity"] == at[-8.0]["equivalent conicity"]
+
+
 def test_measured_profiles_come_with_their_curvature(tmp_path, capsys) -> None:
     rows = "\n".join(f"{y},{-(y**2) / 600}" for y in range(-26, 27, 2))
     (tmp_path / "rail.csv").write_text(rows)
-    command.status(
-        "locate", "uic54_thesis", "--no-pictures", "--set", f"rail.profile={tmp_path / 'rail.csv'}"
-    )
+    key = f"rail.profile={tmp_path / 'rail.csv'}"
+    command.status("locate", "uic54_thesis", *quickly(tmp_path), "--set", key)
     assert "rail profile, smoothed: radius" in capsys.readouterr().out
-    assert not (tmp_path / "results").exists()
 
 
 @pytest.mark.parametrize(
@@ -251,7 +279,8 @@ def test_what_cannot_be_located_is_refused_by_its_key(assignment: str, key: str)
         located(assignment)
 
 
-def test_angles_are_printed_in_degrees(capsys) -> None:
-    command.status("locate", "s1002_60e1", "--no-pictures")
+def test_angles_are_printed_in_degrees(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.setattr(geometry, "SHIFTS", np.array([0.0]))
+    command.status("locate", "s1002_60e1", *quickly(tmp_path))
     row = next(line for line in capsys.readouterr().out.splitlines() if "contact angle" in line)
     assert row.split()[3:6] == ["│", "deg", "│"] and "1.3955" in row  # 0.0243564 rad

@@ -1,5 +1,7 @@
 """The wheel is lowered until the undeformed surfaces just touch; a wheelset on its track."""
 
+import math
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -278,3 +280,15 @@ def test_rolling_radius_difference_is_continuous_between_jumps() -> None:
 def test_a_wheelset_beside_the_rails_is_refused() -> None:
     with pytest.raises(PlacementError, match="over the rail"):
         place(PAIR, Track(back_to_back=1000.0, gauge=1435.0))
+
+
+def test_the_equivalent_conicity_is_that_of_the_motion() -> None:
+    """Of cones their own; of D = 2 k y^3 the closed form by the beta function; a wheelset that is
+    driven outward does not swing."""
+    y = np.linspace(-10.0, 10.0, 801)
+    assert placement.equivalent_conicity(6.0, y, 0.1 * y) == pytest.approx(0.05, rel=1e-5)
+    half = math.gamma(0.25) * math.gamma(0.5) / math.gamma(0.75) / 4  # of du/sqrt(1 - u^4), 0 to 1
+    exact = math.pi**2 / 8 * 0.001 * 6.0**2 / half**2
+    assert placement.equivalent_conicity(6.0, y, 2e-3 * y**3) == pytest.approx(exact, rel=1e-4)
+    assert math.isnan(placement.equivalent_conicity(6.0, y, -0.1 * y))
+    assert math.isnan(placement.equivalent_conicity(0.0, y, 0.1 * y))

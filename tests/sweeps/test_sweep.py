@@ -1,10 +1,12 @@
 """The sweep of a script: side by side, as the command, and read again from its folder."""
 
+import json
 import os
 import subprocess
 import sys
 from pathlib import Path
 
+import command
 import pytest
 from sweep_command import rows
 
@@ -33,7 +35,7 @@ def test_what_cannot_be_solved_is_a_row(monkeypatch, in_this_process) -> None:
     assert table.rows() == [{"wheelset.yaw [mrad]": 0.0, "checks": "NOT SOLVED: gmsh: no"}]
 
 
-def test_a_folder_keeps_the_sweep(tmp_path: Path, in_this_process) -> None:
+def test_a_folder_keeps_the_sweep(tmp_path: Path, in_this_process, capsys) -> None:
     """The same call solves nothing again; what it had solved has arrays, what lay there numbers."""
     out = tmp_path / "out"
     given = {"load": [1e4, 2e4], "wheel.rolling_radius": [420, 460]}
@@ -50,6 +52,12 @@ def test_a_folder_keeps_the_sweep(tmp_path: Path, in_this_process) -> None:
     assert read.rows() == again.rows() and read[3].pressure == table[3].pressure
     for row, line in zip(read.rows(), rows(out), strict=True):
         assert {key: "" if value is None else str(value) for key, value in row.items()} == line
+    assert command.status("show", str(out), "--json") == 0
+    assert json.loads(capsys.readouterr().out)["rows"] == read.rows()
+    assert command.status("show", str(out)) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= 80 and "4 combinations, all passed" in lines
+    assert "4 combinations, all passed" in read._repr_html_() and "body {" not in read._repr_html_()
     with pytest.raises(rh.SceneError, match="holds another sweep"):
         rh.sweep(FAST, {"load": [1e4]}, out=out, quiet=True)
 

@@ -48,12 +48,16 @@ def labelled(console: Console, line: str, indent: int = 11) -> None:
 
 
 def recorded(show: Callable[[Console], None]) -> Console:
-    """Console with the recorded output of `show`, which it exports as text or HTML; nothing is
-    printed.
-    """
+    """Console with the recorded output of `show`, which it exports as text; nothing is printed."""
     console = Console(file=io.StringIO(), width=WIDTH, record=True)
     show(console)
     return console
+
+
+def notebook(show: Callable[[Console], None]) -> str:
+    """The output of `show` as a piece of HTML without styles for the rest of the page."""
+    block = '<pre style="font-family: monospace; line-height: 1.2">{code}</pre>'
+    return recorded(show).export_html(inline_styles=True, code_format=block)
 
 
 def show_plan(plan: Plan, console: Console) -> None:
