@@ -92,8 +92,9 @@ class Grading:
         return [near, (first, FAR_GROWTH * self.growth / self.stretch)]
 
     def _size(self, distance: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Element size (n,) in mm at distances (n,) in mm from the fine ellipsoid, for this patch
-        alone and without the limit `coarsest`.
+        """Element size (n,) at distances (n,), at least zero, from the fine ellipsoid; for this
+        patch alone and without the limit `coarsest`. Both are in mm of the coordinates in which x
+        is divided by `stretch`.
         """
         return np.minimum.reduce([size + growth * distance for size, growth in self._lines])
 

@@ -115,8 +115,9 @@ class Setup:
         the reverse.
     linear: method for linear systems, one of `LINEAR_SOLVERS`.
     tolerance: of Newton's method: norm of the residual over that of the nodal contact forces.
-    kinematics: meaning of the mesh coordinates: a solid, plane strain, or a section that is
-        revolved.
+    kinematics: what the mesh coordinates stand for in space: their axes and origin, the thickness
+        of a plane section (mm), whether a section is revolved, and whether the volume strain is
+        averaged in each cell.
     load_path: load history of bodies that may yield; None: all bodies stay elastic, also those with
         a flow curve.
     friction: settings of Coulomb friction; None: the contact is frictionless.

@@ -34,7 +34,7 @@ from railhead.theory.elastic.line import LineContact
 if TYPE_CHECKING:
     from railhead.solver.solution import FrictionSolution
 
-Points = Callable[[Array, Array], Array]
+SurfaceMap = Callable[[Array, Array], Array]
 DEEP = 3.0  # smaller half lengths: end of the axes below the patches
 DEPTHS = 61  # points on each of them
 LINES = 65  # of the grid on which an exact pressure is drawn, each way
@@ -105,7 +105,7 @@ def of_hertz(
 def of_boundary_elements(
     solution: BoundaryElementSolution,
     values: Mapping[str, Any],
-    points: Points,
+    points: SurfaceMap,
     frame: Frame,
     poisson: Mapping[str, float],
 ) -> Findings:
@@ -174,7 +174,7 @@ def of_boundary_elements(
 def with_tractions(
     found: Findings,
     windows: Sequence[PatchSolution],
-    points: Points,
+    points: SurfaceMap,
     poisson: Mapping[str, float],
     tractions: Sequence[Array],
     friction: FrictionSolution,
@@ -204,7 +204,7 @@ def with_tractions(
 
 def largest(
     windows: Sequence[PatchSolution],
-    points: Points,
+    points: SurfaceMap,
     poisson: Mapping[str, float],
     tractions: Sequence[Array] | None = None,
 ) -> dict[str, Largest]:
@@ -242,14 +242,15 @@ def largest(
 def _below(
     windows: Sequence[PatchSolution],
     patch: PatchSolution,
-    points: Points,
+    points: SurfaceMap,
     body: str,
     poisson: float,
     tractions: Sequence[Array] | None = None,
 ) -> DepthAxis:
     """Stresses in a body on the axis below the centre of pressure of a patch, by pressure and
-    tractions of that window of `windows` which is nearest. body: 'rail' or 'wheel'. tractions: of
-    the wheel on the rail, as in `largest`.
+    tractions of that window of `windows` whose middle is nearest to the centre. points: maps x, s
+    (n,) to points (n, 3) on the surface, mm. body: 'rail' or 'wheel'. tractions: of the wheel on
+    the rail, as in `largest`.
     """
     x, s = patch.centroid
     away = [math.hypot(each.x.mean() - x, each.s.mean() - s) for each in windows]
@@ -270,7 +271,7 @@ def _line(frame: Frame, body: str) -> tuple[Place, Place]:
     return frame.place(0.0, 0.0), (float(into[0]), float(into[1]), float(into[2]))
 
 
-def _centres(window: PatchSolution, points: Points) -> Array:
+def _centres(window: PatchSolution, points: SurfaceMap) -> Array:
     """Points (nx ns, 3) on the surface, mm, at the centres of the cells of a window."""
     x, s = np.meshgrid(window.x, window.s, indexing="ij")
     return points(x.ravel(), s.ravel())

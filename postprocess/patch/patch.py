@@ -300,8 +300,10 @@ def smooth_patches(fields: Fields, *, parabolic: bool) -> list[SmoothPatch]:
 
 
 def _smooth(fields: Fields, frame: Frame, facets: Array, *, parabolic: bool) -> SquaredPressure:
-    """Smooth p^2 of one patch in a frame, as `_reading` has it. facets: area of each contact facet,
-    mm2. parabolic: whether Hertz's theory is exact.
+    """Smooth p^2 of one patch in a frame: Hertz's ellipsoid, a shape reconstructed from samples, or
+    a blend of both, by the shape error of the moments. fields: of this patch alone. facets (f,):
+    area of every contact facet of the slave, mm2. parabolic: whether the half lengths are taken
+    from second moments alone, which is exact for Hertz.
     """
     found, given = moments(fields, frame), samples(fields, frame, facets)
     share = general_shape_share(found.shape_error)
@@ -421,9 +423,9 @@ def _through(first: _Reading, patch: Patch, frame: Frame, *, hertzian: bool) -> 
     """(x, s) in the frame, mm, of the point through which the pressure along x and along s is
     taken.
 
-    It is the centre of pressure where that is an ellipse's (hertzian) or lies within CENTRED half
-    lengths of the largest pressure. Otherwise it is the place of the largest pressure. first: the
-    most loaded patch.
+    Of an ellipse's pressure (hertzian) it is the centre of pressure. Otherwise x and s are chosen
+    each by itself: that of the centre where it lies within CENTRED half lengths of that of the
+    largest pressure, else that of the largest pressure. first: the most loaded patch.
     """
     centre = np.array(patch.centre)
     if hertzian:

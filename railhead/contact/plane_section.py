@@ -128,9 +128,12 @@ class LongitudinalSection(SectionContact):
     ) -> list[Body]:
         """Bodies of the section, each with its closed outline, for the deformable ones (RAIL,
         WHEEL).
-        reach: half length of what has no end of its own, mm.
+        reach: half length along x of a rail without `length` (in a meridian section without
+            `width`), and of a wheel without `segment_length`, there at most 1.2 rolling radii; of
+            half-spaces half the edge of the blocks; mm.
         whole_section: has no effect here.
-        half: whether only x >= 0 is outlined; always so in a meridian section.
+        half: whether only x >= 0 is outlined. For a meridian section the caller must pass True
+            (`is_half_outline`).
         Raises SceneError where the rim is deeper than the radius, or a half disc has a segment
         length.
         """

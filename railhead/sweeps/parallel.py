@@ -251,11 +251,13 @@ def _write(
     *,
     pictures: bool,
 ) -> Outcome:
-    """Write table, pictures and, for ParaView, .pvd files of the scenes that passed beside the
-    records.
+    """Write the table beside the records; with `pictures` PNG files and report.html; with
+    `sweep.vtu` .pvd files, for ParaView, of the scenes that passed. Older pictures and reports are
+    deleted in any case.
 
-    rows: of the table, by number of the scene; completed here. results: of the outcome. faults:
-        reasons by number for scenes without a record. y_label: label of y in the pictures.
+    rows: of the table, by number of the scene from 0; completed in place. results: of the outcome.
+        faults: reasons by number for scenes without a record, which get a row with it. y_label:
+        label of y in the pictures.
     """
     from railhead.postprocess import vtu
     from railhead.postprocess.pictures.plots import sweep as plots

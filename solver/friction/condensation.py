@@ -343,6 +343,7 @@ class StaticCondensation:
 
     def _jump(self, shift: float) -> PETSc.Mat:
         """Matrix of the tangential jump t . (u_wheel - u_rail) at this rank's points, on all dofs.
+        The k rows of a point stand together.
 
         shift: distance by which the points are moved along their first tangent, mm. Raises
             ValueError where a moved point finds no facet.

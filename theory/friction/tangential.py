@@ -69,16 +69,17 @@ def pair(
 
 
 class TractionInfluence:
-    """Map from tractions (2, nx, ny) of the wheel on the rail, MPa, to the reduction (2, nx, ny) of
-    the slip of the wheel over the rail; components along x and y in a plane.
+    """Called with tractions (2, nx, ny) of the wheel on the rail, MPa, it returns the reduction (2,
+    nx, ny) of the slip of the wheel over the rail; components along x and y in a plane.
 
     Slips are in mm or, in rolling along +x, per rolled length: upstream differences of second order
     over half a cell, -du/dx = (3 u(x) - 4 u(x + d/2) + u(x + d))/d, which dissipate. Cerruti: a
     force Q_x moves both surfaces apart by Q_x/(pi G) ((1 - nu)/r + nu x^2/r^3) along x and by
     Q_x/(pi G) nu x y/r^3 along y (Johnson, Contact Mechanics, 3.7), here integrated over a cell.
 
-    line: influence of a cell on the cells of its own line along x, (2, padded): along x by traction
-        along x, and along y by traction along y.
+    line: (2, padded), reduction of the slip per MPa at the cell k places ahead on the same line
+        along x; k = 0 is the cell itself, negative k count from the end. Row 0: along x by
+        traction along x, row 1: along y by traction along y.
     """
 
     def __init__(

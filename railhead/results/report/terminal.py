@@ -127,7 +127,9 @@ def _uncertainty_line(found: Mapping[str, Any]) -> str:
 
 
 def _state(effect: Effect) -> str:
-    """State of an effect in words: on, off, or called for but refused."""
+    """State of an effect in words: 'on', 'off', or 'off, though called for' where the scene needs
+    the effect and the program cannot simulate it here. What a person switched off is 'off'.
+    """
     if effect.called_for and "on" in effect.refused:
         return "off, though called for"
     return "on" if effect.on else "off"

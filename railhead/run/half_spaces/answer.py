@@ -379,7 +379,9 @@ def _onto(
     return placed
 
 
-def _at_cells(plan: Plan, sheared: PatchTractions, points: half_space.Points) -> FrictionSolution:
+def _at_cells(
+    plan: Plan, sheared: PatchTractions, points: half_space.SurfaceMap
+) -> FrictionSolution:
     """Tractions at the cells that touch, in the form of those of finite elements, with forces
     along, across and moment of the wheel on the rail. points: maps x, s (n,) to points (n, 3) on
     the rail's surface, mm.
