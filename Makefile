@@ -1,4 +1,4 @@
-.PHONY: run test test-all setup lint docs peers deb
+.PHONY: run test test-all setup lint docs peers deb site
 STUDIES = accuracy-cost effect-accuracy error-bounds load-sweep scaling ranks thesis effects plasticity creep profiles hard-cases fuzz
 ROOMS = cases meshing postprocess solver theory
 
@@ -8,7 +8,7 @@ run: setup
 test: setup lint
 	.venv/bin/python -m pytest -n 2 --dist worksteal
 
-test-all: setup lint
+test-all: setup lint site
 	.venv/bin/python -m pytest -n 2 --dist worksteal -m "" --hypothesis-profile=thorough
 
 setup:
@@ -23,9 +23,20 @@ docs: setup
 	    cp results/$$study/*.png docs/ 2>/dev/null || true; \
 	done
 	cat results/scaling/page.md >> docs/accuracy-cost.md
-	PYTHONPATH=. .venv/bin/python -P tests/pages.py docs/tutorial.md docs/nitsche.md
+	PYTHONPATH=. .venv/bin/python -P tests/pages.py docs/tutorial.md docs/nitsche.md docs/gallery.md
 	.venv/bin/railhead run uic54_thesis
 	cp results/uic54_thesis/wheel_rail.png docs/uic54_thesis.png
+
+# The pages as a site, results/site/index.html; ends at a warning (a dead link, a page on no shelf).
+site: setup .venv-site/installed
+	rm -rf results/site
+	.venv-site/bin/sphinx-build -q -W --keep-going -E -d .built/site docs results/site
+
+.venv-site/installed: pyproject.toml
+	/usr/bin/python3 -m venv --clear --system-site-packages .venv-site
+	.venv-site/bin/python -m pip install -q -c .venv/constraints.txt $$(.venv/bin/python -c \
+	    'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["site"])')
+	touch $@
 
 # docs/peers.md: installs other codes (2.6 GB, in results/peers/venv and from Debian), so `docs` has it not.
 peers: setup

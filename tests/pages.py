@@ -21,7 +21,7 @@ from PIL import Image
 BLOCK = re.compile(r"(```python\n(.*?)```\n)(\n```text\n(.*?)```\n)?", re.DOTALL)
 NUMBER = re.compile(r"[+-]?\d+(?:\.\d+)?(?:e[+-]\d+)?")
 SCATTER = 0.002  # meshes differ with the versions of gmsh and of numpy (docs/limits.md)
-WIDEST = 1000  # pixels of a picture in docs/
+WIDEST = 800  # pixels of a picture in docs/: below 100 kB
 
 
 def blocks(page: Path) -> list[str]:
@@ -92,7 +92,7 @@ def renew(page: Path) -> None:
             target.parent.mkdir(parents=True, exist_ok=True)
             picture = Image.open(name).convert("RGB")
             picture.thumbnail((WIDEST, WIDEST))
-            picture.quantize(128).save(target, optimize=True)
+            picture.quantize(method=Image.Quantize.FASTOCTREE).save(target, optimize=True)
 
     def filled(found: re.Match[str]) -> str:
         text = next(printed)

@@ -1,15 +1,17 @@
-"""The tutorial and the page on Nitsche's method: they run as printed, and say what they print."""
+"""Pages that are programs: they run as printed, and say what they print."""
 
+import ast
 from pathlib import Path
 
 import pages
 import pytest
 
 DOCS = Path(__file__).parents[1] / "docs"
+NAMES = ["tutorial", "nitsche", "gallery"]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["tutorial", "nitsche"])
+@pytest.mark.parametrize("name", NAMES)
 def test_a_page_runs_and_prints_what_it_says(name: str, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     page = DOCS / f"{name}.md"
@@ -21,7 +23,16 @@ def test_a_page_runs_and_prints_what_it_says(name: str, tmp_path, monkeypatch) -
         assert (tmp_path / picture).is_file() and (DOCS / name / picture).is_file()
 
 
-@pytest.mark.parametrize("name", ["tutorial", "nitsche"])
+@pytest.mark.parametrize("name", NAMES)
+def test_what_a_page_imports_exists(name: str) -> None:
+    nodes = ast.walk(ast.parse("".join(pages.blocks(DOCS / f"{name}.md"))))
+    lines = {ast.unparse(node) for node in nodes if isinstance(node, ast.Import | ast.ImportFrom)}
+    assert len(lines) > 0
+    for line in lines:
+        exec(line, {})
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_numbers_of_the_prose_come_from_code_or_output(name: str) -> None:
     assert pages.unsupported(DOCS / f"{name}.md") == []
 

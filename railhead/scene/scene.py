@@ -286,9 +286,9 @@ class Scene(Section):
         """Relative curvatures (along, across the rail) of two half-spaces with the radii of the
         scene, 1/mm; negative across where the concave body is the more curved one.
 
-        Along: 1/rolling_radius, as the rail is straight; across: 1/crown_radius +
-            1/transverse_radius (K. L. Johnson, Contact Mechanics, 1985, section 4.1). Standard
-            rails have the radius of their crown; cylinders and cones are straight across.
+        That along is 1/rolling_radius, as the rail is straight; that across is 1/crown_radius +
+        1/transverse_radius (K. L. Johnson, Contact Mechanics, 1985, section 4.1). Standard rails
+        have the radius of their crown; cylinders and cones are straight across.
         Raises SceneError for a profile without a single radius (S1002, a file).
         """
         across = 0.0
