@@ -12,7 +12,7 @@ project = html_title = "railhead"
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.viewcode"]
 exclude_patterns = ["README.md"]  # index.md includes it
 html_theme = "furo"
-html_copy_source = False
+html_copy_source = html_show_copyright = False
 myst_heading_anchors = 4
 myst_enable_extensions = ["html_image"]
 default_role = "code"
