@@ -23,18 +23,19 @@ def files(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.rglob("*"))
 
 
-def test_list_names_every_case(tmp_path) -> None:
-    done = command.process("list", cwd=tmp_path)
-    assert done.returncode == 0
+def test_list_names_every_case(capsys) -> None:
+    assert command.status("list") == 0
+    printed = capsys.readouterr().out
     for name in ("uic54_thesis", "hertz_ellipse", "sphere_on_plane", "uic54_22t5_axle"):
-        assert name in done.stdout
+        assert name in printed
 
 
-def test_plan_solves_and_writes_nothing(tmp_path) -> None:
-    done = command.process("plan", "uic54_22t5_axle", cwd=tmp_path)
-    assert done.returncode == 0
-    assert "symmetry_x" in done.stdout and "wheel cone20 on rail" in done.stdout
-    assert "unknowns" in done.stdout
+def test_plan_solves_and_writes_nothing(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert command.status("plan", "uic54_22t5_axle") == 0
+    printed = capsys.readouterr().out
+    assert "symmetry_x" in printed and "wheel cone20 on rail" in printed
+    assert "unknowns" in printed
     assert files(tmp_path) == []
 
 
@@ -198,32 +199,27 @@ def test_a_folder_that_is_no_result_is_left_alone(tmp_path, monkeypatch, capsys)
     assert files(tmp_path) == ["chapter1.txt", "thesis"]
 
 
-def test_quiet_prints_nothing_and_an_earlier_result_is_replaced(tmp_path) -> None:
+def test_quiet_prints_nothing_and_an_earlier_result_is_replaced(
+    tmp_path, monkeypatch, capfd
+) -> None:
+    monkeypatch.chdir(tmp_path)
     folder = tmp_path / "results" / "long_roller"
     solved("long_roller").save(folder, pictures=False)
     before = (folder / "summary.json").stat().st_ino
-    done = command.process("run", "long_roller", "--quiet", "--no-pictures", cwd=tmp_path)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert command.status("run", "long_roller", "--quiet", "--no-pictures") == 0
+    assert capfd.readouterr() == ("", "")
     assert (folder / "summary.json").stat().st_ino != before
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["railhead"] == rh.__version__ and summary["units"] == "N, mm, MPa, rad, s"
     assert os.listdir(tmp_path / "results") == ["long_roller"]
 
 
-def test_non_convergence_is_status_1_with_its_history(tmp_path) -> None:
-    done = command.process(
-        "run",
-        "two_cylinders",
-        "--quiet",
-        "--no-pictures",
-        "--set",
-        "solver.max_newton=1",
-        cwd=tmp_path,
-    )
-    assert done.returncode == 1
-    assert (
-        "NOT CONVERGED" in done.stderr and "residual" in done.stderr and "try solver" in done.stderr
-    )
+def test_non_convergence_is_status_1_with_its_history(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    one_step = ("--no-pictures", "--set", "solver.max_newton=1")
+    assert command.status("run", "two_cylinders", "--quiet", *one_step) == 1
+    told = capsys.readouterr().err
+    assert "NOT CONVERGED" in told and "residual" in told and "try solver" in told
     summary = json.loads((tmp_path / "results/two_cylinders/summary.json").read_text())
     assert summary["checks"]["converged"] is False
     assert len(summary["newton"]["history"]) == 1

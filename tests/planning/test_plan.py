@@ -212,6 +212,7 @@ def test_what_is_off_is_not_meshed_and_holds_no_unknowns() -> None:
     assert unknowns["deformable_rail"] == pytest.approx(unknowns["nothing"] / 2, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_metre_of_rail_costs_little_more_than_its_head_as_predicted() -> None:
     unknowns = {}
     for on in ("off", "on"):
@@ -252,6 +253,7 @@ def test_one_radius_is_exact_where_the_patch_lies_on_one_arc() -> None:
     assert largest("effects.true_profile=off") == pytest.approx(whole, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_one_radius_is_wrong_across_a_joint() -> None:
     errors = [largest(ACROSS, f"effects.true_profile={on}") / 1427.9 - 1 for on in ("on", "off")]
     assert abs(errors[0]) < 0.05 < 0.07 < abs(errors[1])

@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -87,6 +88,12 @@ def test_a_residual_state_that_was_not_found_fails(mesh_solution, reason, names)
         )
         == names
     )
+
+
+@pytest.mark.parametrize(("load", "names"), [(109.0, []), (111.0, ["load_over_first_yield"])])
+def test_a_load_far_beyond_first_yield_fails(mesh_solution, load, names) -> None:
+    left = SimpleNamespace(load_over_first_yield=load)
+    assert failed(replace(mesh_solution, residual_state=left)) == names
 
 
 def test_an_unsettled_mesh_fails(mesh_solution) -> None:
@@ -209,7 +216,7 @@ def test_a_missing_second_opinion_has_its_reason(mesh_solution) -> None:
     [("symmetry_x=off", True), ("symmetry_y=on", True), ("far_field=off", False)],
 )
 def test_the_second_opinion_is_about_the_problem_of_the_scene(given, checked) -> None:
-    scene = catalogue.find("hertz_ellipse").replace([f"effects.{given}", "mesh.patch_size=1"])
+    scene = catalogue.find("hertz_ellipse").replace([f"effects.{given}", "mesh.patch_size=1.7"])
     summary = solved(scene).summary
     assert ("second_opinion_max_MPa" in summary["checks"]) == checked
     assert bool(summary["plan"]["chosen"]) != checked

@@ -65,17 +65,17 @@ def test_same_numbers_on_several_ranks(ranks: int, mesh: tuple[str, ...], tmp_pa
 @pytest.mark.parametrize(
     ("case", "keys"),
     [
-        pytest.param(
-            "long_roller",
-            ("mesh.patch_size=0.5", "rolling.creepage_along=0.05%"),
-            marks=pytest.mark.slow,
-        ),
+        ("long_roller", ("mesh.patch_size=0.5", "rolling.creepage_along=0.05%")),
         pytest.param(
             "long_roller",
             ("mesh.patch_size=0.5", "friction.force_along=9900", "wheel.young_modulus=inf"),
             marks=pytest.mark.slow,
         ),
-        ("hertz_ellipse", ("mesh.patch_size=1.2", "rolling.creepage_along=0.05%")),
+        pytest.param(
+            "hertz_ellipse",
+            ("mesh.patch_size=1.2", "rolling.creepage_along=0.05%"),
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_friction_is_the_same_on_two_ranks(case: str, keys: tuple[str, ...], tmp_path) -> None:

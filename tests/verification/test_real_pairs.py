@@ -72,6 +72,7 @@ def test_bound_covers_the_ridge_at_a_joint_of_two_arcs() -> None:
 # Patches many times longer than wide: stretched elements against exact Hertz, and their cost.
 
 
+@pytest.mark.slow
 def test_a_needle_meets_exact_hertz_at_two_thirds_of_the_unknowns() -> None:
     """Axis ratio 9.9: 143 000 unknowns with elements as long as wide."""
     summary = passed("hertz_ellipse", "rail.crown_radius=10").summary
@@ -90,7 +91,7 @@ def test_a_needle_meets_exact_hertz_at_two_thirds_of_the_unknowns() -> None:
 )
 def test_a_stretched_wheel_lies_on_its_exact_surface(choice: tuple[str, ...]) -> None:
     """Corner and middle nodes in the patch and as far again."""
-    plan = planned("s1002_60e1", "wheelset.shift=9", "mesh.patch_size=0.2", *choice)
+    plan = planned("s1002_60e1", "wheelset.shift=9", "mesh.patch_size=0.3", *choice)
     grading = plan.grading()
     assert grading.stretch == MAX_STRETCH
     made = mesh_solution.generate(plan, grading, MPI.COMM_WORLD)
@@ -135,7 +136,7 @@ def test_unknowns_of_stretched_meshes_are_foreseen(radius: float, cell: str) -> 
 
 
 def test_a_mesh_around_a_found_needle_is_as_narrow_as_the_needle() -> None:
-    plan = planned("hertz_ellipse", "rail.crown_radius=1.5").at_resolution(3.0)
+    plan = planned("hertz_ellipse", "rail.crown_radius=5").at_resolution(3.0)
     found = mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_WORLD)
     frame = Frame(plan.contact.origin, plan.contact.touch.angle)
     expected = forecast_from_solution(found.fields, moments(found.fields, frame), frame)

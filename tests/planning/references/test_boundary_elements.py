@@ -119,18 +119,19 @@ def test_a_patch_that_was_not_looked_for_is_found(monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.parametrize(
-    "assignments",
+    ("assignments", "finer"),
     [
-        pytest.param(("wheelset.shift=5",), marks=pytest.mark.slow),
-        ("wheelset.shift=5", "load=100kN"),
-        pytest.param(("wheelset.shift=8",), marks=pytest.mark.slow),
+        pytest.param(("wheelset.shift=5",), 512, marks=pytest.mark.slow),
+        (("wheelset.shift=5", "load=100kN"), 256),
+        pytest.param(("wheelset.shift=5", "load=100kN"), 512, marks=pytest.mark.slow),
+        pytest.param(("wheelset.shift=8",), 512, marks=pytest.mark.slow),
     ],
 )
-def test_second_opinion_does_not_hang_on_its_grid(assignments: tuple[str, ...]) -> None:
-    """Tread, gauge corner and flange: 128 cells against four times finer ones, within 1 %."""
+def test_second_opinion_does_not_hang_on_its_grid(assignments: tuple[str, ...], finer: int) -> None:
+    """Tread, gauge corner and flange: 128 cells against two and four times as many, within 1 %."""
     contact, ellipse = located(MANCHESTER.replace(assignments))
     load = contact.scene.load
-    found, fine = (boundary_elements.solve(contact, ellipse, load, cells) for cells in (128, 512))
+    found, fine = (boundary_elements.solve(contact, ellipse, load, cells) for cells in (128, finer))
     assert found.max_pressure == pytest.approx(fine.max_pressure, rel=0.01)
     assert found.area == pytest.approx(fine.area, rel=0.01)
 

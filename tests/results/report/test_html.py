@@ -235,6 +235,7 @@ def test_a_browser_draws_it(folder: Path, tmp_path: Path) -> None:
     assert paper.stat().st_size > 100_000
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
 def test_without_webgl_the_views_are_pictures(folder: Path) -> None:
     address = (folder / html.NAME).as_uri()

@@ -79,13 +79,13 @@ def test_columns_without_a_value_are_left_out(full: dict) -> None:
     assert "half-space" not in "\n".join(printed({**full, "half_space": None}, 120))
 
 
-def test_the_command_prints_at_most_eighty_columns(tmp_path) -> None:
+def test_the_command_prints_at_most_eighty_columns(tmp_path, capsys) -> None:
     """Of the table also where there is no terminal."""
-    done = command.process("run", "long_roller", "--set", "mesh.patch_size=1", "--no-pictures",
-                           cwd=tmp_path)  # fmt: skip
-    assert done.returncode in (0, 1)
-    table = done.stdout.split("unknowns")[0].splitlines()
-    assert len(table) > 12 and max(map(len, table)) <= 80 and "…" not in done.stdout
+    given = ("long_roller", "--set", "mesh.patch_size=1", "--no-pictures")
+    assert command.status("run", *given, "--out", str(tmp_path / "out")) in (0, 1)
+    printed = capsys.readouterr().out
+    table = printed.split("unknowns")[0].splitlines()
+    assert len(table) > 12 and max(map(len, table)) <= 80 and "…" not in printed
 
 
 def test_result_csv_is_the_printed_table(tmp_path) -> None:
@@ -142,12 +142,12 @@ def test_rows_with_other_columns_make_one_table() -> None:
     assert text == 'a,b,c\r\n1,,\r\n,0.1,"x, y"\r\n'
 
 
-def test_the_plan_as_json_says_what_the_printed_one_says(tmp_path) -> None:
+def test_the_plan_as_json_says_what_the_printed_one_says(capfd) -> None:
     case = ("s1002_60e1", "--set", "wheelset.shift=1mm", "--accuracy", "1%")
-    done = command.process("plan", *case, "--json", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
-    said, printed = json.loads(done.stdout), command.process("plan", *case, cwd=tmp_path).stdout
-    words = " ".join(printed.replace("│", " ").split())
+    assert command.status("plan", *case, "--json") == 0
+    out, errors = capfd.readouterr()
+    assert command.status("plan", *case) == 0 and errors == ""
+    said, words = json.loads(out), " ".join(capfd.readouterr().out.replace("│", " ").split())
     assert said["scene"]["wheelset"]["shift"] == 1 and said["scene"]["accuracy"] == 0.01
     for name, effect in said["plan"]["effects"].items():
         assert f"{name} {'on' if effect['on'] else 'off'} {effect['why'].split()[0]}" in words
