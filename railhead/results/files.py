@@ -53,7 +53,8 @@ def write(
         grids: Grids | None = None
         found = _titled(solved)
         with attempt("*.vtu"):
-            stresses = write_grids(solved, work, whole=whole)
+            stresses = nodal_stress(solved)
+            write_grids(solved, stresses, work, whole=whole)
         if pictures and found is not None:
             with attempt("*.png"):
                 if stresses is not None and solved.fields is not None:
@@ -83,22 +84,33 @@ def _titled(solved: Solved) -> Findings | None:
     return replace(solved.findings, surface=surface, notes=needed, subject=words)
 
 
-def write_grids(solved: Solved, folder: Path, *, whole: bool = False) -> Array | None:
-    """Write the files for ParaView into a folder; returns the stresses at the nodes (n, 6), columns
-    xx, yy, zz, xy, xz, yz, MPa. None, and no files, where nothing touches, off rank 0, and of
-    half-spaces. whole: with the mirror images of what symmetry left out.
+def nodal_stress(solved: Solved) -> Array | None:
+    """Stresses at the nodes (n, 6), columns xx, yy, zz, xy, xz, yz, MPa. None where nothing
+    touches, off rank 0, and of half-spaces.
     """
     if not isinstance(solved, MeshSolution) or solved.fields is None or solved.findings is None:
         return None
-    from railhead.postprocess import vtu
     from railhead.postprocess.stress import gauss_points
 
-    found, fields, residual = solved.findings, solved.fields, solved.unloaded_fields
-    stresses = gauss_points.nodal_stress(fields)
+    return gauss_points.nodal_stress(solved.fields)
+
+
+def write_grids(
+    solved: Solved, stresses: Array | None, folder: Path, *, whole: bool = False
+) -> None:
+    """Write the files for ParaView into a folder; none without stresses.
+
+    stresses (n, 6): as of `nodal_stress`. whole: with the mirror images of what symmetry left out.
+    """
+    if stresses is None:
+        return
+    from railhead.postprocess import vtu
+
+    assert isinstance(solved, MeshSolution) and solved.fields and solved.findings
+    friction, residual = solved.solution.friction, solved.unloaded_fields
     vtu.write_result(
-        fields, stresses, found, residual, solved.solution.friction, folder, whole=whole
+        solved.fields, stresses, solved.findings, residual, friction, folder, whole=whole
     )
-    return stresses
 
 
 def _grids(fields: Fields, found: Findings, stresses: Array) -> Grids:

@@ -233,7 +233,7 @@ def _solve(
         if vtu and not isinstance(result, Exception):
             grids = store.vtu_folder(folder, number)
             grids.mkdir(parents=True, exist_ok=True)
-            files.write_grids(result.mesh_solution, grids)
+            files.write_grids(result.solved, files.nodal_stress(result.solved), grids)
             result_folder.stamp(grids)
         if fields and not isinstance(result, Exception):
             results[number] = result

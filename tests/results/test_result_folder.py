@@ -11,6 +11,7 @@ from PIL import Image
 from solved import solved
 
 import railhead as rh
+from railhead.postprocess import vtu
 from railhead.postprocess.pictures.plots import diagrams
 from railhead.results import result_folder
 from railhead.scene.scene import SceneError
@@ -145,6 +146,19 @@ def test_a_picture_that_fails_takes_no_other_file(tmp_path: Path, monkeypatch) -
     names = set(os.listdir(tmp_path / "out"))
     assert {"summary.json", "pressure.png", "stress_cut.png"} < names
     assert "depth.png" not in names
+
+
+def test_a_vtu_file_that_fails_takes_no_picture(tmp_path: Path, monkeypatch) -> None:
+    """A disk too full for .vtu files has room for pictures."""
+
+    def full(*_, **__) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(vtu, "write_result", full)
+    with pytest.raises(OSError, match="No space left") as caught:
+        solved("sphere_on_plane").save(tmp_path / "out", report=False)
+    assert len(str(caught.value).splitlines()) == 1
+    assert {"pressure.png", "stress_cut.png", "wheel_rail.png"} < set(os.listdir(tmp_path / "out"))
 
 
 def test_a_full_disk_is_named(tmp_path: Path) -> None:

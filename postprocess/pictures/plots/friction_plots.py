@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import LinearNDInterpolator
+from scipy.spatial import cKDTree
 
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Findings
@@ -18,10 +20,10 @@ from railhead.theory.friction import shakedown
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-STICK, SLIP, ACROSS = "#8fb8de", "#e8a87c", "#5a9367"
+STICK, SLIP, ACROSS = "#d3e4f3", "#e08a4f", "#3f7d54"  # light and dark: told apart in grey, too
 ARROWS = 17  # along the longer side of the patch
 LONG = 1.1  # cells of their grid: the longest arrow
-THIN = 0.15  # of the patch's half length across: points nearer to its middle line are drawn on it
+CELLS = 400  # of the map, along each side
 WIDE, HIGH = 0.6, 6.0  # traction coefficient and p0/k, at least
 POINTS = 61
 
@@ -37,8 +39,8 @@ def draw_tractions(
 
     One panel shows the zones of stick and slip in the tangent plane, with tractions as arrows; of a
     section it is left out. The other shows tractions along x through the middle of the most loaded
-    patch, of a section along its line, between the limits +/- mu p. Only points with pressure are
-    drawn.
+    patch (interpolated), of a section along its line, between the limits +/- mu p. Only points with
+    pressure are used.
 
     found: at points of the part that `planes` leave. coefficient: of friction, mu. path: of the
         file. planes: unit normals of the symmetry planes at which the model was cut; the images are
@@ -56,49 +58,63 @@ def draw_tractions(
     with new_figure(path, 7 if flat else 12, 5.4, findings) as figure:
         panels = figure.subplots(1, 1 if flat else 2, squeeze=False)[0]
         axes = panels[-1]
-        middle: NDArray[np.bool_] = np.ones(len(local), dtype=bool)
+        values = np.column_stack([traction, coefficient * pressure, sticks])
+        order = np.argsort(local[:, line])
+        x, values = local[order, line], values[order]
         if not flat:
-            _map(panels[0], local, traction, sticks)
-            for outline in patch.outlines:
-                panels[0].plot(*outline.T, color=FE, lw=1.2)
+            _map(panels[0], local, traction, sticks, patch.outlines)
             panels[0].set(xlabel=subject.label(0), ylabel=subject.label(1))
-            s = patch.centre[1]
-            middle = np.abs(local[:, 1] - s) < THIN * patch.b
-            middle &= np.abs(local[:, 0] - patch.centre[0]) < 1.5 * patch.a
-            near = THIN * patch.b
-            axes.set_title(f"within {near:.2g} mm of s = {rounded(s, near)} mm", fontsize=11)
-        x, limit = local[middle, line], coefficient * pressure[middle]
+            (middle, s), ends = patch.centre, 1.5 * patch.a
+            x = x[np.abs(x - middle) < ends]
+            x = np.linspace(x[0], x[-1], CELLS)
+            at = np.column_stack([x, np.full_like(x, s)])
+            values = LinearNDInterpolator(local[order], values)(at)
+            axes.set_title(f"at s = {rounded(s, 0.1 * patch.b)} mm", fontsize=11)
+        slides = values[:, 3] < 0.5
+        for where, colour, name in ((~slides, STICK, "sticks"), (slides, SLIP, "slips")):
+            band = {"transform": axes.get_xaxis_transform(), "color": colour, "alpha": 0.5}
+            known = where & np.isfinite(values[:, 3])
+            axes.fill_between(x, 0, 1, where=known, lw=0, label=name if flat else None, **band)
         name = r"friction times pressure, $\pm\mu p$"
-        axes.plot(np.r_[x, x], np.r_[limit, -limit], ".", color=HERTZ, ms=2.5, label=name)
+        axes.plot(x, values[:, 2], color=HERTZ, lw=1.2, label=name)
+        axes.plot(x, -values[:, 2], color=HERTZ, lw=1.2)
         name = f"traction {(subject.along, subject.across)[line]}"
-        axes.plot(x, traction[middle, line], ".", color=FE, ms=3, label=name)
-        if flat:
-            _stick_and_slip(axes, np.column_stack([x, np.zeros_like(x)]), sticks)
-        else:
-            name = f"traction {subject.across}"
-            axes.plot(x, traction[middle, 1], ".", color=ACROSS, ms=3, label=name)
+        axes.plot(x, values[:, line], color=FE, label=name)
+        if not flat:
+            axes.plot(x, values[:, 1], color=ACROSS, label=f"traction {subject.across}")
         axes.set(xlabel=subject.label(line), ylabel="traction of the wheel on the rail, MPa")
         if subject.names["rail"] != "rail":
             axes.set_ylabel("traction of the upper on the lower body, MPa")
         handles = axes.get_legend_handles_labels()
-        figure.legend(*handles, loc="outside upper right", ncols=2 if flat else 3, markerscale=3)
+        figure.legend(*handles, loc="outside upper right", ncols=2 if flat else 3)
 
 
-def _stick_and_slip(axes: Axes, at: Array, sticks: NDArray[np.bool_]) -> None:
-    """Draw points `at` (n, 2) in one colour where `sticks` (n,) is true and in another where it is
-    false.
-    """
-    for chosen, colour, name in ((sticks, STICK, "sticks"), (~sticks, SLIP, "slips")):
-        axes.scatter(*at[chosen].T, s=9, color=colour, linewidths=0, label=name)
-
-
-def _map(axes: Axes, local: Array, traction: Array, sticks: NDArray[np.bool_]) -> None:
-    """Draw the zones of stick and slip with tractions as arrows at a few points.
+def _map(
+    axes: Axes,
+    local: Array,
+    traction: Array,
+    sticks: NDArray[np.bool_],
+    outlines: Sequence[Array],
+) -> None:
+    """Draw the zones of stick and slip within the patches, each place as the nearest point, with
+    tractions as arrows at a few points.
 
     local (n, 2): x and s of the contact points, mm. traction (n, 2): along x and s, MPa. sticks
-        (n,): whether each point sticks.
+        (n,): whether each point sticks. outlines (k, 2): of the patches, mm.
     """
-    _stick_and_slip(axes, local, sticks)
+    from matplotlib.patches import Patch
+    from matplotlib.path import Path as Path2D
+
+    low, high = (each(np.vstack(outlines), axis=0) for each in (np.min, np.max))
+    x, s = (np.linspace(low[k], high[k], CELLS) for k in (0, 1))
+    at = np.stack(np.meshgrid(x, s), axis=-1)
+    zones = axes.contourf(
+        x, s, sticks[cKDTree(local).query(at)[1]], levels=[-0.5, 0.5, 1.5], colors=[SLIP, STICK]
+    )
+    inside = Path2D.make_compound_path(*(Path2D(line, closed=True) for line in outlines))
+    zones.set_clip_path(inside, axes.transData)
+    for outline in outlines:
+        axes.plot(*outline.T, color=FE, lw=1.2)
     cell = float(np.ptp(local, axis=0).max()) / ARROWS
     few = thinned(local, cell)
     largest = float(np.hypot(*traction.T).max())
@@ -107,7 +123,8 @@ def _map(axes: Axes, local: Array, traction: Array, sticks: NDArray[np.bool_]) -
     shown = float(f"{largest:.1g}")
     axes.quiverkey(arrows, 0.72, 1.05, shown, f"traction {shown:g} MPa", labelpos="E")
     axes.set_aspect("equal", adjustable="datalim")  # else the legend has no room over a tall map
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, markerscale=2)
+    names = [Patch(color=STICK, label="sticks"), Patch(color=SLIP, label="slips")]
+    axes.legend(handles=names, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
 
 
 def thinned(local: Array, cell: float) -> NDArray[np.int64]:

@@ -6,12 +6,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import LinearNDInterpolator
 
-from railhead.meshing.bodies import BODY_NAMES, other
+from railhead.meshing.bodies import BODY_NAMES, RAIL, WHEEL, other
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.patch.moments import coordinate
-from railhead.postprocess.pictures.plots.diagrams import FE, HERTZ, exact_line, loaded, new_figure
+from railhead.postprocess.pictures.plots.diagrams import (
+    BANDS,
+    FE,
+    HERTZ,
+    exact_line,
+    loaded,
+    new_figure,
+)
 from railhead.postprocess.stress.gauss_points import stress_at_gauss_points
 from railhead.solver.fields import Fields
 from railhead.theory.elastic.contacts import Hertz
@@ -21,7 +30,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-THIN = 0.12  # of the smaller half length: points nearer than this to a plane are shown on it
+THIN = 0.12  # of the half length: nodes nearer than this to a line are shown on it
+THICK = 0.5  # of the smaller half length: points nearer than this to a plane tell the values on it
+CELLS = 150  # of a cut, along each side
 ROUNDING = 1e-6  # of the largest height: what stays of a body that did not yield
 SPAN = 2.2  # half lengths of the patch that are shown
 
@@ -50,13 +61,15 @@ def draw(
         every = np.arange(len(pressed.cells))
         points = stress_at_gauss_points(pressed, every)[0].reshape(-1, 3)
         local = symmetry.vectors(found.frame.local(points), pressed.mirrors)
+        body = np.repeat(pressed.body, len(points) // len(every))
+        body = symmetry.repeated(body, pressed.mirrors)
         _, left = stress_at_gauss_points(residual, every)
         for axes, values, label in (
             (strain, 100 * pressed.plastic_strain.equivalent, "equivalent plastic strain, %"),
             (stress, von_mises(left), "residual von Mises stress, MPa"),
         ):
             values = symmetry.repeated(values.ravel(), pressed.mirrors)
-            _cut(figure, axes, found, (local, values), axis, label)
+            _cut(figure, axes, found, (local, values, body), axis, label)
         _pressures(pressure, found, elastic, exact, axis)
         _left(depth, residual, pressed, found, half)
 
@@ -65,31 +78,42 @@ def _cut(
     figure: Figure,
     axes: Axes,
     found: Findings,
-    samples: tuple[Array, Array],
+    samples: tuple[Array, Array, NDArray[np.integer]],
     across: int,
     label: str,
 ) -> None:
-    """Draw values at Gauss points as coloured dots, over x or s and the height. Shown are the
-    points near the plane across the rail through the contact, or all of a section.
+    """Draw bands of values at Gauss points, interpolated linearly within each body, in the plane
+    across the rail through the contact, or of a section in its own: over x or s and the height.
+    What lies outside of a body's Gauss points stays white.
 
-    samples: coordinates (n, 3) in the contact frame, mm, and values (n,), images included; both
-        bodies. across: 0 where the horizontal axis is x, 1 where it is s. label: of the colour bar.
+    samples: coordinates (n, 3) in the contact frame, mm, values (n,) and body tags (n,), images
+        included. across: 0 where the horizontal axis is x, 1 where it is s. label: of the colour
+        bar.
     """
-    local, values = samples
+    from matplotlib.ticker import MaxNLocator
+
+    local, values, body = samples
     low, high = (each[across] for each in found.patch.box)
-    middle, half = (low + high) / 2, (high - low) / 2
-    near = np.abs(local[:, 1 - across]) < THIN * min(found.patch.a, found.patch.b)
-    near &= np.abs(local[:, across] - middle) < SPAN * half
-    near &= np.abs(local[:, 2]) < SPAN * half
-    order = np.argsort(values[near])
-    s, z, colour = local[near, across][order], local[near, 2][order], values[near][order]
-    dots = axes.scatter(
-        s, z, c=colour, s=6, cmap="YlOrRd", vmin=0.0, vmax=colour.max() or 1.0, linewidths=0
-    )
-    if not colour.any():
+    middle, half = (low + high) / 2, SPAN * (high - low) / 2
+    near = np.abs(local[:, 1 - across]) < THICK * min(found.patch.a, found.patch.b)
+    near &= np.abs(local[:, across] - middle) < 1.2 * half
+    near &= np.abs(local[:, 2]) < 1.2 * half
+    flat = np.ptp(local[near, 1 - across]) == 0
+    used = [across, 2] if flat else [across, 2, 1 - across]
+    t, z = middle + half * np.linspace(-1, 1, CELLS), half * np.linspace(-1, 1, CELLS)
+    at = np.stack([*np.meshgrid(t, z), np.zeros((CELLS, CELLS))], axis=-1)[..., : len(used)]
+    levels = MaxNLocator(BANDS).tick_values(0.0, float(values[near].max()) or 1.0)
+    for tag, height in ((RAIL, 0.04), (WHEEL, 0.96)):
+        own = near & (body == tag)
+        if own.any():
+            field = LinearNDInterpolator(local[own][:, used], values[own])(at)
+            bands = axes.contourf(t, z, field, levels=levels, cmap="YlOrRd")
+            place = {"va": "bottom" if tag == RAIL else "top", "transform": axes.transAxes}
+            axes.text(0.03, height, found.subject.names[BODY_NAMES[tag]], **place)
+    if not values[near].any():
         axes.set_title("none here", fontsize=11)
     # An inset stays beside the axes, whose shape follows from their equal scales.
-    figure.colorbar(dots, cax=axes.inset_axes((1.04, 0.0, 0.05, 1.0)), label=label)
+    figure.colorbar(bands, cax=axes.inset_axes((1.04, 0.0, 0.05, 1.0)), label=label)
     axes.set(xlabel=found.subject.label(across), ylabel="height over the contact, mm")
     axes.set_aspect("equal")
     axes.grid(False)

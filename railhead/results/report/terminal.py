@@ -69,9 +69,16 @@ def show_plan(plan: Plan, console: Console) -> None:
     table = Table(title=f"plan of {said['case']}", title_justify="left")
     for column in ("effect", "state", "why", "predicted"):
         table.add_column(column, overflow="fold")
+    idle = []  # effects that cost and save nothing: here they have no part
     for name, effect in plan.effects.items():
-        table.add_row(name, _state(effect), effect.why, _cost(*plan.price(name)))
+        price = plan.price(name)
+        if any(price) or effect.on or effect.called_for or effect.override:
+            table.add_row(name, _state(effect), effect.why, _cost(*price))
+        else:
+            idle.append(name)
     console.print(table)
+    if idle:
+        labelled(console, f"no part    {', '.join(idle)} (why: --json)")
     lines: tuple[str, ...] = (
         f"contact    y = {rounded(contact['y_mm']):.3f} mm, z = {rounded(contact['z_mm']):.3f} mm, "
         f"angle {rounded(math.degrees(contact['angle_rad'])):.3f} deg, relative radii "

@@ -18,6 +18,18 @@ def test_lines_fit_eighty_columns(arguments: list[str], capsys, tmp_path, monkey
     assert len(lines) > 5 and max(map(len, lines)) <= 80
 
 
+def test_effects_that_have_no_part_in_a_scene_are_one_line(capsys) -> None:
+    """Their reasons stay in the JSON; one that a person chose is told."""
+    command.status("plan", "hertz_ellipse")
+    out = capsys.readouterr().out
+    assert "no part    plane_strain, axisymmetry, true_profile, rail_section," in out
+    assert "Poisson's ratio" not in out and "│ symmetry_x " in out
+    command.status("plan", "hertz_ellipse", "--without", "mean_dilatation")
+    assert "│ mean_dilatation " in capsys.readouterr().out
+    command.status("plan", "hertz_ellipse", "--json")
+    assert "Poisson's ratio 0.3" in capsys.readouterr().out
+
+
 def test_a_profile_is_told_in_eighty_columns(tmp_path, capsys, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     file = tmp_path / "a_long_name_of_a_file_of_points_on_a_rail_head.csv"

@@ -188,8 +188,15 @@ def test_tractions_are_where_they_act_and_have_a_scale(
     rubbing, found = rubbed(blocks(), centre=-1.7)
     friction_plots.draw_tractions(rubbing, found, 0.3, tmp_path / "f.png", planes=())
     axes = sheets[0].axes[0]
-    drawn = np.concatenate([np.asarray(dots.get_offsets()) for dots in axes.collections[:2]])
-    assert drawn[:, 1].mean() == pytest.approx(-1.7, abs=0.05)
+    slips, sticks = (path.vertices for path in axes.collections[0].get_paths())
+    s = np.concatenate([slips, sticks])[:, 1]
+    assert (s.min() + s.max()) / 2 == pytest.approx(-1.7, abs=0.05)
+    assert slips[:, 0].mean() < 0 < sticks[:, 0].mean()
+    dark, light = (color[:3].mean() for color in axes.collections[0].get_facecolor())
+    assert light > dark + 0.2  # told apart without colours
+    lines = sheets[0].axes[1].get_lines()
+    assert len(lines) == 4 and {line.get_marker() for line in lines} == {"None"}
+    assert np.nanmax(np.abs(lines[2].get_ydata())) == pytest.approx(keys[0][4], rel=0.5)
     assert keys[0][4] == pytest.approx(0.1 * found.patch.max_pressure, rel=0.5)
     assert "MPa" in keys[0][5]
     assert not cut_off(sheets[0])
@@ -205,15 +212,14 @@ def test_arrows_are_spread_evenly() -> None:
 def test_no_yield_is_said_and_coloured_as_none(blocks: Callable[..., Any]) -> None:
     case = blocks(cut=False)
     points = case.fields.points
+    zero, body = np.zeros(len(points)), np.where(points[:, 2] < 0, 1, 2)
     with diagrams.new_figure(None, 5, 5) as figure:
         axes = figure.add_subplot()
-        plastic_plots._cut(
-            figure, axes, two_patches(case), (points, np.zeros(len(points))), 1, "strain"
-        )
+        plastic_plots._cut(figure, axes, two_patches(case), (points, zero, body), 1, "strain")
         assert axes.collections[0].get_clim()[0] == 0.0
         assert axes.get_title() == "none here"
-        shown = np.asarray(axes.collections[0].get_offsets())[:, 0]
-        assert shown.min() < -1.5 * case.ellipse.b  # below the other patch too
+        assert [each.get_text() for each in axes.texts] == ["rail", "wheel"]
+        assert axes.get_xlim()[0] < -1.5 * case.ellipse.b  # below the other patch too
 
 
 @pytest.mark.parametrize("yields", [1, 2])
