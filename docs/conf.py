@@ -16,18 +16,19 @@ html_copy_source = html_show_copyright = False
 myst_heading_anchors = 4
 myst_enable_extensions = ["html_image"]
 default_role = "code"
+autodoc_preserve_defaults = True
 autodoc_member_order = "bysource"
 autodoc_default_options = {"members": True, "exclude-members": "model_config"}
 
 
 def fields(app, what, name, obj, options, lines) -> None:
-    """Make field lists of the lines "name: meaning" of a docstring."""
+    """Make field lists of the lines "name: meaning" or "name (shape): meaning" of a docstring."""
     kind = "ivar" if what in ("class", "exception") else "param"
-    entry = re.compile(r"^(\w+(?:, \w+)*): (.*(?:\n +.*)*)", re.MULTILINE)
+    entry = re.compile(r"^(\w+(?:, \w+)*)( \(.*?\))?: (.*(?:\n +.*)*)", re.MULTILINE)
 
     def field(found: re.Match[str]) -> str:
         key = "raises" if found[1].endswith("Error") else kind
-        return f"\n:{key} {found[1].replace(' ', '')}: {found[2]}\n"
+        return f"\n:{key} {found[1].replace(' ', '')}:{found[2] or ''} {found[3]}\n"
 
     lines[:] = entry.sub(field, "\n".join(lines)).split("\n")
 

@@ -33,6 +33,12 @@ def test_the_examples_of_the_page_run(tmp_path, monkeypatch) -> None:
     check_sweep(found["table"], tmp_path / "sweep.csv")
 
 
+def test_the_reference_has_every_name() -> None:
+    page = (DOCS / "python-reference.md").read_text(encoding="utf-8")
+    shown = re.findall(r":: railhead\.(\w+)(?:\(\))?$", page, re.MULTILINE)
+    assert set(shown) == set(rh.__all__)
+
+
 def test_a_budget_and_an_accuracy_are_keys_of_the_scene() -> None:
     planned = rh.plan(rh.find("hertz_ellipse"), accuracy="0.1%", quiet=True)
     assert planned.plan.scene.accuracy == 0.001
