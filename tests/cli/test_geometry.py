@@ -136,7 +136,7 @@ def test_command_tells_a_wheel_by_its_width(tmp_path, capsys) -> None:
     assert (summary["body"], summary["standard"]) == ("wheel", "S1002")
 
 
-@pytest.mark.parametrize("start", [-70.0, -35.0])
+@pytest.mark.parametrize("start", [pytest.param(-70.0, marks=pytest.mark.slow), -35.0])
 def test_a_narrow_wheel_is_told_by_its_shape(start: float, tmp_path, capsys) -> None:
     """95 mm wide with the flange, or without."""
     points = solid.from_file(Scene.from_mapping(

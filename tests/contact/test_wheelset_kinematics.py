@@ -73,10 +73,10 @@ def turning_radius(given: rh.Scene, axle: str) -> float:
 
 @pytest.mark.parametrize("axle", ["free", "nominal"])
 def test_points_slip_as_those_of_a_rigid_wheelset(axle: str) -> None:
-    """21 shifts, yaw 0 to 50 mrad, every contact to 0.5 mm of clearance and places beside it."""
+    """11 shifts, yaw 0 to 50 mrad, every contact to 0.5 mm of clearance and places beside it."""
     several = 0
-    for number, shift in enumerate(np.linspace(-4.0, 6.0, 21)):
-        given = scene(shift, 2.5e-3 * number, rolling={"from_wheelset": True, "axle": axle})
+    for number, shift in enumerate(np.linspace(-4.0, 6.0, 11)):
+        given = scene(shift, 5e-3 * number, rolling={"from_wheelset": True, "axle": axle})
         contact = geometry.locate(given)
         moves = wheelset_kinematics.wheelset_creepage(contact).creepage
         touches = contact.touches(0.5)
@@ -96,7 +96,7 @@ def test_points_slip_as_those_of_a_rigid_wheelset(axle: str) -> None:
             np.testing.assert_allclose(*along, atol=1e-8)
             out = np.column_stack([0 * y, -across[:, 2], across[:, 1]])
             np.testing.assert_allclose((slip * out).sum(axis=1), 0.0, atol=1e-12)
-    assert several >= 5
+    assert several >= 2
 
 
 def test_an_axle_without_torque_drives_one_wheel_as_much_as_it_brakes_the_other() -> None:

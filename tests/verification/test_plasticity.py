@@ -84,6 +84,7 @@ def test_a_solid_reads_the_plateau_of_its_pressure_as_a_section_does(five: rh.Re
     assert full["depth_mm"] == pytest.approx(flat["depth_mm"], rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_given_approach_is_the_same_point_as_its_load(five: rh.Result) -> None:
     """Loads that were tried on the way to it leave nothing behind."""
     given = rh.solve(pressed(5.0).replace(approach=five.approach), quiet=True)

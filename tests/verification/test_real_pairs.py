@@ -41,6 +41,7 @@ def test_tread_and_gauge_corner_are_two_patches_of_the_right_size() -> None:
     assert corner["contact_angle_rad"] == pytest.approx(0.300, abs=0.005)
 
 
+@pytest.mark.slow
 def test_a_yawed_wheel_has_the_patch_of_the_straight_one() -> None:
     """Yaw of a cylinder on a straight crown turns the patch and keeps its size to second order."""
     thesis = ["rail.profile=54E1", "rail.inclination=0", "wheel.profile=cylinder"]
@@ -135,6 +136,7 @@ def test_unknowns_of_stretched_meshes_are_foreseen(radius: float, cell: str) -> 
     assert 1 / 1.5 < plan.unknowns / unknowns < 1.5
 
 
+@pytest.mark.slow
 def test_a_mesh_around_a_found_needle_is_as_narrow_as_the_needle() -> None:
     plan = planned("hertz_ellipse", "rail.crown_radius=5").at_resolution(3.0)
     found = mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_WORLD)

@@ -11,6 +11,8 @@ from railhead.geometry.measured.formats import Table
 from railhead.geometry.measured.ordering import PointError
 from railhead.geometry.measured.orientation import Orientation
 
+SLOW = pytest.mark.slow
+
 
 def head() -> np.ndarray:
     """Points of a 60E1 head, gauge corner worn, down to 25 mm."""
@@ -81,7 +83,13 @@ FOREIGN = {
 }
 
 
-@pytest.mark.parametrize(("points", "body"), FOREIGN.values(), ids=FOREIGN)
+@pytest.mark.parametrize(
+    ("points", "body"),
+    [
+        pytest.param(*each, id=name, marks=[SLOW] if name == "a foot" else [])
+        for name, each in FOREIGN.items()
+    ],
+)
 def test_what_fits_no_standard_is_refused_and_names_the_keys(points, body: str) -> None:
     with pytest.raises(PointError) as caught:
         turned(points(), body)
@@ -117,7 +125,7 @@ def test_units_that_nobody_says_are_not_taken_for_others(unit: float) -> None:
             orientation.in_mm(table(points / unit), body, "auto")
 
 
-@pytest.mark.parametrize("half, unit", [(13.0, 304.8), (18.0, 10.0)], ids=["ft", "cm"])
+@pytest.mark.parametrize("half, unit", [pytest.param(13.0, 304.8, marks=SLOW), (18.0, 10.0)])
 def test_a_narrow_crown_is_no_head_in_inches(unit: float, half: float) -> None:
     y = np.arange(-half, half, 0.25)
     points = np.column_stack([y, profiles.rail_head("60E1").height(y)])
@@ -169,14 +177,14 @@ def test_an_unworn_head_leans_to_the_gauge_side(sign: int) -> None:
     assert ("mirrored (its head leans 1:40 to the gauge side)" in done) is (sign < 0)
 
 
-@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("sign", [pytest.param(1, marks=SLOW), -1])
 def test_wear_and_lean_that_contradict_each_other_tell_no_side(sign: int) -> None:
     points = outline(3.0, 26.0, 20.0) @ np.array([[1.0, -1 / 20], [1 / 20, 1.0]])
     _, done = turned(points * [sign, 1])
     assert "sides as in the file (worn at one side, leaning to the other)" in done
 
 
-@pytest.mark.parametrize("wide", [0.9, 1.1])
+@pytest.mark.parametrize("wide", [pytest.param(0.9, marks=SLOW), 1.1])
 def test_a_rail_that_is_no_standard_one_tells_no_side_by_its_wear(wide: float) -> None:
     points = outline(2.0, 26.0, 16.0)
     points = points[points[:, 1] > -16] * [wide, 1]
@@ -196,8 +204,7 @@ def test_an_upright_unworn_head_shows_no_side() -> None:
     assert "sides as in the file (no side is worn, the head does not lean)" in said
 
 
-@pytest.mark.parametrize("flip", [1, -1])
-@pytest.mark.parametrize("name", profiles.STANDARD_RAILS)
+@pytest.mark.parametrize("name, flip", zip(profiles.STANDARD_RAILS, (1, -1), strict=True))
 def test_a_head_with_its_underside_stands_upright(name: str, flip: int) -> None:
     """Few points on the crown, as chords of one tolerance make them: it was turned upside down."""
     outline = standards._outline(name)[0]

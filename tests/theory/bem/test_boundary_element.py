@@ -72,7 +72,7 @@ def test_convergence_on_hertz() -> None:
     """Mean errors fall as h^2 (approach, p0, a, b) and faster than h (area); the ends of the patch
     lie within a quarter of a cell."""
     mean = []
-    for cells in (32, 64, 128, 256):
+    for cells in (32, 64, 128):
         each = []
         for ratio in (1.0, 1.7, 4.0):
             exact = point_contact(1 / RADIUS, ratio / RADIUS, MODULUS, LOAD)
@@ -82,7 +82,7 @@ def test_convergence_on_hertz() -> None:
             assert errors["across"] * exact.b < 0.25 * (patch.s[1] - patch.s[0])
             each.append([errors[name] for name in ("approach", "p0", "a", "b", "area")])
         mean.append(np.mean(each, axis=0))
-    order = np.log2(mean[0] / mean[-1]) / 3
+    order = np.log2(mean[0] / mean[-1]) / 2
     assert np.all(order[:4] > 1.5)
     assert order[4] > 1
 
