@@ -31,8 +31,7 @@ def bodies(
     reach: half length along the rail of bodies without a length of their own, or half the edge of
         the blocks for half-spaces, mm.
     deformable: tags of the bodies wanted, RAIL or WHEEL.
-    whole_section: whether a standard rail has web and foot, else its head alone; no effect on other
-        rails.
+    whole_section: whether a rail has web and foot, else its head alone; only for a standard rail.
     half: whether only y >= 0 is outlined.
     Raises SceneError where a depth or a width of the scene does not fit.
     """
@@ -45,11 +44,12 @@ def bodies(
 
 
 def depth(scene: Scene, body: int) -> float:
-    """Nominal depth at which the body (RAIL or WHEEL) is held, mm. A depth of the scene counts from
-    the top of the crown, or from the nominal rolling radius inwards. The default is HEAD_DEPTH, or
-    the smaller of RIM_DEPTH and half the rolling radius. It counts from the lowest end of the
-    crown, or from the point of the tread nearest to the axle, without the drop to there. For a
-    standard rail this is the depth of its head, also where web and foot are meshed.
+    """Nominal depth at which the body (RAIL or WHEEL) of a solid is held, mm. A depth of the scene
+    counts from the top of the crown, or from the nominal rolling radius inwards. The default is
+    HEAD_DEPTH, or the smaller of RIM_DEPTH and half the rolling radius. It counts from the lowest
+    end of the crown, or from the point of the tread nearest to the axle, without the drop to there.
+    So does a rim_depth that ends above that point. For a standard rail this is the depth of its
+    head, also where web and foot are meshed.
     """
     if body == WHEEL:
         return scene.wheel.rim_depth or min(RIM_DEPTH, 0.5 * scene.wheel.rolling_radius)
@@ -102,8 +102,9 @@ def _rail(contact: Contact, reach: float, *, whole_section: bool, half: bool) ->
 
 def _wheel(contact: Contact, reach: float, *, half: bool) -> Body:
     """The wheel as a ring segment in its pose, its middle at the first contact, or a half-space. A
-    segment reaches at most 1.2 times the rolling radius to each side. Raises SceneError where the
-    rim is deeper than the wheel, or the segment is too thin for its length.
+    segment reaches at most 1.2 times the rolling radius to each side. `wheel.width` cuts the tread
+    at half of it to each side of the first contact. Raises SceneError where the rim is not less
+    deep than the wheel, or the segment is too thin for its length.
     """
     scene = contact.scene
     wheel = scene.wheel

@@ -120,7 +120,8 @@ def _across(scene: Scene) -> Dimension:
 def _along(scene: Scene) -> Dimension:
     """Plane section along the rail for a cylinder on a flat crown or one nearly so, else a solid.
     Curved across, it needs a predicted semi-axis across of 5 times (SLENDER) half the common width,
-    or of once where plane strain is forced.
+    and a strip that is not wider than long. Where plane strain is forced, once is enough, and the
+    strip may be wider.
     Raises SceneError where the forced plane strain or the geometry does not allow the choice.
     """
     forced = scene.effects.plane_strain
@@ -180,8 +181,9 @@ def _radii(scene: Scene) -> tuple[float, float]:
 
 
 def _common_width(scene: Scene) -> tuple[float, float]:
-    """Width over which crown and tread face each other, and the y of its middle, mm; not positive
-    where they do not. Profiles are taken for arcs of the usual width where the scene gives none.
+    """Width over which crown and tread face each other, and the y of its middle, mm; the width is
+    not positive where they do not. A width that the scene does not give is the usual one of an arc,
+    70 mm of the rail and 135 mm of the wheel.
     """
     rail = (scene.rail.width or 2 * RAIL_HALF_WIDTH) / 2
     wheel = (scene.wheel.width or 2 * TREAD_HALF_WIDTH) / 2

@@ -61,8 +61,8 @@ class SectionContact(Contact, ABC):
     def line_contact(self, load: float | None) -> LineContact | None:
         """Closed form of the line contact over the length of the section's contact line, with the
         curvatures at first contact.
-        load: vertical load, N; None takes the approach of the scene instead. Both are resolved
-            along the contact normal.
+        load: vertical load, N; None takes the approach of the scene instead. The normal force is
+            load / cos(contact angle), the normal approach is approach * cos.
         """
         rail, wheel, touch = self.scene.rail, self.scene.wheel, self.touch
         across, cosine = self.plane == "yz", math.cos(touch.angle)
@@ -90,8 +90,8 @@ class SectionContact(Contact, ABC):
         """Bodies of the section, each with its closed outline, for the deformable ones (RAIL,
         WHEEL).
         reach: half length of what has no end of its own, mm.
-        whole_section: whether a standard rail has web and foot, else its head alone; no effect on
-            other rails.
+        whole_section: whether a rail has web and foot, else its head alone; only for a standard
+            rail.
         half: whether only one side of the middle is outlined.
         Raises SceneError where a depth or a length of the scene does not fit the section.
         """
@@ -269,9 +269,10 @@ class TransverseSection(SectionContact):
     ) -> list[Body]:
         """Bodies of the section, each with its closed outline, for the deformable ones (RAIL,
         WHEEL).
-        reach: half length of what has no end of its own, mm.
-        whole_section: whether a standard rail has web and foot, else its head alone; no effect on
-            other rails.
+        reach: half the edge of the blocks of half-planes, mm; of other bodies no length, but the
+            least width of the wheel grows with it, as of a solid.
+        whole_section: whether a rail has web and foot, else its head alone; only for a standard
+            rail.
         half: whether only y >= 0 is outlined.
         Raises SceneError where a depth or a width of the scene does not fit.
         """
@@ -297,8 +298,9 @@ class TransverseSection(SectionContact):
 
 
 def locate(scene: Scene, dimension: Dimension) -> SectionContact:
-    """First contact of a scene in the section that dimension names; a 'solid' is none. Raises
-    SceneError where a wheel misses its rail or the pair has no contact with a common tangent.
+    """First contact of a scene in the section that dimension names, which must not be 'solid'.
+    Raises SceneError for a profile's file that cannot be used. Across the rail it also does where a
+    wheel misses its rail or the pair has no contact with a common tangent.
     """
     if dimension.kind == "plane_across":
         solid = geometry.lower(_of_any_radius(scene))

@@ -233,7 +233,7 @@ class Contact:
 
     def touches(self, clearance: float) -> list[ContactPoint]:
         """Contact points whose gap (a height) is at most `clearance` mm above the first one's,
-        lowest first; the first contact alone for half-spaces, and where there is no pose.
+        lowest first; the first contact alone for half-spaces.
         """
         if self.pair is None or self.pose is None:
             return [self.touch]
@@ -242,7 +242,8 @@ class Contact:
     def half_space_gap(self, touch: ContactPoint) -> Callable[[Array, Array], Array]:
         """Function of x (along the rail) and s (across it), both (n,) in mm, from a contact point
         in its tangent plane. The function gives the gap (n,) in mm between both surfaces along the
-        normal of that plane, infinite where the normal misses the rail or the wheel.
+        normal of that plane, infinite where the normal misses the rail or the wheel. Raises
+        ValueError for half-spaces.
         """
         c, t = math.cos(touch.angle), math.sin(touch.angle)
         rail, wheel = self.surfaces()
@@ -290,7 +291,8 @@ def place(
     whose sides have axes of their own (`placement.Side`).
     clearance: gap above the lowest contact point up to which further contact points are kept, mm.
     both: profiles in place of the scene's.
-    Raises SceneError where a wheel misses its rail or both cannot touch.
+    Raises SceneError where a wheel misses its rail or both cannot touch, and for a file that cannot
+    be used.
     """
     both = both or pair(scene)
     wheelset_, track = scene.wheelset, Track(scene.wheelset.back_to_back, scene.rail.gauge)

@@ -39,7 +39,7 @@ class WheelsetCreepage:
     radius: radius of the wheel's circle at the first contact, mm.
     yaw: yaw of the wheelset, rad.
     roll: roll of the wheelset, rad.
-    angle: contact angle, rad.
+    angle: contact angle, rad, as `Frame.angle`: positive where the tangent rises to the field side.
     creepage: rigid creepages along the rail and along the common tangent across, and spin about the
         rail's outward normal in 1/mm.
     """

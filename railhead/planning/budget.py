@@ -41,7 +41,8 @@ def affordable(plan: Plan, wanted: float) -> float:
     none is.
 
     wanted: largest resolution that is returned where the scene has an accuracy, unless it is below
-        4.8. Without an accuracy the largest one is the finest that the error laws cover.
+        4.8. Without an accuracy the largest one is the finest that the error laws cover, or 60
+        without laws.
     """
     budget = BUDGET_SHARE * float(plan.scene.budget or 0.0)
     best = n = error_envelopes.RANGE[0] * error_envelopes.STEP

@@ -54,8 +54,8 @@ def correction() -> float:
 
 def record(taken: float, predicted: float) -> None:
     """Append the ratio of taken to predicted (uncorrected) seconds of a finished run to the stored
-    ratios; the latest nine (RUNS) are kept, this one included. A file that cannot be written is
-    ignored.
+    ratios; the latest nine (RUNS) are kept, this one included. Ratios of other machines are
+    dropped from the file. A file that cannot be written is ignored.
     """
     try:
         file = cache_file()

@@ -104,7 +104,8 @@ class ErrorEnvelope:
 class Family:
     """Scenes whose errors were measured together.
     name: name of the family.
-    where: by field of `Setting`, the allowed words, or the range of a number (two ends).
+    where: by field of `Setting`, the range of a float (two ends), or all allowed values of a field
+        that is a word, a truth value, an integer or None.
     resolution: smallest and largest calibrated n, elements per smaller semi-axis.
     laws: envelope of the mesh error by key of summary.json, over the quantity's scale
         (`estimates.error_scales`).
@@ -163,8 +164,8 @@ class Family:
 
     def expected(self, n: float) -> float:
         """Largest relative error of all quantities at n elements per semi-axis, of mesh and reading
-        together. For a place of a maximum the drop of the quantity there counts instead of the
-        distance.
+        together. For the place of a maximum (PLACES) it is the drop of the quantity there by the
+        mesh's error of the place; the reading error does not count.
         """
         return max(
             drop_beside_maximum(self.mesh(name, n))
@@ -186,7 +187,8 @@ class Family:
     @property
     def least(self) -> float:
         """Smallest relative accuracy that any mesh is expected to meet. Errors that fall more
-        slowly than the first power of n count as constant beyond the calibrated range.
+        slowly than the first power of n count with their value at the finest resolution that the
+        laws cover, all others with nothing. The largest sum of mesh and reading may take 0.9 (AIM).
         """
         n = STEP * self.resolution[1]
         slow = [
@@ -205,8 +207,8 @@ class Family:
 
     def finest(self, accuracy: float) -> float:
         """Elements per semi-axis at which all quantities are expected to meet the relative
-        accuracy, within the range that the laws cover: the coarsest or the finest one where none
-        between does.
+        accuracy, of which the mesh may take 0.9 (AIM), within the range that the laws cover: the
+        coarsest one where that is enough, the finest one where none meets it.
         """
         low, high = self.resolution[0], STEP * self.resolution[1]
         target = AIM * accuracy

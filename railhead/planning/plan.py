@@ -167,7 +167,9 @@ class Plan:
 
     def price(self, name: str) -> tuple[int, float]:
         """Unknowns and seconds that the present state of the named effect is predicted to cost more
-        than its other state; negative if it saves. Forecast and element size stay as they are.
+        than its other state; negative if it saves. Forecast and element size stay as they are, but
+        for axisymmetry that is called for, whose other state is planned anew. 0 where `flipped`
+        changes nothing.
         """
         other = self.flipped(name)
         return self.unknowns - other.unknowns, self.seconds - other.seconds
@@ -422,7 +424,8 @@ class Plan:
         """Predicted cost of several accuracies, coarsest first; None where no family of error laws
         fits the plan.
         Keys of a row: accuracy, patch_size_mm, unknowns, seconds, memory_MB; all but accuracy are
-            None where the accuracy is out of reach.
+            None where the accuracy is out of reach. Seconds are those of a coarse and a fine mesh
+            (`seconds_of_two`), the rest is of the fine one.
         """
         wanted, family = self.scene.accuracy, self.family
         if family is None:
@@ -481,7 +484,12 @@ class Plan:
         """
         return {
             "effects": {
-                name: {**effect.summary(), "predicted_cost": self._cost(name)}
+                name: {
+                    **effect.summary(),
+                    "predicted_cost": dict(
+                        zip(("unknowns", "seconds"), self.price(name), strict=True)
+                    ),
+                }
                 for name, effect in self.effects.items()
             },
             "unknowns": self.unknowns,
@@ -499,10 +507,6 @@ class Plan:
             "profiles": self.profiles,
             "profile_uncertainty": self.uncertainty and vars(self.uncertainty),
         }
-
-    def _cost(self, name: str) -> dict[str, float]:
-        """Predicted unknowns and seconds of `price` for the named effect, by these words."""
-        return dict(zip(("unknowns", "seconds"), self.price(name), strict=True))
 
 
 def make(scene: Scene) -> Plan:

@@ -24,7 +24,7 @@ RIDGE_WIDTH = 0.125  # half width of the refined ridge over the element size of 
 STRETCHES = 9  # stretches that are tried where patches share a mesh
 COARSEST = 0.25  # largest element over the half length of the bodies
 COARSEST_ACROSS = 1 / 3  # largest element over the width of a profile, for the sake of fillets
-HALF_SPACE_REACH = 8.0  # edge of the blocks over the major semi-axis
+HALF_SPACE_REACH = 8.0  # half the edge of the blocks over the major semi-axis
 BODY_REACH = 12.0  # least half length of real bodies over the major semi-axis
 MIN_BODY_REACH = 80.0  # mm, least half length of real bodies
 
@@ -50,7 +50,7 @@ class Sizing:
     cell: 'tetrahedron' or 'hexahedron'; in a section these stand for triangles and quadrilaterals.
     order: polynomial order of the displacement, 1 or 2.
     patch_size: element size in the most loaded patch, mm.
-    reach: half length of the bodies along the rail, mm.
+    reach: half length of the bodies along the rail where the scene gives none, mm (`Plan.reach`).
     """
 
     contact: Contact
@@ -89,8 +89,8 @@ class Sizing:
 
     @property
     def coarsest(self) -> float:
-        """Largest element size, mm: the smaller of a quarter of the half length of the bodies
-        (COARSEST) and a third of the width of each profile (COARSEST_ACROSS).
+        """Largest element size, mm: the smallest of a quarter of `reach` (COARSEST) and a third of
+        the width of each profile (COARSEST_ACROSS).
         """
         widths = [np.ptp(profile.domain) for profile, _ in self.contact.profiles.values()]
         return min([COARSEST * self.reach, *(COARSEST_ACROSS * width for width in widths)])

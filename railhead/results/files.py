@@ -126,7 +126,7 @@ def _grids(fields: Fields, found: Findings, stresses: Array) -> Grids:
 def _drawings(
     solved: Solved, numbers: Mapping[str, Any], found: Findings, grids: Grids | None
 ) -> dict[str, Drawing]:
-    """Pictures by file name.
+    """Functions by file name that draw that picture into a path.
 
     numbers: "result" of summary.json. found: with the title and the notes of pictures. grids: of
         the cells and of the slave's contact surface; None where there are none, which leaves only

@@ -31,7 +31,8 @@ def solve(plan: Plan, progress: Progress, comm: MPI.Intracomm = MPI.COMM_WORLD) 
     """Solve a plan on all meshes that its scene asks for; collective. Where bodies yield that were
     planned as elastic, solve again with yield. Without finite bodies half-spaces are solved, on
     every rank. A solution that did not converge, or fails a check, is a result, too. Raises
-    SceneError for a mesh that does not fit into the memory, MeshError where gmsh fails.
+    SceneError for a mesh that does not fit into the memory, or with too many unknowns for friction,
+    MeshError where gmsh fails.
     """
     if plan.by_half_spaces:
         solved = answer.solve(plan, progress)

@@ -11,7 +11,8 @@ from railhead.run import quantities
 Cell = float | str | None
 Row = dict[str, Cell]
 """Cells by column: "quantity", "unit", "FE" and what stands beside it; None where there is none.
-Where half-spaces are the answer, "FE" is "half-spaces"."""
+Where half-spaces are the answer, "FE" is "half-spaces". "estimate" is a relative error, or the
+words "below resolution"."""
 
 ROUNDING = 1e-9  # of friction times load: a force below it is 0
 FIRST = ("quantity", "unit")
@@ -33,8 +34,9 @@ def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
     nothing touches. Quantities of friction that the result lacks have no row.
 
     table: "contact": beside the answer stand estimates, half-spaces, exact Hertz and the solution
-        without yield or friction. "load". "friction": forces of the wheel on the rail, motion and
-        stick share, beside other methods. "steel": effects of pressure and tractions on the steel.
+        without yield or friction; half-spaces only beside finite elements. "load". "friction":
+        forces of the wheel on the rail, motion and stick share, beside other methods. "steel":
+        effects of pressure and tractions on the steel.
     """
     result = summary["result"]
     if result is None:
@@ -86,7 +88,7 @@ def filled(rows: Sequence[Row]) -> list[str]:
 
 def everything(summary: Mapping[str, Any]) -> Iterator[Row]:
     """Rows of all tables, each with a unique name in "quantity", and the column "value" in the
-    place of "FE"; then program and date.
+    place of "FE" or "half-spaces"; then program and date.
     """
     above = ""
     for table in ("contact", "load", "friction", "steel"):

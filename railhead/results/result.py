@@ -128,7 +128,7 @@ class Result:
     @property
     def hertz(self) -> quantities.Answer:
         """Quantities of exact Hertz for the curvatures at the first contact, under the same
-        vertical load.
+        vertical load; where nothing touches, under the load or approach of the scene.
         """
         return quantities.read(quantities.Answer, self.summary["hertz"])
 
@@ -334,8 +334,8 @@ class Plots:
         return diagrams.pressure(self._findings, self._hertz).axes
 
     def depth(self) -> list[Axes]:
-        """Principal stresses and largest shear stress on the normal below the most loaded patch,
-        over the depth, in the rail or in the wheel of a rigid rail.
+        """Principal stresses, and largest shear stress, on the normal below the most loaded patch,
+        over the depth, in the rail or in the wheel of a rigid rail: two axes.
         """
         from railhead.postprocess.pictures.plots import diagrams
 

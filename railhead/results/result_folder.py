@@ -286,7 +286,7 @@ def _prefix(folder: Path) -> str:
 
 
 def _temporary(folder: Path) -> Path:
-    """Path of a new temporary folder beside a result folder, named after this process."""
+    """Make a temporary folder beside a result folder, named after this process; its path."""
     return Path(tempfile.mkdtemp(prefix=f"{_prefix(folder)}{os.getpid()}.", dir=folder.parent))
 
 

@@ -141,7 +141,9 @@ def _summary(
     newton: dict[str, Any],
     cost: dict[str, Any],
 ) -> dict[str, Any]:
-    """summary.json of a solution; the arguments are its entries of the same names."""
+    """summary.json of a solution; the arguments are its entries of the same names. Where another
+    problem was chosen, the "source" of `accuracy` is changed in place to say so.
+    """
     result, reference, found = solved.result, solved.elastic_reference, solved.findings
     hertz = exact_quantities(solved)
     if other := effects.overruled(solved.plan.effects):

@@ -7,6 +7,7 @@ The estimate of a quantity is the sum of
     contact_law   the overlap that the law lets through, over the approach, times its effect
     left_out      what effects left out by the plan add
     geometry      contact points off the exact surface, over the smaller semi-axis
+    load_steps    what more load steps would change where bodies yield
     algebraic     the residual of Newton's method, with what it moves a quantity by at most
     profile       what the noise of measured profiles hides (`planning.error_envelopes`)
 
@@ -186,9 +187,10 @@ def mesh_errors(
     scale: factors of the error by key.
 
     Two meshes confirm an envelope where they differ by no more than both estimates allow; a
-    confirmed envelope may be used on a mesh finer by STEP than both. Where meshes do not confirm,
-    or no envelope covers the run, the part is SCATTER_FACTOR times the larger change between the
-    last three meshes, the earlier change divided by STEP. With fewer meshes there is no part.
+    confirmed envelope may be used on a mesh finer by STEP than both. One mesh alone needs nothing
+    that confirms. Where meshes do not confirm, or no envelope covers the run, the part is
+    SCATTER_FACTOR times the larger change between the last three meshes, the earlier change divided
+    by STEP. With fewer meshes there is no part.
     """
     (n, fine, own), *before = reversed(meshes)
     parts: dict[str, float] = {}
@@ -248,7 +250,7 @@ def _change(one: Numbers, other: Numbers, name: str) -> float:
 
 def estimate(meshes: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
     """Error estimates of the last of a scene's meshes by key, and the source of their mesh parts in
-    words (rank 0; empty elsewhere).
+    words (rank 0; empty elsewhere). meshes: coarsest first.
 
     A quantity has no estimate without a mesh part or where its readings differ without bound. A run
     without convergence has no estimates.

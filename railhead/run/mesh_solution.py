@@ -112,8 +112,9 @@ class MeshSolution:
 
     @property
     def after(self) -> dict[str, PostSolveVerdict]:
-        """Verdict of the solution on each effect of the plan by name: whether the effect is needed,
-        and why. Empty off rank 0 and where nothing touches.
+        """Verdicts of the solution by name of the effect or assumption: whether an effect is needed
+        or an assumption does not hold, and why. Those that do not apply are missing. Empty off rank
+        0 and where nothing touches.
         """
         if self.findings is None:
             return {}
@@ -184,7 +185,7 @@ def mesh_and_solve(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> MeshS
     """Mesh the bodies of a plan, solve, and read the result; collective. Where the patch is not the
     expected one, mesh and solve again around it, with at most MAX_MESHES meshes. The last solution
     is returned even where it did not converge or the mesh does not fit the patch. Raises MeshError
-    where gmsh cannot mesh the bodies.
+    where gmsh cannot mesh the bodies, SceneError as `solve`.
     """
     clock = _Clock()
     for attempt in range(1, MAX_MESHES + 1):

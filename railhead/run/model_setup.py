@@ -137,8 +137,8 @@ def _friction(plan: Plan) -> FrictionSettings:
 
 def friction_steps(scene: Scene, *, line: bool, yields: bool) -> tuple[tuple[float, float], ...]:
     """Steps of (share of the load, share of the tangential forces). The patch of bodies of
-    different materials grows in equal steps of its length; then the force is applied, in equal
-    steps where bodies yield.
+    different materials grows in equal steps of its length, if nothing rolls. Then the force is
+    applied, in a cycle also reversed and applied again, in equal steps where bodies yield.
 
     line: whether the contact is a line; yields: whether bodies yield.
     """

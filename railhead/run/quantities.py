@@ -23,7 +23,7 @@ class Quantity:
     """Name, unit, tables and error estimate of one value of a result: a number, a word, or a list.
 
     key: last key of its place in summary.json, which ends in the unit.
-    unit: product of powers of mm, N and MPa; empty for ratios, words and lists.
+    unit: product of powers of mm, N and MPa, or W; empty for ratios, words and lists.
     label: name of its row in tables, indented where the row belongs to the one above; empty: no
         row.
     table: "contact", "load", "friction" or "steel": the table that has the row.
@@ -56,7 +56,7 @@ class Quantity:
 
     @property
     def header(self) -> str:
-        """Header of the column in sweep.csv: name and unit."""
+        """Header of the column in sweep.csv: "name [unit]", or the name of what has no unit."""
         return f"{self.column} [{self.unit}]" if self.unit else self.column
 
     def value(self, result: Mapping[str, Any] | None) -> Any:
@@ -282,8 +282,8 @@ class FrictionQuantities:
     traction_coefficient: tangential over normal force; None of a shift.
     first_yield_p0_over_k: largest pressure over yield stress in shear at which this contact would
         begin to yield; None of a shift.
-    shakedown_limit_p0_over_k: the same ratio up to which a line contact shakes down; None of a
-        shift.
+    shakedown_limit_p0_over_k: the same ratio up to which a line contact shakes down or, if less, a
+        surface with the largest traction everywhere; None of a shift.
     shear_yield: yield stress in shear k of the weaker body, MPa; None of a shift and without a
         yield stress.
     p0_over_k: largest pressure over k; None where k is.

@@ -61,8 +61,8 @@ class GridPatch:
 
     patch: frame, symmetry planes and smooth pressure of the patch.
     x, y: cell centres (CELLS,) along x and s of the patch's frame, mm.
-    points: points of the surfaces below the cells, each divided by `divided` each way.
-    divided: parts of a cell's side.
+    points: points of the surfaces below the parts of the cells.
+    divided: number of parts of a cell each way.
     modes: rigid slip (4, 2, nx, ny) along the tangents at the cells; zero where the surfaces end.
     tangents: (nx, ny, 2, 3) unit tangents along and across at the cells, in space; zero where the
         surfaces end.
@@ -135,7 +135,8 @@ class SolidFriction:
     response: response of the pressed bodies to tractions.
     patches: grids over the patches.
     pressures: pressure (nx, ny) of each patch, MPa.
-    rest: slip (2, nx, ny) of each patch that no longer counts, mm; zero of bodies that roll.
+    rest: slip (2, nx, ny) of each patch up to the end of the last load step, mm; zero of bodies
+        that roll.
     steps: largest number of Newton's steps on the tractions.
     """
 
@@ -157,7 +158,7 @@ class SolidFriction:
         assert model.setup.friction is not None
         self.model, self.settings, self.pressed = model, model.setup.friction, pressed
         self.stage, self._parabolic = stage, parabolic
-        self.pair = materials(model)
+        self.pair = material_pair(model)
         self.response = SurfaceResponse(model, self.settings, pressed)
         edge = self.response.edge
         self.patches = [GridPatch(patch, self.response, edge) for patch in smooth]
@@ -213,9 +214,9 @@ class SolidFriction:
                 self._added[number, source, :, 2 * power + way] = read if rolling else -read
 
     def _read(self, patch: GridPatch, u: PETSc.Vec, more: Array | float = 0.0) -> Array:
-        """Coefficients (20,) of the jump of a displacement u (at all dofs, mm) over a patch or,
-        when rolling, of its derivative along x (collective). more: (2, nx, ny) that is added to the
-        jump first, mm.
+        """Coefficients (20,), as of `SmoothTractions.read`, of the jump of a displacement u (at all
+        dofs, mm) over a patch or, when rolling, of its derivative along x (collective). more: (2,
+        nx, ny) that is added to the jump first, mm.
         """
         smooth = patch.smooth
         jump = patch.around.jumps(u).T.reshape(2, smooth.x.size, smooth.y.size)
@@ -325,7 +326,7 @@ class SolidFriction:
                 if full:
                     energy += sum(each.cell * (each.traction * each.slip).sum() for each in found)
             full = full or share == 1
-            described = self._described(found)
+            described = self._friction_solution(found)
             steps.append(np.array([*described.force, *described.rigid_motion[:2]]))
         described = replace(
             described,
@@ -336,18 +337,18 @@ class SolidFriction:
         )
         if settings.rolling:
             try:
-                without = self._described(self.tractions(Creepage(), modes=0.0))
+                without = self._friction_solution(self.tractions(Creepage(), modes=0.0))
             except ValueError:
                 return self._failed(solution)
             described = replace(described, without_creepage=without)
         return replace(solution, reference=self.pressed, friction=described)
 
     def _failed(self, solution: Solution) -> Solution:
-        """The solution, said not to have converged."""
+        """The solution, said not to have converged; its `reference` is the frictionless one."""
         newton = replace(solution.newton, reason=NOT_CONVERGED)
         return replace(solution, newton=newton, reference=self.pressed)
 
-    def _described(self, found: list[TangentialSolution]) -> FrictionSolution:
+    def _friction_solution(self, found: list[TangentialSolution]) -> FrictionSolution:
         """Friction solution, with vectors in space, at the cells of the meshed part that touch;
         their areas are those of the whole model. Force and moment are those of the wheel on the
         rail, of the whole model; the moment is 0 with symmetry planes.
@@ -408,7 +409,7 @@ def apply(
         return pressed
     if model.setup.load_path is not None:
         why = "bodies that yield"
-    elif not materials(model).like:
+    elif not material_pair(model).like:
         why = "bodies of unlike materials"
     else:
         smooth = shared_patches(model, fields, parabolic=parabolic)
@@ -430,7 +431,7 @@ def apply(
     return condensed_friction(model, response, case, pressed)
 
 
-def materials(model: ContactModel) -> MaterialPair:
+def material_pair(model: ContactModel) -> MaterialPair:
     """Combined constants of the wheel's and the rail's material for tangential contact."""
     wheel, rail = model.setup.moving.material, model.setup.fixed.material
     return pair(wheel.young_modulus, wheel.poisson_ratio, rail.young_modulus, rail.poisson_ratio)

@@ -235,8 +235,8 @@ def check_heat(context: Context, effect: Effect, found: Findings) -> PostSolveVe
     """Verdict whether the flash temperature (a rise, K) of the dissipated energy reaches 100 K
     (HOT).
 
-    It is 'unknown' (not needed) for deformable bodies that are not steel, and None without a
-    rolling speed or where nothing rolls with friction.
+    It is 'unknown' (not needed) where a body is neither steel nor of infinite modulus, and None
+    without a rolling speed or where nothing rolls with friction.
     """
     speed = context.scene.rolling.speed
     if speed is None or math.isnan(found.dissipated):
@@ -251,6 +251,6 @@ def check_heat(context: Context, effect: Effect, found: Findings) -> PostSolveVe
 
 
 def _steel(context: Context) -> bool:
-    """Whether each body that deforms has the modulus of a steel; a rigid one is taken for steel."""
+    """Whether each body has the modulus of a steel or an infinite one."""
     moduli = (part.young_modulus for part in context.scene.bodies.values())
     return all(math.isinf(each) or steels.is_steel(each) for each in moduli)

@@ -112,7 +112,8 @@ def decide_finite_bodies(context: Context) -> Effect:
 def half_space_errors(context: Context) -> dict[str, Allowance]:
     """Differences between half-spaces and finite bodies by "max_MPa" and "area_mm2", relative,
     before anything is meshed: of exact Hertz where it gives the patch, else of boundary elements.
-    Raises ValueError where the twist of the rail leaves no contact that can be computed.
+    For solids that end only. Raises ValueError where boundary elements find no closed patch, also
+    after the twist of the rail.
     """
     tags = [tag for tag, name in BODY_NAMES.items() if context.decided[f"deformable_{name}"].on]
     solved = context.hertz if context.hertzian else context.boundary_elements
@@ -253,8 +254,9 @@ def one_radius(contact: Contact) -> Contact:
 
 
 def _leaves(contact: Contact, low: float, high: float) -> tuple[bool, str]:
-    """Whether the range low <= y <= high (mm) on the rail spans more than one arc of either body,
-    or a piece that is no arc, and a sentence that says so.
+    """Whether a patch from y = low to high (mm, in space) leaves one arc of either body, and a
+    sentence that says so: the joint nearest to the first contact lies between, or a profile is
+    neither an arc nor straight at the first contact. Farther joints are not looked at.
     """
     nearest, owner = math.inf, ""
     for body, profile, shift in contact.cross_profiles:

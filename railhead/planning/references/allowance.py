@@ -191,8 +191,8 @@ def _conformity(patch: _Patch, contact_modulus: float) -> float:
 
 
 def _shares(patches: list[_Patch], around: list[_Body]) -> Array:
-    """Relative change (n,) of the force on each of n patches by held and free faces, the sum of
-    forces being fixed: force changes by 3/2 of the relative change of its compression.
+    """Size (n,) of the relative change of the force on each of n patches by held and free faces,
+    the sum of forces being fixed: force changes by 3/2 of the relative change of its compression.
     """
     force = np.array([patch.force for patch in patches])
     if len(patches) == 1:

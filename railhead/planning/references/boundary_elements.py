@@ -65,8 +65,8 @@ class Developed:
         return along(self.contact.surfaces()[1], self.points(x, s), normals)
 
     def locus(self) -> tuple[Array, Array, Array]:
-        """x, s and height over the rail (n,), in mm, of the wheel's contact locus, where its points
-        are over the rail.
+        """x, s and vertical height over the rail (n,), in mm, of the wheel's contact locus, where
+        its points are over the rail.
         """
         pair, pose = self.contact.pair, self.contact.pose
         assert pair is not None and pose is not None
@@ -103,8 +103,8 @@ def solve(
         of the contact angle.
     cells: cells each way in a patch.
     Where the solution leaves a point of the wheel's contact locus inside the rail, a patch was
-    missed and is added. Raises ValueError for half-spaces, and where there is no closed patch
-    within the profiles.
+    missed and is added. Raises ValueError for half-spaces, where there is no closed patch within
+    the profiles, and where patches are still missed after MAX_SOLUTIONS solutions.
     """
     surface, cosine = develop(contact), math.cos(contact.touch.angle)
     rigid = ellipse.approach / cosine

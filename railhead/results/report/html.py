@@ -285,7 +285,7 @@ def _views(
 
 
 def versions() -> dict[str, str]:
-    """Versions of Python and of the used packages by name."""
+    """Versions by name of Python and of those used packages that state theirs."""
     found = {}
     for name in PACKAGES:
         with suppress(ImportError):  # Debian's have no metadata

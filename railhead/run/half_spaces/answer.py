@@ -84,7 +84,9 @@ class HalfSpaceSolution:
 
     @property
     def after(self) -> dict[str, PostSolveVerdict]:
-        """Verdict of the solution on each effect of the plan by name; empty without a solution."""
+        """Verdicts of the solution by name of the effect or assumption, as of `MeshSolution.after`;
+        empty without a solution.
+        """
         if self.findings is None:
             return {}
         return effects.check(self.plan.context, self.plan.effects, self.findings)

@@ -111,7 +111,8 @@ class PressedPatch:
 
     pressed: the pressure on a grid.
     modes: rigid slip along the rail and along its profile at the cells, (4, 2, nx, ns): of unit
-        creepage along, unit creepage across, unit spin, and the fixed mode.
+        creepage along, unit creepage across, unit spin, and the fixed mode: the wheel's own turning
+        about axes in the tangent plane (`wheelset_kinematics.RigidSlip`).
     angular: angular velocity vector of each mode, (4, 3), 1/mm, in the axes of space, in which the
         patch's angles are tilts from z towards -y.
     """
@@ -155,8 +156,10 @@ def patches(
 
     hertz: exact Hertz for the contact; where the patch is its ellipse or strip, its own load counts
         and not `load`.
-    hertzian: whether the patch is an ellipse; Hertz's gap is then used.
-    profiles: the solved half-space contact, or the reason why it failed; None: solve it here.
+    hertzian: whether the patch is an ellipse; Hertz's gap is then used, unless the ellipse is
+        turned.
+    profiles: the solved half-space contact, or the reason why it failed. It is solved here where it
+        is None, or its grid (of two the coarser one) has another number of cells.
     Raises ValueError where the patches are not known.
     """
     if isinstance(hertz, LineContact):

@@ -122,7 +122,7 @@ def half_space_friction(
 def _strip(case: FrictionCase, line: LineContact, patches: Patches) -> NumbersByMethod:
     """Quantities by method for a line contact: Carter (rolling) or Cattaneo (a shift), of unlike
     materials boundary elements. Empty in rolling of like materials where the width of the strip
-    runs across the rail.
+    runs across the rail. Raises ValueError as `shear` of unlike materials.
     """
     found, strip = case.solution, line.strip
     if not case.pair.like:
