@@ -22,6 +22,8 @@ from railhead.meshing.bodies import (
     Options,
 )
 from railhead.meshing.sizing import Grading
+from railhead.solver import compat
+from railhead.solver.space.facets import reference_facets
 
 GRADING = Grading((0.0, 0.0, 0.0), 4.3, 3.5, 0.0, 1.2, coarsest=20.0)
 CELLS = ["tetrahedron", "hexahedron"]
@@ -75,9 +77,6 @@ def test_faces_are_tagged_and_fine_only_in_the_patch(cell: str) -> None:
 
 def _nodes(made: mesh.ContactMesh, facets: np.ndarray) -> np.ndarray:
     """Geometry nodes of facets: those of their cell that lie on them (order 1)."""
-    from railhead.solver import compat
-    from railhead.solver.space.facets import reference_facets
-
     topology = made.mesh.topology
     topology.create_connectivity(2, 3)
     topology.create_connectivity(3, 2)

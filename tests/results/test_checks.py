@@ -19,6 +19,7 @@ from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from railhead.solver.solution import PlasticSolution
+from railhead.theory.elastic import hertz, subsurface
 
 
 @pytest.fixture(scope="module")
@@ -233,8 +234,6 @@ def test_a_missed_accuracy_fails(mesh_solution) -> None:
 
 
 def test_the_range_of_shear_over_pressure_is_that_of_hertz() -> None:
-    from railhead.theory.elastic import hertz, subsurface
-
     ratios = [
         subsurface.axis_extrema(contact, nu).tau_max / contact.p0
         for ratio in np.geomspace(1, 100, 9)

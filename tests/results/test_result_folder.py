@@ -7,6 +7,7 @@ import command
 import numpy as np
 import pytest
 import pyvista
+from one_line import refusal
 from PIL import Image
 from solved import solved
 
@@ -26,9 +27,8 @@ def write(folder: Path, text: str, *names: str) -> None:
 
 
 def refused(folder: Path) -> str:
-    with pytest.raises(SceneError, match="^--out: ") as caught:
-        result_folder.check_folder(folder)
-    (line,) = str(caught.value).splitlines()
+    line = refusal(lambda: result_folder.check_folder(folder))
+    assert line.startswith("--out: ")
     return line
 
 
@@ -139,9 +139,7 @@ def test_a_picture_that_fails_takes_no_other_file(tmp_path: Path, monkeypatch) -
 
     monkeypatch.setattr(diagrams, "depth", half)
     result = solved("sphere_on_plane")
-    with pytest.raises(OSError) as caught:
-        result.save(tmp_path / "out", report=False)
-    (line,) = str(caught.value).splitlines()
+    line = refusal(lambda: result.save(tmp_path / "out", report=False), OSError)
     assert line.endswith("out/depth.png: ValueError: no such font")
     names = set(os.listdir(tmp_path / "out"))
     assert {"summary.json", "pressure.png", "stress_cut.png"} < names

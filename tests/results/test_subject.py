@@ -23,23 +23,33 @@ def test_bodies_have_names_of_their_own() -> None:
     assert not any(each.gauge for each in found.values())
 
 
-def test_a_real_rail_has_a_gauge_side() -> None:
-    assert subject(plan.make(find("uic54_thesis")), 1.0).gauge
+BAN = str(Path(__file__).parents[1] / "geometry" / "data" / "MBench_UIC60_v3.ban")
+TITLES = {
+    "a straight bar": (
+        "uic54_thesis", ("wheel.rolling_radius=inf", "rail.length=100mm"),
+        "straight bar, profile cylinder, on rail 54E1",
+    ),
+    "a rigid wheel and friction": (
+        "uic54_thesis",
+        ("wheel.young_modulus=inf", "friction.coefficient=0.3", "rolling.creepage_along=0.1%"),
+        "rigid wheel R 420 mm, tread cylinder, on rail 54E1, friction 0.3",
+    ),
+    "a file": ("s1002_60e1", (f"rail.profile={BAN}", "rail.inclination=0"),
+               "on rail MBench_UIC60_v3.ban"),
+    "a wheelset": ("s1002_60e1", ("wheelset.shift=-3mm", "wheelset.yaw=2mrad"),
+                   "on rail 60E1, inclined 1:40, shifted -3 mm, yaw 2 mrad"),
+}  # fmt: skip
 
 
-def test_a_straight_bar_keeps_its_profile() -> None:
-    scene = find("uic54_thesis").replace(("wheel.rolling_radius=inf", "rail.length=100mm"))
-    found = subject(plan.make(scene), 1.0)
-    assert "straight bar, profile cylinder, on rail 54E1" in found.title
-    assert found.names["wheel"] == "bar" and found.gauge
-
-
-def test_a_rigid_wheel_is_called_so_and_friction_is_said() -> None:
-    keys = "wheel.young_modulus=inf", "friction.coefficient=0.3", "rolling.creepage_along=0.1%"
-    found = subject(plan.make(find("uic54_thesis").replace(keys)), 25e3)
-    end = "rigid wheel R 420 mm, tread cylinder, on rail 54E1, friction\N{NO-BREAK SPACE}0.3"
-    assert found.title.endswith(end)
-    assert found.rolls and found.rubs
+@pytest.mark.parametrize(("case", "keys", "end"), TITLES.values(), ids=TITLES)
+def test_a_title_says_bodies_and_where_they_stand(
+    case: str, keys: tuple[str, ...], end: str
+) -> None:
+    found = subject(plan.make(find(case).replace(keys)), 25e3)
+    assert found.title.replace("\N{NO-BREAK SPACE}", " ").endswith(end)
+    assert found.gauge
+    assert (found.rolls and found.rubs) == ("friction" in end)
+    assert found.names["wheel"] == ("bar" if "bar" in end else "wheel")
 
 
 def test_y_is_called_what_all_scenes_of_a_sweep_call_it() -> None:
@@ -47,25 +57,3 @@ def test_y_is_called_what_all_scenes_of_a_sweep_call_it() -> None:
     alone = [shared_y([each]) for each in plans]
     assert alone == ["y, across the rail, mm", "y, along the axis, mm", "y, mm"]
     assert shared_y(plans[:1] * 2) == alone[0] and shared_y(plans) == "y, mm"
-
-
-def test_a_file_is_called_by_its_name() -> None:
-    file = Path(__file__).parents[1] / "geometry" / "data" / "MBench_UIC60_v3.ban"
-    keys = {"profile": str(file), "inclination": 0}
-    found = subject(plan.make(find("s1002_60e1").replace(rail=keys)), 1.0)
-    assert found.title.endswith("on rail MBench_UIC60_v3.ban")
-
-
-def test_the_position_of_a_wheelset_is_said() -> None:
-    keys = "wheelset.shift=-3mm", "wheelset.yaw=2mrad"
-    found = subject(plan.make(find("s1002_60e1").replace(keys)), 1.0)
-    end = "on rail 60E1, inclined 1:40, shifted -3 mm, yaw 2 mrad"
-    assert found.title.replace("\N{NO-BREAK SPACE}", " ").endswith(end)
-
-
-@pytest.mark.parametrize(
-    ("finite_bodies", "method"), [("auto", "finite elements"), ("off", "half-spaces")]
-)
-def test_the_method_is_that_of_the_answer(finite_bodies: str, method: str) -> None:
-    scene = find("s1002_60e1").replace((f"effects.finite_bodies={finite_bodies}",))
-    assert subject(plan.make(scene), 1.0).method == method

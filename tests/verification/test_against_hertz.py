@@ -57,8 +57,6 @@ def test_pressure_field_follows_the_semi_ellipsoid(default) -> None:
 def test_subsurface_stresses_follow_the_exact_ones(default) -> None:
     """Largest error on the axis below 1 % of p0, the mean of three meshes: it scatters from 0.6 to
     1.2 % among meshes of the default size."""
-    from railhead.theory.elastic import subsurface
-
     errors = []
     for size in (None, 0.56, 0.6):
         result = default

@@ -12,6 +12,7 @@ from mpi4py import MPI
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
+import railhead as rh
 from railhead.geometry import outlines, profiles
 from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing import mesh
@@ -362,17 +363,15 @@ def test_rigid_body_is_the_limit_of_a_stiff_one(two_blocks, solve, rigid: int) -
 
 def test_a_solved_scene_gives_its_memory_back() -> None:
     """The third run of 13 000 unknowns takes no more memory than the second."""
-    from railhead.results.pipeline import run
-    from railhead.scene import catalogue
 
     def resident() -> float:
         with open("/proc/self/statm") as file:
             return int(file.read().split()[1]) * 4096 / 1e6
 
-    scene = catalogue.find("uic54_thesis").replace(["mesh.patch_size=1.2"])
+    scene = rh.find("uic54_thesis").replace(["mesh.patch_size=1.2"])
     sizes = []
     for _ in range(3):
-        run(scene)
+        rh.solve(scene, quiet=True)
         sizes.append(resident())
     assert sizes[2] - sizes[1] < 5
 

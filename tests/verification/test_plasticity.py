@@ -20,7 +20,10 @@ from railhead.planning import plan as planning
 from railhead.planning.context import Effect
 from railhead.planning.effects import EFFECTS
 from railhead.postprocess.pictures.views import gallery
+from railhead.postprocess.stress.flux import contact_force
+from railhead.postprocess.stress.plastic import largest_von_mises
 from railhead.run import mesh_solution, quantities
+from railhead.run.progress import Progress
 from railhead.solver.algebra import linear
 from railhead.solver.contact import ContactModel
 from railhead.solver.contact_system import LoadCase
@@ -205,8 +208,6 @@ def test_below_first_yield_the_elastic_numbers_are_the_same_bits() -> None:
 
 
 def test_perfect_plasticity_bounds_the_stress(five: rh.Result) -> None:
-    from railhead.postprocess.stress.plastic import largest_von_mises
-
     assert largest_von_mises(five.fields) == pytest.approx(Y, rel=1e-6)
 
 
@@ -233,8 +234,6 @@ def test_elastic_and_hertz_stand_beside_it(five: rh.Result) -> None:
 
 def test_what_is_left_carries_no_force(five: rh.Result) -> None:
     """The residual stresses are in balance, and not zero."""
-    from railhead.postprocess.stress.flux import contact_force
-
     state = five.mesh_solution.residual_state
     assert state is not None and state.unloaded is not None
     assert state.largest_von_mises > 0.2 * Y
@@ -244,18 +243,13 @@ def test_what_is_left_carries_no_force(five: rh.Result) -> None:
 
 def test_an_accuracy_covers_mesh_and_load_steps() -> None:
     """Eight times as many load steps on a finer mesh stay within the estimate."""
-    from mpi4py import MPI
-
-    from railhead.run.mesh_solution import mesh_and_solve
-    from railhead.run.progress import Progress
-
     scene = pressed(5.0)
     found = rh.solve(scene, accuracy="8%", quiet=True)
     accuracy = found.as_dict()["accuracy"]
     assert accuracy["reached"] and found.passed
     assert 0.005 < accuracy["parts"]["max_MPa"]["load_steps"] < 0.03
     plan = replace(planning.make(scene).at_resolution(9.0), load_steps=32)
-    fine = mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_WORLD).result
+    fine = mesh_solution.mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_WORLD).result
     for name, value in quantities.numeric_values(found.as_dict()["result"]).items():
         if name != "tau_max_depth_mm":
             error = abs(value / quantities.numeric_values(fine)[name] - 1)
@@ -289,8 +283,6 @@ def solid() -> tuple[planning.Plan, ContactModel, Solution]:
     """The coarse solid of the same scene."""
     scene = pressed(4.0, 2e3, effects={"axisymmetry": "off"})
     plan = planning.make(scene).at_resolution(3.5)
-    from mpi4py import MPI
-
     model = mesh_solution.assemble(
         plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
     )

@@ -4,6 +4,7 @@ from contextlib import nullcontext
 
 import numpy as np
 import pytest
+from one_line import refusal
 
 from railhead.geometry import outlines, profiles
 from railhead.geometry.measured import ordering, orientation, standards
@@ -91,11 +92,8 @@ FOREIGN = {
     ],
 )
 def test_what_fits_no_standard_is_refused_and_names_the_keys(points, body: str) -> None:
-    with pytest.raises(PointError) as caught:
-        turned(points(), body)
-    text = str(caught.value)
-    assert "profile_unit" in text and len(text.splitlines()) == 1
-    assert "profile_flip" in text or "y before z" in text
+    text = refusal(lambda: turned(points(), body), PointError)
+    assert "profile_unit" in text and ("profile_flip" in text or "y before z" in text)
 
 
 @pytest.mark.parametrize(("off", "is_refused"), [(5.5, False), (6.5, True)])

@@ -5,6 +5,7 @@ from contextlib import nullcontext
 
 import numpy as np
 import pytest
+from one_line import refusal
 
 from railhead.geometry import outlines, profiles
 from railhead.geometry.measured import profile as measured
@@ -282,9 +283,7 @@ def test_a_unit_that_is_given_overrules_the_file_and_is_said(tmp_path) -> None:
 
 
 def refused(tmp_path, points: np.ndarray, body: str = "rail") -> str:
-    with pytest.raises(FormatError) as caught:
-        read(tmp_path, points, body)
-    return str(caught.value)
+    return refusal(lambda: read(tmp_path, points, body), FormatError)
 
 
 def test_a_scan_there_and_back_is_refused(tmp_path) -> None:

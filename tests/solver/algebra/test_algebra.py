@@ -8,6 +8,7 @@ import pytest
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from railhead.solver import compat
 from railhead.solver.algebra import linear, multigrid, newton
 from railhead.solver.contact import ContactModel
 from railhead.solver.space import constraints
@@ -233,9 +234,6 @@ def test_direct_and_multigrid_give_the_same_solution(models) -> None:
 
 def test_prolongation_carries_rigid_motion_and_the_approach(models) -> None:
     """Q y1 represents the same displacement as y1 does in the P1 space."""
-    from railhead.solver import compat
-    from railhead.solver.space import constraints
-
     model = models()
     coarse = compat.vector_space(model.bulk.space.mesh, 1)
     reduction = constraints.reduce(model.supports(coarse), model.comm)
