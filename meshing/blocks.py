@@ -155,7 +155,7 @@ def _plane_surface(body: Body, options: Options, groups: dict[tuple[int, int], l
 def _group_faces(
     body: Body, faces: list[int], options: Options, groups: dict[tuple[int, int], list[int]]
 ) -> None:
-    """Add the faces of a body (edges in a section) to the groups of their roles.
+    """Add the faces of a body (edges in a section) to the groups of their roles; free ones to none.
 
     faces: gmsh tags, one for each curve of the section in its order.
     groups: (dimension, physical tag) -> gmsh entities.
@@ -241,7 +241,8 @@ def _mesh(grading: Grading, options: Options) -> None:
     """Mesh the current gmsh model: set element sizes and algorithms, generate, raise the degree of
     the geometry, and straighten badly bent simplices.
 
-    grading: element size. options: type of the cells, degree of the geometry, plane.
+    grading: element size, in the plane 'xz' as `Grading.turned`. options: type of the cells, degree
+        of the geometry, plane.
     """
     hexahedra = options.cell == "hexahedron"
     coordinates = ("x", "y") if options.plane else ("y", "z")
@@ -270,7 +271,8 @@ def _mesh(grading: Grading, options: Options) -> None:
 
 
 def _at_least_two_elements(curve: int, grading: Grading, options: Options) -> None:
-    """Divide a curve into two elements where it is shorter than four element sizes.
+    """Divide a curve into two elements where it is shorter than four of the element sizes at its
+    middle.
 
     curve: gmsh tag. grading: element size. options.plane: whether the curve lies in gmsh's plane x,
         y.

@@ -61,11 +61,11 @@ def generate(
     grading: element size; where gmsh fails, it is tried again with the sizes times `RETRIES`.
     options: type of the cells, degree, symmetry, plane.
     comm: communicator of the mesh. Cells are distributed, gmsh runs on its rank 0 alone.
-    save: file that the gmsh mesh is also written to, on rank 0 (.msh 2.2, readable by meshio);
-        None: no file.
+    save: file that the gmsh mesh is also written to, on rank 0 (.msh 2.2, readable by meshio),
+        bad elements or not; None: no file.
     meanwhile: what every rank calls while gmsh works; rank 0 calls it again with each new trial.
-    Raises MeshError on every rank when gmsh fails, takes too long, or an element is inverted or
-    nearly flat.
+    Raises MeshError on every rank when in the last trial gmsh fails, takes too long, or an element
+    is inverted or nearly flat.
     """
     found, shapes, problem = None, np.zeros(0), ""
     if comm.rank:

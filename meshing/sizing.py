@@ -71,8 +71,9 @@ class Grading:
 
     @property
     def resolution(self) -> float:
-        """Number of elements per smaller semi-axis of this patch. Where the elements are stretched
-        more than suits the patch, the smaller size that makes up for that is not counted.
+        """Number of elements per smaller semi-axis of this patch: min(a, b) over the size. Where
+        the elements are stretched more than suits the patch (`suited_stretch`), that is divided by
+        the ratio of both stretches.
         """
         spared = max(1.0, self.stretch / suited_stretch(self.a, self.b))
         return self.depth / (self.size * spared)
@@ -176,7 +177,7 @@ class Grading:
     def predicted_triangles(self, reach: float) -> float:
         """Predicted number of triangles of the section of one whole body, not cut at its middle,
         that reaches `reach` mm from the patch: the integral of 1/size^2 times a factor that fits
-        gmsh's meshes. Further patches and `coarsest` are left out.
+        gmsh's meshes. Further patches, `coarsest` and `stretch` are left out.
         """
         radius = np.geomspace(1e-3 * self.size, reach, 400)
         fine = self.margin * np.sqrt(self.b * self.depth)

@@ -289,11 +289,6 @@ class AxisPressure:
     at: float = 0.0
 
 
-def _rail_and_wheel() -> Mapping[str, str]:
-    """Default names of the bodies in pictures: 'rail' and 'wheel' as they are."""
-    return {"rail": "rail", "wheel": "wheel"}
-
-
 @dataclass(frozen=True)
 class Subject:
     """Words for titles, axis labels and legends of pictures.
@@ -310,7 +305,7 @@ class Subject:
     """
 
     title: str = ""
-    names: Mapping[str, str] = field(default_factory=_rail_and_wheel)
+    names: Mapping[str, str] = field(default_factory=lambda: {"rail": "rail", "wheel": "wheel"})
     along: str = "along the rail"
     across: str = "across the rail"
     gauge: bool = False
@@ -349,7 +344,7 @@ class Findings:
         patch's pressure from those of a semi-ellipsoid, or in a section of Hertz's pressure there.
     hertzian: whether second moments of the pressure give the semi-axes: there is one patch, and its
         shape error is small.
-    largest: largest stresses anywhere in the body, by body name.
+    largest: largest stresses anywhere in the body but near sharp edges, by body name.
     also: axes below the other patches, in the order of `Patch.each`, in the body of `axis`.
     notes: remarks that every picture shows below it.
     subject: words for titles and labels of pictures.
@@ -359,8 +354,8 @@ class Findings:
     edge_distance: smallest distance of a point with pressure from an edge of the bodies, over the
         smaller half length of the patch; infinite without edges, NaN where not known.
     misfit: largest relative difference of smooth and element stresses around the largest ones.
-    opposite: fields on the contact surface of the other body; None where that is rigid, and for
-        half-spaces.
+    opposite: fields on the contact surface of the other body; None where that is rigid or no facet
+        of it faces the slave, and for half-spaces.
     dissipated: energy dissipated by friction per rolled length, N; NaN where nothing rolls, and
         until friction is read.
     unread_peak: relative error of the largest stresses from the cusps at the border of stick; 0

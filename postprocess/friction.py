@@ -157,7 +157,7 @@ def _resolution(
 
     out: entries of "friction". still: solution without creepage, in which like half-spaces have no
         traction and stick everywhere; its values are the errors. motion: creepage along and across,
-        and spin (1/mm).
+        and spin (1/mm); times the forces and the moment of `still` it is the error of T-gamma.
     "resolution": those errors by quantity, in its unit; that of the stick share includes the
     largest share of one contact point.
     "below_resolution": names of forces, moment and T-gamma whose error exceeds RESOLVED (relative),
@@ -224,8 +224,9 @@ def wear_and_shakedown(
         is the smaller of two: that of a line that rolls with this share of the friction
         coefficient, and that of a surface that slips everywhere at the largest traction over p0;
         for a line, that at which the largest traction is k.
-    With k: p0_over_k; surface_fatigue_index, (largest traction - k) / p0; and the state 'elastic',
-        'shakes down', 'ratchets', or 'open' where a patch that is no line is above this limit only.
+    With k: p0_over_k; surface_fatigue_index, (largest traction - k) / p0; and the state: 'elastic'
+        up to first yield, 'shakes down' up to the limit, else 'ratchets'. A patch that is no line
+        is 'open' instead where its index is not positive and p0/k at most `shakedown.CIRCLE`.
     """
     forces, patch, stress = result["friction"], result["patch"], result["stress"]
     pressure, hardest = result["pressure"]["max_MPa"], stress["von_mises_max_MPa"]

@@ -109,8 +109,8 @@ def of_boundary_elements(
     frame: Frame,
     poisson: Mapping[str, float],
 ) -> Findings:
-    """Findings of boundary elements on a developed surface. Stresses are those below the coarser
-    grid of the solution.
+    """Findings of boundary elements on a developed surface, without friction. Stresses are those
+    below the coarser grid of the solution, or below its own where there is none.
 
     values: quantities of the solution, by `compare.from_half_space`. points: maps x, s (n,) to
         points (n, 3) on the surface, mm. frame: axes at the first contact; of several patches that

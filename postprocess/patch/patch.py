@@ -80,7 +80,8 @@ def outline_shape(square: SquaredPressure) -> PatchShape:
     values[:, [0, -1]] = np.minimum(values[:, [0, -1]], -1e-9 * top)
     lines = contourpy.contour_generator(x, s, values).lines(0.0)
     outlines = [np.asarray(line, dtype=np.float64) for line in lines]
-    area = abs(sum(_enclosed(line) for line in outlines))
+    curves = (line.T for line in outlines)  # those of holes turn the other way than the others
+    area = abs(sum(np.sum(t[:-1] * u[1:] - t[1:] * u[:-1]) for t, u in curves)) / 2
     a, b = np.ptp(np.concatenate(outlines), axis=0) / 2
     row, column = np.unravel_index(np.argmax(values), values.shape)
     return PatchShape(
@@ -91,14 +92,6 @@ def outline_shape(square: SquaredPressure) -> PatchShape:
         max_pressure=float(np.sqrt(top)),
         top=(float(x[column]), float(s[row])),
     )
-
-
-def _enclosed(line: Array) -> float:
-    """Signed area, mm2, enclosed by a closed curve (k, 2), mm: positive for a curve that turns from
-    x to s. The curves of holes turn the other way than outer curves and have the other sign.
-    """
-    x, s = line.T
-    return float(0.5 * np.sum(x[:-1] * s[1:] - x[1:] * s[:-1]))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -184,9 +177,9 @@ def read(
 
 @dataclass(frozen=True)
 class _Reading:
-    """Smooth p^2 and extents of one patch in its own frame.
+    """Smooth p^2 and extents of one patch.
 
-    frame: tangent plane of the patch.
+    frame: tangent plane of the patch; of a single patch the contact frame.
     square: smooth p^2.
     shape: extents and peak of that p^2.
     scatter: relative uncertainties of a, b, area and max_pressure, by these names.
@@ -201,7 +194,8 @@ class _Reading:
 def _reading(part: SeparatePatch, frame: Frame, facets: Array, *, parabolic: bool) -> _Reading:
     """Smooth p^2 and extents of one patch, in the frame given.
 
-    facets: area of each contact facet, mm2. parabolic: whether Hertz's theory is exact.
+    facets (f,): area of every contact facet of the slave, mm2. parabolic: whether Hertz's theory is
+        exact, so that half lengths are those from second moments.
     """
     fields, found = part.fields, moments(part.fields, frame)
     given = samples(fields, frame, facets)
@@ -277,7 +271,7 @@ class SmoothPatch:
 
 def smooth_patches(fields: Fields, *, parabolic: bool) -> list[SmoothPatch]:
     """Separate patches of a solid with their smooth pressure, most loaded first. parabolic: whether
-    Hertz's theory is exact.
+    Hertz's theory is exact, so that half lengths are those from second moments.
     """
     contact, found = fields.contact, []
     facets = np.bincount(contact.facet, contact.weights).astype(np.float64)

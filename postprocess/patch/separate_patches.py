@@ -82,7 +82,9 @@ def _part(fields: Fields, members: NDArray[np.bool_], force: Array) -> SeparateP
     contact, own = fields.contact, force[members]
     names = ("points", "weights", "pressure", "indicator", "gap", "normals", "facet", "xi")
     contact = replace(contact, **{name: getattr(contact, name)[members] for name in names})
-    mirrors = tuple(plane for plane in fields.mirrors if _reaches(contact.points, plane))
+    # A plane touches the patch that has points less than 0.2 times as far as its farthest one.
+    away = {plane: np.abs(contact.points @ np.array(plane)) for plane in fields.mirrors}
+    mirrors = tuple(plane for plane, each in away.items() if each.min() < 0.2 * each.max())
     outward = 1.0 if fields.slave == RAIL else -1.0
     normal = outward * np.average(contact.normals, axis=0, weights=own)
     centre = np.average(contact.points, axis=0, weights=own)
@@ -103,11 +105,3 @@ def _part(fields: Fields, members: NDArray[np.bool_], force: Array) -> SeparateP
         force=float(total),
         share=float(total / whole),
     )
-
-
-def _reaches(points: Array, normal: tuple[float, float, float]) -> bool:
-    """Whether the symmetry plane through the origin with this unit normal touches the patch: the
-    nearest of its points (n, 3) in space is nearer to the plane than 0.2 times the farthest.
-    """
-    distance = np.abs(points @ np.array(normal))
-    return bool(distance.min() < 0.2 * distance.max())

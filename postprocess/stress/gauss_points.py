@@ -19,8 +19,8 @@ def stress_at_reference_point(
     """Position (m, 3) mm, stress (m, 6) MPa and |det J| (m,) at one reference point of m cells,
     where J is the Jacobian of the map from the reference cell to the d coordinates of the mesh.
 
-    Stress components xx, yy, zz, xy, xz, yz in global axes. Plastic strains are interpolated
-    linearly between the Gauss points of each cell. reference (d,): reference coordinates.
+    Stress components xx, yy, zz, xy, xz, yz in global axes. Plastic strains are those of a linear
+    function fitted to the Gauss points of each cell. reference (d,): reference coordinates.
     """
     x, stress, size = stress_of_total_strain(fields, cells, reference)
     if fields.plastic_strain is not None:

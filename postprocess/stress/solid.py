@@ -49,8 +49,8 @@ class Solid:
         self._simplices = np.array(_SIMPLICES[fields.cell])
 
     def near(self, point: Array, reach: float) -> NDArray[np.int64]:
-        """Rows of the cells, below m, of which some point may lie within `reach` (mm) of a point
-        (3,).
+        """Rows (0 to m - 1) of the cells of which some point may lie within `reach` (mm) of a point
+        (3,); all that do are among them.
         """
         square = ((self.middles - point) ** 2).sum(axis=1)
         return np.flatnonzero(square < (self.sizes + reach) ** 2)
@@ -88,7 +88,7 @@ class Solid:
 
     def _barycentric(self, cells: NDArray[np.int64], points: Array) -> Array:
         """Barycentric coordinates (s, n, d + 1) of points (n, 3) in each of the s simplices of the
-        cells, which are given as rows below m.
+        cells, which are given as rows (0 to m - 1).
         """
         nodes = self.corners[cells][:, self._simplices].reshape(-1, self._simplices.shape[1])
         corners = self._fields.points[nodes] @ self._axes.T

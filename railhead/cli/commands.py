@@ -118,8 +118,8 @@ def railhead(context: click.Context) -> None:
 
 
 def _grid(scene: Scene, lists: Sequence[str], over_file: Path | None) -> ParameterGrid:
-    """The combinations of --over and of the rows of --over-file. Raises SceneError for wrong ones,
-    and where neither is given.
+    """The combinations of --over and of the rows of --over-file, of which `unit_questions` are
+    printed. Raises SceneError for wrong ones, and where neither is given.
     """
     from railhead.sweeps.grid import ParameterGrid, parse_values, read_rows
 
@@ -411,8 +411,8 @@ def _report(
 
     out: the folder; None for results/<name>_<command>.
     force: whether another result in `out` is replaced.
-    no_pictures: whether no PNG files are written. quiet: whether nothing is printed. as_json:
-        whether the summary is printed as JSON instead of a table.
+    no_pictures: whether no PNG files are written. as_json: whether the summary is printed as JSON
+        instead of a table. quiet: whether the table is not printed; no effect on JSON.
     """
     from railhead.results import result_folder
     from railhead.results.report import terminal
@@ -459,8 +459,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _status(arguments: Sequence[str] | None) -> int:
-    """Run the command and return its exit status 0, 1 or 2. Errors of input and of files are
-    printed in one line, without a traceback; others are raised.
+    """Run the command and return its exit status 0, 1 or 2. Errors of input, of meshing and of
+    files are printed in one line, without a traceback; others are raised.
     """
     words = process.take_arguments() if arguments is None else list(arguments)
     try:
@@ -485,7 +485,7 @@ def _status(arguments: Sequence[str] | None) -> int:
 
 
 def _ask(*scenes: Scene) -> None:
-    """Print what `unit_questions` asks about scenes."""
+    """Print what `unit_questions` asks about scenes to standard error."""
     for question in unit_questions(*scenes):
         _say(question)
 

@@ -29,9 +29,9 @@ class Study(Protocol):
 
 
 def modules() -> dict[str, tuple[str, str]]:
-    """Module name of each study and what it shows, by the name of the study; the modules are put on
-    the path, not imported. Raises SceneError where the package does not lie in a checkout of the
-    repository.
+    """Module name of each study and what it shows, by the name of the study. The checkout and its
+    tests are added to `sys.path`; the studies are not imported. Raises SceneError where the package
+    does not lie in a checkout of the repository.
     """
     folders = [str(ROOT), str(ROOT / "tests")]  # set-ups that studies and tests share
     if not (ROOT / "studies" / "__init__.py").is_file():

@@ -152,7 +152,8 @@ class ProfilePair:
         self, pose: Pose, tread: Array, over: NDArray[np.bool_], index: int
     ) -> ContactPoint:
         """The contact point at the minimum of height near sample `index` of the wheel coordinates
-        tread (n,), where wheel and rail have the same slope.
+        tread (n,), where wheel and rail have the same slope; the sample itself at an edge, and
+        where the slopes do not cross between its neighbours.
         over: (n,) whether the sample is over the rail; a sample without two neighbours over the
             rail is an edge.
         """
@@ -223,7 +224,7 @@ def relative(rail: float, around: float, across: float, angle: float) -> tuple[f
 @dataclass(frozen=True)
 class Pose:
     """Position and rotation of a wheel: point in space = origin + rotation @ point of the wheel;
-    the wheel's own y axis is its axle.
+    the wheel's own y axis is its axle. Meshed rails have one too (`upright(0.0)`).
     rotation: (3, 3) matrix whose columns are the wheel's axes in space.
     origin: (3,) position in space of the wheel's origin, which lies on the axle in the plane of the
         tape circle, mm.
@@ -233,7 +234,7 @@ class Pose:
     origin: Array
 
     def outward(self, points: Array) -> Array:
-        """Coordinates in space (n, 3) of points (n, 3) that are given in the wheel's axes, mm."""
+        """Coordinates in space (n, 3) of points (n, 3), or (3,) of one, in the wheel's axes, mm."""
         return np.asarray(self.origin + points @ self.rotation.T)
 
     def inward(self, points: Array) -> Array:
@@ -368,7 +369,8 @@ def equivalent_conicity(amplitude: float, shifts: Array, differences: Array) -> 
     integral of dy/sqrt(2 (G(a) - G(y))) from -a to a, and G the integral of D from 0. That of cones
     (D = 2 c y) is pi sqrt(2 e r/c) (Klingel), so c = pi^2/(2 J^2).
 
-    shifts, differences (n,): rising lateral shifts and D at them, mm; D is taken as odd.
+    shifts, differences (n,): rising lateral shifts and D at them, mm; D is taken as odd, and beyond
+        the shifts as constant.
     """
     if not amplitude:
         return math.nan

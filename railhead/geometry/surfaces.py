@@ -142,7 +142,7 @@ class ExactGap:
 
     def off_surface(self, points: Array) -> Array:
         """Distance (n,) of points (n, 3) from the slave surface, mm, never negative, to the places
-        of `nearest`; NaN beyond its profile.
+        of `nearest`; not finite where that finds none.
         """
         return np.asarray(np.linalg.norm(nearest(self.slave, points)[0] - points, axis=1))
 

@@ -326,8 +326,8 @@ class Scene(Section):
         values: values by key, or tables of them: ``replace(load="110 kN", rail={"profile":
             "60E1"})``.
         Setting the load drops the approach and the reverse; a profile other than ``arc`` drops its
-        radius, the penalty method drops theta, and half-spaces drop keys that they cannot use.
-        Raises SceneError.
+        radius, and the penalty method drops theta. Setting rail.extent to half-space drops the keys
+        that half-spaces cannot use, but for those set in the same call. Raises SceneError.
         """
         given = dict(assignment(text) for text in assignments) | dict(_dotted(values))
         given = {OTHER_NAMES.get(key, key): value for key, value in given.items()}
@@ -410,7 +410,8 @@ def unit_questions(*scenes: Scene) -> Iterable[str]:
     """A line for each key with a value that is a thousandth, a thousand or a million times what a
     steel wheel on a rail has: "load = 25 N, 0.001 times what is usual: 25000 N meant?".
 
-    A load is only judged on the profile of a rail. Of several values the first one is named.
+    A load is not judged where rail.profile is arc. Of several values of a key the first one is
+    named.
     """
     lines: dict[str, str] = {}
     for scene, (key, (low, high)) in product(scenes, USUAL.items()):

@@ -117,7 +117,7 @@ def run(
     pictures; under MPI called on all ranks.
 
     other: what happens to another result in the folder (`store.begin`).
-    pictures: whether PNG files are written.
+    pictures: whether PNG files and report.html are written.
     quiet: whether no progress is shown.
     Returns None on all MPI ranks but the first, which solve scenes. Raises SceneError before
     anything is solved, OSError where nothing can be written.
@@ -251,9 +251,9 @@ def _write(
     *,
     pictures: bool,
 ) -> Outcome:
-    """Write the table beside the records; with `pictures` PNG files and report.html; with
-    `sweep.vtu` .pvd files, for ParaView, of the scenes that passed. Older pictures and reports are
-    deleted in any case.
+    """Write the table beside the records; with `pictures` report.html, and PNG files where at most
+    two keys are set or the scenes are rows of a table; with `sweep.vtu` .pvd files, for ParaView,
+    of the scenes that passed. Older pictures and reports are deleted in any case.
 
     rows: of the table, by number of the scene from 0; completed in place. results: of the outcome.
         faults: reasons by number for scenes without a record, which get a row with it. y_label:

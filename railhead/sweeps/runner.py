@@ -73,9 +73,10 @@ def group_by_mesh(plans: Sequence[Plan]) -> list[list[int]]:
 
 def forecast(grid: ParameterGrid, workers: int, progress: Progress) -> dict[str, Any]:
     """What a sweep is predicted to take, as plain data: "combinations", "meshes", "unknowns" (of
-    each), "seconds" of the whole sweep, and "effects", the number of combinations by name of the
-    effects that are on. workers: number of processes. Loads that share a mesh are counted as if
-    each had its own. Raises SceneError for a scene that makes no contact problem.
+    each combination), "seconds" of the whole sweep, "processes" (workers), and "effects", the
+    number of combinations by name of the effects that are on. Unknowns and seconds count loads that
+    share a mesh as if each had its own. Raises SceneError for a scene that makes no contact
+    problem.
     """
     plans = plan_all(grid, progress)
     seconds = [plan.seconds for plan in plans]

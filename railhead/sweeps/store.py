@@ -104,7 +104,9 @@ def _flat(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
 
 
 def done(folder: Path) -> set[int]:
-    """Numbers of the scenes that have a record, whether or not they passed."""
+    """Numbers of the scenes that have a record, whether or not they passed; not of those that are
+    to be tried again.
+    """
     files = (folder / RECORDS).glob("*.json")
     return {int(path.stem) for path in files if path.stem.isdecimal()}
 

@@ -17,7 +17,8 @@ FEW = 0.05  # an estimate beyond is counted in the verdict
 
 
 def record(over: Mapping[str, object], result: Result | Exception) -> dict[str, Any]:
-    """Record of a solved scene, or of the error that refused the scene, as plain data.
+    """Record of a solved scene, or of the error that refused the scene, as plain data; an error
+    makes `over` and `fault` alone.
 
     over: values of the changing keys by dotted key.
     fault: reason why there is no result, in one line; empty where there is one.
@@ -48,7 +49,7 @@ def record(over: Mapping[str, object], result: Result | Exception) -> dict[str, 
 def row(record: Mapping[str, Any]) -> dict[str, Any]:
     """A row of sweep.csv: cells by column header.
 
-    Where Newton's method did not converge, or there is no result, the row ends after `checks` or
+    Without a result the row ends after `checks`, and where Newton's method did not converge after
     `warnings`. Raises LookupError, TypeError, ValueError or AttributeError for data that is no
     record of a scene.
     """

@@ -191,7 +191,8 @@ def depth(
             normal = contacts.axis_stress(ellipse, poisson, fine)
             exact = contacts.axis_extrema(ellipse, poisson)
             peak = exact.tau_max_depth, exact.tau_max
-            _stresses(panels, fine, _diagonal(normal), "-", HERTZ, name, peak)
+            stress = np.hstack((normal, np.zeros_like(normal)))  # no shear
+            _stresses(panels, fine, stress, "-", HERTZ, name, peak)
         _name_curves(panels[0], axis)
         panels[0].set(
             xlabel="principal stress, MPa",
@@ -258,11 +259,6 @@ def _below(findings: Findings) -> str:
     if _centred(findings):
         return ", below the first contact"
     return f", below x = {x:.2g} mm, s = {s:.2g} mm"
-
-
-def _diagonal(normal: Array) -> Array:
-    """Stresses (n, 6) from normal stresses (n, 3), with zero shear stresses."""
-    return np.hstack((normal, np.zeros_like(normal)))
 
 
 def _stresses(

@@ -38,9 +38,9 @@ def draw_tractions(
     """Write a PNG file of the tractions of the wheel on the rail.
 
     One panel shows the zones of stick and slip in the tangent plane, with tractions as arrows; of a
-    section it is left out. The other shows tractions along x through the middle of the most loaded
-    patch (interpolated), of a section along its line, between the limits +/- mu p. Only points with
-    pressure are used.
+    section it is left out. The other shows tractions along and across over x, interpolated on the
+    line at the s of the centre of the most loaded patch, between the limits +/- mu p. Of a section
+    it shows those along its line, over the coordinate along it. Only points with pressure are used.
 
     found: at points of the part that `planes` leave. coefficient: of friction, mu. path: of the
         file. planes: unit normals of the symmetry planes at which the model was cut; the images are
@@ -100,7 +100,7 @@ def _map(
     tractions as arrows at a few points.
 
     local (n, 2): x and s of the contact points, mm. traction (n, 2): along x and s, MPa. sticks
-        (n,): whether each point sticks. outlines (k, 2): of the patches, mm.
+        (n,): whether each point sticks. outlines: closed curves (k, 2) of (x, s), mm.
     """
     from matplotlib.patches import Patch
     from matplotlib.path import Path as Path2D

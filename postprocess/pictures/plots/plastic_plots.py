@@ -71,7 +71,7 @@ def draw(
             values = symmetry.repeated(values.ravel(), pressed.mirrors)
             _cut(figure, axes, found, (local, values, body), axis, label)
         _pressures(pressure, found, elastic, exact, axis)
-        _left(depth, residual, pressed, found, half)
+        _residual_heights(depth, residual, pressed, found, half)
 
 
 def _cut(
@@ -135,7 +135,9 @@ def _pressures(
     axes.legend()
 
 
-def _left(axes: Axes, residual: Fields, pressed: Fields, found: Findings, half: float) -> None:
+def _residual_heights(
+    axes: Axes, residual: Fields, pressed: Fields, found: Findings, half: float
+) -> None:
     """Draw the displacement along the rail's outward normal (um) of the contact surfaces after the
     load, on lines along x and along s (mm) through the origin of the frame. A body that was not
     displaced has no line.

@@ -93,7 +93,8 @@ def positions(
         ax = figure.subplots()
         y = np.linspace(*pair.rail.domain, SAMPLES)
         ax.plot(y, pair.rail.height(y), color=RAIL, label="rail")
-        offset = _offset(swept)
+        shift, placed = min(swept, key=lambda each: abs(each[0]))
+        offset = float(placed.right.pose.origin[1]) - shift  # y of the wheel's origin at shift 0
         tread = np.linspace(*pair.wheel.domain, SAMPLES)
         ax.plot(tread + offset, LIFT - pair.wheel.height(tread), color=WHEEL, label="wheel")
         lines, shifts = [], []
@@ -114,15 +115,6 @@ def positions(
         ax.set_ylabel("z, mm (wheel lifted)")
         ax.set_aspect("equal")
         ax.set_xlim(min(-50.0, pair.rail.domain[0] - 5), 45)
-
-
-def _offset(swept: Sequence[tuple[float, Placed]]) -> float:
-    """Lateral coordinate y of the right wheel's origin, mm, when the wheelset is not shifted.
-    swept: lateral shift to the right, mm, and placed wheelset; the shift nearest to zero is used
-    and subtracted.
-    """
-    shift, placed = min(swept, key=lambda each: abs(each[0]))
-    return float(placed.right.pose.origin[1]) - shift
 
 
 def rolling_radius(swept: Sequence[tuple[float, Placed]], path: Path, title: str = "") -> None:

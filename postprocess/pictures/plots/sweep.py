@@ -114,8 +114,8 @@ def patches(
         panels = figure.subplots(len(strips), 1, squeeze=False, sharex=True, sharey=True)[:, 0]
         for axes, value in zip(panels, strips, strict=True):
             own = [index for index, row in enumerate(rows) if not split or row[split] == value]
-            signed = [rows[index]["checks"] == "passed" for index in own]
-            _strip(axes, [lines[index] for index in own], signed, step)
+            passed = [rows[index]["checks"] == "passed" for index in own]
+            _strip(axes, [lines[index] for index in own], passed, step)
             said = [_word(rows[index][over]) for index in own]
             shown = [text if number % every == 0 else "" for number, text in enumerate(said)]
             axes.set_xticks([number * step for number in range(len(own))], shown)
@@ -132,14 +132,14 @@ def patches(
 
 
 def _strip(
-    axes: Axes, each: Sequence[Sequence[Array]], signed: Sequence[bool], step: float
+    axes: Axes, each: Sequence[Sequence[Array]], passed: Sequence[bool], step: float
 ) -> None:
     """Fill the outlines of one strip of patches, `step` (mm) apart along the horizontal axis.
 
-    each: curves (k, 2) of each patch, mm. signed: of each patch, whether all checks passed;
+    each: curves (k, 2) of each patch, mm. passed: of each patch, whether all checks passed;
         otherwise it is red.
     """
-    for number, (lines, good) in enumerate(zip(each, signed, strict=True)):
+    for number, (lines, good) in enumerate(zip(each, passed, strict=True)):
         colour = FE if good else HERTZ
         for line in lines:
             axes.fill(line[:, 0] + number * step, line[:, 1], fc=f"{colour}40", ec=colour, lw=1.0)

@@ -66,7 +66,8 @@ class FormatError(ValueError):
 @dataclass(frozen=True, kw_only=True)
 class Table:
     """Points of a file, before they are turned into the axes of the project.
-    points: (n, 2) of y, and z up or down, in the order and the unit of the file.
+    points: (n, 2) of y, and z up or down, in the order and the unit of the file; of a Simpack file
+        after the shifts and mirrors of its header.
     unit: unit that the file states; '' where it states none.
     body: 'rail', 'wheel', or '' where the file does not say.
     format: name of the format.
@@ -161,7 +162,7 @@ def _rows(
     return rows, tuple(where), (f"{out} line{'s' * (out > 1)} commented out",) if out else ()
 
 
-def _chosen(
+def _points(
     name: str, rows: Sequence[Sequence[float]], at_lines: Sequence[int], columns: Sequence[int]
 ) -> Array:
     """Points (n, 2) in two columns of the rows. Raises FormatError for a row that is too short."""
@@ -186,7 +187,7 @@ def _miniprof(name: str, lines: Sequence[str], body: str) -> Table:
     names = [column.strip().upper() for column in header.get("ColumnDef", "X,Y").split(",")]
     columns = [names.index(column) for column in ("X", "Y") if column in names]
     return Table(
-        points=_chosen(name, rows, at_lines, columns if len(columns) == 2 else [0, 1]),
+        points=_points(name, rows, at_lines, columns if len(columns) == 2 else [0, 1]),
         unit="mm",
         body=body,
         format="MiniProf",
@@ -221,7 +222,7 @@ def _simpack(name: str, lines: Sequence[str], body: str) -> Table:
 
     span = range(begin + 1, bare.index("point.end", begin))
     rows, at_lines, remarks = _rows(name, lines, span, INSTRUMENT_LAYOUT, COMMENTED_OUT)
-    points = _chosen(name, rows, at_lines, (0, 1)) + [number("shift.y"), number("shift.z")]
+    points = _points(name, rows, at_lines, (0, 1)) + [number("shift.y"), number("shift.z")]
     turn = number("rotate") / number("units.ang.f", 1.0)
     c, s = math.cos(turn), math.sin(turn)
     points = points @ np.array([[c, s], [-s, c]])
@@ -270,7 +271,7 @@ def _table(name: str, lines: Sequence[str], unit_is_given: bool) -> Table:
     stated = [match[1].lower() for _, line in header if (match := UNIT_LINE.search(line))]
     units = units or [UNIT_OF_NAME[each] for each in stated if each in UNIT_OF_NAME][:1]
     return Table(
-        points=_chosen(name, rows, at_lines, columns),
+        points=_points(name, rows, at_lines, columns),
         unit=" and ".join(units),
         body="",
         format=f"table by {words}",
@@ -284,6 +285,7 @@ def _columns(
 ) -> tuple[int, tuple[int, int], list[str]] | None:
     """Line number of the last header line that names y and z, indices of these two columns, and the
     units that stand over them; None where no line names them.
+    A column x stands for y where the line names no y, or no z: y is then the height.
     header: (line number, text) before the points; count: columns of the points.
     Raises FormatError where a header names several such columns, or fewer columns than there are.
     """

@@ -52,8 +52,9 @@ def oriented(points: Array, body: str, given: Orientation) -> tuple[Array, list[
     """Points (n, 2) of a 'rail' or 'wheel', mm, brought to the axes of profiles, and remarks on
     what was done. There y points to the field side, z up for a rail and outwards for a wheel.
     given: what the user says.
-    Raises PointError, with a place in the axes of `points`, where they fit no standard, where
-    nothing tells what `given` leaves open, and for half a head.
+    Raises PointError, with a place in the axes of `points`, for half a head, and where no standard
+    fits well enough to tell what `given` leaves open of mirror, flip and origin. With mirror and
+    flip given, points that fit no standard are not moved, and a remark warns.
     """
     signs = _signs(points, body, given)
     done = ["turned upside down"] * (signs[1] < 0)
@@ -98,7 +99,8 @@ def _even(points: Array, body: str, step: float) -> Array:
 
 
 def _signs(points: Array, body: str, given: Orientation) -> Array:
-    """Signs (2,) of y and z with which a standard fits best, those that `given` fixes being kept.
+    """Signs (2,) of y and z with which a standard fits best, those that `given` fixes being kept;
+    y of a rail keeps its sign where mirror is 'auto', as standard heads are symmetric.
     Raises PointError where a standard fits about as well with others.
     """
     signs = {"auto": (1.0, -1.0), "off": (1.0,), "on": (-1.0,)}

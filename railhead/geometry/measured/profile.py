@@ -123,7 +123,8 @@ def from_points(
     wavelength: of waves that keep half of their height, mm, or None to choose by the noise.
     stretch: factor on the wavelengths, given or chosen.
     Raises ValueError for too few points and a curve that faces nowhere upwards. Raises PointError
-    for a gap between points and where they run over the same place twice.
+    for a gap between points, where they run over the same place twice, and where the curve bends
+    back or leaves its points.
     """
     smoothed = smoothing.smooth(ordering.in_order(points), wavelength, stretch)
     s = np.linspace(0, smoothed.length, max(2, math.ceil(smoothed.length / SAMPLE)) + 1)

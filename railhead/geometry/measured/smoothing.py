@@ -182,7 +182,7 @@ class _Fit:
         return BSpline(self.knots, cho_solve(self._factor(penalty), self.basis.T @ data), ORDER)
 
     def most_probable(self, heights: Array, sigma: Array) -> Array:
-        """Wavelengths (rows,) in mm of the most probable smoothing.
+        """Wavelengths (rows,) in mm of the most probable smoothing, times 1.2 (BENDING).
         heights: (n,) heights of the points, mm; sigma: (rows,) noise, mm.
         MacKay's fixed point: the variance of the differences is their sum of squares over the
         number of them that the points determine, both as means over the neighbourhood.

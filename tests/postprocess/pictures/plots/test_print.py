@@ -241,7 +241,7 @@ def test_the_surface_that_yields_is_drawn_whichever_it_is(
     residual = replace(fields, displacement=moved)
     with diagrams.new_figure(None, 5, 5) as figure:
         axes = figure.add_subplot()
-        plastic_plots._left(axes, residual, pressed, case.findings, case.ellipse.b)
+        plastic_plots._residual_heights(axes, residual, pressed, case.findings, case.ellipse.b)
     name = case.findings.subject.names["rail" if yields == 1 else "wheel"]
     assert [line.get_label().split(",")[0] for line in axes.lines] == [name, name]
     assert all(np.ptp(line.get_ydata()) < 1e-9 for line in axes.lines)
