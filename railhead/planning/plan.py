@@ -511,9 +511,9 @@ class Plan:
 
 def make(scene: Scene) -> Plan:
     """The plan of a scene; nothing is meshed. Its bodies are outlined once as a check.
-    Raises SceneError for a pair that cannot be solved as a point or line contact, an accuracy that
-    no mesh is expected to meet, effects that a person cannot choose, and bodies that cannot be
-    built.
+    Raises SceneError for a pair that cannot be solved as a point or line contact, and for an
+    accuracy that no mesh is expected to meet. So it does for effects that a person cannot choose,
+    and for bodies that cannot be built.
     """
     plan = _decided(scene)
     if scene.accuracy is not None and scene.budget is None and plan.family is not None:

@@ -34,6 +34,7 @@ SUMMARY, SCENE = "summary.json", "scene.toml"
 VERSION = version("railhead")
 UNITS = "N, mm, MPa, rad, s"
 Attempt = Callable[[str], AbstractContextManager[None]]
+"""Maps a file's name to a context in which the file is written; it keeps an error for later."""
 MANIFEST = ".railhead"  # names of the files in a result folder that are replaced by the next one
 
 

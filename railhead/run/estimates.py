@@ -106,9 +106,9 @@ def resolved_values(solved: MeshSolution) -> dict[str, float]:
     """Values of the estimated quantities that the mesh resolves, by key of summary.json.
 
     Forces of rolling are over mu N, and a creepage or shift is there where its force is prescribed
-    (`friction_values`). Left out are the depth of a largest shear stress within one element of the
-    surface or on a peak narrower than NARROWEST_PEAK elements, and the length of a line contact,
-    which is given.
+    (`friction_values`). Left out is the depth of the largest shear stress where it is less than one
+    element, or the peak is narrower than NARROWEST_PEAK elements. So is the length of a line
+    contact, which is given.
     """
     values = numeric_values(solved.result) | friction_values(solved)
     values.pop(solved.plan.contact.prescribed_length or "", None)
@@ -173,7 +173,9 @@ def reading_errors(found: Findings, tolerance: float = RIVAL) -> dict[str, float
 
 
 Numbers = Mapping[str, float]
+"""Values by key of summary.json."""
 FRICTION_SHARES = {each.key for each in QUANTITIES if each.over_friction_limit}
+"""Keys of forces of friction: as `friction_values`, they are compared as shares of mu N."""
 
 
 def mesh_errors(
@@ -189,8 +191,8 @@ def mesh_errors(
     Two meshes confirm an envelope where they differ by no more than both estimates allow; a
     confirmed envelope may be used on a mesh finer by STEP than both. One mesh alone needs nothing
     that confirms. Where meshes do not confirm, or no envelope covers the run, the part is
-    SCATTER_FACTOR times the larger change between the last three meshes, the earlier change divided
-    by STEP. With fewer meshes there is no part.
+    SCATTER_FACTOR times the larger change between the last three meshes. The earlier change is
+    divided by STEP. With fewer meshes there is no part.
     """
     (n, fine, own), *before = reversed(meshes)
     parts: dict[str, float] = {}

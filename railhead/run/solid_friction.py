@@ -48,6 +48,7 @@ from railhead.theory.friction.tangential import MaterialPair, TractionInfluence,
 
 Array = NDArray[np.float64]
 Stage = Callable[[str], None]
+"""Called with what is being done, in words."""
 CELLS = 64  # of a patch, each way
 MARGIN = 1.04  # of the grid over the patch, which tractions may widen
 CELLS_PER_EDGE = 4  # of an element: larger cells act as point forces on the elements

@@ -69,8 +69,8 @@ def ellipse(scene: Scene, contact: Contact, load: float | None = None) -> Ellips
 
 def hertz_if_valid(scene: Scene, contact: Contact) -> Hertz:
     """Exact Hertz for the scene's load or approach.
-    Raises SceneError where the patch is larger than the wheel, or too small for continuum mechanics
-    or for the coordinates of the bodies.
+    Raises SceneError where there is no patch, where it is larger than the wheel, or too small for
+    continuum mechanics or for the coordinates of the bodies.
     """
     key, value = ("load", scene.load) if scene.load is not None else ("approach", scene.approach)
     try:
@@ -93,8 +93,9 @@ def hertz_if_valid(scene: Scene, contact: Contact) -> Hertz:
 
 
 def gap_is_quadratic(contact: Contact, ellipse: Ellipse) -> bool:
-    """Whether the exact gap over the ellipse deviates from Hertz's parabola by less than 2 %
-    (PARABOLIC) of the approach, and no other contact point is within reach of the approach.
+    """Whether the exact gap over the ellipse is Hertz's parabola within 2 % (PARABOLIC) of the
+    approach, and no other contact point is within reach of the approach. Raises ValueError for
+    half-spaces.
     """
     touch = contact.touch
     if len(contact.touches(ellipse.approach / math.cos(touch.angle))) > 1:

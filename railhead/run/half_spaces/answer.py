@@ -93,6 +93,7 @@ class HalfSpaceSolution:
 
 
 Solved = MeshSolution | HalfSpaceSolution
+"""A solution by finite elements, or by half-spaces in their place."""
 
 
 def solve(plan: Plan, progress: Progress) -> HalfSpaceSolution:

@@ -88,9 +88,9 @@ def twist_change(solved: MeshSolution) -> float:
 
 
 def motion(solved: MeshSolution) -> tuple[float, float]:
-    """Rotation about x (from y to z) of the rail relative to the wheel (rad), and movement along y
-    of the wheel relative to the rail (mm), in the solution (rank 0). The movement is that at the
-    height of the crown, z = 0. Zeros in a section, which is symmetric.
+    """Rotation of the rail relative to the wheel about x, from y to z (rad), and movement of the
+    wheel relative to the rail along y (mm), in the solution. The movement is that at the height of
+    the crown, z = 0. Zeros in a section, which is symmetric. For rank 0 only, where bodies touch.
     """
     found, fields = solved.findings, solved.fields
     assert found is not None and fields is not None
