@@ -27,11 +27,13 @@ docs: setup
 	cp results/uic54_thesis/wheel_rail.png docs/uic54_thesis.png
 
 # The pages as a site, results/site/index.html; ends at a warning (a dead link, a page on no shelf).
-site: setup .venv-site/installed
+site: .venv-site/installed
 	rm -rf results/site
 	.venv-site/bin/sphinx-build -q -W --keep-going -E -d .built/site docs results/site
 
-.venv-site/installed: pyproject.toml
+.venv/installed: setup ;
+
+.venv-site/installed: .venv/installed
 	/usr/bin/python3 -m venv --clear --system-site-packages .venv-site
 	.venv-site/bin/python -m pip install -q -c .venv/constraints.txt $$(.venv/bin/python -c \
 	    'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["site"])')
