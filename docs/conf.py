@@ -9,7 +9,7 @@ ROOT = Path(__file__).parents[1]
 site.addsitedir(str(next(ROOT.glob(".venv/lib/python*/site-packages"))))
 
 project = html_title = "railhead"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.viewcode"]
+extensions = ["myst_parser", "sphinx.ext.autodoc"]
 exclude_patterns = ["README.md"]  # index.md includes it
 html_theme = "furo"
 html_copy_source = html_show_copyright = False
