@@ -140,7 +140,8 @@ def friction_values(solved: MeshSolution) -> dict[str, float]:
 
 
 def error_scales(found: Findings, result: Mapping[str, Any]) -> dict[str, float]:
-    """Factors of the discretisation error by key, where they differ from scene to scene.
+    """Factors of the discretisation error by key, where they differ from scene to scene. result:
+    "result" of summary.json.
 
     For the depth of the largest shear stress: half the range of depths in which the shear stress is
     within 1 % (FLAT) of its maximum, over the depth; infinite at the surface.

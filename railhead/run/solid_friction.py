@@ -232,8 +232,9 @@ class SolidFriction:
         start: list[TangentialSolution] | None = None,
     ) -> list[TangentialSolution]:
         """Tractions of all patches under one rigid motion, on every rank. Raises ValueError where
-        they do not settle.
+        they do not settle. Their moments are kept: the next call starts from them.
 
+        creepage: rigid motion of the wheel over the rail; a direction with a force is solved for.
         forces: prescribed force of the wheel on the rail along and across, of all patches, N; None
             where the motion is prescribed.
         modes: factor on the rigid slip.
@@ -272,7 +273,11 @@ class SolidFriction:
 
     def press_again(self, case: LoadCase, found: list[TangentialSolution]) -> Solution:
         """Solution of the bodies under tractions, whose `load` includes what these carry on
-        inclined surfaces; the pressures are those of this solution (collective).
+        inclined surfaces (collective). `pressures` become those of this solution. A solution that
+        did not converge, or in which patches have merged, says so and leaves them.
+
+        case: load case, with forces that are added to those of the tractions.
+        found: tractions of each patch.
         """
         force, total = case.force, np.zeros(3)
         for each, solved in zip(self.patches, found, strict=True):
@@ -395,6 +400,9 @@ def apply(
     bodies add where that represents the bodies, else by static condensation. Sections, bodies that
     yield and unlike materials are always condensed.
 
+    response: what presses the bodies again under tractions where they are condensed; bodies that
+        yield keep their history there.
+    case: load case of the frictionless solution `pressed`.
     stage: called with what is being done.
     parabolic: whether Hertz's theory is exact.
     misplaced: whether the patch of a solution needs another mesh; then the pressed solution is

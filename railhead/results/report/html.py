@@ -113,7 +113,7 @@ def write(
     grids: tuple[meshio.Mesh, meshio.Mesh] | None,
 ) -> None:
     """Write report.html into a result folder that already contains the pictures and scene.toml.
-    Raises OSError only; any other error is described in the file.
+    Raises OSError only; any other error is described in the file. found, grids: as of `render`.
     """
     try:
         text = render(solved, summary, units, folder, found, grids)

@@ -170,8 +170,10 @@ def solve_by_boundary_elements(
     case: FrictionCase, patches: Patches, cells: tuple[int, int]
 ) -> Numbers:
     """Friction quantities of half-spaces by boundary elements, by their keys in summary.json.
-    Raises ValueError as `shear`.
+    Raises ValueError as `shear`, and for several patches under a shift.
 
+    case: motion (rolling) or forces (a shift) by finite elements.
+    patches: makes the pressed patches on a grid.
     cells: coarse and fine number along each axis. Bodies of the same material are solved on the
         fine grid alone, without a "grid_error". For others both grids are solved and extrapolated;
         "grid_error" is the change from fine to extrapolated, of forces over mu N, of a shift over
